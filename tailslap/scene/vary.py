@@ -265,10 +265,10 @@ def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
         if unit.hitch > ahead.length:
             allowed = f"allowed is from 0 to the length of the unit ahead, {ahead.length:g} m"
             raise InputError(f"trailer.{number}.hitch", unit.hitch, allowed)
-        least = 0.0 if scene.plate else -unit.length
-        if not least <= unit.kingpin <= unit.length:
-            why = "; a drawbar (negative) is allowed without [plate] only" if scene.plate else ""
-            allowed = f"allowed is from {least:g} to the trailer's length, {unit.length:g} m{why}"
+        if not -unit.length <= unit.kingpin <= unit.length:
+            allowed = (
+                f"allowed is from {-unit.length:g}, a drawbar, to the trailer's length, {unit.length:g} m"
+            )
             raise InputError(f"trailer.{number}.kingpin", unit.kingpin, allowed)
         if unit.stiffness is not None and not contact.crushes:
             raise InputError(
@@ -276,6 +276,9 @@ def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
                 unit.stiffness,
                 "this key requires contact.stiffness; remove it",
             )
+    if scene.trailer and scene.damping and scene.damping.kind == "elastic-velocity":
+        allowed = "it would damp the hinges; of a train allowed are damping.ratio and damping.bulk_viscosity"
+        raise InputError("damping.kind", scene.damping.kind, allowed)
 
 
 def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:

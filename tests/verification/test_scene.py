@@ -257,8 +257,8 @@ UNIT_AHEAD = "from 0 to the length of the unit ahead, 6.9 m"
 OF_TRAINS = [
     ("impact-mash-tl4-sut", {"trailer.0.hitch": 7.0}, "trailer.0.hitch", UNIT_AHEAD),
     ("impact-mash-tl4-sut", {"trailer.0.kingpin": 15.0}, "trailer.0.kingpin", "to the trailer's length, 14.6304 m"),
-    ("impact-mash-tl4-sut", {"trailer.0.kingpin": -0.1}, "trailer.0.kingpin", "from 0 to"),
-    ("impact-mash-tl4-sut", {"trailer.0.kingpin": -15.0, "plate": None}, "trailer.0.kingpin", "from -14.6304 to"),
+    ("impact-mash-tl4-sut", {"damping.kind": "elastic-velocity", "damping.rate": 5.0}, "damping.kind", "the hinges"),
+    ("impact-mash-tl4-sut", {"trailer.0.kingpin": -15.0, "plate": None}, "trailer.0.kingpin", "from -14.6304, a"),
     ("impact-mash-tl4-sut", {"trailer.0.mass": 0}, "trailer.0.mass", "a mass from 1e-06 kg"),
     ("impact-mash-tl4-sut", {"trailer.0.kingpin": None}, "trailer.0.kingpin", "required"),
     ("impact-mash-tl4-sut", {"trailer": [TRAILER] * 8}, "trailer", "allowed are at most 7"),

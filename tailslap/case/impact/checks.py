@@ -88,11 +88,13 @@ def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None
     verify = outcome.fe_plan.case.scene.verify
     if not verify.companion:
         return None
+    hinged = bool(outcome.run.units)
     meaning = (
-        f"stated numerical error of the {error.QUANTITIES[quantity]} of the first two strikes of weight, the larger; "
-        "verify.mesh says how large it may be"
+        f"stated numerical error of the {error.QUANTITIES[quantity]} of the first two strikes of weight"
+        f"{', and the largest,' if hinged else ','} the larger; verify.mesh says how large it may be"
     )
-    return case.Evaluation(error.largest(outcome.mesh_error, quantity), verify.mesh, meaning)
+    found = error.largest(outcome.mesh_error, quantity)
+    return case.Evaluation(found, verify.mesh, meaning, HINGED if hinged else "")
 
 
 def _sampling(outcome: run.ImpactOutcome) -> case.Evaluation:
@@ -101,11 +103,20 @@ def _sampling(outcome: run.ImpactOutcome) -> case.Evaluation:
     return case.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
 
 
+def _articulation(outcome: run.ImpactOutcome) -> case.Evaluation | None:
+    if not outcome.run.units:
+        return None
+    largest = max(hinge["largest_angle"] for hinge in outcome.fe.hinges)
+    return case.Evaluation(
+        largest, 0.5 * math.pi, "largest angle of a hinge [rad]; beyond it units touch: jack-knifing"
+    )
+
+
 MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.QUANTITIES.items()}
 """Names of the checks of the stated error by quantity; a run that has none, for others tell it, fails them."""
 
-SPREAD = "or spread a corner's force by contact.patch_length, a hinge's by hitch_length of its trailer"
-CLOSER = f"{case.FINER}; {SPREAD}; or allow more by verify.mesh"
+CLOSER = f"{case.FINER}; or spread a corner's force by contact.patch_length; or allow more by verify.mesh"
+HINGED = CLOSER.replace("patch_length", "patch_length, a hinge by hitch_length of its trailer")
 FAULT = "please report it: a run does not fail this by its scene"
 SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
 CHECKS = (
@@ -118,6 +129,7 @@ CHECKS = (
     case.CheckKind("no pull", _pull, FAULT),
     case.CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
     case.CheckKind("sampling", _sampling, SHORT),
+    case.CheckKind("articulation", _articulation, "a time.end before that, for the model holds until then"),
     *(case.CheckKind(name, partial(_stated, quantity), CLOSER) for quantity, name in MESH_CHECKS.items()),
 )
 """In the order in which they are listed."""

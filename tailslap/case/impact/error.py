@@ -41,14 +41,11 @@ THIRD_UP_TO = 1000
 
 
 def weighed(strikes: Sequence[Strike]) -> list[Strike]:
-    """The first two strikes of weight; of a train all up to the largest, which may be the trailer's rear one."""
-    impulses = [strike.impulse for strike in strikes]
-    largest = max(impulses, default=0.0)
-    last = (
-        strikes[impulses.index(largest)].start if any("trailer" in each.corner for each in strikes) else 0.0
-    )
+    """The first two strikes of weight; of a train the largest too, which may be the trailer's rear one."""
+    largest = max((strike.impulse for strike in strikes), default=0.0)
     found = [strike for strike in strikes if strike.impulse >= WEIGHT * largest]
-    return [strike for number, strike in enumerate(found) if number < 2 or strike.start <= last]
+    is_train = any("trailer" in strike.corner for strike in strikes)
+    return found[:2] + [strike for strike in found[2:] if is_train and strike.impulse == largest]
 
 
 def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:
@@ -77,7 +74,12 @@ def third(finer: Plate) -> Plate | None:
 def changes(one: ImpactAnswer, other: ImpactAnswer) -> dict[str, float]:
     """Relative changes from one impact to another by `strike_1.impulse` and so on; infinite where other corners strike,
     or where one diverged."""
-    strikes, its = weighed(one.strikes), weighed(other.strikes)
+    strikes = weighed(one.strikes)
+    its = weighed(other.strikes)[:2]
+    for strike in strikes[2:]:  # the largest of the other train may be another one
+        alike = [each for each in other.strikes if each.corner == strike.corner]
+        apart = [abs(each.start - strike.start) for each in alike]
+        its += [alike[int(np.argmin(apart))]] if alike else []
     same = [strike.corner for strike in strikes] == [strike.corner for strike in its]
     same = same and all(np.isfinite(each.history["force_normal"]).all() for each in (one, other))
     found = {}

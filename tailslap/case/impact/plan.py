@@ -15,7 +15,6 @@ from meshes import train_mesh, wall_mesh
 from tailslap.case import model
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
-from tailslap.errors import InputError
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
@@ -70,9 +69,6 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
     """
     from fem.run.impact import FirstTouch
 
-    if case.trailers:
-        allowed = "the FE model of a train is not there yet; leave out [plate]"
-        raise InputError("trailer", f"{len(case.trailers)} tables", allowed)
     plate, decisions = chosen_plate(case.scene)
     factor = safety_factor(case.scene, plate)
     if factor != case.scene.time.safety_factor:

@@ -290,7 +290,7 @@ def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
 
 def histories(outcome: run.ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
     """Columns of `history.csv` and `rigid.csv`, SI, shape (rows,) each."""
-    h = outcome.run.history
+    h = dict(outcome.fe.history)
     ordered = {name: h[name] for name in FIRST} | h | {"energy_error": checks.energy_error(outcome)}
     return {"history.csv": ordered, "rigid.csv": dict(outcome.rigid.history)}
 

@@ -130,8 +130,12 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
 
 
 def _answer(fe_plan: plan.ImpactPlan, run: ImpactRun) -> answers.ImpactAnswer:
+    history = run.history
+    if run.units:
+        forces = np.array([run.normal[:, run.unit == number].sum(axis=1) for number in range(len(run.units))])
+        history = history | run.units[0] | answers.train_columns(run.units, forces, run.hinges)
     points = run.points, run.normal, run.tangential, run.place
-    return answers.sampled_answer(run.history, *points, corners_of(fe_plan, run))
+    return answers.sampled_answer(history, *points, corners_of(fe_plan, run))
 
 
 def corners_of(fe_plan: plan.ImpactPlan, run: ImpactRun) -> np.ndarray:

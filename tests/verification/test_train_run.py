@@ -1,0 +1,87 @@
+"""FE trains of scenes: units, strikes and hinges beside the rigid train, checks, and what is refused."""
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tailslap.case.impact import checks, error, report, run
+from tailslap.case.impact.case import ImpactCase
+from tailslap.errors import InputError
+from tailslap.scene.read import read_source
+from tailslap.scene.vary import vary
+
+TRAILER = {"length": 14.6, "width": 2.59, "mass": 27770.0, "centre_of_mass": 8.0, "yaw_inertia": 497057.0}
+TRAILER |= {"hitch": 5.6, "kingpin": 0.9}
+TRACTOR = {"length": 6.9, "width": 2.44, "mass": 8200.0, "centre_of_mass": 2.9, "yaw_inertia": 34621.0}
+
+
+def case(**changes):
+    """The train of the trial by another code, on linear elements 4 across."""
+    keys = {f"vehicle.{key}": value for key, value in TRACTOR.items()} | {"impact.test_level": None}
+    keys |= {"trailer": [TRAILER], "plate.elements": (10, 4), "plate.element": "quad4", "impact.speed": 22.35}
+    changed = {key.replace("__", "."): value for key, value in changes.items()}
+    return ImpactCase(*vary(read_source("impact-mash-tl4-sut"), keys | changed))
+
+
+@functools.cache
+def attempted():
+    return run.attempt(case())
+
+
+def test_a_train_of_plates_strikes_as_the_rigid_one():
+    outcome = attempted()
+    corners = ["front", "trailer front", "rear", "front", "trailer rear"]
+    for answer in (outcome.fe, outcome.rigid):
+        assert [strike.corner for strike in answer.strikes[:5]] == corners
+    assert np.abs([value for key, value in outcome.difference.items() if "duration" not in key]).max() < 0.02
+    assert len(outcome.difference) == 15
+    assert outcome.run.history["t"][-1] >= outcome.fe.strikes[4].end + 0.1
+    (fe,), (rigid,) = outcome.fe.hinges, outcome.rigid.hinges
+    assert fe["largest_angle"] == pytest.approx(rigid["largest_angle"], rel=5e-3)
+    assert fe["peak_force"] > rigid["peak_force"]  # plates ring
+
+
+def test_columns_of_the_plates_are_those_of_the_rigid_train():
+    history, rigid = report.histories(attempted()).values()
+    assert {name for name in rigid if name[-2:] in ("_1", "_2")} <= set(history)
+    for name in ("theta", "theta_2", "y_g", "y_g_2", "articulation_1"):
+        assert history[name] == pytest.approx(rigid[name], abs=0.05 * np.abs(rigid[name]).max())
+    assert history["force_normal_1"] + history["force_normal_2"] == pytest.approx(history["force_normal"])
+    momentum = TRACTOR["mass"] * history["v_gy"] + TRAILER["mass"] * history["v_gy_2"]
+    gained = momentum - momentum[0] - history["normal_impulse"]
+    assert np.abs(gained).max() < 1e-9 * np.abs(momentum[0])
+
+
+def test_a_train_passes_its_checks_and_one_that_jack_knifes_does_not():
+    outcome = attempted()
+    failed = [check.name for check in checks.impact_checks(outcome) if not check.passed]
+    assert set(failed) <= set(checks.MESH_CHECKS.values())  # a single run states no error
+    history = dict(outcome.fe.history) | {"articulation_1": outcome.fe.history["articulation_1"] + 1.4}
+    found = checks.impact_checks(replace(outcome, fe=replace(outcome.fe, history=history)))
+    assert "articulation" in [check.name for check in found if not check.passed]
+
+
+def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
+    outcome = case(plate__elements=(6, 2), plate__element="quad9").run()
+    corners = [strike.corner for strike in error.weighed(outcome.fe.strikes)]
+    assert corners == ["front", "trailer front", "trailer rear"]
+    assert {name.split(".")[0] for name in outcome.mesh_error} == {"strike_1", "strike_2", "strike_3"}
+    (advice,) = {check.advice for check in outcome.checks if check.name in checks.MESH_CHECKS.values()}
+    assert "hitch_length" in advice
+    assert [check.name for check in outcome.checks if not check.passed] == []
+
+
+def test_a_hinge_that_cannot_be_spread_is_refused_by_its_key():
+    with pytest.raises(InputError, match="does not lie between") as caught:
+        case(trailer=[TRAILER | {"hitch_length": 9.0}]).plan()
+    assert caught.value.key == "trailer.0.hitch_length"
+
+
+def test_a_drawbar_and_a_third_unit_run():
+    trailer = TRAILER | {"kingpin": -1.0, "hitch": 6.9, "stiffness": 1e6}
+    outcome = run.attempt(case(trailer=[trailer, TRAILER | {"hitch": 13.0}], time__end=0.3))
+    assert outcome.fe.units == 3
+    failed = [check.name for check in checks.impact_checks(outcome) if not check.passed]
+    assert set(failed) <= set(checks.MESH_CHECKS.values())
