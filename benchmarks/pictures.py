@@ -32,12 +32,12 @@ MEANINGS = {axis.name: axis.meaning for axis in axes_of(read_scene("paper-table-
 
 
 def draw_cost(folder: Path, target: Path) -> None:
-    """Both questions' plots of error against run time, side by side."""
+    """Both questions' diagrams of error against run time, one below the other."""
     known = json.loads((folder / "summary.json").read_text())["known"]
     rows = read_rows(folder / "points.csv")
     rigid, soft = ([row for row in rows if row["soft"] == is_soft] for is_soft in (False, True))
     panels = charts(RIGID, rigid, known["rigid"]), charts(SOFT, soft, known["flexible"], known["choices"])
-    target.write_text(side_by_side([*panels[0], *panels[1]]), encoding="utf-8")
+    target.write_text(side_by_side([*panels[0], *panels[1]], 1), encoding="utf-8")
 
 
 def side_by_side(charts: list[Chart], across: int = 3) -> str:

@@ -164,7 +164,10 @@ FILES = (
     ("`report.html`", "what a person opens"),
     ("`set-up.svg`", "drawing of the set-up, to scale"),
     ("`theta.svg`, `omega.svg` and so on", "the page's curves"),
-    ("`contour_v_gx.png`, `contour_v_gy.png`, `contour_omega.png`", "the plate at the tail-slap"),
+    (
+        "`contour_v_gx.png`, `contour_v_gy.png`, `contour_omega.png`, `contour_von_mises.png`",
+        "the plate at the tail-slap: velocities along and across the wall, angular velocity, von Mises stress",
+    ),
     ("`impact.gif`", "of a whole impact: its animation"),
     ("`fields.npz`", "with `[output] fields = N`: fields of the plate at N instants"),
     (

@@ -31,6 +31,7 @@ from tailslap.errors import InputError, Interrupted, Verbatim, named_arguments
 from tailslap.files import load
 from tailslap.files.folder import result_folder
 from tailslap.scene import read
+from tailslap.scene.units import picture_pixels
 from tailslap.scene.vary import Source, parse_changes, shown, vary
 from tailslap.studies import find_study
 from tailslap.studies.study import Study, checked_options, prepared
@@ -66,7 +67,12 @@ _OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
 
 @named_arguments
 def run(
-    scene: Scene, changes: Changes | None = None, *, tolerance: float | None = None, allow_large: bool = False
+    scene: Scene,
+    changes: Changes | None = None,
+    *,
+    tolerance: float | None = None,
+    allow_large: bool = False,
+    picture_size: str | tuple[int, int] | None = None,
 ) -> result.Result:
     """Run a scene: rigid solution, mesh, FE run, comparison, checks. Nothing is written.
 
@@ -82,6 +88,9 @@ def run(
         Relative error [-] for which the cheapest mesh and constraint are picked.
     allow_large : bool
         Also where it takes more memory, time or threads than there are.
+    picture_size : tuple of int or str, optional
+        Width and height [pixels] of the pictures that `save` draws, (3200, 1400) or "3200x1400"; letters and lines are
+        in proportion.
 
     Returns
     -------
@@ -102,14 +111,14 @@ def run(
     """
     from tailslap.case import report
 
-    case = _affordable(scene, changes, allow_large)
+    size, case = picture_pixels(picture_size), _affordable(scene, changes, allow_large)
     outcome = case.run(tolerance)
     found, columns = outcome.run, case.histories(outcome)
     return result.of_run(
         page.plain(case.summary(outcome, True)),
         {label: load.history(columns[name]) for label, name in load.FILES.items()},
         result.filled_by(
-            lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units])
+            lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units], size)
         ),
         None
         if found.snapshots is None

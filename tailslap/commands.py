@@ -29,6 +29,10 @@ DONE, CHECK_FAILED = 0, 1
 COMPLETE = "_TAILSLAP_COMPLETE"
 """Environment variable that a shell sets to request completions."""
 
+PICTURES_HELP = (
+    "Pixels of the pictures; letters and lines are in proportion  [default: 1600x700, of animations less]"
+)
+
 HELP = {"help_option_names": ["-h", "--help"]}
 RESULTS = Path("results")
 
@@ -90,6 +94,7 @@ def commands() -> None:
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE)
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME]")
+@click.option("--picture-size", type=options.PictureSize(), metavar="WIDTHxHEIGHT", help=PICTURES_HELP)
 @click.option("--no-pictures", is_flag=True, help="Omit the contour images.")
 @click.option(
     "--tolerance",
@@ -102,6 +107,7 @@ def run(
     case: Case,
     allow_large: bool,
     out: Path | None,
+    picture_size: tuple[int, int] | None,
     no_pictures: bool,
     tolerance: float | None,
     resume: bool,
@@ -117,7 +123,9 @@ def run(
     definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}
     with result_folder(place, force=force, origin=of) as folder:
         with checkpoints.checkpointed(place, definition, resume):
-            found = tailslap.run(case, tolerance=tolerance, allow_large=allow_large)
+            found = tailslap.run(
+                case, tolerance=tolerance, allow_large=allow_large, picture_size=picture_size
+            )
             assert found.fill is not None
             report = found.fill(folder, False, units)
             commit(folder.parent, of)  # results are kept even if the pictures fail
@@ -249,6 +257,7 @@ def sweep(
     show_default=True,
     help="Magnification of the elastic deformation in png and gif.",
 )
+@click.option("--picture-size", type=options.PictureSize(), metavar="WIDTHxHEIGHT", help=PICTURES_HELP)
 @options.with_options(options.FORCE_READ, *options.PRINTED)
 def export(result: Path, as_json: bool, **given: Any) -> int:
     """Export the fields and histories of a result for ParaView, Gmsh or data frames, or as pictures.

@@ -13,6 +13,7 @@ import click
 
 from tailslap import progress
 from tailslap.scene import read, schema
+from tailslap.scene.units import picture_pixels
 
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -65,6 +66,16 @@ class Text(click.ParamType):
         if not value.strip():
             self.fail("the text is empty.", param, ctx)
         return value.strip()
+
+
+class PictureSize(click.ParamType):
+    """Width and height of pictures."""
+
+    name = "widthxheight"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The pair; InputError for anything else."""
+        return picture_pixels(value)
 
 
 def _quiet(context: click.Context, parameter: click.Parameter, given: bool) -> None:

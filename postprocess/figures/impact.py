@@ -218,28 +218,38 @@ def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, stri
 
 
 BODY, WALL = "#14467c", "#8a929b"
-SIZE, DPI = (8.0, 4.2), 90
+SIZE, DPI = (720, 378), 90
+"""Pixels of the animation; in one of another size letters and lines are in proportion."""
+
 MAX_FRAMES = 120
 """More instants are thinned to as many. A frame of a GIF lasts whole hundredths of a second, from two on."""
 
 
 def write_animation(
-    path: Path, t: Floats, outlines: Floats, force: Floats, slower: float = 10.0, units: Units = SI
+    path: Path,
+    t: Floats,
+    outlines: Floats,
+    force: Floats,
+    slower: float = 10.0,
+    units: Units = SI,
+    size: tuple[int, int] = SIZE,
 ) -> Path:
     """Write the GIF and return its path; it runs about `slower` times slower than the impact.
 
     t [s], shape (n,), even, n >= 2; outlines [m], shape (n, points, 2); force on the wall [N], shape (n,); units: of
-    its axes.
+    its axes; size: [pixels].
     """
     chosen = np.unique(np.linspace(0, t.size - 1, min(t.size, MAX_FRAMES)).astype(int))
     pause = 10 * max(2, round(100.0 * slower * (t[-1] - t[0]) / (chosen.size - 1)))
     with histories.style():
-        first, *others = _frames(chosen, t, outlines, force, units)
+        first, *others = _frames(chosen, t, outlines, force, units, size)
     first.save(path, save_all=True, append_images=others, duration=pause, loop=0)
     return path
 
 
-def _frames(chosen: np.ndarray, t: Floats, outlines: Floats, force: Floats, units: Units) -> list[Any]:
+def _frames(
+    chosen: np.ndarray, t: Floats, outlines: Floats, force: Floats, units: Units, size: tuple[int, int]
+) -> list[Any]:
     """Pillow images of the chosen instants; all but body, force so far and time is drawn once."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -249,7 +259,8 @@ def _frames(chosen: np.ndarray, t: Floats, outlines: Floats, force: Floats, unit
     (length, length_unit), (load, load_unit) = units.of("m"), units.of("N")
     outlines, force, edge = length * outlines, load * force, length * EDGE
     low, high = outlines.min(axis=(0, 1)) - edge, outlines.max(axis=(0, 1)) + edge
-    figure = Figure(figsize=SIZE, dpi=DPI)
+    dpi = DPI * min(size[0] / SIZE[0], size[1] / SIZE[1])
+    figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
     canvas: Any = FigureCanvasAgg(figure)
     upper, lower = figure.add_axes((0.08, 0.46, 0.89, 0.46)), figure.add_axes((0.08, 0.12, 0.89, 0.26))
     upper.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")

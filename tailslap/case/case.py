@@ -297,9 +297,16 @@ class Case(ABC):
         """Histories of FE and rigid vehicle: columns by the names of their files."""
         return dict(self.pages().histories(outcome))
 
-    def report(self, outcome: Any, folder: Path, pictures: bool, units: Units = SI) -> Report:
-        """Report of a run; its fields and pictures, in these units, go into the folder."""
-        made: Report = self.pages().run_report(outcome, folder, pictures, units)
+    def report(
+        self,
+        outcome: Any,
+        folder: Path,
+        pictures: bool,
+        units: Units = SI,
+        size: tuple[int, int] | None = None,
+    ) -> Report:
+        """Report of a run; its fields and pictures, in these units and of this size [pixels], go into the folder."""
+        made: Report = self.pages().run_report(outcome, folder, pictures, units, size)
         return made
 
     @staticmethod

@@ -348,7 +348,7 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> series.FieldSeries:
         cells,
         snapshots.t,
         {name: np.ascontiguousarray(field.transpose(0, 2, 1)[:, :nodes]) for name, field in nodal.items()},
-        _elemental(model, snapshots.positions),
+        element_fields(model, snapshots.positions),
     )
 
 
@@ -390,7 +390,8 @@ def _rigid_place(model: Any, positions: np.ndarray) -> np.ndarray:
     return np.asarray(centre + np.array([[cosine, -sine], [sine, cosine]]) @ body)
 
 
-def _elemental(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
+def element_fields(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
+    """Fields of the elements at positions of the nodes, shape (instants, 2, nodes) [m]: shape (instants, elements)."""
     from fem.stability.deformed import element_stress
 
     found = np.array([element_stress(model, each) for each in positions])

@@ -10,6 +10,7 @@ from postprocess.fields import FORMATS, PICTURES, TABLES
 from tailslap.errors import InputError, Verbatim, named_arguments, one_of
 from tailslap.files.load import load
 from tailslap.result import FE, RIGID, Result
+from tailslap.scene.units import picture_pixels
 
 if TYPE_CHECKING:
     from postprocess.units import Units
@@ -27,6 +28,7 @@ def export(
     field: str | None = None,
     magnify: float = 1.0,
     units: str = "si",
+    picture_size: str | tuple[int, int] | None = None,
     force: bool = False,
 ) -> Path:
     """Write a run's fields and histories in a format of other programs.
@@ -46,6 +48,8 @@ def export(
         Factor on the elastic deformation in pictures [-].
     units : str
         Of what pictures show, "si" or "us"; other files are in SI.
+    picture_size : tuple of int or str, optional
+        Width and height of pictures [pixels], (3200, 1400) or "3200x1400"; letters and lines are in proportion.
     force : bool
         Also where the folder has the result of another command or scene, and from a result that is damaged, as `load`.
 
@@ -57,7 +61,7 @@ def export(
     Raises
     ------
     InputError
-        For another format, other units, a result without fields, or a folder that holds other files.
+        For another format, other units or sizes, a result without fields, or a folder that holds other files.
 
     Examples
     --------
@@ -78,7 +82,10 @@ def export(
     fields = None if to in TABLES else found.fields
     if field is not None and field not in series.SCALARS:
         raise InputError("--field", field, one_of(field, series.SCALARS))
-    system = _units(to, units)
+    system, size = _units(to, units), picture_pixels(picture_size)
+    if size and to not in PICTURES:
+        allowed = f"files of {to} have no pictures; leave out one of the two"
+        raise InputError("--picture-size", Verbatim(picture_size), allowed)
     inputs = found.inputs if isinstance(result, Result) else (Path(result),)
     with result_folder(place, inputs, force, Origin(f"export {to}", found.scene)) as unfinished:
         if fields is None:
@@ -86,9 +93,11 @@ def export(
         elif to in PICTURES:
             for name in series.SCALARS if field is None else (field,):
                 if to == "png":
-                    contours.draw_instants(unfinished, fields, name, magnify, units=system)
+                    chosen = size or contours.SIZE
+                    contours.draw_instants(unfinished, fields, name, magnify, units=system, size=chosen)
                 else:
-                    contours.animate(unfinished / f"{name}.gif", fields, name, magnify, system)
+                    chosen = size or contours.GIF_SIZE
+                    contours.animate(unfinished / f"{name}.gif", fields, name, magnify, system, chosen)
         else:
             getattr(series, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")

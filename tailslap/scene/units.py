@@ -10,11 +10,12 @@ Pound, foot and pound-force are those of the international agreement of 1959 and
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from postprocess.units import SYSTEMS
+from tailslap.errors import InputError, Verbatim
 
 FOOT, POUND, GRAVITY = 0.3048, 0.45359237, 9.80665
 POUND_FORCE = POUND * GRAVITY
@@ -198,3 +199,21 @@ def shown(value: float, unit: str, system: str = "si", width: int = 0, digits: i
     factor, name = SYSTEMS[system].of(unit)
     also = f" ({value / MPH:.{digits}g} mph)" if (system, unit) == ("us", "m/s") else ""
     return f"{factor * value:>{width}.{digits}g} {name}{also}"
+
+
+SMALLEST_PICTURE, LARGEST_PICTURE = 300, 8000
+"""Pixels along either side."""
+
+
+def picture_pixels(given: str | Sequence[int] | None) -> tuple[int, int] | None:
+    """Width and height [pixels] from a text like "1600x700" or a pair; None without any. Raises InputError."""
+    if given is None:
+        return None
+    sides = re.split(r"\s*[xX×]\s*", given.strip()) if isinstance(given, str) else [*map(str, given)]
+    pair = [int(side) for side in sides if re.fullmatch(r"\d{1,5}", side)]
+    if len(sides) != 2 or len(pair) != 2 or min(pair) < SMALLEST_PICTURE or max(pair) > LARGEST_PICTURE:
+        allowed = (
+            f"allowed is WIDTHxHEIGHT in pixels, like 1600x700, each {SMALLEST_PICTURE} to {LARGEST_PICTURE}"
+        )
+        raise InputError("--picture-size", given if isinstance(given, str) else Verbatim(given), allowed)
+    return pair[0], pair[1]

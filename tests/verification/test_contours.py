@@ -2,7 +2,10 @@
 
 import ctypes
 import re
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -11,9 +14,15 @@ import pytest
 import pyvista
 from matplotlib.image import imread
 
-from postprocess.fields import contours
+import tailslap
+from postprocess.fields import contours, sheet
 from postprocess.svg.scales import viridis
+from postprocess.units import US
+from tailslap.cli import _status
+from tailslap.errors import InputError
+from tailslap.scene.units import picture_pixels
 
+ROOT = Path(__file__).parents[2]
 LENGTH, WIDTH, SLIDE, OMEGA, SPEED = 10.0, 2.438, 9.42, 0.655, (23.27, -3.275)
 COLUMNS, ROWS = 20, 6
 
@@ -59,8 +68,8 @@ def pictures(tmp_path_factory):
 
 def pixels(picture, points):
     """Colours at points (k, 2) [m]; shape (k, 3)."""
-    column, row = np.floor(contours.view_of_plate(POINTS).pixel(points)).astype(int).T
-    return picture[contours.SIZE[1] - 1 - row, column]
+    column, row = np.floor(sheet.view_of_plate(POINTS).pixel(points)).astype(int).T
+    return picture[sheet.SIZE[1] - 1 - row, column]
 
 
 def element_points(quads):
@@ -68,12 +77,18 @@ def element_points(quads):
     return POINTS[QUADS[quads]].mean(axis=1) + np.array([0.02, 0.05])
 
 
+def clear_of_words(points):
+    """False where the value of the centre of mass stands, to the right of it."""
+    across, up = (points - CENTROID).T
+    return (across < -0.2) | (across > 1.9) | (np.abs(up) > 0.6)
+
+
 @pytest.mark.parametrize(("name", "component"), [("contour_v_gx", 0), ("contour_v_gy", 1)])
 def test_colours_are_those_of_the_exact_velocities(pictures, name, component):
     at = element_points(list(range(0, len(QUADS), 3)))
-    at = at[np.linalg.norm(at - CENTROID, axis=1) > 0.8]
+    at = at[clear_of_words(at)]
     values, nodal = velocities(at)[:, component], velocities(POINTS)[:, component]
-    scale = contours.colour_scale(nodal)
+    scale = sheet.colour_scale(nodal)
     part = (values - scale.low) / (scale.high - scale.low)
     inside = np.abs(part * scale.bands - np.rint(part * scale.bands)) > 0.08
     assert inside.sum() > 20
@@ -91,20 +106,23 @@ def test_left_and_right_end_differ_in_v_y_and_not_in_v_x(pictures):
 
 
 def test_a_uniform_field_has_one_colour(pictures):
-    at = element_points(np.abs(POINTS[QUADS].mean(axis=1)[:, 0] - CENTROID[0]) > 1.0)
+    at = element_points(slice(None))
+    at = at[clear_of_words(at)]
     assert len(np.unique(pixels(pictures["contour_omega"], at), axis=0)) == 1
 
 
 def test_size_wall_and_background(pictures):
-    grey, edge = (
-        np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (contours.WALL, contours.WALL_EDGE)
-    )
+    ground, hatch = (np.array([int(c[i : i + 2], 16) for i in (1, 3, 5)]) for c in (sheet.WALL, sheet.HATCH))
     for picture in pictures.values():
         assert picture.shape == (700, 1600, 3)
-        wall = pixels(picture, np.array([[-0.8, -0.13], [2.3, -0.3], [9.8, -0.13]]))
-        np.testing.assert_allclose(wall, np.tile(grey, (3, 1)), atol=1)
-        assert np.ptp(edge) < 20, "mesh lines of the wall are grey as well"
-        beside = pixels(picture, np.array([[-0.8, 1.0], [9.8, 1.0], [4.0, 2.6]]))
+        wall = pixels(picture, np.column_stack([np.linspace(2.2, 2.8, 200), np.full(200, -0.4)])).astype(int)
+        bare = np.abs(wall - ground).max(axis=1) < 2
+        assert 0.7 < bare.mean() < 0.97, "most of the wall is bare"
+        starts = np.flatnonzero(np.diff(bare.astype(int)) == -1)
+        step = sheet.HATCH_STEP * sheet.view_of_plate(POINTS).length / (0.6 / 199)
+        np.testing.assert_allclose(np.diff(starts), step, atol=2.0 * step / sheet.HATCH_STEP + 1.0)
+        assert np.abs(wall - hatch).max(axis=1).min() < 40, "lines across it, which the vehicle has not"
+        beside = pixels(picture, np.array([[-0.8, 0.75], [9.8, 1.0], [4.0, 2.6]]))
         np.testing.assert_array_equal(beside, np.full((3, 3), 255))
 
 
@@ -129,24 +147,99 @@ def test_a_wall_out_of_sight_is_not_drawn(tmp_path):
     np.testing.assert_array_equal(pixels(picture, np.array([[2.3, -0.3]])), np.full((1, 3), 255))
 
 
+def test_words_are_set_as_in_tables():
+    """A true minus, powers of ten, a letter with its index; decimals alike along a ruler."""
+    assert sheet.typeset("v_X = -1.5e-07 m/s") == [("v", False), ("X", True), (" = −1.5×10⁻⁷ m/s", False)]
+    assert sheet.typeset("kip ft/ft^3") == [("kip ft/ft³", False)]
+    assert [contours.field_title(name) for name in ("velocity_y", "stress_von_mises")] == [
+        "Velocity Y",
+        "Von Mises stress",
+    ]
+
+
 def test_words_in_the_picture(tmp_path, monkeypatch):
     words: list[str] = []
-    write = contours.Sheet.write
+    write = sheet.Sheet.write
 
-    def remember(sheet, text, *rest, **named):
+    def remember(self, text, *rest, **named):
         words.append(text)
-        write(sheet, text, *rest, **named)
+        write(self, text, *rest, **named)
 
-    monkeypatch.setattr(contours.Sheet, "write", remember)
+    monkeypatch.setattr(sheet.Sheet, "write", remember)
     _, across, spin = fields()
     situation = replace(PLATE, scene="a-scene", time=0.38395974)
     contours.draw_contours(situation, [replace(across, of_centre=-3.2), spin], tmp_path)
     assert words.count("a-scene,  tail-slap at t = 0.384 s") == 1, "it stays for the second picture"
     titles = {"v_GY: nodal velocity along Y [m/s]", "ω: nodal angular velocity [rad/s]"}
-    assert titles | {"P", "G: −3.2000 m/s", "G: 0.65500 rad/s", "Y [m]", "0.5", "0", "9"} <= {*words}
-    assert "nodal values from −6.55 to 0 m/s" in words
+    assert titles | {"P", "G: -3.2000 m/s", "G: 0.65500 rad/s", "Y [m]", "0.5", "2.0", "0", "9"} <= {*words}
+    assert "nodal values from -6.55 to 0 m/s" in words
     uniform = re.compile(r"uniform to \de-1\d: 0.655 rad/s at every node; .* widened to 1 %")
     assert any(map(uniform.match, words))
+
+
+@pytest.mark.parametrize("size", [(3200, 1400), (800, 350), (600, 900)])
+def test_a_picture_has_the_size_that_is_asked_for(tmp_path, size):
+    """All in proportion: dots are as much wider, and the plate keeps its shape where the picture has another one."""
+    (path,) = contours.draw_contours(WITH_WALL, fields()[:1], tmp_path, size=size)
+    picture = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
+    assert picture.shape == (size[1], size[0], 3)
+    view, dot = sheet.view_of_plate(POINTS, size), sheet.proportion(size)
+    (left, bottom), (right, top) = view.pixel([POINTS.min(axis=0), POINTS.max(axis=0)])
+    assert (top - bottom) / (right - left) == pytest.approx(WIDTH / LENGTH)
+    assert left >= sheet.SIDE * dot - 1e-9
+    column, row = np.floor(view.pixel(CENTROID)).astype(int)
+    white = (picture[size[1] - 1 - row, column - round(20 * dot) : column] == 255).all(axis=1)
+    assert white.sum() == pytest.approx(5.0 * dot, abs=1.5)
+
+
+@pytest.mark.parametrize("given", ["1600", "1600x", "1600x70", "90000x700", "axb", "1600x700x3", ""])
+def test_another_size_is_wrong_input(given, tmp_path, capsys):
+    """Of the command and from Python: one message that says what is allowed, and nothing is written."""
+    place = tmp_path / "result"
+    assert _status(["run", "paper-table-3", "--picture-size", given, "--out", str(place)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("tailslap: --picture-size: given")
+    assert "like 1600x700, each 300 to 8000" in said
+    assert not place.exists()
+    with pytest.raises(InputError, match="allowed is WIDTHxHEIGHT"):
+        tailslap.run("paper-table-3", picture_size=given)
+
+
+def test_sizes_are_texts_or_pairs():
+    assert [picture_pixels(given) for given in ("1600x700", " 300 X 8000", (640, 480), None)] == [
+        *((1600, 700), (300, 8000), (640, 480)),
+        None,
+    ]
+
+
+def test_stresses_have_the_unit_that_suits_them(tmp_path, monkeypatch):
+    """Von Mises stress of elements: 81 kPa of the largest, the mean of the four about G there; ksi elsewhere."""
+    words: list[str] = []
+    monkeypatch.setattr(sheet.Sheet, "write", lambda sheet, text, *rest, **named: words.append(text))
+    x = POINTS[QUADS].mean(axis=1)[:, 0]
+    stress = contours.ContourField(
+        "von_mises", "Von Mises stress", "Pa", 8.1e4 * (x - x.min()) / np.ptp(x), "element"
+    )
+    contours.draw_contours(PLATE, [stress], tmp_path)
+    assert {"Von Mises stress [kPa]", "element values from 0 to 81 kPa", "G: 40.500 kPa"} <= {*words}
+    contours.draw_contours(PLATE, [stress], tmp_path, US)
+    assert "Von Mises stress [ksi]" in words
+
+
+def test_pyplot_is_not_loaded_for_pictures(tmp_path):
+    """Of PyVista's imports it took the longest, and no picture uses it; who asks for it gets it."""
+    code = (
+        "import sys, numpy as np; from postprocess.fields import contours; "
+        "points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]); "
+        "plate = contours.Situation((points, np.array([[0, 1, 2, 3]]))); "
+        "field = contours.ContourField('v', 'v_X', 'm/s', points[:, 0]); "
+        f"contours.draw_contours(plate, [field], __import__('pathlib').Path({str(tmp_path)!r})); "
+        "assert 'matplotlib.pyplot' not in sys.modules; "
+        "import pyvista.plotting.charts as charts; assert charts.plt.Figure; "
+        "import matplotlib.pyplot as plt; plt.figure"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_every_plotter_is_closed_even_when_drawing_fails(tmp_path, monkeypatch):
@@ -189,7 +282,7 @@ def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch):
     monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.setattr(ctypes, "CDLL", missing)
     with pytest.raises(RuntimeError, match="libegl1"):
-        contours.choose_window()
+        sheet.choose_window()
 
 
 @pytest.mark.parametrize(("low", "high"), [
@@ -198,7 +291,7 @@ def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch):
 ])  # fmt: skip
 def test_labels_differ_and_are_round(low, high):
     """Multiples of 1, 2 or 5 times a power of ten, five to eight of them, that hold all values and little else."""
-    scale = contours.colour_scale(np.array([low, high]))
+    scale = sheet.colour_scale(np.array([low, high]))
     assert not scale.uniform
     assert len(set(scale.labels)) == len(scale.labels)
     assert 4 <= len(scale.labels) <= 9
@@ -216,7 +309,7 @@ def test_labels_differ_and_are_round(low, high):
 def test_next_to_nothing_is_uniform_not_a_drama():
     """Rounding, and eight parts in a million: one colour in a range of a hundredth."""
     for spread in (1e-13, 4e-6):
-        scale = contours.colour_scale(0.655 * (1.0 + spread * np.linspace(-1, 1, 9)))
+        scale = sheet.colour_scale(0.655 * (1.0 + spread * np.linspace(-1, 1, 9)))
         assert scale.uniform
         assert scale.high - scale.low == pytest.approx(0.655e-2, rel=1e-4)
         assert (0.5 * (scale.high + scale.low), scale.bands % 2) == (pytest.approx(0.655, rel=1e-6), 1)
@@ -224,29 +317,29 @@ def test_next_to_nothing_is_uniform_not_a_drama():
 
 
 def test_uniform_threshold_is_1e_4():
-    assert contours.colour_scale(np.array([1.0, 1.0 + 0.9e-4])).uniform
-    assert not contours.colour_scale(np.array([1.0, 1.0 + 1.1e-4])).uniform
+    assert sheet.colour_scale(np.array([1.0, 1.0 + 0.9e-4])).uniform
+    assert not sheet.colour_scale(np.array([1.0, 1.0 + 1.1e-4])).uniform
 
 
 def test_zero_everywhere():
-    scale = contours.colour_scale(np.zeros(4))
+    scale = sheet.colour_scale(np.zeros(4))
     assert (scale.low, scale.high, scale.uniform) == (-5e-3, 5e-3, True)
 
 
 def test_a_zero_has_no_sign_and_others_a_true_minus():
-    scale = contours.colour_scale(np.array([-6.5, -1e-12]))
+    scale = sheet.colour_scale(np.array([-6.5, -1e-12]))
     assert (scale.high, scale.labels[-1]) == (0.0, "0.0")
     assert scale.labels[0] == "−7.0"
 
 
 def test_values_that_are_not_finite_are_refused():
     with pytest.raises(ValueError, match="not finite"):
-        contours.colour_scale(np.array([1.0, np.nan]))
+        sheet.colour_scale(np.array([1.0, np.nan]))
 
 
 def test_the_view_holds_plate_and_wall_line():
     points = np.array([[-1.0, 0.0], [9.0, 0.0], [9.0, 2.4], [-1.0, 2.4]])
-    view = contours.view_of_plate(points)
+    view = sheet.view_of_plate(points)
     (left, bottom), (right, top) = view.pixel([[-1.0, 0.0], [9.0, 2.4]])
     assert (left, right) == pytest.approx((70.0, 1530.0))
     assert (top - bottom) / (right - left) == pytest.approx(0.24)
@@ -256,12 +349,12 @@ def test_the_view_holds_plate_and_wall_line():
 
 
 def test_the_view_reaches_down_to_the_wall_from_a_plate_above_it():
-    view = contours.view_of_plate(np.array([[0.0, 3.0], [2.0, 5.0]]))
+    view = sheet.view_of_plate(np.array([[0.0, 3.0], [2.0, 5.0]]))
     assert view.pixel([0.0, 0.0])[1] >= 120.0 - 1e-9
     assert view.pixel([0.0, 5.0])[1] <= 510.0 + 1e-9
 
 
 def test_round_positions():
-    assert contours.round_between(-0.9, 3.2, 12) == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
-    assert contours.round_between(0.0, 100.0, 12) == pytest.approx(np.arange(0.0, 101.0, 10.0))
-    assert contours.round_between(3.0, 3.0, 12) == contours.round_between(3.0, 2.0, 12) == []
+    assert sheet.round_between(-0.9, 3.2, 12) == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0])
+    assert sheet.round_between(0.0, 100.0, 12) == pytest.approx(np.arange(0.0, 101.0, 10.0))
+    assert sheet.round_between(3.0, 3.0, 12) == sheet.round_between(3.0, 2.0, 12) == []

@@ -177,7 +177,8 @@ def test_a_picture_shows_values_where_the_plate_is(name, result, tmp_path):
     import matplotlib as mpl
     from matplotlib.image import imread
 
-    from postprocess.fields.contours import SIZE, colour_scale, draw_instants, view_of_plate
+    from postprocess.fields.contours import draw_instants
+    from postprocess.fields.sheet import SIZE, colour_scale, view_of_plate
 
     series = result.fields
     (path,) = draw_instants(tmp_path, series, name, 500.0, [-1])

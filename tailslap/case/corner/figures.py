@@ -12,11 +12,13 @@ from postprocess.report.page import Picture, Section
 from postprocess.units import SI, Units
 from tailslap import progress
 from tailslap.case.corner.outcome import CornerOutcome
+from tailslap.case.report import element_fields
 
 CAPTIONS = {
     "contour_v_gx": "Velocity along the wall at the tail-slap (the paper's Figure 15).",
     "contour_v_gy": "Velocity across the wall at the tail-slap (the paper's Figure 16).",
     "contour_omega": "Angular velocity, half the curl of the velocity, at the tail-slap (the paper's Figure 17).",
+    "contour_von_mises": "Von Mises stress of the plate at the tail-slap.",
 }
 
 
@@ -34,9 +36,11 @@ def curves(outcome: CornerOutcome) -> list[Section]:
     ]
 
 
-def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> CornerOutcome:
-    """The outcome with contour pictures of the plate at the tail-slap, in these units; as it is where it was not
-    reached."""
+def draw_pictures(
+    outcome: CornerOutcome, folder: Path, units: Units = SI, size: contours.Size | None = None
+) -> CornerOutcome:
+    """The outcome with contour pictures of the plate at the tail-slap, in these units and of this size [pixels]; as it
+    is where it was not reached."""
     began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
     if strike is None:
         return outcome
@@ -52,6 +56,8 @@ def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> Co
             ("omega", "Angular velocity", "rad/s", spin),
         )
     ]
+    stress = element_fields(fe_plan.model, strike.positions[None])["stress_von_mises"][0]
+    fields.append(contours.ContourField("von_mises", "Von Mises stress", "Pa", stress, "element"))
     with progress.announced("Drawing the pictures ..."):
         situation = contours.Situation(
             (strike.positions.T[:drawn], discretisation.cells),
@@ -61,7 +67,7 @@ def draw_pictures(outcome: CornerOutcome, folder: Path, units: Units = SI) -> Co
             scene=fe_plan.case.scene.name,
             time=strike.values["t"],
         )
-        pictures = contours.draw_contours(situation, fields, folder, units)
+        pictures = contours.draw_contours(situation, fields, folder, units, size or contours.SIZE)
     return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)
 
 

@@ -52,10 +52,16 @@ METRICS_NOTE = (
 )
 
 
-def run_report(outcome: CornerOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
-    """Report of a run; its fields and pictures, in these units, go into the folder."""
+def run_report(
+    outcome: CornerOutcome,
+    folder: Path,
+    pictures: bool,
+    units: Units = SI,
+    size: tuple[int, int] | None = None,
+) -> Report:
+    """Report of a run; its fields and pictures, in these units and of this size [pixels], go into the folder."""
     report.keep_fields(outcome, folder)
-    return corner_report(draw_pictures(outcome, folder, units) if pictures else outcome, pictures)
+    return corner_report(draw_pictures(outcome, folder, units, size) if pictures else outcome, pictures)
 
 
 def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:

@@ -106,11 +106,18 @@ def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
     return [impact.draw_loops(loops)] if loops else [], along
 
 
-def animation(outcome: ImpactOutcome, folder: Path, units: Units = SI) -> Picture:
-    """The impact as a GIF, its axes in these units."""
+def animation(
+    outcome: ImpactOutcome, folder: Path, units: Units = SI, size: tuple[int, int] | None = None
+) -> Picture:
+    """The impact as a GIF of this size [pixels], its axes in these units."""
     h = outcome.run.history
     with progress.announced("Drawing the animation ..."):
         path = write_animation(
-            folder / "impact.gif", h["t"], outlines(outcome), h["force_normal"], units=units
+            folder / "impact.gif",
+            h["t"],
+            outlines(outcome),
+            h["force_normal"],
+            units=units,
+            size=size or impact.SIZE,
         )
     return Picture(path, "The impact, slowed down, and the lateral force")

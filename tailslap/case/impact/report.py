@@ -61,10 +61,16 @@ WALL_NOTE = (
 )
 
 
-def run_report(outcome: run.ImpactOutcome, folder: Path, pictures: bool, units: Units = SI) -> Report:
-    """The report of a run; pictures: whether an animation was asked for; units: of it."""
+def run_report(
+    outcome: run.ImpactOutcome,
+    folder: Path,
+    pictures: bool,
+    units: Units = SI,
+    size: tuple[int, int] | None = None,
+) -> Report:
+    """The report of a run; pictures: whether an animation was asked for; units, size [pixels]: of it."""
     report.keep_fields(outcome, folder)
-    moving = [figures.animation(outcome, folder, units)] if pictures else []
+    moving = [figures.animation(outcome, folder, units, size)] if pictures else []
     omitted, why = (
         omitted_parts(outcome.fe_plan.case.scene, pictures),
         report.chosen_sentences(outcome.fe_plan),
