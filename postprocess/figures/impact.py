@@ -13,7 +13,20 @@ import numpy as np
 from postprocess.figures import histories
 from postprocess.svg import chart
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Span, Swatch, Words, look
+from postprocess.svg.marks import (
+    HOLD,
+    Boxes,
+    Layer,
+    Level,
+    Line,
+    Mark,
+    Moving,
+    Outline,
+    Span,
+    Swatch,
+    Words,
+    look,
+)
 from postprocess.svg.scales import Floats, Shades
 from postprocess.units import SI, Units, measure
 
@@ -46,6 +59,9 @@ def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
 EDGE = 0.4
 """Free space about what is drawn [m]."""
 
+SLOWER, MAX_POSES = 10.0, 61
+"""Time that an animation takes over that of the motion, and its keyframes."""
+
 TOP, ROW = 0.9, 0.5
 """Height of the row of instants above the vehicle, and of each strike's row below the wall's face [m]."""
 
@@ -66,13 +82,22 @@ def vehicle_outlines(
 
 
 def draw_positions(
-    outlines: Floats, instants: Sequence[float], strikes: Strikes = (), path: Floats | None = None
+    outlines: Floats,
+    instants: Sequence[float],
+    strikes: Strikes = (),
+    path: Floats | None = None,
+    motion: tuple[Floats, Floats] | None = None,
 ) -> Chart:
     """Outlines at these instants [s], later ones more opaque, over the wall Y = 0; strikes as bars below its face.
 
-    outlines: shape (k, points, 2) [m]; path: of the centre of mass, shape (n, 2) [m].
+    outlines: shape (k, points, 2) [m]; path: of the centre of mass, shape (n, 2) [m]; motion: even instants [s] and
+    outlines at them, which are shown one after the other, `SLOWER` times slower.
     """
-    caption = "Positions of the vehicle, later ones more opaque; below the wall's face what is crushed, and the strikes"
+    caption = "Positions of the vehicle, later ones more opaque"
+    if strikes:
+        caption += "; below the wall's face what is crushed, and the strikes"
+    if motion is not None:
+        caption += f"; the filled one moves, {SLOWER:g} times slower than the vehicle"
     points = outlines.reshape(-1, 2)
     low, high = points.min(axis=0) - EDGE, points.max(axis=0) + np.array([2.0 * EDGE, TOP])
     rows = low[1] - ROW * np.arange(len(strikes))
@@ -82,6 +107,9 @@ def draw_positions(
     marks += [] if path is None else [Line("", path[:, 0], path[:, 1], "soft", 0.8, "4 3")]
     for number, (outline, instant) in enumerate(zip(outlines, instants, strict=True)):
         marks += _position(outline, instant, (number + 1) / len(outlines), high[1])
+    if motion is not None:
+        t, moved = (of[np.unique(np.linspace(0, len(of) - 1, MAX_POSES).astype(int))] for of in motion)
+        marks.append(Moving("", moved[..., 0], moved[..., 1], SLOWER * float(np.ptp(t)) / (1.0 - HOLD)))
     for strike, row in zip(strikes, rows, strict=True):
         marks += _strike(strike, row, high[0])
     x, y = chart.Axis("X along the wall [m]", low[0], high[0]), chart.Axis("Y [m]", low[1], high[1])
@@ -230,7 +258,7 @@ def write_animation(
     t: Floats,
     outlines: Floats,
     force: Floats,
-    slower: float = 10.0,
+    slower: float = SLOWER,
     units: Units = SI,
     size: tuple[int, int] = SIZE,
 ) -> Path:

@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 
 from postprocess.svg import marks, scales
-from postprocess.svg.marks import Level, Mark, found_ranges
+from postprocess.svg.marks import Level, Mark, Moving, found_ranges
 from postprocess.units import SI, Units
 
 SIZE, SMALL = 12.0, 11.0
@@ -215,6 +215,11 @@ class Chart:
     def is_legend(self) -> bool:
         """True if it is the legend of several charts, and shows nothing else."""
         return bool(self.plots) and all(plot.height == 0.0 for plot in self.plots)
+
+    @property
+    def is_moving(self) -> bool:
+        """True if something in it moves."""
+        return any(isinstance(mark, Moving) for plot in self.plots for mark in plot.marks)
 
     def in_units(self, units: Units) -> Chart:
         """Return the chart drawn in other units."""

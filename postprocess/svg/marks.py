@@ -253,6 +253,43 @@ def found_ranges(marks: Sequence[Mark]) -> tuple[Range, Range]:
     return (float(low_x), float(high_x)), (float(low_y), float(high_y))
 
 
+HOLD = 0.12
+"""Part of an animation in which what moved stays where it ends."""
+
+
+@dataclass(frozen=True)
+class Moving(Mark):
+    """A closed polygon that moves as a rigid body, in a plot of equal scales: corners at even instants, shape
+    (instants, points); seconds: of one run. By CSS alone: it stands still where its reader prefers that, and pages can
+    pause it."""
+
+    label: str
+    x: Floats
+    y: Floats
+    seconds: float
+    colour: str = "fe"
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """The polygon about its first corner, and keyframes of that corner's place and of the angle."""
+        across, down = x.at(self.x), y.at(self.y)
+        angle = np.unwrap(np.arctan2(down[:, 1] - down[:, 0], across[:, 1] - across[:, 0]))
+        turns = [
+            f"transform:translate({a:.1f}px,{b:.1f}px) rotate({turn:.4f}rad)"
+            for a, b, turn in zip(across[:, 0], down[:, 0], angle - angle[0], strict=True)
+        ]
+        times = [*np.linspace(0.0, 100.0 * (1.0 - HOLD), len(turns)), 100.0]
+        frames = "".join(f"{t:.2f}%{{{turn}}}" for t, turn in zip(times, [*turns, turns[-1]], strict=True))
+        style = (
+            f"@keyframes motion{{{frames}}}.moving{{{turns[-1]};animation:motion {self.seconds:.3g}s linear infinite}}"
+            "@media (prefers-reduced-motion:reduce){.moving{animation:none}}"
+        )
+        edge = path(np.stack([across[0] - across[0, 0], down[0] - down[0, 0]], axis=-1))
+        shape = (
+            f'<path class="moving" d="{edge}Z" fill-opacity="0.45" stroke="currentColor" stroke-width="1.5"/>'
+        )
+        return f"<style>{style}</style>{coloured(shape, self.colour)}"
+
+
 SMALL_BOX = 4.0
 """Pixels of a box."""
 

@@ -46,7 +46,7 @@ const setTicks = (holder, attribute, ticks, shift) => holder.replaceChildren(...
 const plotOf = (element) => {
   const { box, x, y, scales, nearest, quantity, fixed } = element.dataset, [left, top, right, bottom] = numbers(box);
   const [across, up] = scales.split(" "), plot = { element, top, right, bottom, nearest, quantity, fixed };
-  const parts = all(element, ".marks path, .marks text").map((node) =>
+  const parts = all(element, ".marks path:not(.moving), .marks text").map((node) =>
     ({ node, path: node.getAttribute("d"), at: ["x", "y"].map((name) => +node.getAttribute(name)) }));
   const lines = parts.filter(({ node, path }) => path && node.dataset.label).map(({ node, path }) => {
     const home = path.match(/[ML]-?[\d.]+ -?[\d.]+/g).map((point) => numbers(point.slice(1)));
@@ -68,6 +68,7 @@ const drawPlot = ({ element, parts, lines, x, y, top, right, bottom }) => {
   const isWhole = [x, y].every(({ from, to, seen }) => seen[0] === from && seen[1] === to);
   const corners = [[start, top], [end, top], [end, bottom], [start, bottom]].map(([a, b]) => `${a}px ${b}px`);
   element.querySelector(".marks").style.clipPath = isWhole ? "" : `polygon(${corners}) view-box`;
+  element.querySelector(".moving")?.style.setProperty("display", isWhole ? "" : "none");
   element.querySelector(".frame")?.setAttribute("width", end - start);
   const holder = element.querySelector(".ticks g");
   if (y.scale === "named" || !holder.childElementCount) return;

@@ -25,10 +25,10 @@ HEAVY = (
 )
 FILES = {"summary.json", "history.csv", "rigid.csv", "report.html", "set-up.svg", ".tailslap-result.json"}
 CURVES = ("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential")
-CURVES += ("energy_exchanged", "energy_stored", "energy_error")
+CURVES += ("energy_exchanged", "energy_stored", "energy_error", "positions")
 FILES |= {f"{name}.svg" for name in CURVES}
 FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "--set", "damping.kind=none")
-PICTURES = {"contour_v_gx.png", "contour_v_gy.png", "contour_omega.png"}
+PICTURES = {"contour_v_gx.png", "contour_v_gy.png", "contour_omega.png", "contour_von_mises.png"}
 
 
 def run(*arguments, cwd=None):
@@ -97,20 +97,20 @@ def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
     assert list(fe_rows[0]) == list(rigid_rows[0])
     assert {"t", *CURVES[:7]} <= {*fe_rows[0]}
     report = (folder / "report.html").read_text()
-    assert report.count("data:image/png") == 3
+    assert report.count("data:image/png") == 4
     assert report.count("<svg") >= 5
 
 
 def test_results_are_there_before_the_pictures_start(tmp_path, monkeypatch, capsys):
     """No window can be opened here: the numbers stay, whole, and the command says what is missing."""
-    from postprocess.fields import contours
+    from postprocess.fields import sheet
 
     def refused():
         at_work = {".tailslap-lock", ".tailslap-new"}
         assert {path.name for path in (tmp_path / "out").iterdir()} == FILES | at_work
         raise RuntimeError("pictures need a display")
 
-    monkeypatch.setattr(contours, "choose_window", refused)
+    monkeypatch.setattr(sheet, "choose_window", refused)
     small = ("run", "paper-table-3", "--set", "plate.elements=[10,3]", "--out", str(tmp_path / "out"))
     assert _status(list(small)) == 3
     assert "pictures need a display" in capsys.readouterr().err

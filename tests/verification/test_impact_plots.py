@@ -62,6 +62,30 @@ def test_positions_keep_their_scale():
     assert sides[0] / sides[1] == pytest.approx(4.0, rel=1e-4)
 
 
+def test_what_moves_ends_where_the_last_outline_is():
+    """Turned by 0.3 rad about its first corner and moved by 4 m in 0.5 s; by CSS, which its reader can switch off."""
+    t, x = np.linspace(0.0, 0.5, 200), np.linspace(0.0, 4.0, 200)
+    every = impact.vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
+    chart = impact.draw_positions(every[[0, -1]], t[[0, -1]], motion=(t, every))
+    place = r"translate\(([-\d.]+)px,([-\d.]+)px\) rotate\(([-\d.]+)rad\)"
+    frames = np.array(re.findall(rf"[\d.]+%\{{transform:{place}\}}", chart.svg), float)
+    assert len(frames) == impact.MAX_POSES + 1
+    assert frames[0, 2] == 0.0
+    assert frames[-1, 2] == pytest.approx(-0.3, abs=1e-3), (
+        "the front comes away from the wall: y points down here"
+    )
+    drawn = re.findall(r'class="moving" d="M([^"]*)Z"', chart.svg)[0]
+    corners = np.array([corner.split() for corner in drawn.split("L")], float) @ [1.0, 1.0j]
+    moved = corners * np.exp(1j * frames[-1, 2]) + frames[-1, 0] + 1j * frames[-1, 1]
+    last = re.findall(r'<path data-label="0.50 s" d="M([^"]*)Z"', chart.svg)[0]
+    expected = np.array([corner.split() for corner in last.split("L")], float) @ [1.0, 1.0j]
+    np.testing.assert_allclose(moved, expected, atol=0.1)
+    assert "prefers-reduced-motion:reduce){.moving{animation:none}}" in chart.svg
+    assert f"animation:motion {impact.SLOWER * 0.5 / 0.88:.3g}s linear infinite" in chart.svg
+    assert chart.is_moving
+    assert not impact.draw_positions(every[[0, -1]], t[[0, -1]]).is_moving
+
+
 def test_a_spike_of_the_force_is_drawn():
     """One sample of 1 MN among 5001 reaches as far above a level line of 500 kN as that above zero."""
     force = np.zeros_like(T)

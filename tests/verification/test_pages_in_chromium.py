@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from postprocess.figures.impact import draw_positions, vehicle_outlines
 from postprocess.report.page import Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Plot, draw_chart
 from postprocess.svg.marks import Line, look
@@ -152,6 +153,21 @@ def test_arrow_keys_read_the_samples_aloud(shown_chart):
         "",
     ]
     assert note.get_attribute("aria-live") == "polite"
+
+
+def test_motion_is_paused_and_is_not_where_the_reader_prefers_none(browser, tmp_path):
+    """Without a script: a box to tick, and the reader's own choice."""
+    t, x = np.linspace(0.0, 0.5, 20), np.linspace(0.0, 4.0, 20)
+    every = vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
+    chart = draw_positions(every[[0, -1]], t[[0, -1]], motion=(t, every))
+    path = write_page(tmp_path / "p.html", Page("", "Motion", "", (Section("Motion", figures=(chart,)),), ""))
+    states = "animations => document.getAnimations().map((each) => each.playState)"
+    with opened(browser, path, scripts=False) as found:
+        assert found.page.evaluate(states) == ["running"]
+        found.page.get_by_label("Pause the motion").check()
+        assert found.page.evaluate(states) == ["paused"]
+        found.page.emulate_media(reduced_motion="reduce")
+        assert found.page.evaluate(states) == []
 
 
 def test_table_and_drawing_are_kept(shown_chart, tmp_path):

@@ -4,11 +4,15 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from fem.explicit.columns import COLUMNS
 from fem.plate.discretisation import nodal_spin
 from postprocess.fields import contours
+from postprocess.figures import impact
 from postprocess.figures.histories import Panel, draw_histories
 from postprocess.report.page import Picture, Section
+from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
 from tailslap import progress
 from tailslap.case.corner.outcome import CornerOutcome
@@ -31,9 +35,31 @@ def curves(outcome: CornerOutcome) -> list[Section]:
     groups = dict.fromkeys(curve.group for curve in drawn)
     layouts = {"Motion": "wide", "Reaction": "wide"}
     return [
-        Section(group, figures=[c for c in drawn if c.group == group], layout=layouts.get(group, ""))
-        for group in groups
+        Section("Positions along the wall", figures=positions(outcome), layout="tall"),
+        *(
+            Section(group, figures=[c for c in drawn if c.group == group], layout=layouts.get(group, ""))
+            for group in groups
+        ),
     ]
+
+
+INSTANTS = 5
+"""Positions of the vehicle that are drawn."""
+
+
+def positions(outcome: CornerOutcome) -> list[Chart]:
+    """Draw the vehicle at even instants, and how it moves until the tail-slap; nothing for a run that has no rows."""
+    vehicle, h = outcome.fe_plan.case.scene.vehicle, outcome.fe_history
+    known = np.isfinite(h["theta"]) & np.isfinite(h["slide"])
+    t, theta, slide = (h[name][known] for name in ("t", "theta", "slide"))
+    if t.size < 2:
+        return []
+    ahead, aside = 0.5 * vehicle.length, 0.5 * vehicle.width
+    x = slide - ahead * np.cos(theta) + aside * np.sin(theta)
+    y = ahead * np.sin(theta) + aside * np.cos(theta)
+    every = impact.vehicle_outlines(x, y, theta, vehicle.length, vehicle.width, ahead)
+    shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
+    return [impact.draw_positions(every[shown], t[shown], motion=(t, every))]
 
 
 def draw_pictures(

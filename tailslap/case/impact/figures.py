@@ -6,7 +6,6 @@ import numpy as np
 
 from postprocess.figures import impact
 from postprocess.figures.impact import StrikeMark, write_animation
-from postprocess.report.page import Picture
 from postprocess.svg.chart import FULL, Chart
 from postprocess.units import SI, Units
 from solver.impact import corner_name
@@ -53,10 +52,11 @@ def outlines(outcome: ImpactOutcome) -> np.ndarray:
 
 
 def position_strip(outcome: ImpactOutcome) -> Chart:
-    """Draw the vehicle at even instants."""
+    """Draw the vehicle at even instants, and how it moves."""
     t = outcome.run.history["t"]
     shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
-    return impact.draw_positions(outlines(outcome)[shown], t[shown], marks(outcome.fe))
+    every = outlines(outcome)
+    return impact.draw_positions(every[shown], t[shown], marks(outcome.fe), motion=(t, every))
 
 
 def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
@@ -108,11 +108,11 @@ def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
 
 def animation(
     outcome: ImpactOutcome, folder: Path, units: Units = SI, size: tuple[int, int] | None = None
-) -> Picture:
-    """The impact as a GIF of this size [pixels], its axes in these units."""
+) -> Path:
+    """Write the impact as a GIF of this size [pixels], its axes in these units."""
     h = outcome.run.history
     with progress.announced("Drawing the animation ..."):
-        path = write_animation(
+        return write_animation(
             folder / "impact.gif",
             h["t"],
             outlines(outcome),
@@ -120,4 +120,3 @@ def animation(
             units=units,
             size=size or impact.SIZE,
         )
-    return Picture(path, "The impact, slowed down, and the lateral force")

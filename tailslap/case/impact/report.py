@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.report import page
-from postprocess.report.page import Column, Headline, Picture, Section, Table
+from postprocess.report.page import Column, Headline, Section, Table
 from postprocess.report.report import Report
 from postprocess.signals import filters
 from postprocess.units import SI, Units, measure, percent_up
@@ -70,12 +70,13 @@ def run_report(
 ) -> Report:
     """The report of a run; pictures: whether an animation was asked for; units, size [pixels]: of it."""
     report.keep_fields(outcome, folder)
-    moving = [figures.animation(outcome, folder, units, size)] if pictures else []
+    if pictures:
+        figures.animation(outcome, folder, units, size)
     omitted, why = (
         omitted_parts(outcome.fe_plan.case.scene, pictures),
         report.chosen_sentences(outcome.fe_plan),
     )
-    parts = _sections(outcome, moving)
+    parts = _sections(outcome)
     page = report.run_page(outcome, KICKER, headline(outcome), parts, omitted, FOOTER, why)
     tables = (
         peak_table(outcome),
@@ -172,7 +173,7 @@ def durations_table(answer: ImpactAnswer) -> Table:
     return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
 
 
-def _sections(outcome: run.ImpactOutcome, moving: list[Picture]) -> list[Section]:
+def _sections(outcome: run.ImpactOutcome) -> list[Section]:
     design = report.design_table(outcome)
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
@@ -189,7 +190,6 @@ def _sections(outcome: run.ImpactOutcome, moving: list[Picture]) -> list[Section
             layout="wide",
         ),
         Section("Force over crush", figures=loops, layout="narrow"),
-        Section("Animation", figures=moving, layout="tall"),
         Section("The wall, which gives", tables=_wall(outcome)),
         Section("Forces by filter", tables=[filtered_table(outcome)], is_folded=True),
         Section("The second strike's duration", tables=[durations_table(outcome.fe)], is_folded=True),
