@@ -226,7 +226,7 @@ def race(rounds: int) -> None:
         text = said.getvalue()
         if status == 0:
             text = f"wins {json.loads(shown.getvalue())['fe']['v_gy']}"
-        elif status == 2 and text.count("another command is at work in it") == text.count("\n") == 1:
+        elif status == 2 and text.count("another command uses this folder") == text.count("\n") == 1:
             text = f"told {time.monotonic() - began}"
         (out.parent / f"said-{k}").write_text(text)
 

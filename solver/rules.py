@@ -24,9 +24,9 @@ class RigidBodyError(ValueError):
     given : object
         Its value.
     why : str
-        Why it cannot have that value.
+        Reason why the value is invalid.
     allowed : str
-        What it may be.
+        Allowed values.
     """
 
     def __init__(self, key: str, given: Any, why: str, allowed: str) -> None:
@@ -38,7 +38,7 @@ class RigidBodyError(ValueError):
 
 
 class Rule(NamedTuple):
-    """A condition in words; `why` and `allowed` are templates for the details of the row that fails."""
+    """Condition on an input; `why` and `allowed` are templates for the details of the row that violates it."""
 
     key: str
     why: str
@@ -50,7 +50,7 @@ def choose(key: str, given: str, options: tuple[str, ...]) -> str:
     if given in options:
         return given
     names = ", ".join(f'"{option}"' for option in options)
-    raise RigidBodyError(key, repr(given), "there is no such choice", f"one of {names}")
+    raise RigidBodyError(key, repr(given), "this option does not exist", f"one of {names}")
 
 
 def holds(met: Any) -> bool:
@@ -59,10 +59,10 @@ def holds(met: Any) -> bool:
 
 
 class Gate:
-    """The conditions that inputs must meet, checked in turn; each is a bool or an array of them.
+    """Checks of conditions on inputs; each condition is a bool or an array of bools.
 
-    With invalid="raise" the first condition that fails raises RigidBodyError for the first row where it
-    does. With invalid="nan" the rows are noted in `ok`, and `filled` puts NaN there.
+    With invalid="raise" the first violated condition raises RigidBodyError for the first row that violates it. With
+    invalid="nan" the rows are recorded in `ok`, and `filled` sets them to NaN.
     """
 
     def __init__(self, invalid: str = "raise") -> None:
@@ -86,11 +86,11 @@ class Gate:
         self.demand(rule, (value >= 0.0) & (value < math.inf), value)
 
     def safe(self, *values: Any) -> tuple[Any, ...]:
-        """The values, with a harmless number in the rows that have failed."""
+        """Values with a placeholder in invalid rows."""
         return values if self.ok is True else tuple(np.where(self.ok, value, 0.5)[()] for value in values)
 
     def filled(self, record: Any) -> Any:
-        """The record, with NaN in the rows that have failed."""
+        """Record with NaN in invalid rows."""
         if self.ok is True:
             return record
         values = (getattr(record, field.name) for field in fields(record))
@@ -98,7 +98,7 @@ class Gate:
 
 
 def refusal(rule: Rule, given: Any, met: Any = False, **details: Any) -> RigidBodyError:
-    """The error of a rule for the first of the values given for which it is not met."""
+    """Error of a rule for the first value that violates it."""
     met, given, *arrays = np.broadcast_arrays(met, given, *details.values())
     index = tuple(int(i) for i in np.argwhere(~met)[0])
     value = given[index].item()
@@ -140,41 +140,39 @@ def number(key: str, value: ArrayLike) -> Any:
 
 POSITIVE = "positive and finite"
 
-LENGTH = Rule("length", "a body without extent has no corner to turn about", f"{POSITIVE}, m")
-WIDTH = Rule("width", "a body without extent has no corner to turn about", f"{POSITIVE}, m")
-MASS = Rule("mass", "a body without mass has no momentum", f"{POSITIVE}, kg")
-SPEED = Rule("speed", "nothing strikes the wall", f"{POSITIVE}, m/s")
+LENGTH = Rule("length", "the vehicle needs a finite extent", f"{POSITIVE}, m")
+WIDTH = Rule("width", "the vehicle needs a finite extent", f"{POSITIVE}, m")
+MASS = Rule("mass", "the vehicle needs a mass", f"{POSITIVE}, kg")
+SPEED = Rule("speed", "there is no impact", f"{POSITIVE}, m/s")
 ANGLE = Rule(
     "angle",
-    "the side must be open to the wall, and the centre of mass behind the corner",
+    "the impact must start at the front corner with the centre of mass behind it",
     "more than 0 and less than {most:.6g} rad (phi = angle + corner angle < pi/2)",
 )
-FRICTION = Rule("friction", "friction resists", "0 or more, and finite")
-RESTITUTION = Rule("restitution", "it is a share of the approach", "from 0 to 1")
+FRICTION = Rule("friction", "friction opposes sliding", "0 or more, and finite")
+RESTITUTION = Rule("restitution", "it is a fraction of the approach velocity", "from 0 to 1")
 TURNING = Rule(
     "friction",
-    "the impulse then passes on the wrong side of the centre of mass and does not turn the vehicle towards "
-    "the wall (beta <= phi = {phi:.6g} rad)",
+    "the impulse does not rotate the side of the vehicle towards the wall (beta <= phi = {phi:.6g} rad)",
     "less than cot(phi) = {limit:.6g}",
 )
 
 OMEGA = Rule("omega", "the side never reaches the wall", f"{POSITIVE}, rad/s")
 CORNER_SPEED = Rule(
     "corner_speed",
-    "the corner does not slide forwards, and friction is known for forward sliding alone",
+    "friction is defined for forward sliding of the corner",
     "finite, and positive where there is friction, m/s",
 )
 _PATH = "less than 4/3 = 1.33333 for every path, less than {limit:.6g} for this one"
 UNIQUE = Rule(
     "friction",
-    "the motion is not unique: where 1 + 3 C^2 - 3 mu S C < 0, and it falls to {least:.6g} on the path, the "
-    "wall may push as well as pull",
+    "the motion is not unique: the sign of the reaction is undefined where 1 + 3 C^2 - 3 mu S C < 0, and its minimum "
+    "on the path is {least:.6g}",
     _PATH,
 )
 SOLVABLE = Rule(
     "friction",
-    "there is no solution: the reaction grows without bound where D = 1 + 3 C^2 - 3 mu S C reaches 0, and it "
-    "falls to {least:.6g} on the path",
+    "the reaction is unbounded where D = 1 + 3 C^2 - 3 mu S C = 0, and its minimum on the path is {least:.6g}",
     _PATH,
 )
 GROWTH = Rule(
@@ -184,64 +182,66 @@ GROWTH = Rule(
 )
 STOP = Rule(
     "corner_speed",
-    "the corner stops before the strike, at the angle {angle:.6g} rad and the time {time:.6g} s, and there "
-    "friction turns round",
+    "the corner stops before the tail-slap, at the angle {angle:.6g} rad and the time {time:.6g} s, where friction "
+    "reverses",
     "more, or no friction, m/s",
 )
 RANGE = Rule(
     "omega", "the motion is beyond the range of double precision", "smaller, as corner_speed and mass"
 )
 
-_FAR = "the motion is not followed that far"
+_FAR = "the motion ends earlier"
 TIME = Rule("time", _FAR, "from 0 to {latest:.10g} s (the strike is at {strike:.10g} s)")
-STOPPED = Rule("time", "the corner has stopped by then, and friction turns round", "up to the strike")
-LATERAL_SPEED = Rule("lateral_speed", "nothing strikes at such a speed", "finite, m/s")
-DURATION = Rule("duration", "the pulse must begin and end", f"{POSITIVE}, s")
+STOPPED = Rule("time", "the corner has stopped by then, and friction reverses", "up to the strike")
+LATERAL_SPEED = Rule("lateral_speed", "it is not a finite speed", "finite, m/s")
+DURATION = Rule("duration", "the pulse needs a finite duration", f"{POSITIVE}, s")
 
-FRONT_DISTANCE = Rule("front_distance", "the centre of mass is behind the front", f"{POSITIVE}, m")
-HALF_WIDTH = Rule("half_width", "the centre of mass is inside the vehicle", f"{POSITIVE}, m")
-GRAVITY = Rule("gravity", "it is the unit of the deceleration", f"{POSITIVE}, m/s^2")
+FRONT_DISTANCE = Rule("front_distance", "the centre of mass must be behind the front", f"{POSITIVE}, m")
+HALF_WIDTH = Rule("half_width", "the centre of mass must be inside the vehicle", f"{POSITIVE}, m")
+GRAVITY = Rule("gravity", "it is the unit of deceleration", f"{POSITIVE}, m/s^2")
 IMPACT_ANGLE = Rule("angle", "the vehicle must approach the wall at an angle", "between 0 and pi/2 rad")
-DEFLECTION = Rule("deflection", "the barrier gives way outwards, or not at all", "0 or more, and finite, m")
+DEFLECTION = Rule("deflection", "the barrier deflects away from the vehicle", "0 or more, and finite, m")
 TRAVEL = Rule(
     "travel",
-    "the centre of mass must come closer to the wall while the vehicle turns parallel to it",
+    "the centre of mass must approach the wall",
     "positive: front_distance sin(angle) + deflection > half_width (1 - cos(angle)), m",
 )
-AVERAGE_FORCE = Rule("average_force", "there is no peak without an average", f"{POSITIVE}, N")
+AVERAGE_FORCE = Rule("average_force", "the peak force follows from it", f"{POSITIVE}, N")
 
-STIFFNESS = Rule("stiffness", "a law without stiffness never stops the vehicle", f"{POSITIVE}, N/m")
-INITIAL_FORCE = Rule("initial_force", "the wall only pushes", "0 or more, and finite, N")
-RETURNED = Rule("restitution", "unloading gives back its square of the energy taken up", "from 0 to 1")
+STIFFNESS = Rule("stiffness", "crush needs a finite stiffness", f"{POSITIVE}, N/m")
+INITIAL_FORCE = Rule("initial_force", "contact is unilateral", "0 or more, and finite, N")
+RETURNED = Rule("restitution", "unloading returns e^2 of the crush energy", "from 0 to 1")
 LINE = Rule(
     "restitution",
-    "with an initial force an unloading line that gives back more than half of the energy ends in front of the wall",
+    "with an initial force, unloading that returns more than half of the energy ends in front of the wall",
     "at most sqrt(1/2) = 0.707107 with an initial force, or no initial force",
 )
 CENTRE = Rule(
-    "centre_of_mass", "the centre of mass is in the vehicle", "between 0 and the length, {length:.6g} m"
+    "centre_of_mass",
+    "the centre of mass must be inside the vehicle",
+    "between 0 and the length, {length:.6g} m",
 )
 MIN_INERTIA = 1e-3
-"""Least yaw inertia, over the greatest that there can be: with nearly all mass at one point it turns too often."""
+"""Smallest yaw inertia relative to the largest possible one."""
 INERTIA = Rule(
     "yaw_inertia",
-    "no vehicle of that mass, size and centre of mass has it",
-    "from a thousandth of m (a (L - a) + B^2/4) to at most m (a (L - a) + B^2/4) = {most:.6g} kg m^2",
+    "it is impossible for this mass, size and centre of mass",
+    "from 0.001 I to I = m (a (L - a) + B^2/4) = {most:.6g} kg m^2",
 )
 UNIFORM = Rule(
     "centre_of_mass",
-    "no body with its centre of mass there has the uniform rectangle's inertia, {inertia:.6g} kg m^2",
-    "nearer to the middle, or a yaw_inertia of at most {most:.6g} kg m^2",
+    "the yaw inertia of the uniform rectangle, {inertia:.6g} kg m^2, is impossible for it",
+    "closer to the middle, or a yaw_inertia of at most {most:.6g} kg m^2",
 )
-TOUCH_ANGLE = Rule("angle", "the front corner must come first", "between 0 and pi/2 rad")
-STATE = Rule("state", "the motion starts from it", "six finite numbers")
+TOUCH_ANGLE = Rule("angle", "the front corner must touch the wall first", "between 0 and pi/2 rad")
+STATE = Rule("state", "it is the initial state", "six finite numbers")
 INSIDE = Rule(
     "state", "{name} is {depth:.6g} m inside the wall at the start", "outside the wall, or touching it"
 )
 NEVER = Rule("state", "the vehicle never touches the wall", "a motion towards the wall")
-END = Rule("end", "the motion must go on for some time", f"{POSITIVE}, s")
+END = Rule("end", "the motion needs a finite duration", f"{POSITIVE}, s")
 IMPACT_TIME = Rule("time", _FAR, "from 0 to {end:.10g} s")
-POINTS = Rule("side_points", "a layer is taken at points along each side", "1 or more")
+POINTS = Rule("side_points", "a layer is discretised at points along each side", "1 or more")
 
 ROLLING = {
     name: Rule(name, why, f"{POSITIVE}, {unit}")
@@ -268,7 +268,7 @@ def one(key: str, value: Any) -> float:
     """`value` as a float; raises RigidBodyError for arrays."""
     given = number(key, value)
     if not isinstance(given, float):
-        raise RigidBodyError(key, f"of shape {given.shape}", "this is one impact", "a number")
+        raise RigidBodyError(key, f"of shape {given.shape}", "it is an array", "a number")
     return given
 
 

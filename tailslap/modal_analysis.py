@@ -1,7 +1,5 @@
-"""The modal run: the plate as a floating frame with a few elastic modes, how far to trust its result, its text.
-
-The free modes of a scene's plate, the kind of each, beam theory's answer, and their page.
-"""
+"""Modal model of the plate (floating frame with elastic modes) with its estimated error, and free modes of the plate
+compared with beam theory."""
 
 import math
 import time
@@ -30,10 +28,10 @@ from tailslap.case.report import study_page
 from tailslap.errors import InputError
 
 MODES, STEPS, TOLERANCE = 4, 100, 1e-5
-"""Elastic modes, time steps to the tail-slap, and relative error allowed, unless the caller says otherwise."""
+"""Default number of elastic modes and of time steps to the tail-slap, and allowed relative error."""
 
 MORE_MODES = 4
-"""The result is compared with that of twice as many modes and so many more."""
+"""The result is compared with that of twice as many modes plus this number."""
 
 COLUMNS = (
     Column("quantity.symbol", "at the tail-slap"),
@@ -44,10 +42,10 @@ COLUMNS = (
 
 
 class ModalEstimate(NamedTuple):
-    """Estimated relative distance of the five quantities from the finite-element run's, by cause.
+    """Estimated relative errors of the five quantities, by source.
 
-    modes: how far they move, at any time of the run, with twice as many modes and four more. linear: what the
-    geometric non-linearity of the elastic strain leaves out. steps: how far they move with half as many time steps.
+    modes: truncation, from the change at any time with more modes. linear: linearisation of the elastic strain. steps:
+    time step, from the change with half as many steps.
     """
 
     modes: float
@@ -56,16 +54,16 @@ class ModalEstimate(NamedTuple):
 
     @property
     def total(self) -> float:
-        """The sum of the three."""
+        """Sum of the three errors."""
         return self.modes + self.linear + self.steps
 
 
 @dataclass(frozen=True)
 class ModalRun:
-    """A modal run: the five quantities at the tail-slap (empty if it was not reached), beside the rigid ones.
+    """Result of the modal model: the five quantities at the tail-slap (empty if it was not reached), and rigid values.
 
-    frequencies [Hz] of the modes kept. setup_s: modes, flexibility and start; integration_s: of the run itself;
-    estimate_s: of the two runs that the estimate takes.
+    frequencies [Hz]: of the modes. Times [s]: setup_s of modes, flexibility and start; integration_s of the run;
+    estimate_s of the two runs for the error estimate.
     """
 
     values: dict[str, float]
@@ -90,9 +88,9 @@ class ModalRun:
 def modal_run(
     fe_plan: CornerPlan, modes: int = MODES, tolerance: float = TOLERANCE, steps: int = STEPS
 ) -> ModalRun:
-    """Run the plan's plate with its lowest elastic modes; `fem.run.corner` runs all of it.
+    """Run the modal model of the plan's plate.
 
-    steps: to the rigid tail-slap. Raises InputError for what the modal model does not have.
+    steps: to the rigid tail-slap. Raises InputError for features that the modal model does not support.
     """
     _admit(fe_plan, modes)
     model, start, duration = fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t
@@ -124,29 +122,29 @@ def modal_run(
 
 
 def _admit(fe_plan: CornerPlan, modes: int) -> None:
-    """InputError for what the modal model does not have."""
+    """Raise InputError for features that the modal model does not support."""
     scene, plate = fe_plan.case.scene, fe_plan.plate
     most = max(0, (elastic.most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
     if not 0 <= modes <= most:
-        raise InputError("--modes", modes, f"allowed with this mesh is a whole number from 0 to {most}")
+        raise InputError("--modes", modes, f"allowed for this mesh are 0 to {most}")
     if plate.start != "inertia-relief":
-        allowed = 'the modes that the modal model leaves out cannot oscillate; allowed is "inertia-relief"'
+        allowed = 'allowed with the modal model is "inertia-relief"'
         raise InputError("plate.start", plate.start, allowed)
     if fe_plan.asked.scene.damping:
-        raise InputError("damping", "a table", "the modal model has no damping; leave it out")
+        raise InputError("damping", "a table", "the modal model does not support damping; remove it")
     if scene.corner.damping_ratio:
-        allowed = "the modal model has no dashpot; leave it out"
+        allowed = "the modal model does not support a dashpot; remove it"
         raise InputError("corner.damping_ratio", scene.corner.damping_ratio, allowed)
 
 
 def _estimate(
     fe_plan: CornerPlan, lowest: float, motion: ModalMotion, finer: ModalMotion, coarser: ModalMotion
 ) -> ModalEstimate:
-    """The estimate; lowest: frequency of the first mode [rad/s].
+    """Error estimate; lowest: frequency of the first mode [rad/s].
 
-    Inertia relief solves here the linear equations of an elastic state that moves the corner by the deflection ratio d
-    of its travel. The non-linear plate is off that by d once more, and rings with it from the start: a displacement of
-    d^2, and a velocity larger by frequency times duration.
+    Inertia relief solves the linear equations of an elastic state with the deflection ratio d. The non-linear plate
+    differs by d of this state and rings with it from the start: a displacement of d^2, and a velocity larger by
+    frequency times duration.
     """
     if not (motion.strike and finer.strike and coarser.strike):
         return ModalEstimate(math.nan, math.nan, math.nan)
@@ -185,7 +183,7 @@ def modal_text(fe_plan: CornerPlan, run: ModalRun, units: str = "si") -> str:
         "",
         Table(COLUMNS, rows),
         f"Cost:   {run.steps} steps in {1e3 * run.integration_s:.2f} ms, set-up {1e3 * run.setup_s:.1f} ms, "
-        f"estimate {1e3 * run.estimate_s:.2f} ms",
+        f"error estimate {1e3 * run.estimate_s:.2f} ms",
     )
     return printed(parts if units == "si" else [shown_in(part, SYSTEMS[units]) for part in parts])
 
@@ -209,7 +207,7 @@ def modal_headline(fe_plan: CornerPlan, run: ModalRun) -> Headline:
 
 
 def modal_numbers(fe_plan: CornerPlan, run: ModalRun) -> dict[str, Any]:
-    """The numbers for other programs, SI; what was not reached is None."""
+    """Results as numbers, in SI; None without a tail-slap."""
     unknown = dict.fromkeys(run.rigid)
     cost = ("steps", "iterations", "setup_s", "integration_s", "estimate_s")
     return {
@@ -227,10 +225,10 @@ def modal_numbers(fe_plan: CornerPlan, run: ModalRun) -> dict[str, Any]:
 
 
 BENDING = ("bending", "shear")
-"""Kinds that bend the plate as a beam; they are numbered together, as Timoshenko's frequencies are."""
+"""Kinds of beam modes, numbered together as in Timoshenko's theory."""
 
 MAX_PICTURES = 24
-"""Modes that are drawn: the lowest."""
+"""Number of drawn modes, lowest first."""
 
 MODE_COLUMNS = (
     Column("number", "Mode"),
@@ -243,14 +241,11 @@ MODE_COLUMNS = (
 
 
 def modes_report(fe_plan: CornerPlan, count: int) -> Report:
-    """Find the lowest `count` elastic modes: page, summary, and text for the terminal.
-
-    Raises InputError for a number that the mesh does not have.
-    """
+    """Report on the lowest `count` elastic modes. Raises InputError for a number that the mesh does not allow."""
     model, plate, case = fe_plan.model, fe_plan.plate, fe_plan.case
     most = elastic.most_modes(model.loop.mass.size)
     if not 1 <= count <= most:
-        raise InputError("--count", count, f"allowed with this mesh is a whole number from 1 to {most}")
+        raise InputError("--count", count, f"allowed for this mesh are 1 to {most}")
     found, vehicle = elastic.free_modes(model, count), case.scene.vehicle
     density = plate_density(case.scene, plate)
     beam = modal.Beam(vehicle.length, vehicle.width, plate.modulus, plate.poissons_ratio, density)
@@ -259,9 +254,9 @@ def modes_report(fe_plan: CornerPlan, count: int) -> Report:
     headline = _modes_headline(case, modes[0])
     rigid = found.rigid_frequencies / (2.0 * math.pi)
     sections = (
-        Section("Frequencies, beside those of a free beam", tables=(table,)),
+        Section("Natural frequencies and beam theory", tables=(table,)),
         _shapes(model, modes, found.shapes),
-        Section("What was computed, and what it means", sentences=_sentences(fe_plan, rigid, beam)),
+        Section("Method", sentences=_sentences(fe_plan, rigid, beam)),
     )
     files = "summary.json, these numbers and the shares of energy behind the kinds"
     page = study_page(case, "Modes of the free plate in its plane", headline, sections, files)
@@ -293,12 +288,11 @@ def _modes_headline(case: Case, first: dict[str, Any]) -> Headline:
 
 
 def _modes(fe_plan: CornerPlan, found: elastic.FreeModes, beam: modal.Beam) -> Iterator[dict[str, Any]]:
-    """Yield the elastic modes in rising frequency, as dicts, each beside the beam's.
+    """Yield the elastic modes in the order of frequency, as dicts.
 
-    number from 1; frequency [Hz]; kind, and order: number among its like; symmetric, along, shear: the fractions of
-    energy that make it that kind (`modal.mode_kinds`); theory, slender [Hz]: beam theory with shear and rotary inertia,
-    and without, for longitudinal modes `theory` is n c / (2 L); None: no beam does that; difference: frequency/theory -
-    1.
+    number from 1; frequency [Hz]; kind, and order: number among modes of this kind; symmetric, along, shear: fractions
+    of energy that define the kind (`modal.mode_kinds`); theory, slender [Hz]: beam theory with and without shear and
+    rotary inertia, n c / (2 L) for longitudinal modes, None for transverse modes; difference: frequency/theory - 1.
     """
     count = found.frequencies.size
     kinds = modal.mode_kinds(fe_plan.model, found, fe_plan.plate.thickness)
@@ -331,7 +325,7 @@ def _name(mode: dict[str, Any]) -> str:
 
 
 def _shapes(model: PlateModel, modes: list[dict[str, Any]], shapes: Any) -> Section:
-    """Draw the lowest modes: displacements of the elements' corner nodes, the largest of length one."""
+    """Draw the lowest modes by the normalised displacements of the corner nodes of the elements."""
     cells, pictures = model.discretisation.cells, []
     corners = int(cells.max()) + 1
     places = model.discretisation.positions[:, :corners].T
@@ -340,27 +334,24 @@ def _shapes(model: PlateModel, modes: list[dict[str, Any]], shapes: Any) -> Sect
         moved = moved / np.hypot(*moved.T).max()
         caption = f"{mode['number']}: {_name(mode)}, {mode['frequency']:.4g} Hz"
         pictures.append(draw_mode(f"mode-{mode['number']}", caption, places, cells, moved))
-    drawn = "Grey: the plate at rest. The largest displacement is drawn as three tenths of the width."
+    drawn = "Grey: undeformed plate. Displacements are scaled to a maximum of 0.3 times the width."
     if len(modes) > MAX_PICTURES:
-        drawn += f" Drawn are the first {MAX_PICTURES} modes."
-    return Section("Shapes", drawn, pictures)
+        drawn += f" First {MAX_PICTURES} modes."
+    return Section("Mode shapes", drawn, pictures)
 
 
 def _sentences(fe_plan: CornerPlan, frequencies: Any, beam: modal.Beam) -> tuple[str, ...]:
-    """Say how it was computed and how to read it; frequencies [Hz]: of the rigid modes."""
+    """Description of the method; frequencies [Hz]: of the rigid modes."""
     plate, model = fe_plan.plate, fe_plan.model
     rigid = ", ".join(f"{frequency:.0e}" for frequency in frequencies)
     return (
-        f"The plate is free: no wall, no corner. {model.loop.table.connectivity.shape[1]} elements ({plate.element}), "
-        f"{plate.lumping} masses, the stiffness that the run has; its three rigid modes come out at {rigid} Hz.",
-        "Kinds: longitudinal and transverse modes are symmetric about the long middle line, by more than half of their "
-        "kinetic energy; longitudinal ones move along the length with more than half of it. The others bend the plate: "
-        "shear where more than half of the strain energy is that of shear strain, else bending; both are numbered "
-        "together.",
-        f"Beam theory: a free beam of length {measure(beam.length, 'm', 'g')} and depth "
-        f"{measure(beam.depth, 'm', 'g')}. For bending it is "
-        "Timoshenko's, with shear and rotary inertia; the slender beam is Euler and Bernoulli's, without them. For "
-        f"longitudinal modes it is n c / (2 L) with c = {measure(beam.wave_speed, 'm/s', '.5g')}, "
-        "which leaves out that the plate "
-        "grows thinner where it is stretched. A plate this deep leaves both with the higher modes.",
+        f"Free plate without wall and corner constraint: {model.loop.table.connectivity.shape[1]} elements "
+        f"({plate.element}), {plate.lumping} masses. Frequencies of the three rigid-body modes: {rigid} Hz.",
+        "Kinds: more than half of the kinetic energy of longitudinal and transverse modes is symmetric about the "
+        "longitudinal axis, and longitudinal or transverse, respectively. Of the others, shear modes have more than "
+        "half of their strain energy in shear; the remaining modes are bending modes. Both are numbered together.",
+        f"Beam theory: free beam of length {measure(beam.length, 'm', 'g')} and depth "
+        f"{measure(beam.depth, 'm', 'g')}; Timoshenko's theory for bending, Euler-Bernoulli theory for the slender "
+        f"beam, n c / (2 L) with c = {measure(beam.wave_speed, 'm/s', '.5g')} for longitudinal modes. Higher modes of "
+        "a deep plate deviate from beam theory.",
     )

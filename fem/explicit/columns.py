@@ -87,49 +87,55 @@ COLUMNS: Registry[HistoryColumn] = Registry("column")
 """Columns by name, in the order of the history; the record's own come first."""
 
 _MEANINGS = {
-    "t": ("s", "time since the first touch"),
-    "x_g": ("m", "centre of mass along the wall, from where the corner first touches"),
-    "y_g": ("m", "centre of mass across the wall"),
-    "theta": ("rad", "angle between side and wall"),
-    "omega": ("rad/s", "spin, positive where it closes the angle"),
+    "t": ("s", "time since first contact"),
+    "x_g": ("m", "position of the centre of mass along the wall, from the point of first contact"),
+    "y_g": ("m", "distance of the centre of mass from the wall"),
+    "theta": ("rad", "angle between the side of the vehicle and the wall"),
+    "omega": ("rad/s", "angular velocity, positive where it closes the angle"),
     "v_gx": ("m/s", "velocity of the centre of mass along the wall"),
-    "v_gy": ("m/s", "velocity of the centre of mass across the wall, negative towards it"),
+    "v_gy": ("m/s", "velocity of the centre of mass normal to the wall, negative towards it"),
     "slide": ("m", "displacement of the corner along the wall"),
     "v_p": ("m/s", "speed of the corner along the wall"),
-    "reaction_normal": ("N", "of the wall on the plate, negative where it pulls"),
-    "reaction_tangential": ("N", "friction of the wall on the plate"),
-    "force_normal": ("N", "of the wall on the plate across it, mean since the row before"),
-    "force_tangential": ("N", "of the wall on the plate along it, mean since the row before"),
-    "kinetic_energy": ("J", "of the plate"),
-    "strain_energy": ("J", "of the plate"),
-    "contact_energy": ("J", "of the corner's constraint"),
-    "crush_energy": ("J", "that crush has taken for good"),
-    "friction_work": ("J", "done on the plate by friction since the start"),
-    "damping_work": ("J", "done on the plate by damping since the start"),
-    "vibration_energy": ("J", "kinetic energy that is not rigid motion's"),
-    "normal_impulse": ("N s", "of the normal reaction since the start"),
-    "normal_impulse_magnitude": ("N s", "of the magnitude of the normal reaction since the start"),
-    "tangential_impulse": ("N s", "of the wall on the plate along it since the start"),
-    "moment_impulse": ("N m s", "of the wall on the plate about the wall's frame since the start"),
-    "angular_momentum": ("kg m^2/s", "of the plate about the wall's frame"),
-    "gap": ("m", "distance of the corner from the wall's line"),
-    "hourglass_energy": ("J", "of hourglass control"),
-    "wall_energy": ("J", "kinetic and elastic, of the wall and its foundation; 0 for a rigid wall"),
-    "wall_deflection": ("m", "the largest of the wall's face; 0 for a rigid wall"),
-    "wall_deflection_place": ("m", "where along the wall that is; 0 for a rigid wall"),
-    "foundation_impulse": ("N s", "of the foundation on the wall since the start; 0 for a rigid wall"),
-    "force_foundation": ("N", "of the foundation on the wall, mean since the row before; 0 for a rigid wall"),
+    "reaction_normal": ("N", "normal reaction of the wall on the plate, negative in tension"),
+    "reaction_tangential": ("N", "friction force of the wall on the plate"),
+    "force_normal": ("N", "normal force of the wall on the plate, mean since the previous row"),
+    "force_tangential": ("N", "tangential force of the wall on the plate, mean since the previous row"),
+    "kinetic_energy": ("J", "kinetic energy of the plate"),
+    "strain_energy": ("J", "strain energy of the plate"),
+    "contact_energy": ("J", "energy of the penalty spring at the corner"),
+    "crush_energy": ("J", "energy dissipated by crush"),
+    "friction_work": ("J", "work of friction on the plate since the start"),
+    "damping_work": ("J", "work of damping on the plate since the start"),
+    "vibration_energy": ("J", "kinetic energy of the deviation from rigid-body motion"),
+    "normal_impulse": ("N s", "impulse of the normal reaction since the start"),
+    "normal_impulse_magnitude": ("N s", "impulse of the magnitude of the normal reaction since the start"),
+    "tangential_impulse": ("N s", "impulse of the tangential force on the plate since the start"),
+    "moment_impulse": ("N m s", "angular impulse on the plate about the origin since the start"),
+    "angular_momentum": ("kg m^2/s", "angular momentum of the plate about the origin"),
+    "gap": ("m", "distance of the corner from the wall"),
+    "hourglass_energy": ("J", "energy of hourglass control"),
+    "wall_energy": ("J", "kinetic and strain energy of the wall and its foundation; 0 for a rigid wall"),
+    "wall_deflection": ("m", "largest deflection of the face of the wall; 0 for a rigid wall"),
+    "wall_deflection_place": ("m", "position of the largest deflection along the wall; 0 for a rigid wall"),
+    "foundation_impulse": (
+        "N s",
+        "impulse of the foundation on the wall since the start; 0 for a rigid wall",
+    ),
+    "force_foundation": (
+        "N",
+        "force of the foundation on the wall, mean since the previous row; 0 for a rigid wall",
+    ),
 }
-"""Unit and meaning of the program's own columns."""
+"""Units and meanings of the built-in columns."""
 
 for _name in Measures._fields:
     COLUMNS.register(HistoryColumn(_name, _MEANINGS[_name][0], meaning=_MEANINGS[_name][1]))
 
 _ON_IMPACT = {
-    "contact_energy": "that contact will give back",
-    "normal_impulse": "of the wall on the plate across it since the start",
+    "contact_energy": "recoverable energy of the contact",
+    "normal_impulse": "impulse of the normal force on the plate since the start",
 }
-"""Meanings that are others in a whole impact."""
+"""Meanings that differ in a whole impact."""
 
 _IMPACT_NAMES = """t x_g y_g theta omega v_gx v_gy force_normal force_tangential kinetic_energy strain_energy
 hourglass_energy contact_energy crush_energy friction_work damping_work vibration_energy normal_impulse

@@ -79,7 +79,7 @@ FRICTION_LAWS.register(
         constants=Drag,
         force=_drag_force,
         slope=_drag_slope,
-        text="Coulomb friction on N's magnitude: mu |N| against the sliding, whichever way the reaction acts "
+        text="Coulomb friction mu |N| against the sliding direction, for either sign of the reaction "
         "(Eqs 66-67)",
         rigid="drag",
         impulse="normal_impulse_magnitude",
@@ -127,7 +127,7 @@ FRICTION_LAWS.register(
         constants=Signed,
         force=_signed_force,
         slope=_signed_slope,
-        text="Coulomb friction on N's sign, which here drives the corner on; kept to show what the sign does",
+        text="Coulomb friction mu N with the sign of N, which accelerates the corner while the wall pulls",
         rigid="signed",
         impulse="normal_impulse",
         dissipative=False,

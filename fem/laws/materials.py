@@ -175,7 +175,7 @@ MATERIALS.register(
         make=neo_hookean,
         stress=_neo_hookean_stress,
         energy_density=_neo_hookean_energy,
-        text="neo-Hookean, the stretch of the thickness free",
+        text="neo-Hookean, plane stress",
         helpers=(_logarithms,),
         nanoseconds=95.0,
     )

@@ -100,7 +100,7 @@ CONTACT_LAWS.register(
         stored=_crush_stored,
         lost=_crush_lost,
         helpers=(taken_up, unloading_displacement),
-        text="crush with permanent set: F0 + k d on loading, unloading on a line that gives back e^2 of the energy",
+        text="crush with permanent set: F0 + k d on loading, linear unloading that returns e^2 of the energy",
     )
 )
 

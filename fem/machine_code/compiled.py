@@ -31,7 +31,7 @@ OPTIONS: dict[str, Any] = {
 OnCompile = Callable[[str], None]
 """Callback of what there is to say while something is compiled."""
 
-LOOP = "the time loop of this kind of model"
+LOOP = "the time loop of this type of model"
 
 _FINDING = threading.RLock()
 
@@ -172,7 +172,7 @@ def compile_once(
     if not kernel.has_code(*arguments):
         code = kernel.path(*arguments)
         with folder.one_process_compiles(
-            code, lambda: on_compile(f"waiting for another process that compiles {LOOP}")
+            code, lambda: on_compile(f"waiting for another process to compile {LOOP}")
         ):
             if not kernel.has_code(*arguments):
                 on_compile(f"compiling {LOOP}, once on this machine: about {folder.expected_time():.0f} s")

@@ -93,7 +93,7 @@ def _claim(folder: Path) -> None:
     """Make a folder where there is none. Raises OSError for one that is another user's, or open to others."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     if not _is_closed(folder.lstat()):
-        raise PermissionError("it must be this user's own, and closed to others (chmod 700)")
+        raise PermissionError("it must belong to this user and be inaccessible to others (chmod 700)")
 
 
 def _is_closed(status: os.stat_result) -> bool:

@@ -102,9 +102,9 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     """
     loop, modes = plate.loop, elastic.free_modes(plate, count)
     if loop.corner.dashpot:
-        raise ValueError("the modal model has no dashpot at the corner")
+        raise ValueError("the modal model does not support a dashpot at the corner")
     if loop.viscosity is not None:
-        raise ValueError("the modal model has no damping of the plate")
+        raise ValueError("the modal model does not support damping of the plate")
     masses, positions = loop.mass, plate.discretisation.positions
     body = positions - (positions @ masses / masses.sum())[:, None]
     loads = _loads(masses, body, loop.corner)
@@ -169,7 +169,7 @@ ENDS = (
     "the side reached the wall",
     "the corner stopped before the side reached the wall",
     "a step did not converge",
-    "the side did not reach the wall in time",
+    "the side did not reach the wall within the time limit",
 )
 """How a run ended, in words."""
 

@@ -242,7 +242,7 @@ def _basis(wall: WallProperties) -> Any:
         )
     scalar = skfem.CellBasis(from_meshio(wall.mesh), skfem.ElementQuad2(), intorder=4)
     if 2 * scalar.N > MOST:
-        given = f"the wall has {2 * scalar.N} unknowns; it may have up to {MOST}"
+        given = f"the wall has {2 * scalar.N} unknowns; at most {MOST} are allowed"
         raise ModelError("wall.elements", given)
     return scalar
 

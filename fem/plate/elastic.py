@@ -342,7 +342,7 @@ def plate_modes(plate: Inverse, count: int) -> FreeModes:
     stiffness, masses = plate.stiffness, plate.masses
     nodes = masses.size
     if not 0 <= count <= most_modes(nodes):
-        raise ValueError(f"{count} modes were asked for; {nodes} nodes give 0 to {most_modes(nodes)}")
+        raise ValueError(f"{count} modes are requested; {nodes} nodes allow 0 to {most_modes(nodes)}")
     root = np.sqrt(np.tile(masses, 2))
     rigid, _ = np.linalg.qr(root[:, None] * plate.rigid)
     shapes = (rigid / root[:, None]).T

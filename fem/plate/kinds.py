@@ -94,10 +94,10 @@ def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.nd
     multipliers = np.linalg.lstsq(weighted @ moments.T, exact - moments @ masses, rcond=None)[0]
     masses = masses + masses**2 * (multipliers @ moments)
     if not (masses > 0.0).all():
-        coarse = "the mesh is too coarse to carry the exact inertia with positive nodal masses"
+        coarse = "the mesh is too coarse for the exact inertia with positive nodal masses"
         raise ModelError("elements", coarse)
     if not np.allclose(moments @ masses, exact, rtol=1e-12, atol=1e-12 * exact[0]):
-        raise ModelError("elements", "the mesh has too few nodes to carry the exact inertia")
+        raise ModelError("elements", "the mesh has too few nodes for the exact inertia")
     return masses
 
 

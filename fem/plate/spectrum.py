@@ -96,7 +96,7 @@ def _extend(
     if length <= 1e-14 * size:
         return 0.0
     if not math.isfinite(length):
-        raise FloatingPointError("the operator does not stay finite")
+        raise FloatingPointError("the operator is not finite")
     rows[each + 1] = vector / length
     return length
 

@@ -149,7 +149,7 @@ class ImpactStepper(runner.PlateStepper):
         later, rows = runner.copy_state(state), self._room(count)
         impact_loop.advance_and_record(later, stride, *self._all_parts, rows)
         if later.wall is not None and (beyond := later.wall.beyond[0]) > 0.0:
-            why = f"the plate presses {beyond:.3g} m beyond the wall's end; make it longer"
+            why = f"contact extends {beyond:.3g} m beyond the end of the wall; increase the length"
             raise ModelError("wall.length", why)
         return runner.Recorded(np.hstack(rows), state, later)
 
@@ -205,7 +205,7 @@ def simulate_impact(
     Raises
     ------
     ModelError
-        Where the plate presses on a deformable wall beyond its end.
+        Where contact extends beyond the end of a deformable wall.
     """
     stepper = ImpactStepper(model)
     stride = max(1, round(sample / model.loop.time_step))

@@ -78,7 +78,7 @@ def rigid_accelerations(
     angular = s_y * corner / inertia
     normal = s_x * angular - omega**2 * s_y
     if not normal < 0.0:
-        why = f"the wall's reaction at the start is {normal:g} N, but Stage 2 needs one that pulls"
+        why = f"the initial reaction of the wall is {normal:g} N; Stage 2 requires tension (a negative reaction)"
         raise ValueError(why)
     return RigidAccelerations(corner, angular, normal, slope * normal)
 
@@ -297,7 +297,7 @@ def equilibrium(
         solve = elastic.elastic_solver(tangent_matrix(model, place), model.loop.mass, place)
         place, before = place + solve(residual.ravel()).reshape(2, -1), size
     raise ValueError(
-        "the plate is too soft for a start by inertia relief: it finds no equilibrium under its reaction"
+        "the plate is too soft for a start by inertia relief: no equilibrium exists under the reaction"
     )
 
 

@@ -75,19 +75,19 @@ for _kind in (
     StartKind(
         "inertia-relief",
         _inertia_relief,
-        "in the elastic state of its rigid acceleration (inertia relief), with the rigid body's spin and "
-        "the corner's speed; where it deforms visibly, its centre begins with another momentum than Stage 1 gave",
+        "by inertia relief, in the quasi-static elastic state of the rigid-body acceleration, with the angular "
+        "velocity and corner speed of Stage 1; its momentum differs by the rate of the deflection",
     ),
     StartKind(
         "inertia-relief-momenta",
         _inertia_relief_momenta,
-        "in the elastic state of its rigid acceleration (inertia relief), with the linear "
-        "momentum that Stage 1 gave; spin and speed of the corner follow",
+        "by inertia relief, in the quasi-static elastic state of the rigid-body acceleration, with the linear momentum "
+        "of Stage 1; angular velocity and corner speed follow",
     ),
     StartKind(
         "unstressed",
         _unstressed,
-        "unstressed, with the rigid body's velocities and all its momenta: it oscillates",
+        "unstressed, with the rigid-body velocities of Stage 1, and oscillates",
         relieved=False,
     ),
 ):

@@ -201,7 +201,7 @@ def read_history(content: bytes) -> dict[str, NDArray[np.float64]]:
     header, _, body = content.decode().partition("\n")
     names = header.split(",")
     if len({*names}) < len(names) or not all(map(_is_name, names)):
-        raise ValueError("its first line has no names of columns")
+        raise ValueError("its first line has no column names")
     rows = [line.split(",") for line in body.splitlines()]
     table = np.array([[entry or "nan" for entry in row] for row in rows], dtype=np.float64)
     table = table.reshape(-1, len(names))

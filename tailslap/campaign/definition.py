@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 
 
 ALLOWED = (
-    "allowed is KEY=VALUES, with VALUES a:b:n, log:a:b:n or a list v1,v2,v3, like corner.friction=0:0.6:13; "
-    "with --sample, a:b or log:a:b or a list"
+    "allowed is KEY=VALUES with VALUES a:b:n, log:a:b:n or a list v1,v2,v3, e.g. corner.friction=0:0.6:13; "
+    "with --sample a:b, log:a:b or a list"
 )
 BRACKETS = {"[": 1, "]": -1}
 LOGARITHMIC = "log"
@@ -154,7 +154,7 @@ def make_definition(
     counts = [(values.number or 1) if isinstance(values, TypedRange) else len(values) for _, values in given]
     if math.prod(counts) > MAX_RUNS:
         shown = " x ".join(map(str, counts)) + " runs"
-        raise InputError("--vary", shown, f"allowed are at most {MAX_RUNS} runs")
+        raise InputError("--vary", shown, f"the limit is {MAX_RUNS} runs")
     first = {key: vary.parse_value(values[0]) for key, values in given}
     scene = _scene(source, first)
     kind = kind_of(scene)
@@ -191,9 +191,9 @@ def _fixed(source: vary.Source, changes: tuple[str, ...], keys: list[str]) -> va
     fixed = vary.parse_changes(changes, source.given)
     for number, key in enumerate(keys):
         if key in keys[:number]:
-            raise InputError("--vary", key, "it is varied twice; allowed is one --vary for each key")
+            raise InputError("--vary", key, "this key is varied twice")
         if key in fixed:
-            raise InputError("--vary", key, "--set fixes it; leave out one of the two")
+            raise InputError("--vary", key, "--set and --vary exclude each other; remove one of the two")
     tables, noted = vary.changed_tables(source.given, fixed)
     return vary.Source(source.text, tables, frozenset(noted))
 
@@ -204,7 +204,7 @@ def parse_varied(varied: str, sampled: bool) -> tuple[str, Given]:
     if not (text and re.fullmatch(vary.KEY, key)):
         raise InputError("--vary", varied, ALLOWED)
     if key == "name":
-        allowed = "a scene's name changes nothing in a run; allowed are its other keys"
+        allowed = "the name does not affect a run; allowed are the other keys"
         raise InputError("--vary", varied, allowed)
     parts = split_outside(text, ":")
     if len(parts) == 1:
@@ -218,9 +218,9 @@ def parse_varied(varied: str, sampled: bool) -> tuple[str, Given]:
         raise InputError(key, text, ALLOWED)
     lower, upper, count = (*ends, "")[:3]
     if sampled and count:
-        raise InputError(key, text, "with --sample a range is a:b or log:a:b; --sample says how many")
+        raise InputError(key, text, "with --sample a range is a:b or log:a:b")
     if not sampled and (not re.fullmatch("[0-9]{1,9}", count) or int(count) < 2):
-        raise InputError(key, text, "a range ends with how many values it has, a whole number from 2: a:b:n")
+        raise InputError(key, text, "a range is a:b:n with a number n of values of at least 2")
     return key, TypedRange(lower, upper, None if sampled else int(count), logarithmic)
 
 
@@ -254,7 +254,7 @@ def _variation(key: str, given: Given, read_value: Read, fractions: np.ndarray |
     if fractions is not None:
         if isinstance(lower, int):
             shown = f"{given.lower}:{given.upper}"
-            raise InputError(key, shown, "whole numbers are sampled from a list v1,v2,v3")
+            raise InputError(key, shown, "with --sample whole numbers require a list v1,v2,v3")
         even = lower + (upper - lower) * fractions
         between = lower * (upper / lower) ** fractions if given.logarithmic else even
         return Variation(key, unit, tuple(between.tolist()), given.logarithmic)
@@ -263,7 +263,7 @@ def _variation(key: str, given: Given, read_value: Read, fractions: np.ndarray |
     if isinstance(lower, int) and isinstance(upper, int):
         if any(value != round(value) for value in values):
             shown = f"{given.lower}:{given.upper}:{given.number}"
-            raise InputError(key, shown, f"not all of its values are whole numbers, like {values[1]:g}")
+            raise InputError(key, shown, f"all values must be whole numbers; {values[1]:g} is not")
         values = [round(value) for value in values]
     return Variation(key, unit, tuple(values), given.logarithmic)
 
@@ -273,11 +273,11 @@ def _ends(key: str, given: TypedRange, read_value: Read) -> tuple[Any, Any, str]
     (lower, unit), (upper, _) = read_value(given.lower), read_value(given.upper)
     shown = f"{given.lower}:{given.upper}"
     if not (isinstance(lower, int | float) and isinstance(upper, int | float)):
-        raise InputError(key, shown, "a range is of numbers; allowed here is a list v1,v2,v3")
+        raise InputError(key, shown, "a range requires numbers; allowed is a list v1,v2,v3")
     if lower == upper:
-        raise InputError(key, shown, "the two ends of a range must differ")
+        raise InputError(key, shown, "the ends of a range must differ")
     if given.logarithmic and not min(lower, upper) > 0.0:
-        raise InputError(key, shown, "both ends of a range in equal ratios must be above 0")
+        raise InputError(key, shown, "the ends of a logarithmic range must be above 0")
     return lower, upper, unit
 
 
@@ -288,7 +288,7 @@ CHUNK = 20_000
 PASSED, FAILED, REFUSED, ERROR = STATUSES = ("passed", "failed", "refused", "error")
 """All checks passed; a check failed; the theory or the model refuses the combination; the run broke down."""
 
-KILLS = "its worker died each time that it was computed, alone at last"
+KILLS = "its worker process died in every attempt"
 
 TIMES = ("cost.run_s", "cost.setup_s", "cost.time_loop_s")
 REUSED = "cost.reused"
@@ -323,7 +323,7 @@ def compute_row(run: int, source: vary.Source, changes: vary.Changes) -> dict[st
     except InputError as refusal:
         found = {"status": REFUSED, "reason": str(refusal)}
     except MemoryError:
-        found = {"status": ERROR, "reason": "the memory of the machine does not hold this mesh"}
+        found = {"status": ERROR, "reason": "insufficient memory for this mesh"}
     except Exception as error:  # a sweep goes on, whatever one of its runs does
         found = {"status": ERROR, "reason": f"{type(error).__name__}: {error}"}
     inputs = {key: plain(value) for key, value in changes.items()}

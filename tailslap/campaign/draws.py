@@ -77,7 +77,7 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
             continue
         if effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS:
             return changes
-    none = f"none of {MAX_TRIES} draws of this scene is possible and affordable"
+    none = f"none of {MAX_TRIES} random scenes is valid and within the limits of this machine"
     raise InputError("--random", number, none)
 
 

@@ -103,7 +103,7 @@ def run_study(
 
 
 def _died(key: Key) -> Any:
-    raise OSError(f"{key}: its process died each time that it was computed; perhaps memory ran out")
+    raise OSError(f"{key}: its process died in every attempt; insufficient memory is a possible cause")
 
 
 class _Engine:

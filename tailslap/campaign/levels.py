@@ -13,7 +13,7 @@ from tailslap.scene.units import Quantity
 from tailslap.scene.vary import parse_value
 
 # Values of --lowest and --highest.
-HERTZ = Quantity("a frequency in cycles a second", "Hz", '"8 Hz"', least=0.01, most=1e5)
+HERTZ = Quantity("a frequency", "Hz", '"8 Hz"', least=0.01, most=1e5)
 
 # Fraction of a level, or of a difference, that the numerical error must stay below for either to be known; a
 # difference that is below the level with its error on top is known to be.
@@ -53,7 +53,7 @@ class Reach:
             NOT_REACHED: "<\N{NO-BREAK SPACE}",
             ABOVE_ALL: ">\N{NO-BREAK SPACE}",
         }
-        return signs[self.kind] + hertz(rounded_up(self.frequency)) if self.kind in signs else "not known"
+        return signs[self.kind] + hertz(rounded_up(self.frequency)) if self.kind in signs else "unknown"
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
         except ValueError as error:
             raise InputError(option, given, str(error)) from None
     if not ends[0] < ends[1]:
-        raise InputError("--lowest", lowest, f'allowed is less than --highest, which is "{highest}"')
+        raise InputError("--lowest", lowest, f'it must be below --highest, "{highest}"')
     return tuple(np.geomspace(ends[1], ends[0], points).tolist())
 
 

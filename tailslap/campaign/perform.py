@@ -37,7 +37,11 @@ class StoppedError(Exception):
     exit status."""
 
     def __init__(self, why: str, kept: int | None, runs: int, status: int) -> None:
-        rows = f"{kept} of {runs} rows are kept; the same command resumes" if kept else "no run was finished"
+        rows = (
+            f"{kept} of {runs} rows are saved; the same command resumes the sweep"
+            if kept
+            else "no run is complete"
+        )
         super().__init__(f"{why}; {'without a folder no row is kept' if kept is None else rows}")
         self.why, self.status = why, status
 
@@ -119,7 +123,7 @@ def _make_missing(
         return run, definition.source, definition.changes_of(run)
 
     def look(threads: int) -> None:
-        idle = "" if threads else "; no worker is there, waiting for one"
+        idle = "" if threads else "; waiting for a worker"
         failed = rows.statuses[sweeps.FAILED] + rows.statuses[sweeps.ERROR]
         show(len(rows), f", {failed} failed{idle}")
 
@@ -171,10 +175,12 @@ def _is_known(place: Path, definition: sweeps.Definition, force: bool) -> bool:
     with contextlib.suppress(OSError, ValueError):
         theirs = json.loads((place / DEFINITION).read_text(encoding="utf-8"))
     if not isinstance(theirs, dict):
-        raise InputError("--out", str(place), f"{DEFINITION} in it is damaged; allowed is a new folder")
+        raise InputError("--out", str(place), f"its {DEFINITION} is damaged; allowed is a new folder")
     different = [name for name in ours if theirs.get(name) != ours[name]]
     if different:
         shown = ", ".join(name for name in different if name not in ("digest", "runs")) or "values"
-        allowed = f"it holds another sweep: {shown} differ (see {DEFINITION}); allowed is that sweep or a new folder"
+        allowed = (
+            f"the folder contains another sweep ({shown} differ, see {DEFINITION}); allowed is a new folder"
+        )
         raise InputError("--out", str(place), allowed)
     return True

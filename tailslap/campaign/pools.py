@@ -114,7 +114,7 @@ class Pool:
                 first = self._executor.submit(make_ready)
             first.result()
         except BrokenProcessPool:
-            raise LostError("no worker is left") from None
+            raise LostError("no worker remains") from None
         except KeyboardInterrupt:  # processes that have just been started need this one for a moment yet
             self.close()
             raise
@@ -238,7 +238,7 @@ class _Cluster(Pool):
             if time.monotonic() - self._looked > LOOK_S:
                 self._workers, self._looked = sum(self._client.nthreads().values()), time.monotonic()
         except (OSError, TimeoutError):
-            raise LostError(f"the scheduler at {self._address} is gone") from None
+            raise LostError(f"the connection to the scheduler at {self._address} is lost") from None
         return self._workers
 
     def fault(self, error: Exception) -> Exception:
@@ -264,9 +264,11 @@ def cluster(address: str) -> Iterator[Pool]:
             try:  # not by making a client: one that cannot connect leaves threads behind
                 kind = asyncio.run(asyncio.wait_for(_kind(address), ANSWER_S))
             except Exception as error:  # Dask raises half a dozen kinds for addresses that are none
-                kind = str(error).splitlines()[0] if str(error) else f"nothing within {ANSWER_S:g} s"
+                kind = str(error).splitlines()[0] if str(error) else f"no reply within {ANSWER_S:g} s"
             if kind != "Scheduler":
-                allowed = f"no Dask scheduler answers there ({kind}); allowed is an address like tcp://127.0.0.1:8786"
+                allowed = (
+                    f"no Dask scheduler replies ({kind}); allowed is an address like tcp://127.0.0.1:8786"
+                )
                 raise errors.InputError("--cluster", address, allowed)
             client = stack.enter_context(Client(address))
             for worker, reply in client.run(make_ready, on_error="return").items():
@@ -286,6 +288,6 @@ async def _kind(address: str) -> str:
 def _other_program(address: str, who: str, reply: Any) -> errors.InputError:
     """The error for a worker that has another version of this program, or cannot load it."""
     reply = str(reply) if isinstance(reply, OtherProgramError) else reply
-    has = f"tailslap {reply}" if isinstance(reply, str) else f"no tailslap that loads ({reply})"
-    allowed = f"{who} {has}; allowed is {program()}, as here, on all workers"
+    has = f"tailslap {reply}" if isinstance(reply, str) else f"no working tailslap ({reply})"
+    allowed = f"{who} {has}; all workers require {program()}"
     return errors.InputError("--cluster", errors.Verbatim(address), allowed)

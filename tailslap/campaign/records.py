@@ -215,7 +215,7 @@ class Journal:
         if kind is None or not kept:
             remove(self.path)
         elif isinstance(error, KeyboardInterrupt):
-            said = f"interrupted; {kept} parts are kept, and the same command goes on from there"
+            said = f"interrupted; {kept} parts are saved, and the same command resumes from there"
             raise Interrupted(said) from None
 
 
@@ -263,7 +263,7 @@ def _seal(*parts: bytes | None) -> str:
 
 
 def _in_the_way(path: Path) -> InputError:
-    allowed = "this file is in the way: it is damaged, or no journal; move it away, or give another --out"
+    allowed = "this file is not a valid journal; remove it, or choose another --out"
     return InputError("--out", str(path), allowed)
 
 

@@ -1,4 +1,4 @@
-"""Report of a sweep: page and summary beside its table, and what the terminal says."""
+"""Report of a sweep."""
 
 import contextlib
 import math
@@ -28,18 +28,21 @@ from tailslap.scene import vary
 
 REPORT, SUMMARY = "report.html", "summary.json"
 MAX_LISTED = 15
-"""Rows that did not pass which the page lists."""
+"""Rows without a pass that the page lists."""
 
-FILES = (
-    "sweep.parquet, the table, a row a run, in SI; summary.json, these numbers; sweep.json, what the sweep is"
-)
-STATUS_WORDS = {PASSED: "passed all checks", FAILED: "failed a check", REFUSED: "refused", ERROR: "in error"}
+FILES = "sweep.parquet (one row per run, in SI); summary.json; sweep.json (definition)"
+STATUS_WORDS = {
+    PASSED: "passed all checks",
+    FAILED: "failed a check",
+    REFUSED: "refused",
+    ERROR: "with an error",
+}
 VARIED = (Column("key", "Key"), Column("values", "Values"), Column("count", "Number", form="d"))
 SPREAD = (
     Column("quantity.label", ""),
     *columns({"least": "FE, least", "most": "FE, most"}, form=".5g"),
     Column("difference", "Largest FE/rigid - 1", form="+.2e", style="strong"),
-    Column("run", "In run", form="d"),
+    Column("run", "Run", form="d"),
 )
 RIGID_SPREAD = (
     Column("quantity.label", ""),
@@ -74,11 +77,11 @@ def base_case(definition: sweeps.Definition) -> Case | None:
 
 def sweep_text(sweep: sweeps.FinishedSweep, place: Path | None) -> str:
     """Headline of the report, cost of the runs, and places of the files, if they stay."""
-    effort, cost = sweep.effort, "nothing was left to run"
+    effort, cost = sweep.effort, "no runs remained"
     if effort.runs:
         cost = (
             f"{effort.runs} runs on {effort.threads} workers in {clock(effort.wall_s)}, {effort.rate:.3g} runs/s, "
-            f"{1e3 * effort.overhead_s:.1f} ms a run beyond the runs themselves"
+            f"{1e3 * effort.overhead_s:.1f} ms overhead per run"
         )
     files = place and (place_line("Table: ", place / TABLE), place_line("Report:", place / REPORT))
     assert sweep.report
@@ -104,16 +107,16 @@ def sweep_page(
         groups.setdefault(curve.group, []).append(curve)
     sections = (
         Section("Set-up", figures=drawing),
-        Section("What varies", tables=(Table(VARIED, varied),)),
+        Section("Varied keys", tables=(Table(VARIED, varied),)),
         Section(f"{where}, runs that passed", tables=(Table(spread, spreads(rows)),)),
         *(Section(group, figures=its) for group, its in groups.items()),
         Section("Runs that did not pass", tables=(_not_passed(definition, rows, reasons),)),
-        Section("What was computed, and what it means", sentences=_sentences(sweep)),
+        Section("Method", sentences=_sentences(sweep)),
     )
-    kind = "each beside its exact rigid solution" if rows.fe else "of the rigid vehicle"
+    kind = "finite elements and exact rigid solution" if rows.fe else "rigid vehicle"
     changes = "".join(f"# changed by --set {change}\n" for change in definition.changes)
     text = definition.text.rstrip("\n") + "\n" + changes
-    return Page(f"Sweep: many runs of one scene, {kind}", opening, sections, footer(FILES), text)
+    return Page(f"Sweep: {kind}", opening, sections, footer(FILES), text)
 
 
 def summary(sweep: sweeps.FinishedSweep, rows: SweepRows) -> dict[str, Any]:
@@ -168,7 +171,11 @@ def _not_passed(definition: sweeps.Definition, rows: SweepRows, reasons: np.ndar
         for run in runs[:MAX_LISTED]
     ]
     marks = {place: "failed" for place, item in enumerate(listed) if item["status"] != REFUSED}
-    more = (f"The first {len(listed)} of {len(runs)}; the table has all.",) if len(runs) > len(listed) else ()
+    more = (
+        (f"First {len(listed)} of {len(runs)}; sweep.parquet contains all.",)
+        if len(runs) > len(listed)
+        else ()
+    )
     return Table(NOT_PASSED, listed, notes=more, marks=marks)
 
 
@@ -191,13 +198,13 @@ def _rows(definition: sweeps.Definition, table: Path, units: Units) -> SweepRows
 
 
 def _varied(item: sweeps.Variation, values: np.ndarray, units: Units) -> Varied:
-    """The key as people read it."""
+    """Key with values in displayed units."""
     factor, unit = units.of(item.unit) if item.unit else (1.0, "")
     return Varied(item.key, unit, values if factor == 1.0 else factor * values, item.logarithmic)
 
 
 def counts(sweep: sweeps.FinishedSweep) -> str:
-    """Numbers of rows by status; those that none has are omitted."""
+    """Numbers of rows by status, without zeros."""
     return ", ".join(f"{n} {STATUS_WORDS[status]}" for status, n in sweep.statuses.items() if n)
 
 
@@ -225,28 +232,25 @@ def headline(
 
 
 def _sentences(sweep: sweeps.FinishedSweep) -> list[str]:
-    """Sentences that a reader needs beside the numbers."""
+    """Description of the method."""
     definition = sweep.definition
-    latin = (
-        f"The runs are a Latin hypercube of {definition.sample} samples with the seed {definition.seed}: each range is "
-        "cut into as many equal parts, and each part has one sample. The same call gives the same runs."
-    )
+    latin = f"The runs are a Latin hypercube of {definition.sample} samples (seed {definition.seed})."
     said = [latin if definition.sample else "The runs are all combinations of the values."]
     if any(name.startswith("fe.") for name in definition.kinds):
         said.append(
-            "Every row has the exact rigid solution of its own inputs, its differences, and values of all checks."
+            "Each row contains the exact rigid solution of its inputs, the differences, and the values of all checks."
         )
     if sweep.statuses[REFUSED]:
-        said.append("Refused: the rigid-body theory has no solution for these inputs, or they make no model.")
+        said.append("Refused: the rigid-body theory has no solution for the inputs, or the model is invalid.")
     if sweep.statuses[FAILED]:
         said.append(
-            "Results of runs that failed a check are in the table and the plots, and are not to be believed."
+            "Results of runs that failed a check are included in the table and the plots; they are not reliable."
         )
     return said
 
 
 def values_words(item: sweeps.Variation) -> str:
-    """The values of a key: all of a short list, else the ends and how they lie between."""
+    """Values of a key: all of a short list, else the range."""
     values = list(dict.fromkeys(item.values))
     if not item.numeric or len(values) <= 4:
         return ", ".join(shown(value, item.unit) for value in values)
@@ -255,7 +259,7 @@ def values_words(item: sweeps.Variation) -> str:
 
 
 def shown(value: float | int | str, unit: str) -> str:
-    """A value with its unit, angles in degrees."""
+    """Value with its unit, angles in degrees."""
     if isinstance(value, str):
         return value
     return measure(value, unit, ".5g", named=bool(unit))

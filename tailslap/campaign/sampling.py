@@ -109,15 +109,15 @@ def ranges_of(
     for text in ranges:
         key, lower, upper = _split(text, used)
         if key in ends and ends[key][2] == FROM_USER:
-            raise InputError("--range", text, "its key is given twice; allowed is one --range for each key")
+            raise InputError("--range", text, "this key has two ranges")
         ends[key] = (lower, upper, FROM_USER)
     for key in fixed:
         if key in ends and ends[key][2] == FROM_USER:
-            raise InputError("--fix", key, "--range varies it; leave out one of the two")
+            raise InputError("--fix", key, "--range and --fix exclude each other; remove one of the two")
         if ends.pop(key, None) is None:
-            raise InputError("--fix", key, f"it does not vary; allowed are {', '.join(ends) or 'none'}")
+            raise InputError("--fix", key, f"this key does not vary; allowed are {', '.join(ends) or 'none'}")
     if not ends:
-        raise InputError("--fix", ", ".join(fixed), "then nothing varies; allowed is to leave one free")
+        raise InputError("--fix", ", ".join(fixed), "at least one key must vary")
     return tuple(_range(case, key, *ends[key]) for key in used if key in ends)
 
 
@@ -126,9 +126,9 @@ def _split(text: str, used: tuple[str, ...]) -> tuple[str, str, str]:
     key, equals, values = (part.strip() for part in text.partition("="))
     lower, colon, upper = (part.strip() for part in values.partition(":"))
     if not all((key, equals, lower, colon, upper)):
-        raise InputError("--range", text, "allowed is KEY=LOWER:UPPER, like impact.friction=0.2:0.5")
+        raise InputError("--range", text, "allowed is KEY=LOWER:UPPER, e.g. impact.friction=0.2:0.5")
     if key not in used:
-        why = f"the peak force of this scene does not depend on it; allowed are {', '.join(used)}"
+        why = f"the peak force of this scene is independent of this key; allowed are {', '.join(used)}"
         raise InputError(key, values, why)
     return key, lower, upper
 
@@ -143,11 +143,11 @@ def _range(case: Case, key: str, lower: Any, upper: Any, origin: str) -> Range:
         if typed:
             raise
         where = Verbatim(f"{lower} to {upper} by default ({origin})")
-        raise InputError(key, where, f"{error.allowed}; --range gives another range") from None
+        raise InputError(key, where, f"{error.allowed}; --range changes the range") from None
     low, high = (float(row.value or 0.0) if row else math.nan for row in ends)
     if not high > low:
         text = f"{lower}:{upper}" if typed else f"{lower!r}:{upper!r}"
-        raise InputError(key, text, "the second value must be larger than the first")
+        raise InputError(key, text, "the upper limit must exceed the lower limit")
     own = _row(case.scene, case.source, key)
     unit = ends[0].unit if ends[0] else ""
     return Range(key, low, high, unit, None if own is None else float(own.value or 0.0), origin)

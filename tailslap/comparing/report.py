@@ -1,4 +1,4 @@
-"""Results side by side, each beside the first: comparison, page, summary, terminal."""
+"""Comparison of results with a reference."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +20,7 @@ USUAL = (
     *("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"),
     *("x_g", "y_g", "force_normal", "force_tangential"),
 )
-"""Columns that are compared unless the caller says otherwise."""
+"""Columns compared by default."""
 
 FORCES = ("force_normal", "reaction_normal")
 """Forces across the wall, one of which takes the width of the page."""
@@ -32,36 +32,36 @@ METRICS = (
     Column("within", "Within", form=lambda within: "yes" if within else "NO"),
 )
 WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
-    "x_g": ("x_G", "Centre of mass along the wall"),
-    "y_g": ("y_G", "Centre of mass across the wall"),
-    "force_normal": ("force", "Force of the wall on the vehicle across it"),
-    "force_tangential": ("force", "Force of the wall on the vehicle along it"),
+    "x_g": ("x_G", "Position of the centre of mass along the wall"),
+    "y_g": ("y_G", "Distance of the centre of mass from the wall"),
+    "force_normal": ("force", "Normal force of the wall on the vehicle"),
+    "force_tangential": ("force", "Tangential force of the wall on the vehicle"),
 }
 """Symbol and caption of the curves, by column."""
 
 NOTE = (
-    "M, P, C: magnitude, phase and comprehensive metric of Sprague and Geers. Mean and standard deviation (SD) of the "
-    "differences over the reference's peak, as in the analysis of variance of NCHRP W179, and the largest difference. "
-    f"Within: M, P, C at most {100 * LIMITS.magnitude:.0f} %, mean {100 * LIMITS.mean_residual:.0f} %, SD "
-    f"{100 * LIMITS.deviation:.0f} %."
+    "M, P, C: Sprague-Geers magnitude, phase and comprehensive metrics. Mean, standard deviation (SD) and largest "
+    "value of the differences, relative to the peak of the reference, as in NCHRP W179. Limits: "
+    f"{100 * LIMITS.magnitude:.0f} % for M, P and C, {100 * LIMITS.mean_residual:.0f} % for the mean, "
+    f"{100 * LIMITS.deviation:.0f} % for SD."
 )
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The items, the first of which is the reference; pairs: label of another and a column in common with it."""
+    """Items, of which the first is the reference; pairs: label of another item and a common column."""
 
     items: tuple[Item, ...]
     pairs: tuple[tuple[str, Beside], ...]
 
     @property
     def reference(self) -> Item:
-        """The item that the others are compared with."""
+        """Item that the others are compared with."""
         return self.items[0]
 
     @property
     def within(self) -> bool:
-        """True where all metrics are within their customary limits."""
+        """True if all metrics are within the limits."""
         return all(each.within for _, each in self.pairs)
 
 
@@ -71,9 +71,9 @@ def compare_items(
     only: Sequence[str] = (),
     force: bool = False,
 ) -> Comparison:
-    """Compare results, folders and files with the first of them; force: damaged ones too. Raises InputError."""
+    """Compare results, folders and files with the first one; force: include damaged ones. Raises InputError."""
     if len(given) < 2:
-        allowed = "allowed are two or more, the first is the reference"
+        allowed = "two or more results are required; the first is the reference"
         raise InputError("RESULT", Verbatim(len(given)), allowed)
     mapping = parse_mapping(columns) if isinstance(columns, str) else dict(columns or {})
     items = [read_item(each, mapping, force) for each in given]
@@ -90,17 +90,17 @@ def _in_common(item: Item, reference: Item, only: Sequence[str]) -> list[Beside]
     common = [name for name in reference.columns if name in item.columns and name != TIME]
     for name in only:
         if name not in common:
-            raise InputError("--only", name, one_of(name, common, "allowed are the columns in common,"))
+            raise InputError("--only", name, one_of(name, common, "allowed are the common columns,"))
     chosen = only or [name for name in USUAL if name in common] or common
     found = [each for name in chosen if (each := beside(name, item.columns, reference.columns))]
     if not found:
-        allowed = f"it has no column over a common time with {reference.label}; see --columns"
+        allowed = f"it has no column and time range in common with {reference.label}; see --columns"
         raise InputError("RESULT", item.label, allowed)
     return found
 
 
 def compare_report(found: Comparison) -> Report:
-    """Page, summary, and the text for the terminal."""
+    """Report of a comparison."""
     table, opening = metrics_table(found), headline(found)
     notes = [note for item in found.items for note in item.notes]
     compared: dict[str, Any] = {item.label: {} for item in found.items[1:]}
@@ -116,7 +116,7 @@ def compare_report(found: Comparison) -> Report:
     }
     sections = (
         Section("Metrics", tables=(table,), sentences=notes),
-        Section("Numbers of the results", tables=tuple(_quantities(found))),
+        Section("Results at the tail-slap", tables=tuple(_quantities(found))),
         Section("Curves", figures=[*_curves(found)]),
         Section("Differences from the reference", figures=[*_curves(found, True)]),
     )
@@ -144,10 +144,10 @@ def headline(found: Comparison) -> Headline:
 
 
 def metrics_table(found: Comparison) -> Table:
-    """A row a column of each item but the reference."""
+    """Table of metrics, one row per item and column."""
     rows = [{"item": label, **_numbers(each)} for label, each in found.pairs]
     marks = {k: "failed" for k, row in enumerate(rows) if not row["within"]}
-    return Table(METRICS, rows, f"Against {found.reference.label}, in %", notes=(NOTE,), marks=marks)
+    return Table(METRICS, rows, f"Differences from {found.reference.label}, in %", notes=(NOTE,), marks=marks)
 
 
 def _numbers(each: Beside) -> dict[str, Any]:
@@ -157,7 +157,7 @@ def _numbers(each: Beside) -> dict[str, Any]:
 
 
 def _quantities(found: Comparison) -> Iterator[Table]:
-    """The five quantities of results with a tail-slap, side by side."""
+    """Table of the quantities at the tail-slap."""
     summaries = {item.label: item.summary or {} for item in found.items}
     results = {
         label: {**its["fe"], "peak_force": its.get("peak_force", {}).get("fe")}
@@ -180,7 +180,7 @@ def _quantities(found: Comparison) -> Iterator[Table]:
 
 
 def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:
-    """Each column that was compared, of all items, the force first; less: less the reference's."""
+    """Charts of the compared columns, the force first; less: of the differences from the reference."""
     names = [*dict.fromkeys(each.name for _, each in found.pairs)]
     main = next((name for name in FORCES if name in names), names[0])
     for name in sorted(names, key=lambda name: name != main):
@@ -188,7 +188,7 @@ def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:
         if less:
             curves = [Curve(label, x.t, x.difference) for label, x in found.pairs if x.name == name]
             file, title = f"difference_{name}", f"difference of {symbol}"
-            caption = f"{caption.partition(',')[0]}, less that of {found.reference.label}"
+            caption = f"{caption.partition(',')[0]}, difference from {found.reference.label}"
         else:
             curves = [
                 Curve(i.label, i.columns[TIME], i.columns[name]) for i in found.items if name in i.columns

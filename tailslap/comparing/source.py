@@ -49,7 +49,7 @@ def parse_mapping(text: str) -> dict[str, str]:
     """This program's names and the file's, from "time=t,v_gy=VY [mph]". Raises InputError."""
     pairs = [part.partition("=") for part in text.split(",") if part.strip()]
     if not pairs or not all(key.strip() and value.strip() for key, _, value in pairs):
-        raise InputError("--columns", text, "allowed is NAME=THEIRS,..., like time=t,v_gy=VY")
+        raise InputError("--columns", text, "allowed is NAME=THEIRS,..., e.g. time=t,v_gy=VY")
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
@@ -84,7 +84,7 @@ def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
     try:
         columns, units = read_table(path)
     except FileNotFoundError:
-        allowed = "there is no such file or folder; allowed are result folders and files with named columns"
+        allowed = "the file or folder does not exist; allowed are result folders and files with named columns"
         raise InputError("RESULT", str(path), allowed) from None
     except (OSError, ValueError, csv.Error) as error:
         why = getattr(error, "strerror", None) or error
@@ -100,14 +100,14 @@ def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
     for ours, theirs in wanted.items():
         minus, name, given = _parts(theirs, columns)
         if name not in columns:
-            allowed = one_of(name, columns, f"{path.name} has no such column; allowed are")
+            allowed = one_of(name, columns, f"{path.name} does not have this column; allowed are")
             raise InputError("--columns", theirs, allowed)
         unit = given or units.get(name, "")
         found[ours] = (-1.0 if minus else 1.0) * _factor(ours, unit, known.get(ours, "")) * columns[name]
         if ours in mapping and not unit:
             assumed.append(ours)
     _demand_rising(found, path)
-    notes = (f"{path.name}: no unit given for {', '.join(assumed)}; SI is assumed.",) if assumed else ()
+    notes = (f"{path.name}: {', '.join(assumed)} without a unit, assumed in SI.",) if assumed else ()
     return Item(path.stem, found, known, None, notes)
 
 
@@ -126,16 +126,16 @@ def _factor(ours: str, unit: str, si: str) -> float:
     try:
         return converted(1.0, unit, si)
     except ValueError:
-        raise InputError(f"unit of {ours}", unit, f"allowed is a unit that fits {si}") from None
+        raise InputError(f"unit of {ours}", unit, f"allowed is a unit of the dimension of {si}") from None
 
 
 def _demand_rising(found: Mapping[str, Floats], path: Path) -> None:
     if TIME not in found:
-        allowed = "it has no column of instants; allowed is one called t or time, or --columns time=THEIRS"
+        allowed = "it has no time column; allowed is a column t or time, or --columns time=THEIRS"
         raise InputError("RESULT", str(path), allowed)
     t = found[TIME]
     if not (np.diff(t[np.isfinite(t)]) > 0.0).all():
-        raise InputError("RESULT", str(path), "its instants do not rise; allowed are rows in order of time")
+        raise InputError("RESULT", str(path), "time does not increase from row to row")
 
 
 def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
@@ -148,18 +148,18 @@ def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
     lines = read_text(path, MAX_BYTES, "replace").splitlines()
     lines = [line for line in lines if line.strip() and not line.lstrip().startswith(COMMENTS)]
     if len(lines) < 3:
-        raise ValueError("it has less than two rows below a line of names")
+        raise ValueError("it has fewer than two rows below the line of names")
     separator = next((mark for mark in ("\t", ";", ",") if mark in lines[0]), None)
     cells = csv.reader(lines, delimiter=separator) if separator else map(str.split, lines)
     rows = [[cell.strip() for cell in row] for row in cells]
     if all(_is_number(cell) for cell in rows[0] if cell):
-        raise ValueError("its first line has no names of columns")
+        raise ValueError("its first line has no column names")
     matches = [NAME_AND_UNIT.fullmatch(cell.strip()) for cell in rows[0]]
     names = [match[1] if match else cell.strip() for cell, match in zip(rows[0], matches, strict=True)]
     units = [match[2] if match else "" for match in matches]
     for name in filter(None, names):
         if names.count(name) > 1:
-            raise ValueError(f"it has two columns called {shortened(name)}, allowed is one")
+            raise ValueError(f"it has two columns {shortened(name)}")
     first = 1
     if not any(map(_is_number, rows[1])):
         units, first = [cell.strip("[]() ") for cell in rows[1]], 2
@@ -176,7 +176,7 @@ def _demand_points(rows: list[list[str]], columns: int) -> None:
         if comma := next(filter(DECIMAL_COMMA.fullmatch, row), None):
             raise ValueError(f'it has "{comma}"; {COMMA}')
         if any(row[columns:]):
-            raise ValueError(f"a row has {len(row)} entries, and there are {columns} names; {COMMA}")
+            raise ValueError(f"a row has {len(row)} entries for {columns} names; {COMMA}")
 
 
 def _is_number(cell: str) -> bool:

@@ -86,12 +86,12 @@ class Checkpoints:
             wanted = sizes(rows)
             size = DIGEST + COUNT + NUMBER * sum(map(math.prod, wanted.values()))
             if os.fstat(file.fileno()).st_size != size:
-                raise ValueError("other arrays")
+                raise ValueError("the sizes differ")
             arrays = {name: np.empty(shape) for name, shape in sorted(wanted.items())}
             for array in arrays.values():
                 file.readinto(array.data)
         if self._sealed(arrays) != digest:
-            raise ValueError("other numbers, or of another run")
+            raise ValueError("the digests differ")
         return arrays
 
     def save(self, arrays: Callable[[], Arrays]) -> None:
@@ -123,14 +123,14 @@ def checkpointed(place: Path, definition: Mapping[str, Any], resume: bool) -> It
     checkpoints = Checkpoints(place, definition, resume)
     if resume and not checkpoints.files(own=True):
         others = ", ".join(sorted(path.name for path in checkpoints.files(own=False)))
-        stay = f", and those of another scene or version of the program stay: {others}" if others else ""
-        _say(f"there is no checkpoint of this run{stay}")
+        stay = f"; checkpoints of other scenes or versions are kept: {others}" if others else ""
+        _say(f"this run has no checkpoint{stay}")
     token = _current.set(checkpoints)
     try:
         yield
     except KeyboardInterrupt:
         if checkpoints.promised:
-            said = "interrupted; the same command with --resume goes on from its checkpoint"
+            said = "interrupted; the same command with --resume continues from the checkpoint"
             raise Interrupted(said) from None
         raise
     finally:
@@ -147,7 +147,7 @@ def next_checkpoint() -> Checkpoint | None:
 
 
 def _say(why: str) -> None:
-    click.echo(f"tailslap: {escaped(why)}; the run begins at the beginning", err=True)
+    click.echo(f"tailslap: {escaped(why)}; the run starts from the beginning", err=True)
 
 
 def _digest(definition: Mapping[str, Any]) -> str:

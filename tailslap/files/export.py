@@ -110,7 +110,7 @@ def _units(to: str, units: str) -> Units:
     if units not in SYSTEMS:
         raise InputError("--units", units, f"allowed is one of {', '.join(SYSTEMS)}")
     if units != "si" and to not in PICTURES:
-        raise InputError("--units", units, f"files of {to} are in SI always; leave out one of the two")
+        raise InputError("--units", units, f"{to} files are always in SI; remove --units")
     return SYSTEMS[units]
 
 
@@ -119,7 +119,7 @@ def _write_tables(found: Result, to: str, folder: Path) -> None:
 
     write, names = getattr(series, f"write_{to}"), {FE: "history", RIGID: "rigid"}
     if not found.histories:
-        raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed is a run or a sweep")
+        raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed are runs and sweeps")
     for label, columns in found.histories.items():
         write(folder / f"{names.get(label, label)}.{to}", (columns, columns.units))
     if found.make_fields is not None:

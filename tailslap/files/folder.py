@@ -24,7 +24,7 @@ SWEEP = "sweep.json"
 """The file by which the folder of a sweep is known, which is not replaced: it may hold days of runs."""
 
 ALLOWED = "allowed is a new or empty folder, or a result of tailslap"
-ANOTHER = "give another folder"
+ANOTHER = "choose another folder"
 PATIENCE_S = 10.0
 """Time that a reader waits for a command which is moving its files [s]."""
 
@@ -42,7 +42,7 @@ def result_folder(
         listed = manifest.read_manifest(place) or ()
         replaced = {place, *(place / item.path for item in listed)}
         if any(resolved(path) in replaced for path in inputs):
-            raise errors.InputError("--out", str(place), f"the command reads it; {ANOTHER}")
+            raise errors.InputError("--out", str(place), f"it is an input of the command; {ANOTHER}")
         demand_result(place, force, origin)
         new = fresh(place)
         yield new
@@ -61,8 +61,10 @@ def demand_result(place: Path, force: bool, origin: Origin) -> None:
     held = manifest.read_origin(place)
     if held != origin and not force:
         words = f"{held.command} {held.scene}".strip()
-        of = f"the result of `tailslap {words}`" if words else "a result of an earlier version"
-        raise errors.InputError("--out", str(place), f"it holds {of}; --force replaces it, or {ANOTHER}")
+        of = f"the result of `tailslap {words}`" if words else "the result of an earlier version"
+        raise errors.InputError(
+            "--out", str(place), f"the folder contains {of}; --force replaces it, or {ANOTHER}"
+        )
 
 
 def users(place: Path) -> list[str]:
@@ -97,7 +99,7 @@ def _make_and_lock(place: Path, stack: contextlib.ExitStack) -> None:
         except FileNotFoundError:  # who was there before has removed the folder
             continue
         except BlockingIOError as busy:
-            said = f"another command is at work in it; wait for its end, or {ANOTHER}"
+            said = f"another command uses this folder; wait for it, or {ANOTHER}"
             raise errors.InputError("--out", str(place), said) from busy
         except OSError as error:
             raise errors.place_error(place, "the folder cannot be locked", error) from None
@@ -136,7 +138,7 @@ def commit(place: Path, origin: Origin = UNKNOWN) -> None:
     Raises InputError where a file that was changed or added would be lost; nothing is then changed.
     """
     if not _is_held(place):
-        raise errors.InputError("--out", str(place), "the folder was removed while the command was at work")
+        raise errors.InputError("--out", str(place), "the folder was removed during the command")
     logged = False
     try:
         _write_log(place, origin)
@@ -146,7 +148,7 @@ def commit(place: Path, origin: Origin = UNKNOWN) -> None:
     except OSError as error:
         why = "the folder cannot be written"
         if os.path.lexists(place / LOG):
-            why = f"the result is in {NEW} there, and the next command moves it to its place"
+            why = f"the result is in its subfolder {NEW}; the next command completes it"
         raise errors.place_error(place, why, error) from None
     except KeyboardInterrupt:
         if not logged and not os.path.lexists(place / LOG):
@@ -161,10 +163,10 @@ def earlier(place: Path, names: Iterable[str] = ()) -> frozenset[Entry]:
     ours = {item.path: item for item in listed if os.path.lexists(place / item.path)}
     for name, item in sorted(ours.items()):
         if manifest.entry(place / name) != item:
-            raise _refusal(place, f"{name} in it was changed since the program wrote it")
+            raise _refusal(place, f"its file {name} was modified")
     for name in sorted(set(names) - ours.keys()):
         if os.path.lexists(place / name):  # asked of the folder: "A" and "a" may be one file there
-            raise _refusal(place, f"{name} in it was added, and the new result has a file of that name")
+            raise _refusal(place, f"its file {name} does not belong to the result and would be overwritten")
     return frozenset(ours.values())
 
 
@@ -199,7 +201,7 @@ def _read_log(place: Path) -> tuple[frozenset[Entry], frozenset[Entry]] | None:
 
 
 def _damaged(place: Path, name: str) -> errors.InputError:
-    allowed = f"{name} in it is damaged, of a command that was ended; move it and {NEW} away, or {ANOTHER}"
+    allowed = f"its file {name}, of an interrupted command, is damaged; remove it and {NEW}, or {ANOTHER}"
     return errors.InputError("folder", str(place), allowed)
 
 
@@ -212,7 +214,7 @@ def _redo(place: Path) -> None:
             if manifest.entry(place / NEW / item.path) != item:
                 raise _damaged(place, f"{NEW}/{item.path}")
             if os.path.lexists(place / item.path) and manifest.entry(place / item.path) not in old:
-                raise _refusal(place, f"{item.path} in it was changed since the program wrote it")
+                raise _refusal(place, f"its file {item.path} was modified")
         for item in old:
             if item.path not in {its.path for its in new} and manifest.entry(place / item.path) == item:
                 (place / item.path).unlink()
@@ -251,7 +253,7 @@ def resolved(place: Path) -> Path:
     try:
         return Path(os.path.realpath(place))
     except OSError as error:
-        raise errors.place_error(place, "the folder has no path", error) from None
+        raise errors.place_error(place, "the path is invalid", error) from None
 
 
 def _make_folders(place: Path) -> list[Path]:
@@ -260,11 +262,11 @@ def _make_folders(place: Path) -> list[Path]:
     try:
         place.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
-        allowed = "this is a file, or in one; allowed is a folder"
+        allowed = "it is a file, or inside a file; allowed is a folder"
         raise errors.InputError("--out", str(place), allowed) from None
     except OSError as error:
         _remove_folders(missing)
-        raise errors.place_error(place, "the folder cannot be made", error) from None
+        raise errors.place_error(place, "the folder cannot be created", error) from None
     return missing
 
 
@@ -278,8 +280,8 @@ def _remove_folders(folders: list[Path]) -> None:
 def others(place: Path, names: list[str], allowed: str) -> errors.InputError:
     """Make the error for a place with files of others."""
     shown = ", ".join(names[:2]) + (", ..." if names[2:] else "")
-    return errors.InputError("--out", str(place), f"it holds other files ({shown}); {allowed}")
+    return errors.InputError("--out", str(place), f"the folder contains other files ({shown}); {allowed}")
 
 
 def _refusal(place: Path, why: str) -> errors.InputError:
-    return errors.InputError("--out", str(place), f"{why}; move that file away, or {ANOTHER}")
+    return errors.InputError("--out", str(place), f"{why}; move this file, or {ANOTHER}")

@@ -24,7 +24,7 @@ Read = TypeVar("Read")
 SWEEP, SUMMARY = "sweep.parquet", "summary.json"
 FILES = {result.FE: "history.csv", result.RIGID: "rigid.csv"}
 
-ENERGY_ERROR = HistoryColumn("energy_error", "J", meaning="what the energy balance leaves unaccounted for")
+ENERGY_ERROR = HistoryColumn("energy_error", "J", meaning="energy-balance error")
 
 
 def corner_columns() -> dict[str, HistoryColumn]:
@@ -84,10 +84,10 @@ class Stored:
     def demand_manifest(self) -> None:
         """Raise InputError for a folder that has no result, or one without a whole manifest."""
         if SUMMARY not in self.names:
-            allowed = f"there is no {SUMMARY} that can be read; allowed is a result folder of tailslap"
+            allowed = f"it has no readable {SUMMARY}; allowed is a result folder of tailslap"
             raise errors.InputError("folder", str(self.place), allowed)
         if self.listed is None:
-            self._complain(f"its manifest {manifest.NAME} is missing or damaged, and tells of no file in it")
+            self._complain(f"its manifest {manifest.NAME} is missing or damaged")
 
     def read(self, name: str, parse: Callable[[BufferedReader], Read]) -> Read | None:
         """Parse a file; None where there is none, or nothing can be read. Raises InputError for one that is damaged."""
@@ -96,18 +96,18 @@ class Stored:
         try:
             with open(folder.path_in(self.place, name), "rb", opener=manifest.open_plain) as file:
                 if self.listed is not None and manifest.entry_of(file, name) != self.listed[name]:
-                    self._complain(f"{name} in it is damaged, or was changed since the program wrote it")
+                    self._complain(f"its file {name} is damaged or was modified")
                 file.seek(0)
                 return parse(file)
         except (errors.InputError, Warning):
             raise
         except Exception as error:  # a parser raises what it likes over damaged bytes
-            self._complain(f"{name} in it cannot be read, {type(error).__name__}: {error}")
+            self._complain(f"its file {name} cannot be read, {type(error).__name__}: {error}")
             return None
 
     def _complain(self, why: str) -> None:
         if not self._force or Stored(self.place).listed != self.listed:
-            said = f"{why}; --force (in Python force=True) reads what can be read"
+            said = f"{why}; --force (Python: force=True) reads the intact files"
             raise errors.InputError("folder", str(self.place), said)
         warnings.warn(f"{self.place}: {why}", stacklevel=2)
 

@@ -53,7 +53,7 @@ def open_plain(name: str, flags: int) -> int:
     if stat.S_ISREG(os.fstat(number).st_mode):
         return number
     os.close(number)
-    raise ValueError("a result holds plain files alone")
+    raise ValueError("it is not a regular file")
 
 
 def entry(path: Path) -> Entry | None:

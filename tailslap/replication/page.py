@@ -34,13 +34,13 @@ CAPTIONS = {
     "omega": "Angular velocity ω",
     "slide": "Distance s",
 }
-DIFFERENCE = "In every table, diff. is computed/printed - 1."
+DIFFERENCE = "diff. = computed/printed - 1."
 PLOTTED = (
-    "drag: exact motion with friction μ_k |N|, from the printed start; none: the same without friction. Marked are "
-    "the printed values: paper, the start and the analytical column of Table 3 (in Figure 10, t = 0.38 s of Section "
-    "3.1.1); ABAQUS, its column of Table 3."
+    "drag: exact motion with friction μ_k |N| from the printed initial state; none: without friction. Markers: printed "
+    "values; paper: initial state and analytical column of Table 3 (Figure 10: t = 0.38 s of Section 3.1.1); ABAQUS: "
+    "ABAQUS column of Table 3."
 )
-AXES = " SI units; X along the wall in the driving direction, Y away from it; ω positive where it closes the angle."
+AXES = " SI units; X along the wall, in the direction of travel, Y away from it; ω positive where it closes the angle."
 
 MOTION_LOOKS: Any = ({"colour": "rigid", "width": 3.2}, {"colour": "fe", "width": 1.6, "dashes": "5 3"})
 MARK_LOOKS: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour in ("ink", "difference"))
@@ -49,12 +49,12 @@ MARK_LOOKS: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour
 
 @named_arguments
 def paper() -> Result:
-    """Compute the paper's tables and figures beside the printed values.
+    """Compare the tables and figures of the paper with computed values.
 
     Returns
     -------
     Result
-        `summary` is what `tailslap paper --json` prints: cells of printed and computed value and their difference.
+        `summary` contains printed value, computed value and difference of each cell, as `tailslap paper --json`.
 
     Examples
     --------
@@ -68,7 +68,7 @@ def paper() -> Result:
 
 
 def paper_report(found: Numbers) -> Report:
-    """Page, summary, the curves of Figures 10 to 14 for both motions, and what the terminal says."""
+    """Report with the curves of Figures 10 to 14 for both motions."""
     courses = {name: tables.course(name) for name in ("drag", "none")}
     parts = sections(found, courses)
     column = found["table_3"]["analytical"]
@@ -82,7 +82,7 @@ def paper_report(found: Numbers) -> Report:
 
 
 def summary(found: Numbers) -> dict[str, Any]:
-    """The numbers, SI. The curves of the figures are left out: they stand in files of their own."""
+    """Summary in SI, without the curves of the figures."""
     shown = ("given", "value", "unit")
     inputs = {item.name: {key: getattr(item, key) for key in shown} for item in tables.INPUTS}
     head = {"version": tailslap.__version__, "paper": tables.PAPER, "inputs": inputs, "start": tables.START}
@@ -90,18 +90,18 @@ def summary(found: Numbers) -> dict[str, Any]:
 
 
 def sections(found: Numbers, courses: Mapping[str, History]) -> tuple[Section, ...]:
-    """The parts of the paper in its order; the earlier methods, and what its stages assume, last."""
+    """Sections in the order of the paper; earlier methods and assumptions are last."""
     known = found["row_b"]
     shown = {
         "Table 1. MASH TL-4 (SUT) impact requirements": table_1(found["table_1"]),
         "Table 3. Comparison of FEA and analytical results": table_3(found["table_3"]),
-        "Figures 10 to 14. The course of the motion": figure_tables(found["figures"]),
+        "Figures 10 to 14. Histories of the motion": figure_tables(found["figures"]),
         "Table 4. TL-4 peak lateral impact force, 50 ms average": force_tables(found["table_4"], known[0]),
         "Table 5. TL-4 peak lateral impact force, SAE-filtered data": force_tables(
             found["table_5"], known[1], True
         ),
         "Earlier methods. Olson, Hirsch and Ritter (Section 2.1)": earlier_tables(found["earlier"]),
-        "Assumptions. Restitution, the wall's pull, the mass that strikes": assumed(found),
+        "Assumptions. Restitution, tensile reaction, effective mass": assumed(found),
     }
     parts = [Section(title, tables=its) for title, its in shown.items()]
     curves = [figure(number, name, courses) for number, name in FIGURES.items()]
@@ -110,12 +110,12 @@ def sections(found: Numbers, courses: Mapping[str, History]) -> tuple[Section, .
 
 
 def printed(key: str, form: Form = "g", group: str = "") -> Column:
-    """The printed number of the cell at `key`."""
+    """Printed value of the cell at `key`."""
     return Column(f"{key}.printed", "printed", form=form, style="soft", group=group)
 
 
 def computed(key: str, form: Form = "#.5g", group: str = "", decimals: int = 3) -> tuple[Column, Column]:
-    """The computed number, and its difference in per cent with so many decimals."""
+    """Computed value, and its difference in per cent."""
     difference = partial(percent, decimals=decimals)
     return (
         Column(f"{key}.computed", "computed", form=form, group=group),
@@ -124,17 +124,17 @@ def computed(key: str, form: Form = "#.5g", group: str = "", decimals: int = 3) 
 
 
 def scaled(factor: float, form: str) -> Callable[[float], str]:
-    """The form of a number in another unit: so many of its own."""
+    """Format of a number in units of `factor`."""
     return lambda value: format(value / factor, form)
 
 
 def table_1(found: Numbers) -> tuple[Table, Table]:
-    """The inputs and what follows from them, and Stage 1 from either speed beside the printed start of Stage 2."""
+    """Inputs and derived quantities, and Stage 1 from both speeds compared with the printed start of Stage 2."""
     heads = (
         *columns({"title": "Input", "symbol": ""}),
         Column("given", "printed", form=str, style="soft"),
         Column("value", "SI", form=".7g"),
-        *columns({"unit": "", "place": "where"}),
+        *columns({"unit": "", "place": "source"}),
     )
     its = found["derived"]
     follows = (
@@ -142,7 +142,13 @@ def table_1(found: Numbers) -> tuple[Table, Table]:
         tables.Input("phi", "φ", "Angle between wall and PG, θ + γ", "", its["phi"], "rad", "Eq 63"),
         tables.Input("beta", "β", "Direction of the impulse, atan(1/μ_k)", "", its["beta"], "rad", "Eq 7"),
         tables.Input(
-            "corner_radius", "r_PG", "Corner to centre of mass", "", its["corner_radius"], "m", "Eq 15"
+            "corner_radius",
+            "r_PG",
+            "Distance from the corner to the centre of mass",
+            "",
+            its["corner_radius"],
+            "m",
+            "Eq 15",
         ),
         tables.Input("inertia", "I_G", "Moment of inertia", "", its["moment_of_inertia"], "kg m²", "Eq 26"),
     )
@@ -156,16 +162,16 @@ def table_1(found: Numbers) -> tuple[Table, Table]:
     speed = found["implied_speed"]
     note = (
         f"Printed: ω_0 = {tables.START['omega']:g} rad/s, v_P0 = {tables.START['corner_speed']:g} m/s, v_0 sin θ = "
-        f"{tables.LATERAL_SPEED / tables.KM_PER_HOUR:g} km/h. This v_P0 is reached from {speed:.4f} m/s, that is "
-        f"{speed / tables.MPH:.3f} mph or {speed / tables.KM_PER_HOUR:.3f} km/h."
+        f"{tables.LATERAL_SPEED / tables.KM_PER_HOUR:g} km/h. This v_P0 corresponds to {speed:.4f} m/s "
+        f"({speed / tables.MPH:.3f} mph, {speed / tables.KM_PER_HOUR:.3f} km/h)."
     )
-    title = "The printed start of Stage 2, computed from 56 mph and from 90 km/h"
-    inputs = Table(heads, (*tables.INPUTS, *follows), "Inputs, and what follows from them")
+    title = "Initial state of Stage 2, computed from 56 mph and from 90 km/h"
+    inputs = Table(heads, (*tables.INPUTS, *follows), "Inputs and derived quantities")
     return inputs, Table(starts, rows, title, (note,))
 
 
 def table_3(found: Numbers) -> tuple[Table, Table]:
-    """The analytical column beside the motion with friction from three starts; ABAQUS's beside both motions."""
+    """Analytical column and motion with friction from three starts; ABAQUS column and both motions."""
     start, force = tables.START, found["peak_force"]
     analytical = {"analytical": "as printed", "analytical_56": "from 56 mph", "analytical_15": "56 mph, 15°"}
     abaqus = {
@@ -174,16 +180,16 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
         "abaqus_drag": "drag, same s",
     }
     notes = (
-        'Exact motion with friction μ_k |N| ("drag", Eqs 66-67) at θ = 0. As printed: from the paper\'s start, '
+        'Exact motion with friction μ_k |N| ("drag", Eqs 66-67) at θ = 0. As printed: initial state of the paper, '
         f"θ_0 = {start['angle']:g} rad, ω_0 = {start['omega']:g} rad/s, v_P0 = {start['corner_speed']:g} m/s. From 56 "
-        "mph: ω_0 and v_P0 by Stage 1, θ_0 as printed; then θ_0 = 15 deg as well, not rounded. The paper prints the "
-        "magnitude of v_GY; towards the wall it is negative.",
+        "mph: ω_0 and v_P0 by Stage 1, θ_0 as printed. 56 mph, 15°: θ_0 = 15 deg. The paper prints the magnitude of "
+        "v_GY.",
         f"Peak force 2 m |v_GY|/Δt (Eqs 72-73) for Δt = 0.1 s: {force['computed'] / 1e3:.1f} kN from the printed "
         f"start, {force['printed'] / 1e3:.1f} kN from the printed v_GY.",
     )
     note = (
-        'The printed start without friction ("none") at θ = 0 and at an earlier instant; last, the motion with '
-        f"friction at the instant at which its corner has slid the printed {tables.ABAQUS['slide']:g} m."
+        'Motion without friction ("none") from the printed initial state at θ = 0 and at an earlier time; last, motion '
+        f"with friction at the printed slide of {tables.ABAQUS['slide']:g} m."
     )
 
     def table(title: str, columns: dict[str, str], notes: tuple[str, ...]) -> Table:
@@ -200,7 +206,7 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
 
 
 def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Chart:
-    """One of Figures 10 to 14: two motions at most as lines, the printed points as marks."""
+    """One of Figures 10 to 14: motions as lines, printed points as markers."""
     panel = next(panel for panel in COMPARED if panel.name == name)
     lines: list[tuple[str, Any]] = [(label, thinned(its["t"], its[name])) for label, its in courses.items()]
     points = [(label, np.transpose(its)) for label, its in tables.marks(name).items() if its]
@@ -211,7 +217,7 @@ def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Char
 
 
 def figure_tables(found: Numbers) -> tuple[Table, Table]:
-    """Values that the paper reads off its charts beside the exact motion, and that motion at a few instants."""
+    """Values that the paper reads from its charts, and the exact motion."""
     readings = (
         Column("figure", "Figure"),
         Column("quantity", "quantity", form=lambda name: NAMES[name].label),
@@ -219,7 +225,7 @@ def figure_tables(found: Numbers) -> tuple[Table, Table]:
         printed("value"),
         *computed("value"),
     )
-    note = "Computed is the exact motion with friction, from the printed start."
+    note = "Computed: exact motion with friction from the printed initial state."
     decimals = {"theta": 4, "v_gy": 4, "v_gx": 3, "omega": 5, "slide": 4}
     heads = (
         Column(name, NAMES[name].symbol, NAMES[name].unit, f"z.{decimals[name]}f", group=f"Fig. {number}")
@@ -228,16 +234,16 @@ def figure_tables(found: Numbers) -> tuple[Table, Table]:
     instants = (Column("t", "t", "s", ".4f"), *heads)
     values = tables.course("drag", np.array(found["instants"]))
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-    read = Table(readings, found["readings"], "What the paper reads off the charts", (note,))
-    return read, Table(instants, rows, "The exact motion with friction, to lay over the charts")
+    read = Table(readings, found["readings"], "Values read from the charts of the paper", (note,))
+    return read, Table(instants, rows, "Exact motion with friction")
 
 
 def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False) -> tuple[Table, Table]:
-    """Peak forces of Table 4 or 5 with the ratio of those for e = 0 and e = 0.22, and adjustment factors.
+    """Peak forces of Table 4 or 5, their ratio for e = 0 and e = 0.22, and adjustment factors.
 
-    known: row b with the speed and angle of its test. repeated: the notes are those of the table before.
+    known: row b with the speed and angle of its test. repeated: the notes are those of the previous table.
     """
-    source = f"row b, computed with the {tables.ROW_B_GIVEN} of its test, MNCBR-1 (from the test's report)"
+    source = f"row b, computed with {tables.ROW_B_GIVEN} of its test MNCBR-1 (test report)"
     marked = known | {"printed": known["printed"] | {"row": "b*", "source": source}}
     lines, exact = [*rows[:2], marked, *rows[2:]], f"{known['ratio']['computed']:.4f}"
     _, ratio = computed("ratio", group="ratio", decimals=1)
@@ -246,7 +252,7 @@ def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False
         Column("printed.duration", "Δt", "s", "g"),
         *_pair("peak", scaled(1e3, "g"), scaled(1e3, ".1f")),
         printed("ratio", ".4f", "ratio"),
-        replace(ratio, label=f"to {exact[:5]}"),
+        replace(ratio, label=f"/ {exact[:5]} - 1"),
     )
     factors = (
         Column("printed.row", "Row"),
@@ -255,19 +261,16 @@ def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False
     )
     notes: tuple[str, ...] = (
         "; ".join(f"{line['printed']['row']}: {line['printed']['source']}" for line in lines) + ".",
-        "The paper gives neither mass nor speed nor length of the six vehicles. Computed are therefore the vehicle "
-        "and impact of Table 1 (9979 kg, 10 m x 2.438 m, 56 mph, 15 deg) with the row's duration Δt. What the "
-        "row's own vehicle and impact do is in the difference; nothing was adjusted to match.",
-        f"ratio: F(e = 0)/F(e = 0.22), which the method makes 1/(1 - e) = {exact} for any vehicle.",
+        "Mass, speed and length of the six vehicles are not in the paper. Computed: vehicle and impact of Table 1 "
+        "(9979 kg, 10 m x 2.438 m, 56 mph, 15 deg) with the duration Δt of the row, without adjustment.",
+        f"ratio: F(e = 0)/F(e = 0.22), which is 1/(1 - e) = {exact} for any vehicle.",
     )
     if repeated:
-        notes = (
-            "Rows and computation as in Table 4, whose analytical columns the paper repeats in rows a to e.",
-        )
-    note = "φ_a is the analytical force over that of the crash test or simulation."
+        notes = ("Rows and computation as in Table 4; the analytical columns of rows a to e are the same.",)
+    note = "φ_a: analytical force divided by the force of the crash test or simulation."
     projected = ", ".join(line["printed"]["row"] for line in rows if line["printed"]["projected"])
     by_authors = (
-        f"Measured forces of rows {projected}: projected by the authors, 1.33 times the 50 ms average."
+        f"Measured forces of rows {projected}: projected by the authors as 1.33 times the 50 ms average."
     )
     return (
         Table(forces, lines, "Peak lateral force in kN", notes),
@@ -282,11 +285,11 @@ def _pair(key: str, first: Form, second: Form) -> Iterator[Column]:
 
 
 def earlier_tables(found: Numbers) -> tuple[Table]:
-    """The four methods on the vehicle of Table 1."""
+    """Lateral force of the vehicle of Table 1 by four methods."""
     heads = (
         *columns({"method": "Method", "what": ""}),
         Column("force", "force", "kN", scaled(1e3, ".1f")),
-        Column("to_paper", "to the paper's", form=partial(percent, decimals=1), style="strong"),
+        Column("to_paper", "difference", form=partial(percent, decimals=1), style="strong"),
     )
     methods = (
         ("Olson", "Average force, Eqs 1-2", "olson"),
@@ -299,25 +302,24 @@ def earlier_tables(found: Numbers) -> tuple[Table]:
         for name, what, key in methods
     ]
     notes = (
-        f"At 56 mph and {math.degrees(found['angle']):g} deg, 9979 kg. Assumed, since the paper gives no numbers: "
-        f"A_L = {found['front_distance']:g} m, half the length; B = {found['half_width']:g} m, half the width, as in "
-        f"Olson's report; D = {found['deflection']:g}. The centre of mass then travels {found['travel']:.4f} m in "
-        f"t = {found['time']:.4f} s. The paper's own method: e = 0.22, Δt = 0.1 s.",
-        "The members of Eq 1 are not equal: as t follows from half the lateral speed, the first, V_I sin θ/(2 g t), "
-        f"gives {found['olson_first_member'] / 1e3:.1f} kN, the last, which is Olson's and is used here, "
-        f"{found['olson'] / 1e3:.1f} kN.",
+        f"56 mph, {math.degrees(found['angle']):g} deg, 9979 kg. Assumed: A_L = {found['front_distance']:g} m (half "
+        f"the length), B = {found['half_width']:g} m (half the width, as in Olson's report), D = "
+        f"{found['deflection']:g}. Travel of the centre of mass: {found['travel']:.4f} m in t = {found['time']:.4f} "
+        "s. Chuong and Malla: e = 0.22, Δt = 0.1 s. Differences are relative to Chuong and Malla.",
+        "The two expressions of Eq 1 differ because t follows from half the lateral speed: V_I sin θ/(2 g t) yields "
+        f"{found['olson_first_member'] / 1e3:.1f} kN; Olson's expression, used here, {found['olson'] / 1e3:.1f} kN.",
     )
     return (Table(heads, rows, "Lateral force", notes),)
 
 
 def assumed(found: Numbers) -> tuple[Table, ...]:
-    """Both signs of restitution; the whole impact on a wall that only pushes; the stages' numbers in its place."""
+    """Both definitions of restitution; whole impact with unilateral contact; corresponding values of the stages."""
     signs = (
         Column("sign", "Restitution"),
         Column("corner_recoil", "corner after Stage 1", "m/s", "z.3f"),
         Column("omega", "ω_0", "rad/s", ".4f"),
         Column("peak_force", "peak force", "kN", scaled(1e3, ".1f")),
-        Column("change", "to the paper's", form=partial(percent, decimals=1), style="strong"),
+        Column("change", "difference", form=partial(percent, decimals=1), style="strong"),
     )
     names = {"paper": "paper, 1 - e", "newton": "Newton, 1 + e"}
     rows = [{"sign": names.get(name, name), **case} for name, case in found["restitution"].items()]
@@ -326,11 +328,11 @@ def assumed(found: Numbers) -> tuple[Table, ...]:
         Column("stiffness", "k", "MN/m", scaled(1e6, "g")),
         Column("omega", "ω", "rad/s", ".4f", group="first strike"),
         Column("released", "end", "s", ".4f", group="first strike"),
-        Column("gap", "off by", "m", ".3f", group="front corner"),
-        Column("back", "back at", "s", ".4f", group="front corner"),
+        Column("gap", "gap", "m", ".3f", group="front corner"),
+        Column("back", "next contact", "s", ".4f", group="front corner"),
         Column("rear_start", "start", "s", ".4f", group="rear strike"),
         Column("rear_impulse", "impulse", "kN s", scaled(1e3, ".2f"), group="rear strike"),
-        Column("share", "of m", form=".4f", group="rear strike"),
+        Column("share", "m_eff/m", form=".4f", group="rear strike"),
     )
     durations = (
         Column("stiffness", "k", "MN/m", scaled(1e6, "g")),
@@ -339,14 +341,14 @@ def assumed(found: Numbers) -> tuple[Table, ...]:
         Column("read.cfc60", "CFC 60", "ms", scaled(1e-3, ".1f")),
         Column("rear_peak", "raw peak force", "kN", scaled(1e3, ".1f")),
     )
-    solved = "Rigid, e = 0.22, μ_k = 0.47; corners that crush, a wall that only pushes."
-    share = "of m: impulse over (1 + e) m v_E, v_E the rear corner's speed into the wall."
-    read = "By the paper's rule, valley to valley around the second peak."
+    solved = "Rigid vehicle, e = 0.22, μ_k = 0.47; unilateral contact with crush at the corners."
+    share = "m_eff/m: impulse / ((1 + e) m v_E), with the normal velocity v_E of the rear corner."
+    read = "Durations by the rule of the paper: between the minima around the second peak."
     stages = (
         ("Stage 1, ω_0 with 1 - e", whole["omegas"]["paper"], "rad/s"),
         ("Stage 1, ω_0 with 1 + e", whole["omegas"]["newton"], "rad/s"),
         (f"First strike, ω for k = {tables.NEARLY_RIGID / 1e6:g} MN/m", whole["nearly_rigid"], "rad/s"),
-        ("Stage 2, the wall's reaction N at the start", pull["first"], "N"),
+        ("Stage 2, initial reaction N", pull["first"], "N"),
         ("Stage 2, N at the tail-slap", pull["last"], "N"),
         ("Stage 2, time of the tail-slap", whole["paper_time"], "s"),
         ("Stage 3, impulse m v_GY", whole["paper_impulse"], "N s"),
@@ -356,10 +358,13 @@ def assumed(found: Numbers) -> tuple[Table, ...]:
         ("Rear corner, m_eff/m with friction", whole["share_friction"], ""),
     )
     return (
-        Table(signs, rows, "Sign of restitution, at 56 mph"),
-        Table(impact, whole["cases"], "The whole impact, by crush stiffness k of a corner", (solved, share)),
+        Table(signs, rows, "Definition of restitution, at 56 mph"),
+        Table(impact, whole["cases"], "Whole impact, by crush stiffness k of a corner", (solved, share)),
         Table(
-            durations, whole["cases"], "Duration of the rear strike, and as read off filtered forces", (read,)
+            durations,
+            whole["cases"],
+            "Duration of the rear strike, computed and read from filtered forces",
+            (read,),
         ),
-        pairs(stages, title="The paper's stages in its place"),
+        pairs(stages, title="Corresponding values of Stages 1 to 3"),
     )

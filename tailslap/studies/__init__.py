@@ -15,15 +15,15 @@ _registered: dict[str, Study] = {}
 
 # Former studies, and what to use in their place.
 GONE = {
-    "features": "`tailslap check SCENE` names what is left out, benchmarks/features.py times the parts",
-    "strike": "use `tailslap study uncertainty` or, for plates from soft to rigid, `tailslap study flexibility`",
+    "features": "use `tailslap check SCENE`, or benchmarks/features.py",
+    "strike": "use `tailslap study uncertainty` or `tailslap study flexibility`",
 }
 
 
 def register(study: Study) -> None:
     """Add a study from outside this folder. Raises ValueError for a name that is taken."""
     if study.name in study_names():
-        raise ValueError(f"there is a study {study.name!r} already")
+        raise ValueError(f"the study {study.name!r} exists")
     _registered[study.name] = study
 
 
@@ -47,7 +47,7 @@ def with_elements(plan: CornerCase) -> CornerCase:
 def find_study(name: str) -> Study:
     """The study of this name, imported now. Raises InputError, listing the studies, for a name that is none."""
     if name in GONE:
-        raise InputError("NAME", name, f"this study is gone: {GONE[name]}")
+        raise InputError("NAME", name, f"this study was removed; {GONE[name]}")
     if name not in study_names():
         raise InputError("NAME", name, one_of(name, study_names(), "allowed is one of the studies:"))
     found: Study = _registered.get(name) or importlib.import_module(f"{__name__}.{name}").STUDY

@@ -178,7 +178,7 @@ def test_another_scenes_result_is_replaced_by_force_alone(tmp_path):
     again = tailslap.load(one.save(tmp_path / "a"))
     assert (again.command, again.summary) == ("rigid", one.summary)
     np.testing.assert_array_equal(again.rigid["v_gy"], one.rigid["v_gy"])
-    with pytest.raises(InputError, match="it holds the result of `tailslap rigid mash-tl4-sut`"):
+    with pytest.raises(InputError, match="the folder contains the result of `tailslap rigid mash-tl4-sut`"):
         other.save(tmp_path / "a")
     assert tailslap.load(other.save(tmp_path / "a", force=True)).scene == "paper-table-3"
 

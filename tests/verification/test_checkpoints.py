@@ -132,14 +132,14 @@ def test_files_belong_to_one_definition(tmp_path, at_once, capsys):
     with checkpointed(place, {"scene": 3}, True):
         assert next_checkpoint().load(dict) is None
     stay = ", ".join(sorted(path.name for path in (*files, theirs)))
-    assert f"of another scene or version of the program stay: {stay}; the run" in capsys.readouterr().err
+    assert f"checkpoints of other scenes or versions are kept: {stay}; the run" in capsys.readouterr().err
     with checkpointed(place, one, True):
         assert set(tmp_path.iterdir()) == {*files, theirs}
     assert (list(tmp_path.iterdir()), theirs.read_bytes(), capsys.readouterr().err) == ([theirs], before, "")
     theirs.unlink()
     with checkpointed(place, one, True):
         pass
-    assert capsys.readouterr().err.endswith("no checkpoint of this run; the run begins at the beginning\n")
+    assert capsys.readouterr().err.endswith("this run has no checkpoint; the run starts from the beginning\n")
 
 
 def test_places_of_long_names_have_their_own(tmp_path, at_once):
@@ -162,7 +162,7 @@ def test_a_damaged_file_is_told_and_not_read(tmp_path, at_once, capsys, damage):
     path.write_bytes(damage(path.read_bytes()))
     assert rows_found(tmp_path / "out", {}) is None
     said = capsys.readouterr().err
-    assert f"the checkpoint {path} is damaged; the run begins at the beginning" in said
+    assert f"the checkpoint {path} is damaged; the run starts from the beginning" in said
 
 
 def test_a_file_of_another_kind_run_or_form_is_told_and_not_read(tmp_path, at_once, capsys):
@@ -231,7 +231,7 @@ def test_arrays_of_other_shapes_never_reach_compiled_code(tmp_path, monkeypatch,
         assert cli._status(RUN) == 130
     assert "--resume" in capsys.readouterr().err
     assert cli._status([*RUN, "--resume"]) == 0
-    assert ("is damaged; the run begins" in capsys.readouterr().err) == bool(change(found[-1]))
+    assert ("is damaged; the run starts" in capsys.readouterr().err) == bool(change(found[-1]))
 
 
 LONG = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "--no-pictures")

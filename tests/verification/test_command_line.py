@@ -187,7 +187,7 @@ def test_an_earlier_result_is_replaced_and_what_was_added_or_changed_is_not(tmp_
     assert {path.name for path in tmp_path.iterdir()} == {"out"}
     (out / "report.html").write_text("mine")
     assert _status(arguments) == 2
-    assert "report.html in it was changed" in capsys.readouterr().err
+    assert "its file report.html was modified" in capsys.readouterr().err
     assert (out / "report.html").read_text() == "mine"
 
 

@@ -97,7 +97,7 @@ def test_units_may_be_in_the_names_or_in_the_mapping(result, folder, tmp_path):
     one = tailslap.compare(folder, in_names, columns="v_gy=-VY,v_gx=VX")
     two = tailslap.compare(folder, mapped, columns="time=a [ms],v_gy=-VY,v_gx=VX [mph]")
     assert one.summary["compared"]["a"] == two.summary["compared"]["b"]
-    assert one.summary["notes"] == ["a.csv: no unit given for v_gy; SI is assumed."]
+    assert one.summary["notes"] == ["a.csv: v_gy without a unit, assumed in SI."]
 
 
 def test_a_mapping_is_of_the_files_that_need_it(result, folder, tmp_path):
@@ -138,16 +138,16 @@ def test_the_table_fits_eighty_columns(folder, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("text", "why"), [
-    ("1,2\n3,4\n5,6\n", "its first line has no names of columns"), ("t,v_gy\n0,1\n", "less than two rows"),
-    ("a,v_gy\n0,1\n1,2\n", "it has no column of instants"),
-    ("t,v_gy\n1,1\n0,2\n", "its instants do not rise"),
-    ("t,colour\n0,1\n1,2\n", "no column over a common time"),
-    ("t,v_gy [kg]\n0,1\n1,2\n", "allowed is a unit that fits m/s"),
+    ("1,2\n3,4\n5,6\n", "its first line has no column names"), ("t,v_gy\n0,1\n", "fewer than two rows"),
+    ("a,v_gy\n0,1\n1,2\n", "it has no time column"),
+    ("t,v_gy\n1,1\n0,2\n", "time does not increase"),
+    ("t,colour\n0,1\n1,2\n", "no column and time range in common"),
+    ("t,v_gy [kg]\n0,1\n1,2\n", "allowed is a unit of the dimension of m/s"),
     ("t;v_gy\n0,0;1,5\n0,1;2,5\n", "the decimal separator is a point"),
     ("t v_gy\n0 1,5\n1 2,5\n", "the decimal separator is a point"),
-    ("t,v_gy\n0,0,1,5\n0,1,2,5\n", "4 entries, and there are 2 names"),
-    ("t,v_gy,v_gy\n0,1,2\n1,2,3\n", "two columns called v_gy"),
-    ("t,v_gy\n0,\0\n1,2\n", "not text in UTF-8"), (f't,v_gy\n0,"{"1" * 200_000}"\n1,2\n', "field larger"),
+    ("t,v_gy\n0,0,1,5\n0,1,2,5\n", "4 entries for 2 names"),
+    ("t,v_gy,v_gy\n0,1,2\n1,2,3\n", "two columns v_gy"),
+    ("t,v_gy\n0,\0\n1,2\n", "neither text in UTF-8"), (f't,v_gy\n0,"{"1" * 200_000}"\n1,2\n', "field larger"),
 ])  # fmt: skip
 def test_files_that_are_no_histories_are_refused(text, why, folder, tmp_path):
     path = tmp_path / "wrong.csv"
@@ -170,14 +170,14 @@ def test_devices_and_pipes_are_refused(folder, tmp_path, capsys):
     os.mkfifo(tmp_path / "pipe")
     for name in ("/dev/zero", str(tmp_path / "pipe")):
         assert command(str(folder), name) == 2
-        assert "no regular file" in capsys.readouterr().err
+        assert "not a regular file" in capsys.readouterr().err
 
 
 def test_a_large_file_is_refused(monkeypatch, tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("t,v\n0,1\n1,2\n")
     monkeypatch.setattr(source, "MAX_BYTES", 5)
-    with pytest.raises(ValueError, match="too large; allowed are 5 bytes"):
+    with pytest.raises(ValueError, match="too large; the limit is 5 bytes"):
         read_table(path)
 
 
@@ -192,10 +192,10 @@ def test_a_name_is_no_formula_of_a_spreadsheet(result, folder, tmp_path):
 
 def test_what_is_not_there_is_refused(folder, tmp_path):
     for given, only, message in (
-        ((folder, tmp_path / "none.csv"), None, "there is no such file or folder"),
-        ((folder,), None, "allowed are two or more"),
-        ((folder, folder), ["colour"], "allowed are the columns in common"),
-        ((folder, tmp_path), None, r"there is no summary\.json"),
+        ((folder, tmp_path / "none.csv"), None, "the file or folder does not exist"),
+        ((folder,), None, "two or more results are required"),
+        ((folder, folder), ["colour"], "allowed are the common columns"),
+        ((folder, tmp_path), None, r"it has no readable summary\.json"),
     ):
         with pytest.raises(InputError, match=message):
             tailslap.compare(*given, only=only)

@@ -387,7 +387,7 @@ def test_answer(synthetic):
 @pytest.mark.long
 def test_levels_of_any_start_and_the_power_law_are_said(synthetic, tmp_path):
     terminal, page = said(synthetic(), tmp_path)
-    any_start = "any of the three ≈ 41 Hz ≈ 4.1 Hz ≈ 0.9 Hz ≈ 0.64 Hz"
+    any_start = "all three starts ≈ 41 Hz ≈ 4.1 Hz ≈ 0.9 Hz ≈ 0.64 Hz"
     for words in (any_start, "inertia relief ≈ 6.4 Hz ≈ 2.1 Hz"):
         assert words in terminal
     law = '<td class="n">\N{MINUS SIGN}2.000</td><td class="n">1 kHz</td><td class="n">0.1 Hz</td>'
@@ -400,7 +400,7 @@ def test_what_the_starts_depart_from_is_said(synthetic, tmp_path):
     rigid = synthetic().case.tail_slap
     found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
     page = said(found, tmp_path)[1]
-    rows = page[page.index("What each start departs from") :].split("<tr>")
+    rows = page[page.index("Differences from Stage 1 at t = 0") :].split("<tr>")
     assert [number(cell) for cell in cells(rows, "0.316 Hz")] == pytest.approx(
         [0.0, 0.36, -0.32, 0.0, 0.0, 0.1296, -0.1152, 0.0], rel=5e-3
     )
@@ -438,9 +438,9 @@ def test_answer_where_levels_are_not_known(synthetic):
     for record in rough.values():
         record["starts"]["unstressed"][0]["error"] = 0.01
     found = synthetic(rough)
-    known = "≈ 2.1 Hz (inertia relief), ≈ 1.3 Hz (Stage 1's momenta), not known (unstressed)"
+    known = "≈ 2.1 Hz (inertia relief), ≈ 1.3 Hz (Stage 1's momenta), unknown (unstressed)"
     assert known in words(found)
-    assert "within 1 %: not known." in words(found)
+    assert "within 1 %: unknown." in words(found)
     assert found.band[1].frequency == pytest.approx(1000.0)
     assert found.band[2].text.endswith("Hz")
 
@@ -450,15 +450,15 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     fails = point_record(SWEEP[2], rigid, failed=["energy balance"])
     lost = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
     refused = point_record(SWEEP[0], rigid)
-    main_meshes(refused)[-1] = {"refused": "left out: its time loop would take too long"}
+    main_meshes(refused)[-1] = {"refused": "omitted: the estimated time exceeds the limit"}
     found = synthetic({0: refused, 2: fails, 8: lost})
     assert [row["passed"] for row in found.rows] == [i not in (0, 2, 8) for i in range(9)]
     assert not compute.samples_of(found.rows, "t")[2].passed
     terminal, page = said(found, tmp_path)
-    assert "Failed: 1 kHz: left out" in terminal
+    assert "Failed plates: 1 kHz: omitted" in terminal
     assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
     assert page.count("<svg") == 1 + 5
-    assert [words for words in ("failed: energy balance", "none: left out") if words not in page] == []
+    assert [words for words in ("failed: energy balance", "none: omitted") if words not in page] == []
     assert "failed a check" in page
     assert [words for words in ("NaN", "nan") if words in page] == []
     summary = json.loads((tmp_path / "summary.json").read_text())
@@ -487,7 +487,7 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
             journal.records.add({key: point_record(float(key.split()[0]), rigid)})
 
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", one_at_a_time)
-    with pytest.raises(KeyboardInterrupt, match="3 parts are kept"):
+    with pytest.raises(KeyboardInterrupt, match="3 parts are saved"):
         compute.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
     found = compute.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
     assert len(done) - 1 == len(set(done)) - 1 == len(found.rows) == 9

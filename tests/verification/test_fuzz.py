@@ -231,7 +231,7 @@ SECONDS = 5.0
         *((("modal", "mash-tl4-sut", "--modes", count), "--modes") for count in ("0", "\uff14")),
         (("run", "mash-tl4-sut", "--out", ""), "--out"), ((*SWEEP, "name=a,b"), "--vary"),
         ((*SWEEP, "corner.friction=0.1,0.2", "--cluster", ""), "--cluster"),
-        ((*SWEEP, "corner.friction=0.1,0.2", "--vary", "corner.friction=0.3"), "varied twice"),
+        ((*SWEEP, "corner.friction=0.1,0.2", "--vary", "corner.friction=0.3"), "is varied twice"),
         ((*SWEEP, "corner.friction=0.1:0.2:\uff13"), "corner.friction"),
         ((*SPREAD, "--fix", "impact.speed", "--range", "impact.speed=1:2"), "--fix"),
         ((*SPREAD, "--range", "impact.speed=1:2", "--range", "impact.speed=1:3"), "--range"),

@@ -221,7 +221,7 @@ def test_a_rigid_wall_has_no_part_in_the_record():
 
 def test_a_plate_that_leaves_the_wall_ends_the_run():
     model = truck_model(concrete(1e8, 20, 12.0, -11.0))
-    with pytest.raises(ModelError, match="beyond the wall's end") as fault:
+    with pytest.raises(ModelError, match="beyond the end of the wall") as fault:
         simulate_impact(model, touch(), 2e-4, 0.6)
     assert fault.value.wrong == "wall.length"
 

@@ -403,11 +403,11 @@ REFUSED = [
     ("mass", lambda: ImpactVehicle(4.0, 2.0, -1e3), "positive"),
     ("centre_of_mass", lambda: BOX_OF_A_TON(4.1), "between 0 and the length, 4 m"),
     ("centre_of_mass", lambda: BOX_OF_A_TON(0.0), "between 0 and the length, 4 m"),
-    ("centre_of_mass", lambda: BOX_OF_A_TON(0.1), "nearer to the middle"),
-    ("yaw_inertia", lambda: BOX_OF_A_TON(2.0, 0.0), "from a thousandth"),
-    ("yaw_inertia", lambda: BOX_OF_A_TON(2.0, 4.99), "from a thousandth"),
-    ("yaw_inertia", lambda: BOX_OF_A_TON(2.0, 5001.0), "at most m (a (L - a) + B^2/4) = 5000"),
-    ("yaw_inertia", lambda: BOX_OF_A_TON(1.0, math.nan), "from a thousandth"),
+    ("centre_of_mass", lambda: BOX_OF_A_TON(0.1), "closer to the middle"),
+    ("yaw_inertia", lambda: BOX_OF_A_TON(2.0, 0.0), "from 0.001 I to I"),
+    ("yaw_inertia", lambda: BOX_OF_A_TON(2.0, 4.99), "from 0.001 I to I"),
+    ("yaw_inertia", lambda: BOX_OF_A_TON(2.0, 5001.0), "to I = m (a (L - a) + B^2/4) = 5000"),
+    ("yaw_inertia", lambda: BOX_OF_A_TON(1.0, math.nan), "from 0.001 I to I"),
     ("stiffness", lambda: CrushLaw(-1.0), "positive and finite"),
     ("stiffness", lambda: CrushLaw(math.inf), "positive and finite"),
     ("stiffness", lambda: CrushLaw([1.0, 2.0]), "a number"),
@@ -523,8 +523,8 @@ def test_numbers_and_arrays_broadcast():
     ("angle", 0.0, "between 0 and pi/2"), ("stiffness", [1e6, -1.0], "at index 1"),
     ("restitution", 1.5, "from 0 to 1"), ("friction", -0.1, "0 or more"),
     ("initial_force", -1.0, "0 or more"), ("centre_of_mass", 11.0, "between 0 and the length"),
-    ("centre_of_mass", 0.2, "nearer to the middle"), ("yaw_inertia", 1e7, "at most m (a (L - a)"),
-    ("yaw_inertia", 1.0, "from a thousandth of m (a (L - a)"),
+    ("centre_of_mass", 0.2, "closer to the middle"), ("yaw_inertia", 1e7, "to I = m (a (L - a)"),
+    ("yaw_inertia", 1.0, "from 0.001 I to I = m (a (L - a)"),
 ])  # fmt: skip
 def test_what_cannot_be_among_many_is_refused(key, value, allowed):
     with pytest.raises(RigidBodyError) as caught:

@@ -225,7 +225,7 @@ def test_in_a_folder_of_others_nothing_is_loaded_or_kept(keeping, how, tmp_path,
     assert not again.has_code(1.5)
     compile_once(lambda: again(1.5), again, 1.5, on_compile=said.append)
     assert again(1.5) == 3.0
-    message = rf"compiled in \d+ s, not kept for the next run: {place}: .*closed to others.*"
+    message = rf"compiled in \d+ s, not kept for the next run: {place}: .*inaccessible to others.*"
     assert re.fullmatch(message, said[1])
     assert {path: path.stat().st_mtime_ns for path in place.iterdir()} == before
 

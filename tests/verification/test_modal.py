@@ -250,7 +250,7 @@ def test_a_run_that_does_not_strike(plate_model):
     state = modal_start(plate, modal, START, relieved_fields(plate, START))
     late = integrate(modal, state, 0.1, 20)
     assert late.strike is None
-    assert "in time" in late.end
+    assert "within the time limit" in late.end
     state[1][0] = 0.05
     stopped = integrate(modal, state, DURATION, 100)
     assert stopped.strike is None

@@ -89,7 +89,10 @@ def test_a_folder_with_a_summary_is_no_result(tmp_path, capsys):
     mine = foreign(tmp_path / "mine", {"thesis.txt": "x", "summary.json": "{}"})
     assert _status(["run", "paper-table-3", "--out", str(mine)]) == 2
     assert "thesis.txt" in capsys.readouterr().err
-    refused(mine, r"it holds other files \(summary.json, thesis.txt\); allowed is a new or empty folder")
+    refused(
+        mine,
+        r"the folder contains other files \(summary.json, thesis.txt\); allowed is a new or empty folder",
+    )
 
 
 def test_results_within_are_kept(place):
@@ -129,13 +132,13 @@ def test_a_file_of_the_result_that_was_changed_is_refused(place, tmp_path, as_wh
         file.symlink_to(tmp_path / "saved.csv")
     else:
         file.mkdir()
-    refused(place, r"history\.csv in it was changed since")
+    refused(place, r"its file history\.csv was modified")
 
 
 def test_an_added_file_that_the_result_would_overwrite_is_refused_at_the_end(place):
     (place / "picture.txt").write_text("mine")
     before = tree(place.parent)
-    with pytest.raises(InputError, match=r"picture\.txt in it was added, and the new result has"):
+    with pytest.raises(InputError, match=r"its file picture\.txt does not belong to the result"):
         fill(place, picture="ours")
     assert tree(place.parent) == before
 
@@ -164,7 +167,7 @@ def test_a_forged_manifest_reaches_nothing_outside(tmp_path):
     (tmp_path / "thesis.txt").write_text("x")
     mine = foreign(tmp_path / "mine", {NAME: forged()})
     (mine / "thesis.txt").symlink_to(tmp_path / "thesis.txt")
-    refused(mine, r"thesis\.txt in it was changed")
+    refused(mine, r"its file thesis\.txt was modified")
     (mine / NAME).rename(tmp_path / "manifest")
     (mine / NAME).symlink_to(tmp_path / "manifest")
     refused(mine, "other files")
@@ -186,7 +189,7 @@ def test_a_link_to_a_folder_is_followed(place, tmp_path):
     assert (place / "notes.txt").read_text() == "mine"
     (tmp_path / "file").write_text("mine")
     (tmp_path / "to-file").symlink_to(tmp_path / "file")
-    with pytest.raises(InputError, match="this is a file"):
+    with pytest.raises(InputError, match="it is a file"):
         fill(tmp_path / "to-file")
 
 
@@ -196,7 +199,7 @@ def test_a_sweep_s_folder_is_refused_even_with_a_manifest(place):
 
 
 def test_a_result_of_more_than_files_is_a_mistake(tmp_path):
-    with pytest.raises(ValueError, match="plain files"), result_folder(tmp_path / "a") as folder:
+    with pytest.raises(ValueError, match="not a regular file"), result_folder(tmp_path / "a") as folder:
         (folder / "sub").mkdir()
     assert not list(tmp_path.iterdir())
 
@@ -351,7 +354,9 @@ def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path,
             assert not (place / LOG).exists()
             assert isinstance(caught, Interrupted) <= (found == NEWER)
         else:
-            assert ("the next command moves it" in str(caught)) == (place / LOG).exists() <= (found == NEWER)
+            assert (
+                ("the next command completes it" in str(caught)) == (place / LOG).exists() <= (found == NEWER)
+            )
         write(place, NEWER)
         assert texts(place) == {**NEWER, **ADDED, NAME: texts(place)[NAME]}
     assert step > 40
@@ -397,7 +402,7 @@ def test_a_damaged_log_is_refused_by_readers_and_writers_and_nothing_is_changed(
         (earlier / LOG).write_text(text)
         before = tree(earlier)
         for opened in (recover, seen, lambda place: write(place, NEWER)):
-            with pytest.raises(InputError, match=f"{LOG} in it is damaged"):
+            with pytest.raises(InputError, match=f"its file {LOG}, of an interrupted command, is damaged"):
                 opened(earlier)
         assert tree(earlier) == before
     (earlier / LOG).write_text(whole)
@@ -409,7 +414,9 @@ def test_a_new_file_that_was_damaged_since_is_refused(earlier):
     half_done(earlier)
     (earlier / NEW / "report.html").write_text("other")
     before = tree(earlier)
-    with pytest.raises(InputError, match=rf"{NEW}/report\.html in it is damaged"):
+    with pytest.raises(
+        InputError, match=rf"its file {NEW}/report\.html, of an interrupted command, is damaged"
+    ):
         recover(earlier)
     assert tree(earlier) == before
 
@@ -418,7 +425,7 @@ def test_what_the_user_changed_after_a_kill_is_kept(earlier):
     """A file that is still to be replaced is refused; one that is to be removed stays; one already replaced too."""
     half_done(earlier)
     (earlier / "report.html").write_text("edited")
-    with pytest.raises(InputError, match=r"report\.html in it was changed since"):
+    with pytest.raises(InputError, match=r"its file report\.html was modified"):
         recover(earlier)
     (earlier / "report.html").rename(earlier / "kept.html")
     (earlier / "both.csv").write_text("edited too")
@@ -446,7 +453,7 @@ def test_who_comes_second_is_refused_at_once_and_a_reader_is_not(earlier):
     with result_folder(earlier) as new:
         (new / "report.html").write_text("first")
         before = tree(earlier)
-        with pytest.raises(InputError, match="another command is at work in it"):
+        with pytest.raises(InputError, match="another command uses this folder"):
             write(earlier, NEWER)
         recover(earlier)
         assert (tree(earlier), seen(earlier)) == (before, OLD)
@@ -457,7 +464,7 @@ def test_a_reader_waits_for_who_is_moving_its_files(earlier, monkeypatch):
     half_done(earlier)
     monkeypatch.setattr(folder, "PATIENCE_S", 0.0)
     with manifest.locked_file(earlier / LOCK):
-        with pytest.raises(InputError, match="another command is at work"):
+        with pytest.raises(InputError, match="another command uses this folder"):
             recover(earlier)
         monkeypatch.setattr(folder, "PATIENCE_S", 60.0)
         reader = threading.Thread(target=recover, args=(earlier,))
@@ -487,7 +494,7 @@ def test_the_lock_goes_with_its_process_and_what_that_has_left_is_dropped(tmp_pa
         [sys.executable, "-c", DYING, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     assert process.stdout.readline() == b"filling\n"
-    refused(place, "another command is at work")
+    refused(place, "another command uses this folder")
     assert (place / NEW / "half.csv").exists()
     process.communicate()
     assert process.returncode == KILLED
@@ -532,7 +539,9 @@ def test_a_result_of_another_command_or_scene_is_replaced_by_force_alone(tmp_pat
     write(place, OLD, origin=RUN)
     write(place, OLD, origin=RUN)
     before = tree(place)
-    with pytest.raises(InputError, match="it holds the result of `tailslap run a`; --force replaces it"):
+    with pytest.raises(
+        InputError, match="the folder contains the result of `tailslap run a`; --force replaces it"
+    ):
         write(place, NEWER, origin=origin)
     assert tree(place) == before
     write(place, NEWER, origin=origin, force=True)
@@ -545,7 +554,7 @@ def test_an_input_is_never_replaced(tmp_path):
     link.symlink_to(place)
     before = tree(place)
     for given in (place, link, place / "both.csv", link / "both.csv"):
-        with pytest.raises(InputError, match="the command reads it"):
+        with pytest.raises(InputError, match="it is an input of the command"):
             write(place, NEWER, inputs=[tmp_path, given], force=True)
     assert tree(place) == before
     write(place, NEWER, inputs=[tmp_path / "b", place / "no.csv"], origin=RUN)
@@ -578,15 +587,17 @@ def test_every_command_is_refused_another_s_result_before_it_computes(
     before = tree(tmp_path)
     words = [*GATED[command].format(other=other).split(), "--out", str(place)]
     assert _status(words) == 2
-    assert "it holds the result of `tailslap rigid paper-table-3`; --force" in capsys.readouterr().err
+    assert (
+        "the folder contains the result of `tailslap rigid paper-table-3`; --force" in capsys.readouterr().err
+    )
     assert tree(tmp_path) == before
     with manifest.locked_file(place / LOCK):
         assert _status([*words, "--force"]) == 2
-        assert "another command is at work in it" in capsys.readouterr().err
+        assert "another command uses this folder" in capsys.readouterr().err
     (place / LOCK).unlink()
     (place / NAME).unlink()
     assert _status([*words, "--force"]) == 2
-    assert "it holds other files" in capsys.readouterr().err
+    assert "the folder contains other files" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -598,7 +609,7 @@ def test_no_command_replaces_its_input(tmp_path, rigid_results, command, capsys)
     for more in ([], ["--force"]):
         words = command.format(place=place, other=other).split()
         assert _status([*words, "--out", str(place), *more]) == 2
-        assert "the command reads it" in capsys.readouterr().err
+        assert "it is an input of the command" in capsys.readouterr().err
     assert tree(tmp_path) == before
 
 

@@ -469,7 +469,7 @@ def test_a_corner_that_stops_is_reported_at_the_same_place():
     """Both name the angle and the time, found by a root search and by an event."""
     messages = []
     for solve in (plane_motion, integrate_odes):
-        with pytest.raises(RigidBodyError, match="stops before the strike, at the angle") as refused:
+        with pytest.raises(RigidBodyError, match="stops before the tail-slap, at the angle") as refused:
             solve(TRUCK, 0.8, 2.0, 6.0, 0.9)
         messages.append(str(refused.value))
     assert messages[0] == messages[1]

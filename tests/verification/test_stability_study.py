@@ -208,7 +208,7 @@ def interrupt(journal, records):
 
 def test_journal_is_taken_up_after_an_interrupt_and_removed_at_the_end(journal, tmp_path):
     records = {"x": {"value": 1.5}, "y": {"value": float("inf")}}
-    with pytest.raises(Interrupted, match="2 parts are kept"):
+    with pytest.raises(Interrupted, match="2 parts are saved"):
         interrupt(journal(a=1), records)
     with journal(a=1) as again:
         assert again.records == records
@@ -321,7 +321,7 @@ def test_a_study_that_is_ended_keeps_what_was_done_and_leaves_no_process(tmp_pat
     while any(map(alive, below)):
         assert time.monotonic() - began < 120.0
         time.sleep(0.05)
-    assert ("1 parts are kept" in error, count(journal)) == (sent == signal.SIGINT, 1)
+    assert ("1 parts are saved" in error, count(journal)) == (sent == signal.SIGINT, 1)
 
 
 @pytest.mark.long
@@ -638,7 +638,7 @@ def all_right(stop_at=""):
 def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right(stop_at="0002"))
     case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
-    with pytest.raises(Interrupted, match="2 parts are kept"):
+    with pytest.raises(Interrupted, match="2 parts are saved"):
         study.compute(case, place, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     found = study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)

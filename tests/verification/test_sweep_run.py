@@ -247,7 +247,7 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     assert process.returncode == 130
     kept = table(place)
     kept_rows = f"{len(kept)} of {RUNS} rows are kept"
-    assert said.strip() == f"tailslap: interrupted; {kept_rows}; the same command resumes"
+    assert said.strip() == f"tailslap: interrupted; {kept_rows}; the same command resumes the sweep"
     assert [known(row) for row in kept] == [known(undisturbed[row["run"]]) for row in kept]
     done = perform(definition_of(scene), place, cluster)
     assert done.effort.runs == RUNS - len(kept) > 0
@@ -263,7 +263,7 @@ def test_ended_while_processes_are_started_it_says_so_alone(scene, tmp_path):
     wait_until(lambda: process.poll() is not None or len(children(process.pid)) >= 2)
     process.terminate()
     said = process.communicate(timeout=HANG)[1].decode()
-    assert (process.returncode, said) == (130, "tailslap: interrupted; no run was finished\n")
+    assert (process.returncode, said) == (130, "tailslap: interrupted; no run is complete\n")
     assert not (tmp_path / "sweep").exists()
 
 
@@ -281,7 +281,7 @@ def test_a_full_disk_is_told_with_the_rows_that_are_kept(monkeypatch, scene, tmp
 
     with monkeypatch.context() as change:
         change.setattr(Records, "_begin", small)
-        with pytest.raises(StoppedError, match=r"full: .*; \d+ of 400 rows are kept; the same comm") as stop:
+        with pytest.raises(StoppedError, match=r"full: .*; \d+ of 400 rows are saved; the same comm") as stop:
             perform(definition, tmp_path / "sweep", None, 1, padded)
     assert stop.value.status == 3
     kept = len(records_of(scene, tmp_path / "sweep", definition))
@@ -344,7 +344,7 @@ def test_a_run_that_kills_its_worker_again_and_again_is_a_row(where, scene, requ
     rows = table(tmp_path / "sweep")
     assert [row["run"] for row in rows] == list(range(40))
     assert [row["run"] for row in rows if row["status"] != "passed"] == list(killing)
-    assert "its worker died each time" in rows[7]["reason"]
+    assert "its worker process died" in rows[7]["reason"]
     if where == "local":
         assert rows[7]["corner.friction"] == definition.inputs_of(7)["corner.friction"]
     assert done.failures == len(killing)
@@ -353,7 +353,7 @@ def test_a_run_that_kills_its_worker_again_and_again_is_a_row(where, scene, requ
 def test_processes_that_cannot_begin_are_told(monkeypatch, scene, tmp_path):
     """And no run is blamed."""
     monkeypatch.setattr(pools, "make_ready", partial(os._exit, 1))
-    with pytest.raises(StoppedError, match="no worker is left; no run was finished") as stop:
+    with pytest.raises(StoppedError, match="no worker remains; no run is complete") as stop:
         perform(definition_of(scene), tmp_path / "sweep", workers=1)
     assert stop.value.status == 3
     assert not (tmp_path / "sweep").exists()
@@ -404,7 +404,7 @@ def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
         arguments = ["--cluster", address, "--out", str(tmp_path / "sweep")]
         assert cli._status(["sweep", scene, "--vary", "corner.friction=0.1,0.2", *arguments]) == 2
         said = capsys.readouterr().err
-        assert said.startswith(f'tailslap: --cluster: given "{address}"; no Dask scheduler answers there')
+        assert said.startswith(f'tailslap: --cluster: given "{address}"; no Dask scheduler replies')
         assert not (tmp_path / "sweep").exists()
 
 
@@ -561,7 +561,7 @@ def test_what_was_added_before_a_kill_is_there(tmp_path):
 @pytest.mark.parametrize("content", [b"my diary\n", b"", b"SQLite format 3\0" + bytes(4080)])
 def test_records_of_another_kind_are_refused_and_kept(tmp_path, content):
     (tmp_path / RECORDS).write_bytes(content)
-    refused("no journal", open_records, tmp_path, small_sweep())
+    refused("not a valid journal", open_records, tmp_path, small_sweep())
     assert (tmp_path / RECORDS).read_bytes() == content
 
 
@@ -597,7 +597,7 @@ def test_records_that_were_cut_off_are_refused_and_kept(tmp_path):
     whole = (tmp_path / RECORDS).read_bytes()
     for length in (100, len(whole) // 2):
         (tmp_path / RECORDS).write_bytes(whole[:length])
-        refused("no journal", open_records, tmp_path, small_sweep())
+        refused("not a valid journal", open_records, tmp_path, small_sweep())
         assert (tmp_path / RECORDS).read_bytes() == whole[:length]
 
 
@@ -633,7 +633,7 @@ assert os.listdir("/proc/self/task") == before
 
 
 def test_a_folder_is_one_sweep_s(begun):
-    refused(r"it holds another sweep: vary differ", sweep_folder, begun, small_sweep("0:1:6"))
+    refused(r"another sweep \(vary differ", sweep_folder, begun, small_sweep("0:1:6"))
     refused("other files", result_folder, begun)  # a run does not rebegun it, whatever it holds
     (begun / "summary.json").write_text("{}")
     refused("other files", result_folder, begun)
@@ -645,12 +645,12 @@ def test_other_values_by_the_same_words_are_another_sweep(begun):
     """A new SciPy may draw other samples from the same seed: rows must not mix."""
     definition = json.loads((begun / "sweep.json").read_text())
     (begun / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
-    refused("another sweep: values differ", sweep_folder, begun, small_sweep())
+    refused(r"another sweep \(values differ", sweep_folder, begun, small_sweep())
 
 
 def test_two_sweeps_in_a_folder_at_once(tmp_path):
     with sweep_folder(tmp_path / "sweep", small_sweep()) as folder:
-        refused("another command is at work", sweep_folder, folder, small_sweep())
+        refused("another command uses this folder", sweep_folder, folder, small_sweep())
 
 
 def test_nothing_is_left_of_a_sweep_without_rows(tmp_path):
@@ -680,8 +680,8 @@ def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(begun, name):
             (fresh(folder) / name).write_text(text)
             commit(folder)
     (begun / name).write_text("mine")
-    refused(f"{name} in it was changed", sweep_folder, begun, small_sweep())
+    refused(f"its file {name} was modified", sweep_folder, begun, small_sweep())
     assert (begun / name).read_text() == "mine"
     (begun / MANIFEST).unlink()
-    refused(f"{name} in it was added", sweep_folder, begun, small_sweep())
+    refused(f"its file {name} does not belong to the result", sweep_folder, begun, small_sweep())
     assert {path.name for path in begun.iterdir()} == {"sweep.json", RECORDS, name}

@@ -131,16 +131,20 @@ def test_the_definition_on_disk_tells_sweeps_apart():
 
 
 FRICTION, KEY_VALUES = "corner.friction", "KEY=VALUES"
-PLACES = {"file": "this is a file", "full": "it holds other files", "file/below": "this is a file, or in one"}
+PLACES = {
+    "file": "it is a file",
+    "full": "the folder contains other files",
+    "file/below": "it is a file, or inside",
+}
 WRONG_FRICTIONS = {
     **{
-        "0:0.6": "how many values",
-        "0:0.6:1": "from 2",
-        "0:0.6:2.5": "whole number",
+        "0:0.6": "a range is a:b:n",
+        "0:0.6:1": "at least 2",
+        "0:0.6:2.5": "a number n of values",
         "0.3:0.3:4": "must differ",
     },
     **{"log:0:0.6:4": "above 0", "-0.1:0.6:4": "from 0 to", "0.1,,0.2": KEY_VALUES, "1:2:3:4": KEY_VALUES},
-    "0:0.6:3 --sample 10": "--sample says how many",
+    "0:0.6:3 --sample 10": "a range is a:b or log:a:b",
 }
 WRONG = [
     *((f"corner.friction={values}", FRICTION, message) for values, message in WRONG_FRICTIONS.items()),
@@ -148,13 +152,13 @@ WRONG = [
     *(("corner..friction=1,2", "--vary", KEY_VALUES), ("a:b:c:d=1", "a:b:c:d", "this key does not exist")),
     ("corner.colour=1,2", "corner.colour", "this key does not exist; allowed are reaction"),
     ("corner.reaction=drag,push", "corner.reaction", "allowed is 'drag', 'none' or 'signed'"),
-    ("corner.reaction=drag:none:2", "corner.reaction", "a range is of numbers"),
+    ("corner.reaction=drag:none:2", "corner.reaction", "a range requires numbers"),
     ("impact.speed='50 kg:60 kg:3'", "impact.speed", "the unit does not fit"),
-    ("time.rows=100:200:4", "time.rows", "not all of its values are whole"),
-    ("corner.friction=0:1:3 --vary corner.friction=1,2", "--vary", "varied twice"),
-    ("corner.friction=0:1:3 --set corner.friction=1", "--vary", "--set fixes it"),
-    ("corner.friction=0:1:2000 --vary plate.poissons_ratio=0:0.4:501", "--vary", "at most 1000000"),
-    ("time.rows=100:200 --sample 10", "time.rows", "sampled from a list"),
+    ("time.rows=100:200:4", "time.rows", "all values must be whole"),
+    ("corner.friction=0:1:3 --vary corner.friction=1,2", "--vary", "is varied twice"),
+    ("corner.friction=0:1:3 --set corner.friction=1", "--vary", "exclude each other"),
+    ("corner.friction=0:1:2000 --vary plate.poissons_ratio=0:0.4:501", "--vary", "the limit is 1000000"),
+    ("time.rows=100:200 --sample 10", "time.rows", "require a list"),
     ("corner.friction=0:1:3 --cluster tcp://x:1 --workers 2", "--workers", "leave out"),
     *((f"corner.friction=0:1:3 --out {place}", "--out", message) for place, message in PLACES.items()),
 ]
@@ -341,7 +345,7 @@ def test_a_page_of_runs_that_were_all_refused(tmp_path):
     page = page_of(nothing, np.full(count, "no", dtype=object))
     text = write_page(tmp_path / "e.html", page).read_text()
     assert "<svg" not in text
-    assert f"The first {report.MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
+    assert f"First {report.MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
     assert "At the tail-slap" not in text
     assert "did not pass" not in write_page(tmp_path / "p.html", all_passed()).read_text()
 
@@ -364,7 +368,7 @@ def test_what_the_terminal_says():
     said = report.sweep_text(done, Path("results/x")).splitlines()
     assert said[0].startswith("3 runs: 3 passed all checks. Finite elements and rigid body differ by at most")
     files = ["Table:  results/x/sweep.parquet", "Report: results/x/report.html"]
-    assert said[-5:] == ["Varied: a.x 1, 2, 3.", "", "Cost:   nothing was left to run", *files]
+    assert said[-5:] == ["Varied: a.x 1, 2, 3.", "", "Cost:   no runs remained", *files]
 
 
 def test_words():

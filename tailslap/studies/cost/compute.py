@@ -373,7 +373,7 @@ def _finite_elements(case: Any, setting: Setting) -> Row:
     else:
         expected = cost.loop_seconds(case.scene, "quad9", fe_plan.plate.counts, fe_plan.expected_steps)
         if expected > TOO_LONG:
-            return {"refused": f"left out: the time loop would take about {expected:.0f} s"}
+            return {"refused": f"omitted: estimated time of the time loop {expected:.0f} s"}
         compiled, _ = _clocked(_simulated, fe_plan, setting, 10, 1e-3)
 
     def once() -> tuple[float, float, Any]:

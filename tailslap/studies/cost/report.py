@@ -20,7 +20,7 @@ ERROR, VALUE = known(".1e"), known(".9g")
 SETTINGS = (
     *columns({"setting": "Setting", "checks": "Checks"}),
     *columns({"error": "Error", "added": "Added"}, form=ERROR),
-    *columns({"seconds": "Time", "loop_s": "Of which loop"}, form=duration),
+    *columns({"seconds": "Time", "loop_s": "Time loop"}, form=duration),
     Column("steps", "Steps", form="d"),
 )
 LINES = (
@@ -35,21 +35,23 @@ GRIDS = (
     Column("order", "Order", form=known(".2f")),
     Column("gci_fine", "GCI fine", form=ERROR),
 )
-FILES = "points.csv, every setting with its numbers in SI; summary.json"
+FILES = "points.csv (all settings, in SI); summary.json"
 NOTE = (
-    "Error: from the exact rigid motion, or from the soft plate's limit. Added: what a choice adds to its mesh's. "
-    "Times: the fastest of several, all compiled and loaded. Set off: on the Pareto front of its question."
+    "Error: relative to the exact rigid motion, or to the mesh-converged solution of the soft plate. Added: "
+    "additional error of a setting on the same mesh. Times: minimum of several runs, without compilation. "
+    "Highlighted: settings on the Pareto front."
 )
 READING = (
-    "GCI: grid convergence index (Roache 1994, ASME V&V 20) of three, each half the last; safety factor 1.25, or 3.",
-    "v_GY of a corner held at one node has no limit: its compliance grows by the logarithm of the mesh. Over a "
-    "`corner.patch_length` it has one.",
+    "GCI: grid convergence index (Roache 1994, ASME V&V 20) of three meshes, refinement ratio 2, safety factor 1.25 "
+    "or 3.",
+    "v_GY does not converge for a corner supported at one node, whose compliance grows with the logarithm of the "
+    "element size; it converges with `corner.patch_length`.",
 )
 
 
 class Question(NamedTuple):
-    """A diagram: its name and title; error, front and truth in words; kind and name of the methods beside finite
-    elements; labels of the groups that are lines. Other settings stand in the table alone."""
+    """Diagram: name and title; labels of error, front and reference; kind and name of the methods compared with finite
+    elements; labels of the groups drawn as lines."""
 
     name: str
     title: str
@@ -62,28 +64,28 @@ class Question(NamedTuple):
 
 RIGID = Question(
     "precision-rigid",
-    "(a) How far from the exact rigid motion",
-    "error from the exact rigid motion",
+    "(a) Error relative to the exact rigid motion",
+    "error relative to the exact rigid motion",
     (compute.ODE, "SciPy"),
     {"exact": "exact solution", **{name: name for name in (*compute.INTEGRATORS, compute.MODES)}}
     | {compute.MESH: "FE, meshes of quad4", compute.ROWSUM: f"FE, {compute.ROWSUM}"}
     | {compute.UNSTRESSED: f"FE, {compute.UNSTRESSED}", compute.PENALTY: "FE, penalty scales"}
     | {compute.SINGLE: f"FE, {compute.SINGLE}"},
-    "Pareto front, exact solution apart",
+    "Pareto front without the exact solution",
     "exact solution",
 )
 CHOICES = {compute.PENALTY: "penalty scales", compute.DAMPING: "damping", compute.STEP: "time steps"}
 SOFT = Question(
     "precision-flexible",
-    "(b) A soft plate: how far from its own limit",
-    "error from the soft plate's limit",
+    "(b) Error of a soft plate relative to its converged solution",
+    "error relative to the converged solution",
     (compute.MODAL, "soft plate, modes"),
     {name: name for name in (*compute.REFINED, compute.SPRING)} | CHOICES | {compute.MODES: "modes"},
 )
 IMPACT = Question(
     "precision",
-    "How far from the plate's own limit",
-    "error of both strikes from the plate's limit",
+    "Error relative to the converged solution",
+    "error of both strikes relative to the converged solution",
     (compute.ODE, compute.RIGID),
     {compute.RIGID: compute.RIGID, "quad4": "meshes of quad4", "quad9": "meshes of quad9"}
     | {compute.STEP: "time steps", compute.DAMPING: "damping"},
@@ -91,7 +93,7 @@ IMPACT = Question(
 
 
 def report(found: CostResult) -> Report:
-    """Page, summary, points, and what the terminal says."""
+    """Report of the study."""
     kicker, answer, certainty, best, sections = (_impact if found.case.scene.contact else _corner)(found)
     sections.append(Section("Every setting", tables=(_every(found.rows),)))
     title = f"Error against run time: {found.case.subject}"
@@ -114,23 +116,24 @@ def _corner(found: CostResult) -> tuple[str, str, str, tuple[Table, ...], list[S
     frequency, patch, _ = compute.soft_plate(found.case.scene)
     meshes = [row["label"] for row in soft if row["group"] == "quad9"]
     limits = (
-        f"The soft plate: {frequency:g} Hz first frequency, the corner held over {measure(patch, 'm', 'g')}, no "
-        "friction, no damping, one modulus on all meshes: what is left of its error falls with refinement.",
-        f"Error from Richardson's extrapolation of quad9 ({', '.join(meshes[-3:])}), known to "
-        f"{limit:.0e}, the largest GCI; smaller errors are shown as that.",
-        f"Lines marked (added): error that one choice adds to its mesh, known to {mesh_limit:.0e}. What inertia "
-        "relief leaves over rings, so that steps have no clean order; linear modes leave as much, however many.",
+        f"Soft plate: first frequency {frequency:g} Hz, corner supported over {measure(patch, 'm', 'g')}, no friction, "
+        "no damping, the same modulus on all meshes.",
+        f"Error relative to the Richardson extrapolation of quad9 ({', '.join(meshes[-3:])}), whose uncertainty is "
+        f"{limit:.0e} (largest GCI); smaller errors are shown at this value.",
+        f"Lines marked (added): additional error of one setting on the same mesh, with an uncertainty of "
+        f"{mesh_limit:.0e}. Residual ringing after inertia relief masks the order of the time step and the convergence "
+        "of the linear modes.",
     )
     orders = lines(SOFT, soft, limit, mesh_limit)
-    order_table = Table(LINES, orders, "Order of the errors well above what is known")
+    order_table = Table(LINES, orders, "Observed order of convergence")
     grids = []
     for group, each in found.convergence.items():
         rows = [{"symbol": QUANTITIES[name].symbol, **vars(grid)} for name, grid in each.items()]
         grids.append(Table(GRIDS, rows, group[0].upper() + group[1:]))
     drawn = charts(SOFT, soft, limit, mesh_limit)
     sections = [
-        Section("The rigid question", "", charts(RIGID, rigid, compute.ROUNDING), best[:1]),
-        Section("The flexible question", "", drawn, (order_table, best[1]), limits),
+        Section("Rigid motion", "", charts(RIGID, rigid, compute.ROUNDING), best[:1]),
+        Section("Flexible plate", "", drawn, (order_table, best[1]), limits),
         Section("Grid convergence", tables=grids, sentences=READING),
     ]
     return "All methods and settings of the program", answer, certainty, best, sections
@@ -145,16 +148,17 @@ def _impact(found: CostResult) -> tuple[str, str, str, tuple[Table, ...], list[S
     )
     certainty = f"The limit of fine meshes is known within {percent_up(known_to)}."
     reading = (
-        f"Error: largest of impulse, peak and duration of the first two strikes, from Richardson's extrapolation of "
-        f"quad9, known to {known_to:.0e}; smaller ones are shown as that. A corner's crush is spread over "
-        f"{measure(found.patch, 'm', 'g')} of its side. Times: the fastest of several, all compiled and loaded."
+        "Error: largest of impulse, peak force and duration of the first two strikes, relative to the Richardson "
+        f"extrapolation of quad9, whose uncertainty is {known_to:.0e}; smaller errors are shown at this value. The "
+        f"crush force of a corner is distributed over {measure(found.patch, 'm', 'g')} of the side. Times: minimum of "
+        "several runs, without compilation."
     )
     section = Section("Error against run time", "", charts(IMPACT, rows, known_to), best, (reading,))
     return "Settings of a whole impact", answer, certainty, best, [section]
 
 
 def summary(found: CostResult) -> dict[str, Any]:
-    """The numbers of the study, SI."""
+    """Summary of the study, in SI."""
     rows, limit = found.rows, found.limit
     both = {"rigid": found.of(soft=False), "flexible": found.of(soft=True)}
     numbers: dict[str, Any] = {**study_summary("cost", found.case), "points": rows}
@@ -173,12 +177,12 @@ def summary(found: CostResult) -> dict[str, Any]:
 
 
 def _by_level(rows: list[Row]) -> dict[str, str | None]:
-    """The cheapest setting for each level of error; None for none."""
+    """Fastest setting for each level of error, or None."""
     return {f"{level:.0e}": (cheapest(rows, level) or {}).get("setting") for level in LEVELS}
 
 
 def _best(question: Question, rows: list[Row]) -> Table:
-    """The cheapest setting for each level of error: of the question's methods, and of finite elements."""
+    """Table of the fastest settings for each level of error."""
     groups, best, shown = dict((question.methods, (FE, "finite elements"))), [], []
     for level in LEVELS:
         each = {kind: cheapest([row for row in rows if row["kind"] == kind], level) for kind in groups}
@@ -189,7 +193,7 @@ def _best(question: Question, rows: list[Row]) -> Table:
         shown.append(Column(f"{kind}.name", "setting", group=group))
         shown.append(Column(f"{kind}.error", "error", form=ERROR, group=group))
         shown.append(Column(f"{kind}.seconds", "time", form=duration, group=group))
-    return Table((Column("level", "Error at most"), *shown), best, "The cheapest setting")
+    return Table((Column("level", "Error at most"), *shown), best, "Fastest settings")
 
 
 def _name(row: Row) -> str:
@@ -197,17 +201,17 @@ def _name(row: Row) -> str:
 
 
 def _quickest(rows: list[Row]) -> str:
-    """The cheapest finite elements with at most the power of ten next above the least error of them, in words."""
+    """Fastest FE setting whose error is below the power of ten next above the smallest FE error, in words."""
     fe = [row for row in rows if row["kind"] == FE and is_valid(row)]
     least = 10.0 ** math.ceil(math.log10(min(row["error"] for row in fe))) if fe else 0.0
     best = cheapest(fe, least)
     if best is None:
-        return "nothing known"
+        return "no valid setting"
     return f"{percent_up(best['error'])} in {duration(best['seconds'])} ({_name(best)})"
 
 
 def _every(rows: list[Row]) -> Table:
-    """Every setting; those on the Pareto front of their question are set off."""
+    """Table of all settings; those on a Pareto front are highlighted."""
     best = [row["setting"] for soft in (False, True) for row in front(r for r in rows if r["soft"] == soft)]
     shown = [column for column in SETTINGS if column.key != "added" or any(row["choice"] for row in rows)]
     marks = {number: "marked" for number, row in enumerate(rows) if row["setting"] in best}
@@ -226,7 +230,7 @@ def charts(question: Question, rows: list[Row], known_to: float, mesh_known: flo
         order = f", order {line['order']:.1f}" if ordered else ""
         series.append(_series(line["label"] + order, line["rows"]))
     best = question.front, [(row["seconds"], row["error"]) for row in front(rows)]
-    floor = f"the {question.truth} is known to {power_text(float(f'{known_to:.0e}'))}", known_to
+    floor = f"uncertainty of the {question.truth}: {power_text(float(f'{known_to:.0e}'))}", known_to
     return draw_precision(question.name, question.title, series, question.error, best, floor)
 
 

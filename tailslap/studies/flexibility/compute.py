@@ -303,7 +303,7 @@ def largest_difference(outcome: Any) -> float:
 def one_run(base: Source, changes: Changes | None, take: Callable[[Any], Record] = fe_record) -> Record:
     """Record that `take` makes of the changed case; `refused` says why there is none."""
     if changes is None:
-        return {"refused": "left out: its time loop would take too long"}
+        return {"refused": "omitted: the estimated time exceeds the limit"}
     try:
         return take(case_of(*vary(base, changes)))
     except InputError as error:

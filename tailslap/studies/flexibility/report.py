@@ -1,4 +1,4 @@
-"""Page, summary and tables of the study of flexibility."""
+"""Report of the study `flexibility`."""
 
 import math
 from collections.abc import Sequence
@@ -26,23 +26,23 @@ MAIN, MAIN_STRIKE = LEVELS.index(1e-2), "strike_2.impulse"
 SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
 SIGNED, ONE = known("+.2e"), known(".1f")
 F1 = Column("frequency", "f_1", form=hertz)
-FILES = "points.csv, every plate with its numbers in SI; summary.json"
+FILES = "points.csv (all plates, in SI); summary.json"
 
 
 def _good(levels: Sequence[float], *more: Column) -> tuple[Column, ...]:
     named = {f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(levels)}
-    return (Column("what", "Off by at most"), *columns(named, form=str), *more)
+    return (Column("what", "Largest difference"), *columns(named, form=str), *more)
 
 
 LAWS = (
     Column("law.exponent", "Exponent of f_1", form=".3f"),
-    *columns({"law.highest": "From", "law.lowest": "Down to"}, form=hertz),
+    *columns({"law.highest": "From", "law.lowest": "To"}, form=hertz),
 )
 POINTS = [
     Column(column, SYMBOLS[name], form=SIZE, below=Column(f"error_{name}", "", form=SIZE))
     for name, column in compute.MEASURED.items()
 ]
-PARTS = {"v_gy": "At the strike", "v_gy_largest": "Largest", "v_gy_error": "Error"}
+PARTS = {"v_gy": "At the tail-slap", "v_gy_largest": "Largest", "v_gy_error": "Error"}
 AT_START = {f"{name}_at_start": SYMBOLS[name] for name in compute.KEPT}
 
 
@@ -55,55 +55,62 @@ def _of_starts(starts: Sequence[str], labels: dict[str, str], form: Any) -> list
 STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping_rate", "Damping", "1/s", form=SIZE))
 PLATE_COLUMNS = {
     "deflection_ratio": "Static deflection ratio",
-    "half_change": "Half the patch changes v_GY by",
-    "thickness_apart": "Thickness for E, apart",
+    "half_change": "Change of v_GY for half the patch",
+    "thickness_apart": "Difference of thickness and E",
 }
 EVERY_PLATE = {
-    "At the strike, with inertia relief": (Column("checks", "Checks"), *POINTS),
-    "v_GY from each start": _of_starts(STARTS, PARTS, SIZE),
-    "What each start departs from at t = 0": _of_starts(STARTS[:2], AT_START, DEPARTURE),
-    "The plates": (*STIFF, *columns(PLATE_COLUMNS, form=SIZE)),
+    "Differences at the tail-slap, with inertia relief": (Column("checks", "Checks"), *POINTS),
+    "Difference of v_GY by start": _of_starts(STARTS, PARTS, SIZE),
+    "Differences from Stage 1 at t = 0": _of_starts(STARTS[:2], AT_START, DEPARTURE),
+    "Properties of the plates": (*STIFF, *columns(PLATE_COLUMNS, form=SIZE)),
 }
-MODAL = {"modal_v_gy": "v_GY", "modal_apart": "Largest of five from FE", "modal_estimate": "Own estimate"}
+MODAL = {
+    "modal_v_gy": "v_GY",
+    "modal_apart": "Largest difference from FE",
+    "modal_estimate": "Estimated error",
+}
 READING = (
-    "Inertia relief begins in the elastic state of the rigid acceleration, with the rigid body's spin and corner speed "
-    "or, by Stage 1's momenta, its v_GX and v_GY; unstressed, the plate has all four, oscillates and strikes in any "
-    "phase. Levels of v_GY are of the largest difference until then; not known: the error is above a third of them.",
-    "Errors, below the values: the grid convergence index of three meshes, and what damping and ringing may do. Plates "
-    "set off failed a check.",
+    "Inertia relief starts from the quasi-static elastic state of the rigid-body acceleration, with the angular "
+    "velocity and corner speed of Stage 1, or with its momenta. The unstressed plate has the velocities and momenta "
+    "of Stage 1 and oscillates. Levels of v_GY refer to the largest difference up to the tail-slap; unknown: the "
+    "numerical error exceeds a third of the level.",
+    "Errors are below the values: grid convergence index of three meshes, plus the effects of damping and ringing. "
+    "Highlighted plates failed a check.",
 )
-WORDS = {f"strike_1.{name}": f"first strike's {name.removesuffix('_force')}" for name in COMPARED}
-WORDS |= {f"strike_2.{name}": f"second strike's {name.removesuffix('_force')}" for name in COMPARED}
+WORDS = {f"strike_1.{name}": f"{name.replace('_', ' ')}, first strike" for name in COMPARED}
+WORDS |= {f"strike_2.{name}": f"{name.replace('_', ' ')}, second strike" for name in COMPARED}
 STRIKE_POINTS = [
     Column(f"difference.{name}", words, form=SIGNED, below=Column(f"error.{name}", "", form=SIGNED))
     for name, words in WORDS.items()
 ]
 IMPACT_READING = (
-    "FE/rigid - 1 of each strike, the mesh's error below it: what elements of twice the order change. A plate whose "
-    "first two strikes are not of the rigid vehicle's corners has no numbers. Levels: lowest first frequency down to "
-    "which the difference stays below; <: at least down to there, >: not even there."
+    "FE/rigid - 1 of each strike, with the mesh error below it (change with elements of twice the order). Plates whose "
+    "first two strikes occur at other corners than those of the rigid vehicle have no values. Levels: lowest first "
+    "frequency at which the difference is below the level; <: below the range, >: above the range."
 )
 PLATES = (
-    "FE runs, soft to rigid, the corner's crush spread over a tenth of the length so that meshes converge; contacts of "
-    "a corner within 50 ms are one strike, filtered by itself. Mesh: the largest difference to a mesh half as fine; "
-    "above 5 %, or with a failed check, a plate is not to be relied on."
+    "FE runs from soft to rigid, with the crush force of a corner distributed over a tenth of the length. Contacts "
+    "of a corner within 50 ms count as one strike, filtered separately. Mesh: largest difference from a mesh of "
+    "twice the element size; plates above 5 %, or with a failed check, are not reliable."
 )
-# Quantities of the terminal's table.
+# Quantities of the table on the terminal.
 SHORT = ("mean_50ms", "impulse", "duration")
 PLATE_PANELS = {"impulse": "impulse", "raw": "peak", "mean_50ms": "50 ms mean", "duration": "duration"}
 
 
 def report(found: Flexibility) -> Report:
-    """Page, summary, points, and what the terminal says."""
+    """Report of the study."""
     return impact_report(found) if found.case.scene.contact else corner_report(found)
 
 
 def corner_report(found: Flexibility) -> Report:
     """Report of a constrained corner: three starts, the other quantities, the modal model."""
-    starts, rows = {**found.levels, "any of the three": found.band}, [_shown(row) for row in found.rows]
+    starts, rows = {**found.levels, "all three starts": found.band}, [_shown(row) for row in found.rows]
     good = [{"what": START_NAMES.get(name, name), "levels": its} for name, its in starts.items()]
     marked = {len(STARTS): "marked"}
-    v_gy = Table(_good(LEVELS), good, "v_GY is good down to a first frequency of", marks=marked)
+    v_gy = Table(
+        _good(LEVELS), good, "Lowest first frequency at which rigid-body v_GY is within", marks=marked
+    )
     laws = [{"what": SYMBOLS[n], "levels": found.others.get(n), "law": law} for n, law in found.laws.items()]
     failed = {i: "failed" for i, row in enumerate(rows) if not row["passed"]}
     marks = [failed, *[{}] * (len(EVERY_PLATE) - 1)]
@@ -116,7 +123,7 @@ def corner_report(found: Flexibility) -> Report:
         Section("With inertia relief", "", (five,), (Table(_good(LEVELS, *LAWS), laws),)),
         Section("Reaction and stored energy", "", (reaction, stored)),
         Section("Modal model against finite elements", "", (modes,), (modal,)),
-        Section("Every plate", tables=tables),
+        Section("All plates", tables=tables),
     )
     numbers: Record = {"rigid": found.case.tail_slap, "levels_v_gy": found.levels}
     numbers |= {"levels_v_gy_any_start": found.band, "levels": found.others, "power_laws": found.laws}
@@ -142,12 +149,12 @@ def _report(
 
 
 def _failures(rows: Sequence[tuple[float, str]]) -> str:
-    """Frequencies of the plates that failed, and why they did."""
-    return f"Failed: {'; '.join(f'{hertz(frequency)}: {why}' for frequency, why in rows if why) or 'none'}."
+    """Frequencies of the plates that failed, with the reasons."""
+    return f"Failed plates: {'; '.join(f'{hertz(frequency)}: {why}' for frequency, why in rows if why) or 'none'}."
 
 
 def _shown(row: Record) -> Record:
-    """A plate as pages show it: what half the patch changes, and nothing of a start that failed."""
+    """Row of a plate, with the effect of half the patch and without starts that failed."""
     checks = "passed" if row["passed"] else f"{'failed' if row['steps'] else 'none'}: {row['why']}"
     failed = tuple(f"{start}:" for start in STARTS if not row[f"{start}:passed"])
     known_starts = {key: None if key.startswith(failed) else value for key, value in row.items()}
@@ -167,21 +174,21 @@ def answer(found: Flexibility) -> tuple[str, str]:
 
 
 def _modelled(found: Flexibility) -> str:
-    """Mesh and support of the corner, and the plates that failed."""
+    """Mesh, support of the corner and failed plates."""
     support, (along, across) = found.setup["corner"], found.setup["meshes"][-1]
-    added = "" if support["own_patch"] else ", which the study adds"
+    added = "" if support["own_patch"] else " (added by the study)"
     return (
-        f"Numbers are those of {along} x {across} elements, the corner with the {support['constraint']} constraint "
-        f"over {measure(support['patch'], 'm', 'g')}{added}. "
+        f"Mesh: {along} x {across} elements; {support['constraint']} constraint of the corner over "
+        f"{measure(support['patch'], 'm', 'g')}{added}. "
         + _failures([(row["first_frequency"], "" if row["passed"] else row["why"]) for row in found.rows])
     )
 
 
 def figures(found: Flexibility) -> list[Chart]:
-    """v_GY from three starts; the five quantities, reaction, stored energy with inertia relief; the modal model."""
+    """Charts of v_GY by start, of the five quantities, reaction and stored energy, and of the modal model."""
     values = {name: [row[name] for row in found.rows] for name in found.rows[0]}
-    passed, relative = values["passed"], "size of the relative difference"
-    largest = "largest deviation over the rigid reaction"
+    passed, relative = values["passed"], "relative difference, magnitude"
+    largest = "largest difference, relative to the rigid reaction"
     begun = zip(passed, *(values[f"{start}:passed"] for start in STARTS), strict=True)
 
     def size(name: str) -> SweepLine:
@@ -201,26 +208,28 @@ def figures(found: Flexibility) -> list[Chart]:
     modal = [
         size("v_gy")._replace(label="v_GY, FE"),
         SweepLine("v_GY, modal", [abs(x) for x in values["modal_v_gy"]], form=RINGS),
-        SweepLine("apart, largest of five", values["modal_apart"], form=DOTS),
-        SweepLine("modal estimate", values["modal_estimate"], form=DOTS),
+        SweepLine("largest difference of both", values["modal_apart"], form=DOTS),
+        SweepLine("estimated error, modal", values["modal_estimate"], form=DOTS),
     ]
-    five = "Time of the strike, velocities of the centre of mass, angular velocity and slide"
-    three = "v_GY from three starts: largest difference from the rigid body"
-    energy = "Largest elastic energy of the plate over its kinetic energy at the start"
-    both = "v_GY by both methods, and how far the methods are apart"
+    five = "Time, velocities of the centre of mass, angular velocity and slide at the tail-slap"
+    three = "Largest difference of v_GY from the rigid body, by start"
+    energy = "Largest strain energy of the plate, relative to its initial kinetic energy"
+    both = "v_GY by finite elements and by the modal model"
     return [
         chart("starts", three, relative, [start_line(start) for start in STARTS], LEVELS),
         chart("difference", five, relative, [size(name) for name in KEYS], LEVELS),
         chart("reaction", "Normal reaction of the wall", largest, [size("reaction")]),
-        chart("stored", energy, "elastic over kinetic energy", [size("stored")]),
+        chart("stored", energy, "strain energy / kinetic energy", [size("stored")]),
         chart("modal", both, relative, modal, LEVELS[:2]),
     ]
 
 
 def impact_report(found: Flexibility) -> Report:
-    """Report of a whole impact: both strikes of each plate against the rigid vehicle's, and from 2 Hz to rigid."""
+    """Report of a whole impact: strikes of plates of decreasing stiffness and of the rigid vehicle."""
     rows = [{"what": WORDS[name], "levels": found.levels[name]} for name in NAMES]
-    good = Table(_good(compute.IMPACT_LEVELS), rows, "The rigid vehicle is good down to a first frequency of")
+    good = Table(
+        _good(compute.IMPACT_LEVELS), rows, "Lowest first frequency at which the rigid vehicle is within"
+    )
     marks = {i: "failed" for i, row in enumerate(found.rows) if row["failed"]}
     heads = (F1, *STRIKE_POINTS, Column("failed", "Checks failed"))
     points = Table(heads, found.rows, "Differences of the two strikes", marks=marks)
@@ -231,7 +240,7 @@ def impact_report(found: Flexibility) -> Report:
     sections = (
         Section("Both strikes", "", (_strikes_figure(found),), (good,), (crush, IMPACT_READING)),
         Section("From 2 Hz to rigid", PLATES, _plate_figures(found), (plates_table(found),), why),
-        Section("Every plate", tables=(points,)),
+        Section("All plates", tables=(points,)),
     )
     numbers = {"rigid": found.case.rigid_numbers(), "levels": found.levels, "plates": found.plates}
     plates = plates_table(found, "The plate from soft to rigid", short=True)

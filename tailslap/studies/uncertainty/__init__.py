@@ -1,4 +1,4 @@
-"""The study `uncertainty`: how forces spread when the inputs do, and which input that comes from."""
+"""The study `uncertainty`: scatter of the forces due to uncertain inputs, and Sobol indices of the inputs."""
 
 import click
 
@@ -10,22 +10,22 @@ OPTIONS = (
     click.Option(
         ["--samples"],
         type=Whole(288, 4_000_000),
-        help="Combinations of inputs, at least  [default: 100000; of a whole impact 4000]",
+        help="Minimum number of samples  [default: 100000; whole impact: 4000]",
     ),
     click.Option(
         ["--range", "ranges"],
         multiple=True,
         metavar="KEY=LOWER:UPPER",
-        help="Vary a key between two values, like impact.friction=0.2:0.5 or impact.speed='50 mph:60 mph'.",
+        help="Range of a key, e.g. impact.friction=0.2:0.5 or impact.speed='50 mph:60 mph'.",
     ),
     click.Option(
-        ["--fix", "fixed"], multiple=True, metavar="KEY", help="Leave a key that varies by default alone."
+        ["--fix", "fixed"], multiple=True, metavar="KEY", help="Keep a key fixed that varies by default."
     ),
 )
 
 STUDY = Study(
     name="uncertainty",
-    summary="Spread of the peak force, or of a whole impact's strikes, over ranges of the inputs; Sobol indices.",
+    summary="Uncertainty of the peak force, or of both strikes of a whole impact, with Sobol indices.",
     compute=later("tailslap.studies.uncertainty.compute:compute"),
     report=later("tailslap.studies.uncertainty.report:report"),
     options=OPTIONS,

@@ -142,14 +142,16 @@ def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
     main = tables["strike_2.impulse" if impact else "peak_force"]
     refusal = "" if impact else _first_refusal(case, inputs, main.ravel())
     if np.count_nonzero(np.isfinite(main).all(axis=0)) < sampling.MIN_ROWS:
-        few = "hardly any of these impacts has a second strike; allowed are others"
-        why = few if impact else f"the theory refuses nearly all of them, like {refusal}"
+        few = "too few of these impacts have a second strike"
+        why = few if impact else f"too few samples have a solution; first reason: {refusal}"
         raise InputError("--range", Verbatim("these ranges"), why)
     with progress.announced("Resampling for the confidence intervals ..."):
         varying = {name: table for name, table in tables.items() if _varies(table)}
         sources = {name: sampling.index_rows(ranges, table) for name, table in varying.items()}
     if not sources:
-        raise InputError("--range", Verbatim("these ranges"), "the peak force is the same all over them")
+        raise InputError(
+            "--range", Verbatim("these ranges"), "the peak force is constant within these ranges"
+        )
     found = Spread(case, ranges, inputs, tables, sources, own_columns(case), 0.0, refusal, curves)
     beside = rows_beside(found) if impact else ()
     return replace(found, beside=beside, seconds=time.perf_counter() - began)
@@ -241,10 +243,10 @@ def demand_corners(case: ImpactCase) -> None:
     """Raise InputError unless the corners alone touch, and crush."""
     contact = case.scene.needed_contact
     if contact.stiffness is None:
-        why = "`tailslap study uncertainty` varies the crush law: give it one"
+        why = "`tailslap study uncertainty` requires a crush law"
         raise InputError("contact.stiffness", Missing, why)
     if contact.side_stiffness:
-        allowed = "the impacts of `tailslap study uncertainty` are of the corners alone; leave it out"
+        allowed = "`tailslap study uncertainty` models contact at the corners only; remove this key"
         raise InputError("contact.side_stiffness", contact.side_stiffness, allowed)
 
 
@@ -284,7 +286,9 @@ def impact_ranges(
     found = sampling.ranges_of(case, case.arguments, limits, ranges, fixed)
     for item in found:
         if item.key == "impact.angle" and not 0.0 < item.lower < item.upper < 0.5 * math.pi:
-            raise InputError(item.key, f"{item.lower}:{item.upper}", "allowed is above 0 and below 90 deg")
+            raise InputError(
+                item.key, f"{item.lower}:{item.upper}", "allowed are angles above 0 and below 90 deg"
+            )
     return tuple(replace(item, given=own[item.key]) for item in found)
 
 
@@ -350,7 +354,7 @@ def beside(printed: tables.ForceRow, kind: str, simulated: float, u_num: float, 
     u_known = math.hypot(u_num, u_input)
     needed = math.sqrt(max(0.0, error**2 - u_known**2))
     within = abs(error) <= u_known
-    verdict = "within u_val" if within else f"beyond, unless u_D is {measure(needed, 'N', '.0f')}"
+    verdict = "within u_val" if within else f"within u_val for u_D of at least {measure(needed, 'N', '.0f')}"
     known = tables.ROW_B_GIVEN if printed.row in KNOWN else ""
     row: dict[str, Any] = {"row": printed.row, "source": printed.source, "kind": kind}
     row |= {"measured": printed.measured, "projected": printed.projected, "known": known}

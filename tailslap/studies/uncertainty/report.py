@@ -1,4 +1,4 @@
-"""Page, summary and tables of the study of uncertainty."""
+"""Report of the study `uncertainty`."""
 
 import math
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ FRACTION = known(".2f")
 INPUTS = (
     Column("key", "Input"),
     Column("range", "Range", form=str),
-    Column("origin", "From"),
+    Column("origin", "Source"),
     Column("value", "Scene", form=str),
 )
 
@@ -34,7 +34,7 @@ def _index(key: str, label: str) -> Column:
     return Column(key, label, form=".3f", below=interval)
 
 
-INDICES = (_index("first_order", "Alone"), _index("total", "With interactions"))
+INDICES = (_index("first_order", "First-order index"), _index("total", "Total index"))
 MAIN = "strike_2.mean_50ms"
 LEVELS = (
     Column("name", "Design force", style="whole"),
@@ -42,8 +42,7 @@ LEVELS = (
     Column("above", "Impacts above it", form=percent),
     Column("source", "Source", style="soft"),
 )
-# The inputs of the curves: words, the unit that they are shown in, and what of SI makes one of that; last those of
-# trailers.
+# Inputs of the curves: label, displayed unit and its value in SI; last those of trailers.
 CURVES = {
     "contact.stiffness": ("crush stiffness", "MN/m", 1e6),
     "contact.restitution": ("restitution", "", 1.0),
@@ -63,14 +62,14 @@ BANDS = (
     Column("own", "Scene", form=".1f", style="strong", unit_key="unit"),
     *(Column(f"{p} %", f"{p} %", form=".1f", group="Band", unit_key="unit") for p in PERCENTILES),
     Column("unit", "Unit", is_unit=True),
-    Column("source", "Most of the variance from"),
-    Column("index", "Index", form=FRACTION),
+    Column("source", "Main source of variance"),
+    Column("index", "Total index", form=FRACTION),
 )
 # Quantities whose indices are shown.
 SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
 
 ROWS = (
-    *columns({"label": "Row", "kind": "By"}),
+    *columns({"label": "Row", "kind": "Quantity"}),
     *columns({"measured": "D", "simulated": "S"}, unit="N", form=".0f", style="strong"),
     *columns({"band.0": "5 %", "band.2": "95 %"}, unit="N", form=".0f", group="Band of S"),
     Column("error", "E", "N", form="+.0f"),
@@ -80,25 +79,22 @@ UNCERTAINTY = (
     Column("u_num", "u_num", "N", form=".2g"),
     Column("u_input", "u_input", "N", form=".0f"),
 )
-VERDICT = Column("verdict", "|E| against u_val")
+VERDICT = Column("verdict", "|E| and u_val")
 ROW_NOTES = (
-    "D: measured, by crash test or finite elements, as Tables 4 and 5 of the paper have it; * projected by its "
-    "authors, 1.33 times the 50 ms mean. S: the second strike of the rigid vehicle. E = S - D; as in ASME V&V 20, "
-    "u_val^2 = u_num^2 + u_input^2 + u_D^2. u_num: the many impacts' solution against the one at a smaller step. "
-    "u_input: the band's standard deviation. u_D: unknown; no source gives it, and the last column says how large it "
-    "would have to be for |E| to be within u_val.",
-    "Of the rows' impacts only row b's 57.4 mph and 15.4 deg are known, and put in; mass and length of the vehicles, "
-    "their crush and restitution are not. The walls of rows a and b are rails on posts or with a batter, no plain "
-    "walls. No range was set by these rows, and no row is fitted.",
+    "D: force of Tables 4 and 5 of the paper, from crash tests or finite elements; * projected by the authors as 1.33 "
+    "times the 50 ms mean. S: second strike of the rigid vehicle. E = S - D. As in ASME V&V 20, u_val^2 = u_num^2 + "
+    "u_input^2 + u_D^2. u_num: time-step error. u_input: standard deviation of the samples. u_D: unknown measurement "
+    "uncertainty; the last column states the u_D at which |E| = u_val.",
+    "Speed and angle are those of the scene, except in row b (57.4 mph, 15.4 deg); mass, length, crush and restitution "
+    "of the tested vehicles are unknown. The barriers of rows a and b are not plain vertical walls. Neither ranges nor "
+    "results are fitted to these rows.",
 )
-NOT_TL_4 = f"Tables 4 and 5 of the paper are of {LEVEL}: a scene with another impact.test_level has no rows beside it."
-INDEX_NOTE = (
-    "Sobol indices, with interactions: the share of the variance that would stay if all else were known."
-)
+NOT_TL_4 = f"Tables 4 and 5 of the paper contain {LEVEL} only; impact.test_level of this scene differs."
+INDEX_NOTE = "Total Sobol indices: fraction of the variance that remains if all other inputs are known."
 
 
 def report(found: Spread) -> Report:
-    """Page, summary, combinations, and what the terminal says."""
+    """Report of the study."""
     return impact_report(found) if found.case.scene.contact else corner_report(found)
 
 
@@ -113,9 +109,9 @@ def _report(
 ) -> Report:
     """Page, summary and files; sentences: answer and certainty."""
     headline = Headline(f"Uncertainty: {found.case.subject}", sentences[0], found.case.set_up, sentences[1])
-    files = ["summary.json, these numbers in SI", "samples.csv, the combinations of the distribution"]
+    files = ["summary.json (results in SI)", "samples.csv (samples)"]
     if curves:
-        files[1:] = ["samples.csv, the impacts of the bands", "curves.csv, those of the curves"]
+        files[1:] = ["samples.csv (samples)", "curves.csv (curves)"]
     head, cost = study_summary("uncertainty", found.case), {"seconds": found.seconds}
     return Report(
         study_page(found.case, kicker, headline, sections, "; ".join(files)),
@@ -127,13 +123,13 @@ def _report(
 
 
 def _input_rows(found: Spread) -> list[dict[str, Any]]:
-    """The inputs in the order of the scene, their ranges in words."""
+    """Inputs in the order of the scene, with their ranges as text."""
     words = ((item, *item.in_words()) for item in found.ranges)
     return [{"key": i.key, "range": ends, "origin": i.origin, "value": own} for i, ends, own in words]
 
 
 def corner_report(found: Spread) -> Report:
-    """The peak force of a tail-slap."""
+    """Report on the peak force of a tail-slap."""
     words = {row["key"]: row for row in _input_rows(found)}
     inputs = [words[row["key"]] | row for row in found.sources_of("peak_force")]
     sentences, refusals = _corner_answer(found, inputs), _refusals(found)
@@ -143,12 +139,12 @@ def corner_report(found: Spread) -> Report:
     held = tuple(key for key in keys if key in used and key not in words)
     percentiles = list(zip(PERCENTILES, found.band("peak_force").percentiles, strict=True))
     histogram = figures.draw_histogram(edges, counts, percentiles, own)
-    table = Table((*INPUTS, *INDICES), inputs, notes=("Below each index its 95 % confidence interval.",))
+    table = Table((*INPUTS, *INDICES), inputs, notes=("95 % confidence intervals are below the indices.",))
     explained = _corner_sentences(found, refusals, held)
     sections = (
         Section("Distribution", figures=(histogram,), layout="half"),
         Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
-        Section("Inputs, and the share of the variance that comes from each", tables=(table,)),
+        Section("Inputs and Sobol indices", tables=(table,)),
         Section("Peak force", tables=(_forces_table(found),), layout="half"),
         Section("What was computed, and what it means", sentences=explained, layout="half"),
     )
@@ -161,7 +157,7 @@ def corner_report(found: Spread) -> Report:
 
 
 def _corner_summary(found: Spread, drawn: dict[str, Any], held: tuple[str, ...]) -> dict[str, Any]:
-    """The numbers; drawn: the histogram; held: keys that might vary."""
+    """Summary; drawn: the histogram; held: fixed keys."""
     refused, left_out = found.refused
     return {
         **{"rows": found.rows, "combinations": found.computed, "refused": refused, "rows_left_out": left_out},
@@ -193,46 +189,43 @@ def _corner_answer(found: Spread, inputs: list[dict[str, Any]]) -> tuple[str, st
 
 
 def _refusals(found: Spread) -> str:
-    """Say how many combinations the theory refuses, and what that does to the indices."""
+    """Number of samples without a solution, and its effect on the indices."""
     refused, left_out = found.refused
     if not refused:
-        return "The theory refuses none of the combinations."
+        return "All samples have a solution."
     return (
-        f"The theory refuses {grouped(refused)} of {grouped(found.computed)} combinations "
-        f"({100.0 * refused / found.computed:.2g} %): they have no "
-        f"force, and the distribution is that of the others. {grouped(left_out)} of {grouped(found.rows)} rows "
-        "have one and are left out of the indices, which are then approximate, for the inputs of the rest are no "
-        f"longer independent. The first: {found.refusal}."
+        f"{grouped(refused)} of {grouped(found.computed)} samples ({100.0 * refused / found.computed:.2g} %) have no "
+        f"solution and are excluded from the distribution. {grouped(left_out)} of {grouped(found.rows)} rows contain "
+        "such samples and are excluded from the indices, which are therefore approximate. First reason: "
+        f"{found.refusal}."
     )
 
 
 def _corner_sentences(found: Spread, refusals: str, held: tuple[str, ...]) -> list[str]:
-    """Sentences that a reader needs beside the numbers."""
+    """Description of the method."""
     return [
-        f"Each input varies evenly over its range, independently of the others. {grouped(found.rows)} rows of Sobol "
-        f"points, scrambled with the seed {SEED}, give {grouped(found.computed)} combinations; each is solved exactly "
-        "by Stages 1 to 3. The same call gives the same numbers.",
+        f"The inputs are independent and uniformly distributed over their ranges. {grouped(found.rows)} scrambled "
+        f"Sobol points (seed {SEED}) define {grouped(found.computed)} samples, each solved exactly by Stages 1 to 3. "
+        "Results are reproducible.",
         refusals,
-        *([f"Fixed at the scene's value: {', '.join(held)}; --range varies these too."] if held else []),
-        "An index is the share of the variance that comes from an input: alone (first order), and with its "
-        f"interactions (total). The 95 % intervals are a bootstrap's, of {RESAMPLES} resamples, and err on the wide "
-        "side.",
-        "The duration of the strike is an input of the method, which does not predict it: the peak force is that of a "
-        "triangular pulse of this duration.",
+        *([f"Fixed inputs: {', '.join(held)} (varied by --range)."] if held else []),
+        "Sobol indices are fractions of the variance due to an input: without (first order) and with its interactions "
+        f"(total). The 95 % confidence intervals are from {RESAMPLES} bootstrap resamples and are conservative.",
+        "The duration of the triangular force pulse is an input; the rigid-body method does not predict it.",
     ]
 
 
 def _forces_table(found: Spread) -> Table:
-    """Mean, standard deviation and percentiles of the peak force, and the scene's own."""
+    """Mean, standard deviation, percentiles and nominal value of the peak force."""
     band = found.band("peak_force")
     forces = {"mean": band.mean, "standard deviation": band.standard_deviation}
-    forces |= {f"{p} % lie below": x for p, x in zip(PERCENTILES, band.percentiles, strict=True)}
-    forces |= {"of the scene's own values": found.own["peak_force"]}
+    forces |= {f"{p} % percentile": x for p, x in zip(PERCENTILES, band.percentiles, strict=True)}
+    forces |= {"nominal case": found.own["peak_force"]}
     return pairs([(name, force / 1e3, "kN") for name, force in forces.items()])
 
 
 def impact_report(found: Spread) -> Report:
-    """Both strikes of a whole impact."""
+    """Report on both strikes of a whole impact."""
     main, of = _main(found)
     inputs, sentences, levels = found.sources_of(main), _impact_answer(found), _levels(found)
     of = of[0].lower() + of[1:]
@@ -242,12 +235,12 @@ def impact_report(found: Spread) -> Report:
     single = int(np.count_nonzero(np.isnan(found.samples["strike_2.impulse"])))
     sections = (
         Section("Bands", figures=[_band_figure(found)], tables=[_bands_table(found)]),
-        Section("The largest 50 ms mean beside design forces", tables=[levels]),
-        Section("Inputs, and their shares of the variance", tables=[_inputs_table(found)]),
-        Section(f"Where the spread of the {of} comes from", figures=sensitivity, layout="half"),
-        Section("What was computed, and what it means", "", (), (), _impact_sentences(found, single), "half"),
-        Section("Beside Tables 4 and 5 of the paper", "" if beside else NOT_TL_4, tables=[rows]),
-        Section("Each input alone", figures=_curve_figures(found)),
+        Section("Largest 50 ms mean and design forces", tables=[levels]),
+        Section("Inputs and Sobol indices", tables=[_inputs_table(found)]),
+        Section(f"Sensitivity of the {of}", figures=sensitivity, layout="half"),
+        Section("Method", "", (), (), _impact_sentences(found, single), "half"),
+        Section("Comparison with Tables 4 and 5 of the paper", "" if beside else NOT_TL_4, tables=[rows]),
+        Section("Variation of single inputs", figures=_curve_figures(found)),
     )
     kinds, numbers = ("first_order", "total"), {}
     for name in found.tables:
@@ -263,10 +256,10 @@ def impact_report(found: Spread) -> Report:
         _bands_table(found, f"{found.case.scene.name}: both strikes"),
         short(levels),
         _inputs_table(found, short=True),
-        Table((*ROWS, VERDICT), beside, "Beside Tables 4 and 5 (* projected); u_D is unknown"),
-        f"Cost:   {found.computed} impacts, with curves {found.seconds:.1f} s",
+        Table((*ROWS, VERDICT), beside, "Comparison with Tables 4 and 5 (* projected); u_D is unknown"),
+        f"Cost:   {found.computed} impacts in {found.seconds:.1f} s",
     )
-    kicker = "Both strikes of the whole impact: against each input, and as bands"
+    kicker = "Uncertainty of both strikes of a whole impact"
     return _report(found, kicker, sentences, sections, summary, terminal, curves=_curves_table(found))
 
 
@@ -313,29 +306,27 @@ def _impact_answer(found: Spread) -> tuple[str, str]:
 
 
 def _impact_sentences(found: Spread, single: int) -> list[str]:
-    """Sentences that a reader needs beside the numbers."""
+    """Description of the method."""
     sentences = [
-        f"{grouped(found.computed)} impacts of the rigid vehicle: {grouped(2 * found.rows)} for the bands, Sobol "
-        f"points scrambled with the seed {SEED}, the rest for the indices. Inputs vary evenly, independently of each "
-        "other. The same call gives the same numbers.",
-        "Raw: the force at the corner that strikes. Filtered: the total force on the wall; of 50 ms means those that "
-        "lie in the strike.",
-        "Nothing here is a duration that was read off a test: it follows from mass, crush and friction.",
-        "A band says what these ranges do, and nothing of what the model lacks: roll and pitch, load that shifts, a "
-        "wall that gives, wheels and suspension.",
+        f"The inputs are independent and uniformly distributed over their ranges. {grouped(found.computed)} impacts of "
+        f"the rigid vehicle: {grouped(2 * found.rows)} scrambled Sobol points (seed {SEED}) for the distribution, the "
+        "others for the indices. Results are reproducible.",
+        "Raw: force at the striking corner. Filtered and 50 ms mean forces: total force on the wall during the strike.",
+        "The duration of the strikes follows from mass, crush and friction.",
+        "The distribution reflects these ranges only. The model excludes roll and pitch, shifting load, deflection of "
+        "the wall, wheels and suspension.",
     ]
     if LARGEST in found.tables:
         sentences.append("Strike 1 is that of the first unit's front, strike 2 that of the last unit's rear.")
     if single:
         sentences.append(
-            f"{grouped(single)} impacts have no second strike; they are not in the second strike's numbers, and "
-            "their rows not in the indices."
+            f"{grouped(single)} impacts have no second strike; they are excluded from its distribution and indices."
         )
     return sentences
 
 
 def _bands_table(found: Spread, title: str = "") -> Table:
-    """All quantities of both strikes: the scene's own values, bands, and the first source of the variance."""
+    """Nominal value, percentiles and main source of variance of all quantities of both strikes."""
     rows = []
     for name in found.tables:
         strike, quantity = name.removeprefix("strike_").split(".")
@@ -354,7 +345,7 @@ def _bands_table(found: Spread, title: str = "") -> Table:
 
 
 def _inputs_table(found: Spread, short: bool = False) -> Table:
-    """Ranges of the bands, and the total indices of the main quantities; short: for a terminal, the second strike's."""
+    """Ranges of the inputs and total indices of the main quantities; short: of the second strike only."""
     strikes, inputs = (2,) if short else (1, 2), _input_rows(found)
     heads = [
         Column(f"strike_{k}.{name}", label, form=FRACTION, group="" if short else f"Strike {k}")
@@ -367,12 +358,12 @@ def _inputs_table(found: Spread, short: bool = False) -> Table:
     for number, row in enumerate(inputs):
         row |= {head.key: found.sources[head.key][number]["total"] for head in heads}
     if short:
-        return Table((*INPUTS[:2], *heads), inputs, "Inputs, and their shares of strike 2")
+        return Table((*INPUTS[:2], *heads), inputs, "Inputs and total Sobol indices of strike 2")
     return Table((*INPUTS, *heads), inputs, notes=(INDEX_NOTE,))
 
 
 def _curves_table(found: Spread) -> Table:
-    """A row an impact of the curves, SI, for a file."""
+    """Impacts of the curves, in SI."""
     heads = columns({"input": "Input", "value": "Value"} | {name: name for name in COLUMNS})
     rows = [
         {"input": curve["key"], "value": value, **{n: float(curve["columns"][n][i]) for n in COLUMNS}}
@@ -383,7 +374,7 @@ def _curves_table(found: Spread) -> Table:
 
 
 def _curve_figures(found: Spread) -> list[Any]:
-    """Peaks, impulses and durations against each input alone."""
+    """Peak forces, impulses and durations over each input."""
     panels = []
     for curve in found.curves:
         key = curve["key"]
@@ -398,17 +389,17 @@ def _curve_figures(found: Spread) -> list[Any]:
         heading = f"{label} [{unit}]" if unit else label
         values, own, logarithmic = curve["values"] / scale, curve["own"] / scale, key.endswith("stiffness")
         panels.append(figures.InputPanel(name, heading, values, own, logarithmic, lines))
-    return figures.draw_inputs("Both strikes against", panels)
+    return figures.draw_inputs("Both strikes over", panels)
 
 
 def _curve(curve: Mapping[str, Any], column: str) -> tuple[str, Any]:
-    """Label and values of a quantity, as shown."""
+    """Label and displayed values of a quantity."""
     label, _, scale = QUANTITIES[column.split(".")[1]]
     return label, curve["columns"][column] / scale
 
 
 def _band_figure(found: Spread) -> Any:
-    """Bands of the peaks, with the paper's rows beside those of the second strike."""
+    """Percentiles of the peak forces, with the rows of the paper."""
     bars = []
     for name in ("raw", "mean_50ms", "cfc60"):
         kind = TAKEN.get(name, ("",))[0]
