@@ -181,7 +181,11 @@ class Case(ABC):
             if self.scene.starts_later
             else ("impact.speed", "impact.angle")
         )
-        return f"{self.given('vehicle.mass')} vehicle at {', '.join(map(self.given, keys))}"
+        trailers = "".join(
+            f" with a {self.given(f'trailer.{k}.mass')} trailer" for k in range(len(self.scene.trailer))
+        )
+        what = "tractor" if trailers else "vehicle"
+        return f"{self.given('vehicle.mass')} {what}{trailers} at {', '.join(map(self.given, keys))}"
 
     @property
     def set_up(self) -> str:

@@ -123,6 +123,10 @@ def source_of_text(text: str, name: str = "SCENE") -> Source:
     return Source(text.rstrip("\n") + "\n", given)
 
 
+REPLACED = {name: f"impact-{name}" for name in ("mash-tl5-tractor-van", "mash-tl6-tractor-tank")}
+"""Scenes of earlier versions, and those in their place."""
+
+
 def scene_text(name: str) -> str:
     """Text of a scene file or of a scene of the program. Raises InputError."""
     shipped = shipped_scenes()
@@ -131,6 +135,9 @@ def scene_text(name: str) -> str:
         raise errors.InputError("SCENE", name, f"the limit is {MAX_NAME} characters")
     if name in shipped and not path.is_file():
         return shipped[name]
+    if name in REPLACED and not os.path.lexists(path):
+        allowed = f"it took tractor and trailer as one body; allowed is {REPLACED[name]}, a train"
+        raise errors.InputError("SCENE", name, allowed)
     if path.suffix != ".toml" and not os.path.lexists(path):
         allowed = errors.one_of(name, shipped, "allowed is a .toml file or one of")
         raise errors.InputError("SCENE", name, allowed)

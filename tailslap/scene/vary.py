@@ -258,6 +258,9 @@ MOST_TRAILERS = 7
 
 def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
     """Validate the hinges of a train. Raises InputError."""
+    if scene.trailer and scene.tipping:
+        allowed = "roll is that of a single vehicle; remove this table or [[trailer]]"
+        raise InputError("tipping", Verbatim("a table"), allowed)
     if len(scene.trailer) > MOST_TRAILERS:
         allowed = f"allowed are at most {MOST_TRAILERS}"
         raise InputError("trailer", Verbatim(f"{len(scene.trailer)} tables"), allowed)

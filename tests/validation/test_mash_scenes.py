@@ -9,15 +9,15 @@ import math
 import pytest
 
 from tailslap.case.corner.case import CornerCase
-from tailslap.scene.read import read_scene, shipped_scenes, title
+from tailslap.errors import InputError
+from tailslap.scene.read import read_scene, scenes, shipped_scenes
 
 POUND, MILE, FOOT, KIP = 0.45359237, 1609.344, 0.3048, 4448.2216152605
 TESTS = {  # pounds, the kilograms of the vehicle's name, mph, km/h, degrees
     "mash-tl1-car": (2420, 1100, 31, 50, 25), "mash-tl1-pickup": (5000, 2270, 31, 50, 25),
     "mash-tl2-car": (2420, 1100, 44, 70, 25), "mash-tl2-pickup": (5000, 2270, 44, 70, 25),
     "mash-tl3-car": (2420, 1100, 62, 100, 25), "mash-tl3-pickup": (5000, 2270, 62, 100, 25),
-    "mash-tl4-sut": (22000, 10000, 56, 90, 15), "mash-tl5-tractor-van": (79300, 36000, 50, 80, 15),
-    "mash-tl6-tractor-tank": (79300, 36000, 50, 80, 15),
+    "mash-tl4-sut": (22000, 10000, 56, 90, 15),
 }  # fmt: skip
 NEW = sorted(set(TESTS) - {"mash-tl4-sut"})
 
@@ -51,8 +51,6 @@ def test_impact_severity(name, least):
     [
         ("mash-tl3-car", 169 / 12, 65 / 12),
         ("mash-tl3-pickup", 237 / 12, 78 / 12),
-        ("mash-tl5-tractor-van", 69.0, 8.5),  # AASHTO's design vehicle WB-62
-        ("mash-tl6-tractor-tank", 60.0, 8.5),
     ],
 )
 def test_dimensions_in_feet(name, length, width):
@@ -63,9 +61,36 @@ def test_dimensions_in_feet(name, length, width):
 @pytest.mark.parametrize("name", NEW)
 def test_scenes_say_what_is_assumed(name):
     text = shipped_scenes()[name]
-    assert title(text).startswith(f"MASH TL-{name[7]}, test {name[7]}-1")
+    assert scenes()[name].startswith(f"MASH TL-{name[7]}, test {name[7]}-1")
     assert text.count("# Assumed: ") == 2
-    assert ("# Not one rigid body: " in text) == ("tractor" in name)
+
+
+TRAINS = {  # kg, km/h, degrees as published
+    "impact-mash-tl5-tractor-van": (79300 * POUND, 50 * MILE / 1000, 15.0),
+    "impact-mash-tl6-tractor-tank": (79300 * POUND, 50 * MILE / 1000, 15.0),
+    "impact-tl5cmb-2": (36153.0, 84.9, 15.4),
+    "impact-tti-7069-13": (22723.0, 82.7, 16.2),
+    "impact-foil-03008": (14683 * POUND, 50.0, 25.0),
+}
+
+
+@pytest.mark.parametrize("name", TRAINS)
+def test_conditions_of_tractors(name):
+    """Mass of all units, speed and angle as published; what is not says that it is assumed."""
+    mass, kmh, degrees = TRAINS[name]
+    scene, text = read_scene(name)[0], shipped_scenes()[name]
+    assert sum(unit.mass for unit in scene.units) == pytest.approx(mass, rel=2e-5)
+    assert (3.6 * scene.impact.speed, math.degrees(scene.impact.angle)) == pytest.approx(
+        (kmh, degrees), rel=1e-12
+    )
+    assert text.count("Assumed: ") >= 2
+    assert len(scene.trailer) == (name != "impact-foil-03008")
+
+
+@pytest.mark.parametrize("name", ["mash-tl5-tractor-van", "mash-tl6-tractor-tank"])
+def test_scenes_that_swung_two_units_as_one_name_their_trains(name):
+    with pytest.raises(InputError, match=f"allowed is impact-{name}, a train"):
+        read_scene(name)
 
 
 @pytest.mark.parametrize("level", ["tl1", "tl2", "tl3"])

@@ -20,7 +20,7 @@ from tailslap.scene.vary import validate
 QUICK = (
     ("scenes",), ("rigid", "mash-tl4-sut"), ("rigid", "mash-tl4-sut", "--units", "us"),
     ("rigid", "impact-mash-tl4-sut"), ("check", "mash-tl4-sut"),
-    ("check", "mash-tl5-tractor-van", "--units", "us"), ("check", "impact-mash-tl4-sut"),
+    ("check", "mash-tl4-sut", "--units", "us"), ("check", "impact-mash-tl4-sut"),
     ("modal", "paper-table-3"), ("modes", "paper-table-3", "--count", "4", "--out", "modes"),
     ("run", "paper-table-3", "--no-pictures", "--out", "run"),
     ("run", "mash-tl4-sut", "--no-pictures", "--out", "run-us", "--units", "us"),

@@ -371,6 +371,7 @@ TRUCK = (
     "impact.speed=25.7 m/s", "impact.angle=27.5 deg",
 )  # fmt: skip
 TRACTOR = (
+    "trailer=", "vehicle.width=102 in", "vehicle.centre_of_mass=", "vehicle.yaw_inertia=", "plate.thickness=85 mm",
     "vehicle.length=16.5 m", "vehicle.mass=39000 kg", "contact.stiffness=2.48 MN/m", "contact.initial_force=323 kN",
     "contact.friction=0.53", "impact.speed=12.9 m/s", "impact.angle=14.9 deg",
 )  # fmt: skip

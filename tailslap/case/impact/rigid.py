@@ -293,21 +293,27 @@ class RigidImpact(Case):
         )
 
     def drawing(self) -> Chart:
-        """Vehicle at first touch and at its second strike, or without one at the end."""
+        """Vehicle at first touch and at its second strike, a train at that of its last rear; without one at the end."""
         from postprocess.figures import set_up
 
-        body, strikes = self.vehicle, self.motion.strikes[1:2]
+        rear = impact.corner_name(len(self.trailers), 1)
+        strikes = [each for each in self.motion.strikes if each.corner == rear] if self.trailers else []
+        strikes = strikes[:1] if self.trailers else list(self.motion.strikes[1:2])
         last = strikes[0].start if strikes else self.motion.t_end
-        at = self.motion.at([0.0, last])
-        unit = set_up.Unit(at.x_g, at.y_g, at.theta, body.length, body.width, body.front_distance)
-        event = f"second strike ({strikes[0].corner} corner)" if strikes else "end"
+        at, units = self.motion.at([0.0, last]), []
+        for number, body in enumerate(self.motion.vehicles, 1):
+            end = f"_{number}" if number > 1 else ""
+            x, y, theta = (getattr(at, f"{name}{end}") for name in ("x_g", "y_g", "theta"))
+            units.append(set_up.Unit(x, y, theta, body.length, body.width, body.front_distance))
+        which = "strike" if self.trailers else "second strike"
+        event = f"{which} ({strikes[0].corner} corner)" if strikes else "end"
         words = self.drawing_words(float(at.theta[0]))
         words |= {"second": f"{event}, after {measure(last, 's', '.3g')}"}
         caption = (
             f"Set-up from above, to scale: {self.subject}; corner P touches the wall first; "
             f"second position: {words['second']}; G: centre of mass."
         )
-        return set_up.draw_set_up([unit], words, caption)
+        return set_up.draw_set_up(units, words, caption)
 
     def rigid_history(self) -> dict[str, np.ndarray]:
         """Columns of the rigid vehicle's impact by name, SI."""
