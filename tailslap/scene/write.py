@@ -195,8 +195,9 @@ def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], pref
 
 def as_given(source: vary.Source, key: str) -> str:
     """A quantity of the scene in the unit in which it is given; a plain number in SI, or the units of the reader."""
-    table, name = key.split(".")
-    given = source.given[table][name]
+    table, *number, name = key.split(".")
+    tables = source.given[table]
+    given = (tables[int(number[0])] if number else tables)[name]
     if isinstance(given, str) and (found := units.NUMBER.fullmatch(given)):
         return f"{float(found[1]):.6g} {found[2]}"
     return measure(given, unit_of(schema.TABLES[table].model_fields[name]), ".6g")

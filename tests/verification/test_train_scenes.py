@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import tailslap
+from postprocess.units import SI
 from tailslap.case import case_of
 from tailslap.case.impact.answers import LARGEST, both_strikes
 from tailslap.cli import _status
@@ -146,7 +147,8 @@ def test_the_roll_of_a_train_is_refused():
 
 
 def test_the_set_up_names_and_draws_every_unit(case):
-    assert case.headline().set_up.startswith("train: 8200 kg tractor with a 27770 kg trailer at 22.35 m/s")
+    said = SI.rendered(case.headline().set_up)
+    assert said.startswith("train: 8200 kg tractor with a 27770 kg trailer at 22.35 m/s")
     assert str(case.drawing()).count("trailer rear") >= 1
 
 
