@@ -1,8 +1,9 @@
 """The run of a whole impact: from a model and its first touch to histories of motion, energies and contact."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -64,8 +65,10 @@ class ImpactRun:
         Time steps taken.
     time_loop_s : float
         Time that they took, records included [s].
-    highest_frequency : float
-        The largest at a few instants of the run [rad/s].
+    model : PlateModel
+        The plate.
+    shapes : sequence of ndarray, shape (2, nodes)
+        Positions at a few instants of the run [m].
     snapshots : Snapshots or None
         Nodal positions and velocities at some instants, where they were asked for.
     """
@@ -80,9 +83,15 @@ class ImpactRun:
     units: tuple[dict[str, np.ndarray], ...]
     hinges: np.ndarray
     steps: int
+    model: PlateModel
     time_loop_s: float = np.nan
-    highest_frequency: float = np.nan
+    shapes: Sequence[np.ndarray] = ()
     snapshots: runner.Snapshots | None = None
+
+    @cached_property
+    def highest_frequency(self) -> float:
+        """The largest at these instants [rad/s]."""
+        return runner.highest_frequency(self.model, self.shapes)
 
 
 class ImpactStepper(runner.PlateStepper):
@@ -229,10 +238,9 @@ def simulate_impact(
     rows, _, state = runner.run(stepper, state, stride, total, [*watching, saver], made)
     elapsed, run = time.perf_counter() - began, _run(stepper, rows, stride)
     seen = shapes.seen + ([state.positions] if (len(rows) - 1) % CHUNK else [])
-    looks = np.unique(np.linspace(0, len(seen) - 1, runner.LOOKS).astype(int))
-    frequency = runner.highest_frequency(model, [seen[k] for k in looks])
+    looks = [seen[k] for k in np.unique(np.linspace(0, len(seen) - 1, runner.LOOKS).astype(int))]
     snaps = keeper.finished(run.history["t"], stepper.nodal(state)) if snapshots else None
-    return replace(run, time_loop_s=elapsed, highest_frequency=frequency, snapshots=snaps)
+    return replace(run, time_loop_s=elapsed, shapes=looks, snapshots=snaps)
 
 
 def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
@@ -247,7 +255,8 @@ def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
     history["force_foundation"] = np.diff(history["foundation_impulse"], prepend=0.0) / interval
     steps = stride * (len(values) - 1)
     motions, hinges = _of_train(units, interval)
-    return ImpactRun(history, stepper.points, stepper.unit, push, drag, depth, place, motions, hinges, steps)
+    contact = stepper.points, stepper.unit, push, drag, depth, place
+    return ImpactRun(history, *contact, motions, hinges, steps, stepper.model)
 
 
 def _of_train(rows: np.ndarray, interval: float) -> tuple[tuple[dict[str, np.ndarray], ...], np.ndarray]:

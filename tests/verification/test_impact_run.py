@@ -304,6 +304,16 @@ def test_other_corners_or_a_run_that_diverged_bound_nothing(other):
     assert percent_up(math.inf) == "unknown"
 
 
+@pytest.mark.parametrize(("own", "until"), [
+    (answer(), 0.27), (answer(duration=0.047), 0.2 + 2.1 * 0.047), (answer(duration=0.09), 0.3),
+    (answer(impulse=0.01), 0.3), (answer(impulse=2.0, blip=0.2), 0.27),
+])  # fmt: skip
+def test_other_meshes_run_as_long_as_a_strike_is_judged(own, until):
+    """Until the rear strike is over: 50 ms, or 1.1 times as long as it was, but no longer than the run itself, as where
+    there is no second one; also where it is the largest, and two before it are judged."""
+    assert error.judged_until(own) == pytest.approx(until, rel=1e-12)
+
+
 def test_meshes_that_judge():
     """Quadratic ones by half as many, and where there is no half by twice as many; linear ones by quadratic ones."""
 

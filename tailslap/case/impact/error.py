@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.plate import kinds
 from solver.impact import Strike
-from tailslap.case.impact.answers import ImpactAnswer, mean_peak
+from tailslap.case.impact.answers import MEAN_WINDOW, ImpactAnswer, mean_peak
 from tailslap.case.model import refined
 from tailslap.scene.schema import Plate
 
@@ -36,6 +36,9 @@ point."""
 COARSEST = 2
 """Quadratic elements across that judge linear ones, at least, where the plate has as many."""
 
+LATER = 1.1
+"""Durations of a strike after which it is over on other meshes as well, on which it may last a little longer."""
+
 THIRD_UP_TO = 1000
 """Elements that a third mesh has at most."""
 
@@ -46,6 +49,16 @@ def weighed(strikes: Sequence[Strike]) -> list[Strike]:
     found = [strike for strike in strikes if strike.impulse >= WEIGHT * largest]
     is_train = any("trailer" in strike.corner for strike in strikes)
     return found[:2] + [strike for strike in found[2:] if is_train and strike.impulse == largest]
+
+
+def judged_until(answer: ImpactAnswer) -> float:
+    """Instant [s] up to which another mesh is run: as far as a strike that is judged, or the largest, may be taken up
+    again, or its 50 ms mean reaches; to the end where there is a single strike."""
+    end, strikes = float(answer.history["t"][-1]), answer.strikes
+    if len(weighed(strikes)) < 2:
+        return end
+    judged = (*weighed(strikes), max(strikes, key=lambda strike: strike.impulse))
+    return min(end, max(strike.end + max(LATER * strike.duration, MEAN_WINDOW) for strike in judged))
 
 
 def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:

@@ -89,16 +89,16 @@ def compared(fe_plan: plan.ImpactPlan, run: ImpactRun) -> ImpactOutcome:
     return ImpactOutcome(fe_plan, run, answers.differences(fe, rigid), (), 0.0, rigid, fe)
 
 
-def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0) -> ImpactRun:
+def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = None) -> ImpactRun:
     """The run of the model, to the scene's end, or 0.1 s after the second strike, of a train after its last rear's, and
     no less than the rigid's.
 
-    snapshots: instants at which the motion of all nodes is kept.
+    snapshots: instants at which the motion of all nodes is kept; end: another end [s].
     """
     from fem.run import impact
 
     scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end
-    end = scene.time.end
+    end = scene.time.end if end is None else end
 
     def finished(run: ImpactRun) -> bool:
         now = float(run.history["t"][-1])
@@ -174,4 +174,4 @@ def _on(outcome: ImpactOutcome, plate: Plate) -> answers.ImpactAnswer:
     model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
     impact.compile_impact_loop(model, on_compile=compiling)
     other = replace(fe_plan, model=model, plate=plate)
-    return _answer(other, simulated(other))
+    return _answer(other, simulated(other, end=error.judged_until(outcome.fe)))
