@@ -4,23 +4,23 @@
     result = tailslap.run("mash-tl4-sut", {"impact.speed": "60 mph"})
     print(result)
 
-Functions, each of which does what the command of the same name does:
+Functions, each the same as the command of its name:
 
-    run         rigid solution, finite elements, comparison and checks of a scene
-    rigid       rigid-body method alone
-    check       model, choices and cost of a run, without running it
-    modal       run with a few modes of the plate
-    modes       natural frequencies and shapes of the plate
-    sweep       runs for many values of keys, a row a run
-    study       prepared study: cost, flexibility, stability, uncertainty
-    compare     histories beside a reference, also those of other programs
+    run         rigid solution, finite elements, comparison and checks
+    rigid       rigid-body method
+    check       model, automatic choices and estimated cost of a run
+    modal       run with the modal model of the plate
+    modes       natural frequencies and mode shapes of the plate
+    sweep       runs with varied keys
+    study       studies: cost, flexibility, stability, uncertainty
+    compare     comparison of histories with a reference, including other programs
     export      fields and histories for ParaView, Gmsh, data frames
-    load        result folder, read again
-    paper       tables and figures of the paper beside the computed values
-    scenes      scenes that come with the program
+    load        loading of a result folder
+    paper       tables and figures of the paper compared with computed values
+    scenes      scenes of the program
     new         new scene file with every key
 
-They return a `Result`; wrong input raises `InputError`. `help(tailslap.run)` describes a function.
+They return a `Result`; invalid input raises `InputError`. `help(tailslap.run)` describes a function.
 """
 
 import os as _os
@@ -37,7 +37,7 @@ def _demand_own(*names):
         found = _PathFinder.find_spec(name) if loaded is None else loaded.__spec__
         file = (found and found.origin) or getattr(loaded, "__file__", None)
         if file and _os.path.dirname(_os.path.dirname(_os.path.realpath(file))) != root:
-            said = f"{file} is in the way of tailslap's own package {name}; rename it, or start elsewhere"
+            said = f"{file} is in conflict with the package {name} of tailslap; rename it, or start elsewhere"
             if _sys.argv and _os.path.basename(_sys.argv[0]) in ("-m", "tailslap"):
                 print(f"tailslap: {said}", file=_sys.stderr)
                 raise SystemExit(2)

@@ -40,13 +40,13 @@ if TYPE_CHECKING:
     from tailslap.campaign.definition import Definition
 
 Scene = str | os.PathLike[str] | Mapping[str, Any] | Case
-"""Name of a scene that comes with the program, path of a TOML file, the tables themselves, or a case made of them."""
+"""Name of a scene of the program, path of a TOML file, tables of a scene, or a case."""
 
 Changes = Mapping[str, Any] | Sequence[str]
-"""Values by dotted key: numbers in SI, texts with their unit, objects, None to take the key out; or KEY=VALUE texts."""
+"""Values by dotted key: numbers in SI, texts with a unit, objects, None to remove the key; or texts KEY=VALUE."""
 
 Values = str | Sequence[Any]
-"""Values of a key that varies: a list, or text as the command takes it, "log:20 GPa:2 TPa:5"."""
+"""Values of a varied key: a list, or a text as on the command line, "log:20 GPa:2 TPa:5"."""
 
 REGISTRIES: dict[str, Registry[Any]] = {
     "corner.reaction": friction.FRICTION_LAWS,
@@ -56,13 +56,13 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "plate.lumping": kinds.LUMPINGS,
     "plate.start": start_kinds.START_KINDS,
 }
-"""Registries of the objects that these keys name."""
+"""Registries of the objects named by these keys."""
 
 IN_THIS_PROCESS = 3
 """Runs of a sweep up to which no processes are started: that would take longer than the runs."""
 
 _OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
-"""Names that the program itself has registered."""
+"""Names registered by the program."""
 
 
 @named_arguments
@@ -79,28 +79,28 @@ def run(
     Parameters
     ----------
     scene : str, path or mapping
-        Name of a scene that comes with the program, path of a TOML file, or its tables as a dict.
+        Name of a scene of the program, path of a TOML file, or tables of a scene.
     changes : mapping or sequence of str, optional
-        Values by dotted key, or tables of them: numbers in SI, texts with their unit, None to take a key out. A
-        friction law, a constraint or a material of your own stands in the place of its name: {"corner.reaction": law}.
-        Or texts as the command takes them, "plate.thickness=20mm".
+        Values by dotted key, or tables of them: numbers in SI, texts with a unit, None to remove a key, or an object (a
+        friction law, constraint or material) in place of its name: {"corner.reaction": law}. Alternatively texts
+        KEY=VALUE: "plate.thickness=20mm".
     tolerance : float, optional
-        Relative error [-] for which the cheapest mesh and constraint are picked.
+        Relative error [-] below which the mesh is refined.
     allow_large : bool
-        Also where it takes more memory, time or threads than there are.
+        Run even if the estimate exceeds this machine's memory, threads or time.
     picture_size : tuple of int or str, optional
-        Width and height [pixels] of the pictures that `save` draws, (3200, 1400) or "3200x1400"; letters and lines are
-        in proportion.
+        Width and height [pixels] of the pictures written by `save`, (3200, 1400) or "3200x1400"; text and lines are
+        scaled.
 
     Returns
     -------
     Result
-        `summary` is what `summary.json` of the command holds, to the bit but for the times it took.
+        `summary` contains the numbers of `summary.json`, bitwise equal except for run times.
 
     Raises
     ------
     InputError
-        For a scene, a key or a value that is wrong; it names the key, what was given and what is allowed.
+        For an invalid scene, key or value, with key, given value and allowed values.
 
     Examples
     --------
@@ -129,26 +129,26 @@ def run(
 
 @named_arguments
 def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") -> result.Result:
-    """Solve the rigid-body method, or the rigid vehicle's whole impact, alone; loads no mesh or FE library.
+    """Solve the rigid-body method, or the whole impact of the rigid vehicle, without loading mesh or FE libraries.
 
     Parameters
     ----------
     scene : str, path or mapping
-        As of `run`.
+        Name of a scene of the program, path of a TOML file, or tables of a scene.
     changes : mapping or sequence of str, optional
-        As of `run`.
+        Values by dotted key, or texts KEY=VALUE.
     units : str
-        Of the printed text, "si" or "us"; numbers are in SI.
+        Units of the printed text, "si" or "us"; numbers are in SI.
 
     Returns
     -------
     Result
-        `summary` is what `tailslap rigid --json` prints; the history is the motion to its end.
+        `summary` contains the numbers of `tailslap rigid --json`, `history` the motion.
 
     Raises
     ------
     InputError
-        As `run`.
+        For an invalid scene, key or value.
 
     Examples
     --------
@@ -178,28 +178,28 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
 def check(
     scene: Scene, changes: Changes | None = None, *, allow_large: bool = False, units: str = "si"
 ) -> result.Result:
-    """Say what a run would use, choose, leave out and cost; runs nothing.
+    """Show the model, automatic choices and estimated cost of a run without running it.
 
     Parameters
     ----------
     scene : str, path or mapping
-        As of `run`.
+        Name of a scene of the program, path of a TOML file, or tables of a scene.
     changes : mapping or sequence of str, optional
-        As of `run`.
+        Values by dotted key, or texts KEY=VALUE.
     allow_large : bool
-        As of `run`.
+        Run even if the estimate exceeds this machine's memory, threads or time.
     units : str
-        Of the printed text, "si" or "us"; numbers are in SI.
+        Units of the printed text, "si" or "us"; numbers are in SI.
 
     Returns
     -------
     Result
-        Printed, it says what `tailslap check` does; `summary` is what `tailslap check --json` prints.
+        `summary` contains the numbers of `tailslap check --json`; `print` shows the text of `tailslap check`.
 
     Raises
     ------
     InputError
-        As `run`.
+        For an invalid scene, key or value.
 
     Examples
     --------
@@ -229,34 +229,34 @@ def modal(
     allow_large: bool = False,
     units: str = "si",
 ) -> result.Result:
-    """Run a scene with a few modes of the plate.
+    """Run a scene with the modal model of the plate.
 
     Parameters
     ----------
     scene : str, path or mapping
-        As of `run`; with a constrained corner.
+        Name of a scene of the program, path of a TOML file, or tables of a scene; with a constrained corner.
     changes : mapping or sequence of str, optional
-        As of `run`.
+        Values by dotted key, or texts KEY=VALUE.
     modes : int
-        Elastic modes to keep, the lowest.
+        Number of elastic modes, lowest first.
     steps : int
-        Time steps to the tail-slap.
+        Number of time steps to the tail-slap.
     tolerance : float
-        Relative error allowed [-].
+        Largest allowed relative error [-].
     allow_large : bool
-        As of `run`.
+        Run even if the estimate exceeds this machine's memory, threads or time.
     units : str
-        Of the printed text, "si" or "us"; numbers are in SI.
+        Units of the printed text, "si" or "us"; numbers are in SI.
 
     Returns
     -------
     Result
-        `summary` is what `tailslap modal --json` prints.
+        `summary` contains the numbers of `tailslap modal --json`.
 
     Raises
     ------
     InputError
-        As `run`, and for what the modal model does not have.
+        For an invalid scene, key or value, and for features that the modal model does not support.
 
     Examples
     --------
@@ -283,28 +283,28 @@ def modal(
 def modes(
     scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
 ) -> result.Result:
-    """Natural frequencies and shapes of the free plate in its plane.
+    """Compute natural frequencies and mode shapes of the free plate in its plane.
 
     Parameters
     ----------
     scene : str, path or mapping
-        As of `run`.
+        Name of a scene of the program, path of a TOML file, or tables of a scene.
     changes : mapping or sequence of str, optional
-        As of `run`.
+        Values by dotted key, or texts KEY=VALUE.
     count : int
-        Elastic modes, the lowest.
+        Number of elastic modes, lowest first.
     allow_large : bool
-        As of `run`.
+        Run even if the estimate exceeds this machine's memory, threads or time.
 
     Returns
     -------
     Result
-        `summary["modes"]` has a record a mode: frequency [Hz], kind, and beam theory's.
+        `summary["modes"]` contains a record per mode: frequency [Hz], kind, frequency of beam theory.
 
     Raises
     ------
     InputError
-        As `run`, and for a number of modes that the mesh does not have.
+        For an invalid scene, key or value, and for more modes than the mesh allows.
 
     Examples
     --------
@@ -328,36 +328,35 @@ def study(
     force: bool = False,
     **options: Any,
 ) -> result.Result:
-    """Run a prepared study of a scene.
+    """Run a study of a scene.
 
     Parameters
     ----------
     name : str
         "cost", "flexibility", "stability" or "uncertainty".
     scene : str or path
-        Name of a scene that comes with the program, or path of a TOML file.
+        Name of a scene of the program, or path of a TOML file.
     changes : mapping or sequence of str, optional
-        As of `run`.
+        Values by dotted key, or texts KEY=VALUE.
     folder : path, optional
-        Folder of the result, as the command leaves it; an interrupted study goes on from the journal beside it. Without
-        it nothing is written.
+        Result folder; an interrupted study resumes from the journal beside it. By default nothing is written.
     allow_large : bool
-        As of `run`.
+        Run even if the estimate exceeds this machine's memory, threads or time.
     force : bool
-        Also where that folder holds the result of another command or scene.
+        Replace the result of another command or scene in this folder.
     **options : object
-        The study's own, by the names on the command line with "_" for "-": samples=1000, range={"impact.friction":
-        "0.2:0.5"}; those that can be given several times take a list or a dict.
+        Options of the study, named as on the command line with "_" for "-": samples=1000, range={"impact.friction":
+        "0.2:0.5"}; repeatable options take a list or a dict.
 
     Returns
     -------
     Result
-        `summary` is what the command's `summary.json` holds.
+        `summary` contains the numbers of `summary.json`.
 
     Raises
     ------
     InputError
-        As `run`, and for a study or an option that is wrong.
+        For an invalid study, option, scene, key or value.
 
     Examples
     --------
@@ -403,38 +402,38 @@ def sweep(
     Parameters
     ----------
     scene : str or path
-        Name of a scene that comes with the program, or path of a TOML file.
+        Name of a scene of the program, or path of a TOML file.
     vary : mapping
-        Values by dotted key: a list, or text as the command takes it, "log:20 GPa:2 TPa:5".
+        Values by dotted key: a list, or a text as on the command line, "log:20 GPa:2 TPa:5".
     changes : mapping or sequence of str, optional
-        As of `run`.
+        Values by dotted key, or texts KEY=VALUE.
     folder : path, optional
-        Folder of the result, where an interrupted sweep goes on; without it nothing is written.
+        Result folder, in which an interrupted sweep resumes. By default nothing is written.
     sample : int, optional
-        Instead of the grid, so many runs by Latin hypercube; ranges are then "a:b" or "log:a:b".
+        Number of runs of a Latin hypercube in place of the grid; ranges are then "a:b" or "log:a:b".
     seed : int
-        Of the samples.
+        Random seed of the samples.
     cluster : str, optional
         Address of a Dask scheduler.
     workers : int, optional
-        Processes on this machine; 0 makes the runs in this process. Without it, 0 for up to three runs and for objects
-        of your own, which other processes do not know; otherwise as many as there are cores.
+        Number of worker processes; 0 runs in this process. Default: 0 for up to three runs and for objects registered
+        in this process, otherwise the number of cores.
     units : str
-        Of the page and the printed text, "si" or "us"; numbers are in SI.
+        Units of the page and the printed text, "si" or "us"; numbers are in SI.
     force : bool
-        Also where that folder holds the result of another command, but no other sweep.
+        Replace the result of another command, but not of another sweep, in this folder.
 
     Returns
     -------
     Result
-        Its history is the table, a row a run; `charts` has those of the page by name.
+        `history` is the table, one row per run; `charts` contains the charts of the page by name.
 
     Raises
     ------
     InputError
-        As `run`, for values that make no sweep, and for objects of your own with workers or a cluster.
+        For an invalid scene, key or value, and for objects registered in this process with workers or a cluster.
     StoppedError
-        Where it was interrupted, or the cluster was lost; in a folder, what was finished is kept.
+        If the sweep is interrupted or the cluster is lost; completed rows remain in the folder.
 
     Examples
     --------
@@ -512,7 +511,7 @@ def _folder_or_none(folder: str | os.PathLike[str] | None) -> Iterator[Path]:
         try:
             yield Path(temporary) / "result"
         except Interrupted:
-            raise KeyboardInterrupt("interrupted; without a folder nothing is kept") from None
+            raise KeyboardInterrupt("interrupted; without a folder no rows are saved") from None
 
 
 @named_arguments
@@ -523,32 +522,32 @@ def compare(
     only: Sequence[str] = (),
     force: bool = False,
 ) -> result.Result:
-    """Set histories beside a reference: differences, Sprague and Geers' metrics, residuals.
+    """Compare histories with a reference: differences, Sprague-Geers metrics, residuals.
 
     Parameters
     ----------
     reference : Result or path
-        A run, its result folder, or a file with named columns: a history of ABAQUS, LS-DYNA or a test.
+        Result of a run, its folder, or a file with named columns: a history from ABAQUS, LS-DYNA or a test.
     *others : Result or path
-        What is compared with it, likewise.
+        Results, folders or files that are compared with the reference.
     columns : mapping or str, optional
-        What columns of files are called, by this program's names: {"time": "t", "v_gy": "-VY [mph]"}; a minus turns the
-        sign, a unit in brackets is the file's. Without a unit in file or mapping SI is assumed.
+        Column names of the files by names of this program: {"time": "t", "v_gy": "-VY [mph]"}; a minus reverses the
+        sign, the unit of the file is in brackets. Default: SI.
     only : sequence of str
-        Columns to compare; without any, the usual ones in common.
+        Columns to compare. Default: the main columns in common.
     force : bool
-        Also results with files that are damaged, or were changed since, as `load`.
+        Read the intact files of damaged or modified results.
 
     Returns
     -------
     Result
-        `summary["compared"]` has the metrics by label and column; `passed` says whether all are within the limits of
+        `summary["compared"]` contains the metrics by label and column; `passed` is True if all are within the limits of
         NCHRP W179.
 
     Raises
     ------
     InputError
-        For what cannot be read or is damaged, or has no column in common.
+        For unreadable or damaged results, or results without a common column.
 
     Examples
     --------
@@ -603,12 +602,12 @@ def _corner_plan(scene: Scene, changes: Changes | None, allow_large: bool) -> An
 
 
 def _texts(changes: Changes | None) -> tuple[str, ...]:
-    """The changes as texts, which workers take."""
+    """Changes as texts, for worker processes."""
     return shown(named(changes)) if isinstance(changes, Mapping) else tuple(changes or ())
 
 
 def _plain(value: Any) -> Any:
-    """NumPy's numbers and arrays as Python's own, within tables too."""
+    """Value with numbers and arrays of NumPy converted to those of Python."""
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     if isinstance(value, Mapping):
@@ -617,11 +616,10 @@ def _plain(value: Any) -> Any:
 
 
 def named(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The changes by dotted key, tables merged into those of the scene, with names in place of objects, which are
-    registered.
+    """Changes by dotted key, with nested tables flattened and objects registered and replaced by their names.
 
-    An object takes the place of an earlier one of the same name, as when a cell of a notebook is run again, but not of
-    the program's own. Raises InputError for what is no such object, or has a name of the program's own.
+    An object replaces an earlier one of the same name, but not one of the program. Raises InputError for an object of
+    another type or with a name of the program.
     """
     found: dict[str, Any] = {}
     for key, value in changes.items():
@@ -642,7 +640,7 @@ def _named(key: str, value: Any) -> Any:
     if value.name in registry and registry[value.name] is value:
         return value.name
     if value.name in _OWN[key]:
-        raise InputError(key, value.name, "the program has one of this name; give yours another")
+        raise InputError(key, value.name, "the program has an object of this name; choose another name")
     if value.name in registry:
         registry.remove(value.name)
     try:

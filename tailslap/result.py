@@ -33,13 +33,13 @@ if TYPE_CHECKING:
     from postprocess.svg.chart import Chart
 
 Fill = Callable[[Path, bool, str], "Report | None"]
-"""Fills an empty folder with a result's files, with pictures or without, in units "si" or "us"; returns its report."""
+"""Writes the files of a result to an empty folder, with or without pictures, in units "si" or "us"."""
 
 RIGID: str = "rigid"
 FE: str = "FE"
 
 SHOWN, MOST = 5, 4
-"""Rows that a notebook shows at each end; columns that are drawn at most, unless they are asked for."""
+"""Rows shown at each end of a table in a notebook; largest number of columns drawn by default."""
 
 FIELDS_NEEDED = (
     "the result has no fields; run the scene with --set output.fields=20 (Python: {'output.fields': 20})"
@@ -55,11 +55,11 @@ FIRST = (
     "fe.v_gy",
     "rigid.peak_force",
 )
-"""Columns that are drawn unless the caller says otherwise, where they are there."""
+"""Columns drawn by default, if they exist."""
 
 
 def filled_by(make: Callable[[Path, bool, str], Report], page: str = PAGE) -> Fill:
-    """Fill a folder with the files of a report, which may draw pictures into it; page: the name of its page."""
+    """Function that writes the files of a report to a folder; page: file name of the page."""
 
     def fill(place: Path, pictures: bool, units: str) -> Report:
         report = make(place, pictures, units)
@@ -73,14 +73,14 @@ def filled_by(make: Callable[[Path, bool, str], Report], page: str = PAGE) -> Fi
 
 
 class Columns(dict[str, np.ndarray]):
-    """A history or another table: arrays by the names of its columns; `pandas.DataFrame` takes it as it is.
+    """History or another table: arrays by column name; `pandas.DataFrame` accepts it.
 
     Parameters
     ----------
     arrays : mapping of ndarray, shape (rows,)
-        By name, SI.
+        Columns by name, in SI [-].
     units : mapping of str
-        SI units by name; a column without one has none, or is not known.
+        SI units by name; missing for columns without a known unit.
 
     Examples
     --------
@@ -120,12 +120,12 @@ class Columns(dict[str, np.ndarray]):
         Parameters
         ----------
         name : str
-            Of a column.
+            Name of a column.
 
         Returns
         -------
         str
-            Like "v_gx [m/s]".
+            Heading, e.g. "v_gx [m/s]".
         """
         unit = self.units.get(name, "")
         return f"{name} [{unit}]" if unit else name
@@ -136,34 +136,34 @@ class Columns(dict[str, np.ndarray]):
         Returns
         -------
         pandas.DataFrame
-            Its `attrs["units"]` are the units.
+            Data frame with the units in `attrs["units"]`.
 
         Raises
         ------
         ImportError
-            Where pandas is not installed.
+            If pandas is not installed.
         """
         frame = _library("pandas").DataFrame(dict(self))
         frame.attrs["units"] = dict(self.units)
         return frame
 
     def to_polars(self) -> Any:
-        """The columns as a polars DataFrame; polars has no place for units.
+        """The columns as a polars DataFrame, without units.
 
         Returns
         -------
         polars.DataFrame
-            Columns by the same names.
+            Data frame with the same column names.
 
         Raises
         ------
         ImportError
-            Where polars is not installed.
+            If polars is not installed.
         """
         return _library("polars").DataFrame(dict(self))
 
     def _repr_html_(self) -> str:
-        """Its first and last rows, for notebooks."""
+        """First and last rows, for notebooks."""
         numbers = [*range(self.rows)]
         if self.rows > 2 * SHOWN:
             numbers = [*numbers[:SHOWN], -1, *numbers[-SHOWN:]]
@@ -185,7 +185,7 @@ def _library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
-        said = f"{name} is not installed: `pip install {name}`; the columns themselves are NumPy arrays"
+        said = f"{name} is not installed: `pip install {name}`; the columns are NumPy arrays"
         raise ImportError(said) from None
 
 
@@ -198,29 +198,29 @@ class Result:
     Attributes
     ----------
     command : str
-        The command that finds the same: "run", "rigid", "study strike" and so on.
+        Command with the same result: "run", "rigid", "study cost" etc.
     scene : str
         Name of the scene.
     summary : dict
-        Numbers and words, SI, by the names of `summary.json`; None where there is no finite number.
+        Contents of `summary.json`, in SI; None in place of numbers that are not finite.
     passed : bool or None
-        Whether every check passed; None where nothing is judged.
+        True if every check passed; None for results without checks.
     tables : mapping of Table
-        What the terminal shows, by title.
+        Tables of the terminal output, by title.
     histories : mapping of Columns
-        "FE" and "rigid", where there are any; of a sweep its table.
+        Histories "FE" and "rigid", if any, or the table of a sweep.
     fill : callable or None
-        Fills a folder with the files that the command leaves: takes the folder, whether with pictures, and units.
+        Writes the files of the command: takes the folder, a flag for pictures, and units.
     make_fields : callable or None
-        Makes the fields of the instants asked for.
+        Computes the fields at the stored instants.
     make_ends : callable or None
-        Makes the fields at the start and at the tail-slap, of a run that has kept none.
+        Computes the fields at the start and at the tail-slap of a run without stored fields.
     text : str
-        What the terminal says, where it is no table.
+        Text of the terminal output, if it is not a table.
     charts : mapping of Chart
-        Charts of the page of a study or sweep, by name; a notebook shows each.
+        Charts of the page of a study or sweep, by name; displayed in notebooks.
     inputs : tuple of Path
-        Files and folders that it was read from: what is made of it never replaces them.
+        Files and folders from which it was read; they are never overwritten.
     """
 
     command: str
@@ -243,7 +243,7 @@ class Result:
 
     @cached_property
     def history(self) -> pandas.DataFrame | Columns:
-        """History of the FE run, or the only one; a data frame where pandas is installed, else `Columns`.
+        """History of the FE run, or the only one; a data frame if pandas is installed, else `Columns`.
 
         Both take `history["v_gy"]` and have `columns` and `attrs["units"]`.
         """
@@ -251,12 +251,12 @@ class Result:
 
     @cached_property
     def rigid(self) -> pandas.DataFrame | Columns:
-        """History of the rigid vehicle at the same instants, likewise."""
+        """History of the rigid vehicle at the same instants; a data frame if pandas is installed, else `Columns`."""
         return self._history(RIGID)
 
     @property
     def fields(self) -> FieldSeries:
-        """Fields of the plate at the instants of `[output] fields = N`, shape as `FieldSeries` says."""
+        """Fields of the plate at the instants of `[output] fields = N`. Raises InputError without them."""
         found = self.make_fields() if self.make_fields else None
         if found is None:
             raise InputError("output.fields", Missing, FIELDS_NEEDED)
@@ -268,19 +268,19 @@ class Result:
         Parameters
         ----------
         t : float, optional
-            Of the instants of `[output] fields = N` the nearest to this one [s]; without it the last, the tail-slap.
+            Time [s]; the nearest instant of `[output] fields = N` is used. Default: the last instant, the tail-slap.
 
         Returns
         -------
         pyvista.UnstructuredGrid
-            The unstrained plate where the run starts, SI; `mesh.warp_by_vector("displacement")` is where it is. At the
-            points vectors (`velocity`) and their components (`velocity_x`), at the cells stresses and energy density,
-            the instant in `field_data["t"]`.
+            Undeformed plate in its initial position, in SI; `mesh.warp_by_vector("displacement")` deforms it. Point
+            data: vectors (`velocity`) and components (`velocity_x`); cell data: stresses and energy density;
+            `field_data["t"]`: time.
 
         Raises
         ------
         InputError
-            Where no fields were kept: for an instant, and for a result without a tail-slap of its own.
+            For a result without fields.
 
         Examples
         --------
@@ -298,22 +298,21 @@ class Result:
         Parameters
         ----------
         name : str
-            "v_gx" or "v_gy", the velocity along or across the wall, or another field: "stress_von_mises",
-            "displacement_y".
+            Field: "v_gx" or "v_gy" (velocity along or normal to the wall), "stress_von_mises", "displacement_y" etc.
         t : float, optional
-            Instant, as of `mesh`; without it the last, the tail-slap [s].
+            Time [s]; the nearest instant of `[output] fields = N` is used. Default: the last instant, the tail-slap.
         magnify : float
-            Factor on the elastic deformation [-].
+            Magnification of the elastic deformation [-].
 
         Returns
         -------
         PIL.Image.Image
-            Shown by a notebook as it is; `save` writes it as PNG, JPEG or PDF.
+            Picture, displayed in notebooks; `save` writes PNG, JPEG or PDF.
 
         Raises
         ------
         InputError
-            For another field, and where no fields were kept, as `mesh`.
+            For an unknown field, or a result without fields.
 
         Examples
         --------
@@ -337,22 +336,22 @@ class Result:
         return fields, -1 if t is None else int(abs(fields.t - t).argmin())
 
     def plot(self, *names: str) -> HistoryPlot:
-        """Draw columns over time, the rigid vehicle's beside the FE run's; of a sweep, over the first key that varies.
+        """Plot columns of the FE run and the rigid vehicle over time, or of a sweep over the first varied key.
 
         Parameters
         ----------
         *names : str
-            Columns of the history; without any, the first few of the result's kind.
+            Columns of the history. Default: the main columns.
 
         Returns
         -------
         HistoryPlot
-            Shown by a notebook as it is; `save` writes it as PNG, SVG or PDF.
+            Plot, displayed in notebooks; `save` writes PNG, SVG or PDF.
 
         Raises
         ------
         InputError
-            For a column that is not there, or a result without histories.
+            For an unknown column, or a result without histories.
         """
         over = self.summary.get("definition", {}).get("vary", ["t"])[0].partition("=")[0]
         drawn = {label: columns for label, columns in self.histories.items() if over in columns}
@@ -369,16 +368,16 @@ class Result:
         return plot_overlays(panels, drawn[next(iter(drawn))].heading(over))
 
     def save(self, folder: str | os.PathLike[str], pictures: bool = True, *, force: bool = False) -> Path:
-        """Write the files that the command leaves.
+        """Write the files of the command.
 
         Parameters
         ----------
         folder : path
-            A new or empty folder, or an unchanged earlier result, which is replaced.
+            New or empty folder, or an unmodified earlier result, which is replaced.
         pictures : bool
-            Whether with contour pictures or an animation.
+            Write contour pictures or the animation.
         force : bool
-            Also where there is the result of another command or scene.
+            Replace the result of another command or scene.
 
         Returns
         -------
@@ -388,10 +387,11 @@ class Result:
         Raises
         ------
         InputError
-            Where the folder cannot be written, is in use, was read or holds other files, or the result leaves none.
+            For a folder that cannot be written, is in use, is an input or contains other files, or a result without
+            files.
         """
         if self.fill is None:
-            raise InputError("folder", str(folder), f"`tailslap {self.command}` leaves no files")
+            raise InputError("folder", str(folder), f"`tailslap {self.command}` writes no files")
         place, origin = Path(folder), Origin(self.command, str(self.summary.get("scene", "")))
         with result_folder(place, self.inputs, force, origin) as unfinished:
             self.fill(unfinished, pictures, "si")
@@ -416,7 +416,9 @@ class Result:
                 with suppress(ImportError):
                     return self.histories[name].to_pandas()
                 return self.histories[name]
-        raise InputError(names[0], Missing, f"`tailslap {self.command}` leaves no such history")
+        raise InputError(
+            names[0], Missing, f"the result of `tailslap {self.command}` does not have this history"
+        )
 
 
 def _table_html(title: str, table: Table) -> str:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from postprocess.units import Units
 
 FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", "msh": "fields.msh"}
-"""The file to open."""
+"""File to open, by format."""
 
 
 @named_arguments
@@ -31,37 +31,37 @@ def export(
     picture_size: str | tuple[int, int] | None = None,
     force: bool = False,
 ) -> Path:
-    """Write a run's fields and histories in a format of other programs.
+    """Export fields and histories of a run for other programs.
 
     Parameters
     ----------
     result : Result or path
-        A run, or its result folder.
+        Result of a run, or its folder.
     to : str
-        "vtkhdf", "xdmf", "vtu" or "msh": mesh and fields over time, for a run with `[output] fields = N`; "csv" or
-        "parquet": the histories, and the fields where there are any; "png" or "gif": pictures of all instants.
+        Format. "vtkhdf", "xdmf", "vtu", "msh": mesh and fields over time, for a run with `[output] fields = N`; "csv",
+        "parquet": histories, and fields if any; "png", "gif": pictures of all instants.
     folder : path, optional
-        A new or empty folder, or an earlier export; without it, the result's folder with "-FORMAT" behind its name.
+        New or empty folder, or an earlier export. Default: folder of the result with "-FORMAT" appended.
     field : str, optional
-        The field that pictures show, like "stress_von_mises" or "velocity_y"; without it, all.
+        Field of the pictures, e.g. "stress_von_mises" or "velocity_y". Default: all.
     magnify : float
-        Factor on the elastic deformation in pictures [-].
+        Magnification of the elastic deformation in pictures [-].
     units : str
-        Of what pictures show, "si" or "us"; other files are in SI.
+        Units of the pictures, "si" or "us"; other files are in SI.
     picture_size : tuple of int or str, optional
         Width and height of pictures [pixels], (3200, 1400) or "3200x1400"; letters and lines are in proportion.
     force : bool
-        Also where the folder has the result of another command or scene, and from a result that is damaged, as `load`.
+        Replace the result of another command or scene; read the intact files of a damaged result.
 
     Returns
     -------
     Path
-        The file to open, or the folder where there are several.
+        File to open, or the folder if there are several.
 
     Raises
     ------
     InputError
-        For another format, other units or sizes, a result without fields, or a folder that holds other files.
+        For an unknown format, unit or size, a result without fields, or a folder with other files.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def export(
 
 
 def _units(to: str, units: str) -> Units:
-    """Units of pictures. Raises InputError for others, and where there are no pictures."""
+    """Units of pictures. Raises InputError for unknown units, or for formats without pictures."""
     from postprocess.units import SYSTEMS
 
     if units not in SYSTEMS:

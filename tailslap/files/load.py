@@ -133,24 +133,24 @@ def _names_in(place: Path) -> set[str]:
 
 @errors.named_arguments
 def load(folder: str | os.PathLike[str], *, force: bool = False) -> result.Result:
-    """Read a result folder again, of a run, a study or a sweep.
+    """Load the result folder of a run, a study or a sweep.
 
     Parameters
     ----------
     folder : path
-        That a command, or `Result.save`, has left.
+        Result folder of a command or of `Result.save`.
     force : bool
-        Also files that are damaged, or were changed since: what can be read is, with a warning.
+        Read the intact files of a damaged or modified result, with a warning.
 
     Returns
     -------
     Result
-        With the numbers and histories of its files, every bit of them.
+        Result with the numbers and histories of the files, bitwise equal.
 
     Raises
     ------
     InputError
-        Where there is no result in the folder, or a file of it is not what its manifest lists.
+        For a folder without a result, or with files that differ from its manifest.
 
     Examples
     --------

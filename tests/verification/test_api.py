@@ -370,7 +370,7 @@ def test_a_law_of_ones_own_is_an_object():
 def test_objects_that_are_none_are_refused():
     with pytest.raises(InputError, match=r"^corner.reaction: given .*; allowed is a name or a FrictionLaw$"):
         tailslap.run("paper-table-3", {"corner.reaction": MATERIALS["neo-hookean"]})
-    with pytest.raises(InputError, match="the program has one of this name; give yours another"):
+    with pytest.raises(InputError, match="the program has an object of this name"):
         tailslap.run("paper-table-3", {"corner.reaction": law(1.0, "drag")})
     assert FRICTION_LAWS["drag"].constants.__name__ == "Drag"
 

@@ -120,7 +120,7 @@ def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
     (tmp_path / name).rmdir()
     stranger = tmp_path / f"{name}.py"
     stranger.write_text("mine = 1\n")
-    said = f"{stranger} is in the way of tailslap's own package {name}; rename it, or start elsewhere\n"
+    said = f"{stranger} is in conflict with the package {name} of tailslap; rename it, or start elsewhere\n"
     for first in ("", f"import {name}\n"):
         script.write_text(f"{first}import tailslap\n")
         done = call(script)
