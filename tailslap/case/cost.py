@@ -32,7 +32,13 @@ def loop_seconds(scene: Scene, element: str, counts: tuple[int, int], steps: flo
     """Expected time of a loop over so many elements along and across, and of its history's rows [s]."""
     stress = materials.MATERIALS[scene.material.law].nanoseconds if scene.material else 0.0
     cell = NANOSECONDS.get(element, OTHER_NS) + POINTS.get(element, OTHER_POINTS) * stress
-    return 1e-9 * steps * math.prod(counts) * cell + rows * ROW_S
+    return 1e-9 * steps * math.prod(counts) * train_size(scene) * cell + rows * ROW_S
+
+
+def train_size(scene: Scene) -> float:
+    """Area of all units over the vehicle's, as that of their elements."""
+    vehicle = scene.vehicle
+    return sum(unit.length * unit.width for unit in scene.units) / (vehicle.length * vehicle.width)
 
 
 def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
@@ -136,7 +142,9 @@ def expected_nodes(scene: Scene) -> int:
     plate = scene.plate
     if plate is None or plate.elements is None:
         return 0
-    return math.prod(plate.elements) * (1 if kinds.ELEMENT_KINDS[plate.element].higher_order else 4)
+    return round(train_size(scene) * math.prod(plate.elements)) * (
+        1 if kinds.ELEMENT_KINDS[plate.element].higher_order else 4
+    )
 
 
 def expected_memory(scene: Scene) -> float:

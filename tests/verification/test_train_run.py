@@ -83,5 +83,7 @@ def test_a_drawbar_and_a_third_unit_run():
     trailer = TRAILER | {"kingpin": -1.0, "hitch": 6.9, "stiffness": 1e6}
     outcome = run.attempt(case(trailer=[trailer, TRAILER | {"hitch": 13.0}], time__end=0.3))
     assert outcome.fe.units == 3
+    law = outcome.fe_plan.model.loop.contact.law
+    assert law.stiffness.tolist() == [2e6] * 4 + [1e6] * 4 + [2e6] * 4
     failed = [check.name for check in checks.impact_checks(outcome) if not check.passed]
     assert set(failed) <= set(checks.MESH_CHECKS.values())
