@@ -8,10 +8,10 @@ import numpy as np
 from postprocess.figures import histories
 from postprocess.svg import chart
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Line, Mark, Outline, Words, key
-from postprocess.svg.scales import Floats
+from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Outline, Swatch, Words, key
+from postprocess.svg.scales import Floats, Shades, cells_about
 
-WIDE, NARROW = 540.0, 360.0
+WIDE, NARROW, MAP, RED = 540.0, 360.0, 620.0, "#d8453a"
 EDGE, WALL = 0.3, 1.2
 """Free space about what is drawn, and depth of the wall [m]."""
 
@@ -78,3 +78,47 @@ def draw_leaning(vehicle: Leaning, height: float, roll: float) -> Chart:
     x, y = chart.Axis("across the wall [m]", low, high), chart.Axis("height [m]", -EDGE, top)
     plot = chart.Plot(tuple(marks), y, None, has_grid=False)
     return chart.draw_chart("leaning", caption, (plot,), x, "Tipping", NARROW)
+
+
+INCHES = (27, 32, 36, 42, 54)
+"""Heights of common walls that the map marks [in]."""
+
+
+class Boundary(NamedTuple):
+    """Lowest walls that hold over heights of the centre of mass, shape (k,), and their 5, 50 and 95 % over others,
+    shape (3, n), all [m]."""
+
+    centres: Floats
+    line: Floats
+    band_centres: Floats
+    band: Floats
+
+
+def draw_map(
+    centres: Floats, walls: Floats, rolls: Floats, boundary: Boundary, own: tuple[float, float]
+) -> Chart:
+    """Largest rolls [rad] over walls and centres [m], shape (walls, centres), red where the vehicle tips; own: heights
+    of the scene's centre and wall [m]."""
+    degrees, tips = np.degrees(rolls).ravel(), rolls.ravel() >= 0.5 * np.pi
+    shades = Shades(0.0, float(degrees[~tips].max(initial=1.0)))
+    shown = np.where(tips, RED, shades.colours(np.where(tips, 0.0, degrees)))
+    row, column = np.divmod(np.arange(rolls.size), centres.size)
+    x, y = cells_about(centres, False)[column], cells_about(walls, False)[row]
+    said = [f"{roll:.1f} deg" if roll < 90.0 else "tips" for roll in degrees]
+    at = [f"wall {walls[i]:.3f} m; centre {centres[j]:.3f} m" for i, j in zip(row, column, strict=True)]
+    left, right, bottom, top = (float(edge) for edge in (x.min(), x.max(), y.min(), y.max()))
+    line, (low, middle, high) = (np.clip(heights, bottom, top) for heights in (boundary.line, boundary.band))
+    marks: list[Mark] = [
+        Boxes("largest roll", x, y, shown.tolist(), said, at),
+        *(Swatch(*each) for each in shades.keys("deg")),
+        Swatch("tips", RED),
+        Layer("5 to 95 %", boundary.band_centres, low, high, "ink", 0.25),
+        Line("median", boundary.band_centres, middle, "ink", 1.0, "4 3"),
+        Line("lowest wall that holds", boundary.centres, line, "ink", 2.2),
+        Line("the scene", np.array(own[:1]), np.array(own[1:]), "ink", 0.0, dots=4.5),
+        *(Level(f"{inches} in", 0.0254 * inches, "rigid") for inches in INCHES),
+    ]
+    across = chart.Axis("height of the centre of mass [m]", left, right, margin=0.0)
+    plot = chart.Plot(tuple(marks), chart.Axis("height of the wall [m]", bottom, top), 380.0, "xy", False)
+    caption = "Largest roll; the line parts walls that hold from those that do not, the band is over what is not known"
+    return chart.draw_chart("map", caption, (plot,), across, "Tipping", MAP)

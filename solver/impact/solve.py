@@ -297,6 +297,7 @@ def solve_impacts(
     after_second: float = 0.1,
     longest: float = 5.0,
     interval: float | None = None,
+    step: float | None = None,
     tolerance: float = MANY,
     trailers: Sequence[Mapping[str, Number]] = (),
 ) -> Impacts:
@@ -330,6 +331,8 @@ def solve_impacts(
         And after this at the latest [s].
     interval : float or None
         Between the rows of the force history [s]; None: there is none.
+    step : float or None
+        Of all [s]; None: chosen for each by the tolerance.
     tolerance : float
         Of peaks, impulses and spin, by which the step of each is chosen [-].
     trailers : sequence of dict
@@ -371,8 +374,8 @@ def solve_impacts(
     gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
     gate.not_negative(rules.FRICTION, its["friction"])
     found = solve_trains(
-        *_trains(units, its), interval=interval, after_second=after_second, longest=longest, tolerance=tolerance,
-        strikes=8 * len(units) if trailers else 2,
+        *_trains(units, its), step=step, interval=interval, after_second=after_second, longest=longest,
+        tolerance=tolerance, strikes=8 * len(units) if trailers else 2,
     )  # fmt: skip
     room = found.strikes.shape[1]
     corner, start, last, peak, impulse = (

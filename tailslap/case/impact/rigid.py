@@ -188,6 +188,20 @@ class RigidImpact(Case):
             own |= {f"trailer.{number}.{key}": value for key, value in zip(OF_A_TRAILER, known, strict=False)}
         return own | {"vehicle.centre_of_mass": self.vehicle.front_distance}
 
+    def _arguments(self, inputs: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Arguments of `solve_impacts` for the inputs of `many`, and the value of each key."""
+        middle = self.scene.vehicle.centre_of_mass  # None: of each one's own length
+        values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
+        given = {key.split(".")[1]: values[key] for key in ARGUMENTS}
+        if (inertia := self.scene.vehicle.yaw_inertia) is not None:
+            given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
+        return given, values
+
+    def impacts(self, inputs: Mapping[str, np.ndarray], **until: Any) -> impact.Impacts:
+        """Impacts of n vehicles by the corners alone; inputs as of `many`, until: options of `solve_impacts`."""
+        with refusals(self.scene):
+            return impact.solve_impacts(**self._arguments(inputs)[0], longest=LONGEST, **until)
+
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Both strikes of each of n impacts, by the corners alone.
 
@@ -206,16 +220,11 @@ class RigidImpact(Case):
         InputError
             Where the theory refuses one of them.
         """
-        middle = self.scene.vehicle.centre_of_mass  # None: of each one's own length
-        values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
-        given = {key.split(".")[1]: values[key] for key in ARGUMENTS}
-        if (inertia := self.scene.vehicle.yaw_inertia) is not None:
-            given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
-        until: dict[str, Any] = {"after_second": AFTER_SECOND, "longest": LONGEST, "interval": INTERVAL}
+        until: dict[str, Any] = {"after_second": AFTER_SECOND, "interval": INTERVAL}
         if self.trailers:
-            return self._many_trains(given | until, values)
-        with refusals(self.scene):
-            found = impact.solve_impacts(**given, **until)
+            given, values = self._arguments(inputs)
+            return self._many_trains(given | until | {"longest": LONGEST}, values)
+        found = self.impacts(inputs, **until)
         starts, ends = found.start, found.start + found.duration
         columns = {name: np.full(starts.shape[1:], np.nan) for name in answers.COLUMNS}
         for k, known in enumerate(np.isfinite(starts[:2]), 1):

@@ -1,0 +1,84 @@
+"""Verification: the study of tipping: its map, line and samples are those of the solver, and its refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solver import tipping
+from tailslap.case.impact import rigid
+from tailslap.case.impact.case import ImpactCase
+from tailslap.errors import InputError
+from tailslap.scene.read import read_scene
+from tailslap.studies import find_study
+from tailslap.studies.tipping import compute, report
+
+SCENE = "impact-tipping-tl4-sut"
+FIXED = ("vehicle.mass", "vehicle.centre_of_mass", "contact.friction", "impact.speed", "impact.angle")
+
+
+def case(*changes):
+    return ImpactCase(*read_scene(SCENE, changes))
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    place = tmp_path_factory.mktemp("study") / "out"
+    return compute.compute(case(), place, 128, ("contact.restitution=0.1:0.4",), FIXED, 1)
+
+
+def test_the_map_and_the_line_are_the_solver_s(found):
+    force, interval = found.case.answer.history["force_normal"][1:], found.case.answer.interval
+    for i, j in ((0, 0), (10, 20), (49, 49), (15, 30)):
+        vehicle = replace(found.answer.vehicle, centre_height=found.centres[j])
+        assert found.rolls[i, j] == tipping.largest_rolls(vehicle, found.walls[i], force, interval)
+    tips = found.rolls == tipping.TIPPED
+    assert (tips == (found.walls[:, None] < found.line)).mean() > 0.99
+    assert (np.diff(found.line) > 0.0).all()
+    own = np.interp(1.35, found.centres, found.line)
+    assert own == pytest.approx(found.answer.lowest_wall, abs=2e-3)
+
+
+def test_samples_are_impacts_of_their_own(found):
+    """Lowest walls of samples beside the same scenes, each solved for itself."""
+    for number in (0, 5, 11):
+        changes = [
+            f"{key}={float(values[number])!r}" for key, values in found.samples.items() if key in found.inputs
+        ]
+        own = rigid.tipping_of(varied := case(*map(str.strip, changes)), varied.answer)
+        assert found.samples["lowest_safe_wall"][number] == pytest.approx(own.lowest_wall, abs=0.012)
+
+
+def test_the_band_holds_the_line_and_the_centre_s_height_counts_most(found):
+    low, middle, high = found.band
+    assert (low < middle).all()
+    assert (middle < high).all()
+    first = max(found.sources, key=lambda row: row["total"])
+    assert first["key"] == "tipping.centre_height"
+    assert found.holds(0.0) == 0.0
+    assert found.holds(2.0) == 1.0
+    assert found.holds(0.69) < found.holds(0.81) < 1.0
+
+
+def test_the_report(found):
+    made = report.report(found)
+    text = str(made.page)
+    for words in ("lowest wall that holds", "cargo that shifts", "Vehicles held"):
+        assert words in text
+    assert np.size(made.histories["map.csv"]["largest_roll"]) == 2500
+    held = [row["holds"] for row in made.summary["walls"]]
+    assert held == sorted(held)
+    assert made.summary["tipping"]["lowest_safe_wall"] == found.answer.lowest_wall
+
+
+@pytest.mark.parametrize(("changes", "key"), [
+    (("tipping=",), "tipping"), (("contact.side_stiffness=1 MN/m^2",), "contact.side_stiffness"),
+])  # fmt: skip
+def test_refusals(changes, key, tmp_path):
+    with pytest.raises(InputError) as caught:
+        compute.compute(case(*changes), tmp_path / "out", 128, (), (), 1)
+    assert caught.value.key == key
+
+
+def test_it_is_a_study():
+    assert find_study("tipping").name == "tipping"
