@@ -48,7 +48,7 @@ Strikes = Sequence[StrikeMark]
 
 def corner_colour(corner: str) -> str:
     """One colour for each of the two corners, grey for what is none."""
-    return CORNERS.get(corner, "soft")
+    return CORNERS.get(corner.split()[-1], "soft")
 
 
 def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
@@ -175,6 +175,18 @@ def draw_forces(
     across = [Level(label, round(force / 1e3, 1)) for label, force in (levels or {}).items()]
     plot = chart.Plot((*shaded(strikes), *across, *lines), chart.Axis("force on the wall [kN]"), 270.0)
     return chart.draw_chart(name, caption, (plot,), START, "Force", width)
+
+
+def draw_curves(
+    name: str, caption: str, axis: str, t: Floats, curves: Mapping[str, Floats], strikes: Strikes = ()
+) -> Chart:
+    """Curves by their names, shape (n,) in the unit of the axis, over t [s]."""
+    lines = [
+        Line(label, *histories.thinned(t, values), colour, **look(k))
+        for k, ((label, values), colour) in enumerate(zip(curves.items(), LAYERS, strict=False))
+    ]
+    plot = chart.Plot((*shaded(strikes), *lines), chart.Axis(axis), 230.0)
+    return chart.draw_chart(name, caption, (plot,), START, "Train")
 
 
 def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:

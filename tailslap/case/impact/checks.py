@@ -78,10 +78,10 @@ def _pull(outcome: run.ImpactOutcome) -> case.Evaluation:
 
 
 def _strikes(outcome: run.ImpactOutcome) -> case.Evaluation:
-    wanted = min(2, len(outcome.rigid.strikes))
-    names = [strike.corner for strike in outcome.fe.strikes[:2]]
-    missing = wanted - len(names)
-    return case.Evaluation(missing, 0, "of the rigid vehicle's first two, those that the plate lacks")
+    counted = outcome.rigid.counted
+    missing = min(counted, len(outcome.rigid.strikes)) - len(outcome.fe.strikes[:counted])
+    words = "two" if counted == 2 else f"{counted}"
+    return case.Evaluation(missing, 0, f"of the rigid vehicle's first {words}, those that the plate lacks")
 
 
 def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None:

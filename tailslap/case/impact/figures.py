@@ -39,22 +39,30 @@ def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
     for strike in answer.strikes:
         middle = 0.5 * (strike.start + strike.end)
         places = (place(strike.position, strike.start, middle), place(strike.position, strike.end, middle))
-        found.append(StrikeMark(strike.corner.split()[0], strike.start, strike.end, places))
+        found.append(StrikeMark(strike.corner.removesuffix(" far side"), strike.start, strike.end, places))
     return found
 
 
 def outlines(outcome: ImpactOutcome) -> np.ndarray:
-    """Corners of the vehicle at every row, shape (rows, 4, 2) [m]."""
-    h, vehicle = outcome.run.history, outcome.fe_plan.case.vehicle
-    return impact.vehicle_outlines(
-        h["x_g"], h["y_g"], h["theta"], vehicle.length, vehicle.width, vehicle.front_distance
-    )
+    """Corners of the vehicle at every row, shape (rows, 4, 2) [m]; of a train one line about all its units."""
+    h, units = outcome.fe.history, outcome.fe_plan.case.motion.vehicles
+    right, left = list[np.ndarray](), list[np.ndarray]()
+    for k, unit in enumerate(units, 1):
+        x, y, theta = (h[f"{name}_{k}" if k > 1 else name] for name in ("x_g", "y_g", "theta"))
+        each = impact.vehicle_outlines(x, y, theta, unit.length, unit.width, unit.front_distance)
+        ahead, behind = 0.5 * (each[:, 0] + each[:, 3]), 0.5 * (each[:, 1] + each[:, 2])
+        for side, ends in ((right, (0, 1)), (left, (3, 2))):
+            side += [] if k == 1 else [ahead]
+            side += [each[:, end] for end in ends] + ([behind] if k < len(units) else [])
+    return np.stack([*right, *left[::-1]], axis=1)
 
 
 def position_strip(outcome: ImpactOutcome) -> Chart:
-    """Draw the vehicle at even instants, and how it moves."""
+    """Draw the vehicle at even instants, a train where each strike begins, and how it moves."""
     t = outcome.run.history["t"]
     shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
+    if outcome.fe.units > 1:
+        shown = np.unique(np.searchsorted(t, [*(strike.start for strike in outcome.fe.strikes), t[-1]]))
     every = outlines(outcome)
     return impact.draw_positions(every[shown], t[shown], marks(outcome.fe), motion=(t, every))
 
@@ -75,6 +83,29 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Char
             outcome.rigid.lateral,
             marks(outcome.rigid),
         ),
+    ]
+
+
+def train_figures(outcome: ImpactOutcome) -> list[Chart]:
+    """Lateral force of each unit of a train, force and articulation angle of each hinge beside the rigid train's; none
+    of a single vehicle."""
+    h, strikes, units = outcome.fe.history, marks(outcome.fe), range(1, outcome.fe.units + 1)
+    hinges, t = units[:-1], h["t"]
+    if not hinges:
+        return []
+    pushes = {f"unit {k}": h[f"force_normal_{k}"] / 1e3 for k in units}
+    forces, angles = {}, {}
+    for model, its in (("FE", h), ("rigid", outcome.rigid.history)):
+        for k in hinges:
+            pulled = np.hypot(its[f"hinge_force_x_{k}"], its[f"hinge_force_y_{k}"])
+            forces[f"hinge {k}, {model}"] = pulled / 1e3
+            angles[f"hinge {k}, {model}"] = np.degrees(its[f"articulation_{k}"])
+    return [
+        impact.draw_curves(
+            "force_units", "Lateral force on the wall by unit, FE", "force [kN]", t, pushes, strikes
+        ),
+        impact.draw_curves("hinge_force", "Force of the hinges", "force [kN]", t, forces, strikes),
+        impact.draw_curves("articulation", "Articulation angle", "angle [deg]", t, angles, strikes),
     ]
 
 

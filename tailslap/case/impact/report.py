@@ -15,7 +15,7 @@ from postprocess.units import SI, Units, measure, percent_up
 from tailslap.case import report
 from tailslap.case.case import failed_names, failed_sentence, unreliable
 from tailslap.case.impact import checks, error, figures, run
-from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.case.impact.answers import ImpactAnswer, train_remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
 from tailslap.scene.schema import Contact, Scene
@@ -183,6 +183,7 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
         *tipping_sections(outcome),
+        Section("Units and hinges of the train", figures=figures.train_figures(outcome), layout="wide"),
         Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
         Section(
             "Energy, and force along the side" if along else "Energy",
@@ -195,7 +196,7 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
         Section("The second strike's duration", tables=[durations_table(outcome.fe)], is_folded=True),
         Section("The paper's method beside it", tables=_paper(outcome), is_folded=True),
         Section(
-            "Occupant risk, planar",
+            "Occupant risk, planar, of the tractor" if outcome.fe.units > 1 else "Occupant risk, planar",
             tables=[Table(RISK, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))],
             is_folded=True,
         ),
@@ -256,6 +257,7 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
         "The rigid vehicle has the same mass, centre, inertia and contact; what the plate differs by is its "
         f"flexibility (first frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
         *report.chosen_sentences(outcome.fe_plan),
+        *train_remarks(outcome.fe),
     ]
 
 
