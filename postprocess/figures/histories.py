@@ -12,12 +12,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from postprocess.svg import chart, marks, scales
 
 History = Mapping[str, scales.Floats]
 
-STRETCHES = 200
+STRETCHES, FEW = 200, 110
+"""Stretches of the main chart of a page, and of one of half its width or less."""
+
 COLOURS = ("fe", "red", "green", "violet")
 TIME = chart.Axis("t [s]", margin=0.0)
 MAIN = "v_gy"
@@ -89,12 +92,13 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
     with np.errstate(all="ignore"):
         exact = np.interp(t, rigid["t"], rigid[panel.name])
         apart = values - exact
-    own = 3 if panel.unit == "N" else 0
+    own, is_main = 3 if panel.unit == "N" else 0, panel.name == MAIN
     power = power_of_ten(np.degrees(apart) if panel.unit == "rad" else apart)  # readable in degrees as well
-    rigid_line = marks.Line("rigid, exact", *thinned(t, exact * 10.0**-own), "rigid", 4.0)
-    lines = rigid_line, marks.Line("FE", *thinned(t, values * 10.0**-own))
-    difference = marks.Line("FE − rigid", *thinned(t, apart * 10.0**-power), "difference", 1.1)
-    high, wide = (220.0, chart.FULL) if panel.name == MAIN else (130.0, chart.HALF)
+    rows = extremes(apart, STRETCHES if is_main else FEW)  # the exact motion is smooth
+    rigid_line = marks.Line("rigid, exact", t[rows], exact[rows] * 10.0**-own, "rigid", 4.0)
+    lines = rigid_line, marks.Line("FE", t[rows], values[rows] * 10.0**-own)
+    difference = marks.Line("FE − rigid", t[rows], apart[rows] * 10.0**-power, "difference", 1.1)
+    high, wide = (220.0, chart.FULL) if is_main else (130.0, chart.HALF)
     plots = (
         chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), high),
         chart.Plot((difference,), chart.Axis(f"FE − rigid [{unit_with_power(panel.unit, power)}]"), 66.0),
@@ -108,7 +112,7 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
         found = {label: values - values[0] for label, values in found.items()}
     power = power_of_ten(np.concatenate([*found.values()]))
     lines = tuple(
-        marks.Line(label, *thinned(fe["t"], values * 10.0**-power), colour, **marks.look(number))
+        marks.Line(label, *thinned(fe["t"], values * 10.0**-power, FEW), colour, **marks.look(number))
         for number, ((label, values), colour) in enumerate(zip(found.items(), COLOURS, strict=False))
     )
     axis = chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
@@ -116,16 +120,24 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
     return chart.draw_chart(panel.name, panel.caption, (chart.Plot(lines, axis, height),), TIME, panel.group)
 
 
-def thinned(t: scales.Floats, values: scales.Floats) -> tuple[scales.Floats, scales.Floats]:
-    """Times and values, shape (k,), k <= 402: both ends, smallest and largest value of each stretch."""
-    if len(t) <= 2 * STRETCHES:
-        return t, values
-    stretch = np.arange(len(t)) * STRETCHES // len(t)
+def thinned(
+    t: scales.Floats, values: scales.Floats, stretches: int = STRETCHES
+) -> tuple[scales.Floats, scales.Floats]:
+    """Times and values, shape (k,), of the rows of `extremes`."""
+    rows = extremes(values, stretches)
+    return t[rows], values[rows]
+
+
+def extremes(values: scales.Floats, stretches: int = STRETCHES) -> NDArray[np.intp]:
+    """Rows of both ends, and of the smallest and largest value of each stretch: 2 * stretches + 2 at most."""
+    count = len(values)
+    if count <= 2 * stretches:
+        return np.arange(count)
+    stretch = np.arange(count) * stretches // count
     rising = np.lexsort((values, stretch))
     first = np.flatnonzero(np.diff(stretch, prepend=-1))
-    last = np.append(first[1:], len(t)) - 1
-    index = np.unique(np.concatenate([[0, len(t) - 1], rising[first], rising[last]]))
-    return t[index], values[index]
+    last = np.append(first[1:], count) - 1
+    return np.unique(np.concatenate([[0, count - 1], rising[first], rising[last]]))
 
 
 def power_of_ten(values: scales.Floats) -> int:

@@ -171,7 +171,8 @@ def draw_forces(
     levels: what a design force is called -> force [N], drawn as a line; width: of the chart [pixels].
     """
     shown = [(look, curves[key] / 1e3) for key, look in LINES.items() if key in curves]
-    lines = [Line(label, *histories.thinned(t, force), **look) for (label, look), force in shown]
+    stretches = histories.STRETCHES if width == chart.FULL else histories.FEW
+    lines = [Line(label, *histories.thinned(t, force, stretches), **look) for (label, look), force in shown]
     across = [Level(label, round(force / 1e3, 1)) for label, force in (levels or {}).items()]
     plot = chart.Plot((*shaded(strikes), *across, *lines), chart.Axis("force on the wall [kN]"), 270.0)
     return chart.draw_chart(name, caption, (plot,), START, "Force", width)

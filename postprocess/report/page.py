@@ -15,8 +15,10 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, is_dataclass, replace
 from decimal import Decimal
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -361,7 +363,7 @@ def write_page(path: Path, page: Page) -> Path:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"prose": prose, "data_uri": data_uri}
+    environment.filters |= {"prose": prose, "data_uri": data_uri, "quoted": partial(quote, safe=" ,:;[]()/")}
     script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
     text = environment.get_template("page.html.j2").render(page=page, script=script, digest=digest)

@@ -1,15 +1,16 @@
 """A chart: plots one below the other over one x axis, with legend, ticks at round values, and units in the labels.
 
 The text stands by itself as an SVG file, and goes into a page as it is: it has no ids, text stays text, and colours of
-`PALETTE` are classes that a page may change. Beside it stands the table of what is drawn, as CSV: two columns for each
-mark that has a label and values, in the order of the marks, of where these are and what they are. `page.js` reads both.
+`PALETTE` are classes that a page may change. Beside it stands the table of what is drawn, as CSV: a column for each
+mark that has a label and values, in the order of the marks, and before it where these are, unless the mark before has
+its values there too. `page.js` reads both.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
 from itertools import zip_longest
@@ -262,23 +263,23 @@ def draw_chart(
 
 def _table(x: Axis, frames: Sequence[Frame]) -> str:
     """The samples of all marks as CSV."""
-    columns = [column for frame in frames for column in _columns(x.label, frame)]
+    columns: list[list[str]] = []
+    where: list[str] = []
+    for frame in frames:
+        for mark in frame.plot.marks:
+            at, values = mark.samples(frame.x, frame.y) if mark.label else ((), ())
+            if not len(at):
+                continue
+            label, is_named = frame.plot.y.label, isinstance(at[0], str)
+            both = "; ".join(filter(None, (x.label, label))) if is_named else x.label
+            heading = mark.label if is_named or not label else f"{mark.label}: {label}"
+            its = [both, *map(_cell, at)]
+            columns += [] if its == where else [its]
+            columns.append([heading, *map(_cell, values)])
+            where = its
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(zip_longest(*columns, fillvalue=""))
     return text.getvalue()
-
-
-def _columns(where: str, frame: Frame) -> Iterator[list[str]]:
-    """Headings and cells of the two columns of each mark: words that have a place of their own name both axes."""
-    label = frame.plot.y.label
-    for mark in frame.plot.marks:
-        at, values = mark.samples(frame.x, frame.y) if mark.label else ((), ())
-        if len(at):
-            is_named = isinstance(at[0], str)
-            both = "; ".join(filter(None, (where, label))) if is_named else where
-            heading = mark.label if is_named or not label else f"{mark.label}: {label}"
-            yield [both, *map(_cell, at)]
-            yield [heading, *map(_cell, values)]
 
 
 def _cell(value: Any) -> str:

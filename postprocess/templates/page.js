@@ -116,8 +116,11 @@ const chartOf = (svg) => {
   };
   /* As wide as its place, if that is narrower than the chart; the keys stand above it as buttons. */
   const isFixed = plots.some(({ fixed, x }) => fixed || x.scale === "named");
-  const fit = (wide = isFixed ? width : Math.min(width, figure.clientWidth)) => {
-    if (!wide || !lines.length) return;
+  let drawnWide = 0;
+  const room = () => (isFixed ? width : Math.min(width, figure.clientWidth));
+  const fit = (wide) => {
+    if (!wide || !lines.length || wide === drawnWide) return;
+    drawnWide = wide;
     set(svg, { viewBox: `0 ${top} ${wide} ${height - top}`, width: wide, height: height - top });
     svg.closest(".large")?.classList.toggle("fitted", !isFixed);
     plots.forEach(({ x, right }) => (x.place = [x.from, right + wide - width]));
@@ -137,7 +140,12 @@ const chartOf = (svg) => {
 
   const readTable = () => {
     const rows = decodeURIComponent(csv.href.slice(csv.href.indexOf(",") + 1)).split("\n").map(cells);
-    lines.forEach((line, k) => (line.table = rows.map((row) => row.slice(2 * k, 2 * k + 2))));
+    let where = 0, column = 0;
+    lines.forEach((line) => {
+      if (!column || !rows[0][column].startsWith(line.label)) where = column++;
+      line.table = rows.map((row) => [row[where], row[column]]);
+      column += 1;
+    });
   };
   const plotAt = ([x, y]) => plots.find((plot) => x >= plot.x.place[0] && x <= plot.x.place[1] && y >= plot.top && y <= plot.bottom);
   const show = ([x, y], reader) => {
@@ -203,12 +211,13 @@ const chartOf = (svg) => {
     Object.entries(heard).forEach(([name, act]) => svg.addEventListener(name, act));
   }
   figure.querySelector("[download$=svg]")?.addEventListener("click", ({ currentTarget }) => {
+    const shown = drawnWide;
     fit(width);
     const whole = set(svg.cloneNode(true), { viewBox: `0 0 ${width} ${height}`, height });
     currentTarget.href = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(whole)], { type: "image/svg+xml" }));
-    fit();
+    fit(shown);
   });
-  return { svg, section: svg.closest("section"), lines, fit };
+  return { svg, section: svg.closest("section"), lines, room, fit };
 };
 
 const charts = all(document, "svg.chart").map(chartOf);
@@ -230,7 +239,10 @@ charts.forEach(({ svg, section, lines }) => {
   });
   svg.before(row);
 });
-const observer = new ResizeObserver(() => charts.forEach(({ fit }) => fit()));
+const observer = new ResizeObserver(() => {
+  const rooms = charts.map(({ room }) => room());
+  charts.forEach(({ fit }, i) => fit(rooms[i]));
+});
 all(document, "main").forEach((main) => observer.observe(main));
 
 const unfold = (id) => document.getElementById(id)?.querySelectorAll("details").forEach((part) => (part.open = true));
