@@ -143,7 +143,8 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     Returns
     -------
     Result
-        `summary` contains the numbers of `tailslap rigid --json`, `history` the motion.
+        `summary` contains the numbers of `tailslap rigid --json`, `history` the motion; `charts` has the force over
+        time, "force", beside the design forces, and the "set-up".
 
     Raises
     ------
@@ -156,6 +157,8 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     >>> round(tailslap.rigid("mash-tl4-sut").summary["stage3"]["peak_force"] / 1e3)
     653
     """
+    from tailslap.case import force
+
     case = _case(scene, changes)
     headline, columns = case.headline(), case.rigid_history()
     summary = page.plain({**vars(headline), **case.rigid_numbers()})
@@ -168,9 +171,11 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
         "rigid",
         summary["scene"],
         summary,
+        tables=force.force_tables(case),
         histories={result.RIGID: load.history(columns)},
         text=f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{labelled_text(case.rigid_text(units), 19)}",
         fill=fill,
+        make_charts=lambda: (force.force_chart(case), case.drawing()),
     )
 
 

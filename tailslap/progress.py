@@ -21,6 +21,9 @@ were asked for."""
 _last_sign = time.monotonic()
 """Instant when something was seen last [s]: at first, when the process had come as far as this."""
 
+_follower = threading.local()
+"""Listener to the progress of a thread, if there is one."""
+
 _live: Any = None
 """The line that moves, a `rich.live.Live`, while there is one."""
 
@@ -36,6 +39,16 @@ def shown_as(mode: str) -> Iterator[None]:
         os.environ.pop(MODE)
         if before is not None:
             os.environ[MODE] = before
+
+
+@contextmanager
+def followed(listener: Callable[[str], None]) -> Iterator[None]:
+    """Call a function with each line of progress in this thread, in place of showing it."""
+    _follower.listener = listener
+    try:
+        yield
+    finally:
+        del _follower.listener
 
 
 @contextmanager
@@ -111,6 +124,10 @@ def _shown(line: Line, fraction: Callable[[], float] | None, logged: float | Non
     every = ASKED_EVERY if mode == "lines" and fraction else every
     last = time.monotonic()
 
+    def follow() -> str:
+        _follower.listener(line())
+        return ""
+
     def log() -> str:
         nonlocal last
         if every is not None and time.monotonic() - last >= every:
@@ -121,6 +138,8 @@ def _shown(line: Line, fraction: Callable[[], float] | None, logged: float | Non
     with shown_as("none"):
         if mode == "none":
             yield str
+        elif hasattr(_follower, "listener"):
+            yield follow
         elif sys.stderr.isatty():
             with _moving(line, fraction):
                 yield str

@@ -217,8 +217,8 @@ class Result:
         Computes the fields at the start and at the tail-slap of a run without stored fields.
     text : str
         Text of the terminal output, if it is not a table.
-    charts : mapping of Chart
-        Charts of the page of a study or sweep, by name; displayed in notebooks.
+    make_charts : callable or None
+        Draws the charts.
     inputs : tuple of Path
         Files and folders from which it was read; they are never overwritten.
     """
@@ -233,7 +233,7 @@ class Result:
     make_fields: Callable[[], FieldSeries | None] | None = None
     make_ends: Callable[[], FieldSeries] | None = None
     text: str = ""
-    charts: Mapping[str, Chart] = field(default_factory=dict)
+    make_charts: Callable[[], Iterable[Chart]] | None = None
     inputs: tuple[Path, ...] = ()
 
     @property
@@ -253,6 +253,11 @@ class Result:
     def rigid(self) -> pandas.DataFrame | Columns:
         """History of the rigid vehicle at the same instants; a data frame if pandas is installed, else `Columns`."""
         return self._history(RIGID)
+
+    @cached_property
+    def charts(self) -> dict[str, Chart]:
+        """Charts by name, which notebooks show: those of the page of a study or sweep, force and set-up of `rigid`."""
+        return {chart.name: chart for chart in (self.make_charts() if self.make_charts else ())}
 
     @property
     def fields(self) -> FieldSeries:
@@ -441,7 +446,7 @@ def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) 
         "scene": summary.get("scene", ""),
         "passed": report.page.passed,
         "tables": tables,
-        "charts": {chart.name: chart for chart in report.page.charts},
+        "make_charts": lambda: report.page.charts,
         "fill": filled_by(lambda place, pictures, units: report, page_name),
     }
     return Result(command, summary=summary, **(found | more))

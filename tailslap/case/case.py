@@ -108,9 +108,6 @@ class Outcome(ABC):
     checks: tuple[Check, ...]
     setup_s: float
 
-    force_name: ClassVar[str]
-    """Name of the force that is held against design forces."""
-
     @property
     @abstractmethod
     def lateral_force(self) -> float:
@@ -156,6 +153,9 @@ class Case(ABC):
 
     force_words: ClassVar[str]
     """Name of the force of the answer."""
+
+    force_name: ClassVar[str]
+    """Its short name, beside design forces."""
 
     force_column: ClassVar[str]
     """Its column in the table of a sweep, after the name of the model."""

@@ -149,7 +149,7 @@ def run_summary(outcome: Outcome, headline: Headline, omitted: Parts) -> dict[st
         "version": tailslap.__version__,
         "passed": outcome.passed,
         "checks": [asdict(check) for check in outcome.checks],
-        "design_forces": design_ratios(outcome),
+        "design_forces": design_ratios(outcome.fe_plan.case, outcome.lateral_force),
         "chosen": [asdict(decision) for decision in fe_plan.decisions],
         "cost": run_cost(outcome),
         "left_out": [{"part": part, "why": why} for part, why in omitted],
@@ -263,16 +263,11 @@ def study_summary(study: str, case: Case) -> dict[str, Any]:
     return {"study": study, "scene": case.scene.name, "version": tailslap.__version__}
 
 
-def design_ratios(outcome: Outcome) -> list[dict[str, Any]]:
-    """Design forces of the scene's test level, and the force of the plate over each; none without a test level."""
-    impact = outcome.fe_plan.case.scene.impact
+def design_ratios(case: Case, lateral: float) -> list[dict[str, Any]]:
+    """Design forces of the scene's test level, and a lateral force [N] over each; none without a test level."""
+    impact = case.scene.impact
     return [
-        {
-            "name": name,
-            "force": each.force,
-            "ratio": outcome.lateral_force / each.force,
-            "source": each.source,
-        }
+        {"name": name, "force": each.force, "ratio": lateral / each.force, "source": each.source}
         for name, each in known_forces(impact.test_level if impact else None).items()
     ]
 
@@ -287,11 +282,11 @@ def known_forces(level: str | None) -> dict[str, DesignForce]:
     return {f"{each.name}, {one}": each for one in levels for each in design_forces(one)}
 
 
-def design_table(outcome: Outcome) -> Table:
-    """Table of design forces, which names the force whose ratio to them it shows."""
+def design_table(case: Case, lateral: float) -> Table:
+    """Table of design forces, which names the force [N] whose ratio to them it shows."""
     name, force, ratio, source = DESIGN
-    ratio = replace(ratio, label=f"{outcome.force_name} / design")
-    return Table((name, force, ratio, source), design_ratios(outcome))
+    ratio = replace(ratio, label=f"{case.force_name} / design")
+    return Table((name, force, ratio, source), design_ratios(case, lateral))
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:

@@ -102,3 +102,17 @@ def test_within_a_bar_only_the_bar_is_seen(terminal):
         seen(terminal, "Impacts: 50 %, 0:00 left", times=3)
     assert "Building" not in terminal.getvalue()
     assert "Steps" not in terminal.getvalue()
+
+
+def test_what_follows_the_progress_gets_the_lines_of_its_thread_alone(terminal):
+    """Those of what runs within are silent, and so is the terminal."""
+    lines = []
+    with progress.followed(lines.append), progress_bar("steps", 10) as show:
+        show(0.5)
+        with counted("inner", 4, 0) as inner:
+            inner(2)
+    with counted("after", 4, 0, 0.0):
+        pass
+    (line,) = lines
+    assert re.match(r"steps: 5 of 10", line)
+    assert "steps" not in terminal.getvalue()

@@ -1,8 +1,10 @@
 """Verification: the functions of `import tailslap` do what the commands do, to the bit, and are described."""
 
+import csv
 import doctest
 import importlib
 import inspect
+import io
 import json
 import os
 import pydoc
@@ -189,6 +191,26 @@ def test_rigid_has_the_bits_of_the_command(scene, capsys):
     assert found.summary == json.loads(command(capsys, "rigid", scene, "--json"))
     assert f"{found}\n" == command(capsys, "rigid", scene)
     assert found.history["t"][0] == 0.0
+
+
+@pytest.mark.parametrize(("scene", "group", "name"), [
+    ("mash-tl4-sut", "stage3", "peak_force"), ("impact-mash-tl4-sut", "peaks", "mean_50ms"),
+])  # fmt: skip
+def test_the_rigid_force_stands_beside_the_design_forces(scene, group, name):
+    """As a chart over time, whose area over the tail-slap is its impulse, and over each force of AASHTO and MASH."""
+    found = tailslap.rigid(scene)
+    assert list(found.charts) == ["force", "set-up"]
+    (first, *_) = found.tables["Design forces"].rows
+    assert first["force"] == pytest.approx(54.0 * 4448.2216, rel=1e-6)  # AASHTO LRFD A13.2, TL-4: 54 kip
+    assert first["ratio"] == pytest.approx(found.summary[group][name] / first["force"])
+    assert ("Strikes" in found.tables) == (scene != "mash-tl4-sut")
+    header, *lines = csv.reader(io.StringIO(found.charts["force"].csv))
+    drawn = np.array([row[:2] for row in lines if row[0]], dtype=float)
+    assert header[:2] == ["t [s]", "raw: force on the wall [kN]"]
+    if scene == "mash-tl4-sut":
+        pulse = drawn[drawn[:, 0] > found.summary["stage2"]["t"]]
+        impulse = found.summary["stage3"]["impulse"]
+        assert np.trapezoid(pulse[:, 1], pulse[:, 0]) * 1e3 == pytest.approx(impulse, rel=2e-3)
 
 
 def test_check_modal_and_modes_have_the_bits_of_the_commands(tmp_path, capsys):

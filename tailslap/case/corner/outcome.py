@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -53,7 +53,6 @@ class CornerOutcome(Outcome):
     rigid_history: dict[str, np.ndarray]
     rigid: dict[str, float]
     fe: dict[str, float]
-    force_name: ClassVar = "Peak"
     companions: tuple[Companion, ...] = ()
     attempts: int = 1
     pictures: tuple[Path, ...] = ()

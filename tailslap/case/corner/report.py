@@ -156,7 +156,7 @@ def sections(outcome: CornerOutcome) -> list[Section]:
 
 
 def _forces(outcome: CornerOutcome) -> list[Table]:
-    return [peak_table(outcome), report.design_table(outcome)]
+    return [peak_table(outcome), report.design_table(outcome.fe_plan.case, outcome.lateral_force)]
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:

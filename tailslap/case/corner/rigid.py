@@ -60,6 +60,7 @@ class RigidStages(case.Case):
     name = case.CORNER
     compared = quantities.TAIL_SLAP
     force_words = "Peak lateral force at the tail-slap"
+    force_name = "Peak"
     force_column = "peak_force"
 
     def __post_init__(self) -> None:

@@ -80,7 +80,7 @@ def run_report(
     page = report.run_page(outcome, KICKER, headline(outcome), parts, omitted, FOOTER, why)
     tables = (
         peak_table(outcome),
-        report.short(report.design_table(outcome)),
+        report.short(report.design_table(outcome.fe_plan.case, outcome.lateral_force)),
         _strikes(outcome),
         errors_table(outcome),
         *(own.verdict for name, own in outcome.tipping.items() if name == "FE"),
@@ -174,7 +174,7 @@ def durations_table(answer: ImpactAnswer) -> Table:
 
 
 def _sections(outcome: run.ImpactOutcome) -> list[Section]:
-    design = report.design_table(outcome)
+    design = report.design_table(outcome.fe_plan.case, outcome.lateral_force)
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     return [

@@ -94,6 +94,7 @@ class RigidImpact(Case):
     name = WHOLE_IMPACT
     compared = quantities.STRIKES
     force_words = "Largest 50 ms mean of the lateral force"
+    force_name = "50 ms mean"
     force_column = "peak.mean_50ms"
 
     def __post_init__(self) -> None:

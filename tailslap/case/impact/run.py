@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,7 +46,6 @@ class ImpactOutcome(Outcome):
     rigid: answers.ImpactAnswer
     fe: answers.ImpactAnswer
     mesh_error: dict[str, float] = field(default_factory=dict)
-    force_name: ClassVar = "50 ms mean"
 
     @property
     def lateral_force(self) -> float:
