@@ -155,6 +155,10 @@ class Trailer(Vehicle):
     hitch_length: Length | None = key(
         "length of both plates over which the force of the hinge is distributed; default: one node"
     )
+    centre_height: Height | None = key("of its centre of mass; if left out tipping's")
+    roll_inertia: Inertia | None = key("about it; if left out the mass times the square of 0.45 widths")
+    track: Length | None = key("between its wheels; if left out tipping's")
+    suspension: Stiffness | None = key("vertical, of one side, fifth wheel included; if left out tipping's")
 
 
 class Impact(SceneTable):

@@ -236,9 +236,7 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
         _refuse(scene, allowed, key)
     _check_contact(scene, contact)
     _check_trailers(scene, contact)
-    if scene.tipping and scene.tipping.track > scene.vehicle.width:
-        allowed = f"wheels are below the vehicle; allowed is up to its width, {scene.vehicle.width:g} m"
-        raise InputError("tipping.track", scene.tipping.track, allowed)
+    _check_tipping(scene)
     _check_plate_of_impact(scene, contact)
 
 
@@ -253,14 +251,32 @@ def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
         )
 
 
+OF_ROLL = ("centre_height", "roll_inertia", "track", "suspension")
+
+
+def _check_tipping(scene: schema.Scene) -> None:
+    """Raise InputError for wheels beside their unit, and for keys of a trailer's roll without [tipping]."""
+    tracks = [("tipping.track", scene.tipping.track, scene.vehicle.width)] if scene.tipping else []
+    for number, unit in enumerate(scene.trailer):
+        given = {name: value for name in OF_ROLL if (value := getattr(unit, name)) is not None}
+        if scene.tipping is None and given:
+            name, value = next(iter(given.items()))
+            raise InputError(f"trailer.{number}.{name}", value, "this key requires [tipping]; remove it")
+        if scene.tipping:
+            key = f"trailer.{number}.track" if unit.track else "tipping.track"
+            tracks.append((key, unit.track or scene.tipping.track, unit.width))
+    for key, track, width in tracks:
+        if track > width:
+            raise InputError(
+                key, track, f"wheels are below the vehicle; allowed is up to its width, {width:g} m"
+            )
+
+
 MOST_TRAILERS = 7
 
 
 def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
     """Validate the hinges of a train. Raises InputError."""
-    if scene.trailer and scene.tipping:
-        allowed = "roll is that of a single vehicle; remove this table or [[trailer]]"
-        raise InputError("tipping", Verbatim("a table"), allowed)
     if len(scene.trailer) > MOST_TRAILERS:
         allowed = f"allowed are at most {MOST_TRAILERS}"
         raise InputError("trailer", Verbatim(f"{len(scene.trailer)} tables"), allowed)

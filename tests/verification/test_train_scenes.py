@@ -8,6 +8,7 @@ import pytest
 
 import tailslap
 from postprocess.units import SI
+from solver.tipping import RollingVehicle, lowest_walls
 from tailslap.case import case_of
 from tailslap.case.impact.answers import LARGEST, both_strikes
 from tailslap.cli import _status
@@ -141,9 +142,37 @@ def test_what_no_unit_can_have_is_refused_by_its_key(changes, key):
     assert caught.value.key == key
 
 
-def test_the_roll_of_a_train_is_refused():
-    with pytest.raises(InputError, match="roll is that of a single vehicle"):
-        train(tipping={"wall_height": 0.8, "centre_height": 1.3, "track": 1.85, "suspension": 1.2e6})
+ROLL = {"wall_height": 1.0, "centre_height": 1.4, "track": 1.85, "suspension": 3e6}
+
+
+def test_each_unit_of_a_train_rolls_by_the_force_on_it():
+    """The unit that needs the higher wall stands for the train; a key of a trailer is its own."""
+    case = train(tipping=ROLL, **{"trailer.0.centre_height": 1.9})
+    found = case.rigid_numbers()["tipping"]
+    history, units = case.answer.history, found["units"]
+    assert len(units) == len(case.motion.vehicles)
+    assert found["lowest_safe_wall"] == max(unit["lowest_safe_wall"] for unit in units)
+    trailer = RollingVehicle(
+        case.scene.trailer[0].mass,
+        1.9,
+        case.scene.trailer[0].mass * (0.45 * case.scene.trailer[0].width) ** 2,
+        1.85,
+        3e6,
+    )
+    alone = lowest_walls(trailer, history["force_normal_2"][1:], case.answer.interval)
+    assert units[1]["lowest_safe_wall"] == float(alone)
+    total = sum(history[f"force_normal_{number}"] for number in range(1, len(units) + 1))
+    assert total == pytest.approx(history["force_normal"], abs=1e-3 * total.max())
+
+
+def test_refusals_of_a_trailer_s_roll():
+    for changes, key in (
+        ({"trailer.0.track": 1.8}, "trailer.0.track"),
+        ({"tipping": ROLL, "trailer.0.track": 2.8}, "trailer.0.track"),
+    ):
+        with pytest.raises(InputError) as caught:
+            train(**changes)
+        assert caught.value.key == key
 
 
 def test_the_set_up_names_and_draws_every_unit(case):

@@ -370,7 +370,7 @@ def tipping_of(case: RigidImpact, answer: answers.ImpactAnswer) -> Any:
     from tailslap.case.impact import tipping
 
     with refusals(case.scene):
-        return tipping.solve(case.scene, case.vehicle, answer)
+        return tipping.solve(case.scene, [case.vehicle, *(each.vehicle for each in case.trailers)], answer)
 
 
 def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from solver import tipping
 from solver.impact import ImpactVehicle
 from tailslap import progress
 from tailslap.case.impact.answers import ImpactAnswer
-from tailslap.scene.schema import Scene, Tipping
+from tailslap.scene.schema import Scene, Tipping, Trailer, Vehicle
 
 TITLE, INCH = "Tipping over the wall", 0.0254
 
@@ -72,6 +72,8 @@ class TippingAnswer:
         Lowest wall that holds the vehicle, and highest centre of mass that the wall holds [m].
     lost_mass : float
         What the roll would take off the contact's effective mass, over that mass [-].
+    units : tuple of TippingAnswer
+        Of a train, the roll of each unit by the force on it; this is the one that needs the highest wall.
     """
 
     given: Tipping
@@ -80,17 +82,19 @@ class TippingAnswer:
     lowest_wall: float
     highest_centre: float
     lost_mass: float
+    units: "tuple[TippingAnswer, ...]" = ()
 
     def numbers(self) -> dict[str, Any]:
         """Part of `summary.json`, SI; wheels are those "near" the wall and "far" from it."""
         lifted = self.motion.lifted()
-        return {
+        each = {"units": [unit.numbers() for unit in self.units]} if self.units else {}
+        return each | {
             "tips": self.motion.tips,
             "largest_roll": self.motion.largest_roll,
             "lowest_safe_wall": self.lowest_wall,
             "wall_margin": self.given.wall_height - self.lowest_wall,
             "highest_safe_centre": self.highest_centre,
-            "centre_margin": self.highest_centre - self.given.centre_height,
+            "centre_margin": self.highest_centre - float(self.vehicle.centre_height),
             "lifted": [{"wheels": side, "start": a, "duration": b - a} for side, a, b in lifted],
             "effective_mass_change": -self.lost_mass,
             "step": self.motion.step,
@@ -102,7 +106,7 @@ class TippingAnswer:
         """Say whether the wall holds the vehicle, and which one would."""
         heights = self.given.wall_height, self.lowest_wall
         wall, lowest = (f"{measure(height, 'm', '.3f')} ({height / INCH:.1f} in)" for height in heights)
-        if self.given.centre_height <= self.given.wall_height:
+        if self.vehicle.centre_height <= self.given.wall_height:
             return f"It cannot tip over this wall: its centre of mass is below the wall's top, {wall}."
         said = (
             f"The wall of {wall} holds it, with a roll of {measure(self.motion.largest_roll, 'rad', '.1f')}"
@@ -131,26 +135,44 @@ class TippingAnswer:
         return [TITLE, *(f"  {SYSTEMS[units].rendered(said)}" for said in (self.verdict, *self.sentences))]
 
 
-def solve(scene: Scene, body: ImpactVehicle, answer: ImpactAnswer) -> TippingAnswer:
-    """Roll of a scene's vehicle by the forces of one of both models. Raises RigidBodyError for too stiff springs."""
-    given, force, interval = scene.tipping, answer.history["force_normal"][1:], answer.interval
+def solve(scene: Scene, bodies: Sequence[ImpactVehicle], answer: ImpactAnswer) -> TippingAnswer:
+    """Roll of a scene's vehicle, or of each unit of a train, by the forces of one of both models.
+
+    Units roll by themselves: what a fifth wheel carries depends on its play, which is not known. It would hold the unit
+    that rolls more, and turn the other. Raises RigidBodyError for springs that are too stiff.
+    """
+    numbers = (
+        [f"force_normal_{unit}" for unit in range(1, len(bodies) + 1)] if scene.trailer else ["force_normal"]
+    )
+    both = zip(scene.units, bodies, numbers, strict=True)
+    found = [
+        _rolled(scene, unit, body, answer.history[name][1:], answer.interval) for unit, body, name in both
+    ]
+    worst = max(found, key=lambda each: each.lowest_wall)
+    return replace(worst, units=tuple(found)) if scene.trailer else worst
+
+
+def _rolled(
+    scene: Scene, unit: Vehicle, body: ImpactVehicle, force: np.ndarray, interval: float
+) -> TippingAnswer:
+    given = scene.tipping
     assert given
-    vehicle = rolling_vehicle(scene, given)
+    vehicle = rolling_vehicle(scene, given, unit)
     motion = tipping.solve_roll(vehicle, given.wall_height, force, interval, on_compile=progress.compiling)
     lowest = float(tipping.lowest_walls(vehicle, force, interval))
     highest = float(tipping.highest_centres(vehicle, given.wall_height, force, interval))
     return TippingAnswer(given, vehicle, motion, lowest, highest, lost_mass(scene, body, vehicle))
 
 
-def rolling_vehicle(scene: Scene, given: Tipping) -> tipping.RollingVehicle:
-    """The scene's vehicle as it rolls."""
-    body, impact = scene.vehicle, scene.impact
+def rolling_vehicle(scene: Scene, given: Tipping, unit: Vehicle) -> tipping.RollingVehicle:
+    """A unit of the scene as it rolls; what a trailer leaves out is tipping's."""
+    own, impact = unit if isinstance(unit, Trailer) else given, scene.impact
     assert impact
-    inertia = given.roll_inertia or body.mass * (GYRATION * body.width) ** 2
-    own = given.centre_height, inertia, given.track, given.suspension, given.damping_ratio
-    return tipping.RollingVehicle(
-        body.mass, *own, body.width, given.friction, impact.speed * math.cos(impact.angle)
-    )
+    inertia = own.roll_inertia or unit.mass * (GYRATION * unit.width) ** 2
+    heights = own.centre_height or given.centre_height, inertia
+    wheels = own.track or given.track, own.suspension or given.suspension, given.damping_ratio
+    along = impact.speed * math.cos(impact.angle)
+    return tipping.RollingVehicle(unit.mass, *heights, *wheels, unit.width, given.friction, along)
 
 
 def lost_mass(scene: Scene, body: ImpactVehicle, vehicle: tipping.RollingVehicle) -> float:
@@ -162,7 +184,7 @@ def lost_mass(scene: Scene, body: ImpactVehicle, vehicle: tipping.RollingVehicle
     s, c, half = math.sin(impact.angle), math.cos(impact.angle), 0.5 * body.width
     x, y = body.front_distance * c - half * s, body.front_distance * s + half * c
     planar = 1.0 / body.mass + x * (x - friction * y) / body.inertia
-    roll = (given.centre_height - given.wall_height) ** 2 / vehicle.roll_inertia
+    roll = (vehicle.centre_height - given.wall_height) ** 2 / vehicle.roll_inertia
     return float(roll / (planar + roll))
 
 
@@ -180,7 +202,9 @@ def section(answers: Mapping[str, TippingAnswer]) -> Section:
     first = next(iter(answers.values()))
     height, roll = max(first.motion.rows[:, :2].tolist(), key=lambda row: row[1])
     given, width = first.given, float(first.vehicle.width)
-    shape = figures.Leaning(width, given.track, given.centre_height, given.wall_height)
+    shape = figures.Leaning(
+        width, float(first.vehicle.track), float(first.vehicle.centre_height), given.wall_height
+    )
     drawn = figures.draw_roll(rolls), figures.draw_leaning(shape, height, roll)
     step, error = f"{first.motion.step:.1e} s", f"{first.motion.error:.1e}"
     said = f"Steps of {step}; with twice the step the largest roll changes by {error} of its own."

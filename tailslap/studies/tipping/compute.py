@@ -221,7 +221,7 @@ def measure(source: Source, inputs: Mapping[str, Array]) -> dict[str, list[float
     names = {key.split(".")[1]: values for key, values in inputs.items() if key in OWN}
     if "vehicle.mass" in inputs:
         names["mass"] = inputs["vehicle.mass"]
-    vehicle = replace(rolling_vehicle(case.scene, case.scene.tipping), **names)
+    vehicle = replace(rolling_vehicle(case.scene, case.scene.tipping, case.scene.vehicle), **names)
     lowest = tipping.lowest_walls(vehicle, found.mean_force.T, STEP)
     return {
         "lowest": np.broadcast_to(lowest, found.error.shape).tolist(),
