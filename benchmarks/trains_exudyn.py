@@ -1,0 +1,175 @@
+"""Impulses of rigid trains beside Exudyn's, whose bodies are joined by revolute joints.
+
+    pip install exudyn
+    .venv/bin/python benchmarks/trains_exudyn.py [--step 5e-5]
+
+Three trains, each without and with friction. Exudyn integrates bodies and joints by the implicit trapezoidal rule;
+crush and friction are forces of its user functions, which share no code with the program. A row a corner that struck:
+its impulse over the whole impact by both, and the difference. Exit status 1 where one is above 1e-3 of the largest.
+"""
+
+import argparse
+import math
+import sys
+from typing import Any
+
+import numpy as np
+
+from solver.impact import (
+    CORNERS,
+    CrushLaw,
+    ImpactVehicle,
+    Trailer,
+    WallContact,
+    corner_name,
+    first_touch,
+    solve_impact,
+)
+from solver.impact.train import distances, lined_up
+
+LIMIT, RESTITUTION, ANGLE, END = 1e-3, 0.22, math.radians(15.0), 1.0
+TRACTOR = ImpactVehicle(6.9, 2.44, 8200.0, 2.9, 34621.0)
+VAN, TANK = ImpactVehicle(14.6, 2.59, 27770.0, 8.0, 497057.0), ImpactVehicle(12.8, 2.59, 28082.0, 6.6)
+DOLLY = ImpactVehicle(8.5, 2.5, 12000.0)
+TRAINS = {  # of each trailer the body, crush [N/m], hitch and kingpin [m]
+    "tractor and van": (2e6, [(VAN, 2e6, 5.6, 0.9)]),
+    "tractor and soft tank": (2e6, [(TANK, 1e6, 5.6, 0.9)]),
+    "tractor and two trailers": (1e6, [(DOLLY, 1.5e6, 5.6, 0.9), (DOLLY, 1e6, 8.3, -1.5)]),
+}
+SPEED = 22.35
+
+
+def train_of(name: str, friction: float) -> tuple[ImpactVehicle, WallContact, list[Trailer]]:
+    """A train of `TRAINS` as the program takes it."""
+    stiffness, behind = TRAINS[name]
+    laws = [
+        WallContact(CrushLaw(k, 0.0, RESTITUTION), friction)
+        for k in (stiffness, *(each[1] for each in behind))
+    ]
+    trailers = [Trailer(body, law, *hinge) for (body, _, *hinge), law in zip(behind, laws[1:], strict=True)]
+    return TRACTOR, laws[0], trailers
+
+
+def own_impulses(name: str, friction: float) -> dict[str, float]:
+    """Impulse of each corner by the program [N s]."""
+    vehicle, law, trailers = train_of(name, friction)
+    state = first_touch(vehicle, ANGLE, SPEED, trailers)
+    found: dict[str, float] = {}
+    for strike in solve_impact(vehicle, law, state, END, tolerance=1e-6, trailers=trailers).strikes:
+        found[strike.corner] = found.get(strike.corner, 0.0) + strike.impulse
+    return found
+
+
+class Corner:
+    """A corner on the bilinear crush law: what it has kept, and its impulse so far."""
+
+    def __init__(self, exu: Any, body: int, place: list[float], law: WallContact) -> None:
+        self.exu, self.body, self.place, self.law = exu, body, place, law
+        self.deepest = self.force = self.impulse = 0.0
+
+    def output(self, mbs: Any, kind: Any) -> Any:
+        """Position or velocity now."""
+        return mbs.GetObjectOutputBody(self.body, kind, self.place, self.exu.ConfigurationType.Current)
+
+    def normal(self, depth: float) -> float:
+        """Loading along k d, unloading along the line that gives back e^2 of the energy."""
+        deepest = max(self.deepest, depth)
+        if deepest <= 0.0:
+            return 0.0
+        return (
+            self.law.crush.stiffness
+            * deepest
+            * max(0.0, 1.0 - (deepest - depth) / (RESTITUTION**2 * deepest))
+        )
+
+    def load(self, mbs: Any, t: float, _: Any) -> list[float]:
+        """Force of the wall on the corner."""
+        kinds = self.exu.OutputVariableType
+        push = self.normal(-float(self.output(mbs, kinds.Position)[1]))
+        if push == 0.0:
+            return [0.0, 0.0, 0.0]
+        slip = float(self.output(mbs, kinds.Velocity)[0])
+        return [-self.law.friction * push * math.tanh(slip / 1e-3), push, 0.0]
+
+    def keep(self, mbs: Any, step: float) -> None:
+        """Keep the deepest crush, and add the impulse of a step."""
+        depth = -float(self.output(mbs, self.exu.OutputVariableType.Position)[1])
+        self.deepest, force = max(self.deepest, depth), self.normal(depth)
+        self.impulse += 0.5 * (force + self.force) * step
+        self.force = force
+
+
+def exudyn_impulses(name: str, friction: float, step: float) -> dict[str, float]:
+    """Impulse of each corner by Exudyn [N s]."""
+    import exudyn as exu
+    import exudyn.itemInterface as items  # noqa: N813
+
+    vehicle, law, trailers = train_of(name, friction)
+    bodies, laws = [vehicle, *(t.vehicle for t in trailers)], [law, *(t.contact for t in trailers)]
+    first = first_touch(vehicle, ANGLE, SPEED, trailers)
+    state = (first.x_g, first.y_g, first.theta, first.v_gx, first.v_gy, first.omega)
+    container = exu.SystemContainer()
+    mbs, corners, numbers = container.AddSystem(), dict[str, Corner](), []
+    for unit, (body, own) in enumerate(
+        zip(bodies, lined_up(state, distances(vehicle, trailers)), strict=True)
+    ):
+        x, y, theta, u, v, w = own.tolist()
+        node = items.NodeRigidBody2D(referenceCoordinates=[x, y, -theta], initialVelocities=[u, v, w])
+        inertia = {"mass": body.mass, "inertia": body.inertia}
+        numbers.append(mbs.AddObject(items.ObjectRigidBody2D(nodeNumber=mbs.AddNode(node), **inertia)))
+        ahead = (body.front_distance, body.front_distance - body.length)
+        for number, corner in enumerate(CORNERS):
+            place = [ahead[number % 2], (-0.5 if number < 2 else 0.5) * body.width, 0.0]
+            made = Corner(exu, numbers[-1], place, laws[unit])
+            marker = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=numbers[-1], localPosition=place))
+            mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=made.load))
+            corners[corner_name(unit, CORNERS.index(corner))] = made
+    for unit, trailer in enumerate(trailers):
+        ends = (bodies[unit].front_distance - trailer.hitch, trailer.vehicle.front_distance - trailer.kingpin)
+        markers = [
+            mbs.AddMarker(
+                items.MarkerBodyPosition(bodyNumber=numbers[unit + k], localPosition=[end, 0.0, 0.0])
+            )
+            for k, end in enumerate(ends)
+        ]
+        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
+
+    def keep(mbs: Any, t: float) -> bool:
+        for corner in corners.values():
+            corner.keep(mbs, step)
+        return True
+
+    mbs.SetPreStepUserFunction(keep)
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.timeIntegration.numberOfSteps, settings.timeIntegration.endTime = round(END / step), END
+    settings.timeIntegration.verboseMode = 0
+    settings.solution.file.write = False
+    mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.TrapezoidalIndex2)
+    keep(mbs, END)
+    return {name: corner.impulse for name, corner in corners.items() if corner.impulse > 0.0}
+
+
+def main() -> int:
+    """Print the table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--step", type=float, default=5e-5, help="of Exudyn [s]")
+    step, worst = parser.parse_args().step, 0.0
+    for name in TRAINS:
+        for friction in (0.0, 0.47):
+            own, other = own_impulses(name, friction), exudyn_impulses(name, friction, step)
+            largest = max(own.values())
+            print(f"{name}, friction {friction:g}")
+            for corner in sorted({*own, *other}):
+                one, two = own.get(corner, 0.0), other.get(corner, 0.0)
+                off = (one - two) / largest
+                worst = max(worst, abs(off))
+                print(f"  {corner:<22}{one / 1e3:10.4f}{two / 1e3:10.4f} kN s  {off:+.1e}")
+    print(f"largest difference, of the largest impulse: {worst:.1e} (limit {LIMIT:g})")
+    return int(not np.isfinite(worst) or worst > LIMIT)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
