@@ -17,7 +17,7 @@ WORDS = """() => {
   for (const svg of document.querySelectorAll("svg.chart")) {
     const frame = svg.getBoundingClientRect(), name = svg.getAttribute("aria-label").slice(0, 40);
     const words = [...svg.querySelectorAll("text")].filter((text) => text.textContent.trim())
-      .map((text) => [text.textContent, text.getBoundingClientRect()]);
+      .map((text) => [text.textContent, text.getBoundingClientRect()]).filter(([, box]) => box.width);
     words.forEach(([text, box], i) => {
       if (box.left < frame.left - 1 || box.right > frame.right + 1) found.push(`cut in "${name}": ${text}`);
       words.slice(0, i).forEach(([other, its]) => {

@@ -214,6 +214,7 @@ const chartOf = (svg) => {
     const shown = drawnWide;
     fit(width);
     const whole = set(svg.cloneNode(true), { viewBox: `0 0 ${width} ${height}`, height });
+    all(whole, ".key").forEach((key) => (key.style.display = ""));
     currentTarget.href = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(whole)], { type: "image/svg+xml" }));
     fit(shown);
   });
@@ -236,6 +237,7 @@ charts.forEach(({ svg, section, lines }) => {
       button.ariaPressed = line.isOn;
     }));
     row.append(button);
+    key.style.display = "none";
   });
   svg.before(row);
 });

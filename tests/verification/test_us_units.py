@@ -263,10 +263,10 @@ def test_drawn_fields_are_in_feet_and_ksi(result, tmp_path, monkeypatch):
     feet, metres = drawn(units=US), drawn()
     stress = series.elemental["stress_von_mises"][1]
     least, most = (f"{end / (1e3 * PSI):.4g}" for end in (stress.min(), stress.max()))
-    assert {"stress_von_mises [ksi]", "Y [ft]", "X [ft], driving direction →"} <= {*feet}
+    assert {"Von Mises stress [ksi]", "Y [ft]", "X [ft], driving direction →"} <= {*feet}
     assert f"element values from {least} to {most} ksi" in feet
-    assert {"stress_von_mises [Pa]", "Y [m]", f"t = {series.t[1]:.4f} s"} <= {*metres}
-    assert f"element values from {stress.min():.4g} to {stress.max():.4g} Pa" in metres
+    assert {"Von Mises stress [kPa]", "Y [m]", f"t = {series.t[1]:.4f} s"} <= {*metres}
+    assert f"element values from {1e-3 * stress.min():.4g} to {1e-3 * stress.max():.4g} kPa" in metres
 
 
 def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, monkeypatch):
@@ -346,7 +346,7 @@ def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path):
 def test_a_run_draws_its_pictures_in_the_units_of_its_page(tmp_path, monkeypatch):
     given = []
 
-    def draw(situation, fields, out, units):
+    def draw(situation, fields, out, units, size):
         given.append(units.name)
         return []
 
