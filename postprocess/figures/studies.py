@@ -253,7 +253,7 @@ def _end_names(series: Sequence[Series], x: Range, y: Range) -> list[Words]:
             end, is_left = end - wide, True
         for shift in (sign * 12.0 * step for step in range(1 * is_left, 20) for sign in (-1.0, 1.0)):
             at = height + shift
-            if all(
+            if 8.0 < at < PRECISION_HEIGHT and all(
                 end + wide < left or right < end or abs(at - other) > 12.0 for left, right, other in taken
             ):
                 break
