@@ -17,7 +17,7 @@ from pathlib import Path
 
 # At module level, before any annotation is evaluated: an older Python must get as far as this line.
 if sys.version_info < (3, 11):  # noqa: UP036
-    sys.exit(f"bootstrap: tailslap needs Python 3.11 or newer, and this is Python {sys.version.split()[0]}")
+    sys.exit(f"bootstrap: tailslap requires Python 3.11 or newer; this is Python {sys.version.split()[0]}")
 
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
@@ -74,7 +74,7 @@ def line_to_paste(apt_packages: str, dnf_packages: str) -> str:
     if shutil.which("dnf") and not shutil.which("apt-get"):
         commands = [f"dnf install -y {dnf_packages}"]
     line = " && ".join(" ".join([*sudo(), command]) for command in commands)
-    return f"paste this as root, then call bootstrap.py again:\n{line}"
+    return f"run this as root, then bootstrap.py again:\n{line}"
 
 
 def apt_install(packages: str) -> bool:
@@ -103,11 +103,11 @@ def make_venv(no_system: bool) -> None:
     package = f"python3.{sys.version_info.minor}-venv"
     has_venv = [sys.executable, "-c", "import ensurepip, venv"]
     if not call(has_venv)[0] and (no_system or not apt_install(package) or not call(has_venv)[0]):
-        sys.exit(f"bootstrap: this Python lacks venv or ensurepip; {line_to_paste(package, 'python3')}")
-    say(f"making {VENV}")
+        sys.exit(f"bootstrap: this Python has no venv or ensurepip; {line_to_paste(package, 'python3')}")
+    say(f"creating {VENV}")
     made, output = call([sys.executable, "-m", "venv", "--clear", str(VENV)])
     if not made:
-        sys.exit(f"{output}\nbootstrap: could not make {VENV} (the reason is above)")
+        sys.exit(f"{output}\nbootstrap: {VENV} cannot be created, see above")
 
 
 def install_packages(target: str) -> None:
@@ -117,7 +117,7 @@ def install_packages(target: str) -> None:
     options = ["-qq", "--no-user", "--no-input", "--disable-pip-version-check", "-c", "constraints.txt"]
     installed, output = call([PYTHON, "-m", "pip", "install", *options, "-e", target])
     if not installed:
-        sys.exit(f"{output}\nbootstrap: pip failed, for the reason above (no network connection, perhaps)")
+        sys.exit(f"{output}\nbootstrap: pip failed, see above")
 
 
 def missing_library() -> str:
@@ -132,7 +132,7 @@ def missing_library() -> str:
 
 def check_libraries(no_system: bool) -> None:
     """See to it that gmsh and VTK find their system libraries, or say what to install."""
-    say("trying gmsh and an off-screen picture")
+    say("testing gmsh and an off-screen picture")
     reason = missing_library()
     if reason and not no_system and apt_install(APT_PACKAGES):
         reason = missing_library()

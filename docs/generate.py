@@ -131,60 +131,66 @@ def results_page() -> str:
     columns = {
         "history.csv and rigid.csv of a constrained corner": corner_columns(),
         "history.csv and rigid.csv of a whole impact": impact_columns(),
-        "history.csv and rigid.csv of a train, besides": train_columns(),
+        "Additional columns of a train": train_columns(),
     }
-    parts = ["# Result files and columns", "", RESULTS_INTRODUCTION, "", table(("file", "what"), FILES)]
+    parts = ["# Result files and columns", "", RESULTS_INTRODUCTION, "", table(("file", "contents"), FILES)]
     for title, known in columns.items():
         parts += [f"## {title}", "", *([OF_TRAINS, ""] if "a train" in title else [])]
         rows = [(f"`{c.name}`", c.unit, c.meaning or c.caption) for c in known.values()]
         parts += [table(("column", "unit", "meaning"), rows)]
     fields = [(f"`{n}`", "nodes", u) for n, u in NODES.items()]
     fields += [(f"`{n}`", "elements", u) for n, u in ELEMENTS.items()]
-    parts += ["## fields.npz", "", FIELDS, "", table(("field", "of the", "unit"), fields), *_sweep_columns()]
+    parts += [
+        "## fields.npz",
+        "",
+        FIELDS,
+        "",
+        table(("field", "location", "unit"), fields),
+        *_sweep_columns(),
+    ]
     return "\n".join(parts)
 
 
-OF_TRAINS = """Motions are those of the first unit; `x_g_2` and so on are those of the second. `force_normal_1` is the
-wall's force on the first unit alone, `hinge_force_x_1` that of the first hinge. Forces and energies without a number
-are those of the whole train."""
-RESULTS_INTRODUCTION = """All numbers are SI. What is no finite number is an empty entry in CSV and null in JSON
-and Parquet. The rigid vehicle's columns have the same names, at the same instants; what it has not, like strain
-energy, is 0 or not there.
+OF_TRAINS = """Columns of the motion without a number refer to the first unit, `x_g_2` etc. to the second. `force_normal_1`
+is the force of the wall on the first unit, `hinge_force_x_1` the force of the first hinge. Forces and energies without
+a number are those of the whole train."""
+RESULTS_INTRODUCTION = """All numbers are in SI. Numbers that are not finite are empty entries in CSV and null in JSON
+and Parquet. The columns of the rigid vehicle have the same names and instants; quantities without a rigid-body
+equivalent, e.g. strain energy, are 0 or absent.
 
-`tailslap.load`, `compare` and `export` verify each file that they read by the manifest. One that is damaged, or was
-changed since, is refused with its name; `--force` (in Python `force=True`) reads what can be read."""
+`tailslap.load`, `compare` and `export` verify the files by the manifest. Damaged or modified files are refused by name;
+`--force` (Python: `force=True`) reads the intact ones."""
 FILES = (
     (
         "`summary.json`",
-        "`title`, `answer`, `set_up` and `certainty` in words, as page and terminal open; the numbers: `rigid`, `fe`, "
-        "`difference`, `checks`, `cost`, `chosen`, `left_out` and more",
+        "sentences `title`, `answer`, `set_up`, `certainty`; numbers: `rigid`, `fe`, `difference`, `checks`, `cost`, "
+        "`chosen`, `left_out` etc.",
     ),
-    ("`history.csv`", "the FE run, a row an instant"),
-    ("`rigid.csv`", "the rigid vehicle at the same instants"),
-    ("`report.html`", "what a person opens"),
+    ("`history.csv`", "history of the FE run, one row per instant"),
+    ("`rigid.csv`", "history of the rigid vehicle at the same instants"),
+    ("`report.html`", "report"),
     ("`set-up.svg`", "drawing of the set-up, to scale"),
-    ("`theta.svg`, `omega.svg` and so on", "the page's curves"),
+    ("`theta.svg`, `omega.svg` and so on", "charts of the report"),
     (
         "`contour_v_gx.png`, `contour_v_gy.png`, `contour_omega.png`, `contour_von_mises.png`",
-        "the plate at the tail-slap: velocities along and across the wall, angular velocity, von Mises stress",
+        "plate at the tail-slap: velocities along and normal to the wall, angular velocity, von Mises stress",
     ),
-    ("`impact.gif`", "of a whole impact: its animation"),
-    ("`fields.npz`", "with `[output] fields = N`: fields of the plate at N instants"),
+    ("`impact.gif`", "animation of a whole impact"),
+    ("`fields.npz`", "fields of the plate at N instants, for `[output] fields = N`"),
     (
         "`.tailslap-result.json`",
-        "the manifest: command and scene, and the files that the program wrote, with size and digest",
+        "manifest: command, scene, and files with size and digest",
     ),
     (
         "`.tailslap-lock`, `.tailslap-new`, `.tailslap-redo.json`",
-        "while a command is at work, or after it was killed, until the next one: its lock, its new files, and the log "
-        "of what they replace",
+        "during a command, or after it was killed: lock, new files, and log of the files that they replace",
     ),
 )
-FIELDS = """NumPy arrays: `points` [m], shape (nodes, 2), the unstrained plate where the run starts; `cells`, the
-nodes of each element, and `cell_type`, what meshio calls it; `t` [s]; and the fields, shape (instants, nodes, 2)
-and (instants, elements). Stress is Kirchhoff's, F S F': Cauchy's times the change of volume, the mean over each
-element. `elastic_displacement` is what is left of the displacement beside the rigid motion that fits best.
-`tailslap export` writes them for other programs."""
+FIELDS = """NumPy arrays: `points` [m], shape (nodes, 2), undeformed plate in its initial position; `cells`, nodes of
+each element, and `cell_type`, its meshio name; `t` [s]; fields, shape (instants, nodes, 2) and (instants, elements).
+Stresses are Kirchhoff stresses F S F' (Cauchy stress times the change of volume), averaged over each element.
+`elastic_displacement` is the displacement minus the fitted rigid motion. `tailslap export` converts them for other
+programs."""
 
 
 def _sweep_columns() -> Iterator[str]:
@@ -194,16 +200,16 @@ def _sweep_columns() -> Iterator[str]:
 
     yield "## sweep.parquet"
     yield ""
-    yield "Each finished run is in `records.sqlite` already: in the table `record` with its values as JSON, in the view"
-    yield "`result` with the columns below that it has. At the end, or interrupted, they become `sweep.parquet`."
+    yield "Completed runs are in `records.sqlite`: in the table `record` with values as JSON, and in the view `result` with the"
+    yield "columns below. `sweep.parquet` is written at the end or at an interruption."
     yield ""
-    yield "A row a run: `run`, `status`, `reason`, the keys that vary, a column `check.NAME` for each check, and:"
+    yield "One row per run: `run`, `status`, `reason`, the varied keys, a column `check.NAME` for each check, and:"
     yield ""
     examples = {"constrained corner": "mash-tl4-sut", "whole impact": "impact-mash-tl4-sut"}
     scenes = {what: read_scene(name)[0] for what, name in examples.items()}
     kinds = {what: kind_of(scene).columns(scene) for what, scene in scenes.items()}
     rows = [(f"`{n}`", k.__name__, what) for what, known in kinds.items() for n, k in known.items()]
-    yield table(("column", "type", "of a"), rows)
+    yield table(("column", "type", "analysis"), rows)
 
 
 # Python
@@ -215,7 +221,7 @@ def python_page() -> str:
 
     functions = [n for n in tailslap.__all__ if inspect.isfunction(getattr(tailslap, n))]
     classes = [n for n in tailslap.__all__ if inspect.isclass(getattr(tailslap, n))]
-    parts = ["# Python interface", "", "How to use it: [From Python](../howto/python.md).", ""]
+    parts = ["# Python interface", "", "Introduction: [Python](../howto/python.md).", ""]
     for name in (*functions, *classes):
         parts += list(_described(f"tailslap.{name}", getattr(tailslap, name)))
     return "\n".join(parts)
@@ -271,7 +277,7 @@ def commands_page() -> str:
         **commands.commands,
         **{f"study {name}": study_command(find_study(name)) for name in study_names()},
     }
-    parts = ["# Commands", "", "What `tailslap COMMAND --help` says.", ""]
+    parts = ["# Commands", "", "Output of `tailslap COMMAND --help`.", ""]
     for name in sorted(every):
         context = click.Context(
             every[name], info_name=f"tailslap {name}", terminal_width=100, max_content_width=100

@@ -9,7 +9,7 @@
 # %% [markdown]
 # # Compare with a CSV file
 #
-# `abaqus.csv`, beside this script, has the history of another program in its own units, Y pointing into the wall.
+# `abaqus.csv` in this folder is the history of another program in its own units, with Y pointing into the wall.
 
 # %%
 import tailslap
@@ -21,7 +21,7 @@ compared = tailslap.compare(
 print(compared)
 
 # %% [markdown]
-# The metrics by column, as in `summary.json`, and the curves over one another.
+# Metrics by column, as in `summary.json`, and curves.
 
 # %%
 for name, metrics in compared.summary["compared"]["abaqus"].items():

@@ -9,9 +9,9 @@
 # %% [markdown]
 # # A flexible plate
 #
-# A truck's frame bends at a few hertz, a steel plate of the same size at 108. How far is the rigid-body
-# method from a plate that bends? The first frequency takes the modulus' place, and the corner is held over a
-# metre of side: the compliance of a single point has no limit of fine meshes.
+# The frame of a truck has bending modes of a few hertz, a steel plate of the same size 108 Hz. The first frequency
+# replaces the modulus, and the corner is supported over one metre of the side, because the compliance of a single
+# point does not converge with the mesh.
 
 # %%
 import tailslap
@@ -24,19 +24,19 @@ results = {
 for frequency, result in results.items():
     difference = result.summary["difference"]["v_gy"]
     print(
-        f"{frequency:>3} Hz: v_GY, and with it the force, is {difference:+.1e} off; passed: {result.passed}"
+        f"{frequency:>3} Hz: difference of v_GY from the rigid vehicle {difference:+.1e}; passed: {result.passed}"
     )
 
 # %% [markdown]
-# The difference goes with the compliance, that is with one over the frequency squared.
+# The difference is proportional to the compliance, i.e. to 1/frequency^2.
 
 # %%
 off = {frequency: result.summary["difference"]["v_gy"] for frequency, result in results.items()}
-print(f"from 160 to 40 Hz the difference grows {off[40] / off[160]:.1f} times; 16 are expected")
+print(f"ratio of the differences at 40 and 160 Hz: {off[40] / off[160]:.1f}; expected 16")
 assert 14 < off[40] / off[160] < 18
 
 # %% [markdown]
-# The stress that goes with it, at the instant of the tail-slap:
+# Stress up to the tail-slap:
 
 # %%
 kept = tailslap.run("mash-tl4-sut", SOFT | {"plate.first_frequency": "40 Hz", "output.fields": 5})

@@ -7,10 +7,10 @@
 # ---
 
 # %% [markdown]
-# # Your own vehicle, your own friction law
+# # Your own vehicle and friction law
 #
-# A delivery van as a dict of tables, and friction that fades with the reaction, mu N / (1 + N/N0). A law is
-# one object: its constants, the force, the slope of the force over N, and words for the report.
+# A delivery van as a dict of tables, and the friction law mu N / (1 + N/N0). A law is one object: its constants, the
+# force, its derivative with respect to N, and a text for the report.
 
 # %%
 import math
@@ -36,7 +36,7 @@ print(plain)
 
 # %%
 class Fading(NamedTuple):
-    """Coefficient; reaction N0 [N] at which half of the friction is left."""
+    """Coefficient of friction; reaction N0 [N] at which it is halved."""
 
     coefficient: float
     half: float = 2e3
@@ -53,8 +53,8 @@ def force(law: Any, normal: float, stopping: float) -> float:
 
 
 def slope(law: Any, normal: float, speed: float) -> float:
-    share = 1.0 / (1.0 + abs(normal) / law.half)
-    return -law.coefficient * share * share * math.copysign(1.0, normal) * math.copysign(1.0, speed)
+    factor = 1.0 / (1.0 + abs(normal) / law.half)
+    return -law.coefficient * factor * factor * math.copysign(1.0, normal) * math.copysign(1.0, speed)
 
 
 FADING = FrictionLaw(
@@ -62,15 +62,14 @@ FADING = FrictionLaw(
     constants=Fading,
     force=force,
     slope=slope,
-    text="friction that fades with the reaction",
+    text="friction mu N / (1 + N/N0)",
     rigid="drag",
     impulse="normal_impulse_magnitude",
     helpers=(limit,),
 )
 
 # %% [markdown]
-# The object goes in where the name of a law would stand. The rigid motion is still solved with Coulomb
-# friction, so that some of the checks must fail: they say that the run is not what it is compared with.
+# The object replaces the name of a law. The exact rigid motion uses Coulomb friction, so that some checks fail.
 
 # %%
 faded = tailslap.run(VAN, {"corner.reaction": FADING})
@@ -78,6 +77,6 @@ print(faded)
 
 # %%
 N, T = (abs(faded.history[f"reaction_{part}"][1:-1]) for part in ("normal", "tangential"))
-print(f"friction over reaction: {min(T / N):.3f} to {max(T / N):.3f}, of 0.4 without fading")
+print(f"friction over reaction: {min(T / N):.3f} to {max(T / N):.3f}, 0.4 for Coulomb friction")
 assert max(abs(T - 0.4 * N / (1.0 + N / 2e3))) < 1e-6 * max(T)
 assert faded.summary["fe"]["v_gx"] > plain.summary["fe"]["v_gx"]

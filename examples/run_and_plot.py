@@ -9,7 +9,7 @@
 # %% [markdown]
 # # Run a scene and plot it
 #
-# A name of `tailslap.scenes()`, with a speed of your own. `print` shows the comparison with the rigid vehicle.
+# A scene of `tailslap.scenes()` with another speed. `print` shows the comparison with the rigid vehicle.
 
 # %%
 import tailslap
@@ -18,11 +18,11 @@ result = tailslap.run("mash-tl4-sut", {"impact.speed": "60 mph"})
 print(result)
 
 # %% [markdown]
-# Histories are data frames where pandas is installed, and otherwise NumPy arrays by column: both take `["v_gy"]`.
+# Histories are data frames if pandas is installed, and NumPy arrays by column otherwise; both accept `["v_gy"]`.
 
 # %%
 history = result.history
-print(f"v_GY falls from {max(history['v_gy']):.2f} to {min(history['v_gy']):.2f} m/s")
+print(f"v_GY: {max(history['v_gy']):.2f} to {min(history['v_gy']):.2f} m/s")
 result.plot("v_gy", "reaction_normal").save("history.png")
 result.plot_field("v_gy").save("field.png")
 assert result.passed

@@ -9,8 +9,8 @@
 # %% [markdown]
 # # Three values of the friction
 #
-# Up to three runs are made in this process; more run in processes of their own, which do not import this script: it
-# needs no `if __name__ == "__main__":`.
+# Up to three runs use this process, more runs worker processes, which do not import this script: it needs no
+# `if __name__ == "__main__":`.
 
 # %%
 import tailslap
@@ -19,7 +19,7 @@ result = tailslap.sweep("mash-tl4-sut", {"impact.friction": [0.2, 0.35, 0.5]})
 print(result)
 
 # %% [markdown]
-# The table has a row a run. Nothing was written; `result.save("results/friction")` writes table, page and charts.
+# The table has one row per run. `result.save("results/friction")` writes table, page and charts.
 
 # %%
 table = result.history

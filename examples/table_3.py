@@ -7,10 +7,10 @@
 # ---
 
 # %% [markdown]
-# # The paper's Table 3, repeated
+# # Table 3 of the paper
 #
-# Chuong and Malla compare their rigid-body solution with one ABAQUS run. Here the same case is solved
-# exactly, and run by finite elements; both stand beside the printed values.
+# Chuong and Malla compare their rigid-body solution with one ABAQUS run. Here the exact solution and finite elements
+# are compared with the printed values.
 
 # %%
 import tailslap
@@ -19,7 +19,7 @@ result = tailslap.run("paper-table-3")
 print(result)
 
 # %% [markdown]
-# The printed values; the paper gives the magnitude of v_GY.
+# Printed values; the paper prints the magnitude of v_GY.
 
 # %%
 PRINTED = {
@@ -30,12 +30,12 @@ fe, rigid = result.summary["fe"], result.summary["rigid"]
 for name, value in fe.items():
     printed = ", ".join(f"{who} {value / table[name] - 1:+.1e}" for who, table in PRINTED.items())
     print(
-        f"{name:>6}: FE {value:.7g}, FE/rigid - 1 {value / rigid[name] - 1:+.1e}; over the paper's: {printed}"
+        f"{name:>6}: FE {value:.7g}, FE/rigid - 1 {value / rigid[name] - 1:+.1e}; relative to the paper: {printed}"
     )
 
 # %% [markdown]
-# FE and exact solution agree to 2 parts in a million; the paper's analytical column is that solution,
-# rounded. Its ABAQUS column is 6 % off in the slide; what was found about it stands in docs/paper.md.
+# FE and exact solution agree within 2.2e-6; the analytical column of the paper is the rounded exact solution. The
+# slide of its ABAQUS column differs by 6 % (docs/paper.md).
 
 # %%
 largest = max(abs(value) for value in result.summary["difference"].values())
