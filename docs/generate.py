@@ -151,9 +151,9 @@ def results_page() -> str:
     return "\n".join(parts)
 
 
-OF_TRAINS = """Columns of the motion without a number refer to the first unit, `x_g_2` etc. to the second. `force_normal_1`
-is the force of the wall on the first unit, `hinge_force_x_1` the force of the first hinge. Forces and energies without
-a number are those of the whole train."""
+OF_TRAINS = """Columns of the motion without a number refer to the first unit, `x_g_2` etc. to the second.
+`force_normal_1` is the force of the wall on the first unit, `hinge_force_x_1` the force of the first hinge. Forces and
+energies without a number are those of the whole train."""
 RESULTS_INTRODUCTION = """All numbers are in SI. Numbers that are not finite are empty entries in CSV and null in JSON
 and Parquet. The columns of the rigid vehicle have the same names and instants; quantities without a rigid-body
 equivalent, e.g. strain energy, are 0 or absent.
@@ -200,8 +200,8 @@ def _sweep_columns() -> Iterator[str]:
 
     yield "## sweep.parquet"
     yield ""
-    yield "Completed runs are in `records.sqlite`: in the table `record` with values as JSON, and in the view `result` with the"
-    yield "columns below. `sweep.parquet` is written at the end or at an interruption."
+    yield "Completed runs are in `records.sqlite`: in the table `record` with values as JSON, and in the view `result`"
+    yield "with the columns below. `sweep.parquet` is written at the end or at an interruption."
     yield ""
     yield "One row per run: `run`, `status`, `reason`, the varied keys, a column `check.NAME` for each check, and:"
     yield ""

@@ -456,7 +456,7 @@ def sweep(
     own = _own_names(asked)
     if own and (workers or cluster):
         key, value = "--workers" if workers else "--cluster", workers or cluster
-        raise InputError(key, value, f"other processes do not know {', '.join(own)}; leave it out")
+        raise InputError(key, value, f"{', '.join(own)} is registered in this process only; use workers=0")
     if workers is None and not cluster and (own or asked.runs <= IN_THIS_PROCESS):
         workers = 0
     with _folder_or_none(folder) as place:
@@ -476,7 +476,9 @@ def sweep_result(
     from tailslap.campaign import definition, perform, report
 
     if cluster and workers:
-        raise InputError("--workers", workers, "--cluster has its own workers; leave out one of the two")
+        raise InputError(
+            "--workers", workers, "--cluster and --workers exclude each other; remove one of the two"
+        )
     try:
         done = perform.perform(asked, place, cluster, workers, units=units, force=force)
     except perform.StoppedError as stopped:

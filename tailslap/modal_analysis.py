@@ -258,7 +258,7 @@ def modes_report(fe_plan: CornerPlan, count: int) -> Report:
         _shapes(model, modes, found.shapes),
         Section("Method", sentences=_sentences(fe_plan, rigid, beam)),
     )
-    files = "summary.json, these numbers and the shares of energy behind the kinds"
+    files = "summary.json"
     page = study_page(case, "Modes of the free plate in its plane", headline, sections, files)
     summary = {
         "scene": case.scene.name,

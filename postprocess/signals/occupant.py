@@ -123,7 +123,7 @@ RIDEDOWN = 0.01
 """Width of the means after contact [s]."""
 
 PLANAR = "planar: without vertical acceleration, roll and pitch a lower bound"
-AXES = "planar; the vehicle's turning left out"
+AXES = "planar; without yaw"
 HEAD = "planar; head above the centre of mass, not in a seat"
 LIMITS = "limits not given"
 

@@ -84,7 +84,7 @@ def export(
         raise InputError("--field", field, one_of(field, series.SCALARS))
     system, size = _units(to, units), picture_pixels(picture_size)
     if size and to not in PICTURES:
-        allowed = f"files of {to} have no pictures; leave out one of the two"
+        allowed = f"{to} files have no pictures; remove one of the two options"
         raise InputError("--picture-size", Verbatim(picture_size), allowed)
     inputs = found.inputs if isinstance(result, Result) else (Path(result),)
     with result_folder(place, inputs, force, Origin(f"export {to}", found.scene)) as unfinished:

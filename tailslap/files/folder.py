@@ -284,4 +284,4 @@ def others(place: Path, names: list[str], allowed: str) -> errors.InputError:
 
 
 def _refusal(place: Path, why: str) -> errors.InputError:
-    return errors.InputError("--out", str(place), f"{why}; move this file, or {ANOTHER}")
+    return errors.InputError("--out", str(place), f"{why}; rename this file, or {ANOTHER}")

@@ -67,10 +67,9 @@ def history(columns: Mapping[str, Any]) -> result.Columns:
 
 
 class Stored:
-    """The files of a result folder, each of which is what the manifest lists, or is refused.
+    """Files of a result folder, verified by the manifest.
 
-    force: it is read all the same, with a warning; what makes no sense is left out. A file that the manifest does not
-    list is the user's, and is not there.
+    force: read damaged files with a warning, and omit unreadable ones. Files that are not in the manifest are ignored.
     """
 
     def __init__(self, place: Path, force: bool = False) -> None:
@@ -195,14 +194,14 @@ def _loaded(stored: Stored) -> result.Result:
 
 
 def demand_listed(path: Path, force: bool) -> None:
-    """Raise InputError for a file of a result which is not what the manifest beside it lists; with force, warn."""
+    """Raise InputError for a file that differs from the manifest of its folder; with force, warn."""
     stored = Stored(path.parent, force)
     if stored.listed and path.name in stored.listed:
         stored.read(path.name, id)
 
 
 def read_columns(source: Path | BufferedReader, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
-    """Read columns of a sweep's table, without names all; numbers that a row lacks are NaN."""
+    """Read columns of the table of a sweep, by default all; missing numbers are NaN."""
     import pyarrow.parquet as pq
 
     # Without Arrow's threads: one that frees a buffer of Python's while the interpreter ends aborts the process

@@ -155,10 +155,12 @@ class Trailer(Vehicle):
     hitch_length: Length | None = key(
         "length of both plates over which the force of the hinge is distributed; default: one node"
     )
-    centre_height: Height | None = key("of its centre of mass; if left out tipping's")
-    roll_inertia: Inertia | None = key("about it; if left out the mass times the square of 0.45 widths")
-    track: Length | None = key("between its wheels; if left out tipping's")
-    suspension: Stiffness | None = key("vertical, of one side, fifth wheel included; if left out tipping's")
+    centre_height: Height | None = key("height of the centre of mass; default: tipping.centre_height")
+    roll_inertia: Inertia | None = key("roll moment of inertia about it; default: mass times (0.45 width)^2")
+    track: Length | None = key("distance between the wheels; default: tipping.track")
+    suspension: Stiffness | None = key(
+        "vertical stiffness of one side, fifth wheel included; default: tipping.suspension"
+    )
 
 
 class Impact(SceneTable):
@@ -254,16 +256,18 @@ class Contact(SceneTable):
 
 
 class Tipping(SceneTable):
-    """Roll of a whole impact's vehicle over the wall, on wheels that lift. Where time.end is left out the impact then
-    ends 0.5 s after the second strike."""
+    """Roll of the vehicle over the wall, whole impacts only. The default of time.end is then 0.5 s after the second
+    strike."""
 
-    wall_height: Height = needed("of the wall's top, where it pushes")
-    centre_height: Height = needed("of the vehicle's centre of mass")
-    roll_inertia: Inertia | None = key("about it; if left out the mass times the square of 0.45 widths")
-    track: Length = needed("between the wheels of both sides")
-    suspension: Stiffness = needed("vertical, of the wheels of one side")
-    damping_ratio: RollDamping = key("of the suspension in heave, to critical; assumed", 0.15)
-    friction: Friction = key("of the wall's face, against sliding up and down it too", 0.0)
+    wall_height: Height = needed("height of the top of the wall, at which its force acts")
+    centre_height: Height = needed("height of the centre of mass of the vehicle")
+    roll_inertia: Inertia | None = key("roll moment of inertia about it; default: mass times (0.45 width)^2")
+    track: Length = needed("distance between the wheels of both sides")
+    suspension: Stiffness = needed("vertical stiffness of the wheels of one side")
+    damping_ratio: RollDamping = key("damping ratio of the suspension in heave (assumed)", 0.15)
+    friction: Friction = key(
+        "coefficient of friction of the face of the wall, vertical sliding included", 0.0
+    )
 
 
 class StrikeTable(SceneTable):

@@ -274,7 +274,7 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     rows = {key: places[key] | each for key, each in zip(cells, verdicts, strict=True)}
     base, given = study.base_source(case.scene), {"tolerance": 1e-3}
     found = study.StabilityResult(case, base, axes, given, study.MAP_KINDS, cells, rows, 1.0)
-    kinds = "1 refused as wrong input, 1 rejected by the checks, 1 undecided, 1 wrong and undetected"
+    kinds = "1 refused as invalid, 1 rejected by the checks, 1 undecided, 1 wrong and undetected"
     assert headline(found).answer == f"9 cells: 5 correct, {kinds}."
     assert caught_by(found) == {"energy balance": 1, "mesh": 1}
     assert refused_by(found) == {"k: allowed less": 1}

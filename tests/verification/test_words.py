@@ -31,7 +31,12 @@ PRIVATE = {
 }
 """Words that are vague or private here, with standard ones."""
 WORDS = {re.compile(rf"\b(?:{words})\b", re.IGNORECASE): standard for words, standard in PRIVATE.items()}
-READ_IN_AN_EDITOR = ("tailslap/api.py", "tailslap/result.py", "tailslap/files/load.py", "tailslap/files/export.py")
+READ_IN_AN_EDITOR = (
+    "tailslap/api.py",
+    "tailslap/result.py",
+    "tailslap/files/load.py",
+    "tailslap/files/export.py",
+)
 DOCUMENTS = [
     *sorted((ROOT / "docs").rglob("*.md")),
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "mkdocs.yml")),
@@ -58,7 +63,9 @@ def texts(path):
     """Strings of a module that reach a person: of several words; descriptions where an editor shows them."""
     tree, name = ast.parse(path.read_text(encoding="utf-8")), str(path.relative_to(ROOT))
     described = set() if name in READ_IN_AN_EDITOR else docstrings(tree)
-    strings = (node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    strings = (
+        node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
     return [node.value for node in strings if " " in node.value and id(node) not in described]
 
 
@@ -115,4 +122,7 @@ def test_private_words_are_noticed(text):
 
 
 def test_standard_words_pass():
-    assert found_in("Given values; a moving average; `left_out`; shared memory; a runaway; two-way coupling") == []
+    assert (
+        found_in("Given values; a moving average; `left_out`; shared memory; a runaway; two-way coupling")
+        == []
+    )

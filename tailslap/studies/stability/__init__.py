@@ -1,7 +1,4 @@
-"""The study `stability`: where the program is right, refuses, or catches itself, over pairs of axes.
-
-With --random it draws scenes with all axes and choices at once, and compares each with a refined model.
-"""
+"""The study `stability`: verdicts on stiff and extreme cases over pairs of axes, or on random scenes."""
 
 import click
 
@@ -12,23 +9,23 @@ from tailslap.studies.study import Study, later
 POINTS = click.Option(
     ["--points"],
     type=Whole(2, 40),
-    help="Values of each axis: eight axes with ten make 2 800 cells  [default: 10; of a whole impact 6]",
+    help="Number of values of each of eight axes; 10 yield 2 800 cells  [default: 10; whole impact: 6]",
 )
 TOLERANCE = click.Option(
     ["--tolerance"],
     type=Real(1e-9, 0.1),
-    help="Difference from the rigid motion up to which a cell is right  [default: 1e-3; of a whole impact 1e-2]",
+    help="Largest difference from the rigid motion of a correct cell  [default: 1e-3; whole impact: 1e-2]",
 )
 RANDOM = click.Option(
-    ["--random", "count"], type=Whole(1, 10_000), help="Draw so many scenes at random instead."
+    ["--random", "count"], type=Whole(1, 10_000), help="Number of random scenes in place of the map."
 )
 SEED = click.Option(
-    ["--seed"], type=Whole(0), default=1, show_default=True, help="With --random: which draws."
+    ["--seed"], type=Whole(0), default=1, show_default=True, help="Random seed, with --random."
 )
 
 STUDY = Study(
     name="stability",
-    summary="Map of stiff and extreme cases: right, flexible, refused, caught, or wrong; exit 1 if a cell is wrong.",
+    summary="Map of stiff and extreme cases with verdicts; exit status 1 for an undetected error.",
     compute=later("tailslap.studies.stability.compute:compute"),
     report=later("tailslap.studies.stability.report:report"),
     options=(POINTS, TOLERANCE, RANDOM, SEED, WORKERS),

@@ -37,21 +37,21 @@ Row = dict[str, Any]
 RIGHT, FLEXIBLE, REFUSED, CAUGHT, WRONG = "right", "flexible", "refused", "caught", "wrong"
 REACTION_ONLY, GOOD, UNJUDGED = "reaction only", "good but failed", "unjudged"
 MAP_KINDS = {
-    RIGHT: "as the rigid motion",
-    FLEXIBLE: "not rigid, confirmed by refinement",
-    REFUSED: "wrong input, no run",
-    CAUGHT: "failed a check of its own",
-    UNJUDGED: "left out: its run would take too long",
-    WRONG: "passed every check, and is not right",
+    RIGHT: "agrees with the rigid motion",
+    FLEXIBLE: "differs from the rigid motion, confirmed by refinement",
+    REFUSED: "invalid input",
+    CAUGHT: "rejected by a check",
+    UNJUDGED: "omitted: the estimated run time exceeds the limit",
+    WRONG: "undetected error: passed every check",
 }
 RANDOM_KINDS = {
-    RIGHT: "every check passed, and the five quantities are those of a refined model of the same plate",
-    REACTION_ONLY: "right, but the reaction rings, and checks of its history alone say so",
-    GOOD: "other checks failed although the five quantities, and the motion before, are right beyond doubt",
-    CAUGHT: "a check failed, and the five quantities are off or in doubt",
-    REFUSED: "wrong input: a message, and no run",
-    UNJUDGED: "no refined model came to a result that can be trusted",
-    WRONG: "every check passed, and the five quantities are off",
+    RIGHT: "passed every check; the five quantities agree with a refined model",
+    REACTION_ONLY: "correct, but the reaction rings and fails checks of its history",
+    GOOD: "failed a check, although the five quantities and the motion are correct",
+    CAUGHT: "failed a check; the five quantities are incorrect or uncertain",
+    REFUSED: "invalid input",
+    UNJUDGED: "no reliable refined model",
+    WRONG: "undetected error: passed every check",
 }
 
 # A verdict. failed: names of the checks that failed; reason: otherwise why the cell is refused, left out, wrong,
@@ -120,7 +120,7 @@ def compute(
     began, scene = time.perf_counter(), case.scene
     base, usual = base_source(scene), (6, 1e-2) if scene.contact else (10, 1e-3)
     if scene.contact and count:
-        raise InputError("--random", count, "a whole impact has the map alone; leave it out")
+        raise InputError("--random", count, "this option requires a constrained corner; remove it")
     if count:
         axes: tuple[StudyAxis, ...] = ()
         settings: Row = {"seed": seed}  # their number is left out: more cells go on from those there are
@@ -150,7 +150,7 @@ def judge(base: Source, changes: Changes, verify: Callable[[Any], Row]) -> Row:
     try:
         case: Any = case_of(*vary(base, changes))
         if (expected := case.plan().expected_seconds) > LONGEST_S:
-            return verdict(UNJUDGED, reason=f"its time loop would take about {expected:.0f} s")
+            return verdict(UNJUDGED, reason=f"estimated time of the time loop {expected:.0f} s")
         outcome = case.run()
     except InputError as error:
         return verdict(REFUSED, reason=str(error))
@@ -196,7 +196,7 @@ def against_rigid(outcome: Any, tolerance: float) -> Row:
         return verdict(RIGHT, difference=found)
     # What bounds the error bounds the flexibility alike: with a bound that is wide, both are.
     if not impact and not outcome.error.total <= tolerance + SURVIVES * max(found, outcome.error.flexibility):
-        why = f"its own numerical error is {outcome.error.total:.1e}"
+        why = f"the numerical error is {outcome.error.total:.1e}"
         return verdict(WRONG, reason=why, difference=found)
     return (_impact_confirmed if impact else _confirmed)(outcome, found, tolerance)
 
@@ -205,7 +205,7 @@ def _confirmed(outcome: CornerOutcome, found: float, tolerance: float) -> Row:
     """Flexible if the difference survives refinement, else wrong."""
     reference = next(references(outcome.fe_plan, CONFIRMING, LONGEST_S), None)
     if reference is None:
-        return verdict(WRONG, reason="no refined model came to a result", difference=found)
+        return verdict(WRONG, reason="no refined model has a result", difference=found)
     its = largest(reference.difference)
     moved, allowed = distance(outcome.difference, reference.difference), tolerance + SURVIVES * its
     spent = {"reference_model": reference.model, "reference_seconds": reference.seconds}
@@ -218,7 +218,7 @@ def _impact_confirmed(outcome: Any, found: float, tolerance: float) -> Row:
     models = (refined_impact(case, changes) for changes in refinements(case.scene, plate))
     refined = next(filter(None, models), None)
     if refined is None:
-        return verdict(WRONG, reason="no refined model came to a result", difference=found)
+        return verdict(WRONG, reason="no refined model has a result", difference=found)
     name, same = model_name(refined), _corners_agree(outcome.fe, refined.fe)
     moved = _judged(differences(outcome.fe, refined.fe)) if same else math.inf
     spent = {"reference_model": name, "reference_seconds": time.perf_counter() - began}
@@ -228,7 +228,7 @@ def _impact_confirmed(outcome: Any, found: float, tolerance: float) -> Row:
 
 def _survived(moved: float, allowed: float, model: str) -> Row:
     """Flexible if refinement moves a cell by no more than is allowed, else wrong; model: the refined one."""
-    kind, reason = (FLEXIBLE, model) if moved <= allowed else (WRONG, f"{model} changes it by {moved:.1e}")
+    kind, reason = (FLEXIBLE, model) if moved <= allowed else (WRONG, f"{model} differs by {moved:.1e}")
     return verdict(kind, reason=reason, distance=moved, allowed=allowed)
 
 

@@ -1,4 +1,4 @@
-"""Page, summary and tables of the study of stability."""
+"""Report of the study `stability`."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -18,16 +18,16 @@ from tailslap.studies.stability import compute
 from tailslap.studies.stability.axes import cell_key
 from tailslap.studies.stability.compute import CAUGHT, GOOD, REFUSED, UNKNOWN, WRONG, Row, StabilityResult
 
-MAP = "Stability on stiff and extreme cases: where the program is right, and where it says that it is not"
-RANDOM = "Stability on scenes drawn at random: every quantity and every choice of the scene at once"
-FILES = "cells.csv, every cell with its verdict; summary.json; cell-NUMBER.toml, cells to run again"
+MAP = "Verdicts on stiff and extreme cases"
+RANDOM = "Verdicts on random scenes"
+FILES = "cells.csv (all cells with verdicts); summary.json; cell-NUMBER.toml (scenes of cells)"
 ADVISED = "what could be changed"
 APART, PART = compute.WRONG_FROM
 RANDOM_LIMIT = f"{APART:g} and {100 * PART:g} % of the effect of flexibility"
 WORDS = {
     compute.RIGHT: "correct",
     compute.FLEXIBLE: "flexible, confirmed by refinement",
-    REFUSED: "refused as wrong input",
+    REFUSED: "refused as invalid",
     CAUGHT: "rejected by the checks",
     compute.REACTION_ONLY: "correct except for the reaction",
     GOOD: "correct but rejected",
@@ -36,15 +36,15 @@ WORDS = {
 """Verdicts in the headline."""
 
 AXES = (
-    *columns({"name": "Axis", "meaning": "What it is"}),
+    *columns({"name": "Axis", "meaning": "Quantity"}),
     Column("values", "Range", form=lambda values: f"{values[0]:.3g} to {values[-1]:.3g}"),
 )
 VERDICTS = (Column("kind", "Verdict"), Column("meaning", "Meaning"), Column("cells", "Cells", form="d"))
 SMALL = known(".1e")
 LISTED = (
-    *columns({"cell": "Cell", "kind": "Verdict", "why": "Failed checks, or why"}),
+    *columns({"cell": "Cell", "kind": "Verdict", "why": "Failed checks or reason"}),
     *columns({"distance": "Distance", "allowed": "Allowed"}, form=SMALL),
-    *columns({"error": "Own estimate", "reference": "Flexibility"}, form=SMALL),
+    *columns({"error": "Estimated error", "reference": "Flexibility"}, form=SMALL),
 )
 
 
@@ -57,14 +57,16 @@ def report(found: StabilityResult) -> Report:
     caught = [(name, advised([name]), str(n), str(checks[name])) for name, n in caught_by(found).items()]
     refused = [(key, str(n)) for key, n in refused_by(found).items()]
     why = (
-        text_table("Check", ADVISED.capitalize(), "Cells", "Alone", rows=caught, texts=2, title="Caught by"),
-        text_table("Key", "Cells", rows=refused, title="Refused by"),
+        text_table(
+            "Check", ADVISED.capitalize(), "Cells", "Alone", rows=caught, texts=2, title="Rejections by check"
+        ),
+        text_table("Key", "Cells", rows=refused, title="Refusals by key"),
         _listed(found, LISTED, *listed_kinds(found)),
     )
     sections = (
         Section("Verdicts", tables=(Table(VERDICTS, verdicts), Table(AXES, found.axes, "Axes"))),
-        Section("A picture per pair of axes", figures=maps(found), layout="narrow"),
-        Section("Why", tables=why),
+        Section("Maps", figures=maps(found), layout="narrow"),
+        Section("Reasons", tables=why),
     )
     opening, kicker = headline(found), MAP if found.axes else RANDOM
     page = study_page(found.case, kicker, opening, sections, FILES, not counted[WRONG])
@@ -145,7 +147,7 @@ def advised(failed: Iterable[str]) -> str:
 
 def _scene_file(found: StabilityResult, key: str) -> str:
     row, settings = found.rows[key], ", ".join(f"{name} {value}" for name, value in found.settings.items())
-    off = f"{row['distance']:.1e} off, {row['allowed']:.1e} allowed, own estimate {row['error']:.1e}"
+    off = f"difference {row['distance']:.1e}, limit {row['allowed']:.1e}, estimated error {row['error']:.1e}"
     why = row["failed"] or row["reason"] or "no check failed"
     title = f"Cell {key} from {found.case.scene.name}, {settings}: {row['kind']}; {off}; {why}"
     return write.scene_file(vary.changed_tables(found.base.given, found.cells[key])[0], title)
@@ -159,12 +161,12 @@ def _records(found: StabilityResult, *kinds: str) -> list[Row]:
 
 
 def _listed(found: StabilityResult, shown: tuple[Column, ...], *kinds: str) -> Table:
-    return Table(shown, _records(found, *kinds), "Cells", ("Distance: from the refined model.",))
+    return Table(shown, _records(found, *kinds), "Cells", ("Distance: difference from the refined model.",))
 
 
 def maps(found: StabilityResult) -> tuple[Chart, ...]:
     """A picture of every pair of axes, and before them what the colours mean."""
-    charts = [draw_meanings(found.kinds, "What the colours mean, in every picture")] if found.axes else []
+    charts = [draw_meanings(found.kinds, "Colours of all maps")] if found.axes else []
     for across, up in combinations(found.axes, 2):
         points = [[{across.name: x, up.name: y} for x in across.values] for y in up.values]
         kinds = [[found.rows[cell_key(point)]["kind"] for point in row] for row in points]

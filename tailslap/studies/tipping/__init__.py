@@ -1,4 +1,4 @@
-"""The study `tipping`: over which walls does the vehicle of a whole impact roll, and how sure is that?"""
+"""The study `tipping`: roll of the vehicle over walls, and uncertainty of the lowest wall without rollover."""
 
 import click
 
@@ -6,12 +6,12 @@ from tailslap.case.case import WHOLE_IMPACT
 from tailslap.options import WORKERS, Whole
 from tailslap.studies.study import Study, later
 
-SAMPLES = "Combinations of inputs, at least."
-RANGE = "Vary a key between two values, like tipping.centre_height='1.2 m:1.5 m'."
+SAMPLES = "Minimum number of samples."
+RANGE = "Range of a key, e.g. tipping.centre_height='1.2 m:1.5 m'."
 
 STUDY = Study(
     name="tipping",
-    summary="Roll over wall height and centre height; the lowest wall that holds, its band and Sobol indices.",
+    summary="Roll for wall heights and centre heights; lowest wall without rollover, with Sobol indices.",
     compute=later("tailslap.studies.tipping.compute:compute"),
     report=later("tailslap.studies.tipping.report:report"),
     needs_plate=False,
@@ -22,7 +22,7 @@ STUDY = Study(
         ),
         click.Option(["--range", "ranges"], multiple=True, metavar="KEY=LOWER:UPPER", help=RANGE),
         click.Option(
-            ["--fix", "fixed"], multiple=True, metavar="KEY", help="Keep a key that varies by default."
+            ["--fix", "fixed"], multiple=True, metavar="KEY", help="Keep a key fixed that varies by default."
         ),
         WORKERS,
     ),

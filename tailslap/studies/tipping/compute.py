@@ -109,10 +109,10 @@ def compute(
 ) -> Tipping:
     """The study of a scene with [tipping]; an interrupted one goes on from its journal. Raises InputError."""
     if case.scene.tipping is None:
-        raise InputError("tipping", Missing, "`tailslap study tipping` needs this table")
+        raise InputError("tipping", Missing, "`tailslap study tipping` requires this table")
     if case.scene.trailer:
         raise InputError(
-            "trailer", Verbatim("a train"), "`tailslap study tipping` takes one unit; leave it out"
+            "trailer", Verbatim("a train"), "`tailslap study tipping` supports one unit; remove this table"
         )
     demand_corners(case)
     began = time.perf_counter()
@@ -137,7 +137,9 @@ def compute(
     inputs, tables = sampling.sampled(varied, samples, solve)
     lowest = tables["lowest"]
     if not lowest[:2].std() > 0.0:
-        raise InputError("--range", Verbatim("these ranges"), "any wall holds all of these vehicles")
+        raise InputError(
+            "--range", Verbatim("these ranges"), "no vehicle within these ranges rolls over any wall"
+        )
     return Tipping(
         case, answer, centres, walls, rolls, line, found["centres"], found["band"], varied, inputs, lowest,
         sampling.index_rows(varied, lowest), found["error"], time.perf_counter() - began,

@@ -1,4 +1,4 @@
-"""Page, summary and tables of the study of tipping."""
+"""Report of the study `tipping`."""
 
 from typing import Any
 
@@ -16,25 +16,25 @@ HELD = (
     Column("inches", "Wall [in]", form=".1f"),
     Column("height", "Wall", "m", form=".3f"),
     Column("roll", "Largest roll", form=str),
-    Column("holds", "Vehicles held", form=lambda part: f"{100.0 * part:.1f} %", style="strong"),
+    Column("holds", "No rollover", form=lambda part: f"{100.0 * part:.1f} %", style="strong"),
 )
 INPUTS = (
     Column("key", "Input"),
     Column("range", "Range", form=str),
-    Column("origin", "From"),
+    Column("origin", "Source"),
     *(
         Column(name, label, form=".3f")
-        for name, label in (("first_order", "Alone"), ("total", "With interactions"))
+        for name, label in (("first_order", "First-order index"), ("total", "Total index"))
     ),
 )
 MEANING = (
-    "Vehicles held: the part of the samples that a wall of this height holds, a probability over the ranges below and "
-    "nothing else; what the model leaves out is not in it."
+    "No rollover: fraction of the samples without rollover at this wall height, for the ranges below. Omitted "
+    "effects are not included."
 )
 
 
 def report(found: Tipping) -> Report:
-    """Page, summary, map and samples, and what the terminal says."""
+    """Report with map and samples."""
     scene, own = found.case.scene, found.answer
     assert scene.tipping
     boundary = figures.Boundary(found.centres, found.line, found.band_centres, found.band)
@@ -47,26 +47,26 @@ def report(found: Tipping) -> Report:
     held, inputs = Table(HELD, walls_held(found), notes=(MEANING,)), Table(INPUTS, sources)
     said = headline(found)
     sections = (
-        Section("Over walls and centres of mass", own.verdict, (drawn,), layout="tall"),
+        Section("Heights of wall and centre of mass", own.verdict, (drawn,), layout="tall"),
         Section("Walls", tables=(held,)),
         Section(
-            "Where the spread of the lowest wall comes from",
+            "Sensitivity of the lowest wall",
             "",
             (studies.draw_sensitivity(sources, "the lowest wall"),),
         ),
-        Section("Inputs, and the share of the variance that comes from each", tables=(inputs,)),
-        Section("What was computed", sentences=_sentences(found)),
-        Section("What the model leaves out", tables=(Table(LIMIT_COLUMNS, LIMITS),)),
+        Section("Inputs and Sobol indices", tables=(inputs,)),
+        Section("Method", sentences=_sentences(found)),
+        Section("Omitted effects", tables=(Table(LIMIT_COLUMNS, LIMITS),)),
     )
-    kicker = "Tipping over walls: largest roll, the lowest wall that holds, and how sure that is"
-    files = "summary.json, these numbers in SI; map.csv, largest rolls; samples.csv, vehicles and their lowest walls"
+    kicker = "Roll over the wall and lowest wall without rollover"
+    files = "summary.json (in SI); map.csv (largest rolls); samples.csv (vehicles and lowest walls)"
     cost = f"Cost:   {grouped(found.lowest.size)} impacts and the map in {found.seconds:.1f} s"
     return Report(
         study_page(found.case, kicker, said, sections, files),
         study_summary("tipping", found.case) | _summary(found),
         (
             Table(HELD, held.rows, f"{scene.name}: walls"),
-            Table(INPUTS, sources, "Lowest wall that holds"),
+            Table(INPUTS, sources, "Lowest wall without rollover"),
             cost,
         ),
         {},
@@ -75,7 +75,7 @@ def report(found: Tipping) -> Report:
 
 
 def walls_held(found: Tipping) -> list[dict[str, Any]]:
-    """Rows of common walls and the scene's own: roll of the scene's vehicle, and part of the samples that they hold."""
+    """Rows of common walls and of the scene: roll of the nominal vehicle, fraction of the samples without rollover."""
     from solver.tipping import TIPPED, largest_rolls
 
     tipping, answer = found.case.scene.tipping, found.case.answer
@@ -91,29 +91,29 @@ def walls_held(found: Tipping) -> list[dict[str, Any]]:
 
 
 def headline(found: Tipping) -> Headline:
-    """The lowest wall, its band and where that comes from."""
+    """Lowest wall, its uncertainty and the main source of variance."""
     low, _, high = sampling.band_of(found.lowest).percentiles
     first = max(found.sources, key=lambda row: row["total"])
     own = f"{measure(found.answer.lowest_wall, 'm', '.3f')} ({found.answer.lowest_wall / INCH:.1f} in)"
     ends = f"{measure(low, 'm', '.2f', named=False)} to {measure(high, 'm', '.2f')}"
     certainty = (
-        f"The lowest wall that holds nine in ten vehicles of the ranges has {ends}; most of the variance comes from "
-        f"{first['key']}, with an index of {first['total']:.2f}."
+        f"90 % of the samples lie between {ends}; main source of variance {first['key']} (total Sobol index "
+        f"{first['total']:.2f})."
     )
-    answer = f"The lowest wall that holds the vehicle has {own}."
-    return Headline(f"Tipping over walls: {found.case.subject}", answer, found.case.set_up, certainty)
+    answer = f"Lowest wall without rollover: {own}."
+    return Headline(f"Roll over the wall: {found.case.subject}", answer, found.case.set_up, certainty)
 
 
 def _sentences(found: Tipping) -> list[str]:
-    """Sentences that a reader needs beside the numbers."""
-    drawn = f"{grouped(found.lowest.size)} vehicles and impacts, Sobol points scrambled with the seed {sampling.SEED}"
+    """Description of the method."""
+    drawn = f"{grouped(found.lowest.size)} scrambled Sobol points (seed {sampling.SEED})"
     return [
-        f"Map and line: the scene's own impact, with {found.centres.size} heights of the centre of mass and "
-        f"{found.walls.size} of the wall. Band of the line: over the inputs above but speed, angle, mass and the place "
-        "of the centre of mass, at fixed heights of the centre.",
-        f"{drawn}; inputs vary evenly, independently of each other. The same call gives the same numbers.",
-        f"Impacts of the samples have steps of {STEP:g} s: with twice the step peaks, impulses and spin of 95 in 100 "
-        f"change by at most {percent(found.error)}. Lowest walls are found to 1 mm.",
+        f"Map and line: nominal impact with {found.centres.size} heights of the centre of mass and {found.walls.size} "
+        "of the wall. Band of the line: all inputs above except speed, angle, mass and longitudinal position of the "
+        "centre of mass, at fixed heights of the centre of mass.",
+        f"{drawn}; the inputs are independent and uniformly distributed. Results are reproducible.",
+        f"Time step of the samples: {STEP:g} s; with twice the step, peak forces, impulses and angular velocities of "
+        f"95 % of the samples change by at most {percent(found.error)}. Resolution of the lowest wall: 1 mm.",
     ]
 
 
@@ -134,7 +134,7 @@ def _summary(found: Tipping) -> dict[str, Any]:
 
 
 def _map(found: Tipping) -> dict[str, Any]:
-    """Columns of the map, a row a wall and a centre, SI."""
+    """Columns of the map, one row per wall and centre height, in SI."""
     import numpy as np
 
     walls, centres = np.meshgrid(found.walls, found.centres, indexing="ij")

@@ -146,7 +146,7 @@ def corner_report(found: Spread) -> Report:
         Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
         Section("Inputs and Sobol indices", tables=(table,)),
         Section("Peak force", tables=(_forces_table(found),), layout="half"),
-        Section("What was computed, and what it means", sentences=explained, layout="half"),
+        Section("Method", sentences=explained, layout="half"),
     )
     title = f"{found.case.scene.name}: Sobol indices of the peak force"
     cost = f"Cost:   {found.computed} combinations in {found.seconds:.2f} s"
