@@ -197,7 +197,7 @@ RIGID, SWEEP = ("rigid", "mash-tl4-sut"), ("sweep", "mash-tl4-sut", "--vary")
 SPREAD = ("study", "uncertainty", "mash-tl4-sut")
 RUN, CHECK = ("run", "paper-table-3"), ("check", "paper-table-3", "--set")
 LOCKED = (*RUN, "--set", "plate.elements=[1, 1]")
-UNAFFORDABLE = ("time.threads=256", "time.safety_factor=1e-6", "plate.density=1e-6")
+UNAFFORDABLE = ("time.threads=256", "time.safety_factor=1e-6", "plate.density=1e-8")
 DEEP = "[" * 900 + "]" * 900
 DIGITS = "9" * 5000
 BEYOND = (

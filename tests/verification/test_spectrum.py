@@ -381,12 +381,17 @@ def test_command(tmp_path, capsys):
     assert _status(["modes", "paper-table-3", "--count", "6", "--out", str(out)]) == DONE
     assert "bending 1" in capsys.readouterr().out
     pictures = {f"mode-{number}.svg" for number in range(1, 7)}
-    assert {path.name for path in out.iterdir()} == {"report.html", "summary.json", MANIFEST} | pictures
+    assert {path.name for path in out.iterdir()} == {
+        "report.html",
+        "set-up.svg",
+        "summary.json",
+        MANIFEST,
+    } | pictures
     summary = json.loads((out / "summary.json").read_text())
     assert [mode["kind"] for mode in summary["modes"]][:3] == ["bending", "bending", "longitudinal"]
     assert abs(summary["modes"][0]["difference"]) < 6e-3
     page = (out / "report.html").read_text()
-    assert page.count("<svg") == 6
+    assert page.count("<svg") == 7  # the set-up, and the modes
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 

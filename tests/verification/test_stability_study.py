@@ -161,7 +161,7 @@ def impact(impulse, error, passed=True, corner="rear"):
     def answer(corner, impulse):
         strikes = [("front", 1.0), (corner, 1.0 + impulse)]
         found = [SimpleNamespace(corner=c, impulse=j, peak_force=1.0, duration=1.0) for c, j in strikes]
-        return SimpleNamespace(strikes=found)
+        return SimpleNamespace(strikes=found, counted=2)
 
     plate = SimpleNamespace(element="quad9", counts=(4, 2))
     case = SimpleNamespace(scene=read_scene(TRUCK)[0])
@@ -226,7 +226,7 @@ def test_journal_of_another_definition_is_begun_anew(journal):
 def test_a_file_that_is_no_journal_is_refused_and_kept(journal, foreign):
     path = journal(a=1).path
     path.write_bytes(foreign)
-    with pytest.raises(InputError, match=r"\.out\.journal.* no journal"), journal(a=1):
+    with pytest.raises(InputError, match=r"\.out\.journal.* not a valid journal"), journal(a=1):
         pass
     assert (path.read_bytes(), [found.name for found in path.parent.iterdir()]) == (foreign, [path.name])
 
@@ -237,7 +237,7 @@ def test_a_link_in_the_place_of_the_journal_is_refused(journal, tmp_path):
     path = journal(a=1).path
     path.rename(tmp_path / "elsewhere")
     path.symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(InputError, match="no journal"), journal(a=1):
+    with pytest.raises(InputError, match="not a valid journal"), journal(a=1):
         pass
     assert path.is_symlink()
 
@@ -410,7 +410,7 @@ def test_nearly_any_two_choices_meet():
 def test_a_scene_without_possible_draws_is_refused(monkeypatch):
     monkeypatch.setattr("tailslap.campaign.draws.MAX_STEPS", 10)
     monkeypatch.setattr("tailslap.campaign.draws.MAX_TRIES", 5)
-    with pytest.raises(InputError, match="none of 5 draws"):
+    with pytest.raises(InputError, match="none of 5 random scenes"):
         draws.draw(SCENE, BASE, 1, 0)
 
 

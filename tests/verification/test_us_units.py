@@ -275,7 +275,7 @@ def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, m
     monkeypatch.setattr(draw, lambda *_, units, **__: given.append(units.name))
     tailslap.export(result, "png", tmp_path / "a", field="velocity", units="us")
     assert given == ["us"]
-    with pytest.raises(errors.InputError, match="files of csv are in SI always"):
+    with pytest.raises(errors.InputError, match="csv files are always in SI"):
         tailslap.export(result, "csv", tmp_path / "b", units="us")
     with pytest.raises(errors.InputError, match="allowed is one of si, us"):
         tailslap.export(result, "png", tmp_path / "c", units="uk")
