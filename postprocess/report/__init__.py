@@ -1,1 +1,1 @@
-"""Reports: a table declared once, one page, and what a command leaves and says."""
+"""Reports: tables declared once, the page, and the files and terminal text of a command."""

@@ -340,7 +340,7 @@ class Page:
 
     @property
     def verdict(self) -> str:
-        """Outcome of the checks, which is none of what was computed."""
+        """Outcome of the checks, not of the computation."""
         return f"{self.checked} {'passed' if self.passed else 'failed'}"
 
     @property

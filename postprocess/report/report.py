@@ -1,4 +1,4 @@
-"""A report: a page, a summary, tables and histories beside it, and what is said on the terminal.
+"""A report: a page, a summary, tables and histories beside it, and its text on the terminal.
 
 Tables and sentences on a terminal, within its width; where standard output is none, within 80 columns.
 """
@@ -62,7 +62,7 @@ def place_line(label: str, place: object) -> str:
 
 
 def labelled(text: str, indent: int) -> list[str]:
-    """A line of a label and what it says, the further lines below the latter; one without a label as it begins."""
+    """A label and its text, the further lines below the text; a line without a label is indented as it begins."""
     if text[indent - 1 : indent] != " ":
         indent = len(text) - len(text.lstrip())
     return wrapped(text[indent:].strip(), text[:indent]) or [text]
@@ -165,13 +165,13 @@ def _block_lines(block: list[Laid], width: int) -> Iterator[str]:
 
 
 def _widths(block: list[Laid], width: int) -> list[int]:
-    """Widths of columns: words give way, the widest first."""
+    """Widths of columns: words are narrowed, the widest first."""
     widths = [column.widest for column in block]
     while sum(widths) + len(GAP) * (len(block) - 1) > width:
-        gives = [number for number, column in enumerate(block) if column.least < widths[number]]
-        if not gives:
+        narrowed = [number for number, column in enumerate(block) if column.least < widths[number]]
+        if not narrowed:
             break
-        widths[max(gives, key=lambda number: widths[number])] -= 1
+        widths[max(narrowed, key=lambda number: widths[number])] -= 1
     return widths
 
 
@@ -225,8 +225,8 @@ def in_units(report: Report, units: Units) -> Report:
 def page_in_units(page: Page, units: Units) -> Page:
     """Return the page in these units."""
     sections = [shown_in(section, units) for section in page.sections]
-    said = "SI units" if units is SI else f"{units.name.upper()} units, files in SI"
-    footer = page.footer.replace("SI units", said)
+    name = "SI units" if units is SI else f"{units.name.upper()} units, files in SI"
+    footer = page.footer.replace("SI units", name)
     return replace(page, headline=page.headline.in_units(units), sections=sections, footer=footer)
 
 

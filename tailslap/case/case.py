@@ -123,7 +123,7 @@ class Outcome(ABC):
 
         along, across = self.fe_plan.plate.counts
         mesh = f"{along} x {across} elements"
-        meaning = f"error that the run on {mesh} states; the tolerance that was asked for"
+        meaning = f"stated error of the run on {mesh}; limit: --tolerance"
         check = Check.at_most(
             "tolerance", error, tolerance, meaning, "a larger --tolerance, or --allow-large"
         )
@@ -263,7 +263,7 @@ class Case(ABC):
             allowed = f"allowed is from {self.least_tolerance:g} to below 1"
             raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
         if not self.scene.verify.companion:
-            allowed = "it needs the error that a run states; leave verify.companion out"
+            allowed = "it requires the stated error of a run; remove verify.companion"
             raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
         case = self
         while True:
@@ -277,7 +277,7 @@ class Case(ABC):
         return outcome.with_tolerance(error, tolerance)
 
     least_tolerance: ClassVar[float]
-    """Tolerances below this are beyond what a run can state of itself."""
+    """Least tolerance that a run can be held to."""
 
     @abstractmethod
     def _run(self) -> Any:
@@ -329,7 +329,7 @@ class Case(ABC):
         """
 
 
-FINER = "refine plate.elements, or leave plate.elements and plate.element out"
+FINER = "refine plate.elements, or remove plate.elements and plate.element"
 STEP = "a smaller time.safety_factor"
 """Advice of checks of both kinds of case."""
 
@@ -337,7 +337,7 @@ STEP = "a smaller time.safety_factor"
 @dataclass(frozen=True)
 class Check:
     """The outcome of a check: its value, its limit, whether it passed, what it guards against, and what to change in a
-    scene whose run fails it, parted by semicolons."""
+    scene whose run fails it, separated by semicolons."""
 
     name: str
     value: float
@@ -420,7 +420,7 @@ def advice(texts: Iterable[str]) -> str:
 
 
 def energy_surplus(history: Mapping[str, np.ndarray], stored: Iterable[str]) -> np.ndarray:
-    """Energy [J] that the balance has too much at each instant, shape (rows,); stored: columns of what is held."""
+    """Error of the energy balance [J] at each instant, shape (rows,); stored: columns of stored energy."""
     held = np.sum([history[name] for name in stored], axis=0)
     balance = held - history["friction_work"] - history["damping_work"]
     return np.asarray(balance - balance[0])
@@ -430,5 +430,5 @@ def time_step(given: Any) -> Evaluation:
     """The time step of a run over the stable one."""
     model, run = given.fe_plan.model, given.run
     ratio = model.loop.time_step / model.stable_time_step * run.highest_frequency / model.highest_frequency
-    meaning = "time step over the stable one, with the highest frequency that the deformed plate had"
+    meaning = "time step over the stable one at the highest frequency of the deformed plate"
     return Evaluation(ratio, 1.0, meaning)

@@ -124,11 +124,11 @@ MAX_SECONDS = 86_400.0
 MAX_THREADS = 8
 """Threads that any machine may be asked for; above it, twice its cores."""
 
-LARGE = "--allow-large runs it all the same"
+LARGE = "--allow-large runs the scene nevertheless"
 
 
 CHECKED_UP_TO = 5_000
-"""Elements up to which `tailslap check` makes the model; above it tells the estimate alone."""
+"""Elements up to which `tailslap check` makes the model; above it prints estimates."""
 
 
 def is_large(scene: Scene) -> bool:
@@ -175,7 +175,7 @@ def demand_affordable(scene: Scene, duration: float) -> None:
         return
     most = max(MAX_THREADS, 2 * available_cores())
     if threads > most:
-        why = f"{available_cores()} cores are here, and more threads than cores only wait for each other"
+        why = f"this machine has {available_cores()} cores, and more threads than cores wait for each other"
         raise InputError("time.threads", threads, f"{why}; allowed are {most}; {LARGE}")
     memory, free = expected_memory(scene), available_memory()
     seconds = expected_effort(scene, duration).seconds
@@ -197,7 +197,7 @@ def estimate_text(scene: Scene, duration: float) -> list[str]:
         f"plate        {along} x {across} elements, about {expected_nodes(scene)} nodes, {plate.element}",
         f"memory       about {expected_memory(scene) / 1e9:.2g} GB",
         f"steps        about {effort.steps:.2g} time steps, about {effort.seconds:.2g} s in the time loop",
-        "model        not made: of so many elements this is an estimate from the scene alone",
+        "model        not built for a mesh of this size; the numbers are estimates",
     ]
 
 

@@ -58,7 +58,7 @@ def _shown(value: Any) -> str:
 
 def threads_decision(asked: int, most: int, why: str) -> tuple[Decision, ...]:
     """The threads of a time loop that has use for fewer than were asked for."""
-    return (Decision("time.threads", most, f"{asked} were asked for; {why}"),) if asked > most else ()
+    return (Decision("time.threads", most, f"{asked} were requested; {why}"),) if asked > most else ()
 
 
 def resolved_plate(

@@ -60,7 +60,7 @@ CHECKS = (
     Column("name", "Check"),
     *columns({"value": "Value", "limit": "Limit"}, form=".3g"),
     Column("passed", "Result", form=lambda passed: "passed" if passed else "failed", style="badge"),
-    Column("meaning", "What it means"),
+    Column("meaning", "Meaning"),
 )
 FAILED = (
     Column("name", "Failed check"),
@@ -89,9 +89,9 @@ STRIKES = (
     Column("duration", "Duration", "ms", form=milliseconds),
     Column("peak_force", "Peak", "N", form=".1f", style="strong"),
     Column("impulse", "Impulse", "N s", form=".2f"),
-    Column("point_of_attack", "Point of attack", "m", form=".2f"),
+    Column("point_of_attack", "Resultant", "m", form=".2f"),
 )
-ATTACK = "Point of attack of the mean force, behind the front."
+ATTACK = "Resultant: distance of the resultant force behind the front bumper."
 COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "elements": ("elements", units.grouped),
     "nodes": ("nodes", units.grouped),
@@ -109,7 +109,7 @@ def fe_text(
 ) -> list[str]:
     """Lines of `tailslap check` on the FE run of so many rows.
 
-    start: what the plate starts from; contact: lines on it; steps: what follows on the steps; more: further lines.
+    start: words on the start; contact: its lines; steps: words after the number of steps; more: further lines.
     """
     model, plate = fe_plan.model, fe_plan.plate
     elements, step = model.loop.table.connectivity.shape[1], model.loop.time_step
@@ -127,9 +127,9 @@ def fe_text(
     ]
 
 
-def left_out_text(omitted: Parts) -> list[str]:
-    """Lines of `tailslap check` on what a run leaves out."""
-    return [f"left out     {part}: {why}" for part, why in omitted]
+def omitted_text(omitted: Parts) -> list[str]:
+    """Lines of `tailslap check` on the omitted parts."""
+    return [f"omitted      {part}: {why}" for part, why in omitted]
 
 
 def as_numbers(lines: list[str]) -> dict[str, list[str]]:
@@ -198,7 +198,7 @@ def run_page(
     left_out = Table((Column("part", "Part"), Column("why", "Why")), parts)
     record = [
         Section("Cost", tables=[pairs(spent_text)], is_folded=True),
-        Section("Left out", "" if parts else "Nothing.", tables=[left_out], is_folded=True),
+        Section("Omitted parts", "" if parts else "None.", tables=[left_out], is_folded=True),
         Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
     ]
     below, given = f"{footer()} {about}", write.scene_text(source)
@@ -305,7 +305,7 @@ def short(table: Table) -> Table:
 
 
 def failed_section(checks: Sequence[Check], diagnosis: Sequence[str]) -> Section:
-    """The checks that failed, with advice on each, and what was found of the cause; empty if none failed."""
+    """The checks that failed with their remedies, and the diagnosis; empty if none failed."""
     rows = [check for check in checks if not check.passed]
     title, sentences = "Failed checks and remedies", diagnosis if rows else ()
     return Section(title, tables=[Table(FAILED, rows)], sentences=sentences)

@@ -87,10 +87,10 @@ def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without():
     first, again = plan.plan(), make_corner_plan(plan, more_damping=4.0)
     assert first.growth.overdamps
     assert first.model.loop.elastic_damping is None
-    assert "seen in the result" in first.decisions[-1].shown
+    assert "sufficient damping would change the result" in first.decisions[-1].shown
     assert flutter_sentence(first).startswith("possible")
     assert again.model.loop.elastic_damping.rate == 4.0 * decisions.suppressing_rate(again.growth)
-    assert "the first run rang" in again.decisions[-2].shown
+    assert "the first run oscillated" in again.decisions[-2].shown
     assert not decisions.harms(plan, first.plate, first.model, first.growth, deflection_ratio=1e-4)
     unseen = decisions.open_damping(first.asked, first.growth)
     assert [decision.key for decision in unseen] == ["damping.kind", "damping.rate"]
@@ -181,7 +181,7 @@ def test_keys_that_exclude_each_other(changes, key, refused):
 
 def test_former_names_of_starts_are_refused_with_the_new_one():
     for former, now in (("quiet", "inertia-relief"), ("sudden", "unstressed")):
-        with pytest.raises(InputError, match=f'given "{former}"; this start is called "{now}"'):
+        with pytest.raises(InputError, match=f'given "{former}"; the present name of this start is "{now}"'):
             read_scene("mash-tl4-sut", (f"plate.start={former}",))
 
 

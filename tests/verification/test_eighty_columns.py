@@ -68,7 +68,7 @@ def test_answer_set_up_and_certainty_open_the_terminal(arguments, tmp_path):
 def test_a_failed_run_fits_too(tmp_path):
     out = said("run", "mash-tl4-sut", "--no-pictures", "--out", "bad", *FLUTTER, cwd=tmp_path)
     assert [line for line in out.splitlines() if len(line) > 80] == []
-    assert "Remedy: leave damping.kind out" in " ".join(out.split())
+    assert "Remedy: remove damping.kind" in " ".join(out.split())
 
 
 WORDS = Table(

@@ -178,7 +178,7 @@ def test_without_companions_no_error_is_stated():
     assert math.isnan(case.row(outcome)["numerical_error"])
     assert report.headline(outcome).certainty.endswith("discretisation error not estimated.")
     assert not report.errors_table(outcome).rows
-    with pytest.raises(errors.InputError, match=r"leave verify\.companion out"):
+    with pytest.raises(errors.InputError, match=r"remove verify\.companion"):
         case.run(1e-2)
 
 

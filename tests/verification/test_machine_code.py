@@ -466,7 +466,7 @@ def test_threads_are_as_many_as_the_mesh_has_work_for(elements, used):
     assert plan.decided(decisions).scene.time.threads == used
     assert [decision.value for decision in decisions] == ([] if used == 3 else [used])
     for decision in decisions:
-        assert "3 were asked for" in decision.why
+        assert "3 were requested" in decision.why
         assert str(ELEMENTS_A_THREAD) in decision.why
 
 
@@ -475,4 +475,4 @@ def test_run_and_check_say_that_one_thread_is_used():
     fe_plan = plan.plan()
     assert fe_plan.case.scene.time.threads == 1
     assert [decision.key for decision in fe_plan.decisions] == ["time.threads"]
-    assert fe_plan.decisions[0].shown.startswith("time.threads = 1: 2 were asked for; ")
+    assert fe_plan.decisions[0].shown.startswith("time.threads = 1: 2 were requested; ")

@@ -216,6 +216,6 @@ def test_command_says_whether_it_was_met(tmp_path):
     assert _status([*command, "1e-4", "--out", str(tmp_path / "out")]) == 0
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert (summary["tolerance"], summary["checks"][-1]["name"]) == (1e-4, "tolerance")
-    assert "the tolerance that was asked for" in (tmp_path / "out" / "report.html").read_text()
+    assert "limit: --tolerance" in (tmp_path / "out" / "report.html").read_text()
     assert _status([*command, "1e-9", "--out", str(tmp_path / "no")]) == 2
     assert not (tmp_path / "no").exists()

@@ -36,16 +36,16 @@ from tailslap.case.corner.outcome import STORED_ENERGIES, CornerOutcome, energy_
 from tailslap.case.model import plate_density
 
 STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
-MORE_DAMPING = "leave damping.kind out, or give damping.rate"
-SOFT = "a stiffer plate: it is softer than the theory of this start allows"
-ROUGH = f"{MORE_DAMPING}; leave the corner's spring out"
+MORE_DAMPING = "remove damping.kind, or specify damping.rate"
+SOFT = "a stiffer plate"
+ROUGH = f"{MORE_DAMPING}; remove the spring of the corner"
 """Advice of several checks."""
 
 ERROR_ADVICE = {
     "mesh": FINER,
     "contact_spring": STIFFER,
-    "damping": "leave [damping] out, or a smaller damping.rate",
-    "rounding": "fewer time steps: larger elements",
+    "damping": "remove [damping], or a smaller damping.rate",
+    "rounding": "larger elements, for fewer time steps",
 }
 """Advice on the terms of the numerical error."""
 
@@ -68,7 +68,7 @@ ELEMENTS = 'plate.element = "quad4", or more elements'
 
 
 def _reached(given: CornerOutcome) -> Evaluation:
-    meaning = "angle [rad] between side and wall where the run ended; a run that flutters or diverges never gets there"
+    meaning = "angle [rad] between side and wall at the end of the run; 0 at the tail-slap"
     angle = 0.0 if given.run.strike else abs(given.history["theta"][-1]) or math.inf
     return Evaluation(angle, 0.0, meaning)
 
@@ -83,14 +83,16 @@ def _finite(given: CornerOutcome) -> Evaluation:
 
 def _energy(given: CornerOutcome) -> Evaluation:
     worst = np.abs(energy_error(given.history)).max() / given.history["kinetic_energy"][0]
-    return Evaluation(worst, 1e-6, "largest gap in the energy ledger over the energy at the start")
+    return Evaluation(worst, 1e-6, "largest energy-balance error over the initial energy")
 
 
 def _momentum(given: CornerOutcome) -> Evaluation:
     mass, speed = given.fe_plan.model.mass, given.history["v_gy"]
     gained, scale = mass * (speed - speed[0]), mass * np.abs(speed).max()
     worst = np.abs(gained - given.history["normal_impulse"]).max() / scale
-    return Evaluation(worst, 1e-9, "lateral momentum against the impulse of the reaction")
+    return Evaluation(
+        worst, 1e-9, "lateral momentum minus impulse of the reaction, over the largest momentum"
+    )
 
 
 def _penetration(given: CornerOutcome) -> Evaluation:
@@ -101,7 +103,7 @@ def _penetration(given: CornerOutcome) -> Evaluation:
 def _ringing(given: CornerOutcome) -> Evaluation | None:
     if not given.relieved:
         return None
-    meaning = "friction added by a ringing reaction, as its share of v_GX or omega"
+    meaning = "effect of friction by an oscillating reaction on v_GX or omega, relative"
     return Evaluation(given.ringing, max(RINGING, FRACTION * given.by_flexibility), meaning)
 
 
@@ -112,7 +114,7 @@ def _reaction(given: CornerOutcome) -> Evaluation | None:
     known = np.isfinite(expected)
     ripple = given.history["reaction_normal"][known] - expected[known]
     value = np.sqrt(np.mean(ripple**2) / np.mean(expected[known] ** 2))
-    meaning = "root mean square of the difference over the rigid reaction; the five quantities are judged by themselves"
+    meaning = "root mean square of the difference from the rigid reaction, over that of the rigid reaction"
     return Evaluation(value, 0.1 + EXPLAINED * given.fe_plan.deflection_ratio, meaning)
 
 
@@ -126,8 +128,8 @@ def _oscillation(given: CornerOutcome) -> Evaluation | None:
     undamped = fe_plan.model.loop.elastic_damping is None
     limit = OSCILLATES * math.exp(fe_plan.growth.harmless if undamped else 0.0)
     meaning = (
-        "largest kinetic energy of the oscillation over the elastic energy of the plate under its reaction, which an "
-        "unstressed start begins without: theory allows 1, and growth by friction too slow to be damped"
+        "largest kinetic energy of the oscillation over the elastic energy of the plate under its reaction; at most 1 "
+        "in theory for an unstressed start, and more by slow growth through friction"
     )
     return Evaluation(float(given.history["vibration_energy"].max()) / scale, limit, meaning)
 
@@ -137,11 +139,11 @@ def _numerical_error(given: CornerOutcome) -> Evaluation | None:
     if not (given.fe and given.fe_plan.case.scene.verify.companion):
         return None
     meaning = (
-        f"what mesh, constraint, damping and rounding may change in the five quantities; {FLOOR:g} and "
-        f"{100 * FRACTION:g} % of what the plate's flexibility changes are allowed"
+        f"bound of the error of the five quantities by mesh, constraint, damping and rounding; limit: {FLOOR:g} and "
+        f"{100 * FRACTION:g} % of the effect of flexibility"
     )
     largest = max(ERROR_ADVICE, key=lambda term: np.nan_to_num(getattr(given.error, term), nan=np.inf))
-    advice = ERROR_ADVICE[largest] if given.relieved else f"leave plate.start out; {ERROR_ADVICE[largest]}"
+    advice = ERROR_ADVICE[largest] if given.relieved else f"remove plate.start; {ERROR_ADVICE[largest]}"
     return Evaluation(given.error.total, given.error.allowed, meaning, advice)
 
 
@@ -150,7 +152,7 @@ def _agreement(given: CornerOutcome) -> Evaluation | None:
     tolerance = given.fe_plan.case.scene.verify.tolerance
     if tolerance is None:
         return None
-    meaning = "largest difference from the rigid motion; the scene demands it by verify.tolerance"
+    meaning = "largest relative difference from the rigid motion; limit: verify.tolerance"
     return Evaluation(largest(given.difference), tolerance, meaning)
 
 
@@ -175,7 +177,7 @@ def _contact_work(given: CornerOutcome) -> Evaluation:
     history, corner = given.history, given.fe_plan.model.loop.corner
     if corner.is_exact:
         fraction = np.abs(history["contact_energy"]).max() / history["kinetic_energy"][0]
-        meaning = "energy in the constraint over the energy at the start: the exact constraint stores none"
+        meaning = "energy of the constraint over the initial energy; 0 for an exact constraint"
         return Evaluation(fraction, LEAST, meaning)
     stepped = slice(-1 if history["t"].size > 2 else None)  # the last row is interpolated, not linear in y
     energy, gap = history["contact_energy"][stepped], history["gap"][stepped]
@@ -183,15 +185,15 @@ def _contact_work(given: CornerOutcome) -> Evaluation:
     force = -corner.stiffness * gap if corner.dashpot else history["reaction_normal"][stepped]
     surplus = _work(force, gap) + energy - energy[0]
     scale = np.maximum(np.abs(energy).max(), LEAST * history["kinetic_energy"][0])
-    meaning = (
-        "work of the normal force less what the energy in the corner's spring lost, over its largest energy"
-    )
+    meaning = "work of the normal force minus the decrease of the spring's energy, over its largest energy"
     return Evaluation(_over(np.abs(surplus).max(), scale), 1e-6, meaning)
 
 
 def _stored(given: CornerOutcome) -> Evaluation:
     stored = given.history["contact_energy"] + given.history["hourglass_energy"]
-    meaning = "largest energy in contact and hourglass control over the energy at the start; customary limit, Radioss"
+    meaning = (
+        "largest energy of contact and hourglass control over the initial energy; customary limit, Radioss"
+    )
     return Evaluation(stored.max() / given.history["kinetic_energy"][0], 0.15, meaning)
 
 
@@ -216,7 +218,7 @@ def _friction_law(given: CornerOutcome) -> Evaluation:
     distance, held = off(np.ones_like(slides), -np.copysign(np.inf, speed)), ~slides
     distance[held] = np.minimum(distance[held], off(held, force))
     meaning = (
-        "friction of a row less what the law of the scene makes of its reaction and speed, over the largest"
+        "friction minus that of the scene's law at the same reaction and speed, over the largest friction"
     )
     return Evaluation(_over(distance.max(), np.abs(force).max()), 1e-9, meaning)
 
@@ -229,8 +231,8 @@ def _friction(given: CornerOutcome) -> Evaluation | None:
     off = _over(np.abs(recorded - recorded[0] - work).max(), np.abs(work).max())
     step = given.fe_plan.model.loop.time_step * np.abs(history["reaction_tangential"] * history["v_p"]).max()
     meaning = (
-        "work of friction in the ledger less coefficient x impulse x speed of the corner, over its largest; "
-        "and work at the start over that of a step"
+        "friction work minus coefficient x impulse x corner speed, over its largest value; initial work over that of a "
+        "step"
     )
     return Evaluation(max(off, _over(abs(recorded[0]), step)), 0.01, meaning)
 
@@ -240,7 +242,9 @@ def _dissipation(given: CornerOutcome) -> Evaluation | None:
         return None
     work = given.history["friction_work"]
     value = _over(np.diff(work).max(initial=0.0), np.abs(work).max())
-    meaning = "largest work that friction gave back between two rows, over all that it took: it may only take"
+    meaning = (
+        "largest increase of the friction work between two rows over the total; friction only dissipates"
+    )
     return Evaluation(value, 1e-9, meaning)
 
 
@@ -256,9 +260,7 @@ def _against_rigid(given: CornerOutcome) -> Evaluation | None:
         ringing = -given.fe_plan.case.scene.corner_friction * _work(history["v_p"], rectified)
     known = np.isfinite(expected)
     off = np.abs(history["friction_work"] - ringing - expected)[known].max()
-    meaning = (
-        "work of friction, but for what a ringing reaction adds, less the rigid solution's, over its largest"
-    )
+    meaning = "friction work without the part by oscillations, minus that of the rigid body, over the largest"
     value = _over(off, np.abs(expected[known]).max())
     return Evaluation(value, 0.05 + 2.0 * given.by_flexibility, meaning)
 
@@ -277,7 +279,7 @@ CONTACT = (
     CheckKind("contact work", _contact_work, STEP),
     CheckKind("contact energy", _stored, STIFFER),
     CheckKind("friction law", _friction_law, "empty the folder of compiled code, under ~/.cache/tailslap"),
-    CheckKind("friction work", _friction, "more time.rows"),
+    CheckKind("friction work", _friction, "a larger time.rows"),
     CheckKind("friction takes energy", _dissipation, MORE_DAMPING),
     CheckKind("friction work against rigid", _against_rigid, ROUGH, of_reaction=True),
 )
@@ -290,7 +292,7 @@ def _energy_ratio(given: CornerOutcome) -> Evaluation:
     total = np.sum([history[name] for name in STORED_ENERGIES], axis=0) - history["damping_work"]
     ratio = total / (total[0] + history["friction_work"])
     meaning = (
-        f"largest distance from 1 of total energy over (initial energy + external work), from {ratio.min():.7f} "
+        f"largest deviation from 1 of total energy over (initial energy + external work), from {ratio.min():.7f} "
         f"to {ratio.max():.7f}; LS-DYNA's energy ratio, 2 % is customary (Radioss)"
     )
     return Evaluation(np.abs(ratio - 1.0).max(), 0.02, meaning)
@@ -305,22 +307,22 @@ def _hourglass_of_strain(given: CornerOutcome) -> Evaluation:
     if given.fe_plan.model.loop.hourglass is None:
         return Evaluation(energy.max(), 0.0, f"{meaning}; the elements are fully integrated and have none")
     small = given.error.total <= given.error.allowed
-    why = "; not required here: it is energy of bending, and the numerical error tells what the mesh changes"
+    why = "; not required here: it is bending energy, and the numerical error bounds the effect of the mesh"
     worst = energy.max() / (strain + energy).max()
     return Evaluation(worst, 1.0, meaning + why) if small else Evaluation(worst, 0.1, meaning)
 
 
 def _hourglass_of_total(given: CornerOutcome) -> Evaluation:
     ratio = given.history["hourglass_energy"].max() / given.history["kinetic_energy"][0]
-    return Evaluation(ratio, 0.05, f"largest hourglass energy over the energy at the start; {NCHRP}")
+    return Evaluation(ratio, 0.05, f"largest hourglass energy over the initial energy; {NCHRP}")
 
 
 def _added_mass(given: CornerOutcome) -> Evaluation:
     vehicle, plate = given.fe_plan.case.scene.vehicle, given.fe_plan.plate
     body = plate_density(given.fe_plan.case.scene, plate) * plate.thickness * vehicle.length * vehicle.width
     meaning = (
-        "mass of the model over density x volume, less 1; no mass is scaled here, and the exact inertia moves mass "
-        f"between nodes but adds none, so the limit is rounding; {NCHRP}, would be 0.05"
+        "mass of the model over density x volume, minus 1; mass is not scaled, so that the limit is rounding; "
+        f"{NCHRP}: 0.05"
     )
     return Evaluation(abs(given.fe_plan.model.mass / body - 1.0), 1e-9, meaning)
 
@@ -333,14 +335,14 @@ def _metric(metric: str, customary: float, what: str, given: CornerOutcome) -> E
     meaning = f"{what}, largest for {names[worst]}; {NCHRP}"
     limit = max(customary, 2.0 * given.by_flexibility)
     if limit > customary:
-        meaning += f" {customary:g}, here twice what the flexibility of this soft plate changes"
+        meaning += f" {customary:g}, here twice the effect of the plate's flexibility"
     return Evaluation(sizes[worst], limit, meaning)
 
 
 RESIDUAL = "of FE - rigid over the rigid history's peak"
 PHASE = "difference in phase between FE and rigid history, 1 for opposite signs"
 METRICS = {
-    "Sprague-Geers magnitude": ("magnitude", 0.4, "difference in size between FE and rigid history"),
+    "Sprague-Geers magnitude": ("magnitude", 0.4, "difference in magnitude between FE and rigid history"),
     "Sprague-Geers phase": ("phase", 0.4, PHASE),
     "Sprague-Geers combined": ("combined", 0.4, "magnitude and phase together"),
     "mean residual": ("mean_residual", 0.05, f"mean {RESIDUAL}"),

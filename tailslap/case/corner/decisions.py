@@ -160,13 +160,13 @@ def _why_mesh(plate: Plate, key: str) -> str:
         return "on this mesh linear elements are too stiff for the plate's flexibility"
     if key == "element":
         return "linear elements are too stiff in bending"
-    return "left open; elements of about this proportion, fine enough for the plate's flexibility"
+    return "not specified in the scene; fine enough for the plate's flexibility"
 
 
 def open_threads(case: RigidStages, plate: Plate) -> tuple[Decision, ...]:
     """Limit the threads to as many as the mesh has work for."""
     elements = math.prod(plate.counts)
-    why = f"a thread needs {ELEMENTS_A_THREAD} elements to be worth it, and there are {elements}"
+    why = f"a thread pays off from {ELEMENTS_A_THREAD} elements on; the mesh has {elements}"
     return threads_decision(case.scene.time.threads, max(1, elements // ELEMENTS_A_THREAD), why)
 
 
@@ -175,9 +175,9 @@ def open_constraint(case: RigidStages, plate: Plate, spring_ratio: float) -> tup
     if not case.scene.corner.constraint_is_open:
         return ()
     if not plate.relieved:
-        why = "the plate starts unstressed, and a spring would ring with it"
+        why = "a spring would oscillate with a plate that starts unstressed"
     elif spring_ratio > UNSEEN:
-        why = f"a spring would deflect by {spring_ratio:.1e} of the way, which is seen beside the plate's flexibility"
+        why = f"a spring would deflect by {spring_ratio:.1e} of the travel to the wall, which would change the result"
     else:
         return ()
     return (Decision("corner.constraint", "exact", why),)
@@ -189,7 +189,7 @@ def softer_constraint(case: RigidStages, spring_ratio: float) -> tuple[Decision,
     scale = max(SOFTEST, spring_ratio / UNSEEN)
     if not case.scene.corner.constraint_is_open or scale > 0.5:
         return ()
-    why = "friction would make the plate flutter too fast to be damped without harm; a softer spring feeds it less"
+    why = "damping of the flutter by friction would change the result; a softer spring reduces its growth"
     return (Decision("corner.penalty_scale", scale, why),)
 
 
@@ -312,26 +312,26 @@ def open_damping(
     if factor == 1.0 and harmful:
         if growth.ripple_rate or case.scene.damping:  # against rounding it stays, and what the scene gives
             return _damped(growth.ripple_rate, _why_rounding(growth))
-        why = f"{_why(growth)}, but damping enough against that would be seen in the result"
+        why = f"{_why(growth)}, but sufficient damping would change the result"
         return (Decision("damping.kind", "none", why),)
     least = (growth.harmless or HARMLESS_UNSTRESSED) / case.duration if factor > 1.0 else 0.0
     rate = min(factor * max(suppressing_rate(growth), REQUIRED_DAMPING * least), MAX_RATE)
-    again = f"; {factor:g} times as much as foreseen, since the first run rang" if factor > 1.0 else ""
+    again = f"; {factor:g} times the predicted rate, since the first run oscillated" if factor > 1.0 else ""
     return _damped(rate, _why(growth) + again)
 
 
 def _damped(rate: float, why: str) -> tuple[Decision, ...]:
     kind = Decision("damping.kind", "elastic-velocity", why)
-    return (kind, Decision("damping.rate", rate, "1/s, as much as that takes")) if rate > 0.0 else ()
+    return (kind, Decision("damping.rate", rate, "1/s, the required rate")) if rate > 0.0 else ()
 
 
 def _why(growth: Growth) -> str:
     if growth.ripple_rate > REQUIRED_DAMPING * growth.rate:
         return _why_rounding(growth)
     if growth.rate > 0.0:
-        return f"friction would make the plate flutter, growing by exp({growth.exponent:.0f}) during the run"
-    return "the plate would ring"
+        return f"flutter by friction would grow by exp({growth.exponent:.0f}) during the run"
+    return "the plate would oscillate"
 
 
 def _why_rounding(growth: Growth) -> str:
-    return f"in so many steps rounding would make the reaction ring by {100.0 * growth.ripple:.2g} %"
+    return f"rounding errors would make the reaction oscillate by {100.0 * growth.ripple:.2g} %"

@@ -1,4 +1,4 @@
-"""Words on a constrained corner: what `tailslap check` says, the verdict on a run, its page, summary and text."""
+"""Texts on a constrained corner: headline of a run, its page, summary and terminal text, lines of `tailslap check`."""
 
 import math
 from dataclasses import asdict, replace
@@ -24,7 +24,7 @@ from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.scene.schema import Scene
 
-KICKER = "Tail-slap: finite elements against the exact rigid-body solution"
+KICKER = "Constrained corner: finite elements compared with the exact rigid-body solution"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it, ω positive where it closes the angle."
 GROUPS = {
     **{kind.name: "Mechanics" for kind in checks.MECHANICS},
@@ -47,8 +47,8 @@ METRICS = (
 )
 METRICS_NOTE = (
     "M, P and C by Sprague and Geers, with integrals over time; residuals are FE − rigid over the rigid history's "
-    "peak, as in the analysis of variance of NCHRP W179. All are 0 where the two histories are equal. Their customary "
-    "limits are loose; the tight ones are this program's own: numerical error, reaction against rigid."
+    "peak, as in the analysis of variance of NCHRP W179. All are 0 for equal histories. Customary limits are wide; "
+    "the program's own checks of numerical error and reaction are narrower."
 )
 
 
@@ -117,7 +117,9 @@ def peak_table(outcome: CornerOutcome) -> Table:
     rows: list[dict[str, Any]] = [{"what": what, "fe": found, "rigid": case.force.peak_force}]
     if other := case.other_convention():
         convention, its = other
-        rows.append({"what": f"With {convention} restitution", "fe": None, "rigid": its.force.peak_force})
+        rows.append(
+            {"what": f"With {rigid.CONVENTIONS[convention]}", "fe": None, "rigid": its.force.peak_force}
+        )
     return Table(report.PEAKS, rows)
 
 
@@ -148,9 +150,9 @@ def sections(outcome: CornerOutcome) -> list[Section]:
         Section("At the tail-slap", tables=[comparison(outcome)]),
         Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
         *curves(outcome),
-        Section("What was run, and what it means", sentences=statements(outcome), is_folded=True),
+        Section("Model and interpretation", sentences=statements(outcome), is_folded=True),
         report.checks_section(outcome.checks, GROUPS),
-        Section("FE histories against the rigid ones", tables=[compared], is_folded=True),
+        Section("Histories compared with the rigid body", tables=[compared], is_folded=True),
         Section("Stages 1 and 3 of the rigid body", tables=stages, is_folded=True),
     ]
 
@@ -164,11 +166,11 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     corner, plate = scene.corner, scene.plate
     fault = plate and kinds.LUMPINGS[plate.lumping].fault
     start, lumping = (plate.start, plate.lumping) if plate else ("", "")
-    unstressed = f'plate.start is "{start}": the plate starts without its elastic state'
+    unstressed = f'plate.start is "{start}": no initial elastic state'
     no_friction = "the coefficient of friction is 0"
     if corner.frictionless:
         no_friction = f'corner.reaction is "{corner.reaction}"'
-    no_impact = "the scene has no [impact] table; [start] gives the state after the impact"
+    no_impact = "no [impact] table; [start] defines the state after the impact"
     parts = [
         (scene.impact, "stage 1", no_impact),
         (
@@ -176,11 +178,11 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
             "friction",
             f"{no_friction}: no friction code in the time loop",
         ),
-        (scene.damping, "damping", "none is asked for and none is needed: no damping code in the time loop"),
+        (scene.damping, "damping", "neither requested nor required: no damping code in the time loop"),
         (not plate or plate.relieved, "inertia relief", unstressed),
         (not fault, "exact inertia", f'plate.lumping is "{lumping}": {fault}'),
-        (scene.wall, "wall", "the scene has no [wall] table: no wall mesh, the wall is the line Y = 0"),
-        (pictures, "pictures", "--no-pictures, or none could be drawn: VTK has no part in this result"),
+        (scene.wall, "wall", "no [wall] table: the wall is the line Y = 0"),
+        (pictures, "pictures", "--no-pictures, or no picture could be drawn"),
     ]
     return [(part, why) for there, part, why in parts if not there]
 
@@ -194,7 +196,7 @@ def rigid_text(case: rigid.RigidStages) -> list[str]:
         f"corner speed {measure(start.corner_speed, 'm/s', '.6g')}{computed}",
         f"reaction     {reaction}, friction {case.scene.corner_friction:g}: {friction.FRICTION_LAWS[reaction].text}",
         f"tail-slap    expected at {strike.t:.6g} s after {measure(strike.slide, 'm', '.5g')} of sliding",
-        *report.left_out_text(omitted_parts(case.scene)),
+        *report.omitted_text(omitted_parts(case.scene)),
     ]
 
 
@@ -210,8 +212,8 @@ def check_text(case: rigid.RigidStages, fe_plan: CornerPlan | None) -> list[str]
         f"frequency    {model.highest_frequency:.6g} rad/s, the highest, with the corner's constraint",
     ]
     flexibility = (
-        f"flexibility  static deflection ratio {fe_plan.deflection_ratio:.1e}: the reaction moves the centre by that "
-        "share of its way to the wall; expect differences of that size"
+        f"flexibility  static deflection ratio {fe_plan.deflection_ratio:.1e}: static deflection of the centre under "
+        "the initial reaction, over its travel to the wall; expected order of the differences from the rigid motion"
     )
     rows, start = fe_plan.case.scene.time.rows, f", {fe_plan.plate.start} start"
     return [
@@ -249,31 +251,31 @@ def _certainty(outcome: CornerOutcome) -> str:
 
 
 def flutter_sentence(fe_plan: CornerPlan) -> str:
-    """Say what is predicted of a plate that rings, by friction or by rounding, and what is done against it."""
+    """Prediction of oscillations by friction or by rounding, and the measure against them."""
     growth, damping = fe_plan.growth, fe_plan.case.scene.damping
     judged = ", judged on coarser meshes" if growth.stand_in else ""
     needed = decisions.suppressing_rate(growth)
     if math.isnan(growth.rate):
-        return "not analysed: no coarser mesh makes a model; the run's own checks watch for it"
+        return "not analysed: no coarser mesh is available; the checks of the run detect it"
     if not needed > 0.0 and not growth.harmless:
         return "none: without friction nothing grows"
     if not needed > 0.0:
         return f"harmless: no mode grows by more than exp({growth.harmless:g}) during the run{judged}"
     text = f"the fastest mode grows by up to exp({growth.exponent:.0f}) during the run{judged}"
     if not growth.rate > 0.0:
-        text = f"rounding makes the reaction ring by {100.0 * growth.ripple:.2g} %"
+        text = f"rounding errors make the reaction oscillate by {100.0 * growth.ripple:.2g} %"
     if damping is not None and (damping.rate or 0.0) >= 0.5 * needed:
         return f"suppressed by damping.rate = {damping.rate:.3g} 1/s; without it {text}"
     if decisions.damping_is_open(fe_plan.asked.scene):
-        return f"possible: {text}; the checks watch for it, and a run that rings is made again with damping"
+        return f"possible: {text}; a run in which the checks detect it is repeated with damping"
     return (
         f'EXPECTED, the run will fail its checks: {text}; damping.kind = "elastic-velocity" with '
-        f"damping.rate = {needed:.3g} suppresses it, and so does leaving out damping.kind"
+        f"damping.rate = {needed:.3g} suppresses it, as does removing damping.kind"
     )
 
 
 def statements(outcome: CornerOutcome) -> list[str]:
-    """Sentences that a reader needs beside the numbers: what was run, and what it means."""
+    """Sentences on the model and its interpretation."""
     fe_plan, case, material = outcome.fe_plan, outcome.fe_plan.case, outcome.fe_plan.case.scene.material
     law = friction.FRICTION_LAWS[case.scene.corner.reaction]
     constraint = constraints.CONSTRAINTS[case.scene.corner.constraint]
@@ -285,14 +287,14 @@ def statements(outcome: CornerOutcome) -> list[str]:
         f"The plate's material: {materials.MATERIALS[material.law].text}." if material else "",
         f"The wall's reaction N is negative throughout, {measure(first, 'kN', '.2f')} at the start and "
         f"{measure(last, 'kN', '.2f')} at the end: "
-        "it pulls the corner back to the wall. Without that pull the corner would leave it.",
+        "it pulls the corner towards the wall. With unilateral contact the corner would separate from it.",
         _plate_mass(fe_plan.model.mass, case.scene.vehicle.mass),
         *report.chosen_sentences(fe_plan),
-        "The first run rang; this one was made with more damping." if outcome.attempts > 1 else "",
+        "The first run oscillated; this run has more damping." if outcome.attempts > 1 else "",
         f"The plate starts {start_kinds.START_KINDS[fe_plan.plate.start].text}.",
-        f"Static deflection ratio {fe_plan.deflection_ratio:.1e}: so much of its way to the wall the reaction "
-        "at the start moves the plate's centre. Differences of that size from the rigid motion are the plate's "
-        "flexibility, in inverse proportion to its stiffness.",
+        f"Static deflection ratio {fe_plan.deflection_ratio:.1e}: static deflection of the centre under the initial "
+        "reaction, over its travel to the wall. Differences of this order from the rigid motion are due to the plate's "
+        "flexibility and inversely proportional to its stiffness.",
         _error(outcome),
         _convention(case),
     ]
@@ -300,12 +302,12 @@ def statements(outcome: CornerOutcome) -> list[str]:
 
 
 def diagnosis(outcome: CornerOutcome) -> list[str]:
-    """Sentences on why a run failed: choices of the program, and its prediction of ringing."""
+    """Sentences on the cause of a failure: choices of the program, and predicted oscillations."""
     return [*report.chosen_sentences(outcome.fe_plan), prediction(outcome)]
 
 
 def prediction(outcome: CornerOutcome) -> str:
-    """Sentence on the ringing that was predicted."""
+    """Sentence on the predicted oscillations."""
     return f"Flutter {flutter_sentence(outcome.fe_plan)}."
 
 
@@ -328,8 +330,8 @@ def _plate_mass(plate: float, vehicle: float) -> str:
     return (
         f"The plate weighs {measure(plate, 'kg', '.1f')}, the vehicle {measure(vehicle, 'kg', '.1f')}. "
         "Rigid motion does not depend on the mass; "
-        "reactions and energies do, and those of the rigid solution are given for the plate's mass here. "
-        "Stages 1 and 3 use the vehicle's."
+        "reactions and energies of the rigid solution are computed with the mass of the plate, "
+        "Stages 1 and 3 with that of the vehicle."
     )
 
 
@@ -337,14 +339,14 @@ def _error(outcome: CornerOutcome) -> str:
     error = outcome.error
     if not outcome.companions:
         wanted = outcome.fe_plan.case.scene.verify.companion
-        why = "for no other mesh makes a model" if wanted and outcome.fe else "for the run has no result"
-        why = why if wanted else "for verify.companion is false"
-        return f"No numerical error is stated, {why}."
+        why = "no other mesh is available" if wanted and outcome.fe else "the run has no result"
+        why = why if wanted else "verify.companion is false"
+        return f"The numerical error is not estimated: {why}."
     meshes = " and ".join(each.mesh for each in outcome.companions)
     return (
-        f"Numerical error of the five quantities at most {error.total:.1e}: {error.mesh:.1e} by the mesh, beside "
-        f"{meshes}; {error.contact_spring:.1e} by the contact spring, {error.damping:.1e} by damping, "
-        f"{error.rounding:.1e} by rounding."
+        f"Numerical error of the five quantities at most {error.total:.1e}: mesh {error.mesh:.1e} (compared with "
+        f"{meshes}), contact spring {error.contact_spring:.1e}, damping {error.damping:.1e}, rounding "
+        f"{error.rounding:.1e}."
     )
 
 
@@ -353,9 +355,7 @@ def _convention(case: rigid.RigidStages) -> str:
     if impact is None:
         return ""
     if other is None:
-        return (
-            f'Stage 1 is given for reference in the convention "{impact.convention}"; [start] overrides it.'
-        )
+        return f'Stage 1, for reference, follows the convention "{impact.convention}"; [start] overrides it.'
     name, its = other
     return (
         f'Restitution follows the convention "{impact.convention}". With "{name}" the angular velocity after the '

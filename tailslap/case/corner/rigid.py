@@ -1,4 +1,4 @@
-"""Stages 1 to 3 of the rigid body: from a scene to the tail-slap, and what `tailslap rigid` says of it."""
+"""Stages 1 to 3 of the rigid body: from a scene to the tail-slap, and the texts of `tailslap rigid`."""
 
 from __future__ import annotations
 
@@ -67,8 +67,8 @@ class RigidStages(case.Case):
         """Solve the stages. Raises InputError, naming the scene's key, where the rigid-body method has no answer."""
         if self.scene.contact is not None:
             allowed = (
-                "this command or study is of the paper's constrained corner; of a whole impact there are run, rigid, "
-                "check, sweep, and study uncertainty, flexibility, cost, stability"
+                "this command or study requires a constrained corner; for a whole impact use run, rigid, check, sweep, "
+                "or study uncertainty, flexibility, cost, stability"
             )
             raise InputError("contact", "a table", allowed)
         _ = self.force

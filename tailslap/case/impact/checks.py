@@ -41,14 +41,14 @@ def _finite(outcome: run.ImpactOutcome) -> case.Evaluation:
 def _energy(outcome: run.ImpactOutcome) -> case.Evaluation:
     worst = np.abs(energy_error(outcome)).max() / _initial_energy(outcome)
     exact = _is_exact(outcome)
-    meaning = "largest gap in the energy ledger over the initial energy"
-    meaning += "; exact contact takes what nodes bring" if exact else ""
+    meaning = "largest energy-balance error over the initial energy"
+    meaning += "; exact contact dissipates the kinetic energy of nodes on contact" if exact else ""
     return case.Evaluation(worst, LOSS if exact else 1e-3, meaning)
 
 
 def _gain(outcome: run.ImpactOutcome) -> case.Evaluation:
     gain = energy_error(outcome).max() / _initial_energy(outcome)
-    return case.Evaluation(gain, 1e-3, "energy that came from nowhere, over the initial")
+    return case.Evaluation(gain, 1e-3, "largest energy gain over the initial energy")
 
 
 def _is_exact(outcome: run.ImpactOutcome) -> bool:
@@ -61,7 +61,7 @@ def _momentum(outcome: run.ImpactOutcome) -> case.Evaluation:
     scale = mass * math.hypot(plan.touch.v_gx, plan.touch.v_gy)
     across = np.abs(mass * (h["v_gy"] - plan.touch.v_gy) - h["normal_impulse"]).max()
     along = np.abs(mass * (h["v_gx"] - plan.touch.v_gx) - h["tangential_impulse"]).max()
-    meaning = "momentum in both directions against the integral of the wall's force"
+    meaning = "momentum minus integral of the wall's force, in both directions"
     return case.Evaluation(max(across, along) / scale, 1e-9, meaning)
 
 
@@ -69,19 +69,21 @@ def _angular(outcome: run.ImpactOutcome) -> case.Evaluation:
     h = outcome.run.history
     turned = h["angular_momentum"] - h["moment_impulse"]
     worst = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
-    return case.Evaluation(worst, 1e-9, "against the moment of the wall's force, about the first touch")
+    return case.Evaluation(worst, 1e-9, "angular momentum minus integrated moment of the wall's force")
 
 
 def _pull(outcome: run.ImpactOutcome) -> case.Evaluation:
     least = -float(outcome.run.normal.min())
-    return case.Evaluation(least, 1e-6 * np.abs(outcome.run.normal).max(), "largest force [N] that pulls")
+    return case.Evaluation(least, 1e-6 * np.abs(outcome.run.normal).max(), "largest tensile force [N]")
 
 
 def _strikes(outcome: run.ImpactOutcome) -> case.Evaluation:
     counted = outcome.rigid.counted
     missing = min(counted, len(outcome.rigid.strikes)) - len(outcome.fe.strikes[:counted])
     words = "two" if counted == 2 else f"{counted}"
-    return case.Evaluation(missing, 0, f"of the rigid vehicle's first {words}, those that the plate lacks")
+    return case.Evaluation(
+        missing, 0, f"of the rigid vehicle's first {words} strikes, those absent from the FE run"
+    )
 
 
 def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None:
@@ -90,8 +92,8 @@ def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None
         return None
     hinged = bool(outcome.run.units)
     meaning = (
-        f"stated numerical error of the {error.QUANTITIES[quantity]} of the first two strikes of weight"
-        f"{', and the largest,' if hinged else ','} the larger; verify.mesh says how large it may be"
+        f"larger discretisation error of the {error.QUANTITIES[quantity]} of the first two major strikes"
+        f"{' and the largest' if hinged else ''}; limit: verify.mesh"
     )
     found = error.largest(outcome.mesh_error, quantity)
     return case.Evaluation(found, verify.mesh, meaning, HINGED if hinged else "")
@@ -99,7 +101,7 @@ def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None
 
 def _sampling(outcome: run.ImpactOutcome) -> case.Evaluation:
     shortest = min((strike.duration for strike in error.weighed(outcome.fe.strikes)), default=math.nan)
-    meaning = "time between rows over the shorter of the first two strikes of weight"
+    meaning = "time between rows over the shorter of the first two major strikes"
     return case.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
 
 
@@ -115,10 +117,10 @@ def _articulation(outcome: run.ImpactOutcome) -> case.Evaluation | None:
 MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.QUANTITIES.items()}
 """Names of the checks of the stated error by quantity; a run that has none, for others tell it, fails them."""
 
-CLOSER = f"{case.FINER}; or spread a corner's force by contact.patch_length; or allow more by verify.mesh"
-HINGED = CLOSER.replace("patch_length", "patch_length, a hinge by hitch_length of its trailer")
-FAULT = "please report it: a run does not fail this by its scene"
-SHORT = "a softer contact, or a coarser question: the strikes are shorter than rows can tell"
+CLOSER = f"{case.FINER}; contact.patch_length for the force of a corner; a larger verify.mesh"
+HINGED = CLOSER.replace("corner;", "corner, trailer.hitch_length for that of a hinge;")
+FAULT = "please report it: this is a fault of the program"
+SHORT = "a softer contact: the rows do not resolve strikes as short as these"
 CHECKS = (
     case.CheckKind("finite numbers", _finite, case.STEP),
     case.CheckKind("time step", case.time_step, case.STEP),

@@ -72,7 +72,7 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
     plate, decisions = chosen_plate(case.scene)
     factor = safety_factor(case.scene, plate)
     if factor != case.scene.time.safety_factor:
-        why = "unloading with little restitution rattles at the light corner nodes of quadratic elements"
+        why = "unloading with low restitution makes the light corner nodes of quadratic elements oscillate"
         decisions += (model.Decision("time.safety_factor", factor, why),)
     touch, sample = case.touch, case.sample
     made, plate = impact_model(case, plate, sample)
@@ -80,7 +80,7 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
     first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
     decisions = (
         *decisions,
-        *model.threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact has one"),
+        *model.threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact uses one"),
     )
     return ImpactPlan(case, plate, decisions, made, first, sample)
 

@@ -23,7 +23,7 @@ from tailslap.scene.schema import Contact, Scene
 FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
 """Columns in front of all others."""
 
-KICKER = "Whole impact: the FE plate beside the rigid vehicle, against a wall that only pushes"
+KICKER = "Whole impact, unilateral contact: finite elements compared with the rigid vehicle"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it; strikes by the nearest corner."
 
 FILTERED = (
@@ -33,31 +33,31 @@ FILTERED = (
     Column("along", "Longitudinal, FE", "N", form=".1f"),
 )
 DURATIONS = (
-    Column("curve", "Read off"),
+    Column("curve", "Curve"),
     Column("duration", "Valley to valley", "ms", form=report.milliseconds),
     Column("triangle", "Equal triangle", "ms", form=report.milliseconds),
-    Column("peak_force", "Its peak", "N", form=".0f"),
+    Column("peak_force", "Peak", "N", form=".0f"),
 )
 RISK = (
     Column("name", "Measure"),
     Column("value", "Value", form=".3g", style="strong", unit_key="unit"),
     Column("unit", "Unit", is_unit=True),
     Column("time", "At", "s", form=".3f"),
-    Column("lacks", "What it lacks"),
+    Column("lacks", "Limitation"),
 )
 ERRORS = (
     Column("strike", "Stated error"),
     *(Column(name, words.capitalize(), form=percent_up) for name, words in error.QUANTITIES.items()),
 )
 DURATIONS_NOTE = (
-    "The paper takes the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
-    "and the force of a triangular pulse from it; here it is computed. A mean over 50 ms lengthens a strike that "
-    "stands free by 50 ms."
+    "The paper reads the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
+    "and computes the force of a triangular pulse with it; here the duration is computed. A 50 ms mean extends an "
+    "isolated strike by 50 ms."
 )
 
 
 WALL_NOTE = (
-    "The rigid vehicle strikes a rigid wall. What the foundation does not carry, the wall's inertia does."
+    "The rigid vehicle strikes a rigid wall. Contact force minus foundation force is the wall's inertia."
 )
 
 
@@ -83,7 +83,6 @@ def run_report(
         report.short(report.design_table(outcome.fe_plan.case, outcome.lateral_force)),
         _strikes(outcome),
         errors_table(outcome),
-        *(own.verdict for name, own in outcome.tipping.items() if name == "FE"),
     )
     lines = report.terminal_text(outcome, tables)
     return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
@@ -92,7 +91,10 @@ def run_report(
 def headline(outcome: run.ImpactOutcome) -> Headline:
     """Largest 50 ms mean, the set-up, and the effects of flexibility and mesh."""
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
-    failed, sentence = failed_names(outcome.checks), case.force_sentence(outcome.fe)
+    failed, sentence = (
+        failed_names(outcome.checks),
+        case.force_sentence(outcome.fe, outcome.tipping.get("FE")),
+    )
     uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
     if failed and not uncertain:
         sentence = unreliable(sentence)
@@ -184,23 +186,23 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
         Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
         *tipping_sections(outcome),
         Section("Units and hinges of the train", figures=figures.train_figures(outcome), layout="wide"),
-        Section("Along the wall, and of the rigid vehicle", figures=forces[1:], layout="wide"),
+        Section("Longitudinal force, and force of the rigid vehicle", figures=forces[1:], layout="wide"),
         Section(
             "Energy, and force along the side" if along else "Energy",
             figures=[figures.energy_figure(outcome), *along],
             layout="wide",
         ),
         Section("Force over crush", figures=loops, layout="narrow"),
-        Section("The wall, which gives", tables=_wall(outcome)),
+        Section("Deformable wall", tables=_wall(outcome)),
         Section("Forces by filter", tables=[filtered_table(outcome)], is_folded=True),
         Section("The second strike's duration", tables=[durations_table(outcome.fe)], is_folded=True),
-        Section("The paper's method beside it", tables=_paper(outcome), is_folded=True),
+        Section("Comparison with the paper's method", tables=_paper(outcome), is_folded=True),
         Section(
             "Occupant risk, planar, of the tractor" if outcome.fe.units > 1 else "Occupant risk, planar",
             tables=[Table(RISK, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))],
             is_folded=True,
         ),
-        Section("What was run", sentences=_statements(outcome), is_folded=True),
+        Section("Model", sentences=_statements(outcome), is_folded=True),
         report.checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
     ]
 
@@ -215,14 +217,14 @@ def tipping_sections(outcome: run.ImpactOutcome) -> list[Section]:
 
 
 def _wall(outcome: run.ImpactOutcome) -> list[Table]:
-    """Table of what a deformable wall does; none for a rigid one."""
+    """Table of the response of a deformable wall; none for a rigid one."""
     found = wall_numbers(outcome)
     if found is None:
         return []
     rows = [
-        ("largest deflection of its face", 1e3 * found["deflection"], "mm"),
-        ("at this place along the wall", found["place"], "m"),
-        ("at this instant", found["t"], "s"),
+        ("largest deflection of the face", 1e3 * found["deflection"], "mm"),
+        ("position along the wall", found["place"], "m"),
+        ("time", found["t"], "s"),
         ("force of the foundation, 50 ms mean", found["foundation_mean_50ms"], "N"),
         ("contact force, 50 ms mean", found["contact_mean_50ms"], "N"),
         ("force of the foundation, largest", found["foundation_force"], "N"),
@@ -238,15 +240,15 @@ def _paper(outcome: run.ImpactOutcome) -> list[Table]:
     rigid = outcome.rigid
     rear = next((strike for strike in rigid.strikes if strike.corner == "rear"), None)
     rows = [
-        ("impulse of the tail-slap, all of the mass stopped", beside["impulse"], "N s"),
+        ("impulse of the tail-slap, whole mass stopped", beside["impulse"], "N s"),
         ("impulse of the rear strike, computed", rear.impulse if rear else None, "N s"),
         (f"peak force with a duration of {beside['duration']:g} s", beside["peak_force"], "N"),
     ]
     if beside["computed_duration"]:
-        read = f"peak force with {1e3 * beside['computed_duration']:.0f} ms, read off the computed 50 ms mean"
+        read = f"peak force with {1e3 * beside['computed_duration']:.0f} ms, the duration in the computed 50 ms mean"
         rows.append((read, beside["computed_peak_force"], "N"))
     rows.append(("50 ms mean, computed", rigid.peaks["mean_50ms"], "N"))
-    note = "Stages 1 to 3 are those of the uniform rectangle, whatever its centre of mass and yaw inertia are here."
+    note = "Stages 1 to 3 assume a uniform rectangle."
     return [page.pairs(rows, notes=(note,))]
 
 
@@ -254,8 +256,8 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
     plan = outcome.fe_plan.case
     return [
         f"The vehicle {contact_words(plan.scene.needed_contact)}.",
-        "The rigid vehicle has the same mass, centre, inertia and contact; what the plate differs by is its "
-        f"flexibility (first frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
+        "The rigid vehicle has the same mass, centre of mass, inertia and contact; the plate is flexible (first "
+        f"natural frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
         *report.chosen_sentences(outcome.fe_plan),
         *train_remarks(outcome.fe),
     ]
@@ -308,16 +310,16 @@ def contact_words(contact: Contact) -> str:
     friction = f"friction {contact.friction:g}" if contact.friction else "no friction"
     if contact.stiffness is None:
         how = "a penalty spring" if contact.enforcement == "penalty" else "an exact constraint"
-        return f"does not crush: {how} at each node of the boundary, which only pushes; {friction}"
+        return f"does not crush: unilateral contact of each boundary node by {how}; {friction}"
     initial = f"{measure(contact.initial_force / 1e3, 'kN', 'g')} + " if contact.initial_force else ""
     side = ""
     if contact.side_stiffness:
         side = f", a layer of {measure(contact.side_stiffness / 1e6, 'MN/m^2', 'g')} along the sides"
     patch = f", spread over {measure(contact.patch_length, 'm', 'g')}" if contact.patch_length else ""
     return (
-        f"crushes at its corners by {initial}{measure(contact.stiffness / 1e6, 'MN/m', 'g')} times the depth"
+        f"crushes at its corners with {initial}{measure(contact.stiffness / 1e6, 'MN/m', 'g')} times the depth"
         f"{patch}{side}, "
-        f"restitution {contact.restitution:g}; {friction}; the wall only pushes"
+        f"restitution {contact.restitution:g}; {friction}; unilateral contact"
     )
 
 
@@ -327,9 +329,9 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     sides = contact.side_stiffness or not contact.crushes
     parts = [
         (contact.friction, "friction", "contact.friction is 0: no friction code in the time loop"),
-        (sides, "sides", "no contact.side_stiffness: the four corners alone touch"),
-        (scene.damping, "damping", "none is asked for: no damping code in the time loop"),
-        (scene.wall, "wall", "the scene has no [wall] table: the wall is rigid"),
+        (sides, "sides", "no contact.side_stiffness: only the four corners make contact"),
+        (scene.damping, "damping", "not requested: no damping code in the time loop"),
+        (scene.wall, "wall", "no [wall] table: the wall is rigid"),
         (pictures, "pictures", "--no-pictures: no animation"),
     ]
     return [(part, why) for there, part, why in parts if not there]
@@ -348,13 +350,13 @@ def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
         f"contact      {contact_words(case.scene.needed_contact)}",
         f"strikes      expected of the rigid vehicle: {strikes or 'none'}",
         f"end          {motion.t_end:.4g} s",
-        *report.left_out_text(omitted_parts(case.scene)),
+        *report.omitted_text(omitted_parts(case.scene)),
     ]
     if fe_plan is None:
         return lines
     rows, points = round(case.duration / fe_plan.sample), fe_plan.model.loop.contact.mobility.size
-    contact = [f"points       {points} may touch the wall; their force does not bound the time step"]
+    contact = [f"points       {points} may touch the wall; the contact force does not limit the time step"]
     steps = f", {rows} rows"
     if case.scene.verify.companion:
-        steps += "; as many again or more on the meshes that give the discretisation error"
+        steps += "; at least as many on the meshes for the discretisation error"
     return lines + report.fe_text(fe_plan, rows, "", contact, steps)

@@ -1,4 +1,4 @@
-"""The rigid vehicle of a whole impact: its contact, first touch and motion, and what `tailslap rigid` says of it."""
+"""The rigid vehicle of a whole impact: its contact, first touch and motion, and the texts of `tailslap rigid`."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -283,21 +283,27 @@ class RigidImpact(Case):
         given += [f"restitution {contact.restitution:g}"] if contact.restitution is not None else []
         return [*given, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
 
-    def force_sentence(self, answer: answers.ImpactAnswer) -> str:
-        """Sentence on the largest 50 ms mean of the lateral force, and its strike."""
+    @cached_property
+    def tipping(self) -> Any:
+        """Roll of the rigid vehicle, a `TippingAnswer`; None without [tipping]."""
+        return tipping_of(self, self.answer)
+
+    def force_sentence(self, answer: answers.ImpactAnswer, tipping: Any = None) -> str:
+        """Sentence on the largest 50 ms mean of the lateral force and its strike, and with [tipping] on the roll."""
         if not answer.strikes:
             return "The vehicle does not strike the wall."
         means = [answers.mean_peak(answer, strike) for strike in answer.strikes]
         number, peak = int(np.argmax(means)), answer.peaks["mean_50ms"]
         strike = answer.strikes[number]
         where = f"strike {number + 1} ({strike.corner} corner, from {strike.start:.3f} s)"
-        return f"{self.force_words}: {force(peak)} in {where}{self.design_ratio(peak)}."
+        roll = f" {tipping.verdict}" if tipping else ""
+        return f"{self.force_words}: {force(peak)} in {where}{self.design_ratio(peak)}.{roll}"
 
     def headline(self) -> Headline:
         """Largest 50 ms mean of the rigid vehicle."""
         return Headline(
             f"Impact force: {self.subject}",
-            self.force_sentence(self.answer),
+            self.force_sentence(self.answer, self.tipping),
             self.set_up,
             f"Rigid vehicle; error by the time step at most {percent_up(self.motion.error)}.",
         )
@@ -332,8 +338,8 @@ class RigidImpact(Case):
     def rigid_numbers(self) -> dict[str, Any]:
         """Strikes, peaks and end, SI."""
         beside, found = paper_method(self.scene, self.answer), self.answer.numbers()
-        if own := tipping_of(self, self.answer):
-            found["tipping"] = own.numbers()
+        if self.tipping:
+            found["tipping"] = self.tipping.numbers()
         if self.trailers:
             found |= {"error": self.motion.error, "remarks": answers.train_remarks(self.answer)}
         return {"scene": self.scene.name, **found, "paper_method": beside}
@@ -355,11 +361,10 @@ class RigidImpact(Case):
         lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
         lines += ["", "At the end, of the first unit" if self.trailers else "At the end"]
         lines += [value_line(label, answer.end[name], unit, units) for name, (label, unit) in ENDS.items()]
-        if own := tipping_of(self, answer):
-            lines += ["", *own.text(units)]
+        if self.tipping:
+            lines += ["", *self.tipping.text(units)]
         if self.trailers:
-            error = f"Error of peaks and impulses against steps twice as long: {self.motion.error:.1e}"
-            lines += ["", error, *answers.train_remarks(answer)]
+            lines += ["", *answers.train_remarks(answer)]
         return lines + _paper_lines(paper_method(self.scene, answer), units)
 
 
@@ -415,13 +420,13 @@ def _paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
     force = shown(beside["peak_force"], "N", units, digits=4)
     lines = [
         "",
-        "The paper's method, of the uniform rectangle, whose side stops all at once",
+        "The paper's method (uniform rectangle, whole side stopped at once)",
         f"  tail-slap at {beside['t']:.4g} s, impulse {impulse}, peak force {force} with a duration of "
         f"{beside['duration']:g} s",
     ]
     if read := beside["computed_duration"]:
         force = shown(beside["computed_peak_force"], "N", units, digits=4)
-        lines.append(f"  {force} with {read:.3f} s, read off the 50 ms mean above by its rule")
+        lines.append(f"  {force} with {read:.3f} s, the duration in the 50 ms mean")
     return lines
 
 

@@ -39,21 +39,21 @@ ROWS = (
     Column("far_lifted", "Far wheels lifted", "s", form=".2f"),
 )
 
-TIPPED = "A vehicle that tips is followed until its centre of mass is beyond the wheels of the wall's side: 90 deg."
+TIPPED = "Motion is computed until the centre of mass is beyond the wheels on the side of the wall (90 deg)."
 
 LIMITS: Sequence[tuple[str, ...]] = (
-    ("force below the wall's top", "has a longer lever", "+"),
-    ("tyres' grip across the road", "holds the feet of a vehicle that still moves towards the wall", "+"),
-    ("a frame that twists", "lets the box roll beyond its axles, which lift one after the other", "+"),
-    ("box and frame that separate", "the box rolls more than both together, the chassis less", "±"),
-    ("cargo that shifts", "takes the centre of mass towards the wall", "+"),
-    ("suspension beyond a vertical spring a side", "gives sideways and has play", "+"),
-    ("pitch", "takes part of what a strike at one end would turn into roll", "−"),
-    ("the roll's own give at the contact", "takes part of the force", "−"),
+    ("force below the top of the wall", "longer lever arm", "+"),
+    ("lateral grip of the tyres", "retains the wheels while the vehicle approaches the wall", "+"),
+    ("twist of the frame", "the box rolls more than its axles, which lift one after the other", "+"),
+    ("separation of box and frame", "the box rolls more, the chassis less", "±"),
+    ("shift of the cargo", "displaces the centre of mass towards the wall", "+"),
+    ("lateral flexibility and play of the suspension", "additional roll", "+"),
+    ("pitch", "absorbs part of the moment of a strike at one end", "−"),
+    ("roll flexibility at the contact", "reduces the force", "−"),
 )
-"""Parts that the model leaves out, what each would do, and by which sign to the roll."""
+"""Omitted parts of the model, their effects, and the sign of the change of roll."""
 
-LIMIT_COLUMNS = columns({"0": "Left out", "1": "What it would do", "2": "Roll"})
+LIMIT_COLUMNS = columns({"0": "Omitted", "1": "Effect", "2": "Roll"})
 
 
 @dataclass(frozen=True)
@@ -107,13 +107,12 @@ class TippingAnswer:
         heights = self.given.wall_height, self.lowest_wall
         wall, lowest = (f"{measure(height, 'm', '.3f')} ({height / INCH:.1f} in)" for height in heights)
         if self.vehicle.centre_height <= self.given.wall_height:
-            return f"It cannot tip over this wall: its centre of mass is below the wall's top, {wall}."
-        said = (
-            f"The wall of {wall} holds it, with a roll of {measure(self.motion.largest_roll, 'rad', '.1f')}"
-        )
+            return f"The vehicle cannot tip over this wall: its centre of mass is below the top of the wall, {wall}."
+        roll = measure(self.motion.largest_roll, "rad", ".1f")
+        said = f"The wall of {wall} retains the vehicle with a roll of {roll}"
         if self.motion.tips:
-            said = f"It tips over the wall of {wall}"
-        return f"{said}; the lowest wall that holds it has {lowest}."
+            said = f"The vehicle tips over the wall of {wall}"
+        return f"{said}; lowest wall that retains it: {lowest}."
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -124,15 +123,15 @@ class TippingAnswer:
             f"{x['wheels']} side's from {x['start']:.3f} s for {x['duration']:.3f} s" for x in found["lifted"]
         )
         return (
-            f"Margin of the wall's height {wall}, of the centre's {centre}.",
+            f"Margin of the wall height {wall}, of the height of the centre of mass {centre}.",
             f"Wheels lifted: {', '.join(lifted) or 'none'}.",
-            f"The force is that of the plane. The roll would take {100.0 * self.lost_mass:.1f} % off the contact's "
-            "effective mass, and up to as much off the impulse.",
+            f"The force is that of the planar motion. Roll would reduce the effective mass of the contact by "
+            f"{100.0 * self.lost_mass:.1f} %, and the impulse by at most as much.",
         )
 
     def text(self, units: str) -> list[str]:
-        """Lines for a terminal."""
-        return [TITLE, *(f"  {SYSTEMS[units].rendered(said)}" for said in (self.verdict, *self.sentences))]
+        """Lines for a terminal, without the verdict."""
+        return [TITLE, *(f"  {SYSTEMS[units].rendered(said)}" for said in self.sentences)]
 
 
 def solve(scene: Scene, bodies: Sequence[ImpactVehicle], answer: ImpactAnswer) -> TippingAnswer:
@@ -207,6 +206,6 @@ def section(answers: Mapping[str, TippingAnswer]) -> Section:
     )
     drawn = figures.draw_roll(rolls), figures.draw_leaning(shape, height, roll)
     step, error = f"{first.motion.step:.1e} s", f"{first.motion.error:.1e}"
-    said = f"Steps of {step}; with twice the step the largest roll changes by {error} of its own."
+    said = f"Steps of {step}; with twice the step the largest roll changes by {error} (relative)."
     tables = Table(ROWS, rows, notes=(TIPPED,)), Table(LIMIT_COLUMNS, LIMITS)
-    return Section(TITLE, first.verdict, drawn, tables, (*first.sentences, said), "wide")
+    return Section(TITLE, "", drawn, tables, (*first.sentences, said), "wide")
