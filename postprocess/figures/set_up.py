@@ -59,7 +59,7 @@ def draw_set_up(units: Sequence[Unit], words: Mapping[str, str], caption: str) -
     points = np.concatenate(outlines).reshape(-1, 2)
     (left, low), (right, high) = points.min(axis=0), points.max(axis=0)
     left, right, high = left - 0.22 * size, right + 0.05 * size, high + 0.1 * size
-    low = min(low, 0.0) - 0.1 * size
+    low = min(low, 0.0) - 0.05 * (right - left)
     wall = np.array([(left, low), (right, low), (right, 0.0), (left, 0.0)])
     marks: list[Mark] = [_area(wall, "grey", 0.25), _words("wall", wall[0], (4.0, -4.0))]
     for each in outlines:

@@ -225,6 +225,7 @@ const charts = all(document, "svg.chart").map(chartOf);
 /* Keys of the lines as buttons; those of a legend that has no lines are of all charts of its section. */
 charts.forEach(({ svg, section, lines }) => {
   const reach = lines.length ? lines : charts.filter((other) => other.section === section).flatMap((other) => other.lines);
+  if (!reach.length) return;
   const row = document.createElement("div");
   row.className = "keys";
   all(svg, ".key").forEach((key) => {
