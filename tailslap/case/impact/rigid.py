@@ -271,16 +271,13 @@ class RigidImpact(Case):
         """Contact of vehicle and wall."""
         contact, wall = self.scene.needed_contact, self.scene.wall
         law = "penalty contact" if contact.enforcement == "penalty" else "exact contact"
-        given = (
-            [law]
-            if contact.stiffness is None
-            else [f"crush stiffness {self.given('contact.stiffness')} a corner"]
-        )
-        given += (
-            [f"initial crush force {self.given('contact.initial_force')}"] if contact.initial_force else []
-        )
-        given += [f"side layer {self.given('contact.side_stiffness')}"] if contact.side_stiffness else []
-        given += [f"restitution {contact.restitution:g}"] if contact.restitution is not None else []
+        given = [f"crush stiffness {self.given('contact.stiffness')} a corner" if contact.crushes else law]
+        if contact.initial_force:
+            given.append(f"initial crush force {self.given('contact.initial_force')}")
+        if contact.side_stiffness:
+            given.append(f"side layer {self.given('contact.side_stiffness')}")
+        if contact.restitution is not None:
+            given.append(f"restitution {contact.restitution:g}")
         return [*given, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
 
     @cached_property
