@@ -3,6 +3,7 @@
 import datetime
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from postprocess.svg.marks import Outline, Words
 from postprocess.units import KIP, SI, US, force, percent_up
 from tailslap import cli
 from tailslap.case import case_of
+from tailslap.case import report as shared
 from tailslap.case.corner import report as corner
 from tailslap.case.impact import report as impact
 from tailslap.scene.read import read_scene, shipped_scenes
@@ -106,6 +108,13 @@ def test_an_impact_answers_with_its_largest_mean_and_strike(outcome):
     assert f"force: {made.fe.peaks['mean_50ms'] / 1e3:.0f} kN in {where}" in answer
     none = replace(made.fe, strikes=())
     assert made.fe_plan.case.force_sentence(none) == "The vehicle does not strike the wall."
+
+
+def test_the_readme_shows_the_headline_of_its_run(outcome):
+    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    quoted = " ".join(line.removeprefix(">").strip() for line in text.splitlines() if line.startswith(">"))
+    lines = corner.headline(outcome("paper-table-3")).in_units(SI).lines
+    assert " ".join(lines) in " ".join(quoted.split())
 
 
 def test_a_failed_run_opens_with_check_size_and_remedy(outcome):
@@ -205,3 +214,26 @@ def test_pages_are_in_the_units_of_their_reader(outcome):
     assert "147 kip" in page.headline.answer
     assert "9979 kg vehicle at 56 mph" in page.headline.title
     assert f"{9.4909 / 0.3048:.3g}" in next(chart.svg for chart in page.charts if chart.name == "set-up")
+
+
+def test_ratios_and_the_other_restitution_are_named(outcome):
+    """Which force is over the design force, and which convention the second peak force follows."""
+    truck, hit = outcome("mash-tl4-sut"), outcome("impact-mash-tl4-sut")
+    named = [shared.design_table(made).columns[2].label for made in (truck, hit)]
+    assert named == ["Peak / design", "50 ms mean / design"]
+    for made in (truck, hit):
+        first = shared.design_table(made).rows[0]
+        assert first["ratio"] == pytest.approx(made.lateral_force / (54.0 * KIP))
+    _, other = corner.peak_table(truck).rows
+    assert other["what"] == "With Newton's convention (1 + e)"
+    assert other["rigid"] == truck.fe_plan.case.other_convention()[1].force.peak_force
+
+
+def test_headings_name_what_is_drawn(outcome, tmp_path):
+    """No force along the side without a layer there; positions grow more opaque, in light and dark."""
+    page = impact.run_report(outcome("impact-mash-tl4-sut"), tmp_path, False).page
+    titles = [section.title for section in page.sections]
+    assert "Energy" in titles
+    assert not [title for title in titles if "along the side" in title]
+    (caption,) = (chart.caption for chart in page.charts if chart.name == "positions")
+    assert "later ones more opaque" in caption

@@ -276,6 +276,8 @@ def test_a_failed_run_says_so(outcome, tmp_path):
     page = run_page(replace(made, checks=(broken, *others), difference=difference), tmp_path)
     assert (page.pieces.count("failed"), page.pieces.count("passed")) == (1, len(others))
     assert f"1 of {len(made.checks)} checks failed" in page.pieces
+    assert ("body", "class", "failed") in page.attributes, "whose numbers are grey"
+    assert ".failed section:not(:first-child) .strong { color: var(--soft)" in page.inside("style")
     assert f"Failed: {first.name} nan (limit {first.limit:.3g}). Remedy: " in page.text.replace(
         pages.NO_BREAK, " "
     )
