@@ -22,19 +22,19 @@ GYRATION = 0.45
 
 ROWS = (
     Column("force", "Force by"),
-    Column("tips", "It tips"),
+    Column("tips", "Tips"),
     Column("largest_roll", "Largest roll", "rad", form=".2f", style="strong"),
     *columns(
         {"lowest_safe_wall": "Lowest wall", "wall_margin": "Margin"},
         unit="m",
         form=".3f",
-        group="That holds it",
+        group="Wall that retains it",
     ),
     *columns(
         {"highest_safe_centre": "Highest centre", "centre_margin": "Margin"},
         unit="m",
         form=".3f",
-        group="Held",
+        group="Centre retained",
     ),
     Column("far_lifted", "Far wheels lifted", "s", form=".2f"),
 )
