@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import functools
+import importlib.util
+import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -373,6 +376,28 @@ def new(name: str, as_json: bool) -> int:
     """Write NAME.toml, a scene with every key, its meaning and an example."""
     path = tailslap.new(name)
     return options.tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
+
+
+@commands.command()
+@click.argument("name", metavar="[SCENE]", default="mash-tl4-sut", shell_complete=options.complete_scene)
+@click.option(
+    "--port", type=options.Whole(1024, 65535), default=2718, show_default=True, help="Port on 127.0.0.1."
+)
+@click.option("--headless", is_flag=True, help="Print the address and open no browser.")
+def explore(name: str, port: int, headless: bool) -> None:
+    """Open a page in the browser with sliders for a scene.
+
+    Force history, strikes and set-up of the rigid vehicle follow the sliders; a button runs the finite elements. The
+    page is served to this machine only, under an address with a token. It needs marimo.
+    """
+    if importlib.util.find_spec("marimo") is None:
+        raise click.ClickException("`tailslap explore` needs marimo; install it with `pip install marimo`")
+    read.read_scene(name)
+    page, flags = Path(__file__).with_name("explore.py"), ["--headless"] * headless
+    address = ["--host", "127.0.0.1", "--port", str(port), "--token", *flags]
+    os.execv(
+        sys.executable, [sys.executable, "-m", "marimo", "run", str(page), *address, "--", "--scene", name]
+    )
 
 
 @commands.command()

@@ -150,12 +150,19 @@ def load_pyvista() -> Any:
     if name in sys.modules:
         return import_module("pyvista")
     later = ModuleType(name)
-    later.__getattr__ = lambda attribute: getattr(import_module(name), attribute)  # type: ignore[method-assign]
+
+    def attribute(asked: str) -> Any:
+        if sys.modules.get(name) is later:  # asked by the import itself, as hooks of notebooks do
+            del sys.modules[name]
+        return getattr(import_module(name), asked)
+
+    later.__getattr__ = attribute  # type: ignore[method-assign]
     sys.modules[name] = later
     try:
         import_module("pyvista.plotting")
     finally:
-        del sys.modules[name]
+        if sys.modules.get(name) is later:
+            del sys.modules[name]
     return sys.modules["pyvista"]
 
 

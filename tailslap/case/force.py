@@ -9,7 +9,7 @@ from postprocess.report.page import Table
 from postprocess.signals.filters import force_curves
 from postprocess.svg.chart import FULL, Chart
 from tailslap.case.case import Case
-from tailslap.case.report import design_table, known_forces, strikes_table
+from tailslap.case.report import design_table, known_forces, short, strikes_table
 
 INTERVAL = 5e-4
 """Time between samples of the force at the tail-slap [s]."""
@@ -45,7 +45,7 @@ def _tail_slap(case: Any) -> tuple[np.ndarray, dict[str, np.ndarray], list[Strik
 def force_tables(case: Any) -> dict[str, Table]:
     """Strikes of a whole impact, and the largest force over each design force."""
     if not case.scene.contact:
-        return {"Design forces": design_table(case, float(case.force.peak_force))}
+        return {"Design forces": short(design_table(case, float(case.force.peak_force)))}
     answer = case.answer
     tables = {"Strikes": strikes_table({"rigid": answer.numbers()["strikes"]})}
-    return tables | {"Design forces": design_table(case, answer.peaks["mean_50ms"])}
+    return tables | {"Design forces": short(design_table(case, answer.peaks["mean_50ms"]))}

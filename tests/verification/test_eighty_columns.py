@@ -131,7 +131,8 @@ def test_no_command_lacks_them():
     study = cli.commands.commands["study"]
     assert isinstance(study, click.Group)
     context = click.Context(study)
-    each = {name: command for name, command in cli.commands.commands.items() if name != "study"}
+    others = {"study", "explore"}  # a group; a page that is served until it is closed, without a result
+    each = {name: command for name, command in cli.commands.commands.items() if name not in others}
     each |= {name: study.get_command(context, name) for name in study.list_commands(context)}
     for name, command in each.items():
         options = {option for parameter in command.params for option in parameter.opts}

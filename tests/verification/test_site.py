@@ -48,6 +48,9 @@ PLACEHOLDER = re.compile(r"\b(?:KEY|DIR|COMMAND|SHELL|X)\b")
 MENTIONED = {"tailslap run", "tailslap rigid", "tailslap check"}
 """Commands without their argument."""
 
+SERVED = "tailslap explore"
+"""A command that serves a page until it is ended: test_explore.py."""
+
 FRAGMENTS = {"docs/impact.md": "impact-mash-tl4-sut"}
 """Scene of the --set options that a page shows alone; of others paper-table-3."""
 
@@ -190,6 +193,7 @@ def commands_of(text):
     parts = [part.strip() for line in text.splitlines() for part in line.split(" && ")]
     lines = [OPTIONAL.sub("", part.removeprefix(".venv/bin/")) for part in parts]
     whole = [line for line in lines if line.startswith("tailslap ") and line not in MENTIONED]
+    whole = [line for line in whole if not line.startswith(SERVED)]
     whole = [
         line.replace("flexibility SCENE", "flexibility mash-tl4-sut") for line in whole
     ]  # as on other pages
