@@ -40,7 +40,11 @@ def test_every_shipped_scene_has_an_answer_with_its_force(name):
     shown = f"{peak / KIP:.{max(3, len(digits.replace('.', '')))}g} kip"
     assert f": {shown}" in own.headline().in_units(US).answer
     vehicle, hit = own.source.given["vehicle"], own.source.given["impact"]
-    subject = f"{vehicle['mass']} vehicle at {hit['speed']}, {hit['angle']}"
+    trailers = own.source.given.get("trailer", ())
+    what = (
+        "tractor" + "".join(f" with a {unit['mass']} trailer" for unit in trailers) if trailers else "vehicle"
+    )
+    subject = f"{vehicle['mass']} {what} at {hit['speed']}, {hit['angle']}"
     if "start" in own.source.given:
         subject = f"{vehicle['mass']} vehicle at 25.053 m/s, 14.8969 deg"
     assert headline.title.endswith(f": {subject}")
@@ -219,10 +223,12 @@ def test_pages_are_in_the_units_of_their_reader(outcome):
 def test_ratios_and_the_other_restitution_are_named(outcome):
     """Which force is over the design force, and which convention the second peak force follows."""
     truck, hit = outcome("mash-tl4-sut"), outcome("impact-mash-tl4-sut")
-    named = [shared.design_table(made).columns[2].label for made in (truck, hit)]
+    named = [
+        shared.design_table(made.fe_plan.case, made.lateral_force).columns[2].label for made in (truck, hit)
+    ]
     assert named == ["Peak / design", "50 ms mean / design"]
     for made in (truck, hit):
-        first = shared.design_table(made).rows[0]
+        first = shared.design_table(made.fe_plan.case, made.lateral_force).rows[0]
         assert first["ratio"] == pytest.approx(made.lateral_force / (54.0 * KIP))
     _, other = corner.peak_table(truck).rows
     assert other["what"] == "With Newton's convention (1 + e)"
