@@ -341,7 +341,9 @@ def test_where_the_runs_of_a_sweep_are_made(count, own, workers, expected, monke
         tailslap.sweep("paper-table-3", values, {"corner.reaction": reaction}, workers=workers)
         assert asked == [expected]
         if own:
-            with pytest.raises(InputError, match=r"other processes do not know corner\.reaction = own"):
+            with pytest.raises(
+                InputError, match=r"corner\.reaction = own is registered in this process only"
+            ):
                 tailslap.sweep("paper-table-3", values, {"corner.reaction": reaction}, workers=2)
     finally:
         FRICTION_LAWS.pop("own", None)

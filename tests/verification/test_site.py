@@ -44,6 +44,9 @@ STAND_INS = {
 }
 """Values for what a synopsis leaves open; what is optional in it is left out."""
 
+OF_STUDIES = {"flexibility": "mash-tl4-sut", "tipping": "impact-tipping-tl4-sut"}
+"""Scenes of studies, as on other pages."""
+
 PLACEHOLDER = re.compile(r"\b(?:KEY|DIR|COMMAND|SHELL|X)\b")
 MENTIONED = {"tailslap run", "tailslap rigid", "tailslap check"}
 """Commands without their argument."""
@@ -194,9 +197,8 @@ def commands_of(text):
     lines = [OPTIONAL.sub("", part.removeprefix(".venv/bin/")) for part in parts]
     whole = [line for line in lines if line.startswith("tailslap ") and line not in MENTIONED]
     whole = [line for line in whole if not line.startswith(SERVED)]
-    whole = [
-        line.replace("flexibility SCENE", "flexibility mash-tl4-sut") for line in whole
-    ]  # as on other pages
+    for study, scene in OF_STUDIES.items():
+        whole = [line.replace(f"{study} SCENE", f"{study} {scene}") for line in whole]
     filled = [" ".join(STAND_INS.get(word, word) for word in line.split(" ")) for line in whole]
     return [Step("command", line) for line in filled if not PLACEHOLDER.search(line)]
 

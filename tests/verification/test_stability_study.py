@@ -113,7 +113,7 @@ def test_a_cell_whose_run_would_take_too_long_is_left_out_with_its_reason(monkey
     assert verdict_at("stiffness", 1.0, "friction", 0.2)["kind"] == "right"
     stiff = verdict_at("stiffness", 1e4, "friction", 0.2)
     assert (stiff["kind"], stiff["steps"]) == ("unjudged", 0)
-    assert re.fullmatch(r"its time loop would take about \S+ s", stiff["reason"])
+    assert re.fullmatch(r"estimated time of the time loop \S+ s", stiff["reason"])
 
 
 def breaks(*arguments):
@@ -268,7 +268,7 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     cells, places = map_cells(case.scene, axes)
     caught = study.verdict("caught", failed="energy balance, mesh")
     refused = study.verdict("refused", reason="k: given 3; allowed less")
-    left_out = study.verdict("unjudged", reason="its time loop would take about 427 s")
+    left_out = study.verdict("unjudged", reason="estimated time of the time loop 427 s")
     right, wrong = study.verdict("right"), study.verdict("wrong", reason="x")
     verdicts = (*5 * [right], caught, refused, left_out, wrong)
     rows = {key: places[key] | each for key, each in zip(cells, verdicts, strict=True)}
@@ -288,7 +288,7 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     assert page.count("<svg") == 3  # set-up, map and what its colours mean
     key = next(iter(found.of_kind("wrong")))
     advised = "k: allowed less", "a smaller time.safety_factor", "failed</span>"
-    for text in ("passed every check, and is not right", key, left_out["reason"], *advised):
+    for text in ("undetected error: passed every check", key, left_out["reason"], *advised):
         assert text in page
     assert re.search("unjudged +its time loop", report_text(made, tmp_path))
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 10
