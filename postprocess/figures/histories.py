@@ -63,13 +63,13 @@ ERROR = (("energy_error", "error"),)
 ENERGIES = tuple(
     Panel(name, columns, "energy", "J", "Energy", caption, columns is EXCHANGED)
     for name, columns, caption in (
-        ("energy_exchanged", EXCHANGED, "What the motion loses, and what friction does"),
+        ("energy_exchanged", EXCHANGED, "Change of kinetic energy, and work of friction"),
         (
             "energy_stored",
             STORED,
             "Strain, contact spring and vibration of the plate, and the work of damping",
         ),
-        ("energy_error", ERROR, "What the energy balance leaves unaccounted for"),
+        ("energy_error", ERROR, "Energy-balance error"),
     )
 )
 

@@ -97,7 +97,7 @@ def draw_positions(
     if strikes:
         caption += "; below the wall's face what is crushed, and the strikes"
     if motion is not None:
-        caption += f"; the filled one moves, {SLOWER:g} times slower than the vehicle"
+        caption += f"; the filled one is animated, {SLOWER:g} times slower than the vehicle"
     points = outlines.reshape(-1, 2)
     low, high = points.min(axis=0) - EDGE, points.max(axis=0) + np.array([2.0 * EDGE, TOP])
     rows = low[1] - ROW * np.arange(len(strikes))
@@ -192,7 +192,7 @@ def draw_curves(
 
 def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
     """Force [N] over crush [m] of each contact point by its name, shape (n,) each; drawn in kN and mm."""
-    caption = "Force over crush of each contact point: what a loop encloses is lost"
+    caption = "Force over crush of each contact point; the area of a loop is the dissipated energy"
     places = {label: _cornered(crush * 1e3, force / 1e3) for label, (crush, force) in contacts.items()}
     lines = tuple(Line(label, *its, corner_colour(label)) for label, its in places.items())
     plot = chart.Plot(lines, chart.Axis("force [kN]", low=0.0), 230.0, nearest="xy")
@@ -217,7 +217,7 @@ def draw_energies(t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strik
     t [s], kinetic and each of `parts` [J], shape (n,): crush lost, friction, damping, crush stored, strain and so on,
     the first at the bottom. Where layers and line part, the balance is open.
     """
-    caption = "Energy that the motion gave up (line), and what it went into (layers)"
+    caption = "Decrease of the kinetic energy (line), and energies into which it is converted (layers)"
     shown = np.unique(np.linspace(0, t.size - 1, 2 * histories.STRETCHES).astype(int))
     kept = {label: values[shown] / 1e3 for label, values in parts.items() if np.any(values)}
     tops = np.cumsum([np.zeros(shown.size), *kept.values()], axis=0)

@@ -111,7 +111,7 @@ def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]
     first = next(iter(panels[0].lines.values()))
     lines = [replace(line, x=np.zeros(0), y=np.zeros(0)) for line in _lines(panels[0].values, first)]
     keys = [*lines, key("the scene's own", "grey", 1.0, "2 2")]
-    words = "What the lines are; impulse and duration are drawn as the first peak of their strike"
+    words = "Key of the lines; impulse and duration are drawn as the first peak of their strike"
     drawn = [chart.draw_legend("inputs-legend", words, keys)]
     for panel in panels:
         own = Span("", panel.own, panel.own, "grey")

@@ -224,11 +224,11 @@ def draw_parallels(rows: SweepRows) -> Chart:
     """Each row a line across its inputs, its FE results and its largest difference, which colours it; red where it
     failed. Just before the last scale stands, below the lines, the rigid solution."""
     caption = (
-        "Each line is a row: its inputs, what FE gives, and the largest difference from the rigid solution of the same "
+        "Each line is a row: its inputs, FE results, and the largest difference from the rigid solution of the same "
         "row, which colours the line (dark: small); red: a check failed. Behind it, in orange, that rigid solution"
     )
     if not rows.fe:
-        caption = "Each line is a row: its inputs, and what the rigid vehicle gives; the last scale colours the line"
+        caption = "Each line is a row: its inputs, and results of the rigid vehicle; the last scale colours the line"
     inputs = [scaled(item.label, item.values, item.logarithmic) for item in rows.varied]
     count, results, rigid = len(rows.status), [], []
     for key, quantity in rows.compared.quantities.items():

@@ -303,7 +303,12 @@ def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
 def page_text(place):
     """Words of a page without tags, what is folded and drawn included, but for the set-up, in the scene's units."""
     html = (place / "report.html").read_text(encoding="utf-8")
-    html = re.sub(r"<header>.*?</header>|<svg[^>]*Set-up from above.*?</figure>", "", html, flags=re.DOTALL)
+    html = re.sub(
+        r"<title>.*?</title>|<header>.*?</header>|<svg[^>]*Set-up from above.*?</figure>",
+        "",
+        html,
+        flags=re.DOTALL,
+    )
     text = re.sub(r"<style>.*?</style>|<pre.*?</pre>|<script>.*?</script>", "", html, flags=re.DOTALL)
     return re.sub(r"<[^>]+>", "", text).replace("\N{NO-BREAK SPACE}", " ")
 

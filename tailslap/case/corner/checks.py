@@ -354,7 +354,7 @@ ENERGY_RATIO = CheckKind("energy ratio", _energy_ratio, STEP)
 """Listed before the checks of the contact, the others after them."""
 
 PRACTICE = (
-    CheckKind("hourglass share", _hourglass_of_strain, ELEMENTS),
+    CheckKind("hourglass over strain energy", _hourglass_of_strain, ELEMENTS),
     CheckKind("hourglass over total energy", _hourglass_of_total, ELEMENTS),
     CheckKind("added mass", _added_mass, 'plate.lumping = "exact"'),
     *(CheckKind(name, partial(_metric, *how), ROUGH, of_reaction=True) for name, how in METRICS.items()),
