@@ -18,8 +18,8 @@ import numpy as np
 from solver.impact import (
     CORNERS,
     CrushLaw,
+    HitchedVehicle,
     ImpactVehicle,
-    Trailer,
     WallContact,
     corner_name,
     first_touch,
@@ -39,14 +39,16 @@ TRAINS = {  # of each trailer the body, crush [N/m], hitch and kingpin [m]
 SPEED = 22.35
 
 
-def train_of(name: str, friction: float) -> tuple[ImpactVehicle, WallContact, list[Trailer]]:
+def train_of(name: str, friction: float) -> tuple[ImpactVehicle, WallContact, list[HitchedVehicle]]:
     """A train of `TRAINS` as the program takes it."""
     stiffness, behind = TRAINS[name]
     laws = [
         WallContact(CrushLaw(k, 0.0, RESTITUTION), friction)
         for k in (stiffness, *(each[1] for each in behind))
     ]
-    trailers = [Trailer(body, law, *hinge) for (body, _, *hinge), law in zip(behind, laws[1:], strict=True)]
+    trailers = [
+        HitchedVehicle(body, law, *hinge) for (body, _, *hinge), law in zip(behind, laws[1:], strict=True)
+    ]
     return TRACTOR, laws[0], trailers
 
 

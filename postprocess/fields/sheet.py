@@ -176,7 +176,7 @@ def font(size: int, is_bold: bool) -> Any:
     return ImageFont.truetype(str(Path(mpl.get_data_path()) / "fonts" / "ttf" / name), size)
 
 
-class Words(NamedTuple):
+class Lettering(NamedTuple):
     """A text at a pixel from the lower left corner: where it starts or ends, or its middle, and its base line."""
 
     text: str
@@ -193,7 +193,7 @@ def typeset(text: str) -> list[tuple[str, bool]]:
     return [(part, number % 3 == 2) for number, part in enumerate(parts) if part]
 
 
-def write_words(image: Any, words: Words) -> None:
+def write_words(image: Any, words: Lettering) -> None:
     """Write a text into an image of Pillow."""
     from PIL import ImageDraw
 
@@ -232,8 +232,8 @@ class Sheet:
         camera.parallel_projection, camera.parallel_scale = True, middle[1]
         camera.clipping_range = (1.0, 20.0)
         self.passing: list[Any] = []
-        self.kept_words: list[Words] = []
-        self.words: list[Words] = []
+        self.kept_words: list[Lettering] = []
+        self.words: list[Lettering] = []
 
     def close(self) -> None:
         """Give the window back."""
@@ -344,7 +344,7 @@ class Sheet:
     ) -> None:
         """Write a text of this size [pixels of `SIZE`] that starts, ends ("right") or is centred at a pixel of its base
         line; ground: opacity of the white behind it."""
-        self.words.append(Words(text, pixel, size * self.dot, justify, bold, ground))
+        self.words.append(Lettering(text, pixel, size * self.dot, justify, bold, ground))
 
     def write_at_edge(self, text: str, away: tuple[float, float], size: int = TEXT, **more: Any) -> None:
         """Write a text so many pixels of `SIZE` away from the left and lower edge; negative ones are counted from the

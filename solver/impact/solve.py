@@ -15,7 +15,7 @@ from solver import rules
 from solver.impact import train as vehicles
 from solver.impact.step import SUMS, UNIT
 from solver.impact.strikes import Strike, corner_name, strikes_of_rows
-from solver.impact.train import ImpactState, ImpactVehicle, Trailer, Train, WallContact, train_of
+from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, Train, WallContact, train_of
 from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
 from solver.rules import Array, Gate, Number, RigidBodyError, number
 
@@ -65,7 +65,7 @@ class ImpactMotion:
         Between rows [s].
     rows : ndarray, shape (rows, columns)
         Every step, or as many as there is room for [SI]; columns as of `column_names`.
-    trailers : tuple of Trailer
+    trailers : tuple of HitchedVehicle
         As given.
     """
 
@@ -78,7 +78,7 @@ class ImpactMotion:
     error: float
     interval: float
     rows: Array
-    trailers: tuple[Trailer, ...] = ()
+    trailers: tuple[HitchedVehicle, ...] = ()
 
     @property
     def vehicles(self) -> tuple[ImpactVehicle, ...]:
@@ -186,7 +186,7 @@ def solve_impact(
     step: float | None = None,
     tolerance: float = TOLERANCE,
     on_compile: OnCompile = ignore_compiling,
-    trailers: Sequence[Trailer] = (),
+    trailers: Sequence[HitchedVehicle] = (),
 ) -> ImpactMotion:
     """The whole impact of a rigid vehicle, or of a train, any number of strikes.
 
@@ -211,7 +211,7 @@ def solve_impact(
         Of peaks, impulses and spin, by which the step is chosen [-].
     on_compile : callable
         Called when code is compiled, see `fem.machine_code.compiled.compile_once`.
-    trailers : sequence of Trailer
+    trailers : sequence of HitchedVehicle
         Behind the vehicle, in a line with it at the start.
 
     Returns
@@ -336,8 +336,8 @@ def solve_impacts(
     tolerance : float
         Of peaks, impulses and spin, by which the step of each is chosen [-].
     trailers : sequence of dict
-        Of each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `Trailer`, and where
-        it has its own `centre_of_mass`, `yaw_inertia` and `stiffness`.
+        Of each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `HitchedVehicle`, and
+        where it has its own `centre_of_mass`, `yaw_inertia` and `stiffness`.
 
     Returns
     -------

@@ -177,7 +177,7 @@ class ImpactState:
 
 
 @dataclass(frozen=True)
-class Trailer:
+class HitchedVehicle:
     """A vehicle hinged to the one ahead, on the centre lines of both.
 
     Parameters
@@ -199,7 +199,7 @@ class Trailer:
 
 
 def first_touch(
-    vehicle: ImpactVehicle, angle: float, speed: float, trailers: Sequence[Trailer] = ()
+    vehicle: ImpactVehicle, angle: float, speed: float, trailers: Sequence[HitchedVehicle] = ()
 ) -> ImpactState:
     """The state at first touch: the front corner of the wall side at X = Y = 0, the velocity along the heading.
 
@@ -211,7 +211,7 @@ def first_touch(
         Between side and wall, theta [rad].
     speed : float
         [m/s].
-    trailers : sequence of Trailer
+    trailers : sequence of HitchedVehicle
         Behind it in a line. One so wide that it touches first is on the wall, and the vehicle's corner off it.
 
     Returns
@@ -234,7 +234,7 @@ def first_touch(
     return ImpactState(*state)
 
 
-def distances(vehicle: ImpactVehicle, trailers: Sequence[Trailer]) -> list[float]:
+def distances(vehicle: ImpactVehicle, trailers: Sequence[HitchedVehicle]) -> list[float]:
     """Distances from the vehicle's centre of mass back to that of each trailer, all in a line [m]."""
     found, ahead, place = list[float](), vehicle, 0.0
     for each in trailers:

@@ -9,9 +9,9 @@ from solver import RigidBodyError
 from solver.impact import (
     CORNERS,
     CrushLaw,
+    HitchedVehicle,
     ImpactMotion,
     ImpactVehicle,
-    Trailer,
     WallContact,
     corner_name,
     first_touch,
@@ -41,7 +41,7 @@ def train_run(vehicles, hinges, k, speed=22.35, **more):
 
 def train_impact(k=2e6, vehicle=TRACTOR, trailers=((TRAILER, HITCH, KINGPIN),), speed=22.35, **more):
     law = WallContact(CrushLaw(k, 0.0, 0.22), MU)
-    behind = [Trailer(unit, law, *hinge) for unit, *hinge in trailers]
+    behind = [HitchedVehicle(unit, law, *hinge) for unit, *hinge in trailers]
     return solve_impact(vehicle, law, first_touch(vehicle, ANGLE, speed, behind), trailers=behind, **more)
 
 
@@ -128,7 +128,7 @@ def test_a_train_in_free_flight():
 def test_the_hinge_of_two_spinning_units_bears_their_relative_acceleration():
     """m1 m2/(m1 + m2) times that of their centres: of a straight train that turns as one body w^2 times their distance,
     for ever, and at any instant of one that folds."""
-    behind = [Trailer(TRAILER, WallContact(CrushLaw(1e6), MU), HITCH, KINGPIN)]
+    behind = [HitchedVehicle(TRAILER, WallContact(CrushLaw(1e6), MU), HITCH, KINGPIN)]
     reduced = TRACTOR.mass * TRAILER.mass / (TRACTOR.mass + TRAILER.mass)
     for spins in ((0.4, 0.4), (0.4, -0.3)):
         _, a, b, found = flown(*spins)
@@ -208,7 +208,7 @@ def test_many_trains_are_what_each_is_alone():
             WallContact(CrushLaw(unit.pop("stiffness"), 0.0, 0.22), its["friction"]) for unit in (one, two)
         ]
         hinge = two.pop("hitch"), two.pop("kingpin")
-        vehicle, trailer = ImpactVehicle(**one), Trailer(ImpactVehicle(**two), laws[1], *hinge)
+        vehicle, trailer = ImpactVehicle(**one), HitchedVehicle(ImpactVehicle(**two), laws[1], *hinge)
         state = first_touch(vehicle, ANGLE, its["speed"], [trailer])
         alone = solve_impact(vehicle, laws[0], state, trailers=[trailer])
         assert many.error[i] < 1e-4

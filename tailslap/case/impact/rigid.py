@@ -111,14 +111,14 @@ class RigidImpact(Case):
             return rigid_vehicle(self.scene.vehicle)
 
     @cached_property
-    def trailers(self) -> tuple[impact.Trailer, ...]:
+    def trailers(self) -> tuple[impact.HitchedVehicle, ...]:
         """Rigid trailers behind the vehicle."""
-        found, contact = list[impact.Trailer](), self.scene.needed_contact
+        found, contact = list[impact.HitchedVehicle](), self.scene.needed_contact
         for number, unit in enumerate(self.scene.trailer):
             own = contact.model_copy(update={"stiffness": unit.stiffness or contact.stiffness})
             with refusals(self.scene, f"trailer.{number}"):
                 laws = wall_contact(self.scene, own)
-                found.append(impact.Trailer(rigid_vehicle(unit), laws, unit.hitch, unit.kingpin))
+                found.append(impact.HitchedVehicle(rigid_vehicle(unit), laws, unit.hitch, unit.kingpin))
         return tuple(found)
 
     @cached_property

@@ -38,7 +38,7 @@ RIGHT, FLEXIBLE, REFUSED, CAUGHT, WRONG = "right", "flexible", "refused", "caugh
 REACTION_ONLY, GOOD, UNJUDGED = "reaction only", "good but failed", "unjudged"
 MAP_KINDS = {
     RIGHT: "agrees with the rigid motion",
-    FLEXIBLE: "differs from the rigid motion, confirmed by refinement",
+    FLEXIBLE: "flexibility effect, confirmed by refinement",
     REFUSED: "invalid input",
     CAUGHT: "rejected by a check",
     UNJUDGED: "omitted: the estimated run time exceeds the limit",

@@ -48,7 +48,7 @@ FIXED_OF_BAND = (
 
 
 @dataclass(frozen=True)
-class Tipping:
+class RolledOver:
     """The finished study.
 
     Attributes
@@ -106,7 +106,7 @@ def compute(
     ranges: tuple[str, ...],
     fixed: tuple[str, ...],
     workers: int | None,
-) -> Tipping:
+) -> RolledOver:
     """The study of a scene with [tipping]; an interrupted one goes on from its journal. Raises InputError."""
     if case.scene.tipping is None:
         raise InputError("tipping", Missing, "`tailslap study tipping` requires this table")
@@ -140,7 +140,7 @@ def compute(
         raise InputError(
             "--range", Verbatim("these ranges"), "no vehicle within these ranges rolls over any wall"
         )
-    return Tipping(
+    return RolledOver(
         case, answer, centres, walls, rolls, line, found["centres"], found["band"], varied, inputs, lowest,
         sampling.index_rows(varied, lowest), found["error"], time.perf_counter() - began,
     )  # fmt: skip

@@ -10,7 +10,7 @@ from postprocess.units import grouped, measure, percent
 from tailslap.campaign import sampling
 from tailslap.case.impact.tipping import LIMIT_COLUMNS, LIMITS
 from tailslap.case.report import study_page, study_summary
-from tailslap.studies.tipping.compute import INCH, STEP, WALLS, Tipping
+from tailslap.studies.tipping.compute import INCH, STEP, WALLS, RolledOver
 
 HELD = (
     Column("inches", "Wall [in]", form=".1f"),
@@ -33,7 +33,7 @@ MEANING = (
 )
 
 
-def report(found: Tipping) -> Report:
+def report(found: RolledOver) -> Report:
     """Report with map and samples."""
     scene, own = found.case.scene, found.answer
     assert scene.tipping
@@ -74,7 +74,7 @@ def report(found: Tipping) -> Report:
     )
 
 
-def walls_held(found: Tipping) -> list[dict[str, Any]]:
+def walls_held(found: RolledOver) -> list[dict[str, Any]]:
     """Rows of common walls and of the scene: roll of the nominal vehicle, fraction of the samples without rollover."""
     from solver.tipping import TIPPED, largest_rolls
 
@@ -90,7 +90,7 @@ def walls_held(found: Tipping) -> list[dict[str, Any]]:
     return [{"inches": h / INCH, "height": h, "roll": roll, "holds": found.holds(h)} for h, roll in rows]
 
 
-def headline(found: Tipping) -> Headline:
+def headline(found: RolledOver) -> Headline:
     """Lowest wall, its uncertainty and the main source of variance."""
     low, _, high = sampling.band_of(found.lowest).percentiles
     first = max(found.sources, key=lambda row: row["total"])
@@ -104,7 +104,7 @@ def headline(found: Tipping) -> Headline:
     return Headline(f"Roll over the wall: {found.case.subject}", answer, found.case.set_up, certainty)
 
 
-def _sentences(found: Tipping) -> list[str]:
+def _sentences(found: RolledOver) -> list[str]:
     """Description of the method."""
     drawn = f"{grouped(found.lowest.size)} scrambled Sobol points (seed {sampling.SEED})"
     return [
@@ -117,7 +117,7 @@ def _sentences(found: Tipping) -> list[str]:
     ]
 
 
-def _summary(found: Tipping) -> dict[str, Any]:
+def _summary(found: RolledOver) -> dict[str, Any]:
     own = found.answer.numbers()
     return {
         "seed": sampling.SEED,
@@ -133,7 +133,7 @@ def _summary(found: Tipping) -> dict[str, Any]:
     }
 
 
-def _map(found: Tipping) -> dict[str, Any]:
+def _map(found: RolledOver) -> dict[str, Any]:
     """Columns of the map, one row per wall and centre height, in SI."""
     import numpy as np
 
