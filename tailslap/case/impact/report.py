@@ -136,7 +136,7 @@ def errors_table(outcome: run.ImpactOutcome) -> Table:
     """The stated error of the first two strikes of weight; empty where none is stated."""
     strikes = error.weighed(outcome.fe.strikes) if outcome.mesh_error else []
     rows = [
-        {"strike": f"{number} {strike.corner}"}
+        {"strike": f"{1 + outcome.fe.strikes.index(strike)} {strike.corner}"}
         | {name: outcome.mesh_error[f"strike_{number}.{name}"] for name in error.QUANTITIES}
         for number, strike in enumerate(strikes, 1)
     ]

@@ -41,7 +41,7 @@ MAP_KINDS = {
     FLEXIBLE: "flexibility effect, confirmed by refinement",
     REFUSED: "invalid input",
     CAUGHT: "rejected by a check",
-    UNJUDGED: "omitted: the estimated run time exceeds the limit",
+    UNJUDGED: "omitted: estimated run time above limit",
     WRONG: "undetected error: passed every check",
 }
 RANDOM_KINDS = {
