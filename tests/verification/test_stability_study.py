@@ -290,7 +290,7 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     advised = "k: allowed less", "a smaller time.safety_factor", "failed</span>"
     for text in ("undetected error: passed every check", key, left_out["reason"], *advised):
         assert text in page
-    assert re.search("unjudged +its time loop", report_text(made, tmp_path))
+    assert re.search("unjudged +estimated time", report_text(made, tmp_path))
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 10
 
 

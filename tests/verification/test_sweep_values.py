@@ -159,7 +159,7 @@ WRONG = [
     ("corner.friction=0:1:3 --set corner.friction=1", "--vary", "exclude each other"),
     ("corner.friction=0:1:2000 --vary plate.poissons_ratio=0:0.4:501", "--vary", "the limit is 1000000"),
     ("time.rows=100:200 --sample 10", "time.rows", "require a list"),
-    ("corner.friction=0:1:3 --cluster tcp://x:1 --workers 2", "--workers", "leave out"),
+    ("corner.friction=0:1:3 --cluster tcp://x:1 --workers 2", "--workers", "exclude each other"),
     *((f"corner.friction=0:1:3 --out {place}", "--out", message) for place, message in PLACES.items()),
 ]
 
