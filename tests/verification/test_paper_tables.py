@@ -204,7 +204,7 @@ def analytical(found):
         f"{percent(longer, 1)}",
         f"{start['56 mph']['omega']['computed']:.4f} rad/s and {start['56 mph']['corner_speed']['computed']:.3f} m/s "
         f"against the printed {tables.START['omega']} and {tables.START['corner_speed']}",
-        f"The 90 km/h of Table 1 give {start['90 km/h']['omega']['computed']:.4f} and "
+        f"The 90 km/h of Table 1 lead to {start['90 km/h']['omega']['computed']:.4f} and "
         f"{start['90 km/h']['corner_speed']['computed']:.3f}, and a peak force that is {percent(slower, 2)} off",
         f"belongs to {found['table_1']['implied_speed'] / tables.MPH:.3f} mph",
     ]
@@ -233,7 +233,7 @@ def stages(found):
         f"into the wall at {-signs['paper']['corner_recoil']:.3f} m/s",
         f"the peak force of {force / 1e3:.0f} kN (from 15 deg, not rounded) "
         f"{signs['newton']['peak_force'] / 1e3:.0f} kN, {percent(signs['newton']['change'], 0)}; "
-        f"e = 0 gives {signs['e = 0']['peak_force'] / 1e3:.0f} kN, "
+        f"e = 0 makes it {signs['e = 0']['peak_force'] / 1e3:.0f} kN, "
         f"{percent(signs['e = 0']['change'], 0)}",
     ]
 
@@ -295,11 +295,11 @@ def whole_impact(found):
     assert np.ptp(impulse) < 100.0
     return [
         f"is {min(omega):.3f} to {max(omega):.3f} rad/s for 1 to 3 MN/m, {whole['nearly_rigid']:.4f} for 200 MN/m",
-        f"gives {whole['omegas']['newton']:.4f}, the paper's 1 - e {whole['omegas']['paper']:.4f}",
+        f"leads to {whole['omegas']['newton']:.4f}, the paper's 1 - e {whole['omegas']['paper']:.4f}",
         f"at {min(leaves):.3f} to {max(leaves):.3f} s, is {min(away):.1f} to {max(away):.1f} m off",
         f"strikes at {min(begins):.3f} to {max(begins):.3f} s, where Stage 2, held by the wall, has "
         f"{whole['paper_time']:.3f} s",
-        f"= {whole['share']:.3f} m of it ({whole['share_friction']:.3f} with friction; the rear strike of the whole "
+        f"= {whole['share']:.3f} m ({whole['share_friction']:.3f} with friction; the rear strike of the whole "
         f"impact has {fraction[1]:.3f}) at about 2 v_GY: for e = 0, {whole['corner_impulse'] / 1e3:.1f} instead of "
         f"{whole['plastic_impulse'] / 1e3:.1f} kN s",
         f"For e = 0.22 the whole impact has {impulse[1] / 1e3:.1f} kN s, Stage 3 {whole['paper_impulse'] / 1e3:.1f}",
