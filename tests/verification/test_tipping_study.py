@@ -63,7 +63,7 @@ def test_the_band_holds_the_line_and_the_centre_s_height_counts_most(found):
 def test_the_report(found):
     made = report.report(found)
     text = str(made.page)
-    for words in ("lowest wall that holds", "cargo that shifts", "No rollover"):
+    for words in ("Lowest wall without rollover", "shift of the cargo", "No rollover"):
         assert words in text
     assert np.size(made.histories["map.csv"]["largest_roll"]) == 2500
     held = [row["holds"] for row in made.summary["walls"]]
