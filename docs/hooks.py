@@ -1,10 +1,14 @@
-"""Hooks of `mkdocs build`: equations become MathML, which browsers draw without a script; the version, and the
-repository that this checkout was cloned from, in the frame of each page.
+"""Hooks of `mkdocs build`: equations become MathML, which browsers draw without a script; the pictures of the gallery
+are made by their scripts; the version, and the repository of this checkout, stand in the frame of each page.
 """
 
+import ast
 import html
 import re
 import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 import tailslap
@@ -24,6 +28,42 @@ def on_config(config: Any) -> Any:
     origin = subprocess.run(command, capture_output=True, text=True).stdout.strip()
     config.repo_url = origin if origin.startswith("https://") else None
     return config
+
+
+GALLERY = Path(__file__).parent / "gallery"
+
+
+def picture(script: Path) -> Path | None:
+    """Picture of a script, PNG or SVG, unless the script was changed since."""
+    made = (script.with_suffix(ending) for ending in (".png", ".svg"))
+    return next(
+        (path for path in made if path.exists() and path.stat().st_mtime >= script.stat().st_mtime), None
+    )
+
+
+def on_pre_build(**_: Any) -> None:
+    """Make the pictures of the gallery that are missing."""
+
+    def make(script: Path) -> None:
+        if not picture(script):
+            subprocess.run([sys.executable, script.name], cwd=GALLERY, check=True)
+
+    with ThreadPoolExecutor() as pool:
+        list(pool.map(make, GALLERY.glob("*.py")))
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """Show pictures and scripts of the gallery, each under the title that its docstring has."""
+    if page.file.src_uri != "gallery/index.md":
+        return markdown
+    parts = [markdown]
+    for script in sorted(GALLERY.glob("*.py")):
+        text, made = script.read_text(encoding="utf-8"), picture(script)
+        title, _blank, *rest = (ast.get_docstring(ast.parse(text)) or "").splitlines()
+        code = text.split('"""')[2].strip()
+        shown = f"![{title}]({made.name})" if made else ""
+        parts.append(f"## {title}\n\n{' '.join(rest)}\n\n{shown}\n\n```python\n{code}\n```")
+    return "\n\n".join(parts)
 
 
 def on_page_content(content: str, **_: Any) -> str:

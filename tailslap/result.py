@@ -330,7 +330,7 @@ class Result:
         if name not in known:
             raise InputError("plot_field", Verbatim(name), one_of(name, known))
         fields, k = self._instant(t)
-        (picture,) = contours.frames(fields, known[name], magnify, [k], SI)
+        (picture,) = contours.frames(fields.at(k), known[name], magnify, [0], SI)
         return picture
 
     def _instant(self, t: float | None) -> tuple[FieldSeries, int]:

@@ -9,7 +9,7 @@ with units in the headings, or in the metadata of each column.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -84,6 +84,11 @@ class FieldSeries:
         """Places of the nodes, with the elastic deformation times `magnify`, shape (instants, nodes, 2) [m]."""
         elastic = self.nodal["elastic_displacement"]
         return np.asarray(self.points + self.nodal["displacement"] + (magnify - 1.0) * elastic)
+
+    def at(self, k: int) -> FieldSeries:
+        """Fields at instant number k alone."""
+        nodal, elemental = ({name: f[[k]] for name, f in of.items()} for of in (self.nodal, self.elemental))
+        return replace(self, t=self.t[[k]], nodal=nodal, elemental=elemental)
 
     def scalar(self, name: str) -> np.ndarray:
         """Values a node, or an element, of a name of `SCALARS`, shape (instants, nodes or elements); else KeyError."""

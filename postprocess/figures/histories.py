@@ -234,6 +234,7 @@ def plot_overlays(panels: Mapping[str, Sequence[Curve]], over: str = TIME.label)
                 dashes = DASHES[(number // len(ORIGINS) + number) % len(DASHES)]
                 colour = marks.PALETTE[ORIGINS[number % len(ORIGINS)]]
                 axes.plot(t, values, label=label, color=colour, **(points or {"ls": dashes, "lw": 1.4}))
+            axes.margins(x=0.05 if points else 0.0)
             axes.set_ylabel(heading)
         grid[-1].set_xlabel(over)
         if any(len(curves) > 1 for curves in panels.values()):

@@ -93,6 +93,10 @@ def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
     assert not re.search(r"@import|url\((?:https?:)?//", (site / "style.css").read_text(encoding="utf-8"))
     assert all(f"tailslap {tailslap.__version__}" in text for text in texts.values())
     demand_equations(texts)
+    scripts = {path.stem for path in (DOCS / "gallery").glob("*.py")}
+    pictures = re.findall(r'<img alt="[^"]{10,}" src="(\w+)\.(?:png|svg)"', texts["gallery"])
+    assert set(pictures) == {path.stem for path in (site / "gallery").glob("*.[ps][nv]g")} == scripts
+    assert len(pictures) == texts["gallery"].count('class="language-python highlight"') == 10
 
 
 def demand_equations(texts):

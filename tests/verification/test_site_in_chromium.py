@@ -1,0 +1,108 @@
+"""Verification: pages of the docs in Chromium: accessible, light and dark, no request elsewhere; the search finds."""
+
+import contextlib
+import functools
+import http.server
+import importlib.util
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BENCHMARKS = str(ROOT / "benchmarks")
+sys.path.insert(0, BENCHMARKS)
+from browser import screen  # noqa: E402
+from browser.session import CHROMIUM, chromium  # noqa: E402
+
+sys.path.remove(BENCHMARKS)
+
+MISSING = [name for name in ("playwright", "axe_playwright_python") if importlib.util.find_spec(name) is None]
+MISSING += [] if CHROMIUM.exists() else [str(CHROMIUM)]
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"pages are looked at with what is missing: {MISSING}")
+
+PAGES = ("", "gallery/", "theory/rigid/", "modal/", "reference/scene/", "howto/python/", "accuracy/")
+GROUNDS = {"light": "rgb(255, 255, 255)", "dark": "rgb(30, 33, 41)"}
+
+
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    """Serves a folder without a word."""
+
+    def log_message(self, *_):
+        """Log nothing."""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """Address of the site."""
+    place = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(place)]
+    subprocess.run(command, cwd=ROOT, check=True)
+    handler = functools.partial(Quiet, directory=str(place))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as started:
+        yield started
+
+
+@contextlib.contextmanager
+def opened(browser, address, width=1280, scheme="light"):
+    """A page whose console has no error, and which asks for nothing elsewhere."""
+    context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
+    page, wrong = context.new_page(), []
+    own = (address.split("/", 3)[2], "data:")
+    page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+    page.on(
+        "request", lambda asked: None if any(part in asked.url for part in own) else wrong.append(asked.url)
+    )
+    page.goto(address)
+    page.wait_for_function("getComputedStyle(document.body).backgroundColor.length > 0")
+    page.wait_for_timeout(300)
+    yield page
+    context.close()
+    assert wrong == []
+
+
+def look(browser, address, width, scheme):
+    with opened(browser, address, width, scheme) as page:
+        assert screen.violations(page) == []
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page.evaluate("getComputedStyle(document.body).backgroundColor") == GROUNDS[scheme]
+
+
+def test_a_page_is_accessible(browser, site):
+    look(browser, f"{site}theory/flutter/", 390, "dark")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("width", [1280, 768, 390])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_pages_are_accessible(browser, site, name, width, scheme):
+    look(browser, site + name, width, scheme)
+
+
+def test_equations_are_drawn_without_a_script(browser, site):
+    context = browser.new_context(java_script_enabled=False)
+    page = context.new_page()
+    page.goto(f"{site}theory/rigid/")
+    boxes = [each.bounding_box() for each in page.locator("math").all()]
+    assert len(boxes) > 20
+    assert min(min(box["width"], box["height"]) for box in boxes) > 4
+    context.close()
+
+
+def test_the_search_finds_and_code_can_be_copied(browser, site):
+    with opened(browser, f"{site}howto/python/") as page:
+        page.get_by_placeholder("Search").fill("restitution")
+        page.wait_for_selector(".md-search-result__item a")
+        assert page.locator(".md-search-result__item").count() > 2
+        assert page.locator("button.md-code__button, button.md-clipboard").count() >= 5
