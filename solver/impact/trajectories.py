@@ -154,7 +154,7 @@ def solve_trains(
         return Trajectories(reached, out, found, rows, h * stride, h, np.zeros(n))
 
     chosen = np.arange(len(state))
-    found = run(chosen, h, interval)
+    found = run(chosen, h.copy(), interval)
     error = _difference(found, run(chosen, 2.0 * h, None), turning)
     while step is None:
         rough = ~(error <= tolerance * h / found.step)
@@ -167,6 +167,8 @@ def solve_trains(
         if len(chosen) == len(found.end):
             found = finer
             continue
+        room = max(found.strikes.shape[1], finer.strikes.shape[1])
+        found, finer = _with_room(found, room), _with_room(finer, room)
         written = math.ceil(float(np.nanmax(finer.end / finer.interval))) + 2
         for old, new in zip(found._replace(rows=found.rows[:, :written]), finer, strict=True):
             old[chosen] = new[:, :written] if new is finer.rows else new
@@ -177,6 +179,12 @@ def solve_trains(
         why = f"steps of {found.step[i]:.2g} s leave an error of {error[i]:.2g}{place}"
         raise RigidBodyError("contact", "this law", why, "a smaller stiffness or friction")
     return found._replace(error=error)
+
+
+def _with_room(found: Trajectories, room: int) -> Trajectories:
+    """Pad the table of strikes to this number of rows."""
+    more = ((0, 0), (0, room - found.strikes.shape[1]), (0, 0))
+    return found._replace(strikes=np.pad(found.strikes, more, constant_values=np.nan))
 
 
 def _rates(train: Train, state: Array) -> tuple[Array, Array]:

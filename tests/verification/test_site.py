@@ -66,6 +66,7 @@ SHORTENED = {
     "tailslap study flexibility mash-tl4-sut": " --points 4",
     "tailslap study flexibility impact-mash-tl4-sut": " --points 4",
     "tailslap study uncertainty impact-mash-tl4-sut": " --samples 288",
+    "tailslap study uncertainty impact-mash-tl5-tractor-van": " --samples 288",
 }
 """What is added to commands that take an hour; `--random 100` becomes 2."""
 

@@ -1,6 +1,7 @@
 """Verification: trains of rigid vehicles: exact answers, a trial by another scheme, the hinge's force, many at once."""
 
 import math
+from dataclasses import astuple
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from solver.impact import (
     solve_trains,
     train_of,
 )
+from solver.impact.train import Train, lined_up
 
 ANGLE, MU = math.radians(15.0), 0.47
 TRACTOR = ImpactVehicle(6.9, 2.44, 8200.0, 2.9, 34621.0)
@@ -227,3 +229,24 @@ def test_what_no_trailer_can_have_is_refused_by_its_number():
     with pytest.raises(RigidBodyError, match=r"trailer\.0\.mass is -1 at index 1"):
         solve_impacts(length=6.9, width=2.44, mass=8200.0, speed=20.0, angle=0.2, stiffness=1e6, restitution=0.2,
                       friction=0.4, trailers=[trailer])  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "crushes", [((0.5e6, 0.03), (5e6, 0.1)), ((0.5e6, 0.3), (2e6, 0.03))], ids=["fewer", "more"]
+)
+def test_a_refined_train_has_another_number_of_strikes(crushes):
+    """Two trains, of which one takes a smaller step: there is room for the strikes of both."""
+    vehicles, hinges, room = (TRACTOR, TRAILER), [(HITCH, KINGPIN)], 3
+    laws = [WallContact(CrushLaw(k, 0.0, e), MU) for k, e in crushes]
+    trains = [train_of(vehicles, law, hinges) for law in laws]
+    both = Train(
+        *(a if a.ndim == 1 else np.concatenate([a, b], axis=-1) for a, b in zip(*trains, strict=True))
+    )
+    state = first_touch(TRACTOR, ANGLE, 22.35)
+    start = lined_up(astuple(state), [HITCH - 2.9 + 8.0 - KINGPIN])
+    many = solve_trains(both, np.array([start, start]), tolerance=1e-3, strikes=room, end=1.5)
+    for i, train in enumerate(trains):
+        alone = solve_trains(train, start[None], tolerance=1e-3, strikes=room, end=1.5).strikes[0]
+        assert len(alone) > room
+        assert np.array_equal(many.strikes[i, : len(alone)], alone, equal_nan=True)
+        assert np.isnan(many.strikes[i, len(alone) :]).all()

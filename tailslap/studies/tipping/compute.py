@@ -4,6 +4,7 @@ do not, its band over what is not known, and where the spread of the lowest wall
 The impacts of the samples are those of the rigid vehicle at one step, `STEP`; error: what twice the step changes.
 """
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -34,7 +35,7 @@ BAND_CENTRES, BAND_SAMPLES = 9, 128
 """Heights of the centre at which the band is computed, from so many samples each."""
 
 STEP, BLOCK = 1e-3, 512
-"""Step of the impacts of the samples [s], and samples of a part."""
+"""Step of the impacts of the samples [s], and samples of a part at most."""
 
 OWN = tuple(f"tipping.{name}" for name in ("centre_height", "roll_inertia", "suspension", "damping_ratio"))
 FIXED_OF_BAND = (
@@ -184,7 +185,7 @@ def _solved(
     size, order = first.size, np.argsort(inputs.get("contact.restitution", first))  # a block has like steps
     centres = np.linspace(max(own.centre_height - BESIDE, 0.1), own.centre_height + BESIDE, BAND_CENTRES)
     few = {key: values[:BAND_SAMPLES] for key, values in inputs.items() if key not in FIXED_OF_BAND}
-    blocks = np.array_split(order, max(1, size // BLOCK))
+    blocks = order.reshape(-1, math.gcd(size, BLOCK))
     parts = {
         f"samples {n}": (case.source, {key: values[rows] for key, values in inputs.items()})
         for n, rows in enumerate(blocks)
