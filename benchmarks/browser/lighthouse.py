@@ -1,4 +1,4 @@
-"""Lighthouse's score of pages on a slow telephone, from 0 to 100.
+"""Lighthouse's performance score of pages on a slow telephone, from 0 to 100.
 
     .venv/bin/python benchmarks/browser/lighthouse.py results/mash-tl4-sut/report.html [PAGE...]
 
@@ -7,29 +7,47 @@ Needs `npm install lighthouse` in the working directory, and Chromium. Exit stat
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import subprocess
 import sys
 import threading
 from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
 
 LEAST = 90
 CHROMIUM = "/usr/bin/chromium"
 
 
-class Quiet(SimpleHTTPRequestHandler):
-    """A server that says nothing of its requests."""
+class Compressed(BaseHTTPRequestHandler):
+    """A server of one page, compressed as by common web servers, without a log."""
+
+    def __init__(self, page: Path, *rest: Any) -> None:
+        self.body = gzip.compress(page.read_bytes())
+        super().__init__(*rest)
+
+    def do_GET(self) -> None:
+        """Send the page."""
+        self.send_response(200)
+        for name, value in {
+            "Content-Type": "text/html; charset=utf-8",
+            "Content-Encoding": "gzip",
+            "Content-Length": str(len(self.body)),
+        }.items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(self.body)
 
     def log_message(self, *_: object) -> None:
-        """Nothing."""
+        """Write no log."""
 
 
 def score(page: Path) -> float:
-    """Performance of a page that is served from this machine."""
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(page.parent)))
+    """Performance of a page that this machine serves."""
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Compressed, page))
     threading.Thread(target=server.serve_forever, daemon=True).start()
     address = f"http://127.0.0.1:{server.server_port}/{page.name}"
     options = [

@@ -12,9 +12,6 @@ from postprocess.svg.marks import Line, Mark, Outline, Swatch, Words
 from postprocess.svg.scales import Floats
 from postprocess.units import measure
 
-WIDTH = 640.0
-"""Pixels."""
-
 COLOURS = ("steel", "fe")
 """Colours of first touch and strike."""
 
@@ -77,7 +74,7 @@ def draw_set_up(units: Sequence[Unit], words: Mapping[str, str], caption: str) -
     marks += [*_arrow(start, end, size), _words(slide, 0.5 * (start + end), (0.0, -3.0), "middle")]
     plot = chart.Plot(tuple(marks), chart.Axis("", low, high, named=()), None, has_grid=False)
     x = chart.Axis("", left, right, named=())
-    return chart.draw_chart("set-up", caption, (plot,), x, "Set-up", WIDTH)
+    return chart.draw_chart("set-up", caption, (plot,), x, "Set-up", chart.FULL)
 
 
 def _line(points: Floats, colour: str = "ink", width: float = 0.8) -> Line:

@@ -190,7 +190,11 @@ class Case(ABC):
     @property
     def set_up(self) -> str:
         """Subject, dimensions and details in the units of the scene."""
-        sides = [f"{name} {self.given(f'vehicle.{name}')}" for name in ("length", "width")]
+        units = ["vehicle", *(f"trailer.{k}" for k in range(len(self.scene.trailer)))]
+        sides = [
+            f"{name} {' and '.join(dict.fromkeys(self.given(f'{unit}.{name}') for unit in units))}"
+            for name in ("length", "width")
+        ]
         return f"{self.scene.name}: {self.subject}; {', '.join([*sides, *self.details()])}."
 
     @abstractmethod

@@ -52,7 +52,7 @@ PEAKS = (
 )
 DESIGN = (
     Column("name", "Design force", style="whole"),
-    Column("force", "Lateral", "N", form="#.3g", style="strong"),
+    Column("force", "Lateral", "N", form="#.4g", style="strong"),
     Column("ratio", "Ratio", form=".2f"),
     Column("source", "Source", style="soft"),
 )
@@ -229,6 +229,9 @@ def plate_sentence(fe_plan: FePlan) -> str:
     """The finite-element model in a sentence."""
     (along, across), element = fe_plan.plate.counts, fe_plan.plate.element
     frequency = f"first natural frequency {fe_plan.first_frequency:.4g} Hz"
+    if fe_plan.case.scene.trailer:
+        total = len(fe_plan.model.discretisation.cells)
+        return f"Hinged plates of {total} {element} elements, {frequency}."
     return f"Plate of {along} x {across} {element} elements, {frequency}."
 
 

@@ -48,9 +48,11 @@ def test_every_shipped_scene_has_an_answer_with_its_force(name):
     if "start" in own.source.given:
         subject = f"{vehicle['mass']} vehicle at 25.053 m/s, 14.8969 deg"
     assert headline.title.endswith(f": {subject}")
-    assert headline.set_up.startswith(
-        f"{name}: {subject}; length {vehicle['length']}, width {vehicle['width']}, "
+    length, width = (
+        " and ".join(dict.fromkeys(unit[side] for unit in (vehicle, *trailers)))
+        for side in ("length", "width")
     )
+    assert headline.set_up.startswith(f"{name}: {subject}; length {length}, width {width}, ")
     assert headline.certainty
     drawing = own.drawing()
     assert len(drawing.svg) < 12_000

@@ -38,7 +38,7 @@ INDICES = (_index("first_order", "First-order index"), _index("total", "Total in
 MAIN = "strike_2.mean_50ms"
 LEVELS = (
     Column("name", "Design force", style="whole"),
-    Column("force", "Lateral", "N", form="#.3g", style="strong"),
+    Column("force", "Lateral", "N", form="#.4g", style="strong"),
     Column("above", "Impacts above it", form=percent),
     Column("source", "Source", style="soft"),
 )
