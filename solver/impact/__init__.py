@@ -17,6 +17,7 @@ from solver.impact.train import (
     Train,
     WallContact,
     first_touch,
+    stiffness_of_duration,
     train_of,
 )
 from solver.impact.trajectories import Trajectories, solve_trains
@@ -38,6 +39,7 @@ __all__ = [
     "solve_impact",
     "solve_impacts",
     "solve_trains",
+    "stiffness_of_duration",
     "strikes_of",
     "train_of",
 ]

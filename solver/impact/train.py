@@ -65,6 +65,42 @@ def greatest_inertia(length: Number, width: Number, mass: Number, centre: Number
     return mass * (centre * (length - centre) + width**2 / 4.0)
 
 
+def stiffness_of_duration(
+    duration: Number,
+    restitution: Number,
+    mass: Number,
+    inertia: Number | None,
+    length: Number,
+    width: Number,
+    centre: Number,
+) -> Any:
+    """Compute the crush stiffness of a corner from the duration of a strike of the rear corner.
+
+    dt = (pi/2) (1 + e) sqrt(m_eff/k), a point mass on the bilinear law, with the effective mass of the corner of a side
+    that is parallel to the wall, without friction: 1/m_eff = 1/m + a^2/I, a the distance of the rear behind the centre
+    of mass; 0.261 m of the truck of Chuong and Malla (2025).
+
+    Parameters
+    ----------
+    duration : float or ndarray
+        dt [s].
+    restitution : float or ndarray
+        e.
+    mass, inertia : float or ndarray
+        m [kg], I [kg m^2]; None: of the uniform rectangle.
+    length, width, centre : float or ndarray
+        Of the vehicle, and of its centre of mass behind the front [m].
+
+    Returns
+    -------
+    float or ndarray
+        k [N/m].
+    """
+    inertia = uniform_inertia(length, width, mass) if inertia is None else inertia
+    effective = 1.0 / (1.0 / mass + (length - centre) ** 2 / inertia)
+    return effective * (0.5 * math.pi * (1.0 + restitution) / duration) ** 2
+
+
 def demand_body(
     length: Number, width: Number, mass: Number, centre: Number, inertia: Number, given: bool
 ) -> None:

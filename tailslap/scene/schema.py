@@ -49,7 +49,11 @@ DampingRatio = Annotated[float, Quantity("a damping ratio", "", "0.1", least=1e-
 Viscosity = Annotated[
     float, Quantity("a coefficient of linear bulk viscosity", "", "0.06", least=1e-9, most=10.0)
 ]
-Stiffness = Annotated[float, Quantity("a stiffness", "N/m", '"2 MN/m"', least=1e-3, most=1e15)]
+STIFFNESS_BOUNDS = (1e-3, 1e15)
+Stiffness = Annotated[
+    float,
+    Quantity("a stiffness", "N/m", '"2 MN/m"', least=STIFFNESS_BOUNDS[0], most=STIFFNESS_BOUNDS[1]),
+]
 LayerStiffness = Annotated[
     float, Quantity("a stiffness per length of side", "N/m^2", '"1 MN/m^2"', least=1e-3, most=1e15)
 ]
@@ -229,10 +233,14 @@ class Contact(SceneTable):
     """Whole impact: unilateral contact between vehicle and wall.
 
     stiffness, initial_force and restitution define the crush law of each corner, F0 + k d, and side_stiffness that of a
-    layer along the sides. Without stiffness the vehicle does not crush; enforcement and penalty_scale then apply.
+    layer along the sides. strike_duration may replace stiffness. Without both the vehicle does not crush; enforcement
+    and penalty_scale then apply.
     """
 
     stiffness: Stiffness | None = key("crush stiffness k of each corner; default: no crush")
+    strike_duration: Duration | None = key(
+        "duration of a strike of the rear corner, which defines the crush stiffness in place of stiffness"
+    )
     initial_force: Force = key("crush force F0 at zero crush depth", 0.0)
     restitution: Restitution | None = key(
         "coefficient of restitution e: unloading returns e^2 of the crush energy; required with stiffness"
@@ -252,7 +260,7 @@ class Contact(SceneTable):
     @property
     def crushes(self) -> bool:
         """True if the vehicle crushes."""
-        return self.stiffness is not None
+        return self.stiffness is not None or self.strike_duration is not None
 
 
 class Tipping(SceneTable):

@@ -34,7 +34,7 @@ def validate(data: dict[str, Any]) -> schema.Scene:
     else:
         _check_corner(scene)
     _check_plate(scene)
-    return scene
+    return _with_crush_stiffness(scene)
 
 
 def key_by_key(data: dict[str, Any]) -> schema.Scene:
@@ -62,9 +62,9 @@ def missing_keys(tables: Mapping[str, Any]) -> list[str]:
         required = [key for key, field in schema.TABLES[name].model_fields.items() if field.is_required()]
         found += absent(*(f"{place}.{key}" for place in places or [name] for key in required))
     if "contact" in present:
-        crushes = not absent("contact.stiffness")
+        crushes = len(absent("contact.stiffness", "contact.strike_duration")) < 2
         found += absent("contact.restitution") if crushes else []
-        found += absent("contact.stiffness") if "plate" not in present else []
+        found += absent("contact.stiffness") if "plate" not in present and not crushes else []
         found += absent("wall.height", "wall.foundation_stiffness") if "wall" in present else []
     elif "impact" in present:
         found += absent("impact.friction", "impact.restitution")
@@ -91,7 +91,7 @@ def _value(tables: Mapping[str, Any], key: str) -> Any:
 INSTEAD = {
     "impact.speed": "[start] with angle, omega and corner_speed may replace [impact]",
     "plate.youngs_modulus": "plate.first_frequency may replace plate.youngs_modulus",
-    "contact.stiffness": "contact.stiffness is not required with [plate]",
+    "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate]",
     "wall.height": "without [wall] the wall of a whole impact is rigid",
 }
 """Alternatives to missing keys."""
@@ -241,6 +241,8 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
 
 
 def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
+    if contact.strike_duration is not None:
+        _check_strike_duration(scene)
     if contact.crushes:
         _refuse(scene, "this key has no effect with contact.stiffness; remove it", *OF_NO_CRUSH)
     else:
@@ -249,6 +251,41 @@ def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
         _refuse(
             scene, 'contact.enforcement = "exact" has no spring; remove this key', "contact.penalty_scale"
         )
+
+
+def _check_strike_duration(scene: schema.Scene) -> None:
+    """Raise InputError where other keys define the crush of the corners as well, or it is that of a train."""
+    allowed = "contact.strike_duration defines the crush stiffness; remove one of the two"
+    _refuse(scene, allowed, "contact.stiffness")
+    allowed = (
+        "contact.strike_duration assumes a crush force in proportion to the depth at the corners; remove one "
+        "of the two, or use contact.stiffness in its place"
+    )
+    _refuse(scene, allowed, "contact.initial_force", "contact.side_stiffness")
+    if scene.trailer:
+        allowed = "the effective mass is that of a single vehicle; of a train allowed is contact.stiffness"
+        raise InputError("contact.strike_duration", scene.needed_contact.strike_duration, allowed)
+
+
+def _with_crush_stiffness(scene: schema.Scene) -> schema.Scene:
+    """Scene whose crush stiffness follows from contact.strike_duration. Raises InputError for one out of bounds."""
+    contact, body = scene.contact, scene.vehicle
+    if contact is None or contact.strike_duration is None:
+        return scene
+    from solver.impact import stiffness_of_duration
+
+    centre = 0.5 * body.length if body.centre_of_mass is None else body.centre_of_mass
+    given = (body.mass, body.yaw_inertia, body.length, body.width, centre)
+    stiffness = stiffness_of_duration(contact.strike_duration, contact.restitution or 0.0, *given)
+    low, high = schema.STIFFNESS_BOUNDS
+    if not low <= stiffness <= high:
+        allowed = f"the crush stiffness would be {stiffness:.3g} N/m; allowed is {low:g} to {high:g} N/m"
+        raise InputError("contact.strike_duration", contact.strike_duration, allowed)
+    values = dict(contact) | {"stiffness": stiffness}
+    found = schema.Contact.model_construct(
+        _fields_set=contact.model_fields_set, **values
+    )  # variations follow
+    return scene.model_copy(update={"contact": found})
 
 
 OF_ROLL = ("centre_height", "roll_inertia", "track", "suspension")
@@ -322,6 +359,12 @@ LOOSE_NUMBER = re.compile(r"[+-]?([0-9]+\.|\.[0-9]+)([eE][+-]?[0-9]+)?")
 MAX_TEXT = 1000
 """Characters of a value on the command line."""
 
+ALTERNATIVES = {
+    "contact.stiffness": "contact.strike_duration",
+    "contact.strike_duration": "contact.stiffness",
+}
+"""Keys that are removed where a change sets their alternative."""
+
 Changes = Mapping[str, Any]
 """Values by dotted key, in the order of application; None removes the key or the whole table."""
 
@@ -373,9 +416,15 @@ def value_at(scene: Any, key: str) -> Any:
 
 
 def changed_tables(given: Mapping[str, Any], changes: Changes) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Copy of the tables with the changes applied, and the changes that had an effect."""
+    """Copy of the tables with the changes applied, and the changes that had an effect.
+
+    A key removes its alternative of ALTERNATIVES.
+    """
     tables = dict(given)
     noted = {key: value for key, value in changes.items() if _put(tables, key, value)}
+    for key, other in ALTERNATIVES.items():
+        if noted.get(key) is not None and other not in changes and _put(tables, other, None):
+            noted[other] = None
     return tables, noted
 
 

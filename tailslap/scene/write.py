@@ -155,6 +155,9 @@ def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, 
     rows = _rows(scene, source.given, source.changed, "")
     unused = ["corner.", "strike."] if scene.contact else ["verify.mesh"]
     unused += [] if scene.plate else ["verify."]
+    if scene.contact and scene.contact.strike_duration is not None:
+        origin = "from contact.strike_duration"
+        rows = [replace(row, origin=origin) if row.key == "contact.stiffness" else row for row in rows]
     return tuple(row for row in rows if not row.key.startswith(tuple(unused)))
 
 

@@ -271,7 +271,11 @@ class RigidImpact(Case):
         """Contact of vehicle and wall."""
         contact, wall = self.scene.needed_contact, self.scene.wall
         law = "penalty contact" if contact.enforcement == "penalty" else "exact contact"
-        given = [f"crush stiffness {self.given('contact.stiffness')} a corner" if contact.crushes else law]
+        if contact.strike_duration is not None:
+            law = f"crush stiffness of a rear strike of {self.given('contact.strike_duration')}"
+        elif contact.crushes:
+            law = f"crush stiffness {self.given('contact.stiffness')} a corner"
+        given = [law]
         if contact.initial_force:
             given.append(f"initial crush force {self.given('contact.initial_force')}")
         if contact.side_stiffness:

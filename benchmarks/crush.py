@@ -1,0 +1,103 @@
+"""Table of docs/crush.md: forces that follow from the durations of Table 4 of the paper, beside the measured ones.
+
+Blind: the duration of a row and the truck of Table 1 are the input, no force is. Two readings of the duration: that
+of the strike itself, by `strike_duration`, and that of its 50 ms mean from valley to valley, as Figure 18 of the paper
+shows it. Bands: 5 to 95 % of the impacts with the inputs that the paper does not state, as in the study of uncertainty.
+"""
+
+import math
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import qmc
+
+from solver.impact import stiffness_of_duration
+from tailslap.case.impact.case import ImpactCase
+from tailslap.replication.tables import TABLE_4
+from tailslap.scene.read import read_scene
+from tailslap.studies.uncertainty.compute import impact_ranges
+
+SCENE = "impact-mash-tl4-sut"
+STIFFNESS, MEAN = "contact.stiffness", "strike_2.mean_50ms"
+SAMPLES = 2048
+
+
+def as_read(stiffness):
+    """Duration of the second strike read on the 50 ms mean [s]."""
+    case = ImpactCase(*read_scene(SCENE)).varied({STIFFNESS: float(stiffness)})
+    return case.answer.second_strike["mean_50ms"]["duration"]
+
+
+def stiffness_as_read(duration):
+    """Stiffness [N/m] of which the 50 ms mean of the second strike has this duration [s]; NaN above 10 MN/m."""
+    low, high = math.log(1e5), math.log(1e7)
+    if as_read(1e7) > duration:
+        return math.nan
+    return math.exp(brentq(lambda x: as_read(math.exp(x)) - duration, low, high, xtol=1e-3))
+
+
+def forces(case, stiffness, samples=SAMPLES):
+    """50 ms mean of the second strike [N], and 5 and 95 % of it; stiffness(inputs) [N/m] of each impact."""
+    own = {key: np.array([value]) for key, value in case.inputs.items()}
+    ranges = [item for item in impact_ranges(case) if item.key != STIFFNESS]
+    draws = qmc.Sobol(len(ranges), seed=1).random(samples)
+    drawn = {
+        item.key: item.lower + (item.upper - item.lower) * u for item, u in zip(ranges, draws.T, strict=True)
+    }
+    drawn = {key: np.full(samples, value) for key, value in case.inputs.items()} | drawn
+    found = []
+    for inputs in (own, drawn):
+        known = {key: inputs[key] for key in ("vehicle.centre_of_mass", *(item.key for item in ranges))}
+        found.append(case.many({**known, STIFFNESS: stiffness(inputs)})[MEAN])
+    return float(found[0][0]), np.nanpercentile(found[1], [5.0, 95.0])
+
+
+def of_strike(duration):
+    """Stiffness by the duration of the strike itself, of each impact [N/m]."""
+    names = (
+        "contact.restitution",
+        "vehicle.mass",
+        "vehicle.length",
+        "vehicle.width",
+        "vehicle.centre_of_mass",
+    )
+
+    def stiffness(inputs):
+        restitution, mass, length, width, centre = (inputs[name] for name in names)
+        return stiffness_of_duration(duration, restitution, mass, None, length, width, centre)
+
+    return stiffness
+
+
+def rows(samples=SAMPLES):
+    """Yield row, duration [s], measured force [N], and by reading: stiffness [N/m], force and band [N]."""
+    case = ImpactCase(*read_scene(SCENE))
+    own = {key: np.array([value]) for key, value in case.inputs.items()}
+    found = {}
+    for duration in sorted({row.duration for row in TABLE_4}):
+        law, read = of_strike(duration), stiffness_as_read(duration)
+        readings = [(float(law(own)[0]), *forces(case, law, samples))]
+        if math.isfinite(read):
+            readings.append(
+                (read, *forces(case, lambda its, k=read: np.full(its["vehicle.mass"].size, k), samples))
+            )
+        found[duration] = readings
+    for row in TABLE_4:
+        yield row, found[row.duration]
+
+
+def main():
+    """Print the table."""
+    for row, readings in rows():
+        print(f"{row.row}  {row.duration:.2f} s  measured {row.measured / 1e3:.0f} kN", end="")
+        for k, force, (low, high) in readings:
+            ratio = force / row.measured
+            print(
+                f"  | {k / 1e6:.2f} MN/m {force / 1e3:.0f} ({low / 1e3:.0f}-{high / 1e3:.0f}) kN, {ratio:.2f}",
+                end="",
+            )
+        print(f"  | paper {row.peak[0] / 1e3:.0f} kN, {row.factor[0]:.2f}")
+
+
+if __name__ == "__main__":
+    main()

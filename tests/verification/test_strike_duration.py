@@ -1,0 +1,97 @@
+"""Verification: crush stiffness from the duration of a strike: closed forms, Table 4, other keys beside it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from solver.impact import (
+    CrushLaw,
+    ImpactState,
+    ImpactVehicle,
+    WallContact,
+    solve_impact,
+    stiffness_of_duration,
+)
+from tailslap import InputError
+from tailslap.case.impact.case import ImpactCase
+from tailslap.scene.read import read_scene, read_source
+from tailslap.scene.vary import Source, vary
+from tailslap.scene.write import scene_inputs, scene_text
+
+SCENE, KEY = "impact-mash-tl4-sut", "contact.strike_duration"
+TRUCK = (9979.0, None, 10.0, 2.438, 5.0)
+
+
+@pytest.mark.parametrize("e", [0.0, 0.22, 0.9])
+def test_a_point_mass_strikes_for_that_long(e):
+    """A corner below the centre of mass: k of the effective mass m lasts dt = (pi/2)(1 + e) sqrt(m/k)."""
+    box = ImpactVehicle(4.0, 2.0, 1500.0)
+    k = stiffness_of_duration(0.1, e, box.mass, None, 4.0, 2.0, 4.0)  # no arm: the centre of mass at the rear
+    start = ImpactState(0.0, math.hypot(2.0, 1.0), math.pi / 2.0 - math.atan(0.5), 0.0, -7.0, 0.0)
+    (strike,) = solve_impact(
+        box, WallContact(CrushLaw(k, 0.0, e), 0.0), start, end=0.3, tolerance=1e-6
+    ).strikes
+    assert strike.duration == pytest.approx(0.1, rel=1e-5)
+
+
+def test_the_effective_mass_of_the_rear_corner():
+    """Of the uniform rectangle m/(1 + 3 L^2/(L^2 + B^2)); with an own inertia and centre 1/(1/m + a^2/I)."""
+    unit = (math.pi / 2.0 * 1.22 / 0.1) ** 2
+    assert stiffness_of_duration(0.1, 0.22, *TRUCK) / unit / 9979.0 == pytest.approx(
+        1.0 / (1.0 + 300.0 / (100.0 + 2.438**2)), rel=1e-14
+    )
+    own = stiffness_of_duration(0.1, 0.22, 8000.0, 96000.0, 10.0, 2.438, 4.0)
+    assert own / unit == pytest.approx(2000.0, rel=1e-14)  # 1/8000 + 36/96000 = 1/2000
+
+
+@pytest.mark.parametrize(("duration", "k", "lasts", "mean"), [
+    ("0.1 s", 0.96e6, 0.096, 412e3), ("80 ms", 1.5e6, 0.077, 462e3), (0.18, 0.3e6, 0.173, 236e3),
+])  # fmt: skip
+def test_durations_of_table_4(duration, k, lasts, mean):
+    """Stiffness, duration of the rear strike and largest 50 ms mean of the truck of the paper, to the digits known."""
+    case = ImpactCase(*vary(read_source(SCENE), {KEY: duration}))
+    rear = case.motion.strikes[1]
+    assert case.scene.contact.stiffness == pytest.approx(k, rel=0.02)
+    assert (rear.corner, rear.duration) == ("rear", pytest.approx(lasts, abs=6e-4))
+    assert case.answer.peaks["mean_50ms"] == pytest.approx(mean, abs=1e3)
+
+
+def test_the_stiffness_follows_the_duration_and_not_the_other_way():
+    scene, source = vary(read_source(SCENE), {KEY: "0.1 s"})
+    assert source.given["contact"].keys() == {"strike_duration", "restitution", "friction"}
+    assert vary(Source.of(scene), {})[0] == scene
+    assert vary(source, {"vehicle.mass": 2 * 9979.0})[0].contact.stiffness == pytest.approx(
+        2.0 * scene.contact.stiffness, rel=1e-14
+    )
+    back, source = vary(source, {"contact.stiffness": 1e6})
+    assert (back.contact.stiffness, back.contact.strike_duration) == (1e6, None)
+    assert "strike_duration" not in scene_text(source).partition("[contact]")[2]
+    rows = {row.key: row for row in scene_inputs(*vary(read_source(SCENE), {KEY: "0.1 s"}))}
+    assert rows["contact.stiffness"].origin == "from contact.strike_duration"
+
+
+def test_a_plate_has_the_stiffness_of_the_rigid_vehicle():
+    case = ImpactCase(*vary(read_source(SCENE), {KEY: "0.1 s"}))
+    plate = ImpactCase(*vary(read_source(SCENE), {"contact.stiffness": case.scene.contact.stiffness}))
+    np.testing.assert_equal(case.plan().model.loop.contact, plate.plan().model.loop.contact)
+
+
+@pytest.mark.parametrize(("changes", "key", "allowed"), [
+    ({KEY: "0.1 s", "contact.stiffness": 1e6}, "contact.stiffness", "remove one of the two"),
+    ({KEY: "0.1 s", "contact.initial_force": 1e4}, "contact.initial_force", "remove one of the two, or use"),
+    ({KEY: "0.1 s", "contact.side_stiffness": 1e4}, "contact.side_stiffness", "remove one of the two, or use"),
+    ({KEY: "0.1 s", "contact.enforcement": "exact"}, "contact.enforcement", "no effect"),
+    ({KEY: "0.1 s", "contact.restitution": None}, "contact.restitution", "required"),
+    ({KEY: "1e-9 s"}, KEY, "the crush stiffness would be 9.56e+21 N/m; allowed is 0.001 to 1e+15 N/m"),
+    ({KEY: "0.1 m"}, KEY, "a duration"),
+])  # fmt: skip
+def test_what_contradicts_a_duration_is_refused(changes, key, allowed):
+    with pytest.raises(InputError) as caught:
+        vary(read_source(SCENE), changes)
+    assert (caught.value.key, allowed in caught.value.allowed) == (key, True), str(caught.value)
+
+
+def test_a_train_has_no_single_effective_mass():
+    with pytest.raises(InputError, match="of a train allowed is"):
+        read_scene("impact-tl5cmb-2", [f"{KEY}=0.1 s"])
