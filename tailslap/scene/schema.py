@@ -139,9 +139,9 @@ class SceneTable(BaseModel):
 class Vehicle(SceneTable):
     """Rigid rectangle that represents the vehicle."""
 
-    length: Length = needed("length of the vehicle")
-    width: Length = needed("width of the vehicle")
-    mass: Mass = needed("mass of the vehicle")
+    length: Length = needed("length from front to rear")
+    width: Length = needed("width over the body")
+    mass: Mass = needed("mass, load included")
     centre_of_mass: Length | None = key(
         "distance of the centre of mass behind the front, whole impacts only; default: half the length"
     )
@@ -268,7 +268,7 @@ class Tipping(SceneTable):
     strike."""
 
     wall_height: Height = needed("height of the top of the wall, at which its force acts")
-    centre_height: Height = needed("height of the centre of mass of the vehicle")
+    centre_height: Height = needed("height of the centre of mass")
     roll_inertia: Inertia | None = key("roll moment of inertia about it; default: mass times (0.45 width)^2")
     track: Length = needed("distance between the wheels of both sides")
     suspension: Stiffness = needed("vertical stiffness of the wheels of one side")

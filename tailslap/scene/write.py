@@ -63,6 +63,30 @@ EXAMPLE: Mapping[str, Mapping[str, Any]] = {
 }
 """Values of a new scene; all other keys are comments."""
 
+UNIT = {
+    "centre_height": "1.35 m",
+    "roll_inertia": "12000 kg m^2",
+    "track": "1.85 m",
+    "suspension": "1.4 MN/m",
+}
+OPTIONAL: Mapping[str, Mapping[str, str]] = {
+    "vehicle": {"centre_of_mass": "5 m"},
+    "trailer": {
+        "length": "48 ft",
+        "width": "102 in",
+        "mass": "61910 lb",
+        "centre_of_mass": "6.8 m",
+        "yaw_inertia": "500000 kg m^2",
+        "hitch_length": "1.5 m",
+    }
+    | UNIT,
+    "corner": {"patch_length": "1 m"},
+    "contact": {"patch_length": "1 m"},
+    "tipping": UNIT,
+    "wall": {"length": "20 m", "depth": "0.3 m", "height": "32 in"},
+}
+"""Examples in the comments where that of the quantity is none of the key."""
+
 
 @named_arguments
 def new(name: str) -> Path:
@@ -113,14 +137,17 @@ def new_scene(name: str) -> str:
         given = EXAMPLE.get(key, {})
         header = f"[[{key}]]" if key in schema.LISTED else f"[{key}]"
         lines += ["", f"{'' if given else '# '}{header}"]
-        lines += [_line(name, own, given.get(name)) for name, own in table.model_fields.items()]
+        shown = OPTIONAL.get(key, {})
+        lines += [
+            _line(name, own, given.get(name), shown.get(name)) for name, own in table.model_fields.items()
+        ]
     return "\n".join(lines) + "\n"
 
 
-def _line(name: str, field: FieldInfo, given: Any) -> str:
+def _line(name: str, field: FieldInfo, given: Any, shown: str | None) -> str:
     """Line of a key with its value, or with an example as a comment, and its meaning."""
     default = None if field.is_required() else field.default
-    values = [toml_value(value) for value in (given, default) if value is not None]
+    values = [toml_value(value) for value in (given, shown, default) if value is not None]
     front = "" if given is not None else "# "
     line = f"{front}{name} = {(values or [example(field)])[0]}"
     return f"{line:<34}  # {field.description}"
