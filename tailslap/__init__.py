@@ -14,7 +14,8 @@ Functions, each the same as the command of its name:
     sweep       runs with varied keys
     study       studies: cost, flexibility, stability, uncertainty
     compare     comparison of histories with a reference, including other programs
-    export      fields and histories for ParaView, Gmsh, data frames
+    confirm     the same scene in another solver, compared
+    export      fields and histories for ParaView, Gmsh, data frames; decks of a scene for CalculiX
     load        loading of a result folder
     paper       tables and figures of the paper compared with computed values
     scenes      scenes of the program
@@ -53,9 +54,9 @@ __version__ = "0.1.0"
 __all__, __getattr__, __dir__ = lazily(
     __name__,
     {
-        "api": "check compare modal modes rigid run study sweep",
+        "api": "check compare confirm modal modes rigid run study sweep",
         "errors": "InputError",
-        "files.export": "export",
+        "exports.export": "export",
         "files.load": "load",
         "replication.page": "paper",
         "result": "Columns Result",

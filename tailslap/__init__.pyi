@@ -1,5 +1,6 @@
 from tailslap.api import check as check
 from tailslap.api import compare as compare
+from tailslap.api import confirm as confirm
 from tailslap.api import modal as modal
 from tailslap.api import modes as modes
 from tailslap.api import rigid as rigid
@@ -7,7 +8,7 @@ from tailslap.api import run as run
 from tailslap.api import study as study
 from tailslap.api import sweep as sweep
 from tailslap.errors import InputError as InputError
-from tailslap.files.export import export as export
+from tailslap.exports.export import export as export
 from tailslap.files.load import load as load
 from tailslap.replication.page import paper as paper
 from tailslap.result import Columns as Columns

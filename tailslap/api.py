@@ -1,6 +1,6 @@
 """The functions of `import tailslap`; the commands of the same names call them.
 
-`load` and `export` stand in `tailslap.files`.
+`load` stands in `tailslap.files`, `export` in `tailslap.exports`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from tailslap import result
 from tailslap.case import case_of, cost
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
-from tailslap.errors import InputError, Interrupted, Verbatim, named_arguments
+from tailslap.errors import InputError, Interrupted, Verbatim, named_arguments, one_of
 from tailslap.files import load
 from tailslap.files.folder import result_folder
 from tailslap.scene import read
@@ -572,6 +572,63 @@ def compare(
     tables = {"Metrics": made.tables["metrics.csv"]}
     inputs = [item.inputs if isinstance(item, result.Result) else (Path(item),) for item in items]
     return result.of_report("compare", made, tables=tables, histories=histories, inputs=tuple(chain(*inputs)))
+
+
+@named_arguments
+def confirm(
+    scene: Scene,
+    changes: Changes | None = None,
+    *,
+    program: str = "calculix",
+    time_limit: float = 600.0,
+    allow_large: bool = False,
+) -> result.Result:
+    """Run a scene in another solver and compare it with the exact rigid-body motion and this program's plate.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        Name of a scene of the program, path of a TOML file, or tables of a scene; with a constrained corner, without
+        friction.
+    changes : mapping or sequence of str, optional
+        Values by dotted key, or texts KEY=VALUE.
+    program : str
+        "calculix", which must be installed as `ccx`.
+    time_limit : float
+        Longest time of the other solver [s].
+    allow_large : bool
+        Run even if the estimate exceeds this machine's memory, threads or time.
+
+    Returns
+    -------
+    Result
+        `summary["difference"]` contains the relative differences from the exact motion at the tail-slap; `passed` is
+        True if none exceeds `summary["limit"]`.
+
+    Raises
+    ------
+    InputError
+        For an invalid scene or key, a scene that the solver cannot have, and a solver that is not installed.
+    OSError
+        For a solver that fails or exceeds the time limit, with its last lines.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.confirm("paper-table-3", {"corner.reaction": "none"}).passed  # doctest: +SKIP
+    True
+    """
+    from tailslap.exports import SOLVERS, confirm, deck
+
+    if program not in SOLVERS:
+        raise InputError("--with", program, one_of(program, SOLVERS))
+    made = deck.make_deck(_affordable(scene, changes, allow_large), program)
+    confirm.demand_command()
+    with TemporaryDirectory(prefix="tailslap-") as folder:
+        found = confirm.run_confirmation(made, Path(folder), time_limit)
+    report = confirm.confirm_report(found)
+    histories = {name: load.history(columns) for name, columns in found.histories.items()}
+    return result.of_report("confirm", report, histories=histories)
 
 
 def _case(scene: Scene, changes: Changes | None, level: int = 4) -> Case:

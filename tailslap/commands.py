@@ -17,6 +17,7 @@ from postprocess.fields import FORMATS
 from tailslap import errors, options, studies
 from tailslap.case import case_of
 from tailslap.case.case import Case
+from tailslap.exports import PROGRAMS, SOLVERS
 from tailslap.files.folder import commit, result_folder
 from tailslap.files.manifest import Origin
 from tailslap.scene import read
@@ -245,8 +246,11 @@ def sweep(
 
 
 @commands.command()
-@click.argument("result", metavar="RESULT", type=options.Folder())
-@click.option("--to", type=click.Choice(FORMATS), required=True, help="Format of the files.")
+@click.argument("result", metavar="RESULT|SCENE", type=options.Folder())
+@options.with_options(options.SET)
+@click.option(
+    "--to", type=click.Choice((*FORMATS, *PROGRAMS)), required=True, help="Format of the files, or program."
+)
 @click.option("--out", "folder", type=options.Folder(), help="Output folder  [default: RESULT-FORMAT]")
 @click.option(
     "--field",
@@ -263,10 +267,10 @@ def sweep(
 @click.option("--picture-size", type=options.PictureSize(), metavar="WIDTHxHEIGHT", help=PICTURES_HELP)
 @options.with_options(options.FORCE_READ, *options.PRINTED)
 def export(result: Path, as_json: bool, **given: Any) -> int:
-    """Export the fields and histories of a result for ParaView, Gmsh or data frames, or as pictures.
+    """Export the fields and histories of a result for ParaView, Gmsh or data frames, or a scene for another solver.
 
     RESULT is a result folder. Mesh and fields require a run with --set output.fields=N; csv and parquet contain the
-    histories of any run.
+    histories of any run. Of a SCENE, calculix is an input file that runs as it is.
     """
     written = tailslap.export(result, **given)
     return options.tell({"written": written}, f"Written: {written}", as_json)
@@ -301,6 +305,32 @@ def compare(
     compute = lambda: tailslap.compare(*given, columns=columns, only=names, force=force).fill  # noqa: E731
     place = out or RESULTS / "compare"
     return deliver(compute, place, ("compare", ""), as_json, units, inputs=given, force=force)
+
+
+@commands.command()
+@takes_a_case
+@options.with_options(options.ALLOW_LARGE)
+@click.option(
+    "--with", "program", type=click.Choice(SOLVERS), default=SOLVERS[0], show_default=True, help="Solver."
+)
+@click.option(
+    "--time-limit",
+    type=options.Real(0.0, 1e7, min_open=True),
+    default=600.0,
+    show_default=True,
+    help="Longest time of the solver, in s.",
+)
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-confirm]")
+@options.with_options(options.FORCE, *options.WATCHED)
+def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **given: Any) -> int:
+    """Run a scene in another solver and compare it with the exact motion.
+
+    Input file, run, comparison and report. The solver must be installed; exit status 1 if the difference exceeds the
+    limit, 3 if the solver fails.
+    """
+    place = out or RESULTS / f"{case.scene.name}-confirm"
+    compute = lambda: tailslap.confirm(case, **given).fill  # noqa: E731
+    return deliver(compute, place, ("confirm", case.scene.name), as_json, units, force=force)
 
 
 @commands.command()

@@ -55,6 +55,8 @@ def parse_mapping(text: str) -> dict[str, str]:
 
 def read_item(given: object, mapping: Mapping[str, str], force: bool = False) -> Item:
     """A result, its folder, or a file; force: damaged ones too. Raises InputError."""
+    if isinstance(given, Item):
+        return given
     path = Path(str(given))
     if isinstance(given, Result):
         found, label = given, given.scene

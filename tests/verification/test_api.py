@@ -31,8 +31,8 @@ from tailslap.case.cost import available_cores
 
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
 FUNCTIONS = (
-    *("check", "compare", "export", "load", "modal", "modes", "new", "paper", "rigid", "run", "scenes"),
-    *("study", "sweep"),
+    *("check", "compare", "confirm", "export", "load", "modal", "modes", "new", "paper", "rigid", "run"),
+    *("scenes", "study", "sweep"),
 )
 TIMES = {"setup_s", "time_loop_s", "pictures_s", "integration_s", "estimate_s", "seconds"}
 SECTIONS = ("Parameters", "Returns", "Raises", "Examples")

@@ -5,6 +5,7 @@ import inspect
 import re
 import runpy
 import shlex
+import shutil
 import socket
 import sqlite3
 import subprocess
@@ -51,8 +52,8 @@ PLACEHOLDER = re.compile(r"\b(?:KEY|DIR|COMMAND|SHELL|X)\b")
 MENTIONED = {"tailslap run", "tailslap rigid", "tailslap check"}
 """Commands without their argument."""
 
-SERVED = "tailslap explore"
-"""A command that serves a page until it is ended: test_explore.py."""
+SERVED = ("tailslap explore", *(() if shutil.which("ccx") else ("tailslap confirm",)))
+"""Commands that serve a page until they are ended, test_explore.py, or need a solver that is not installed."""
 
 FRAGMENTS = {"docs/impact.md": "impact-mash-tl4-sut"}
 """Scene of the --set options that a page shows alone; of others paper-table-3."""

@@ -35,7 +35,7 @@ READ_IN_AN_EDITOR = (
     "tailslap/api.py",
     "tailslap/result.py",
     "tailslap/files/load.py",
-    "tailslap/files/export.py",
+    "tailslap/exports/export.py",
 )
 DOCUMENTS = [
     *sorted((ROOT / "docs").rglob("*.md")),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
 from tailslap.errors import InputError, Verbatim, named_arguments, one_of
+from tailslap.exports import PROGRAMS
 from tailslap.files.load import load
 from tailslap.result import FE, RIGID, Result
 from tailslap.scene.units import picture_pixels
@@ -25,23 +27,26 @@ def export(
     to: str,
     folder: str | os.PathLike[str] | None = None,
     *,
+    changes: Sequence[str] = (),
     field: str | None = None,
     magnify: float = 1.0,
     units: str = "si",
     picture_size: str | tuple[int, int] | None = None,
     force: bool = False,
 ) -> Path:
-    """Export fields and histories of a run for other programs.
+    """Export fields and histories of a run for other programs, or a scene as an input file of another solver.
 
     Parameters
     ----------
     result : Result or path
-        Result of a run, or its folder.
+        Result of a run, or its folder; of a deck the name of a scene of the program, or the path of a TOML file.
     to : str
         Format. "vtkhdf", "xdmf", "vtu", "msh": mesh and fields over time, for a run with `[output] fields = N`; "csv",
         "parquet": histories, and fields if any; "png", "gif": pictures of all instants.
     folder : path, optional
         New or empty folder, or an earlier export. Default: folder of the result with "-FORMAT" appended.
+    changes : sequence of str
+        Changes KEY=VALUE of a scene.
     field : str, optional
         Field of the pictures, e.g. "stress_von_mises" or "velocity_y". Default: all.
     magnify : float
@@ -74,8 +79,12 @@ def export(
     from tailslap.files.folder import result_folder
     from tailslap.files.manifest import Origin
 
+    if to in PROGRAMS:
+        return _export_deck(result, to, folder, tuple(changes), force)
     if to not in FORMATS:
-        raise InputError("--to", to, one_of(to, FORMATS))
+        raise InputError("--to", to, one_of(to, (*FORMATS, *PROGRAMS)))
+    if changes:
+        raise InputError("--set", changes[0], f"{to} is of a result, not of a scene; remove --set")
     found = result if isinstance(result, Result) else load(result, force=force)
     base = Path("results") / found.scene if isinstance(result, Result) else Path(str(result)).resolve()
     place = base.with_name(f"{base.name}-{to}") if folder is None else Path(folder)
@@ -101,6 +110,22 @@ def export(
         else:
             getattr(series, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
+
+
+def _export_deck(scene: object, to: str, folder: object, changes: tuple[str, ...], force: bool) -> Path:
+    """Write the deck of a scene; returns the folder. Raises InputError."""
+    from tailslap.case import case_of
+    from tailslap.exports.deck import make_deck, write_deck
+    from tailslap.files.folder import result_folder
+    from tailslap.files.manifest import Origin
+    from tailslap.scene.read import read_scene
+
+    deck = make_deck(case_of(*read_scene(str(scene), changes)), to)
+    name = deck.case.scene.name
+    place = Path("results") / f"{name}-{to}" if folder is None else Path(str(folder))
+    with result_folder(place, (), force, Origin(f"export {to}", name)) as unfinished:
+        write_deck(deck, unfinished)
+    return place
 
 
 def _units(to: str, units: str) -> Units:
