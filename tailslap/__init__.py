@@ -15,7 +15,7 @@ Functions, each the same as the command of its name:
     study       studies: cost, flexibility, stability, uncertainty
     compare     comparison of histories with a reference, including other programs
     confirm     the same scene in another solver, compared
-    export      fields and histories for ParaView, Gmsh, data frames; decks of a scene for CalculiX
+    export      fields and histories for ParaView, Gmsh, data frames; decks for CalculiX, ABAQUS
     load        loading of a result folder
     paper       tables and figures of the paper compared with computed values
     scenes      scenes of the program

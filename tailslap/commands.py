@@ -270,7 +270,7 @@ def export(result: Path, as_json: bool, **given: Any) -> int:
     """Export the fields and histories of a result for ParaView, Gmsh or data frames, or a scene for another solver.
 
     RESULT is a result folder. Mesh and fields require a run with --set output.fields=N; csv and parquet contain the
-    histories of any run. Of a SCENE, calculix is an input file that runs as it is.
+    histories of any run. calculix and abaqus are input files of a SCENE that run as they are.
     """
     written = tailslap.export(result, **given)
     return options.tell({"written": written}, f"Written: {written}", as_json)

@@ -4,7 +4,7 @@
 and compares what it computes.
 """
 
-PROGRAMS = ("calculix",)
+PROGRAMS = ("calculix", "abaqus")
 """Programs that decks are written for."""
 
 SOLVERS = ("calculix",)

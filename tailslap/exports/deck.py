@@ -69,6 +69,10 @@ PROGRAMS = {
             *("calculix", "CalculiX", ("plate.inp",), 2, ()),
             "the corner is held by a boundary condition, which has no friction in CalculiX",
         ),
+        Program(
+            *("abaqus", "ABAQUS", ("plate.inp", "slide-plane.inp", "contact-pair.inp"), 1, ("drag",)),
+            "the friction of a connector is mu |N|",
+        ),
     )
 }
 """Programs by name."""
@@ -165,6 +169,10 @@ class Deck:
             "layers": [(k * plate.thickness, k * count) for k in range(self.program.layers)],
             "solid": SOLIDS[cells.shape[1]],
             "shell": SHELLS[cells.shape[1]],
+            "omega": self.plan.start.omega,
+            "side": (self.discretisation.side + 1).tolist(),
+            "ground": count + 1,
+            "wall": (float(self.places[0].min()) - 1.0, self.case.tail_slap["slide"] + 2.0),
             "step": self.step,
             "increments": increments,
             "end": increments * self.step,
@@ -190,6 +198,9 @@ def make_deck(case: Case, program: str) -> Deck:
     if scene.corner_friction and reaction not in chosen.frictional:
         allowed = " or ".join(f'"{name}"' for name in (*chosen.frictional, "none"))
         raise InputError("corner.reaction", reaction, f"{chosen.why}; allowed is {allowed}")
+    if scene.corner.patch_length and chosen.layers == 1:
+        allowed = "the connector holds one node; remove this key"
+        raise InputError("corner.patch_length", scene.corner.patch_length, allowed)
     if scene.material and scene.material.law != "st-venant-kirchhoff":
         allowed = 'decks have linear elasticity at finite rotation; allowed is "st-venant-kirchhoff"'
         raise InputError("material.law", scene.material.law, allowed)

@@ -10,7 +10,7 @@ import meshio
 import numpy as np
 import pytest
 
-from postprocess.comparison.nodal import read_nodes
+from postprocess.comparison.nodal import centre_of_mass_history, read_calculix, read_nodes
 from postprocess.report.page import read_history
 from tailslap import cli
 
@@ -90,7 +90,7 @@ def section(text, keyword):
     for line in lines:
         if line.startswith("*"):
             break
-        found.append([float(cell) for cell in line.split(",")])
+        found.append([float(cell) for cell in line.split(",") if cell.strip()])
     return np.array(found)
 
 
@@ -242,4 +242,94 @@ def test_solver_that_fails_ends_with_its_last_lines(
     said = capsys.readouterr().err
     assert why in said
     assert "*ERROR reading *ELASTIC" in said
+    assert not any(elsewhere.iterdir())
+
+
+def plate_of(folder):
+    """Places of the nodes, shape (nodes, 2), cells, velocities and the lines of the deck of the plate for ABAQUS."""
+    mesh, text = meshio.read(folder / "plate.inp"), (folder / "plate.inp").read_text()
+    (cells,) = (block.data for block in mesh.cells if block.type in ("quad", "triangle"))
+    lines = text[text.index("TYPE=VELOCITY") :].splitlines()[1:]
+    rows = [line.split(",") for line in lines[: 2 * len(mesh.points)]]
+    velocities = np.array([float(value) for _, _, value in rows]).reshape(-1, 2)
+    return mesh.points[:, :2], cells, velocities, text
+
+
+def export_abaqus(folder, *changes):
+    given = [part for change in changes for part in ("--set", change)]
+    assert written("export", "paper-table-3", "--to", "abaqus", *given, "--out", str(folder)) == 0
+
+
+@needs_ccx
+def test_plate_of_the_abaqus_deck_moves_in_calculix_as_the_rigid_body(elsewhere):
+    """Numbers of the texts for ABAQUS alone: its shells are thickened to one layer of bricks."""
+    export_abaqus("deck", FRICTIONLESS, "plate.elements=[10,4]")
+    folder = elsewhere / "deck"
+    places, cells, velocities, text = plate_of(folder)
+    deck = (folder / "slide-plane.inp").read_text()
+    assert meshio.read(folder / "slide-plane.inp").points == pytest.approx(np.c_[places, 0.0 * places[:, 0]])
+    assert "*BOUNDARY\nCORNER, 2, 2\n" in deck
+    assert "CONNECTOR" not in deck
+    corner = int(section(text, "*NSET, NSET=CORNER")[0, 0])
+    thickness, _ = section(text, "*SHELL SECTION")[0]
+    n, lines = len(places), ["*NODE, NSET=PLATE"]
+    for z in (0, 1):
+        lines += [
+            f"{k + z * n}, {x!r}, {y!r}, {z * thickness}" for k, (x, y) in enumerate(places.tolist(), 1)
+        ]
+    lines += ["*ELEMENT, TYPE=C3D8, ELSET=VEHICLE"]
+    lines += [", ".join(map(str, [k, *cell, *(cell + n)])) for k, cell in enumerate(cells + 1, 1)]
+    lines += [text[text.index("*MATERIAL") : text.index("*SHELL")].rstrip()]
+    lines += ["*SOLID SECTION, ELSET=VEHICLE, MATERIAL=STEEL", "*INITIAL CONDITIONS, TYPE=VELOCITY"]
+    for z in (0, 1):
+        for k, pair in enumerate(velocities.tolist(), 1):
+            lines += [f"{k + z * n}, {axis}, {value!r}" for axis, value in enumerate(pair, 1)]
+    lines += ["*BOUNDARY", f"{corner}, 2, 2", f"{corner + n}, 2, 2", *(f"{k}, 3, 3" for k in range(1, n + 1))]
+    step, end = section(deck, "*DYNAMIC")[0]
+    lines += ["*STEP, NLGEOM, INC=1000", "*DYNAMIC, DIRECT, ALPHA=-0.05", f"{step}, {end}"]
+    lines += ["*NODE PRINT, NSET=PLATE", "U, V", "*END STEP"]
+    (folder / "bricks.inp").write_text("\n".join(lines) + "\n")
+    assert subprocess.run(["ccx", "bricks"], cwd=folder, capture_output=True).returncode == 0
+    _, nodes, masses = read_nodes(folder / "nodes.csv")
+    assert nodes == pytest.approx(places, rel=1e-10, abs=1e-10)
+    assert masses.sum() == pytest.approx(7800.0 * 0.053 * 10.0 * 2.438, rel=1e-12)
+    found = read_calculix(folder / "bricks.dat")
+    both = np.tile(nodes, (2, 1)), np.tile(0.5 * masses, 2)
+    history = centre_of_mass_history(*both, found.t, found.displacements, found.velocities)
+    at = lambda name: np.interp(0.0, history["rotation"] - 0.26, history[name])  # noqa: E731
+    assert at("v_gy") == pytest.approx(-3.2868596947, rel=3e-4)
+    assert at("omega") == pytest.approx(0.6573719389, rel=3e-4)
+
+
+def test_abaqus_deck_has_friction_by_a_connector_at_the_corner(elsewhere):
+    export_abaqus("deck")
+    folder = elsewhere / "deck"
+    names = {"plate.inp", "slide-plane.inp", "contact-pair.inp", "README.md", "nodes.csv", "rigid.csv"}
+    assert {path.name for path in folder.glob("[!.]*")} == names
+    places, cells, _, text = plate_of(folder)
+    assert cells.shape == (120, 4)
+    deck, paper = ((folder / name).read_text() for name in ("slide-plane.inp", "contact-pair.inp"))
+    corner = int(section(text, "*NSET, NSET=CORNER")[0, 0])
+    assert places[corner - 1] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert section(deck, "*ELEMENT, TYPE=CONN3D2").tolist() == [[121, 148, corner]]
+    assert section(deck, "*ORIENTATION").tolist() == [[0, 1, 0, 1, 0, 0]]
+    assert "*CONNECTOR FRICTION, PREDEFINED\n0,\n*FRICTION\n0.47,\n" in deck
+    assert "CORNER, 2, 2" not in deck
+    assert "*BOUNDARY\nCORNER, 2, 2\n" in paper
+    assert "*FRICTION\n0.47,\n" in paper
+    side = [int(line.rstrip(",")) for line in paper[paper.index("SIDE_PE") :].splitlines()[1:22]]
+    assert places[np.array(side) - 1, 1] == pytest.approx(-np.tan(0.26) * places[np.array(side) - 1, 0])
+    first, second, third, _ = section(paper, "*NODE, NSET=GROUND")[1:, 1:]
+    normal = np.cross(second - first, third - second)
+    assert normal[1] > 0.0
+    assert normal[[0, 2]] == pytest.approx([0.0, 0.0])
+
+
+def test_abaqus_deck_refuses_what_its_connector_cannot_have(elsewhere, capsys):
+    for change, key in (
+        ("corner.reaction=signed", "corner.reaction"),
+        ("corner.patch_length=2", "patch_length"),
+    ):
+        assert written("export", "paper-table-3", "--to", "abaqus", "--set", change) == 2
+        assert key in capsys.readouterr().err
     assert not any(elsewhere.iterdir())
