@@ -34,8 +34,9 @@ DAMPING_RATIO = 0.15
 TIPPED = 0.5 * math.pi
 """Largest roll of a vehicle that tips: it is not followed down [rad]."""
 
-ONE, MANY = 4e-3, 2e-2
-"""Step of one roll and of many, over the radian of the fastest oscillation on the springs."""
+ONE, MANY, VERDICTS = 4e-3, 2e-2, 4e-2
+"""Step of one roll, of many, and of many limits of height, over the radian of the fastest oscillation on the springs:
+these move the limits by less than `RESOLUTION`."""
 
 TOLERANCE, HALVINGS = 1e-5, 4
 """Largest change of one largest roll with half the step, and how often the step is halved for it."""
@@ -291,8 +292,8 @@ def _answered(
     """Answers for each vehicle, in their common shape."""
     bodies, shape = _bodies(vehicle, wall_height)
     push = np.ascontiguousarray(np.atleast_2d(force), dtype=float)
-    found, parts = np.empty((len(bodies), 2)), _parts(bodies, interval, push.shape[1], MANY)
-    scan = FINE if len(bodies) == 1 else COARSE
+    scan, phase = (FINE, MANY) if len(bodies) == 1 else (COARSE, MANY if asked == LARGEST else VERDICTS)
+    found, parts = np.empty((len(bodies), 2)), _parts(bodies, interval, push.shape[1], phase)
     answer(bodies, push, interval, parts, AT_REST, asked, scan, np.zeros((0, len(ROW))), found)
     return found[:, 0].reshape(shape)
 

@@ -1,7 +1,7 @@
 """Tipping over walls: largest roll over wall height and centre height, the line between walls that hold and those that
 do not, its band over what is not known, and where the spread of the lowest wall that holds comes from.
 
-The impacts of the samples are those of the rigid vehicle at one step, `STEP`; error: what twice the step changes.
+The impacts of the samples are those of the rigid vehicle at fixed steps; error: what twice the step changes.
 """
 
 import math
@@ -34,8 +34,9 @@ POINTS, HIGHEST_WALL, BESIDE = 50, 1.5, 0.35
 BAND_CENTRES, BAND_SAMPLES = 9, 128
 """Heights of the centre at which the band is computed, from so many samples each."""
 
-STEP, BLOCK = 1e-3, 512
-"""Step of the impacts of the samples [s], and samples of a part at most."""
+STEP, FINE_STEP, ABRUPT, BLOCK = 1e-3, 2e-4, 0.06, 512
+"""Steps of the impacts of the samples [s], the second of those with less restitution than `ABRUPT`, whose forces end
+abruptly: lowest walls of 95 in 100 then lie within 2 mm of those of small steps; samples of a part at most."""
 
 OWN = tuple(f"tipping.{name}" for name in ("centre_height", "roll_inertia", "suspension", "damping_ratio"))
 FIXED_OF_BAND = (
@@ -220,7 +221,9 @@ def measure(source: Source, inputs: Mapping[str, Array]) -> dict[str, list[float
     case = case_of(*vary(source, {}))
     assert isinstance(case, ImpactCase)
     assert case.scene.tipping
-    found = case.impacts(inputs, after_second=rigid.AFTER_TIPPING, interval=STEP, step=STEP)
+    restitution = inputs.get("contact.restitution", case.scene.needed_contact.restitution or 0.0)
+    step = FINE_STEP if np.min(restitution) < ABRUPT else STEP
+    found = case.impacts(inputs, after_second=rigid.AFTER_TIPPING, interval=STEP, step=step)
     names = {key.split(".")[1]: values for key, values in inputs.items() if key in OWN}
     if "vehicle.mass" in inputs:
         names["mass"] = inputs["vehicle.mass"]
