@@ -51,9 +51,18 @@ def corner_colour(corner: str) -> str:
     return CORNERS.get(corner.split()[-1], "soft")
 
 
+CLOSE = 0.25
+"""Distance of strikes, over the time of all, whose names may overlap."""
+
+
 def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
-    """Their times as bands behind the plot, each with its corner's name on top."""
-    return tuple(Span(each.corner, each.start, each.end, corner_colour(each.corner)) for each in strikes)
+    """Their times as bands behind the plot, each with its corner's name on top, close ones in rows."""
+    row, middle, found = 0, -np.inf, list[Span]()
+    for each in strikes:
+        last, middle = middle, 0.5 * (each.start + each.end)
+        row = (row + 1) % 3 if middle - last < CLOSE * strikes[-1].end else 0
+        found.append(Span(each.corner, each.start, each.end, corner_colour(each.corner), row))
+    return tuple(found)
 
 
 EDGE = 0.4

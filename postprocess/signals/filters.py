@@ -222,7 +222,7 @@ class DesignForce:
         return None if self.length is None else self.length * FOOT
 
 
-AASHTO = "AASHTO LRFD Bridge Design Specifications, Table A13.2-1; whether later editions changed it is not confirmed"
+AASHTO = "AASHTO LRFD Bridge Design Specifications, Table A13.2-1; later editions not checked"
 LRFD = {
     "TL-1": (13.5, 4.5, 4.0),
     "TL-2": (27.0, 9.0, 4.0),
@@ -241,7 +241,7 @@ MASH_TL_4 = (
     DesignForce("MASH, TTI", 80.0, TTI),  # for rails of 36 in. or higher
     DesignForce("MASH, 4.5 g", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
 )
-UNCONFIRMED = "quoted for NCHRP project 22-20(02); not confirmed at its source"
+UNCONFIRMED = "attributed to NCHRP Project 22-20(2); not verified against the project report"
 TALLER = {
     "TL-4": MASH_TL_4,
     "TL-5": (

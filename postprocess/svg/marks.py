@@ -369,7 +369,7 @@ class Boxes(Mark):
 
 @dataclass(frozen=True)
 class Span(Mark):
-    """A range of x shaded from top to bottom, or a dashed line where it has no width; named at its top."""
+    """A range of x shaded from top to bottom, or a dashed line where it has no width; named at its top, in a row."""
 
     ACROSS = ("start", "end")
     UP = ()
@@ -377,6 +377,7 @@ class Span(Mark):
     start: float
     end: float
     colour: str = "soft"
+    row: int = 0
 
     def draw(self, x: Scale, y: Scale) -> str:
         """The band, and the name at its top."""
@@ -386,7 +387,7 @@ class Span(Mark):
             name = words(self.label, left + 3.0, y.end + 11.0, size=11.0)
             return coloured(line + name, self.colour)
         box = f"M{left:.2f} {y.end:.2f}H{right:.2f}V{y.start:.2f}H{left:.2f}Z"
-        name = words(self.label, 0.5 * (left + right), y.end + 11.0, "middle", 11.0)
+        name = words(self.label, 0.5 * (left + right), y.end + 11.0 * (1 + self.row), "middle", 11.0)
         return coloured(f'<path d="{box}" fill-opacity="0.1"/>{name}', self.colour)
 
 

@@ -393,7 +393,7 @@ def test_design_forces_of_the_walls_that_tractors_strike():
     """The forces of both levels [kN], lowest first in each; what was not found at its source says so."""
     forces = {level: [round(row.force / 1e3) for row in design_forces(level)] for level in ("TL-5", "TL-6")}
     assert forces == {"TL-5": [552, 712, 845, 1165], "TL-6": [778, 1334]}
-    assert [row.kip for row in design_forces("TL-5") if "not confirmed at" in row.source] == [160.0, 262.0]
+    assert [row.kip for row in design_forces("TL-5") if "not verified" in row.source] == [160.0, 262.0]
 
 
 def test_another_test_level_is_refused():

@@ -48,7 +48,8 @@ def test_columns_of_the_plates_are_those_of_the_rigid_train():
     assert {name for name in rigid if name[-2:] in ("_1", "_2")} <= set(history)
     for name in ("theta", "theta_2", "y_g", "y_g_2", "articulation_1"):
         assert history[name] == pytest.approx(rigid[name], abs=0.05 * np.abs(rigid[name]).max())
-    assert history["force_normal_1"] + history["force_normal_2"] == pytest.approx(history["force_normal"])
+    for force in ("force_normal", "force_tangential"):
+        assert history[f"{force}_1"] + history[f"{force}_2"] == pytest.approx(history[force])
     momentum = TRACTOR["mass"] * history["v_gy"] + TRAILER["mass"] * history["v_gy_2"]
     gained = momentum - momentum[0] - history["normal_impulse"]
     assert np.abs(gained).max() < 1e-9 * np.abs(momentum[0])
@@ -64,9 +65,18 @@ def test_a_train_passes_its_checks_and_one_that_jack_knifes_does_not():
 
 
 def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
-    outcome = case(plate__elements=(6, 2), plate__element="quad9").run()
+    outcome = case(plate__elements=(6, 2), plate__element="quad9", time__end=1.0).run()
     corners = [strike.corner for strike in error.weighed(outcome.fe.strikes)]
     assert corners == ["front", "trailer front", "trailer rear"]
+    (hinge,), table = outcome.hinge_error, report.hinges_table(outcome)
+    assert 1e-3 < hinge < 0.05
+    assert report.summary(outcome, pictures=False)["numerical_error"]["hinges"] == [hinge]
+    assert [(row["model"], row["error"]) for row in table.rows] == [("FE", hinge), ("rigid", None)]
+    finer = case(
+        plate__elements=(24, 8), plate__element="quad9", time__end=1.0, verify__companion=False
+    ).run()
+    mean, other = (each.fe.hinges[0]["mean_50ms"] for each in (outcome, finer))
+    assert abs(other / mean - 1.0) < hinge
     assert {name.split(".")[0] for name in outcome.mesh_error} == {"strike_1", "strike_2", "strike_3"}
     (advice,) = {check.advice for check in outcome.checks if check.name in checks.MESH_CHECKS.values()}
     assert "hitch_length" in advice

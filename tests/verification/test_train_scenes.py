@@ -10,7 +10,7 @@ import tailslap
 from postprocess.units import SI
 from solver.tipping import RollingVehicle, lowest_walls
 from tailslap.case import case_of
-from tailslap.case.impact.answers import LARGEST, both_strikes
+from tailslap.case.impact.answers import LARGEST, ImpactAnswer, both_strikes
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.scene.vary import Source, vary
@@ -73,11 +73,27 @@ def test_columns_of_a_history(case):
     scale = np.abs(h["force_normal"]).max()
     assert gained[""] == pytest.approx((h["force_normal_1"] + h["hinge_force_y_1"])[1:], abs=1e-6 * scale)
     assert gained["_2"] == pytest.approx((h["force_normal_2"] - h["hinge_force_y_1"])[1:], abs=1e-6 * scale)
-    assert h["force_normal"] == pytest.approx(h["force_normal_1"] + h["force_normal_2"], abs=1e-4 * scale)
+    for force in ("normal", "tangential"):
+        both = h[f"force_{force}_1"] + h[f"force_{force}_2"]
+        assert h[f"force_{force}"] == pytest.approx(both, abs=1e-4 * scale)
+    along = masses[""] * np.diff(h["v_gx"]) / dt
+    assert along == pytest.approx((h["force_tangential_1"] + h["hinge_force_x_1"])[1:], abs=1e-6 * scale)
     assert h["articulation_1"] == pytest.approx(h["theta_2"] - h["theta"])
     (hinge,) = case.rigid_numbers()["hinges"]
     forces = np.hypot(h["hinge_force_x_1"], h["hinge_force_y_1"])
-    assert hinge == {"peak_force": forces.max(), "largest_angle": np.abs(h["articulation_1"]).max()}
+    assert hinge["peak_force"] == forces.max()
+    assert hinge["largest_angle"] == np.abs(h["articulation_1"]).max()
+
+
+def test_the_50_ms_mean_of_a_hinge_is_that_of_its_vector():
+    """A force that turns by half a turn in 50 ms has a mean of 2/pi of its size; one of constant direction its own."""
+    t, names = np.linspace(0.0, 1.0, 2001), ("hinge_force_x_1", "hinge_force_y_1", "articulation_1", "t")
+    phase = np.pi * t / 0.05
+    for x, y, mean in ((np.cos(phase), np.sin(phase), 2.0 / np.pi), (0.6 + 0.0 * t, 0.8 + 0.0 * t, 1.0)):
+        history = dict(zip(names, (7.0 * x, 7.0 * y, 0.1 * t, t), strict=True))
+        (hinge,) = ImpactAnswer((), history).hinges
+        assert hinge["peak_force"] == pytest.approx(7.0)
+        assert hinge["mean_50ms"] == pytest.approx(7.0 * mean, rel=2e-3)
 
 
 def test_the_hinge_stays_closed_in_the_history(case):

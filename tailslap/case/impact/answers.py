@@ -51,14 +51,18 @@ class ImpactAnswer:
 
     @property
     def hinges(self) -> list[dict[str, float]]:
-        """Largest force [N] and articulation angle [rad] of each hinge of a train."""
-        h, numbers = self.history, range(1, self.units)
-        forces = (np.hypot(h[f"hinge_force_x_{k}"], h[f"hinge_force_y_{k}"]) for k in numbers)
-        angles = (np.abs(h[f"articulation_{k}"]) for k in numbers)
-        return [
-            {"peak_force": float(force.max()), "largest_angle": float(angle.max())}
-            for force, angle in zip(forces, angles, strict=True)
-        ]
+        """Largest force, unfiltered and as a 50 ms mean [N], and articulation angle [rad] of each hinge of a train."""
+        h, found = self.history, []
+        rows = min(round(MEAN_WINDOW / self.interval), h["t"].size - 1)
+        for k in range(1, self.units):
+            force = np.array([h[f"hinge_force_{axis}_{k}"] for axis in "xy"])
+            sums = np.cumsum(force, axis=1)  # no window reaches beyond the end, where the force may still act
+            peak, mean = (
+                float(np.hypot(*each).max()) for each in (force, (sums[:, rows:] - sums[:, :-rows]) / rows)
+            )
+            angle = float(np.abs(h[f"articulation_{k}"]).max())
+            found.append({"peak_force": peak, "mean_50ms": mean, "largest_angle": angle})
+        return found
 
     @property
     def interval(self) -> float:
@@ -160,8 +164,10 @@ def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:
     history |= {"contact_energy": at.crush_energy_stored, "crush_energy": at.crush_energy_lost}
     if motion.trailers:
         trailers = ({name: getattr(at, f"{name}_{unit}") for name in MOTION} for unit in units[1:])
-        pushed = np.array([getattr(at, f"impulse_normal_{unit}") for unit in units])
-        forces = np.nan_to_num(np.diff(pushed, prepend=0.0) / step)
+        impulses = [
+            [getattr(at, f"impulse_{force}_{unit}") for unit in units] for force in ("normal", "tangential")
+        ]
+        forces = np.nan_to_num(np.diff(impulses, prepend=0.0) / step)
         hinged = np.pad(motion.hinge_forces(instants), ((0, 0), (0, 0), (1, 0)))
         history |= train_columns([history, *trailers], forces, hinged)
     return ImpactAnswer(motion.strikes, {"t": instants} | history)
@@ -180,8 +186,8 @@ def train_columns(
     ----------
     motions : sequence of dict of ndarray, shape (rows,)
         `MOTION` of each unit; the first one's have no number.
-    forces : ndarray, shape (units, rows)
-        Normal force on each [N].
+    forces : ndarray, shape (2, units, rows)
+        Normal and tangential force on each [N].
     hinges : ndarray, shape (hinges, 2, rows)
         Force of each hinge along X and Y on the unit ahead [N].
 
@@ -191,7 +197,8 @@ def train_columns(
         By name with the number of the unit, or hinge, from 1.
     """
     found = {f"{name}_{k}": motion[name] for k, motion in enumerate(motions[1:], 2) for name in MOTION}
-    found |= {f"force_normal_{k}": force for k, force in enumerate(forces, 1)}
+    for name, each in zip(("normal", "tangential"), forces, strict=True):
+        found |= {f"force_{name}_{k}": force for k, force in enumerate(each, 1)}
     for k, ((x, y), ahead, behind) in enumerate(zip(hinges, motions, motions[1:], strict=False), 1):
         found |= {f"hinge_force_x_{k}": x, f"hinge_force_y_{k}": y}
         found[f"articulation_{k}"] = behind["theta"] - ahead["theta"]

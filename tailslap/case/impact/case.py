@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 VALUES = ("start", "duration", "peak_force", "mean_50ms", "impulse")
 TIPPING = ("largest_roll", "lowest_safe_wall")
-HINGE = ("peak_force", "largest_angle")
+HINGE = ("peak_force", "mean_50ms", "largest_angle")
 SPENT = {"cost.steps": int, "cost.time_step": float}
 
 

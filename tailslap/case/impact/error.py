@@ -53,9 +53,10 @@ def weighed(strikes: Sequence[Strike]) -> list[Strike]:
 
 def judged_until(answer: ImpactAnswer) -> float:
     """Instant [s] up to which another mesh is run: as far as a strike that is judged, or the largest, may be taken up
-    again, or its 50 ms mean reaches; to the end where there is a single strike."""
+    again, or its 50 ms mean reaches; to the end where there is a single strike, and of a train, whose hinges may bear
+    their largest force there."""
     end, strikes = float(answer.history["t"][-1]), answer.strikes
-    if len(weighed(strikes)) < 2:
+    if len(weighed(strikes)) < 2 or answer.units > 1:
         return end
     judged = (*weighed(strikes), max(strikes, key=lambda strike: strike.impulse))
     return min(end, max(strike.end + max(LATER * strike.duration, MEAN_WINDOW) for strike in judged))
@@ -134,6 +135,13 @@ def estimate(own: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, f
         found |= {key: _judged(apart[key], math.sqrt(steps[key] * most)) for key in keys}
         found[f"strike_{k}.duration"] += 0.5 * own.interval / strike.duration  # of a row, in which it ends
     return found
+
+
+def hinge_errors(own: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> list[float]:
+    """Relative errors of the largest 50 ms mean of the force of each hinge of a train; arguments of `estimate`."""
+    means = [[hinge["mean_50ms"] for hinge in answer.hinges] for answer in (own, *sequence)]
+    apart = np.array(means[1:]) / means[0] - 1.0
+    return [_judged(each, abs(each[-1] - each[-2])) for each in apart.T.tolist()]
 
 
 def _judged(apart: Sequence[float], step: float) -> float:

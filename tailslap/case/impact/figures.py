@@ -87,13 +87,16 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Char
 
 
 def train_figures(outcome: ImpactOutcome) -> list[Chart]:
-    """Lateral force of each unit of a train, force and articulation angle of each hinge beside the rigid train's; none
-    of a single vehicle."""
+    """Forces of each unit of a train on the wall, force and articulation angle of each hinge beside the rigid train's;
+    none of a single vehicle."""
     h, strikes, units = outcome.fe.history, marks(outcome.fe), range(1, outcome.fe.units + 1)
     hinges, t = units[:-1], h["t"]
     if not hinges:
         return []
-    pushes = {f"unit {k}": h[f"force_normal_{k}"] / 1e3 for k in units}
+    pushes, drags = (
+        {f"unit {k}": sign * h[f"force_{name}_{k}"] / 1e3 for k in units}
+        for name, sign in (("normal", 1.0), ("tangential", -1.0))
+    )
     forces, angles = {}, {}
     for model, its in (("FE", h), ("rigid", outcome.rigid.history)):
         for k in hinges:
@@ -101,10 +104,13 @@ def train_figures(outcome: ImpactOutcome) -> list[Chart]:
             forces[f"hinge {k}, {model}"] = pulled / 1e3
             angles[f"hinge {k}, {model}"] = np.degrees(its[f"articulation_{k}"])
     return [
-        impact.draw_curves(
-            "force_units", "Lateral force on the wall by unit, FE", "force [kN]", t, pushes, strikes
-        ),
-        impact.draw_curves("hinge_force", "Force of the hinges", "force [kN]", t, forces, strikes),
+        impact.draw_curves(name, caption, "force [kN]", t, curves, strikes)
+        for name, caption, curves in (
+            ("force_units", "Lateral force on the wall by unit, FE", pushes),
+            ("drag_units", "Longitudinal force on the wall by unit, FE", drags),
+            ("hinge_force", "Force of the hinges, unfiltered", forces),
+        )
+    ] + [
         impact.draw_curves("articulation", "Articulation angle", "angle [deg]", t, angles, strikes),
     ]
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import asdict
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +50,17 @@ ERRORS = (
     Column("strike", "Stated error"),
     *(Column(name, words.capitalize(), form=percent_up) for name, words in error.QUANTITIES.items()),
 )
+HINGES = (
+    Column("title", "Hinge"),
+    Column("model", "Model"),
+    Column("mean_50ms", "Force, 50 ms mean", "N", form="#.4g", style="strong"),
+    Column("error", "Stated error", form=lambda error: "–" if error is None else percent_up(error)),
+    Column("peak_force", "Peak, unfiltered", "N", form="#.4g"),
+    Column("largest_angle", "Largest angle", "rad", form=".2f"),
+)
+HINGE_NOTE = (
+    "The unfiltered peak force of the FE model contains elastic vibrations; its error is not estimated."
+)
 DURATIONS_NOTE = (
     "The paper reads the duration of the tail-slap from valley to valley around the second peak of a measured curve, "
     "and computes the force of a triangular pulse with it; here the duration is computed. A 50 ms mean extends an "
@@ -83,6 +95,7 @@ def run_report(
         report.short(report.design_table(outcome.fe_plan.case, outcome.lateral_force)),
         _strikes(outcome),
         errors_table(outcome),
+        hinges_table(outcome),
     )
     lines = report.terminal_text(outcome, tables)
     return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
@@ -143,6 +156,17 @@ def errors_table(outcome: run.ImpactOutcome) -> Table:
     return Table(ERRORS, rows)
 
 
+def hinges_table(outcome: run.ImpactOutcome) -> Table:
+    """Force and articulation angle of the hinges of a train; empty for a single vehicle."""
+    models = {"FE": (outcome.fe, outcome.hinge_error), "rigid": (outcome.rigid, [])}
+    rows = [
+        {"title": f"Hinge {k}", "model": model, "error": error, **hinge}
+        for model, (answer, errors) in models.items()
+        for k, (hinge, error) in enumerate(zip_longest(answer.hinges, errors), 1)
+    ]
+    return Table(HINGES, sorted(rows, key=lambda row: str(row["title"])), notes=(HINGE_NOTE,))
+
+
 def peak_table(outcome: run.ImpactOutcome) -> Table:
     """Peak force of each strike, and of the whole impact as a mean over 50 ms."""
     fe, rigid = outcome.fe.strikes, outcome.rigid.strikes
@@ -185,7 +209,12 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
         *tipping_sections(outcome),
-        Section("Units and hinges of the train", figures=figures.train_figures(outcome), layout="wide"),
+        Section(
+            "Units and hinges of the train",
+            figures=figures.train_figures(outcome),
+            tables=[hinges_table(outcome)],
+            layout="wide",
+        ),
         Section("Longitudinal force, and force of the rigid vehicle", figures=forces[1:], layout="wide"),
         Section(
             "Energy, and force along the side" if along else "Energy",
@@ -272,7 +301,8 @@ def summary(outcome: run.ImpactOutcome, pictures: bool) -> dict[str, Any]:
         "fe": outcome.fe.numbers() | rolls.get("FE", {}),
         "paper_method": outcome.paper_method,
         "difference": outcome.difference,
-        "numerical_error": {"mesh": outcome.mesh_error},
+        "numerical_error": {"mesh": outcome.mesh_error}
+        | ({"hinges": outcome.hinge_error} if outcome.hinge_error else {}),
         "occupant_risk": list(map(asdict, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))),
         "wall": wall_numbers(outcome),
         "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},

@@ -356,8 +356,9 @@ class RigidImpact(Case):
             lines.append(f"  {strike.corner:<16} {when}: peak {peak}, impulse {impulse}")
         lines += ["", "Hinges"] if self.trailers else []
         for number, hinge in enumerate(answer.hinges, 1):
-            force, angle = shown(hinge["peak_force"], "N", units), math.degrees(hinge["largest_angle"])
-            lines.append(f"  hinge {number}: peak force {force}, largest articulation angle {angle:.4g} deg")
+            peak, mean = (shown(hinge[name], "N", units) for name in ("peak_force", "mean_50ms"))
+            angle = f"largest articulation angle {math.degrees(hinge['largest_angle']):.4g} deg"
+            lines.append(f"  hinge {number}: peak force {peak}, 50 ms mean {mean}, {angle}")
         lines += ["", "Lateral force on the wall, peak"]
         lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
         lines += ["", "At the end, of the first unit" if self.trailers else "At the end"]

@@ -39,6 +39,8 @@ class ImpactOutcome(Outcome):
     mesh_error : dict of float
         Numerical error of each quantity of the first two strikes of weight, relative, by `strike_1.impulse` and so on;
         empty where none is stated.
+    hinge_error : list of float
+        Of the largest 50 ms mean of the force of each hinge, relative; empty where none is stated.
     """
 
     fe_plan: plan.ImpactPlan
@@ -46,6 +48,7 @@ class ImpactOutcome(Outcome):
     rigid: answers.ImpactAnswer
     fe: answers.ImpactAnswer
     mesh_error: dict[str, float] = field(default_factory=dict)
+    hinge_error: list[float] = field(default_factory=list)
 
     @property
     def lateral_force(self) -> float:
@@ -131,8 +134,11 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
 def _answer(fe_plan: plan.ImpactPlan, run: ImpactRun) -> answers.ImpactAnswer:
     history = run.history
     if run.units:
-        forces = np.array([run.normal[:, run.unit == number].sum(axis=1) for number in range(len(run.units))])
-        history = history | run.units[0] | answers.train_columns(run.units, forces, run.hinges)
+        forces = [
+            [each[:, run.unit == number].sum(axis=1) for number in range(len(run.units))]
+            for each in (run.normal, run.tangential)
+        ]
+        history = history | run.units[0] | answers.train_columns(run.units, np.array(forces), run.hinges)
     points = run.points, run.normal, run.tangential, run.place
     return answers.sampled_answer(history, *points, corners_of(fe_plan, run))
 
@@ -158,8 +164,9 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
         found = error.estimate(outcome.fe, sequence)
         moved = max(map(abs, error.changes(outcome.fe, sequence[-1]).values()), default=math.inf)
         if moved <= limit < error.largest(found) and (finest := error.third(fine)):
-            found = error.estimate(outcome.fe, [*sequence, _on(outcome, finest)])
-        return replace(outcome, mesh_error=found)
+            sequence.append(_on(outcome, finest))
+            found = error.estimate(outcome.fe, sequence)
+        return replace(outcome, mesh_error=found, hinge_error=error.hinge_errors(outcome.fe, sequence))
     return outcome
 
 

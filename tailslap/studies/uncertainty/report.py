@@ -10,7 +10,7 @@ import numpy as np
 from postprocess.figures import studies as figures
 from postprocess.report.page import Column, Headline, Section, Table, columns, pairs
 from postprocess.report.report import Report
-from postprocess.units import force, grouped, known, percent
+from postprocess.units import force, grouped, known
 from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
 from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
 from tailslap.case.report import known_forces, short, study_page, study_summary
@@ -39,7 +39,7 @@ MAIN = "strike_2.mean_50ms"
 LEVELS = (
     Column("name", "Design force", style="whole"),
     Column("force", "Lateral", "N", form="#.4g", style="strong"),
-    Column("above", "Impacts above it", form=percent),
+    Column("above", "Impacts above it", form=lambda part: f"{100.0 * part:.1f} %"),
     Column("source", "Source", style="soft"),
 )
 # Inputs of the curves: label, displayed unit and its value in SI; last those of trailers.
