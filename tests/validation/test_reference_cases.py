@@ -1,0 +1,177 @@
+"""Validation against published cases of other programs: Code_Aster's SDND100 and SSNV128, NAFEMS' CGS-4 and FV32, and
+Cook's membrane. Body forces and loads act in the tests only; docs/reference-cases.md lists the results.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.sparse import diags
+from scipy.sparse.linalg import eigsh, spsolve
+
+from fem.laws.friction import Drag
+from fem.model.impact_model import build_impact_model
+from fem.model.plate_model import unit_plate
+from fem.plate.properties import ContactProperties, PlateProperties, StepProperties
+from fem.run.impact import FirstTouch, ImpactStepper
+from meshes import plate_mesh
+
+GRAVITY = 10.0  # [m/s^2], as SDND100 has it
+
+
+class PressedBlock:
+    """A stiff block of 1 kg that has settled on the wall under its weight; friction at the nodes of its boundary.
+
+    across: body force across the wall over the weight. Without damping of the plate friction lets it flutter.
+    """
+
+    def __init__(self, friction, across=1.0):
+        plate = PlateProperties(0.01, 1.0 / (1.0 * 0.1 * 0.01), 1e8, 0.0)
+        contact, step = ContactProperties(Drag(friction), "penalty"), StepProperties(damping_ratio=0.3)
+        self.model = build_impact_model(plate_mesh(1.0, 0.1, (8, 2)), plate, contact, step)
+        self.stepper, self.across = ImpactStepper(self.model), across
+        self.mass, self.time_step = self.model.loop.mass, self.model.loop.time_step
+        self.state = self.stepper.at_touch(FirstTouch(0.0, 0.0, 0.0))
+        for _ in range(2000):
+            self.state.velocities[:] *= 0.98
+            self.step(0.0)
+        self.state.velocities[:] = 0.0
+        self.start = float(self.mass @ self.state.positions[0]) + self.state.origin[0]
+
+    def step(self, along):
+        """A step under a body force along the wall over the mass [m/s^2]."""
+        self.state.velocities[0] += self.time_step * along
+        self.state.velocities[1] -= self.time_step * GRAVITY * self.across
+        self.state = self.stepper.record(self.state, 1, 1).state
+
+    @property
+    def place(self):
+        """Of the centre along the wall since it settled [m]."""
+        return float(self.mass @ self.state.positions[0]) + self.state.origin[0] - self.start
+
+    @property
+    def speed(self):
+        """Of the centre along the wall [m/s]."""
+        return float(self.mass @ self.state.velocities[0])
+
+
+def test_sdnd100_released_friction_pad():
+    """m = 1 kg, k = 1e4 N/m, mu = 0.1, released at 0.85 mm: half a period each, 0.2 mm shorter, then it sticks."""
+    pad = PressedBlock(0.1)
+    times, places = [], []
+    while len(times) * pad.time_step < 0.2:
+        times.append(len(times) * pad.time_step)
+        places.append(0.85e-3 + pad.place)
+        pad.step(-1e4 * places[-1])
+    found = 1e3 * np.interp(np.arange(1, 7) * math.pi / 100.0, times, places)
+    assert found[:4] == pytest.approx([-0.65, 0.45, -0.25, 0.05], abs=1e-3)
+    assert found[4:] == pytest.approx([0.05, 0.05], abs=1e-3)
+
+
+def test_cgs_4_sliding_wedge():
+    """tan a = 0.1, mu = 0.3: a horizontal force of (tan a + mu)/(1 - mu tan a) = 0.412371 weights moves it."""
+
+    mu, angle, reference = 0.3, math.atan(0.1), 0.412371
+
+    def places(force):
+        """Instants [s] and places along the slope [m] under this force over the weight, after it has risen."""
+        wedge, found = PressedBlock(mu, force * math.sin(angle) + math.cos(angle)), []
+        along = force * math.cos(angle) - math.sin(angle)
+        for n in range(round(0.2 / wedge.time_step)):
+            wedge.step(GRAVITY * along * min(1.0, n * wedge.time_step / 0.05))
+            found.append((n * wedge.time_step, wedge.place))
+        t, place = np.array(found).T
+        return t[t > 0.06], place[t > 0.06]
+
+    t, place = places(0.999 * reference)
+    assert np.ptp(place[t > 0.15]) < 1e-12
+    forces = np.array([1.02, 1.04]) * reference
+    rates = np.array([2.0 * np.polyfit(*places(force), 2)[0] for force in forces])
+    threshold = forces[0] - rates[0] * np.diff(forces)[0] / np.diff(rates)[0]
+    assert threshold == pytest.approx(reference, abs=1e-6)
+
+
+def edge_loads(place, side, traction):
+    """Nodal forces of linear elements of equal length under a traction on a side [N/m], shape of place."""
+    nodes = np.flatnonzero(side)
+    nodes, loads = nodes[np.argsort(place[nodes])], np.zeros(place.size)
+    lengths = np.diff(place[nodes])
+    loads[nodes[:-1]] += 0.5 * traction * lengths
+    loads[nodes[1:]] += 0.5 * traction * lengths
+    return loads
+
+
+@pytest.mark.parametrize("law", ["exact", "penalty"])
+def test_ssnv128_plate_with_friction_on_a_rigid_plane(law):
+    """40 mm square, mu = 1, pressed from above and the side, in plane strain; both halves, with damping."""
+    size, modulus, ratio, density = 0.04, 1.3e11, 0.2, 7800.0
+    plate = PlateProperties(1.0, density, modulus / (1.0 - ratio**2), ratio / (1.0 - ratio))
+    mesh = plate_mesh(2.0 * size, size, (64, 32))
+    model = build_impact_model(mesh, plate, ContactProperties(Drag(1.0), law), StepProperties())
+    stepper, (x, y) = ImpactStepper(model), model.discretisation.positions
+    left, right, top = np.isclose(x, -2.0 * size), np.isclose(x, 0.0), np.isclose(y, size)
+    along = edge_loads(y, left, 15e7) - edge_loads(y, right, 15e7)
+    loads = np.array([along, edge_loads(x, top, -5e7)])
+    dt, period = model.loop.time_step, 4.0 * size / math.sqrt(plate.youngs_modulus / density)
+    state, ramp = stepper.at_touch(FirstTouch(0.0, 0.0, 0.0)), 30.0 * period
+    start = state.positions[0] - x
+    for n in range(round(1.3 * ramp / dt)):
+        state.velocities[:] *= 1.0 - 4.0 * dt / period
+        state.velocities[:] += dt * min(1.0, n * dt / ramp) * loads / model.loop.mass
+        state = stepper.record(state, 1, 1).state
+    moved = state.positions[0] + state.origin[0] - x - start
+    face = np.flatnonzero(np.isclose(y, 0.0))
+    face = face[np.argsort(x[face])]
+    symmetric = 0.5 * (moved[face] - moved[face][::-1])
+    found = np.interp([0.0, 1.25e-3, 5e-3, 7.5e-3, 11.25e-3], x[face] + 2.0 * size, symmetric)
+    assert found == pytest.approx([2.86e-5, 2.72e-5, 2.28e-5, 1.98e-5, 1.50e-5], rel=0.05)
+
+
+def tapered(length, root, tip, elements, rise=0.0):
+    """Mesh of a trapezoid from x = -length, of height root, to x = 0, of height tip; rise: of its middle line."""
+    mesh = plate_mesh(length, 1.0, elements)
+    along = 1.0 + mesh.points[:, 0] / length
+    mesh.points[:, 1] = (mesh.points[:, 1] - 0.5) * (root + (tip - root) * along) + rise * along
+    return mesh
+
+
+def clamped(unit):
+    """Stiffness over the modulus of the unknowns that are not at the left end [m], and their numbers."""
+    x = unit.discretisation.positions[0]
+    free = np.flatnonzero(np.tile(~np.isclose(x, x.min()), 2))
+    return unit.inverse.stiffness.tocsc()[free][:, free], free
+
+
+@pytest.mark.parametrize(
+    ("kind", "elements", "tolerance"),
+    [("quad9", (8, 4), 4e-3), ("quad9", (16, 8), 4e-4), ("quad4", (32, 16), 4e-3)],
+)
+def test_fv32_tapered_membrane(kind, elements, tolerance):
+    """Frequencies of NAFEMS; ABAQUS's CPS8R, as the source has it, within 0.37 %."""
+    plate = PlateProperties(0.05, 8000.0, 1.0, 0.3, element=kind)
+    unit = unit_plate(tapered(10.0, 5.0, 1.0, elements), plate)
+    stiffness, free = clamped(unit)
+    root = diags(np.tile(unit.masses, 2)[free] ** -0.5)
+    scaled = (200e9 * root @ stiffness @ root).tocsc()
+    squares = np.sort(eigsh(scaled, 6, sigma=0.0, return_eigenvectors=False))
+    reference = [44.623, 130.03, 162.70, 246.05, 379.90, 391.44]
+    assert np.sqrt(squares) / (2.0 * math.pi) == pytest.approx(reference, rel=tolerance)
+
+
+@pytest.mark.parametrize(("elements", "tolerance"), [(8, 2e-3), (32, 5e-4)])
+def test_cook_s_membrane(elements, tolerance):
+    """A unit shear force at the end raises its middle by 23.97, with E = 1 and a ratio of 1/3."""
+    plate = PlateProperties(1.0, 1.0, 1.0, 1.0 / 3.0, element="quad9")
+    unit = unit_plate(tapered(48.0, 44.0, 16.0, (elements, elements), 30.0), plate)
+    x, y = unit.discretisation.positions
+    edge = np.flatnonzero(np.isclose(x, 0.0))
+    edge, loads = edge[np.argsort(y[edge])], np.zeros((2, x.size))
+    weights = np.where(np.arange(edge.size) % 2, 4.0, 2.0)  # Simpson's rule
+    weights[[0, -1]] = 1.0
+    loads[1, edge] = weights / weights.sum()
+    stiffness, free = clamped(unit)
+    moved = np.zeros(2 * x.size)
+    moved[free] = spsolve(stiffness, loads.ravel()[free])
+    middle = edge[edge.size // 2]
+    assert (x[middle], y[middle]) == pytest.approx((0.0, 30.0))
+    assert moved[x.size + middle] == pytest.approx(23.97, rel=tolerance)
