@@ -178,6 +178,11 @@ FILES = (
     ("`impact.gif`", "animation of a whole impact"),
     ("`fields.npz`", "fields of the plate at N instants, for `[output] fields = N`"),
     (
+        "`ro-crate-metadata.json`",
+        "description of the files for archives (RO-Crate 1.1): size, format and digest of each, program, command, and "
+        "the digest of all that the report shows",
+    ),
+    (
         "`.tailslap-result.json`",
         "manifest: command, scene, and files with size and digest",
     ),

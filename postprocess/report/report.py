@@ -25,6 +25,7 @@ from postprocess.report.page import (
     write_page,
     write_summary,
 )
+from postprocess.report.provenance import files_digest, write_crate
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
 
@@ -244,8 +245,7 @@ def shown_in(part: Any, units: Units) -> Any:
 
 
 def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
-    """Fill a folder: page, summary, tables, histories, texts, and the figures as SVG."""
-    write_page(folder / page, report.page)
+    """Fill a folder: page, summary, tables, histories, texts, the figures as SVG, and the description of all files."""
     write_summary(folder / SUMMARY, report.numbers)
     for name, table in report.tables.items():
         write_table(folder / name, table)
@@ -255,6 +255,10 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
         (folder / name).write_text(text, encoding="utf-8")
     for chart in report.page.charts:
         (folder / f"{chart.name}.svg").write_text(chart.svg, encoding="utf-8")
+    made = report.page.footer
+    seal = f"SHA-256 of the list of the other files: `{files_digest(folder, page)}`."
+    write_page(folder / page, replace(report.page, footer=f"{made} {seal}".strip()))
+    write_crate(folder, page, report.page.headline, made, str(report.numbers.get("version", "")))
 
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")

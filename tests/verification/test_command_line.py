@@ -16,6 +16,7 @@ import time
 import pytest
 from click.testing import CliRunner
 
+from postprocess.report.provenance import CRATE
 from tailslap.cli import _status, commands
 from tailslap.studies import study_names
 
@@ -23,7 +24,15 @@ HEAVY = (
     *("gmsh", "skfem", "numba", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
     *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pyarrow"),
 )
-FILES = {"summary.json", "history.csv", "rigid.csv", "report.html", "set-up.svg", ".tailslap-result.json"}
+FILES = {
+    "summary.json",
+    "history.csv",
+    "rigid.csv",
+    "report.html",
+    "set-up.svg",
+    ".tailslap-result.json",
+    CRATE,
+}
 CURVES = ("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential")
 CURVES += ("energy_exchanged", "energy_stored", "energy_error", "positions")
 FILES |= {f"{name}.svg" for name in CURVES}

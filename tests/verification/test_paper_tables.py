@@ -16,6 +16,7 @@ from test_command_line import imported
 from test_postprocess_report import Parsed
 
 from postprocess.report.page import Column, Table, glued, prose
+from postprocess.report.provenance import CRATE
 from postprocess.report.report import printed
 from postprocess.units import percent
 from solver import plane_motion
@@ -361,7 +362,14 @@ def test_a_terminal_shows_the_tables_whole(found, monkeypatch):
                 assert " ".join(cells.split()) in shown
 
 
-FILES = {"paper.html", "summary.json", "figures_10_to_14_drag.csv", "figures_10_to_14_none.csv", MANIFEST}
+FILES = {
+    "paper.html",
+    "summary.json",
+    "figures_10_to_14_drag.csv",
+    "figures_10_to_14_none.csv",
+    MANIFEST,
+    CRATE,
+}
 FILES |= {f"{name}.svg" for name in FIGURES.values()}
 
 

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import pytest
 
 import tailslap
+from postprocess.report.provenance import CRATE
 from tailslap import cli, errors
 from tailslap.campaign import engine, pools, records
 from tailslap.campaign.definition import CIRCUMSTANCES, compute_row, make_definition, write_table
@@ -133,7 +134,7 @@ def undisturbed(scene, cluster, tmp_path_factory):
     place = tmp_path_factory.mktemp("sweeps") / "undisturbed"
     done = perform(definition_of(scene), place, cluster)
     assert done.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
-    files = {"sweep.json", RECORDS, "sweep.parquet", "summary.json", "report.html", MANIFEST}
+    files = {"sweep.json", RECORDS, "sweep.parquet", "summary.json", "report.html", MANIFEST, CRATE}
     assert {path.name for path in place.iterdir() if path.suffix != ".svg"} == files
     assert json.loads((place / "summary.json").read_text())["statuses"] == done.statuses
     return table(place)
