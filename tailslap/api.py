@@ -487,7 +487,7 @@ def sweep_result(
         ) from None
     made, table = done.report, (place / definition.TABLE).read_bytes()
     assert made is not None
-    columns = {"table": result.Columns(load.read_columns(place / definition.TABLE))}
+    columns = {"table": load.table(load.read_columns(place / definition.TABLE))}
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
         (folder / definition.TABLE).write_bytes(table)

@@ -66,6 +66,21 @@ def history(columns: Mapping[str, Any]) -> result.Columns:
     return result.Columns(columns, column_units(columns))
 
 
+def table(columns: Mapping[str, Any]) -> result.Columns:
+    """Columns of a sweep, with the units of keys and of compared quantities."""
+    from postprocess.comparison.quantities import STRIKES, TAIL_SLAP
+    from tailslap.scene import schema, write
+
+    compared = {**TAIL_SLAP.quantities, **STRIKES.quantities}
+    units = {f"{of}.{key}": each.unit for of in ("fe", "rigid") for key, each in compared.items()}
+    units |= {
+        f"{name}.{key}": write.unit_of(field)
+        for name, its in schema.TABLES.items()
+        for key, field in its.model_fields.items()
+    }
+    return result.Columns(columns, {name: units[name] for name in columns if units.get(name)})
+
+
 class Stored:
     """Files of a result folder, verified by the manifest.
 
@@ -176,7 +191,7 @@ def _loaded(stored: Stored) -> result.Result:
     }
     histories = {label: history(columns) for label, columns in tables.items() if columns is not None}
     if (rows := stored.read(SWEEP, read_columns)) is not None:
-        histories["table"] = result.Columns(rows)
+        histories["table"] = table(rows)
     fields = (lambda: stored.read(series.FILE, series.read_fields)) if series.FILE in stored.names else None
 
     def made(file: BufferedReader) -> result.Result:

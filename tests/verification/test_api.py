@@ -292,7 +292,9 @@ def test_without_a_folder_a_sweep_writes_nothing(tmp_path, monkeypatch):
     result = {path.name for path in Path("kept").iterdir()} - {"sweep.json", "records.sqlite"}
     assert {path.name for path in found.save("saved").iterdir()} == result
     assert tailslap.load("saved").summary["statuses"] == found.summary["statuses"]
+    assert tailslap.load("saved").history.attrs["units"] == found.history.attrs["units"]
     (axes,) = found.plot("fe.v_gy").figure.axes
+    assert (axes.get_ylabel(), found.history.attrs["units"]["rigid.peak_force"]) == ("fe.v_gy [m/s]", "N")
     assert (axes.get_xlabel(), list(axes.lines[0].get_xdata())) == ("corner.friction", [0.2, 0.3, 0.47])
 
 
