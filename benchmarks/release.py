@@ -1,0 +1,182 @@
+"""The verification page of a release: every figure of docs/accuracy.md with the command that measures it, in one go.
+
+    .venv/bin/python benchmarks/release.py [--out FOLDER] [--only WORDS]... [--others PYTHON] [--earlier CHECKOUT]
+
+Each command runs once, one after the other, and the page shows what it printed beside what docs/accuracy.md states;
+the texts lie beside the page. Four to six hours on two free cores. --only: commands that contain these words. --others:
+an environment with benchmarks/requirements.txt, and --earlier: another checkout, for the commands that compare with
+them; without, the page states that they were not run. Exits 1 if a command failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import platform
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import tailslap
+from postprocess.report.page import Column, Headline, Page, Section, Table
+from postprocess.report.report import Report, write_report
+from tailslap.files.folder import result_folder
+from tailslap.files.manifest import Origin
+
+ROOT = Path(__file__).parents[1]
+ACCURACY = ROOT / "docs" / "accuracy.md"
+
+PEERS = "benchmarks/peers.py --others OTHERS"
+SPEED = "benchmarks/speed.py --others OTHERS"
+PROCESS = "benchmarks/process.py EARLIER --million"
+FIGURES: Mapping[str, Sequence[str]] = {
+    "benchmarks/rigid.py": ("agrees within 1e-10", "exact rigid solution and DOP853"),
+    "benchmarks/main_job.py": ("108 cases:", "time loop of `paper-table-3`"),
+    "benchmarks/core.py": (
+        "0.78 %",
+        "proportional to 1/E",
+        "agree within 3e-6",
+        "largest of five differences",
+        "E x 100",
+        "distorted quads; triangles",
+        "energy balance",
+        "number of steps over",
+    ),
+    "benchmarks/modal.py": ("within 5e-9", "difference of four modes", "time of the modal integration"),
+    "benchmarks/sweep.py": ("sweep of 1 000 runs", "sweep after kill -9"),
+    "benchmarks/vehicles.py": ("1 000 random realistic", "36 slender plates", "slow and stiff"),
+    "benchmarks/rounding.py": ("ripple due to rounding",),
+    "benchmarks/tolerance.py": ("the 200 scenes of the tolerance",),
+    "benchmarks/size.py": ("a million elements: time per step",),
+    "benchmarks/stated_error.py 600": ("Numerical error", "600 coarse, wide, soft"),
+    "-m tailslap confirm paper-table-3 --set corner.reaction=none": ("Another solver",),
+    SPEED: ("element updates per second", "distorted mesh, 122 880", "speed-up by two threads"),
+    PEERS: (
+        "agrees with them within 1.2e-12",
+        "| `tailslap run` |",
+        "with the model of the others",
+        "Akantu 5.0.7 |",
+        "Kratos 10.4.4 |",
+        "Warp 1.19.0 |",
+        "distorted elements: `tailslap run`",
+        "Rigid bodies: `tailslap rigid`",
+    ),
+    PROCESS: (
+        "process time relative to",
+        "with three pictures",
+        "`rigid paper-table-3`; row of a sweep",
+        "a million elements: initial state",
+    ),
+}
+"""Words of docs/accuracy.md that name a figure, by the command that measures it, after the interpreter."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A command that ran: what it printed, its exit status, None where it was not run, and its time [s]."""
+
+    command: str
+    text: str
+    status: int | None
+    seconds: float
+
+    @property
+    def outcome(self) -> str:
+        """Outcome in words."""
+        if self.status is None:
+            return "not run"
+        return "ran" if self.status == 0 else f"exit status {self.status}"
+
+
+def statements(text: str) -> list[str]:
+    """Rows of tables, list items and paragraphs of a page in Markdown, a line each."""
+    blocks = re.split(r"\n(?=\||- |#|\n)", text)
+    lines = (" ".join(block.split()) for block in blocks)
+    return [line for line in lines if re.search(r"\d", line) and not line.startswith(("#", "!"))]
+
+
+def stated(words: str, lines: Iterable[str]) -> str:
+    """The statement that contains these words. Raises ValueError where that is not one."""
+    found = [line for line in lines if words in line]
+    if len(found) != 1:
+        raise ValueError(f"docs/accuracy.md has {len(found)} statements with {words!r}")
+    plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", found[0])
+    return plain.strip("|- ").replace("**", "").replace(" | ", "; ")
+
+
+def measure(command: str, given: Mapping[str, str | None]) -> Measured:
+    """Run a command with the paths that it asks for; without them it is not run."""
+    for name, value in given.items():
+        if name in command and value is None:
+            return Measured(command, f"requires --{name.lower()}", None, 0.0)
+        command = command.replace(name, value or "")
+    began = time.perf_counter()
+    print(f"{command} ...", file=sys.stderr, flush=True)
+    run = subprocess.run([sys.executable, *command.split()], cwd=ROOT, capture_output=True, text=True)
+    text = run.stdout if run.returncode == 0 else run.stdout + run.stderr
+    return Measured(command, text, run.returncode, time.perf_counter() - began)
+
+
+def report(figures: Mapping[str, Sequence[str]], done: Sequence[Measured], commit: str) -> Report:
+    """Report of all figures: statements with commands and outcomes, then what each command printed."""
+    lines = statements(ACCURACY.read_text(encoding="utf-8"))
+    rows = [
+        {"stated": stated(words, lines), "command": f"`python {run.command}`", "outcome": run.outcome}
+        for run, every in zip(done, figures.values(), strict=True)
+        for words in every
+    ]
+    heads = (Column("stated", "docs/accuracy.md"), Column("command", "Command"), Column("outcome", "Outcome"))
+    failed = [run.command for run in done if run.status]
+    left = sum(run.status is None for run in done)
+    answer = f"{len(done) - left} of {len(done)} commands ran for {len(rows)} figures; {len(failed)} failed."
+    machine = f"{platform.machine()}, Python {platform.python_version()}, commit {commit}."
+    sections = [Section("Figures", tables=[Table(heads, rows)]), *map(_printed, done)]
+    below = f"tailslap {tailslap.__version__}, {datetime.date.today().isoformat()}, `python benchmarks/release.py`."
+    headline = Headline(f"Verification of tailslap {tailslap.__version__}", answer, machine)
+    page = Page("Release", headline, sections, below, passed=not failed, checked="commands")
+    texts = {f"{re.sub(r'[^a-z0-9]+', '-', run.command).strip('-')}.txt": run.text for run in done}
+    summary = {
+        "version": tailslap.__version__,
+        "commit": commit,
+        "passed": not failed,
+        "figures": rows,
+        "seconds": {run.command: run.seconds for run in done},
+    }
+    return Report(page, summary, (), texts=texts)
+
+
+def _printed(run: Measured) -> Section:
+    """What a command printed, in columns where two blanks separate them."""
+    cells = [re.split(r"\s{2,}", line.strip(), maxsplit=3) for line in run.text.splitlines() if line.strip()]
+    width = max(map(len, cells), default=1)
+    rows = [{str(k): cell for k, cell in enumerate(line)} for line in cells]
+    rows = [{**dict.fromkeys(map(str, range(width)), ""), **row} for row in rows]
+    table = Table(tuple(Column(str(k), "") for k in range(width)), rows)
+    lead = f"Exit status {run.status}, {run.seconds:.0f} s." if run.status is not None else "Not run."
+    return Section(f"python {run.command}", lead, tables=[table], is_folded=True)
+
+
+def main() -> int:
+    """Run the commands and write the page; returns the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--out", type=Path, default=Path("results/release"))
+    parser.add_argument("--only", action="append", default=[])
+    parser.add_argument("--others")
+    parser.add_argument("--earlier")
+    asked = parser.parse_args()
+    chosen = {c: f for c, f in FIGURES.items() if not asked.only or any(words in c for words in asked.only)}
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    with result_folder(asked.out, origin=Origin("release", "")) as folder:
+        given = {"OTHERS": asked.others, "EARLIER": asked.earlier}
+        made = report(chosen, [measure(command, given) for command in chosen], commit.stdout.strip())
+        write_report(made, folder)
+    print(f"{made.page.headline.answer}\nPage: {asked.out / 'report.html'}")
+    return 0 if made.passed else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

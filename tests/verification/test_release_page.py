@@ -1,0 +1,45 @@
+"""Verification: benchmarks/release.py has a command for every figure of docs/accuracy.md, and its output."""
+
+import re
+
+import pytest
+import release
+
+from tailslap.files.folder import result_folder
+
+LINES = release.statements(release.ACCURACY.read_text(encoding="utf-8"))
+WORDS = [words for every in release.FIGURES.values() for words in every]
+NOT_MEASURED = ("| quantity |", "| code |", "|---", "On two cores", "All figures", "Scene `paper-abaqus` to")
+
+
+def test_every_statement_with_a_figure_has_a_command():
+    measured = [line for line in LINES if any(words in line for words in WORDS)]
+    found = [line[:60] for line in LINES if line not in measured and not line.startswith(NOT_MEASURED)]
+    assert found == []
+
+
+@pytest.mark.parametrize("words", WORDS)
+def test_words_name_one_statement(words):
+    assert release.stated(words, LINES)
+
+
+def test_every_command_is_a_file():
+    for command in release.FIGURES:
+        assert command.startswith("-m tailslap ") or (release.ROOT / command.split()[0]).is_file()
+
+
+def test_page_has_what_the_commands_printed(tmp_path):
+    """One that succeeds, one that fails, one without what it requires."""
+    given = {"OTHERS": None, "EARLIER": "elsewhere"}
+    commands = ("-m platform", "-c raise(SystemExit(3))", "benchmarks/speed.py OTHERS")
+    done = [release.measure(command, given) for command in commands]
+    assert [run.outcome for run in done] == ["ran", "exit status 3", "not run"]
+    made = release.report(dict.fromkeys(commands, ("108 cases:",)), done, "abc")
+    assert not made.passed
+    with result_folder(tmp_path / "out") as folder:
+        release.write_report(made, folder)
+    text = (tmp_path / "out" / "report.html").read_text().replace("\u00a0", " ")
+    assert done[0].text.split()[0] in text
+    assert "103 correct within" in text
+    assert re.search("exit status 3", text)
+    assert (tmp_path / "out" / "m-platform.txt").read_text() == done[0].text
