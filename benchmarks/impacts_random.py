@@ -1,7 +1,7 @@
 """Random ordinary whole impacts: what fails and how far off it is, whether what is stated bounds the error, the time.
 
     .venv/bin/python benchmarks/impacts_random.py [--runs 200] [--seed 1] [--meshes default quad4:6 ...]
-        [--trains] [--references] [--keep FILE] [--beside CHECKOUT]
+        [--trains] [--rigid] [--references] [--keep FILE] [--beside CHECKOUT]
 
 Vehicles are cars, pickups, trucks and tractors with their trailer as one body, of ordinary size and mass, as a plate of
 200 GPa and half to twice the thickness that steel would have, their crush within the values that docs/impact.md names.
@@ -9,6 +9,7 @@ Below a restitution of 0.1 a strike ends so suddenly that no mesh tells when.
 
 --trains       tractors with one to three trailers instead, each unit with a centre of mass and a yaw inertia of its
                own; in a third of them the hinges are spread over 1.5 m
+--rigid        rigid vehicles alone, each beside the same at a quarter of its step
 --meshes       "default", or a kind of element and the number across the vehicle, which are square
 --references   each impact also on finer meshes of two kinds of element, still finer ones for those that fail. The true
                error of a quantity is the distance from the nearer of the two, which both confirm
@@ -168,6 +169,50 @@ def judged(seed: int, number: int, mesh: str) -> Record:
     }
 
 
+def rigid(seed: int, number: int) -> Record:
+    """The rigid impact: its stated error, and the largest change of peaks and impulses of its strikes of 5 % of the
+    largest impulse with a quarter of the step."""
+    from solver.impact import solve_impact
+    from tailslap.errors import InputError
+
+    began = time.process_time()
+    try:
+        case = case_of(seed, number, "quad4:4")
+        motion = case.motion
+    except InputError as error:
+        return {"seconds": time.process_time() - began, "refused": str(error)}
+    seconds, own = time.process_time() - began, (case.vehicle, case.contact, case.touch, motion.t_end)
+    finer = solve_impact(*own, step=0.25 * motion.step, trailers=case.trailers)
+    least = 0.05 * max(strike.impulse for strike in motion.strikes)
+    true = 0.0
+    for strike in (strike for strike in motion.strikes if strike.impulse >= least):
+        alike = [other for other in finer.strikes if other.corner == strike.corner]
+        if not alike:
+            true = math.inf
+            continue
+        other = min(alike, key=lambda each: abs(each.start - strike.start))
+        changes = other.peak_force / strike.peak_force - 1.0, other.impulse / strike.impulse - 1.0
+        true = max(true, *map(abs, changes))
+    return {"seconds": seconds, "stated": motion.error, "true": true}
+
+
+def tell_rigid(seed: int, runs: int) -> None:
+    """Print how many rigid impacts are refused, and the true errors of the others beside the stated ones."""
+    records = {number: rigid(seed, number) for number in range(runs)}
+    refused = {number: record["refused"] for number, record in records.items() if "refused" in record}
+    row(f"rigid: {runs} impacts; refused", "2 %", f"{len(refused)} ({100.0 * len(refused) / runs:.1f} %)")
+    for number, why in refused.items():
+        print(f"    {number}: {why}")
+    known = {number: record for number, record in records.items() if number not in refused}
+    stated, true = (np.array([record[name] for record in known.values()]) for name in ("stated", "true"))
+    wrong = [number for number, record in known.items() if record["true"] > max(1.5 * record["stated"], 1e-4)]
+    row("  true error beyond 1e-4 and 1.5 times the stated one", "0", f"{len(wrong)} {wrong or ''}")
+    row("  stated error: median, most", "1e-3", f"{np.median(stated):.1e}, {stated.max():.1e}")
+    row("  true error: median, most", "1e-3", f"{np.median(true):.1e}, {true.max():.1e}")
+    mean = np.mean([record["seconds"] for record in records.values()])
+    row("  processor time of one, mean", "60 ms", f"{1e3 * mean:.0f} ms")
+
+
 def reference(seed: int, number: int, mesh: str) -> Record:
     """The impact on a mesh that others are held against."""
     from tailslap.case.impact.run import attempt
@@ -305,6 +350,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--meshes", nargs="+", default=["default", *CHOSEN])
     parser.add_argument("--trains", action="store_true")
+    parser.add_argument("--rigid", action="store_true")
     parser.add_argument("--references", action="store_true")
     parser.add_argument("--keep", type=Path)
     parser.add_argument("--beside", type=Path)
@@ -313,6 +359,9 @@ def main() -> None:
     if given.trains:
         global drawn
         drawn = train_changes
+    if given.rigid:
+        tell_rigid(given.seed, given.runs)
+        return
     if given.times:
         print(json.dumps(timed(given.seed, given.runs, given.meshes)))
         return

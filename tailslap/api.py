@@ -288,7 +288,7 @@ def modal(
 def modes(
     scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
 ) -> result.Result:
-    """Compute natural frequencies and mode shapes of the free plate in its plane.
+    """Compute natural frequencies and mode shapes of the free plate, or of the hinged plates of a train, in its plane.
 
     Parameters
     ----------
@@ -319,7 +319,7 @@ def modes(
     """
     from tailslap import modal_analysis
 
-    report = modal_analysis.modes_report(_corner_plan(scene, changes, allow_large), count)
+    report = modal_analysis.modes_report(_affordable(scene, changes, allow_large, 6).plan(), count)
     return result.of_report("modes", report, tables={"Frequencies": report.terminal[0]})
 
 

@@ -23,6 +23,7 @@ from postprocess.report.report import Report, printed, shown_in
 from postprocess.units import SYSTEMS, measure, percent, percent_up
 from tailslap.case.case import Case, Check, failed_sentence, unreliable
 from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.model import plate_density
 from tailslap.case.report import study_page
 from tailslap.errors import InputError
@@ -240,7 +241,7 @@ MODE_COLUMNS = (
 )
 
 
-def modes_report(fe_plan: CornerPlan, count: int) -> Report:
+def modes_report(fe_plan: CornerPlan | ImpactPlan, count: int) -> Report:
     """Report on the lowest `count` elastic modes. Raises InputError for a number that the mesh does not allow."""
     model, plate, case = fe_plan.model, fe_plan.plate, fe_plan.case
     most = elastic.most_modes(model.loop.mass.size)
@@ -250,16 +251,18 @@ def modes_report(fe_plan: CornerPlan, count: int) -> Report:
     density = plate_density(case.scene, plate)
     beam = modal.Beam(vehicle.length, vehicle.width, plate.modulus, plate.poissons_ratio, density)
     modes = [*_modes(fe_plan, found, beam)]
-    table = Table(MODE_COLUMNS, [mode | {"name": _name(mode)} for mode in modes])
-    headline = _modes_headline(case, modes[0])
+    what = "train" if case.scene.trailer else "plate"
+    shown = MODE_COLUMNS[:3] if case.scene.trailer else MODE_COLUMNS
+    table = Table(shown, [mode | {"name": _name(mode)} for mode in modes])
+    headline = _modes_headline(case, modes[0], what)
     rigid = found.rigid_frequencies / (2.0 * math.pi)
     sections = (
-        Section("Natural frequencies and beam theory", tables=(table,)),
+        Section("Natural frequencies", tables=(table,)),
         _shapes(model, modes, found.shapes),
         Section("Method", sentences=_sentences(fe_plan, rigid, beam)),
     )
     files = "summary.json"
-    page = study_page(case, "Modes of the free plate in its plane", headline, sections, files)
+    page = study_page(case, f"Modes of the free {what} in its plane", headline, sections, files)
     summary = {
         "scene": case.scene.name,
         "version": tailslap.__version__,
@@ -276,9 +279,9 @@ def modes_report(fe_plan: CornerPlan, count: int) -> Report:
     return Report(page, summary, (table,))
 
 
-def _modes_headline(case: Case, first: dict[str, Any]) -> Headline:
+def _modes_headline(case: Case, first: dict[str, Any], what: str) -> Headline:
     """The first natural frequency, beside that of a beam."""
-    answer = f"First natural frequency of the free plate in its plane: {first['frequency']:.4g} Hz ({_name(first)})."
+    answer = f"First natural frequency of the free {what} in its plane: {first['frequency']:.4g} Hz ({_name(first)})."
     certainty = ""
     if first["theory"]:
         certainty = (
@@ -287,7 +290,9 @@ def _modes_headline(case: Case, first: dict[str, Any]) -> Headline:
     return Headline(f"Natural frequencies: {case.subject}", answer, case.set_up, certainty)
 
 
-def _modes(fe_plan: CornerPlan, found: elastic.FreeModes, beam: modal.Beam) -> Iterator[dict[str, Any]]:
+def _modes(
+    fe_plan: CornerPlan | ImpactPlan, found: elastic.FreeModes, beam: modal.Beam
+) -> Iterator[dict[str, Any]]:
     """Yield the elastic modes in the order of frequency, as dicts.
 
     number from 1; frequency [Hz]; kind, and order: number among modes of this kind; symmetric, along, shear: fractions
@@ -302,6 +307,8 @@ def _modes(fe_plan: CornerPlan, found: elastic.FreeModes, beam: modal.Beam) -> I
         "longitudinal": zip(modal.longitudinal_frequencies(beam, count).tolist(), repeat(None)),
         "transverse": repeat((None, None)),
     }
+    if fe_plan.case.scene.trailer:
+        theories = dict.fromkeys(theories, repeat((None, None)))
     seen = dict.fromkeys(theories, 0)
     for i, (frequency, kind) in enumerate(zip(found.frequencies, kinds.names, strict=True)):
         family = "beam" if kind in BENDING else kind
@@ -340,13 +347,15 @@ def _shapes(model: PlateModel, modes: list[dict[str, Any]], shapes: Any) -> Sect
     return Section("Mode shapes", drawn, pictures)
 
 
-def _sentences(fe_plan: CornerPlan, frequencies: Any, beam: modal.Beam) -> tuple[str, ...]:
+def _sentences(fe_plan: CornerPlan | ImpactPlan, frequencies: Any, beam: modal.Beam) -> tuple[str, ...]:
     """Description of the method; frequencies [Hz]: of the rigid modes."""
     plate, model = fe_plan.plate, fe_plan.model
     rigid = ", ".join(f"{frequency:.0e}" for frequency in frequencies)
-    return (
-        f"Free plate without wall and corner constraint: {model.loop.table.connectivity.shape[1]} elements "
-        f"({plate.element}), {plate.lumping} masses. Frequencies of the three rigid-body modes: {rigid} Hz.",
+    is_train = bool(fe_plan.case.scene.trailer)
+    sentences = (
+        f"Free {'hinged plates' if is_train else 'plate'} without wall and corner constraint: "
+        f"{model.loop.table.connectivity.shape[1]} elements ({plate.element}), {plate.lumping} masses. Frequencies of "
+        f"the {len(frequencies)} rigid-body modes: {rigid} Hz.",
         "Kinds: more than half of the kinetic energy of longitudinal and transverse modes is symmetric about the "
         "longitudinal axis, and longitudinal or transverse, respectively. Of the others, shear modes have more than "
         "half of their strain energy in shear; the remaining modes are bending modes. Both are numbered together.",
@@ -355,3 +364,4 @@ def _sentences(fe_plan: CornerPlan, frequencies: Any, beam: modal.Beam) -> tuple
         f"beam, n c / (2 L) with c = {measure(beam.wave_speed, 'm/s', '.5g')} for longitudinal modes. Higher modes of "
         "a deep plate deviate from beam theory.",
     )
+    return sentences[:2] if is_train else sentences

@@ -242,8 +242,9 @@ class ModeKinds:
 
 def mode_kinds(model: PlateModel, modes: elastic.FreeModes, thickness: float) -> ModeKinds:
     """Kinds of the modes of this model; thickness [m]."""
-    masses, shapes = model.loop.mass, modes.shapes
-    mirrored = shapes[:, :, _mirror_nodes(model.discretisation.positions)]
+    masses, shapes, hinges = model.loop.mass, modes.shapes, getattr(model.loop, "hinges", None)
+    unit = np.zeros(masses.size) if hinges is None else hinges.unit
+    mirrored = shapes[:, :, _mirror_nodes(model.discretisation.positions, unit)]
     symmetric = 0.5 * (1.0 + (shapes[:, 0] * mirrored[:, 0] - shapes[:, 1] * mirrored[:, 1]) @ masses)
     along = shapes[:, 0] ** 2 @ masses
     moduli = model.tangent_moduli._replace(c_11=0.0, c_12=0.0)  # shear alone
@@ -260,13 +261,14 @@ def _name(symmetric: float, along: float, shear: float) -> str:
     return "shear" if shear > 0.5 else "bending"
 
 
-def _mirror_nodes(positions: np.ndarray) -> np.ndarray:
-    """The node nearest to each node's mirror image in the long middle line, shape (nodes,)."""
+def _mirror_nodes(positions: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """The node of the same unit nearest to each node's mirror image in the long middle line, shape (nodes,)."""
     from scipy.spatial import cKDTree
 
-    middle = 0.5 * (positions[1].min() + positions[1].max())
-    images = np.array([positions[0], 2.0 * middle - positions[1]])
-    return np.asarray(cKDTree(positions.T).query(images.T)[1])
+    x, y = positions
+    apart = unit * np.ptp(positions)  # plates lie over one another
+    images = np.array([x, y.min() + y.max() - y, apart])
+    return np.asarray(cKDTree(np.array([x, y, apart]).T).query(images.T)[1])
 
 
 POLYNOMIALS = 24

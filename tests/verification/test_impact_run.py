@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import tailslap
 from postprocess.units import percent_up
 from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
@@ -154,10 +155,18 @@ def test_keys_of_a_whole_impact_mean_nothing_beside_a_constrained_corner(change)
         read_scene("mash-tl4-sut", (change,))
 
 
-@pytest.mark.parametrize("command", ["modal", "modes"])
-def test_commands_of_the_corner_say_so(command, capsys):
-    assert cli._status([command, SCENE]) == 2
+def test_a_command_of_the_corner_says_so(capsys):
+    assert cli._status(["modal", SCENE]) == 2
     assert "contact: given" in capsys.readouterr().err
+
+
+def test_modes_of_a_whole_impact_are_those_of_its_free_plate():
+    """The plate of the constrained corner is the same; beam theory stands beside both."""
+    mesh = ["plate.element=quad4"]
+    own, corner = (tailslap.modes(name, mesh, count=6).summary["modes"] for name in (SCENE, "mash-tl4-sut"))
+    for one, other in zip(own, corner, strict=True):
+        assert one["frequency"] == pytest.approx(other["frequency"], rel=1e-9)
+        assert (one["kind"], one["theory"]) == (other["kind"], other["theory"])
 
 
 def test_rigid_prints_what_the_contract_names(capsys):

@@ -129,10 +129,22 @@ def test_the_stated_error_covers_the_true_one(push):
         assert abs(found.largest_roll / fine.largest_roll - 1.0) <= found.error <= tipping.TOLERANCE
 
 
-def test_a_side_that_sticks_on_the_wall_turns_about_it():
+def test_a_vehicle_that_rises_quickly_flies():
+    """A damper does not pull: above the speed at which it takes all of the spring's load, gravity alone acts."""
+    vehicle, force = replace(TRUCK, damping_ratio=1.0), np.full(300, 1e-9)
+    found = tipping.solve_roll(vehicle, CENTRE, force, INTERVAL, start=(0.0, 0.0, 1.0, 0.0))
+    t = INTERVAL * np.arange(300)
+    assert 1.0 - GRAVITY * t[-1] > GRAVITY / (2.0 * math.sqrt(2.0 * SPRING / MASS))
+    assert column(found, "height")[:300] == pytest.approx(CENTRE + t - 0.5 * GRAVITY * t**2, rel=1e-12)
+    assert not column(found, "load_near")[1:300].any()
+
+
+@pytest.mark.parametrize("leaning", [0.0, 0.4])
+def test_a_side_that_sticks_on_the_wall_turns_about_it(leaning):
     """Friction without limit, and no sliding along: the point of the side on the wall's top stays where it is."""
     vehicle = replace(UNDAMPED, width=2.438, friction=1e3)
-    found = tipping.solve_roll(vehicle, WALL, np.full(100, 2e5), INTERVAL)
+    start = (0.0, leaning, 0.0, 0.0)
+    found = tipping.solve_roll(vehicle, WALL, np.full(100, 2e5), INTERVAL, start=start)
     height, roll, v, w = found.rows[1:101, :4].T
     assert w[-1] > 1e-3
     arm = -(0.5 * 2.438 - (height - WALL) * np.sin(roll)) / np.cos(roll)

@@ -2,15 +2,20 @@
 
 import functools
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from tailslap.case.impact import checks, error, report, run
 from tailslap.case.impact.case import ImpactCase
+from tailslap.cli import _status
 from tailslap.errors import InputError
-from tailslap.scene.read import read_source
+from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import vary
+from tailslap.studies.stability import compute as stability
+
+SCENE = "impact-mash-tl5-tractor-van"
 
 TRAILER = {"length": 14.6, "width": 2.59, "mass": 27770.0, "centre_of_mass": 8.0, "yaw_inertia": 497057.0}
 TRAILER |= {"hitch": 5.6, "kingpin": 0.9}
@@ -97,3 +102,35 @@ def test_a_drawbar_and_a_third_unit_run():
     assert law.stiffness.tolist() == [2e6] * 4 + [1e6] * 4 + [2e6] * 4
     failed = [check.name for check in checks.impact_checks(outcome) if not check.passed]
     assert set(failed) <= set(checks.MESH_CHECKS.values())
+
+
+SMALL = ("plate.elements=[6, 2]", "plate.element=quad9")
+
+
+def test_a_result_of_a_train_is_exported_and_compared(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    options = [
+        part for change in (*SMALL, "output.fields=2", "verify.companion=false") for part in ("--set", change)
+    ]
+    assert _status(["run", SCENE, "--out", "one", "--no-pictures", *options]) == 0
+    for kind in ("csv", "vtu", "xdmf"):
+        assert _status(["export", "one", "--to", kind]) == 0
+    assert _status(["compare", "one", "one/history.csv", "--out", "two"]) == 0
+
+
+@pytest.mark.parametrize("changes", [
+    {"contact.stiffness": 1e4}, pytest.param({"contact.stiffness": 1e9}, marks=pytest.mark.long),
+])  # fmt: skip
+def test_no_cell_of_the_study_of_stability_is_wrong(changes):
+    """Soft crush is right, that of 1 GN/m beyond the mesh and caught."""
+    base = stability.base_source(read_scene(SCENE, SMALL)[0])
+    found = stability.judge(base, changes, partial(stability.against_rigid, tolerance=0.01))
+    assert found["kind"] == (stability.RIGHT if changes["contact.stiffness"] < 1e9 else stability.CAUGHT)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("study", ["flexibility --points 4", "cost"])
+def test_studies_of_a_train_run(study, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    options = [part for change in SMALL for part in ("--set", change)]
+    assert _status(["study", *study.split(), SCENE, *options]) == 0

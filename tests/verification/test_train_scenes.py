@@ -13,6 +13,7 @@ from tailslap.case import case_of
 from tailslap.case.impact.answers import LARGEST, ImpactAnswer, both_strikes
 from tailslap.cli import _status
 from tailslap.errors import InputError
+from tailslap.scene.read import read_scene
 from tailslap.scene.vary import Source, vary
 
 SCENE = {
@@ -101,6 +102,21 @@ def test_the_hinge_stays_closed_in_the_history(case):
     ahead = h["x_g"] - 2.7 * np.cos(h["theta"]), h["y_g"] + 2.7 * np.sin(h["theta"])
     behind = h["x_g_2"] + 7.1 * np.cos(h["theta_2"]), h["y_g_2"] - 7.1 * np.sin(h["theta_2"])
     assert np.array(ahead) == pytest.approx(np.array(behind), abs=1e-6)
+
+
+def test_modes_of_a_train_are_symmetric_or_antisymmetric():
+    """Of units that are symmetric about one line, each with its mirror image in itself, though they overlap in plan and
+    have nodes at the same places."""
+    changes = ("trailer.0.width=96 in",)
+    found = tailslap.modes("impact-mash-tl5-tractor-van", changes, count=8)
+    modes = found.summary["modes"]
+    symmetric = np.array([mode["symmetric"] for mode in modes])
+    assert np.abs(symmetric - np.round(symmetric)).max() < 1e-6
+    assert {mode["kind"] for mode in modes} == {"bending", "longitudinal"}
+    assert [mode["theory"] for mode in modes] == [None] * 8
+    assert len(found.summary["rigid_frequencies"]) == 4
+    plan = case_of(*read_scene("impact-mash-tl5-tractor-van", changes)).plan()
+    assert modes[0]["frequency"] == pytest.approx(plan.first_frequency, rel=1e-6)
 
 
 def test_files_of_a_train(tmp_path, capsys):

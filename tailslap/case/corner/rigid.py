@@ -68,7 +68,7 @@ class RigidStages(case.Case):
         if self.scene.contact is not None:
             allowed = (
                 "this command or study requires a constrained corner; for a whole impact use run, rigid, check, sweep, "
-                "or study uncertainty, flexibility, cost, stability"
+                "modes, or study uncertainty, flexibility, cost, stability"
             )
             raise InputError("contact", "a table", allowed)
         _ = self.force
