@@ -19,6 +19,7 @@ from types import SimpleNamespace
 import pytest
 from test_sweep_run import alive, children
 
+from postprocess.report.provenance import CRATE
 from postprocess.report.report import report_text, write_report
 from tailslap.campaign import draws
 from tailslap.campaign.engine import run_parts
@@ -593,6 +594,7 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
         "summary.json",
         "cell-0002.toml",
         "cell-0006.toml",
+        CRATE,
     }
     counts = json.loads((tmp_path / "summary.json").read_text())["counts"]
     assert counts == dict.fromkeys(study.RANDOM_KINDS, 1)

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from postprocess.report.provenance import CRATE
 from postprocess.report.report import printed, write_report
 from postprocess.signals.filters import moving_mean
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
@@ -258,7 +259,15 @@ def test_the_same_call_gives_the_same_files(tmp_path):
     for folder in folders:
         given = ["mash-tl3-car", "--samples", "2000", "--out", str(folder)]
         assert cli._status(["study", "uncertainty", *given]) == 0
-        files = {"report.html", "samples.csv", "summary.json", "histogram.svg", "sensitivity.svg", MANIFEST}
+        files = {
+            "report.html",
+            "samples.csv",
+            "summary.json",
+            "histogram.svg",
+            "sensitivity.svg",
+            MANIFEST,
+            CRATE,
+        }
         assert {path.name for path in folder.iterdir()} == files | {"set-up.svg"}
     assert len({(folder / "samples.csv").read_bytes() for folder in folders}) == 1
     assert len({(folder / "report.html").read_text().partition("<footer>")[0] for folder in folders}) == 1
