@@ -527,9 +527,10 @@ def compare(
     *others: result.Result | str | os.PathLike[str],
     columns: Mapping[str, str] | str | None = None,
     only: Sequence[str] = (),
+    author: str = "",
     force: bool = False,
 ) -> result.Result:
-    """Compare histories with a reference: differences, Sprague-Geers metrics, residuals.
+    """Compare histories with a reference: differences, Sprague-Geers metrics, residuals, validation by NCHRP W179.
 
     Parameters
     ----------
@@ -542,6 +543,8 @@ def compare(
         sign, the unit of the file is in brackets. Default: SI.
     only : sequence of str
         Columns to compare. Default: the main columns in common.
+    author : str
+        Name on the page `validation.html`. Default: a blank to fill in.
     force : bool
         Read the intact files of damaged or modified results.
 
@@ -563,11 +566,11 @@ def compare(
     >>> tailslap.compare(tailslap.run("paper-table-3"), soft).passed
     True
     """
-    from tailslap.comparing import report
+    from tailslap.comparing import report, validation
 
     items = (reference, *others)
     found = report.compare_items(items, columns, only, force)
-    made = report.compare_report(found)
+    made = validation.with_validation(report.compare_report(found), found, author)
     histories = {item.label: result.Columns(item.columns, item.units) for item in found.items}
     tables = {"Metrics": made.tables["metrics.csv"]}
     inputs = [item.inputs if isinstance(item, result.Result) else (Path(item),) for item in items]

@@ -285,12 +285,14 @@ def export(result: Path, as_json: bool, **given: Any) -> int:
     help="Column names of the files, e.g. 'time=t,v_gy=-VY [mph]'; a minus reverses the sign.",
 )
 @click.option("--only", type=options.Text(), metavar="NAME,...", help="Columns to compare.")
+@click.option("--author", type=options.Text(), metavar="NAME", help="Name on the page validation.html.")
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/compare]")
 @options.with_options(options.FORCE_READ, *options.PRINTED)
 def compare(
     given: tuple[Path, ...],
     columns: str | None,
     only: str | None,
+    author: str | None,
     out: Path | None,
     force: bool,
     units: str,
@@ -298,11 +300,17 @@ def compare(
 ) -> int:
     """Compare results with the first one: curves, differences, validation metrics.
 
+    The page validation.html has the form of NCHRP W179: solution verification, metrics of all channels, phenomena.
+
     A RESULT is a result folder, or a text file with named columns: a history from ABAQUS, LS-DYNA or a test. Exit
     status 1 if a metric exceeds the limits of NCHRP W179.
     """
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
-    compute = lambda: tailslap.compare(*given, columns=columns, only=names, force=force).fill  # noqa: E731
+
+    def compute() -> Fill | None:
+        """Compare them."""
+        return tailslap.compare(*given, columns=columns, only=names, author=author or "", force=force).fill
+
     place = out or RESULTS / "compare"
     return deliver(compute, place, ("compare", ""), as_json, units, inputs=given, force=force)
 

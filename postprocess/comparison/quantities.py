@@ -169,6 +169,12 @@ class Metrics:
     mean_residual: float
     deviation: float
 
+    @property
+    def within(self) -> bool:
+        """True if all are within their customary limits."""
+        limits = asdict(LIMITS)
+        return all(abs(value) <= limits[name] for name, value in asdict(self).items())
+
 
 def compare_histories(instants: Floats, history: Floats, reference: Floats) -> Metrics:
     """Metrics of `history` against `reference`, both of shape (instants,), in any one unit.
@@ -189,6 +195,25 @@ def compare_histories(instants: Floats, history: Floats, reference: Floats) -> M
         deviation = np.sqrt(np.sum(weights * (residual - mean) ** 2) / weights.sum())
     found = (magnitude, phase, math.hypot(magnitude, phase), float(mean), float(deviation))
     return Metrics(*(value if math.isfinite(value) else math.nan for value in found))
+
+
+def weighted_metrics(channels: Sequence[Metrics], momenta: Sequence[float]) -> Metrics:
+    """Mean of the sizes of the metrics of several channels, weighted by the momentum of each, as W179 has it.
+
+    Parameters
+    ----------
+    channels : sequence of Metrics
+        Of each channel.
+    momenta : sequence of float
+        Of each channel, in one unit; weights are their fractions of the sum.
+
+    Returns
+    -------
+    Metrics
+        No sign: channels that differ in opposite directions do not cancel each other.
+    """
+    sizes = np.abs([list(asdict(metrics).values()) for metrics in channels])
+    return Metrics(*(float(each) for each in np.asarray(momenta) @ sizes / np.sum(momenta)))
 
 
 def _norm(weights: Floats, values: Floats) -> np.float64:
@@ -238,8 +263,7 @@ class Beside:
     @property
     def within(self) -> bool:
         """True if all metrics are within their customary limits."""
-        limits = asdict(LIMITS)
-        return all(abs(value) <= limits[name] for name, value in asdict(self.metrics).items())
+        return self.metrics.within
 
 
 def beside(name: str, history: Mapping[str, Floats], reference: Mapping[str, Floats]) -> Beside | None:

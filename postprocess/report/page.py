@@ -354,6 +354,12 @@ class Page:
 
 def write_page(path: Path, page: Page) -> Path:
     """Write the page and return its path; every picture must be there."""
+    path.write_text(page_text(page), encoding="utf-8")
+    return path
+
+
+def page_text(page: Page) -> str:
+    """HTML of the page; every picture must be there."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -366,9 +372,7 @@ def write_page(path: Path, page: Page) -> Path:
     environment.filters |= {"prose": prose, "data_uri": data_uri, "quoted": partial(quote, safe=" ,:;[]()/")}
     script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-    text = environment.get_template("page.html.j2").render(page=page, script=script, digest=digest)
-    path.write_text(text, encoding="utf-8")
-    return path
+    return environment.get_template("page.html.j2").render(page=page, script=script, digest=digest)
 
 
 def prose(text: str) -> Any:

@@ -120,7 +120,7 @@ def compare_report(found: Comparison) -> Report:
         Section("Curves", figures=[*_curves(found)]),
         Section("Differences from the reference", figures=[*_curves(found, True)]),
     )
-    below = footer("summary.json, these numbers; metrics.csv, the table")
+    below = footer("summary.json, these numbers; metrics.csv, the table; validation.html")
     page = Page("Histories side by side", opening, sections, below, passed=found.within)
     return Report(page, summary, (table, *notes), tables={"metrics.csv": table})
 
