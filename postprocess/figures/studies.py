@@ -92,7 +92,7 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
 
     inputs: rows with `key`, `first_order`, `total`, and their intervals, `first_order_interval` and `total_interval`.
     """
-    caption = f"Fraction of the variance of {of} that comes from each input, and its 95 % interval"
+    caption = f"Fraction of the variance of {of} due to each input, with its 95 % interval"
     names, marks = [row["key"] for row in inputs], list[Mark]()
     for index, label, shift, colour in INDICES:
         values, rows = np.array([row[index] for row in inputs]), _heights(names) + shift

@@ -59,8 +59,8 @@ def draw_roll(rolls: Mapping[str, Roll]) -> Chart:
 def draw_leaning(vehicle: Leaning, height: float, roll: float) -> Chart:
     """The vehicle at rest, and with its centre of mass at another height [m] and rolled [rad], its side on the wall's
     top; a box twice as high as its centre of mass."""
-    caption = "Vehicle from behind, at rest and at its largest roll, or as far as it is followed; "
-    caption += "a box twice as high as its centre of mass (dot)"
+    caption = "Vehicle from behind, at rest and at its largest computed roll; box twice as high as its centre of mass "
+    caption += "(dot)"
     half, marks, top = 0.5 * vehicle.width, list[Mark](), 2.0 * vehicle.centre
     box = np.array([(-half, 0.0), (half, 0.0), (half, top), (-half, top)])
     wheels = 0.5 * vehicle.track * np.array([(-1.0, 0.0), (1.0, 0.0)])
@@ -114,11 +114,17 @@ def draw_map(
         Swatch("tips", RED),
         Layer("5 to 95 %", boundary.band_centres, low, high, "ink", 0.25),
         Line("median", boundary.band_centres, middle, "ink", 1.0, "4 3"),
-        Line("lowest wall that holds", boundary.centres, line, "ink", 2.2),
+        Line("lowest wall without rollover", boundary.centres, line, "ink", 2.2),
         Line("the scene", np.array(own[:1]), np.array(own[1:]), "ink", 0.0, dots=4.5),
+        *(
+            Line("", np.array([left, right]), np.full(2, 0.0254 * inches), "#ffffff", 1.0)
+            for inches in INCHES
+        ),
         *(Level(f"{inches} in", 0.0254 * inches, "rigid") for inches in INCHES),
     ]
     across = chart.Axis("height of the centre of mass [m]", left, right, margin=0.0)
     plot = chart.Plot(tuple(marks), chart.Axis("height of the wall [m]", bottom, top), 380.0, "xy", False)
-    caption = "Largest roll; the line parts walls that hold from those that do not, the band is over what is not known"
+    caption = (
+        "Largest roll and lowest wall without rollover, nominal (line) and in 90 % of the samples (band)"
+    )
     return chart.draw_chart("map", caption, (plot,), across, "Tipping", MAP)

@@ -290,7 +290,7 @@ class Moving(Mark):
         return f"<style>{style}</style>{coloured(shape, self.colour)}"
 
 
-SMALL_BOX = 4.0
+SMALL_BOX = 9.0
 """Pixels of a box."""
 
 

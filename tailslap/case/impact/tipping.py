@@ -39,7 +39,10 @@ ROWS = (
     Column("far_lifted", "Far wheels lifted", "s", form=".2f"),
 )
 
-TIPPED = "Motion is computed until the centre of mass is beyond the wheels on the side of the wall (90 deg)."
+TIPPED = (
+    "A vehicle tips when its centre of mass is beyond the wheels at the wall and roll continues; its largest roll is "
+    "then given as 90 deg."
+)
 
 LIMITS: Sequence[tuple[str, ...]] = (
     ("force below the top of the wall", "longer lever arm", "+"),

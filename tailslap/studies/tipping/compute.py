@@ -114,7 +114,10 @@ def compute(
         raise InputError("tipping", Missing, "`tailslap study tipping` requires this table")
     if case.scene.trailer:
         raise InputError(
-            "trailer", Verbatim("a train"), "`tailslap study tipping` supports one unit; remove this table"
+            "trailer",
+            Verbatim("a train"),
+            "`tailslap study tipping` supports one unit, because its samples contain the total force only; remove this "
+            "table, or use `tailslap rigid` for the roll of each unit",
         )
     demand_corners(case)
     began = time.perf_counter()

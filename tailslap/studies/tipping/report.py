@@ -6,7 +6,7 @@ from postprocess.figures import studies
 from postprocess.figures import tipping as figures
 from postprocess.report.page import Column, Headline, Section, Table
 from postprocess.report.report import Report
-from postprocess.units import grouped, measure, percent
+from postprocess.units import grouped, measure, percent_up
 from tailslap.campaign import sampling
 from tailslap.case.impact.tipping import LIMIT_COLUMNS, LIMITS
 from tailslap.case.report import study_page, study_summary
@@ -95,7 +95,7 @@ def headline(found: RolledOver) -> Headline:
     low, _, high = sampling.band_of(found.lowest).percentiles
     first = max(found.sources, key=lambda row: row["total"])
     own = f"{measure(found.answer.lowest_wall, 'm', '.3f')} ({found.answer.lowest_wall / INCH:.1f} in)"
-    ends = f"{measure(low, 'm', '.2f', named=False)} to {measure(high, 'm', '.2f')}"
+    ends = f"{measure(low, 'm', '.2f', named=False)} and {measure(high, 'm', '.2f')}"
     certainty = (
         f"90 % of the samples lie between {ends}; main source of variance {first['key']} (total Sobol index "
         f"{first['total']:.2f})."
@@ -106,16 +106,17 @@ def headline(found: RolledOver) -> Headline:
 
 def _sentences(found: RolledOver) -> list[str]:
     """Description of the method."""
-    drawn = f"{grouped(found.lowest.size)} scrambled Sobol points (seed {sampling.SEED})"
     return [
         f"Map and line: nominal impact with {found.centres.size} heights of the centre of mass and {found.walls.size} "
         "of the wall. Band of the line: all inputs above except speed, angle, mass and longitudinal position of the "
         "centre of mass, at fixed heights of the centre of mass.",
-        f"{drawn}; the inputs are independent and uniformly distributed. Results are reproducible.",
-        f"Time step of the samples: {STEP:g} s, below a restitution of {ABRUPT:g} {FINE_STEP:g} s; it changes the "
-        "lowest walls of 95 % of the samples by less than 2 mm. With twice the step, peak forces, impulses and angular "
-        f"velocities of 95 % of the samples change by at most {percent(found.error)}. Resolution of the lowest wall: "
-        "1 mm.",
+        f"{grouped(found.lowest.size)} impacts of the rigid vehicle: {grouped(found.lowest[:2].size)} scrambled Sobol "
+        f"points (seed {sampling.SEED}) for the distribution, the others for the indices. The inputs are independent "
+        "and uniformly distributed. Results are reproducible.",
+        f"The time step of the impacts is {1e3 * STEP:g} ms, and {1e3 * FINE_STEP:g} ms for restitutions below "
+        f"{ABRUPT:g}. With a step of 0.1 ms, the lowest wall changes by less than 2 mm in 95 % of the samples. With "
+        "twice the step, peak forces, impulses and angular velocities change by at most "
+        f"{percent_up(found.error)} in 95 % of the samples. The lowest wall has a resolution of 1 mm.",
     ]
 
 
