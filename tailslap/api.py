@@ -626,7 +626,6 @@ def confirm(
     if program not in SOLVERS:
         raise InputError("--with", program, one_of(program, SOLVERS))
     made = deck.make_deck(_affordable(scene, changes, allow_large), program)
-    confirm.demand_command()
     with TemporaryDirectory(prefix="tailslap-") as folder:
         found = confirm.run_confirmation(made, Path(folder), time_limit)
     report = confirm.confirm_report(found)

@@ -21,10 +21,10 @@ import numpy as np
 import tailslap
 from postprocess.comparison.nodal import read_centre_of_mass
 from postprocess.comparison.quantities import QUANTITIES, relative_difference
-from postprocess.report.page import Column, Headline, Page, Section, Table
+from postprocess.report.page import Column, Headline, Section, Table, columns
 from postprocess.report.report import Report
 from postprocess.units import percent, percent_up
-from tailslap.case.report import footer
+from tailslap.case.report import study_page
 from tailslap.comparing.report import compare_items, compare_report
 from tailslap.comparing.source import Item
 from tailslap.errors import InputError
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 
 COMPARED = ("t", "v_gx", "v_gy", "omega")
 """Quantities at the tail-slap."""
-
-HISTORIES = ("theta", "omega", "v_gx", "v_gy")
 
 FITTED = 0.3
 """Part of the history to which the mean motion is fitted."""
@@ -57,9 +55,10 @@ INSTALL = (
 TABLE = (
     Column("title", "Quantity"),
     Column("unit", "Unit", is_unit=True),
-    *(
-        Column(key, label, form=".7g", unit_key="unit")
-        for key, label in (("exact", "Exact rigid motion"), ("fe", "tailslap, FE"), ("other", "CalculiX"))
+    *columns(
+        {"rigid": "Exact rigid motion", "fe": "tailslap, FE", "calculix": "CalculiX"},
+        form=".7g",
+        unit_key="unit",
     ),
     Column("difference", "CalculiX / exact - 1", form=partial(percent, decimals=4)),
 )
@@ -129,19 +128,16 @@ class Confirmation:
         return all(abs(value) <= self.limit for value in self.difference.values())
 
 
-def demand_command() -> None:
-    """Raise InputError where CalculiX is not installed."""
-    if shutil.which(COMMAND) is None:
-        raise InputError("--with", "calculix", INSTALL)
-
-
 def run_confirmation(deck: Deck, folder: Path, time_limit: float) -> Confirmation:
     """Write the deck to a folder, run it and this program's model, and read what it has computed.
 
-    Raises OSError with the last lines of a program that fails, or takes longer than the limit [s].
+    Raises InputError where CalculiX is not installed, and OSError with the last lines of a program that fails, or takes
+    longer than the limit [s].
     """
     from tailslap.case.corner.run import run_corner
 
+    if shutil.which(COMMAND) is None:
+        raise InputError("--with", deck.program, INSTALL)
     write_deck(deck, folder)
     files = {path.name: path.read_text("utf-8") for path in folder.iterdir()}
     began = time.monotonic()
@@ -161,16 +157,14 @@ def run_confirmation(deck: Deck, folder: Path, time_limit: float) -> Confirmatio
 def _run(folder: Path, time_limit: float) -> Path:
     """Run the deck in its folder; returns the file with what the program prints. Raises OSError."""
     said = folder / "ccx.log"
-    with said.open("wb") as log:
-        try:
-            command = [COMMAND, "plate"]
-            status = subprocess.run(
-                command, cwd=folder, stdin=subprocess.DEVNULL, stdout=log, stderr=log, timeout=time_limit
-            ).returncode
-        except subprocess.TimeoutExpired:
-            raise _failed(f"{COMMAND} ran longer than --time-limit {time_limit:g} s", said) from None
-    if status:
-        raise _failed(f"{COMMAND} ended with status {status}", said)
+    try:
+        with said.open("wb") as log:
+            streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": log, "stderr": log}
+            subprocess.run([COMMAND, "plate"], cwd=folder, check=True, timeout=time_limit, **streams)
+    except subprocess.TimeoutExpired:
+        raise _failed(f"{COMMAND} ran longer than --time-limit {time_limit:g} s", said) from None
+    except subprocess.CalledProcessError as error:
+        raise _failed(f"{COMMAND} ended with status {error.returncode}", said) from None
     return said
 
 
@@ -182,46 +176,30 @@ def _failed(why: str, said: Path) -> OSError:
 def confirm_report(found: Confirmation) -> Report:
     """Report of a confirmation."""
     case = found.deck.case
+    groups = {
+        "rigid": case.tail_slap,
+        "fe": found.outcome.fe or dict.fromkeys(COMPARED),
+        "calculix": found.other,
+        "difference": found.difference,
+    }
+    rows = [
+        {**vars(QUANTITIES[key]), **{group: its[key] for group, its in groups.items()}} for key in COMPARED
+    ]
+    table = Table(TABLE, rows, notes=(_limit_sentence(found),))
     items = [Item(label, its, column_units(its)) for label, its in found.histories.items()]
-    compared = compare_report(compare_items(items, only=HISTORIES))
-    table = Table(TABLE, _rows(found), notes=(_limit_sentence(found),))
+    compared = compare_report(compare_items(items, only=("theta", *COMPARED[1:])))
     sections = (Section("At the tail-slap", tables=[table]), *compared.page.sections)
     files = "plate.inp, the deck, with README.md; calculix.csv and rigid.csv, the motion; summary.json"
-    page = Page(
-        "Confirmation by another solver",
-        _headline(found),
-        sections,
-        footer(files),
-        case.source.text,
-        found.passed,
-    )
-    summary = {
+    page = study_page(case, "Confirmation by another solver", _headline(found), sections, files, found.passed)
+    head = {
         "scene": case.scene.name,
         "version": tailslap.__version__,
         "with": "calculix",
         "passed": found.passed,
-        "rigid": {key: case.tail_slap[key] for key in COMPARED},
-        "fe": {key: found.outcome.fe.get(key) for key in COMPARED},
-        "calculix": found.other,
-        "difference": found.difference,
-        "limit": found.limit,
-        "cost": {"increments": len(found.columns["t"]), "calculix_s": found.seconds},
     }
-    return Report(page, summary, (table,), texts=found.files, histories={"calculix.csv": dict(found.columns)})
-
-
-def _rows(found: Confirmation) -> list[dict[str, Any]]:
-    exact, fe = found.deck.case.tail_slap, found.outcome.fe
-    return [
-        {
-            **vars(QUANTITIES[key]),
-            "exact": exact[key],
-            "fe": fe.get(key),
-            "other": found.other[key],
-            "difference": found.difference[key],
-        }
-        for key in COMPARED
-    ]
+    cost = {"increments": len(found.columns["t"]), "calculix_s": found.seconds}
+    summary = {**head, **groups, "limit": found.limit, "cost": cost}
+    return Report(page, summary, (table,), texts=found.files, histories={"calculix.csv": found.columns})
 
 
 def _limit_sentence(found: Confirmation) -> str:

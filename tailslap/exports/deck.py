@@ -1,13 +1,12 @@
-"""Input files of a scene with a constrained corner for other programs: numbers of the model, and what a program takes.
+"""Input files of a scene with a constrained corner for other programs.
 
-The texts stand in `templates`. Plates start unstressed with the velocities of the rigid body; masses are those that the
-other program makes of density and thickness.
+Their texts stand in `templates`. Plates start unstressed with the velocities of the rigid body; masses are those that
+the other program computes from density and thickness.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,156 +27,126 @@ INCREMENTS = 400
 BEYOND = 8
 """Increments after the instant at which the rigid body strikes."""
 
-SOLIDS = {3: "C3D6", 4: "C3D8"}
-"""Bricks by the number of nodes of a cell of the plate."""
-
-SHELLS = {3: "S3", 4: "S4"}
-
-
-@dataclass(frozen=True)
-class Program:
-    """A program that decks are written for.
-
-    Attributes
-    ----------
-    name : str
-        After `--to`.
-    title : str
-        Its own.
-    decks : tuple of str
-        Names of the files, which have templates of these names.
-    layers : int
-        Layers of nodes over the thickness.
-    frictional : tuple of str
-        Reactions with friction that it can have.
-    why : str
-        Why it has no others.
-    """
-
-    name: str
-    title: str
-    decks: tuple[str, ...]
-    layers: int
-    frictional: tuple[str, ...]
-    why: str
-
-
-PROGRAMS = {
-    each.name: each
-    for each in (
-        Program(
-            *("calculix", "CalculiX", ("plate.inp",), 2, ()),
-            "the corner is held by a boundary condition, which has no friction in CalculiX",
-        ),
-        Program(
-            *("abaqus", "ABAQUS", ("plate.inp", "slide-plane.inp", "contact-pair.inp"), 1, ("drag",)),
-            "the friction of a connector is mu |N|",
-        ),
-    )
+DECKS = {
+    "calculix": ("plate.inp", "README.md"),
+    "abaqus": ("plate.inp", "slide-plane.inp", "contact-pair.inp", "README.md"),
 }
-"""Programs by name."""
+"""Files of each program, which have templates of these names."""
+
+FRICTION = {
+    "calculix": ((), "the corner is held by a boundary condition, which has no friction in CalculiX"),
+    "abaqus": (("drag",), "the friction of a connector is mu |N|"),
+}
+"""Reactions with friction that a program can have, and why it has no others."""
+
+LAYERS = {"calculix": 2, "abaqus": 1}
+"""Layers of nodes over the thickness: of bricks, of shells."""
 
 
 @dataclass(frozen=True)
 class Deck:
-    """Numbers of a deck: the plate in its place at the start, SI.
+    """Plate of a scene for another program, in its place at the start, with linear elements.
 
     Attributes
     ----------
+    program : str
+        A key of `DECKS`.
     case : Case
         Of the scene.
     plan : CornerPlan
         Of this program's own run: elements, modulus.
-    program : Program
-        That it is for.
+    density : float
+        [kg/m^3].
+    discretisation : Discretisation
+        Nodes and elements, in the body frame.
+    places, velocities : ndarray, shape (2, nodes)
+        Of the nodes of a layer, as of the rigid body [m], [m/s].
     """
 
+    program: str
     case: Any
     plan: CornerPlan
-    program: Program
+    density: float
+    discretisation: Any
+    places: np.ndarray
+    velocities: np.ndarray
 
-    @cached_property
-    def discretisation(self) -> Any:
-        """The plate's mesh with linear elements, as all these programs have them."""
-        from fem.plate.discretisation import discretise
-        from tailslap.case.model import fe_mesh
 
-        mesh = fe_mesh(self.case.scene, self.plan.plate)
-        kind = "quad4" if "quad" in mesh.cells_dict else "tri3"
-        return discretise(mesh, self.plan.plate.thickness, kind)
+def make_deck(case: Case, program: str) -> Deck:
+    """Make the deck of a scene. Raises InputError for a scene that the program cannot have."""
+    from fem.plate.discretisation import discretise
+    from fem.start.inertia_relief import to_global
+    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.model import fe_mesh, plate_density
 
-    @cached_property
-    def places(self) -> np.ndarray:
-        """Positions of the nodes of a layer [m], shape (2, nodes)."""
-        from fem.start.inertia_relief import to_global
+    corner = CornerCase(case.scene, case.source)  # refuses whole impacts
+    _demand_possible(corner, program)
+    plan = corner.plan()
+    mesh, start = fe_mesh(corner.scene, plan.plate), plan.start
+    linear = "quad4" if "quad" in mesh.cells_dict else "tri3"
+    d = discretise(mesh, plan.plate.thickness, linear)
+    x, y = to_global(start.angle) @ (d.positions - d.positions[:, [d.corner]])
+    velocities = np.array([start.corner_speed - start.omega * y, start.omega * x])
+    density = plate_density(corner.scene, plan.plate)
+    return Deck(program, corner, plan, density, d, np.array([x, y]), velocities)
 
-        positions = self.discretisation.positions
-        return np.asarray(
-            to_global(self.plan.start.angle) @ (positions - positions[:, [self.discretisation.corner]])
+
+def _demand_possible(case: Case, program: str) -> None:
+    scene, corner, (frictional, why) = case.scene, case.scene.corner, FRICTION[program]
+    if scene.corner_friction and corner.reaction not in frictional:
+        allowed = " or ".join(f'"{name}"' for name in (*frictional, "none"))
+        raise InputError("corner.reaction", corner.reaction, f"{why}; allowed is {allowed}")
+    if corner.patch_length and program == "abaqus":
+        raise InputError(
+            "corner.patch_length", corner.patch_length, "the connector holds one node; remove this key"
         )
+    if scene.material and scene.material.law != "st-venant-kirchhoff":
+        allowed = 'decks have linear elasticity at finite rotation; allowed is "st-venant-kirchhoff"'
+        raise InputError("material.law", scene.material.law, allowed)
 
-    @property
-    def velocities(self) -> np.ndarray:
-        """Their velocities as of the rigid body [m/s], shape (2, nodes)."""
-        x, y = self.places
-        start = self.plan.start
-        return np.array([start.corner_speed - start.omega * y, start.omega * x])
 
-    @cached_property
-    def masses(self) -> np.ndarray:
-        """Masses of the nodes of a layer: row sums [kg], shape (nodes,)."""
-        from fem.plate.kinds import row_sum_masses
+def write_deck(deck: Deck, folder: Path) -> None:
+    """Write input files, README, `nodes.csv` with the masses, and the exact motion of the rigid body `rigid.csv`."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
 
-        plate = self.plan.plate
-        scalar = self.discretisation.scalar
-        return row_sum_masses(scalar, self.density, plate.thickness) / self.program.layers
+    from fem.plate.kinds import row_sum_masses
 
-    @property
-    def density(self) -> float:
-        """[kg/m^3]."""
-        from tailslap.case.model import plate_density
+    loader = PackageLoader("tailslap.exports")
+    environment = Environment(
+        loader=loader, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True
+    )
+    environment.filters["number"] = "{:.12g}".format  # at most 19 characters: fields are read up to the 20th
+    numbers, layers = _numbers(deck), LAYERS[deck.program]
+    for name in DECKS[deck.program]:
+        text = environment.get_template(f"{deck.program}/{name}.j2").render(numbers)
+        (folder / name).write_text(text, encoding="utf-8")
+    masses = row_sum_masses(deck.discretisation.scalar, deck.density, deck.plan.plate.thickness) / layers
+    x, y, masses = (np.tile(values, layers) for values in (*deck.places, masses))
+    write_history(folder / NODES, {"node": 1 + np.arange(x.size), "x": x, "y": y, "mass": masses})
+    write_history(folder / "rigid.csv", deck.case.rigid_history())
 
-        return plate_density(self.case.scene, self.plan.plate)
 
-    @property
-    def step(self) -> float:
-        """Increment of time [s]."""
-        return float(self.case.duration) / INCREMENTS
+def _numbers(deck: Deck) -> dict[str, Any]:
+    """Variables of the templates; nodes are counted from 1."""
+    from fem.model.plate_model import corner_weights
 
-    def numbers(self) -> dict[str, Any]:
-        """Variables of the templates."""
-        from fem.model.plate_model import corner_weights
-
-        plate, scene = self.plan.plate, self.case.scene
-        held = corner_weights(self.discretisation, scene.corner.patch_length or 0.0)
-        cells = _counter_clockwise(self.discretisation.cells, self.places)
-        increments, count = INCREMENTS + BEYOND, self.places.shape[1]
-        return {
-            "scene": scene.name,
-            "version": tailslap.__version__,
-            "thickness": plate.thickness,
-            "density": self.density,
-            "modulus": plate.modulus,
-            "ratio": plate.poissons_ratio,
-            "friction": scene.corner_friction,
-            "nodes": self.places.T.tolist(),
-            "velocities": self.velocities.T.tolist(),
-            "cells": (cells + 1).tolist(),
-            "corner": [
-                (node + 1, weight) for node, weight in zip(*map(np.ndarray.tolist, held), strict=True)
-            ],
-            "layers": [(k * plate.thickness, k * count) for k in range(self.program.layers)],
-            "solid": SOLIDS[cells.shape[1]],
-            "shell": SHELLS[cells.shape[1]],
-            "omega": self.plan.start.omega,
-            "side": (self.discretisation.side + 1).tolist(),
-            "ground": count + 1,
-            "wall": (float(self.places[0].min()) - 1.0, self.case.tail_slap["slide"] + 2.0),
-            "step": self.step,
-            "increments": increments,
-            "end": increments * self.step,
-            "strike": self.case.tail_slap,
-        }
+    d, case = deck.discretisation, deck.case
+    nodes, weights = corner_weights(d, case.scene.corner.patch_length or 0.0)
+    return {
+        "version": tailslap.__version__,
+        "scene": case.scene,
+        "plate": deck.plan.plate,
+        "start": deck.plan.start,
+        "strike": case.tail_slap,
+        "density": deck.density,
+        "nodes": deck.places.T.tolist(),
+        "velocities": deck.velocities.T.tolist(),
+        "cells": (1 + _counter_clockwise(d.cells, deck.places)).tolist(),
+        "corner": list(zip((1 + nodes).tolist(), weights.tolist(), strict=True)),
+        "side": (1 + d.side).tolist(),
+        "step": case.duration / INCREMENTS,
+        "increments": INCREMENTS + BEYOND,
+    }
 
 
 def _counter_clockwise(cells: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -185,44 +154,3 @@ def _counter_clockwise(cells: np.ndarray, places: np.ndarray) -> np.ndarray:
     x, y = places[:, cells]
     area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
     return np.where(area[:, None] > 0.0, cells, cells[:, [0, *range(cells.shape[1] - 1, 0, -1)]])
-
-
-def make_deck(case: Case, program: str) -> Deck:
-    """Make the deck of a scene. Raises InputError for a scene that the program cannot have."""
-    from tailslap.case.corner.case import CornerCase
-
-    chosen = PROGRAMS[program]
-    corner = CornerCase(case.scene, case.source)  # refuses whole impacts
-    scene = corner.scene
-    reaction = scene.corner.reaction
-    if scene.corner_friction and reaction not in chosen.frictional:
-        allowed = " or ".join(f'"{name}"' for name in (*chosen.frictional, "none"))
-        raise InputError("corner.reaction", reaction, f"{chosen.why}; allowed is {allowed}")
-    if scene.corner.patch_length and chosen.layers == 1:
-        allowed = "the connector holds one node; remove this key"
-        raise InputError("corner.patch_length", scene.corner.patch_length, allowed)
-    if scene.material and scene.material.law != "st-venant-kirchhoff":
-        allowed = 'decks have linear elasticity at finite rotation; allowed is "st-venant-kirchhoff"'
-        raise InputError("material.law", scene.material.law, allowed)
-    return Deck(corner, corner.plan(), chosen)
-
-
-def write_deck(deck: Deck, folder: Path) -> None:
-    """Write input files, README, `nodes.csv` with the masses, and the exact motion of the rigid body `rigid.csv`."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("tailslap.exports"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["number"] = "{:.12g}".format  # at most 19 characters: fields are read up to the 20th
-    numbers = deck.numbers()
-    for name in (*deck.program.decks, "README.md"):
-        text = environment.get_template(f"{deck.program.name}/{name}.j2").render(numbers)
-        (folder / name).write_text(text, encoding="utf-8")
-    layers = deck.program.layers
-    x, y, masses = (np.tile(values, layers) for values in (*deck.places, deck.masses))
-    write_history(folder / NODES, {"node": 1 + np.arange(x.size), "x": x, "y": y, "mass": masses})
-    write_history(folder / "rigid.csv", deck.case.rigid_history())

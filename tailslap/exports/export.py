@@ -42,11 +42,13 @@ def export(
         Result of a run, or its folder; of a deck the name of a scene of the program, or the path of a TOML file.
     to : str
         Format. "vtkhdf", "xdmf", "vtu", "msh": mesh and fields over time, for a run with `[output] fields = N`; "csv",
-        "parquet": histories, and fields if any; "png", "gif": pictures of all instants.
+        "parquet": histories, and fields if any; "png", "gif": pictures of all instants. Of a scene: "calculix",
+        "abaqus", input files that run as they are.
     folder : path, optional
-        New or empty folder, or an earlier export. Default: folder of the result with "-FORMAT" appended.
+        New or empty folder, or an earlier export. Default: folder of the result, or results/NAME of a scene, with
+        "-FORMAT" appended.
     changes : sequence of str
-        Changes KEY=VALUE of a scene.
+        Changes of a scene, as texts KEY=VALUE.
     field : str, optional
         Field of the pictures, e.g. "stress_von_mises" or "velocity_y". Default: all.
     magnify : float
@@ -66,7 +68,8 @@ def export(
     Raises
     ------
     InputError
-        For an unknown format, unit or size, a result without fields, or a folder with other files.
+        For an unknown format, unit or size, a result without fields, a scene that the other program cannot have, or a
+        folder with other files.
 
     Examples
     --------

@@ -18,6 +18,7 @@ from fem.stability.deformed import deformed_frequency
 from fem.start.inertia_relief import RigidStart, relieved_fields
 from meshes import plate_mesh
 from postprocess.figures.plates import draw_mode, mesh_edges
+from postprocess.report.provenance import CRATE
 from tailslap.cli import DONE, WRONG_INPUT, _status
 from tailslap.files.manifest import NAME as MANIFEST
 
@@ -386,6 +387,7 @@ def test_command(tmp_path, capsys):
         "set-up.svg",
         "summary.json",
         MANIFEST,
+        CRATE,
     } | pictures
     summary = json.loads((out / "summary.json").read_text())
     assert [mode["kind"] for mode in summary["modes"]][:3] == ["bending", "bending", "longitudinal"]
