@@ -1,11 +1,20 @@
 """Histories of the nodes of another program, and the motion of the centre of mass that follows from them.
 
-CalculiX prints with `*NODE PRINT` a block of lines per quantity and instant to its file `.dat`. Positions and masses of
-the nodes stand in `nodes.csv` beside it, with the columns node, x, y [m] and mass [kg]; Z is not considered.
+Files that are read, in SI:
+
+- CalculiX prints with `*NODE PRINT` a block of lines per quantity and instant to its file `.dat`.
+- LS-DYNA prints with `*DATABASE_NODOUT` a table per instant to `nodout`: node numbers in 10 columns, values in 12.
+- ABAQUS prints a field output report per frame, with U and V of the nodes.
+- OpenRadioss: `th_to_csv` makes a CSV file of its time histories, with DX, DY, VX and VY of each node by /TH/NODE and
+  /TH/TITLE.
+
+Positions and masses of the nodes stand in `nodes.csv` beside it, with the columns node, x, y [m] and mass [kg]; Z is
+not considered.
 """
 
 import csv
 import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +27,15 @@ Blocks = dict[float, dict[int, list[float]]]
 """Values along X and Y by instant and node."""
 
 NODES = "nodes.csv"
+MAX_HEAD = 4_000_000
+"""Characters in which the heading of a file is looked for; a legend of LS-DYNA names all nodes."""
+
+INSTANT = re.compile(r"n o d a l   p r i n t   o u t.*\( at time\s+(\S+)\s*\)")
+STEP_TIME = re.compile(r"Frame:.*Step Time =\s*(\S+)")
+FIELDS = ("U.U1", "U.U2", "V.V1", "V.V2")
+NODE_COLUMN = re.compile(r".*?\s{2,}(\d+)\s.*\b(DX|DY|VX|VY)\s*")
+"""Title of the group and number of the node, both filled up with blanks, and quantity."""
+
 HEAD = re.compile(r"\s*(displacements|velocities) \(vx,vy,vz\) for set (\S+) and time\s+(\S+)\s*")
 
 
@@ -71,9 +89,120 @@ def read_calculix(path: Path) -> NodalHistory:
     return _stacked(displacements, velocities)
 
 
+def read_nodout(path: Path) -> NodalHistory:
+    """Read displacements and velocities of the nodes from a file `nodout` of LS-DYNA.
+
+    Raises OSError, and ValueError for a file that is cut short.
+    """
+    displacements, velocities = Blocks(), Blocks()
+    t, length, inside = 0.0, 0, False
+    for number, line in _numbered(path):
+        if instant := INSTANT.search(line):
+            t, inside = float(instant[1]), False
+            displacements.setdefault(t, {})
+            velocities.setdefault(t, {})
+        elif "nodal point" in line:  # translations; a table of rotations may follow at the same instant
+            inside, length = "x-disp" in line, 0
+        elif inside and line[:10].strip().isdigit():
+            length = length or len(line)
+            try:
+                if len(line) != length:
+                    raise ValueError
+                values = [float(line[10 + 12 * k : 22 + 12 * k]) for k in (0, 1, 3, 4)]
+            except ValueError:
+                raise ValueError(f"line {number} is cut short: {line!r}") from None
+            displacements[t][int(line[:10])], velocities[t][int(line[:10])] = values[:2], values[2:]
+    return _stacked(displacements, velocities)
+
+
+def read_field_report(path: Path) -> NodalHistory:
+    """Read displacements and velocities of the nodes from field output reports of ABAQUS, one frame after the other.
+
+    Raises OSError, and ValueError for a file that is cut short, without U and V, or with several steps.
+    """
+    displacements, velocities = Blocks(), Blocks()
+    names: list[str] = []
+    t = 0.0
+    for number, line in _numbered(path):
+        cells = line.split()
+        if frame := STEP_TIME.search(line):
+            t, names = float(frame[1]), []
+            if t in velocities:
+                raise ValueError(f"line {number}: {t:g} s is there twice; allowed is one step")
+            displacements[t], velocities[t] = {}, {}
+        elif fields := [cell for cell in cells if re.fullmatch(r"[A-Z]+\.\w+", cell)]:
+            names = fields
+            if missing := [name for name in FIELDS if name not in names]:
+                raise ValueError(
+                    f"line {number}: {', '.join(missing)} are missing; the columns are {', '.join(names)}"
+                )
+        elif names and cells and cells[0].isdigit():
+            try:
+                values = dict(zip(names, map(float, cells[1:]), strict=True))
+            except ValueError:
+                raise ValueError(f"line {number} is cut short: {line.strip()!r}") from None
+            place = int(cells[0])
+            displacements[t][place], velocities[t][place] = (
+                [values[n] for n in FIELDS[:2]],
+                [values[n] for n in FIELDS[2:]],
+            )
+    return _stacked(displacements, velocities)
+
+
+def read_radioss(path: Path) -> NodalHistory:
+    """Read displacements and velocities of the nodes from a CSV file that `th_to_csv` of OpenRadioss has made.
+
+    Raises OSError, and ValueError for a file that is cut short, or a node without one of the four columns.
+    """
+    with open(path, encoding="utf-8", errors="replace", newline="") as file:
+        header, *rows = csv.reader(file)
+    columns: dict[int, dict[str, int]] = {}
+    for k, name in enumerate(header):
+        if found := NODE_COLUMN.fullmatch(name):
+            columns.setdefault(int(found[1]), {})[found[2]] = k
+    displacements, velocities = Blocks(), Blocks()
+    for node, its in columns.items():
+        if missing := [name for name in ("DX", "DY", "VX", "VY") if name not in its]:
+            raise ValueError(f"columns of node {node} are missing: {', '.join(missing)}")
+    for number, row in enumerate(filter(None, rows), 2):
+        if len(row) < len(list(filter(None, header))):
+            raise ValueError(f"line {number} is cut short: {len(row)} of {len(header)} entries")
+        t = float(row[0])
+        displacements[t] = {
+            node: [float(row[its["DX"]]), float(row[its["DY"]])] for node, its in columns.items()
+        }
+        velocities[t] = {
+            node: [float(row[its["VX"]]), float(row[its["VY"]])] for node, its in columns.items()
+        }
+    return _stacked(displacements, velocities)
+
+
+def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
+    """Reader of a file of nodes by its name or heading; None for others, and for what is no regular file."""
+    if path.suffix == ".dat" or not path.is_file():
+        return read_calculix if path.suffix == ".dat" else None
+    with open(path, encoding="ascii", errors="replace") as file:
+        first = file.readline(MAX_HEAD)
+        if '"INTERNAL ENERGY"' in first and any(map(NODE_COLUMN.fullmatch, first.split('"'))):
+            return read_radioss
+        head = first + file.read(MAX_HEAD)
+    if "Field Output Report" in head:
+        return read_field_report
+    return read_nodout if INSTANT.search(head) else None
+
+
+def _numbered(path: Path) -> Iterator[tuple[int, str]]:
+    """Lines of a text file with their numbers, without the blanks at their ends."""
+    with open(path, encoding="ascii", errors="replace") as lines:
+        for number, line in enumerate(lines, 1):
+            yield number, line.rstrip()
+
+
 def _stacked(displacements: Blocks, velocities: Blocks) -> NodalHistory:
     """Arrays of blocks by time and node. Raises ValueError where nodes are missing at an instant."""
-    times, numbers = sorted(velocities), sorted(next(iter(displacements.values())))
+    times, numbers = sorted(velocities), sorted(next(iter(displacements.values()), ()))
+    if not numbers:
+        raise ValueError("it has no displacements and velocities of nodes")
     for blocks in (displacements, velocities):
         for t in times:
             if missing := set(numbers) ^ blocks[t].keys():
@@ -143,14 +272,14 @@ def centre_of_mass_history(
 
 
 def read_centre_of_mass(path: Path) -> dict[str, Floats]:
-    """Read a file `.dat` of CalculiX, with `nodes.csv` beside it, as columns of `centre_of_mass_history`.
+    """Read a file of nodes, with `nodes.csv` beside it, as columns of `centre_of_mass_history`.
 
     Raises OSError, and ValueError for damaged files and for nodes that are missing in one of the two.
     """
     if not path.with_name(NODES).is_file():
         raise ValueError(f"positions and masses of its nodes, in {NODES} beside it, are missing")
     numbers, nodes, masses = read_nodes(path.with_name(NODES))
-    found = read_calculix(path)
+    found = (reader_of(path) or read_calculix)(path)
     if missing := sorted(set(numbers.tolist()) ^ set(found.numbers.tolist())):
         shown = ", ".join(map(str, missing[:5])) + (", ..." if missing[5:] else "")
         raise ValueError(f"nodes that are in one of {path.name} and {NODES} only: {shown}")

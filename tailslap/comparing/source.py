@@ -84,7 +84,7 @@ def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
     A name of the mapping that the file has not, where it has this program's own, is another file's.
     """
     try:
-        columns, units = _read_nodal(path) if path.suffix == ".dat" else read_table(path)
+        columns, units = _read_nodal(path) or read_table(path)
     except FileNotFoundError:
         allowed = "the file or folder does not exist; allowed are result folders and files with named columns"
         raise InputError("RESULT", str(path), allowed) from None
@@ -140,11 +140,16 @@ def _demand_rising(found: Mapping[str, Floats], path: Path) -> None:
         raise InputError("RESULT", str(path), "time does not increase from row to row")
 
 
-def _read_nodal(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
-    """Motion of the centre of mass from nodes of CalculiX, and its units. Raises OSError and ValueError."""
-    from postprocess.comparison.nodal import read_centre_of_mass
+def _read_nodal(path: Path) -> tuple[dict[str, Floats], dict[str, str]] | None:
+    """Motion of the centre of mass from nodes of another program, and its units; None where the file has no nodes.
 
-    columns = read_centre_of_mass(path)
+    Raises OSError and ValueError.
+    """
+    from postprocess.comparison import nodal
+
+    if nodal.reader_of(path) is None:
+        return None
+    columns = nodal.read_centre_of_mass(path)
     return columns, column_units(columns)
 
 

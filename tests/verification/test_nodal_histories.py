@@ -1,9 +1,17 @@
-"""Verification: nodes of another program as a motion of the centre of mass, and files that are cut short."""
+"""Verification: nodes of other programs as a motion of the centre of mass, and files that are cut short.
+
+The files of LS-DYNA, ABAQUS and OpenRadioss are written here by their documented formats; none of these programs ran.
+"""
 
 import numpy as np
 import pytest
 
-from postprocess.comparison.nodal import centre_of_mass_history, read_calculix
+from postprocess.comparison.nodal import (
+    centre_of_mass_history,
+    read_calculix,
+    read_centre_of_mass,
+    reader_of,
+)
 from tailslap import cli
 
 NODES = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 2.0], [0.0, 2.0]])
@@ -91,3 +99,158 @@ def test_other_nodes_are_refused(tmp_path, capsys):
     table.unlink()
     assert cli._status(["compare", str(path), str(path)]) == 2
     assert "in nodes.csv beside it, are missing" in capsys.readouterr().err
+
+
+def write_nodes(path):
+    rows = [f"{n},{x},{y},{m}" for n, ((x, y), m) in enumerate(zip(NODES, MASSES, strict=True), 1)]
+    path.with_name("nodes.csv").write_text("\n".join(["node,x,y,mass", *rows]) + "\n")
+    return path
+
+
+def write_nodout(path, displacements, velocities):
+    """LS-DYNA: legend, and at each instant a table of translations and one of rotations."""
+    heading = " n o d a l   p r i n t   o u t   f o r   t i m e  s t e p{:8d}{:30s}( at time{:14.7E} )"
+    names = " nodal point  x-disp     y-disp      z-disp      x-vel       y-vel       z-vel       x-accl      y-accl"
+    lines = ["{BEGIN LEGEND}", " Entity #        Title", "        1        corner", "{END LEGEND}"]
+    for k, t in enumerate(T):
+        lines += [
+            "",
+            heading.format(k, "", t),
+            "",
+            names + "      z-accl      x-coor      y-coor      z-coor",
+        ]
+        for n, (u, v) in enumerate(zip(displacements[k], velocities[k], strict=True), 1):
+            values = [*u, 0.0, *v, 0.0, *3 * [0.0], *(NODES[n - 1] + u), 0.0]
+            lines.append(f"{n:10d}" + "".join(f"{value:12.4E}" for value in values))
+        lines += ["", heading.format(k, "", t), "", " nodal point  x-rot      y-rot       z-rot"]
+        lines += [f"{n:10d}" + 3 * f"{7.0:12.4E}" for n in range(1, 5)]
+    path.write_text("\n".join(lines) + "\n")
+    return write_nodes(path)
+
+
+def write_field_report(path, displacements, velocities):
+    """ABAQUS: a report for each frame, minima and maxima below."""
+    lines = []
+    for k, t in enumerate(T):
+        lines += [
+            80 * "*",
+            "Field Output Report, written Mon Nov 23 10:07:54 2026",
+            "",
+            "Source 1",
+            "---------",
+            "",
+        ]
+        lines += [
+            "   ODB: C:/temp/plate.odb",
+            "   Step: slide",
+            f"   Frame: Increment {10 * k:6d}: Step Time = {t:9.4g}",
+        ]
+        lines += ["", "Loc 1 : Nodal values from source 1", "", 'Output sorted by column "Node Label".', ""]
+        lines += ["Field Output reported at nodes for part: PLATE-1", ""]
+        lines += ["            Node            U.U1            U.U2            V.V1            V.V2"]
+        lines += [
+            "           Label          @Loc 1          @Loc 1          @Loc 1          @Loc 1",
+            80 * "-",
+        ]
+        rows = np.concatenate([displacements[k], velocities[k]], axis=1)
+        lines += [f"{n:16d}" + "".join(f"{value:16.6E}" for value in row) for n, row in enumerate(rows, 1)]
+        lines += [
+            "",
+            "  Minimum            0.              0.",
+            "      At Node               1               1",
+            "",
+        ]
+    path.write_text("\n".join(lines) + "\n")
+    return write_nodes(path)
+
+
+def write_radioss(path, displacements, velocities):
+    """OpenRadioss: th_to_csv with a file _TITLES; titles are filled up to 100 characters, numbers have six decimals."""
+    whole = ["time", "INTERNAL ENERGY", "KINETIC ENERGY", "X-MOMENTUM", "Y-MOMENTUM", "Z-MOMENTUM", "MASS"]
+    names = [
+        f"{'plate 2':100s} {n} {'node ' + str(n):100s}  {q:10s} "
+        for n in range(1, 5)
+        for q in ("DX", "DY", "VX", "VY")
+    ]
+    lines = [",".join(f'"{name}"' for name in whole + names)]
+    for k, t in enumerate(T):
+        rows = np.concatenate([displacements[k], velocities[k]], axis=1)
+        lines.append(",".join(f"{value:f}" for value in [t, *6 * [0.0], *rows.ravel()]))
+    path.write_text("\n".join(lines) + "\n")
+    return write_nodes(path)
+
+
+WRITERS = {"nodout": write_nodout, "abaqus.rpt": write_field_report, "plateT01.csv": write_radioss}
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_files_of_other_programs_give_the_same_motion(name, tmp_path, capsys):
+    """To the digits of the files: four decimals, six, and 1e-6 m and m/s."""
+    path = WRITERS[name](tmp_path / name, *rigid_nodes())
+    found = read_centre_of_mass(path)
+    assert found["t"] == pytest.approx(T, rel=1e-6)
+    assert found["omega"] == pytest.approx(SPIN, rel=2e-4)
+    assert np.transpose([found["v_gx"], found["v_gy"]]) == pytest.approx(np.tile(SPEED, (3, 1)), rel=2e-4)
+    assert found["rotation"] == pytest.approx(SPIN * T, rel=2e-4)
+    reference = tmp_path / "exact.csv"
+    reference.write_text("t,omega,v_gx,v_gy\n" + "".join(f"{t},{SPIN},{SPEED[0]},{SPEED[1]}\n" for t in T))
+    assert cli._status(["compare", str(reference), str(path), "--out", str(tmp_path / "out")]) == 0
+    assert "All 3 histories" in capsys.readouterr().out
+
+
+def without_last_line(text):
+    return "\n".join(text.splitlines()[:-1]) + "\n"
+
+
+LAST_TABLE, INSTANT = "\n\n n o d a l", " n o d a l   p r i n t   o u t ( at time 4.0E-01 )\n"
+CUT_OF_OTHERS = {
+    "nodout, a line": (
+        "nodout",
+        lambda text: text[: text.rindex(LAST_TABLE) - 20],
+        "line 44 is cut short",
+    ),
+    "nodout, a node": (
+        "nodout",
+        lambda text: without_last_line(text[: text.rindex(LAST_TABLE)]),
+        "1 nodes are missing at 0.3 s",
+    ),
+    "nodout, a table": ("nodout", lambda text: text + INSTANT, "4 nodes are missing at 0.4 s"),
+    "report, a line": ("abaqus.rpt", lambda text: text[: text.rindex("  Minimum") - 20], "is cut short: '4"),
+    "report, columns": (
+        "abaqus.rpt",
+        lambda text: text.replace("V.V2", "V.V3"),
+        "V.V2 are missing; the columns are U.U1, U.U2, V.V1, V.V3",
+    ),
+    "report, steps": ("abaqus.rpt", lambda text: text + text, "0.1 s is there twice; allowed is one step"),
+    "Radioss, a line": ("plateT01.csv", lambda text: text[:-20], "line 4 is cut short: 21 of 23 entries"),
+    "Radioss, a column": (
+        "plateT01.csv",
+        lambda text: text.replace("  VY   ", "  VZ   "),
+        "node 1 are missing: VY",
+    ),
+}
+
+
+@pytest.mark.parametrize(("name", "cut", "said"), CUT_OF_OTHERS.values(), ids=CUT_OF_OTHERS)
+def test_files_of_others_cut_short_are_refused(name, cut, said, tmp_path, capsys):
+    path = WRITERS[name](tmp_path / name, *rigid_nodes())
+    path.write_text(cut(path.read_text()))
+    assert cli._status(["compare", str(path), str(path), "--out", str(tmp_path / "out")]) == 2
+    assert said in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name", WRITERS)
+def test_nodes_of_others_that_are_missing_are_named(name, tmp_path, capsys):
+    path = WRITERS[name](tmp_path / name, *rigid_nodes())
+    table = path.with_name("nodes.csv")
+    table.write_text(table.read_text().replace("\n4,", "\n7,"))
+    assert cli._status(["compare", str(path), str(path)]) == 2
+    assert f"{name} and nodes.csv only: 4, 7" in capsys.readouterr().err
+
+
+def test_whole_model_histories_of_radioss_are_a_table(tmp_path):
+    """Without columns of nodes it is a file with named columns."""
+    path = tmp_path / "wholeT01.csv"
+    path.write_text('"time","INTERNAL ENERGY","X-MOMENTUM"\n0.0,1.0,2.0\n0.1,1.0,3.0\n')
+    assert reader_of(path) is None
