@@ -375,7 +375,7 @@ def solve_impacts(
     gate.not_negative(rules.FRICTION, its["friction"])
     found = solve_trains(
         *_trains(units, its), step=step, interval=interval, after_second=after_second, longest=longest,
-        tolerance=tolerance, strikes=8 * len(units) if trailers else 2,
+        tolerance=tolerance, strikes=16 * len(units) if trailers else 2,
     )  # fmt: skip
     room = found.strikes.shape[1]
     corner, start, last, peak, impulse = (

@@ -278,7 +278,7 @@ def _levels(found: Spread) -> Table:
         | {"above": 1.0 - found.band(LARGEST).fraction_below(each.force)}
         for name, each in known_forces(level).items()
     ]
-    return Table(LEVELS, rows, "The largest 50 ms mean beside design forces" if rows else "")
+    return Table(LEVELS, rows)
 
 
 def _impact_answer(found: Spread) -> tuple[str, str]:
