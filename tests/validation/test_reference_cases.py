@@ -144,7 +144,7 @@ def clamped(unit):
 
 @pytest.mark.parametrize(
     ("kind", "elements", "tolerance"),
-    [("quad9", (8, 4), 4e-3), ("quad9", (16, 8), 4e-4), ("quad4", (32, 16), 4e-3)],
+    [("quad9", (8, 4), 3.7e-3), ("quad9", (16, 8), 4e-4), ("quad4", (32, 16), 3.7e-3)],
 )
 def test_fv32_tapered_membrane(kind, elements, tolerance):
     """Frequencies of NAFEMS; ABAQUS's CPS8R, as the source has it, within 0.37 %."""
