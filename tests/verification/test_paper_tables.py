@@ -231,7 +231,7 @@ def stages(found):
     pull, signs, force = found["reaction"], found["restitution"], found["earlier"]["paper"]
     return [
         f"N from {pull['first'] / 1e3:.2f} to {pull['last'] / 1e3:.2f} kN",
-        f"into the wall at {-signs['paper']['corner_recoil']:.3f} m/s",
+        f"still has a velocity into the wall of {-signs['paper']['corner_recoil']:.3f} m/s",
         f"the peak force of {force / 1e3:.0f} kN (from 15 deg, not rounded) "
         f"{signs['newton']['peak_force'] / 1e3:.0f} kN, {percent(signs['newton']['change'], 0)}; "
         f"e = 0 makes it {signs['e = 0']['peak_force'] / 1e3:.0f} kN, "
@@ -297,14 +297,15 @@ def whole_impact(found):
     return [
         f"is {min(omega):.3f} to {max(omega):.3f} rad/s for 1 to 3 MN/m, {whole['nearly_rigid']:.4f} for 200 MN/m",
         f"leads to {whole['omegas']['newton']:.4f}, the paper's 1 - e {whole['omegas']['paper']:.4f}",
-        f"at {min(leaves):.3f} to {max(leaves):.3f} s, is {min(away):.1f} to {max(away):.1f} m off",
-        f"strikes at {min(begins):.3f} to {max(begins):.3f} s, where Stage 2, held by the wall, has "
+        f"separates from the wall** at {min(leaves):.3f} to {max(leaves):.3f} s, is {min(away):.1f} to "
+        f"{max(away):.1f} m off",
+        f"strikes at {min(begins):.3f} to {max(begins):.3f} s, in Stage 2, with the corner on the wall, at "
         f"{whole['paper_time']:.3f} s",
         f"= {whole['share']:.3f} m ({whole['share_friction']:.3f} with friction; the rear strike of the whole "
-        f"impact has {fraction[1]:.3f}) at about 2 v_GY: for e = 0, {whole['corner_impulse'] / 1e3:.1f} instead of "
-        f"{whole['plastic_impulse'] / 1e3:.1f} kN s",
+        f"impact has {fraction[1]:.3f}) at about 2 v_GY. For e = 0 the impulse is "
+        f"{whole['corner_impulse'] / 1e3:.1f} instead of {whole['plastic_impulse'] / 1e3:.1f} kN s",
         f"For e = 0.22 the whole impact has {impulse[1] / 1e3:.1f} kN s, Stage 3 {whole['paper_impulse'] / 1e3:.1f}",
-        f"strikes of {lasts[0]}, {lasts[1]} and {lasts[2]} ms (1, 2, 3 MN/m) read as {as_read[0]}, {as_read[1]} and "
+        f"strikes of {lasts[0]}, {lasts[1]} and {lasts[2]} ms (1, 2, 3 MN/m) appear as {as_read[0]}, {as_read[1]} and "
         f"{as_read[2]} ms",
     ]
 
