@@ -51,9 +51,12 @@ def radius_of_gyration(items: Sequence[Item]) -> float | None:
             and {"kinetic_energy", *TRANSLATION, ROTATION} <= known.keys()
             and "articulation_1" not in known
         ):
-            k = int(np.nanargmax(np.abs(known[ROTATION])))
-            speed = sum(known[name][k] ** 2 for name in TRANSLATION)
-            return math.sqrt((2.0 * known["kinetic_energy"][k] / mass - speed) / known[ROTATION][k] ** 2)
+            k = int(np.argmax(np.abs(np.nan_to_num(known[ROTATION]))))
+            spinning = 2.0 * known["kinetic_energy"][k] / mass - sum(
+                known[name][k] ** 2 for name in TRANSLATION
+            )
+            if spinning > 0.0 and abs(known[ROTATION][k]) > 0.0:
+                return math.sqrt(spinning) / abs(float(known[ROTATION][k]))
     return None
 
 
@@ -92,7 +95,7 @@ def _verified(item: Item) -> Iterator[dict[str, Any]]:
     kept = total - np.sum([known[name] for name in LOST if name in known], axis=0)
     hourglass = known["hourglass_energy"][-1] if "hourglass_energy" in known else 0.0
     internal = total[-1] - known["kinetic_energy"][-1]
-    added = [check["value"] for check in item.summary["checks"] if check["name"] == "added mass"]
+    added = [check["value"] for check in item.summary.get("checks", ()) if check["name"] == "added mass"]
     values = {
         "change of total energy": (abs(kept[-1] / kept[0] - 1.0), 0.10),
         "hourglass over initial energy": (hourglass / total[0], 0.05),

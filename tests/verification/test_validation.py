@@ -70,6 +70,24 @@ def test_without_a_result_the_angular_velocity_has_no_weight():
     assert found["weights"] == pytest.approx({"v_gx": 2.0 / 3.0, "v_gy": 1.0 / 3.0}, abs=1e-15)
 
 
+@pytest.mark.parametrize("omega", [[0.0, 0.0], [np.nan, np.nan]])
+def test_a_result_that_does_not_spin_has_no_radius_of_gyration(omega):
+    assert validation.radius_of_gyration([result([0.0, 2.0], [0.0, -1.0], omega)]) is None
+
+
+def test_a_kinetic_energy_below_that_of_the_translation_has_none():
+    assert validation.radius_of_gyration([result([0.0, 4.0], [0.0, -1.0], [0.0, 0.5])]) is None
+
+
+def test_results_of_other_commands_are_validated(tmp_path):
+    """Rigid body and modal model: histories without checks."""
+    rigid, modal = tailslap.rigid("paper-table-3"), tailslap.modal("paper-table-3", modes=2)
+    for pair in ((rigid, modal), (modal, rigid)):
+        found = tailslap.compare(*pair)
+        assert found.summary["multi_channel"]
+        assert (found.save(tmp_path / pair[0].command) / "validation.html").is_file()
+
+
 def test_energies_and_mass_have_the_limits_of_w179():
     """10 % of the total energy, works counted; 5 % of the initial, 10 % of the internal energy; 5 % of the mass."""
     energies = {"strain_energy": [1.0, 1.5], "hourglass_energy": [0.0, 0.5], "friction_work": [0.0, -0.5]}
