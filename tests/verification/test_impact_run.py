@@ -333,6 +333,8 @@ def test_meshes_that_judge():
 
     assert meshes("quad9", 10, 4) == (("quad9", (5, 2)), ("quad9", (10, 4)))
     assert meshes("quad9", 10, 3) == (("quad9", (10, 3)), ("quad9", (20, 6)))
+    assert meshes("quad4", 40, 12) == (("quad9", (10, 3)), ("quad9", (20, 6)))
+    assert meshes("quad4", 24, 8) == (("quad9", (6, 2)), ("quad9", (12, 4)))
     assert meshes("quad4", 20, 6) == (("quad9", (7, 2)), ("quad9", (14, 4)))
     assert meshes("quad4", 16, 4) == (("quad9", (8, 2)), ("quad9", (16, 4)))
     assert meshes("tri3", 4, 1) == (("tri6", (4, 1)), ("tri6", (8, 2)))

@@ -70,7 +70,8 @@ def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:
     """
     if higher := kinds.ELEMENT_KINDS[plate.element].higher_order:
         plate = plate.model_copy(update={"lumping": "exact"})  # row sums give the corners of tri6 no mass
-        meshes = [refined(plate, part, higher, whole=round) for part in (0.25, 1.0 / 3.0, 0.5, 1.0)]
+        quarter = (0.25,) if min(plate.counts) >= 4 * COARSEST else ()
+        meshes = [refined(plate, part, higher, whole=round) for part in (*quarter, 1.0 / 3.0, 0.5, 1.0)]
         for coarse in [mesh for mesh in meshes if min(mesh.counts) >= COARSEST] or meshes[-1:]:
             yield coarse, refined(coarse)
         return
