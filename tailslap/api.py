@@ -535,7 +535,8 @@ def compare(
     Parameters
     ----------
     reference : Result or path
-        Result of a run, its folder, or a file with named columns: a history from ABAQUS, LS-DYNA or a test.
+        Result of a run, its folder, a file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
+        CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV of th_to_csv).
     *others : Result or path
         Results, folders or files that are compared with the reference.
     columns : mapping or str, optional

@@ -302,8 +302,9 @@ def compare(
 
     The page validation.html has the form of NCHRP W179: solution verification, metrics of all channels, phenomena.
 
-    A RESULT is a result folder, or a text file with named columns: a history from ABAQUS, LS-DYNA or a test. Exit
-    status 1 if a metric exceeds the limits of NCHRP W179.
+    A RESULT is a result folder, a text file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
+    CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV). Exit status 1 if a metric
+    exceeds the limits of NCHRP W179.
     """
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
 
