@@ -41,6 +41,9 @@ COMPARED = ("t", "v_gx", "v_gy", "omega")
 FITTED = 0.3
 """Part of the history to which the mean motion is fitted."""
 
+END_GAIN, MOST_GAIN = 3.2, 2.2
+"""Bounds of the part of an oscillation that the end of a fitted cubic keeps: over the number of periods, and at all."""
+
 LIMIT = 3e-4
 """Difference of a stiff plate with row-sum masses [-]."""
 
@@ -120,7 +123,7 @@ class Confirmation:
         plan, strike = self.deck.plan, self.deck.case.tail_slap
         amplitude = math.sqrt(2.0 * plan.elastic_energy / plan.model.mass) / abs(strike["v_gy"])
         periods = FITTED * strike["t"] * plan.first_frequency
-        return max(LIMIT, amplitude / max(1.0, periods) + plan.deflection_ratio)
+        return max(LIMIT, amplitude * min(MOST_GAIN, END_GAIN / periods) + plan.deflection_ratio)
 
     @property
     def passed(self) -> bool:

@@ -176,6 +176,29 @@ def test_calculix_confirms_own_vehicles(text, elsewhere, capsys):
 
 
 @needs_ccx
+def test_soft_plate_is_confirmed_within_its_oscillation(elsewhere, capsys):
+    """E / 10: the limit follows the oscillation of the unstressed start, and stays below 0.2 %."""
+    changes = (FRICTIONLESS, "plate.elements=[10,4]", "plate.youngs_modulus=20 GPa")
+    given = [part for change in changes for part in ("--set", change)]
+    summary = confirmed(capsys, "paper-table-3", *given)
+    assert summary["passed"]
+    assert 3e-4 < summary["limit"] < 2e-3
+
+
+def test_end_of_a_fitted_cubic_keeps_no_more_than_its_gain():
+    """Of sines of unit amplitude and any phase, with up to 12 periods in the span."""
+    from tailslap.exports.confirm import END_GAIN, MOST_GAIN
+
+    t = np.linspace(-1.0, 0.0, 400)
+    for periods in (0.2, 0.6, 1.0, 1.5, 2.0, 3.5, 6.0, 12.0):
+        ends = [
+            np.polyfit(t, np.sin(2.0 * np.pi * periods * t + p), 3)[-1] for p in np.linspace(0.0, 6.3, 40)
+        ]
+        bound = min(MOST_GAIN, END_GAIN / periods)
+        assert 0.4 * bound < np.abs(ends).max() <= bound
+
+
+@needs_ccx
 @pytest.mark.long
 def test_calculix_confirms_the_paper(elsewhere, capsys):
     demand_agreement(confirmed(capsys, "paper-table-3", "--set", FRICTIONLESS))
