@@ -49,7 +49,7 @@ _demand_own("fem", "meshes", "postprocess", "solver")
 
 from fem.lazy import lazily  # noqa: E402
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__, __getattr__, __dir__ = lazily(
     __name__,
