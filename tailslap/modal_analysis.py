@@ -355,7 +355,7 @@ def _sentences(fe_plan: CornerPlan | ImpactPlan, frequencies: Any, beam: modal.B
     sentences = (
         f"Free {'hinged plates' if is_train else 'plate'} without wall and corner constraint: "
         f"{model.loop.table.connectivity.shape[1]} elements ({plate.element}), {plate.lumping} masses. Frequencies of "
-        f"the {len(frequencies)} rigid-body modes: {rigid} Hz.",
+        f"all {len(frequencies)} modes of rigid motion: {rigid} Hz.",
         "Kinds: more than half of the kinetic energy of longitudinal and transverse modes is symmetric about the "
         "longitudinal axis, and longitudinal or transverse, respectively. Of the others, shear modes have more than "
         "half of their strain energy in shear; the remaining modes are bending modes. Both are numbered together.",

@@ -7,6 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from postprocess.report.report import PAGE
+
 RUN, IMPACT, MESH = "run mash-tl4-sut", "impact-mash-tl4-sut", "--set plate.elements=[8,4]"
 FLUTTER = "--set impact.friction=0.8 --set corner.penalty_scale=3 --set damping.kind=none"
 COMMANDS = {
@@ -17,13 +19,19 @@ COMMANDS = {
     "run-tolerance": "run paper-table-3 --tolerance 1e-3 --no-pictures",
     "impact": f"run {IMPACT}",
     "impact-us": f"run {IMPACT} --no-pictures --units us",
+    "train": "run impact-mash-tl5-tractor-van",
+    "tipping": "run impact-tipping-tl4-sut",
+    "confirm": f"confirm paper-table-3 --set corner.reaction=none {MESH}",
     "modes": "modes paper-table-3",
+    "modes-train": "modes impact-mash-tl5-tractor-van",
     "paper": "paper",
     "sweep": "sweep mash-tl4-sut --vary impact.friction=0.2:0.4:3 --vary impact.speed=80km/h,90km/h",
     "sweep-impact": f"sweep {IMPACT} --vary impact.friction=0.2,0.3 {MESH}",
     "compare": "compare {run} {run-us} {run-fields}",
     "uncertainty": "study uncertainty mash-tl4-sut --samples 1000",
     "uncertainty-impact": f"study uncertainty {IMPACT} --samples 300",
+    "uncertainty-train": "study uncertainty impact-mash-tl5-tractor-van --samples 288",
+    "tipping-study": "study tipping impact-tipping-tl4-sut --samples 288",
     "flexibility": "study flexibility mash-tl4-sut --points 4",
     "flexibility-impact": f"study flexibility {IMPACT} --points 4 --set plate.elements=[10,4]",
     "stability-random": f"study stability paper-table-3 --random 3 {MESH}",
@@ -58,6 +66,6 @@ def page_of(place: Path) -> Path:
     if place.is_file():
         return place
     pages = sorted(place.glob("*.html"))
-    if len(pages) != 1:
-        raise RuntimeError(f"{place} has {len(pages)} pages, not one")
-    return pages[0]
+    if not pages:
+        raise RuntimeError(f"{place} has no page")
+    return next((page for page in pages if page.name == PAGE), pages[0])

@@ -27,7 +27,7 @@ NEEDED = ("playwright", "axe_playwright_python", "pypdf")
 MISSING = [name for name in NEEDED if importlib.util.find_spec(name) is None]
 MISSING += [] if CHROMIUM.exists() else [str(CHROMIUM)]
 
-LACK = f"pages are looked at with what is missing: {', '.join(MISSING)}"
+LACK = f"not installed: {', '.join(MISSING)}"
 pytestmark = pytest.mark.skipif(bool(MISSING), reason=LACK)
 
 CHART = (

@@ -21,7 +21,7 @@ sys.path.remove(BENCHMARKS)
 
 MISSING = [name for name in ("playwright", "axe_playwright_python") if importlib.util.find_spec(name) is None]
 MISSING += [] if CHROMIUM.exists() else [str(CHROMIUM)]
-pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"pages are looked at with what is missing: {MISSING}")
+pytestmark = pytest.mark.skipif(bool(MISSING), reason=f"not installed: {MISSING}")
 
 PAGES = ("", "gallery/", "theory/rigid/", "modal/", "reference/scene/", "howto/python/", "accuracy/")
 GROUNDS = {"light": "rgb(255, 255, 255)", "dark": "rgb(30, 33, 41)"}
@@ -102,7 +102,10 @@ def test_equations_are_drawn_without_a_script(browser, site):
 
 def test_the_search_finds_and_code_can_be_copied(browser, site):
     with opened(browser, f"{site}howto/python/") as page:
-        page.get_by_placeholder("Search").fill("restitution")
+        search = page.get_by_placeholder("Search")
+        search.click()
+        page.get_by_text("Type to start searching").wait_for(state="attached")  # the index is there
+        search.press_sequentially("restitution")
         page.wait_for_selector(".md-search-result__item a")
         assert page.locator(".md-search-result__item").count() > 2
         assert page.locator("button.md-code__button, button.md-clipboard").count() >= 5
