@@ -3,6 +3,7 @@
 The impact as an animated GIF: the vehicle along the wall, and the force below it.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -71,6 +72,9 @@ EDGE = 0.4
 SLOWER, MAX_POSES = 10.0, 61
 """Time that an animation takes over that of the motion, and its keyframes."""
 
+NAME = 0.04
+"""Width of the name of an instant, over that of the chart; closer ones stand in two rows."""
+
 TOP, ROW = 0.9, 0.5
 """Height of the row of instants above the vehicle, and of each strike's row below the wall's face [m]."""
 
@@ -114,8 +118,11 @@ def draw_positions(
     wall = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], 0.0), (low[0], 0.0)])
     marks: list[Mark] = [Outline(wall[:, 0], wall[:, 1], "grey", fill=0.25)]
     marks += [] if path is None else [Line("", path[:, 0], path[:, 1], "soft", 0.8, "4 3")]
+    before, is_raised = -math.inf, False
     for number, (outline, instant) in enumerate(zip(outlines, instants, strict=True)):
-        marks += _position(outline, instant, (number + 1) / len(outlines), high[1])
+        is_raised = bool(outline[:, 0].max() - before < NAME * (high[0] - low[0])) and not is_raised
+        before = outline[:, 0].max()
+        marks += _position(outline, instant, (number + 1) / len(outlines), high[1], is_raised)
     if motion is not None:
         t, moved = (of[np.unique(np.linspace(0, len(of) - 1, MAX_POSES).astype(int))] for of in motion)
         marks.append(Moving("", moved[..., 0], moved[..., 1], SLOWER * float(np.ptp(t)) / (1.0 - HOLD)))
@@ -132,14 +139,14 @@ def draw_positions(
     )
 
 
-def _position(outline: Floats, instant: float, shade: float, top: float) -> list[Mark]:
-    """One outline; its instant on top, over the point that lies farthest along the wall."""
+def _position(outline: Floats, instant: float, shade: float, top: float, is_raised: bool) -> list[Mark]:
+    """One outline; its instant on top, over the point that lies farthest along the wall, in one of two rows."""
     x, y = outline[outline[:, 0].argmax()]
     foot = top - 0.5 * TOP
     return [
         Outline(outline[:, 0], outline[:, 1], "fe", 0.25 + 0.75 * shade, label=f"{instant:.2f} s"),
         Line("", np.array([x, x]), np.array([y, foot]), "steel", 0.7, "1 2"),
-        Words(f"{instant:.2f} s", x, foot, (0.0, -3.0), "middle", "fe"),
+        Words(f"{instant:.2f} s", x, foot, (0.0, -13.0 if is_raised else -3.0), "middle", "fe"),
     ]
 
 
