@@ -496,3 +496,21 @@ def test_a_wall_that_is_too_short_or_lacks_a_key_is_refused(refused):
         assert refused(planned, *(f"{name}={value}" for name, value in WALL.items() if name != key)) == key
     with pytest.raises(errors.InputError, match="requires \\[contact\\]"):
         read_scene("mash-tl4-sut", ("wall.height=1 m",))
+
+
+def test_no_difference_is_stated_of_a_light_strike():
+    """A strike below 5 % of the largest impulse has no stated error, and is no part of what is said of the others."""
+    found = {"strike_1.impulse": 0.01, "strike_2.impulse": 0.3, "strike_3.peak_force": -0.02}
+    assert error.of_weight(found, answer(blip=0.049).strikes) == {
+        "strike_1.impulse": 0.01,
+        "strike_3.peak_force": -0.02,
+    }
+    assert error.of_weight(found, answer(blip=0.051).strikes) == found
+    assert error.of_weight({}, ()) == {}
+
+
+def test_the_headline_says_of_which_strikes_the_difference_is():
+    heavy, light = (report.headline(of) for of in (whole(), planned("vehicle.width=10.0").run()))
+    assert heavy.certainty.startswith("Vehicle flexibility changes the impulses by at most ")
+    text = "Vehicle flexibility changes the impulses of strikes above 5 % of the largest by at most 0.1"
+    assert light.certainty.startswith(text)

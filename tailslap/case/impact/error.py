@@ -51,6 +51,13 @@ def weighed(strikes: Sequence[Strike]) -> list[Strike]:
     return found[:2] + [strike for strike in found[2:] if is_train and strike.impulse == largest]
 
 
+def of_weight(differences: Mapping[str, float], strikes: Sequence[Strike]) -> dict[str, float]:
+    """Differences, by `strike_1.impulse` and so on, of the strikes above `WEIGHT`: no error is stated for others."""
+    least = WEIGHT * max((strike.impulse for strike in strikes), default=0.0)
+    light = {f"strike_{k}" for k, strike in enumerate(strikes, 1) if strike.impulse < least}
+    return {name: each for name, each in differences.items() if name.partition(".")[0] not in light}
+
+
 def judged_until(answer: ImpactAnswer) -> float:
     """Instant [s] up to which another mesh is run: as far as a strike that is judged, or the largest, may be taken up
     again, or its 50 ms mean reaches; to the end where there is a single strike, and of a train, whose hinges may bear

@@ -120,9 +120,11 @@ def headline(outcome: run.ImpactOutcome) -> Headline:
 
 
 def _certainty(outcome: run.ImpactOutcome) -> str:
-    impulses = [abs(value) for key, value in outcome.difference.items() if key.endswith("impulse")]
+    heavy = error.of_weight(outcome.difference, outcome.fe.strikes)
+    impulses = [abs(value) for key, value in heavy.items() if key.endswith("impulse")]
+    of = f" of strikes above {100 * error.WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
     what = "Flexibility of vehicle and wall" if outcome.fe_plan.case.scene.wall else "Vehicle flexibility"
-    text = f"{what} changes the impulses by at most {percent_up(max(impulses, default=math.nan))}"
+    text = f"{what} changes the impulses{of} by at most {percent_up(max(impulses, default=math.nan))}"
     if not impulses:
         text = "Plate and rigid vehicle do not strike in the same order"
     stated = (

@@ -24,8 +24,9 @@ from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.cost import expected_effort
 from tailslap.case.impact import run as whole_impact
-from tailslap.case.impact.answers import differences
+from tailslap.case.impact.answers import ImpactAnswer, differences
 from tailslap.case.impact.checks import failed_but_mesh
+from tailslap.case.impact.error import of_weight
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
@@ -177,7 +178,7 @@ def is_impact(outcome: Any) -> bool:
 
 def claimed_error(outcome: Any) -> float:
     """The largest error that the run says it has; of a whole impact in impulse and peak."""
-    return float(_judged(outcome.mesh_error) if is_impact(outcome) else outcome.error.total)
+    return float(_largest(outcome.mesh_error) if is_impact(outcome) else outcome.error.total)
 
 
 def model_name(outcome: Any) -> str:
@@ -189,7 +190,7 @@ def model_name(outcome: Any) -> str:
 def against_rigid(outcome: Any, tolerance: float) -> Row:
     """The verdict; tolerance: difference from the rigid motion up to which the cell is right."""
     impact = is_impact(outcome)
-    found = _judged(outcome.difference) if impact else largest(outcome.difference)
+    found = _judged(outcome.difference, outcome.fe) if impact else largest(outcome.difference)
     if not outcome.passed:
         return verdict(CAUGHT, failed=", ".join(failed_names(outcome.checks)), difference=found)
     if found <= tolerance and (not impact or _corners_agree(outcome.fe, outcome.rigid)):
@@ -220,10 +221,10 @@ def _impact_confirmed(outcome: Any, found: float, tolerance: float) -> Row:
     if refined is None:
         return verdict(WRONG, reason="no refined model has a result", difference=found)
     name, same = model_name(refined), _corners_agree(outcome.fe, refined.fe)
-    moved = _judged(differences(outcome.fe, refined.fe)) if same else math.inf
+    moved = _judged(differences(outcome.fe, refined.fe), outcome.fe) if same else math.inf
     spent = {"reference_model": name, "reference_seconds": time.perf_counter() - began}
     its_verdict = _survived(moved, tolerance + claimed_error(outcome), name)
-    return its_verdict | {"difference": found, "reference": _judged(refined.difference), **spent}
+    return its_verdict | {"difference": found, "reference": _judged(refined.difference, refined.fe), **spent}
 
 
 def _survived(moved: float, allowed: float, model: str) -> Row:
@@ -257,8 +258,13 @@ def _corners_agree(*answers: Any) -> bool:
     return ours == its
 
 
-def _judged(found: Mapping[str, float]) -> float:
-    """Largest difference in impulse and peak force of the first two strikes."""
+def _judged(found: Mapping[str, float], answer: ImpactAnswer) -> float:
+    """Largest difference in impulse and peak force of those of the first two strikes whose error is stated."""
+    return _largest(of_weight(found, answer.strikes))
+
+
+def _largest(found: Mapping[str, float]) -> float:
+    """Largest of impulse and peak force."""
     judged = [abs(value) for name, value in found.items() if name.endswith(("impulse", "peak_force"))]
     return max(judged, default=math.nan)
 
