@@ -80,7 +80,7 @@ def sweep_text(sweep: sweeps.FinishedSweep, place: Path | None) -> str:
     effort, cost = sweep.effort, "no runs remained"
     if effort.runs:
         cost = (
-            f"{effort.runs} runs on {effort.threads} workers in {clock(effort.wall_s)}, {effort.rate:.3g} runs/s, "
+            f"{effort.runs} runs in {clock(effort.wall_s)}, workers: {effort.threads}, {effort.rate:.3g} runs/s, "
             f"{1e3 * effort.overhead_s:.1f} ms overhead per run"
         )
     files = place and (place_line("Table: ", place / TABLE), place_line("Report:", place / REPORT))
