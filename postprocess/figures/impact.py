@@ -73,7 +73,7 @@ SLOWER, MAX_POSES = 10.0, 61
 """Time that an animation takes over that of the motion, and its keyframes."""
 
 NAME = 0.04
-"""Width of the name of an instant, over that of the chart; closer ones stand in two rows."""
+"""Width of the name of an instant, over that of the chart; closer ones stand in two rows, a third has none."""
 
 TOP, ROW = 0.9, 0.5
 """Height of the row of instants above the vehicle, and of each strike's row below the wall's face [m]."""
@@ -118,11 +118,13 @@ def draw_positions(
     wall = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], 0.0), (low[0], 0.0)])
     marks: list[Mark] = [Outline(wall[:, 0], wall[:, 1], "grey", fill=0.25)]
     marks += [] if path is None else [Line("", path[:, 0], path[:, 1], "soft", 0.8, "4 3")]
-    before, is_raised = -math.inf, False
+    ends, least = [-math.inf, -math.inf], NAME * (high[0] - low[0])
     for number, (outline, instant) in enumerate(zip(outlines, instants, strict=True)):
-        is_raised = bool(outline[:, 0].max() - before < NAME * (high[0] - low[0])) and not is_raised
-        before = outline[:, 0].max()
-        marks += _position(outline, instant, (number + 1) / len(outlines), high[1], is_raised)
+        x = outline[:, 0].max()
+        row = next((row for row, end in enumerate(ends) if abs(x - end) >= least), None)
+        if row is not None:
+            ends[row] = x
+        marks += _position(outline, instant, (number + 1) / len(outlines), high[1], row)
     if motion is not None:
         t, moved = (of[np.unique(np.linspace(0, len(of) - 1, MAX_POSES).astype(int))] for of in motion)
         marks.append(Moving("", moved[..., 0], moved[..., 1], SLOWER * float(np.ptp(t)) / (1.0 - HOLD)))
@@ -139,14 +141,15 @@ def draw_positions(
     )
 
 
-def _position(outline: Floats, instant: float, shade: float, top: float, is_raised: bool) -> list[Mark]:
-    """One outline; its instant on top, over the point that lies farthest along the wall, in one of two rows."""
+def _position(outline: Floats, instant: float, shade: float, top: float, row: int | None) -> list[Mark]:
+    """One outline; its instant on top, over the point that lies farthest along the wall, in this row if any."""
     x, y = outline[outline[:, 0].argmax()]
-    foot = top - 0.5 * TOP
+    foot, text = top - 0.5 * TOP, f"{instant:.2f} s"
+    name = [] if row is None else [Words(text, x, foot, (0.0, -3.0 - 10.0 * row), "middle", "fe")]
     return [
-        Outline(outline[:, 0], outline[:, 1], "fe", 0.25 + 0.75 * shade, label=f"{instant:.2f} s"),
+        Outline(outline[:, 0], outline[:, 1], "fe", 0.25 + 0.75 * shade, label=text),
         Line("", np.array([x, x]), np.array([y, foot]), "steel", 0.7, "1 2"),
-        Words(f"{instant:.2f} s", x, foot, (0.0, -13.0 if is_raised else -3.0), "middle", "fe"),
+        *name,
     ]
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from postprocess.figures import impact
+from postprocess.svg.marks import Words
 
 T = np.linspace(0.0, 0.5, 5001)
 STRIKES = (
@@ -84,6 +85,17 @@ def test_what_moves_ends_where_the_last_outline_is():
     assert f"animation:motion {impact.SLOWER * 0.5 / 0.88:.3g}s linear infinite" in chart.svg
     assert chart.is_moving
     assert not impact.draw_positions(every[[0, -1]], t[[0, -1]]).is_moving
+
+
+def test_instants_of_close_positions_stand_in_two_rows():
+    """At 10, 10.2, 10.4 and 13 m the second is raised, the third has no room and the fourth is alone."""
+    square = np.array([(0.0, 0.0), (-9.0, 0.0), (-9.0, 2.0), (0.0, 2.0)])
+    outlines = np.stack([square + np.array([x, 0.0]) for x in (10.0, 10.2, 10.4, 13.0)])
+    chart = impact.draw_positions(outlines, (0.0, 0.1, 0.2, 0.3))
+    words = [mark for mark in chart.plots[0].marks if isinstance(mark, Words)]
+    assert [(word.label, word.shift[1]) for word in words] == [
+        ("0.00 s", -3.0), ("0.10 s", -13.0), ("0.30 s", -3.0),
+    ]  # fmt: skip
 
 
 def test_a_spike_of_the_force_is_drawn():

@@ -9,6 +9,7 @@ import pytest
 
 from tailslap.case.impact import checks, error, report, run
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.report import plate_sentence
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, read_source
@@ -67,6 +68,15 @@ def test_a_train_passes_its_checks_and_one_that_jack_knifes_does_not():
     history = dict(outcome.fe.history) | {"articulation_1": outcome.fe.history["articulation_1"] + 1.4}
     found = checks.impact_checks(replace(outcome, fe=replace(outcome.fe, history=history)))
     assert "articulation" in [check.name for check in found if not check.passed]
+
+
+def test_the_set_up_counts_the_elements_of_both_plates():
+    plan = attempted().fe_plan
+    sentence = plate_sentence(plan)
+    assert sentence.startswith(
+        f"Hinged plates of {plan.model.loop.table.connectivity.shape[1]} {plan.plate.element} "
+    )
+    assert sentence.endswith(f"{plan.first_frequency:.4g} Hz.")
 
 
 def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
