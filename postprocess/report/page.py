@@ -193,8 +193,10 @@ def write_history(path: Path, columns: Mapping[str, ArrayLike]) -> Path:
     table = np.column_stack([_column(name, values) for name, values in columns.items()])
     with path.open("w", encoding="utf-8", newline="") as file:
         file.write(",".join(columns) + "\n")
+        form = ",".join(["%.17g"] * len(columns)) + "\n"
         for row in table.tolist():
-            file.write(",".join(f"{value:.17g}" if math.isfinite(value) else "" for value in row) + "\n")
+            line = form % tuple(row)
+            file.write(re.sub("nan|-?inf", "", line) if "n" in line else line)
     return path
 
 

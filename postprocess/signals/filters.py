@@ -87,12 +87,16 @@ def check_samples(values: Floats, interval: float, shortest: float, cutoff: floa
 
 def _both_ways(values: Floats, interval: float, cutoff: float, corner: float) -> Floats:
     """Forward and backward through the second-order filter with this w_a, from the steady state at both ends."""
-    from scipy.signal import filtfilt
+    from scipy.linalg.blas import dtbsv  # scipy.signal takes longer to import than a run to compute
 
     added = math.ceil(max(PAD, PERIODS / cutoff) / interval)
     held = np.pad(values, added, mode="edge")
-    found = filtfilt(*_coefficients(corner), held, padlen=0)
-    return np.asarray(found[added:-added])
+    entering, leaving = _coefficients(corner)
+    band = np.tile(leaving[:, None], held.size)
+    for _ in ("forward", "backward"):
+        change = np.convolve(held - held[0], entering)[: held.size]
+        held = (held[0] + dtbsv(leaving.size - 1, band, change, lower=1))[::-1]
+    return np.asarray(held[added:-added])
 
 
 def _coefficients(corner: float) -> tuple[Floats, Floats]:
@@ -162,15 +166,10 @@ def second_strike(curve: Floats, interval: float) -> StrikeDuration:
 
     curve: force on the wall [N], shape (n,), pressing positive; interval [s].
     """
-    from scipy.signal import find_peaks
-
-    largest = float(curve.max(initial=0.0))
     ends = np.concatenate(([0.0], curve, [0.0]))
-    above = PROMINENCE * largest
-    height = ends.min() + above  # lower ones are not prominent: looking for their valleys takes long
-    peaks = find_peaks(ends, height=height, prominence=above)[0] - 1 if largest > 0.0 else np.empty(0, int)
-    if peaks.size < 2:
-        raise ValueError(f"a curve with {peaks.size} peaks has no second strike: must have at least 2")
+    peaks = [place - 1 for place in _turning_points(ends, PROMINENCE * ends.max())[1::2]]
+    if len(peaks) < 2:
+        raise ValueError(f"a curve with {len(peaks)} peaks has no second strike: must have at least 2")
     first, second, last = (int(place) for place in (*peaks, curve.size - 1)[:3])
     start = second - _valley(curve[first : second + 1][::-1])
     end = second + _valley(curve[second : last + 1])
@@ -180,6 +179,21 @@ def second_strike(curve: Floats, interval: float) -> StrikeDuration:
         peak=float(curve[second]),
         impulse=float(0.5 * interval * np.sum(curve[start:end] + curve[start + 1 : end + 1])),
     )
+
+
+def _turning_points(values: Floats, change: float) -> list[int]:
+    """Valleys and peaks in turn, from a valley, between which values change by at least so much, if it is positive: the
+    peaks have at least this prominence."""
+    found, at, sign = list[int](), 0, -1.0
+    while change > 0.0:
+        rest = sign * values[at:]
+        turned = np.maximum.accumulate(rest) - rest >= change
+        if not turned.any():
+            break
+        later = int(np.argmax(turned))
+        found.append(at + int(np.argmax(rest[:later])))
+        at, sign = at + later, -sign
+    return found
 
 
 def _valley(falling: Floats) -> int:

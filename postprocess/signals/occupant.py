@@ -17,6 +17,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from postprocess.signals.filters import Floats, cfc_filter, low_pass, moving_mean
 
@@ -92,16 +93,26 @@ def head_contact(motion: VehicleMotion, ahead: float = 0.0) -> FlightEnd | None:
 
 def _first_contact(t: Floats, displacements: list[Floats], speeds: list[Floats]) -> FlightEnd | None:
     """The first instant at which a way reaches its distance, by cubics through displacements and speeds."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    both = zip(displacements, speeds, strict=True)
-    forward, sideways = (CubicHermiteSpline(t, way, speed) for way, speed in both)
-    limits = ((forward, AHEAD), (sideways, ASIDE), (sideways, -ASIDE))
-    found = np.concatenate([way.solve(limit, extrapolate=False) for way, limit in limits])
-    if not found.size:
+    reached = (displacements[0] >= AHEAD) | (np.abs(displacements[1]) >= ASIDE)
+    if not reached.any():
         return None
-    time = float(found.min())
-    return FlightEnd(time, *(float(way.derivative()(time)) for way in (forward, sideways)))
+    k = int(reached.argmax()) - 1
+    step = t[k + 1] - t[k]
+    cubics = [
+        _cubic(*way[k : k + 2], *step * v[k : k + 2]) for way, v in zip(displacements, speeds, strict=True)
+    ]
+    low, high = 0.0, 1.0
+    for _ in range(53):  # bisection, to the last digit
+        middle = 0.5 * (low + high)
+        forward, sideways = (cubic(middle) for cubic in cubics)
+        low, high = (low, middle) if forward >= AHEAD or abs(sideways) >= ASIDE else (middle, high)
+    return FlightEnd(float(t[k] + high * step), *(float(cubic.deriv()(high) / step) for cubic in cubics))
+
+
+def _cubic(start: float, end: float, rate: float, last_rate: float) -> Polynomial:
+    """The cubic on (0, 1) with these values and derivatives at its ends."""
+    rise = end - start
+    return Polynomial([start, rate, 3.0 * rise - 2.0 * rate - last_rate, rate + last_rate - 2.0 * rise])
 
 
 def _integral(t: Floats, values: Floats) -> Floats:

@@ -133,8 +133,7 @@ def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
     Raises InputError where the theory refuses (nearly) all of them, hardly any has a second strike, or nothing varies.
     """
     impact = case.scene.contact is not None
-    for name in ("scipy.stats", "scipy.signal") if impact else ("scipy.stats",):
-        importlib.import_module(name)  # takes longer than the study
+    importlib.import_module("scipy.stats")  # takes longer than the study
     began = time.perf_counter()
     with progress.progress_bar(f"{case.scene.name}: impacts" if impact else "combinations") as show:
         curves = input_curves(case) if isinstance(case, ImpactCase) else ()
