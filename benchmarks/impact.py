@@ -1,14 +1,19 @@
-"""What a whole impact reaches: `python benchmarks/impact.py`; a row a figure, measured where it runs."""
+"""What a whole impact reaches: `python benchmarks/impact.py [PART ...]`; a row a figure, measured where it runs.
+
+Parts are the functions below that yield rows, e.g. loop_time and whole_run; all if none is named.
+"""
 
 from __future__ import annotations
 
 import math
 import statistics
+import sys
 import time
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from process import ROOT, process
 
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.model.impact_model import build_impact_model
@@ -23,7 +28,7 @@ from tailslap.case.impact.checks import energy_error
 from tailslap.case.impact.run import attempt
 from tailslap.scene.read import read_scene
 
-SCENE, LAWS = "impact-mash-tl4-sut", ("penalty", "exact")
+SCENE, TRAIN, LAWS = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van", ("penalty", "exact")
 Row = tuple[str, str]
 
 
@@ -150,11 +155,23 @@ def against_rigid() -> Iterator[Row]:
 
 
 def loop_time() -> Iterator[Row]:
-    """FE impact of 0.7 s on 120 elements: the compiled loop with its records, one core."""
-    plan = ImpactCase(*read_scene(SCENE, ("time.end=0.7",)))
-    times = [attempt(plan).run.time_loop_s for _ in range(9)]
-    spread = f"{statistics.median(times):.3f} s ({min(times):.3f} to {max(times):.3f}, 9 runs)"
-    yield "FE impact of 0.7 s, 120 elements: loop and records", spread
+    """FE impacts on 120 elements and of a train on 300: the compiled loop with its records, one core."""
+    for what, scene, end in (("impact, 120 elements", SCENE, 0.7), ("train, 300 elements", TRAIN, 1.2)):
+        plan = ImpactCase(*read_scene(scene, (f"time.end={end}",)))
+        times = [attempt(plan).run.time_loop_s for _ in range(9)]
+        spread = f"{statistics.median(times):.3f} s ({min(times):.3f} to {max(times):.3f}, 9 runs)"
+        yield f"FE {what}, {end} s: loop and records", spread
+
+
+def whole_run() -> Iterator[Row]:
+    """Processor time of the train's run in a process of its own, without pictures."""
+    for what, changes in (("without stated error", ("verify.companion=false",)), ("with stated error", ())):
+        command = ("run", TRAIN, "--no-pictures", *(f"--set={each}" for each in ("time.end=1.2", *changes)))
+        times = [process(ROOT, command).processor for _ in range(6)][1:]  # the first compiles
+        yield (
+            f"FE train, 1.2 s, whole run {what}",
+            f"{statistics.median(times):.2f} s ({min(times):.2f} to {max(times):.2f})",
+        )
 
 
 def meshes() -> Iterator[Row]:
@@ -195,10 +212,13 @@ def filters() -> Iterator[Row]:
     )
 
 
+PARTS = filters, rigid_limit, against_rigid, loop_time, whole_run, striking_bars, bouncing_bar, meshes
+
+
 def main() -> None:
-    """Print all rows as they come."""
+    """Print the rows as they come."""
     began = time.perf_counter()
-    for part in (filters, rigid_limit, against_rigid, loop_time, striking_bars, bouncing_bar, meshes):
+    for part in [globals()[name] for name in sys.argv[1:]] or PARTS:
         print(printed([pairs(list(part()))]), flush=True)
     print(f"{time.perf_counter() - began:.0f} s in all")
 
