@@ -259,7 +259,7 @@ class Impacts:
     ----------
     corner : ndarray, shape (strikes, ...)
         Of each strike, index into `CORNERS`, of a trailer 4 more for each unit; -1 where there is no such strike [-].
-    start, duration : ndarray, shape (strikes, ...)
+    start, end : ndarray, shape (strikes, ...)
         [s]; NaN where there is no such strike.
     peak_force : ndarray, shape (strikes, ...)
         Of the normal force [N].
@@ -274,11 +274,16 @@ class Impacts:
 
     corner: NDArray[np.int64]
     start: Array
-    duration: Array
+    end: Array
     peak_force: Array
     impulse: Array
     mean_force: Array
     error: Array
+
+    @property
+    def duration(self) -> Array:
+        """From start to end [s], shape (strikes, ...)."""
+        return self.end - self.start
 
 
 def solve_impacts(
@@ -378,12 +383,11 @@ def solve_impacts(
         tolerance=tolerance, strikes=16 * len(units) if trailers else 2,
     )  # fmt: skip
     room = found.strikes.shape[1]
-    corner, start, last, peak, impulse = (
-        value.T.reshape(room, *shape) for value in np.moveaxis(found.strikes, -1, 0)[:5]
-    )
+    table = np.moveaxis(found.strikes, -1, 0)[:5]
+    corner, start, end, peak, impulse = (value.T.reshape(room, *shape) for value in table)
     corners = np.nan_to_num(corner, nan=-1.0).astype(np.int64)
     force = _mean_forces(found, interval).reshape(-1, *shape)
-    return Impacts(corners, start, last - start, peak, impulse, force, found.error.reshape(shape))
+    return Impacts(corners, start, end, peak, impulse, force, found.error.reshape(shape))
 
 
 def _complete(unit: dict[str, Array], its: Mapping[str, Array]) -> None:

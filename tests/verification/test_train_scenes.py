@@ -92,7 +92,7 @@ def test_the_50_ms_mean_of_a_hinge_is_that_of_its_vector():
     phase = np.pi * t / 0.05
     for x, y, mean in ((np.cos(phase), np.sin(phase), 2.0 / np.pi), (0.6 + 0.0 * t, 0.8 + 0.0 * t, 1.0)):
         history = dict(zip(names, (7.0 * x, 7.0 * y, 0.1 * t, t), strict=True))
-        (hinge,) = ImpactAnswer((), history).hinges
+        (hinge,) = ImpactAnswer((), history, units=2).hinges
         assert hinge["peak_force"] == pytest.approx(7.0)
         assert hinge["mean_50ms"] == pytest.approx(7.0 * mean, rel=2e-3)
 

@@ -34,15 +34,13 @@ class ImpactAnswer:
     history : dict of ndarray, shape (rows,)
         t [s], x_g, y_g, theta, omega, v_gx, v_gy, force_normal, force_tangential [N], each mean force since the row
         before, and more; even instants.
+    units : int
+        Of a train; 1 of a single vehicle.
     """
 
     strikes: tuple[Strike, ...]
     history: Columns
-
-    @property
-    def units(self) -> int:
-        """Number of units of a train; 1 of a single vehicle."""
-        return 1 + sum(name.startswith("articulation_") for name in self.history)
+    units: int = 1
 
     @property
     def counted(self) -> int:
@@ -170,7 +168,7 @@ def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:
         forces = np.nan_to_num(np.diff(impulses, prepend=0.0) / step)
         hinged = np.pad(motion.hinge_forces(instants), ((0, 0), (0, 0), (1, 0)))
         history |= train_columns([history, *trailers], forces, hinged)
-    return ImpactAnswer(motion.strikes, {"t": instants} | history)
+    return ImpactAnswer(motion.strikes, {"t": instants} | history, len(motion.vehicles))
 
 
 MOTION = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
@@ -262,7 +260,8 @@ def sampled_answer(
         weight = np.where(total > 0.0, total, 1.0)
         stations[name] = force @ -points[0, own] / weight
         places[name] = (force * place[1:, own]).sum(axis=1) / weight
-    return ImpactAnswer(strikes_of(history["t"], pushes, drags, stations, places), history)
+    strikes = strikes_of(history["t"], pushes, drags, stations, places)
+    return ImpactAnswer(strikes, history, 1 + int(corner.max()) // len(CORNERS))
 
 
 def nearest_corner(points: np.ndarray, length: float) -> np.ndarray:
@@ -314,31 +313,42 @@ def peaks_within(
     return found
 
 
-def both_strikes(
-    answer: ImpactAnswer, forces: Columns | None = None, units: int | None = None
-) -> dict[str, float]:
+def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[str, float]:
     """The `COLUMNS` of the first strike of the front and of the rear corner, of a train of its last rear [SI]; NaN
     without one. Of a train with `LARGEST`.
 
     forces: of each corner, shape (rows,) [N], where several touch at once; else the filters take the total force.
-    units: of a train, where the answer has no columns of them.
     """
-    values: dict[str, float] = {}
-    units = units or answer.units
     total = filtered(answer.history["force_normal"][1:], answer.interval)
-    if units > 1:
-        values[LARGEST] = float(total["mean_50ms"].max())
-    for strike, corner in enumerate(("front", corner_name(units - 1, 1)), 1):
-        contacts = first_strike([each for each in answer.strikes if each.corner == corner])
-        start, end = (contacts[0].start, contacts[-1].end) if contacts else (math.nan, math.nan)
-        curves = filtered(forces[corner][1:], answer.interval) if forces and corner in forces else total
-        measures = peaks_within(curves, answer.interval, start, end) | {
-            "raw": max((each.peak_force for each in contacts), default=math.nan),
-            "impulse": math.fsum(each.impulse for each in contacts) if contacts else math.nan,
+    contacts = first_strikes(answer.strikes, answer.units)
+    curves = [
+        filtered(forces[each[0].corner][1:], answer.interval) if forces and each else total
+        for each in contacts
+    ]
+    largest = {LARGEST: float(total["mean_50ms"].max())} if answer.units > 1 else {}
+    return largest | strike_columns(contacts, curves, answer.interval)
+
+
+def strike_columns(
+    contacts: Sequence[Sequence[Strike]], curves: Sequence[Mapping[str, np.ndarray]], interval: float
+) -> dict[str, float]:
+    """The `COLUMNS` of two strikes, each of some contacts, with the filtered curves of its force [SI]."""
+    values: dict[str, float] = {}
+    for number, (own, filtered_force) in enumerate(zip(contacts, curves, strict=True), 1):
+        start, end = (own[0].start, own[-1].end) if own else (math.nan, math.nan)
+        measures = peaks_within(filtered_force, interval, start, end) | {
+            "raw": max((each.peak_force for each in own), default=math.nan),
+            "impulse": math.fsum(each.impulse for each in own) if own else math.nan,
             "duration": end - start,
         }
-        values |= {f"strike_{strike}.{name}": measures[name] for name in QUANTITIES}
+        values |= {f"strike_{number}.{name}": measures[name] for name in QUANTITIES}
     return values
+
+
+def first_strikes(strikes: Sequence[Strike], units: int) -> list[list[Strike]]:
+    """Contacts of the first strike of the front corner, and of the rear corner of the last unit."""
+    corners = "front", corner_name(units - 1, 1)
+    return [first_strike([each for each in strikes if each.corner == corner]) for corner in corners]
 
 
 def first_strike(contacts: Sequence[Strike]) -> list[Strike]:

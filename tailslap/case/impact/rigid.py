@@ -189,19 +189,20 @@ class RigidImpact(Case):
             own |= {f"trailer.{number}.{key}": value for key, value in zip(OF_A_TRAILER, known, strict=False)}
         return own | {"vehicle.centre_of_mass": self.vehicle.front_distance}
 
-    def _arguments(self, inputs: Mapping[str, np.ndarray]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Arguments of `solve_impacts` for the inputs of `many`, and the value of each key."""
+    def impacts(self, inputs: Mapping[str, np.ndarray], **until: Any) -> impact.Impacts:
+        """Impacts of n vehicles by the corners alone; inputs as of `many`, until: options of `solve_impacts`."""
         middle = self.scene.vehicle.centre_of_mass  # None: of each one's own length
         values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
         given = {key.split(".")[1]: values[key] for key in ARGUMENTS}
         if (inertia := self.scene.vehicle.yaw_inertia) is not None:
             given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
-        return given, values
-
-    def impacts(self, inputs: Mapping[str, np.ndarray], **until: Any) -> impact.Impacts:
-        """Impacts of n vehicles by the corners alone; inputs as of `many`, until: options of `solve_impacts`."""
+        trailers = []
+        for number, each in enumerate(self.trailers):
+            own = {key: values[f"trailer.{number}.{key}"] for key in OF_A_TRAILER}
+            own["yaw_inertia"] = own["yaw_inertia"] * np.asarray(own["mass"]) / each.vehicle.mass
+            trailers.append(own)
         with refusals(self.scene):
-            return impact.solve_impacts(**self._arguments(inputs)[0], longest=LONGEST, **until)
+            return impact.solve_impacts(**given, trailers=trailers, longest=LONGEST, **until)
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Both strikes of each of n impacts, by the corners alone.
@@ -214,57 +215,30 @@ class RigidImpact(Case):
         Returns
         -------
         dict of ndarray, shape (n,)
-            As of `both_strikes` [SI]; NaN where there is no such strike.
+            As of `both_strikes` [SI], of a single vehicle its first two strikes; NaN where there is no such strike.
 
         Raises
         ------
         InputError
             Where the theory refuses one of them.
         """
-        until: dict[str, Any] = {"after_second": AFTER_SECOND, "interval": INTERVAL}
-        if self.trailers:
-            given, values = self._arguments(inputs)
-            return self._many_trains(given | until | {"longest": LONGEST}, values)
-        found = self.impacts(inputs, **until)
-        starts, ends = found.start, found.start + found.duration
-        columns = {name: np.full(starts.shape[1:], np.nan) for name in answers.COLUMNS}
-        for k, known in enumerate(np.isfinite(starts[:2]), 1):
-            for name, taken in (("raw", "peak_force"), ("impulse", "impulse"), ("duration", "duration")):
-                columns[f"strike_{k}.{name}"][known] = getattr(found, taken)[k - 1][known]
-        for number, mean in enumerate(found.mean_force.T):
-            last = int(np.ceil((np.nanmax(ends[:, number]) + AFTER_SECOND) / INTERVAL))
-            curves = answers.filtered(mean[:last], INTERVAL)
-            for k, (start, end) in enumerate(zip(starts[:2, number], ends[:2, number], strict=True), 1):
-                for name, value in answers.peaks_within(curves, INTERVAL, float(start), float(end)).items():
-                    columns[f"strike_{k}.{name}"][number] = value
-        return columns
-
-    def _many_trains(self, given: dict[str, Any], values: Mapping[str, Any]) -> dict[str, np.ndarray]:
-        """Strikes of many trains; given: arguments of `solve_impacts`, values: by key of the scene."""
-        trailers = []
-        for number, each in enumerate(self.trailers):
-            own = {key: values[f"trailer.{number}.{key}"] for key in OF_A_TRAILER}
-            own["yaw_inertia"] = own["yaw_inertia"] * np.asarray(own["mass"]) / each.vehicle.mass
-            trailers.append(own)
-        with refusals(self.scene):
-            found = impact.solve_impacts(**given, trailers=trailers)
+        found = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL)
+        columns = found.corner, found.start, found.end, found.peak_force, found.impulse
         rows = []
-        for number, mean in enumerate(found.mean_force.T):
-            there = np.flatnonzero(found.corner[:, number] >= 0)
-            its = (
-                each[there, number] for each in (found.start, found.duration, found.peak_force, found.impulse)
-            )
-            strikes = tuple(
-                impact.Strike(
-                    impact.corner_name(*divmod(int(corner), 4)), start, start + lasts, peak, impulse
-                )
-                for corner, start, lasts, peak, impulse in zip(found.corner[there, number], *its, strict=True)
-            )
+        for mean, *own in zip(found.mean_force.T, *(each.T for each in columns), strict=True):
+            strikes = [
+                impact.Strike(impact.corner_name(*divmod(int(corner), 4)), *map(float, values))
+                for corner, *values in zip(*own, strict=True)
+                if corner >= 0
+            ]
+            both = [strikes[:1], strikes[1:]]
+            if self.trailers:
+                both = answers.first_strikes(strikes, len(self.scene.units))
             last = int(np.ceil((max(strike.end for strike in strikes) + AFTER_SECOND) / INTERVAL))
-            history = {"t": INTERVAL * np.arange(last + 1), "force_normal": np.append(0.0, mean[:last])}
-            rows.append(
-                answers.both_strikes(answers.ImpactAnswer(strikes, history), units=len(self.scene.units))
-            )
+            curves = answers.filtered(mean[:last], INTERVAL)
+            rows.append(answers.strike_columns(both, (curves, curves), INTERVAL))
+            if self.trailers:
+                rows[-1][answers.LARGEST] = float(curves["mean_50ms"].max())
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def details(self) -> list[str]:
