@@ -17,7 +17,7 @@ from process import ROOT, process
 
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.model.impact_model import build_impact_model
-from fem.plate.properties import ContactProperties, PlateProperties, StepProperties
+from fem.plate.properties import ContactProperties, PlateProperties, StepProperties, UnitProperties
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 from postprocess.report.page import pairs
@@ -38,7 +38,7 @@ def bar(elements: int, law: str, **plate: float) -> Any:
     length, width = given.pop("length", 10.0), given.pop("width", 10.0 / elements)
     made = PlateProperties(poissons_ratio=0.0, lumping="row-sum", **given)
     mesh = plate_mesh(length, width, (elements, 1))
-    return build_impact_model(mesh, made, ContactProperties(None, law), StepProperties())
+    return build_impact_model([UnitProperties(mesh, made, ContactProperties(None, law))], StepProperties())
 
 
 def bounce(elements: int, law: str, periods: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

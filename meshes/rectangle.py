@@ -263,33 +263,6 @@ def plate_mesh(
     )
 
 
-def train_mesh(meshes: Sequence[meshio.Mesh], corners: np.ndarray) -> meshio.Mesh:
-    """Lay the plates of a train out as one mesh; no two of them share a node.
-
-    Parameters
-    ----------
-    meshes : sequence of meshio.Mesh
-        Of `plate_mesh`, from the first.
-    corners : ndarray, shape (plates, 2)
-        Places of their corners P [m].
-
-    Returns
-    -------
-    meshio.Mesh
-        Nodes and elements plate by plate. Groups: the first plate's, and those of plate 2 as `plate_2`, `side_pe_2`
-        and so on.
-    """
-    import meshio
-
-    names, cells, before = list[str](), list[Any](), 0
-    for number, mesh in enumerate(meshes, start=1):
-        names += [name if number == 1 else f"{name}_{number}" for name in mesh.cell_sets]
-        cells += [(block.type, block.data + before) for block in mesh.cells]
-        before += len(mesh.points)
-    points = [mesh.points + np.append(corner, 0.0) for mesh, corner in zip(meshes, corners, strict=True)]
-    return meshio.Mesh(np.concatenate(points), cells, cell_sets=_cell_sets(names, cells))
-
-
 def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, int]) -> meshio.Mesh:
     """Mesh the wall with quadrilaterals; its face is Y = 0.
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,99 +27,46 @@ from fem.plate.properties import (
     WallProperties,
 )
 
-if TYPE_CHECKING:
-    import meshio
-
 
 def build_impact_model(
-    mesh: meshio.Mesh,
-    plate: PlateProperties,
-    contact: ContactProperties,
-    step: StepProperties,
-    wall: WallProperties | None = None,
+    units: Sequence[UnitProperties], step: StepProperties, wall: WallProperties | None = None
 ) -> PlateModel:
-    """Assemble the model on a plate mesh in its body frame.
+    """Assemble the model of a vehicle, or of a train, a plate a unit; the plates do not touch one another.
 
     Parameters
     ----------
-    mesh : meshio.Mesh
-        With the groups "corner_p" and "side_pe".
-    plate : PlateProperties
-        What the plate is made of.
-    contact : ContactProperties
-        How its boundary touches the wall.
-    step : StepProperties
-        Time step and damping.
-    wall : WallProperties or None
-        A deformable one; None for a rigid one.
-
-    Returns
-    -------
-    PlateModel
-        Its `loop` is an `ImpactLoop`.
-
-    Raises
-    ------
-    ModelError
-        Where the mesh cannot carry the inertia, or has too few nodes for the patch of a corner; where the wall has no
-        foundation or too many elements.
-    """
-    unit = plate_model.unit_plate(mesh, plate)
-    every = np.arange(unit.masses.size)
-    touching = wall_contact([(unit.discretisation, every, contact)], unit.masses, plate)
-    return _finished(unit, touching, plate, step, wall)
-
-
-def build_train_model(
-    mesh: meshio.Mesh,
-    units: Sequence[UnitProperties],
-    step: StepProperties,
-    wall: WallProperties | None = None,
-) -> PlateModel:
-    """Assemble the model of a train, a plate a unit; the plates do not touch one another.
-
-    Parameters
-    ----------
-    mesh : meshio.Mesh
-        Of all plates, plate by plate, the train being straight and the corner P of the first at the origin.
     units : sequence of UnitProperties
-        From the first, two or more.
+        From the first; one for a single vehicle.
     step : StepProperties
-        Time step and damping; elastic velocities cannot be damped.
+        Time step and damping; elastic velocities of a train cannot be damped.
     wall : WallProperties or None
         A deformable one; None for a rigid one.
 
     Returns
     -------
     PlateModel
-        Its `loop` is an `ImpactLoop` with hinges.
+        Its `loop` is an `ImpactLoop`, of a train with hinges.
 
     Raises
     ------
     ModelError
-        As `build_impact_model`; where a hinge cannot be spread as asked for.
+        Where a mesh cannot carry the inertia, or has too few nodes for the patch of a corner; where a hinge cannot be
+        spread as asked for; where the wall has no foundation or too many elements.
     """
-    from fem.model.train_model import train_plate
+    first, hinges = units[0], None
+    if len(units) > 1:
+        from fem.model.train_model import train_plate
 
-    unit, parts, hinges = train_plate(mesh, units)
-    touching = wall_contact(
-        [(*part, each.contact) for part, each in zip(parts, units, strict=True)], unit.masses, units[0].plate
-    )
-    densest = replace(units[0].plate, density=max(each.plate.density for each in units))
-    return _finished(unit, touching, densest, step, wall, hinges)
-
-
-def _finished(
-    unit: plate_model.UnitPlate,
-    contact: BoundaryContact,
-    plate: PlateProperties,
-    step: StepProperties,
-    wall: WallProperties | None,
-    hinges: Any = None,
-) -> PlateModel:
-    model = plate_model.unfinished_model(unit, plate, ImpactLoop, contact=contact, wall=None, hinges=hinges)
+        unit, parts, hinges = train_plate(units)
+    else:
+        unit = plate_model.unit_plate(first.mesh, first.plate)
+        parts = [(unit.discretisation, np.arange(unit.masses.size))]
+    touching = [(*part, own.contact) for part, own in zip(parts, units, strict=True)]
+    contact = wall_contact(touching, unit.masses, first.plate)
+    densest = replace(first.plate, density=max(own.plate.density for own in units))
+    model = plate_model.unfinished_model(unit, densest, ImpactLoop, contact=contact, wall=None, hinges=hinges)
     # Contact does not bound the step: fem.laws.unilateral. Nor do hinges: fem.laws.hinges.
-    model = plate_model.with_time_step(model, spectrum.FREE, plate, step)
+    model = plate_model.with_time_step(model, spectrum.FREE, densest, step)
     return model if wall is None else with_wall(model, wall, step)
 
 

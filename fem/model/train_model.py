@@ -17,14 +17,15 @@ if TYPE_CHECKING:
 
 
 def train_plate(
-    mesh: meshio.Mesh, units: Sequence[UnitProperties]
+    units: Sequence[UnitProperties],
 ) -> tuple[plate_model.UnitPlate, list[tuple[Discretisation, np.ndarray]], Hinges]:
-    """The plates of a train as one of unit modulus; of each its discretisation and its nodes in that one; the hinges.
+    """The plates of a straight train as one of unit modulus; of each its discretisation and its nodes in that one; the
+    hinges.
 
-    mesh: of all plates, plate by plate. Raises ModelError where a mesh cannot carry the inertia or a hinge.
+    Raises ModelError where a mesh cannot carry the inertia or a hinge.
     """
     first = units[0].plate
-    whole = discretise(mesh, first.thickness, first.element)
+    whole = discretise(_straight(units), first.thickness, first.element)
     masses, parts, begin = np.empty(whole.positions.shape[1]), list[tuple[Discretisation, np.ndarray]](), 0
     for unit in units:
         own = discretise(unit.mesh, first.thickness, first.element)
@@ -36,6 +37,28 @@ def train_plate(
         begin += dofs.shape[1]
     hinges = _hinges(units, parts, masses)
     return plate_model.assembled(whole, masses, first, hinges), parts, hinges
+
+
+def _straight(units: Sequence[UnitProperties]) -> meshio.Mesh:
+    """The mesh of a straight train, plate by plate, middle lines in one; no two plates share a node. Its groups are the
+    first plate's."""
+    import meshio
+
+    widths = [np.ptp(unit.mesh.points[:, 1]) for unit in units]
+    places = np.cumsum([unit.kingpin - unit.hitch for unit in units])
+    points = [
+        unit.mesh.points + np.array([place, 0.5 * (widths[0] - width), 0.0])
+        for unit, place, width in zip(units, places, widths, strict=True)
+    ]
+    begin = np.cumsum([0, *map(len, points)])
+    cells = [
+        (block.type, block.data + first)
+        for unit, first in zip(units, begin, strict=False)
+        for block in unit.mesh.cells
+    ]
+    empty = [np.empty(0, dtype=np.int64)] * (len(cells) - len(units[0].mesh.cells))
+    groups = {name: [*blocks, *empty] for name, blocks in units[0].mesh.cell_sets.items()}
+    return meshio.Mesh(np.concatenate(points), cells, cell_sets=groups)
 
 
 def _hinges(

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import eigsh, spsolve
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
 from fem.model.plate_model import unit_plate
-from fem.plate.properties import ContactProperties, PlateProperties, StepProperties
+from fem.plate.properties import ContactProperties, PlateProperties, StepProperties, UnitProperties
 from fem.run.impact import FirstTouch, ImpactStepper
 from meshes import plate_mesh
 
@@ -28,7 +28,7 @@ class PressedBlock:
     def __init__(self, friction, across=1.0):
         plate = PlateProperties(0.01, 1.0 / (1.0 * 0.1 * 0.01), 1e8, 0.0)
         contact, step = ContactProperties(Drag(friction), "penalty"), StepProperties(damping_ratio=0.3)
-        self.model = build_impact_model(plate_mesh(1.0, 0.1, (8, 2)), plate, contact, step)
+        self.model = build_impact_model([UnitProperties(plate_mesh(1.0, 0.1, (8, 2)), plate, contact)], step)
         self.stepper, self.across = ImpactStepper(self.model), across
         self.mass, self.time_step = self.model.loop.mass, self.model.loop.time_step
         self.state = self.stepper.at_touch(FirstTouch(0.0, 0.0, 0.0))
@@ -106,8 +106,8 @@ def test_ssnv128_plate_with_friction_on_a_rigid_plane(law):
     """40 mm square, mu = 1, pressed from above and the side, in plane strain; both halves, with damping."""
     size, modulus, ratio, density = 0.04, 1.3e11, 0.2, 7800.0
     plate = PlateProperties(1.0, density, modulus / (1.0 - ratio**2), ratio / (1.0 - ratio))
-    mesh = plate_mesh(2.0 * size, size, (64, 32))
-    model = build_impact_model(mesh, plate, ContactProperties(Drag(1.0), law), StepProperties())
+    mesh, contact = plate_mesh(2.0 * size, size, (64, 32)), ContactProperties(Drag(1.0), law)
+    model = build_impact_model([UnitProperties(mesh, plate, contact)], StepProperties())
     stepper, (x, y) = ImpactStepper(model), model.discretisation.positions
     left, right, top = np.isclose(x, -2.0 * size), np.isclose(x, 0.0), np.isclose(y, size)
     along = edge_loads(y, left, 15e7) - edge_loads(y, right, 15e7)

@@ -16,6 +16,7 @@ from fem.plate.properties import (
     ModelError,
     PlateProperties,
     StepProperties,
+    UnitProperties,
     WallProperties,
 )
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
@@ -44,7 +45,9 @@ def truck_model(wall, law="crush", longest=1e-4, modulus=200e9, **contact):
     given = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact
     properties = ContactProperties(Drag(0.47), law, **given)
     mesh = plate_mesh(10.0, 2.438, (20, 6))
-    return build_impact_model(mesh, plate, properties, StepProperties(longest=longest), wall)
+    return build_impact_model(
+        [UnitProperties(mesh, plate, properties)], StepProperties(longest=longest), wall
+    )
 
 
 def touch():

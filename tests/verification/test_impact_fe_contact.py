@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
-from fem.plate.properties import ContactProperties, Inertia, PlateProperties, StepProperties
+from fem.plate.properties import ContactProperties, Inertia, PlateProperties, StepProperties, UnitProperties
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 
@@ -30,7 +30,9 @@ def bar(elements, law, width=0.0, **plate):
     length = given.pop("length")
     properties = PlateProperties(poissons_ratio=0.0, lumping="row-sum", **given)
     mesh = plate_mesh(length, width or length / elements, (elements, 1))
-    return build_impact_model(mesh, properties, ContactProperties(None, law), StepProperties())
+    return build_impact_model(
+        [UnitProperties(mesh, properties, ContactProperties(None, law))], StepProperties()
+    )
 
 
 class Bounce(NamedTuple):
@@ -163,7 +165,7 @@ def truck(law="crush", elements=(20, 6), friction=0.47, modulus=200e9, inertia=N
     law_given = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact
     properties = ContactProperties(Drag(friction) if friction else None, law, **law_given)
     mesh, step = plate_mesh(10.0, 2.438, elements), StepProperties(longest=longest)
-    model = build_impact_model(mesh, plate, properties, step)
+    model = build_impact_model([UnitProperties(mesh, plate, properties)], step)
     angle, speed = math.radians(15.0), 25.034
     touch = FirstTouch(angle, speed * math.cos(angle), -speed * math.sin(angle))
     return model, simulate_impact(model, touch, 2e-4, 0.6)
@@ -204,8 +206,8 @@ def test_momentum_energy_and_no_pull(case, friction):
 def test_a_pressed_block_slides_to_rest_and_sticks():
     """N0 by a body force: it stops after v^2 / (2 mu g), and stays where it is under less than mu N0."""
     plate = PlateProperties(0.01, 7800.0, 200e9, 0.3)
-    properties = ContactProperties(Drag(0.3), "penalty")
-    model = build_impact_model(plate_mesh(1.0, 0.2, (4, 2)), plate, properties, StepProperties())
+    unit = UnitProperties(plate_mesh(1.0, 0.2, (4, 2)), plate, ContactProperties(Drag(0.3), "penalty"))
+    model = build_impact_model([unit], StepProperties())
     gravity, speed, step = 1e3, 3.0, model.loop.time_step
     stepper = ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(0.0, speed, 0.0))

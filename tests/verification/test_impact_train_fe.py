@@ -11,7 +11,7 @@ from scipy.linalg import eigh, null_space
 
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
-from fem.model.impact_model import build_impact_model, build_train_model
+from fem.model.impact_model import build_impact_model
 from fem.model.train_model import hinge_weights
 from fem.plate.elastic import free_modes, gap_matrix
 from fem.plate.properties import (
@@ -24,7 +24,7 @@ from fem.plate.properties import (
 )
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from fem.start.inertia_relief import internal_forces
-from meshes import plate_mesh, train_mesh
+from meshes import plate_mesh
 from solver.impact import (
     CrushLaw,
     ImpactVehicle,
@@ -53,11 +53,9 @@ def train(
     element="quad4",
 ):
     """The model of a train and the properties of its units."""
-    units, corners, x = [], [], 0.0
+    units = []
     for number, (vehicle, mesh) in enumerate(zip(vehicles, counts, strict=True)):
         hitch, kingpin = hinges[number - 1] if number else (0.0, 0.0)
-        x += kingpin - hitch
-        corners.append((x, 0.5 * (vehicles[0].width - vehicle.width)))
         places = [kingpin] * (number > 0) + [ahead for ahead, _ in hinges[number : number + 1]]
         made = plate_mesh(vehicle.length, vehicle.width, mesh, hinges=places)
         density = vehicle.mass / (vehicle.length * vehicle.width * 0.05)
@@ -65,8 +63,7 @@ def train(
         plate = PlateProperties(0.05, density, modulus, 0.3, element=element, inertia=inertia)
         contact = ContactProperties(Drag(MU), "crush", 2e6, 0.0, 0.22, patch_length=patch_length)
         units.append(UnitProperties(made, plate, contact, hitch, kingpin, hitch_length))
-    whole = train_mesh([unit.mesh for unit in units], np.array(corners))
-    return build_train_model(whole, units, StepProperties()), units
+    return build_impact_model(units, StepProperties()), units
 
 
 @functools.cache
@@ -287,7 +284,7 @@ def test_a_trailer_without_mass_changes_nothing():
     density = TRACTOR.mass / (6.9 * 2.44 * 0.05)
     plate = PlateProperties(0.05, density, 2e11, 0.3, inertia=Inertia(2.9, 34621.0))
     contact = ContactProperties(Drag(MU), "crush", 2e6, 0.0, 0.22)
-    single = build_impact_model(mesh, plate, contact, StepProperties(longest=1e-5))
+    single = build_impact_model([UnitProperties(mesh, plate, contact)], StepProperties(longest=1e-5))
     expected = corner_strikes(simulate_impact(single, TOUCH, 2e-4, 0.1))[0].impulse
     errors = []
     for mass in (82.0, 8.2):

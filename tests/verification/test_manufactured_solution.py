@@ -14,7 +14,7 @@ import skfem
 
 from fem.model.impact_model import build_impact_model
 from fem.plate.kinds import ELEMENT_KINDS
-from fem.plate.properties import ContactProperties, PlateProperties, StepProperties
+from fem.plate.properties import ContactProperties, PlateProperties, StepProperties, UnitProperties
 from fem.run.impact import FirstTouch, ImpactStepper
 from meshes import plate_mesh
 
@@ -79,7 +79,8 @@ class Manufactured:
     def __init__(self, kind, elements):
         plate = PlateProperties(THICKNESS, DENSITY, MODULUS, RATIO, element=kind)
         mesh = plate_mesh(LENGTH, WIDTH, elements, ELEMENT_KINDS[kind].cells)
-        self.model = build_impact_model(mesh, plate, ContactProperties(None, "penalty"), StepProperties())
+        unit = UnitProperties(mesh, plate, ContactProperties(None, "penalty"))
+        self.model = build_impact_model([unit], StepProperties())
         scalar = self.model.discretisation.scalar
         self.fine = skfem.CellBasis(scalar.mesh, scalar.elem, intorder=8)
         area = DENSITY * THICKNESS

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from fem.laws.friction import Drag
 from fem.plate import kinds
 from fem.plate.properties import ContactProperties, Inertia, ModelError, UnitProperties, WallProperties
-from meshes import train_mesh, wall_mesh
+from meshes import wall_mesh
 from tailslap.case import model
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
 
 if TYPE_CHECKING:
-    import meshio
-
     from fem.model.plate_model import PlateModel
     from fem.run.impact import FirstTouch
 
@@ -109,19 +104,16 @@ def safety_factor(scene: Scene, plate: Plate) -> float:
 
 def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
     """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
-    from fem.model.impact_model import build_impact_model, build_train_model
+    from fem.model.impact_model import build_impact_model
 
     scene = case.scene
     plate = model.resolved_plate(scene, plate, model.fe_mesh(scene, plate), _inertia(case, 0))
     step = model.step_properties(scene, longest_step)
     step = replace(step, safety_factor=safety_factor(scene, plate))
-    first, *trailers = (_unit(case, plate, number) for number in range(len(scene.units)))
+    units = [_unit(case, plate, number) for number in range(len(scene.units))]
     try:
         wall = wall_properties(case, scene.wall) if scene.wall else None
-        if trailers:
-            mesh, units = _train_mesh(scene, [first, *trailers]), (first, *trailers)
-            return build_train_model(mesh, units, step, wall), plate
-        return build_impact_model(first.mesh, first.plate, first.contact, step, wall), plate
+        return build_impact_model(units, step, wall), plate
     except ModelError as error:
         raise model.refusal(scene, plate, error) from None
 
@@ -143,13 +135,6 @@ def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
     own = scene.trailer[number - 1]
     contact = replace(contact, stiffness=own.stiffness or contact.stiffness)
     return UnitProperties(mesh, properties, contact, own.hitch, own.kingpin, own.hitch_length or 0.0)
-
-
-def _train_mesh(scene: Scene, units: Sequence[UnitProperties]) -> meshio.Mesh:
-    """The mesh of a straight train, the middle lines of all units in one."""
-    places = np.cumsum([unit.kingpin - unit.hitch for unit in units])
-    sides = [0.5 * (scene.vehicle.width - unit.width) for unit in scene.units]
-    return train_mesh([unit.mesh for unit in units], np.column_stack([places, sides]))
 
 
 def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
