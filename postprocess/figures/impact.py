@@ -98,13 +98,12 @@ def draw_positions(
     outlines: Floats,
     instants: Sequence[float],
     strikes: Strikes = (),
-    path: Floats | None = None,
     motion: tuple[Floats, Floats] | None = None,
 ) -> Chart:
     """Outlines at these instants [s], later ones more opaque, over the wall Y = 0; strikes as bars below its face.
 
-    outlines: shape (k, points, 2) [m]; path: of the centre of mass, shape (n, 2) [m]; motion: even instants [s] and
-    outlines at them, which are shown one after the other, `SLOWER` times slower.
+    outlines: shape (k, points, 2) [m]; motion: even instants [s] and outlines at them, which are shown one after the
+    other, `SLOWER` times slower.
     """
     caption = "Positions of the vehicle, later ones more opaque"
     if strikes:
@@ -117,7 +116,6 @@ def draw_positions(
     low[1] -= ROW * len(strikes)
     wall = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], 0.0), (low[0], 0.0)])
     marks: list[Mark] = [Outline(wall[:, 0], wall[:, 1], "grey", fill=0.25)]
-    marks += [] if path is None else [Line("", path[:, 0], path[:, 1], "soft", 0.8, "4 3")]
     ends, least = [-math.inf, -math.inf], NAME * (high[0] - low[0])
     for number, (outline, instant) in enumerate(zip(outlines, instants, strict=True)):
         x = outline[:, 0].max()
@@ -290,17 +288,16 @@ def write_animation(
     t: Floats,
     outlines: Floats,
     force: Floats,
-    slower: float = SLOWER,
     units: Units = SI,
     size: tuple[int, int] = SIZE,
 ) -> Path:
-    """Write the GIF and return its path; it runs about `slower` times slower than the impact.
+    """Write the GIF and return its path; it runs about `SLOWER` times slower than the impact.
 
     t [s], shape (n,), even, n >= 2; outlines [m], shape (n, points, 2); force on the wall [N], shape (n,); units: of
     its axes; size: [pixels].
     """
     chosen = np.unique(np.linspace(0, t.size - 1, min(t.size, MAX_FRAMES)).astype(int))
-    pause = 10 * max(2, round(100.0 * slower * (t[-1] - t[0]) / (chosen.size - 1)))
+    pause = 10 * max(2, round(100.0 * SLOWER * (t[-1] - t[0]) / (chosen.size - 1)))
     with histories.style():
         first, *others = _frames(chosen, t, outlines, force, units, size)
     first.save(path, save_all=True, append_images=others, duration=pause, loop=0)

@@ -20,10 +20,11 @@ from solver.impact.train import (
     stiffness_of_duration,
     train_of,
 )
-from solver.impact.trajectories import Trajectories, solve_trains
+from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
 
 __all__ = [
     "CORNERS",
+    "TOLERANCE",
     "CrushLaw",
     "HitchedVehicle",
     "ImpactMotion",

@@ -29,7 +29,9 @@ def force_chart(case: Case) -> Chart:
 
 def _impact(case: Any) -> tuple[np.ndarray, dict[str, np.ndarray], list[StrikeMark]]:
     answer = case.answer
-    strikes = [StrikeMark(each.corner.split()[0], each.start, each.end) for each in answer.strikes]
+    strikes = [
+        StrikeMark(each.corner.removesuffix(" far side"), each.start, each.end) for each in answer.strikes
+    ]
     return answer.history["t"][1:], answer.lateral, strikes
 
 

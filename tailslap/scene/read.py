@@ -180,10 +180,8 @@ def remarks(source: Source) -> Iterator[str]:
     trailers = {f"trailer.{i}": unit for i, unit in enumerate(source.given.get("trailer", ()))}
     for key, usual in USUAL.items():
         table, name = key.split(".")
-        for place, given in {
-            table: source.given.get(table),
-            **(trailers if table == "vehicle" else {}),
-        }.items():
+        tables = {table: source.given.get(table)} | (trailers if table == "vehicle" else {})
+        for place, given in tables.items():
             value = _given(given, name)
             if value is not None and not usual.low <= value <= usual.high:
                 means = f"{value:g} {usual.unit}, {value / usual.factor:.4g} {usual.other}"

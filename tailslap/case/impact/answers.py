@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.signals import filters, occupant
-from solver.impact import CORNERS, ImpactMotion, Strike, corner_name, strikes_of
+from solver.impact import CORNERS, ImpactMotion, ImpactVehicle, Strike, corner_name, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
 """Columns of the state at the end of an impact."""
@@ -44,8 +44,8 @@ class ImpactAnswer:
 
     @property
     def counted(self) -> int:
-        """Number of strikes that are compared and whose error is stated: of a train as many as bring its last rear."""
-        return 3 * self.units - 1
+        """Number of strikes that are compared and whose error is stated."""
+        return counted(self.units)
 
     @property
     def hinges(self) -> list[dict[str, float]]:
@@ -124,6 +124,29 @@ class ImpactAnswer:
             "second_strike": self.second_strike,
             **({"hinges": self.hinges} if self.units > 1 else {}),
         }
+
+
+def counted(units: int) -> int:
+    """Number of strikes that count: two of a single vehicle, of a train as many as bring its last rear."""
+    return 3 * units - 1
+
+
+def last_awaited(strikes: Sequence[Strike], units: int) -> Strike | None:
+    """The strike that an impact is followed to: the second, of a train the first of its last rear."""
+    rear = corner_name(units - 1, CORNERS.index("rear"))
+    found = [each for each in strikes if each.corner == rear][:1] if units > 1 else strikes[1:2]
+    return found[0] if found else None
+
+
+def places(columns: Columns, vehicles: Sequence[ImpactVehicle]) -> list[tuple[Any, ...]]:
+    """x_g, y_g [m] and theta [rad] of each unit, shape (rows,), its length and width, and the distance of its centre of
+    mass behind its front [m]."""
+    found = []
+    for number, unit in enumerate(vehicles, 1):
+        end = f"_{number}" if number > 1 else ""
+        motion = (columns[f"{name}{end}"] for name in ("x_g", "y_g", "theta"))
+        found.append((*motion, unit.length, unit.width, unit.front_distance))
+    return found
 
 
 def strike_numbers(strike: Strike) -> dict[str, Any]:

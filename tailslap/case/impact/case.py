@@ -60,7 +60,7 @@ class ImpactCase(rigid.RigidImpact):
         """Columns that the table of a sweep has whatever its rows, and the type of their values."""
         models = ("rigid",) if scene.plate is None else ("rigid", "fe")
         kinds: dict[str, type] = {}
-        strikes = range(1, 3 * len(scene.units))
+        strikes = range(1, 1 + answers.counted(len(scene.units)))
         for model in models:
             kinds[f"{model}.strikes"] = int
             for k in strikes:

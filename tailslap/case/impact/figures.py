@@ -45,11 +45,10 @@ def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
 
 def outlines(outcome: ImpactOutcome) -> np.ndarray:
     """Corners of the vehicle at every row, shape (rows, 4, 2) [m]; of a train one line about all its units."""
-    h, units = outcome.fe.history, outcome.fe_plan.case.motion.vehicles
+    units = answers.places(outcome.fe.history, outcome.fe_plan.case.motion.vehicles)
     right, left = list[np.ndarray](), list[np.ndarray]()
-    for k, unit in enumerate(units, 1):
-        x, y, theta = (h[f"{name}_{k}" if k > 1 else name] for name in ("x_g", "y_g", "theta"))
-        each = impact.vehicle_outlines(x, y, theta, unit.length, unit.width, unit.front_distance)
+    for k, place in enumerate(units, 1):
+        each = impact.vehicle_outlines(*place)
         ahead, behind = 0.5 * (each[:, 0] + each[:, 3]), 0.5 * (each[:, 1] + each[:, 2])
         for side, ends in ((right, (0, 1)), (left, (3, 2))):
             side += [] if k == 1 else [ahead]
@@ -93,10 +92,8 @@ def train_figures(outcome: ImpactOutcome) -> list[Chart]:
     hinges, t = units[:-1], h["t"]
     if not hinges:
         return []
-    pushes, drags = (
-        {f"unit {k}": sign * h[f"force_{name}_{k}"] / 1e3 for k in units}
-        for name, sign in (("normal", 1.0), ("tangential", -1.0))
-    )
+    pushes = {f"unit {k}": h[f"force_normal_{k}"] / 1e3 for k in units}
+    drags = {f"unit {k}": -h[f"force_tangential_{k}"] / 1e3 for k in units}
     forces, angles = {}, {}
     for model, its in (("FE", h), ("rigid", outcome.rigid.history)):
         for k in hinges:
@@ -104,14 +101,13 @@ def train_figures(outcome: ImpactOutcome) -> list[Chart]:
             forces[f"hinge {k}, {model}"] = pulled / 1e3
             angles[f"hinge {k}, {model}"] = np.degrees(its[f"articulation_{k}"])
     return [
-        impact.draw_curves(name, caption, "force [kN]", t, curves, strikes)
-        for name, caption, curves in (
-            ("force_units", "Lateral force on the wall by unit, FE", pushes),
-            ("drag_units", "Longitudinal force on the wall by unit, FE", drags),
-            ("hinge_force", "Force of the hinges, unfiltered", forces),
+        impact.draw_curves(name, caption, axis, t, curves, strikes)
+        for name, caption, axis, curves in (
+            ("force_units", "Lateral force on the wall by unit, FE", "force [kN]", pushes),
+            ("drag_units", "Longitudinal force on the wall by unit, FE", "force [kN]", drags),
+            ("hinge_force", "Force of the hinges, unfiltered", "force [kN]", forces),
+            ("articulation", "Articulation angle", "angle [deg]", angles),
         )
-    ] + [
-        impact.draw_curves("articulation", "Articulation angle", "angle [deg]", t, angles, strikes),
     ]
 
 

@@ -84,12 +84,9 @@ def run_report(
     report.keep_fields(outcome, folder)
     if pictures:
         figures.animation(outcome, folder, units, size)
-    omitted, why = (
-        omitted_parts(outcome.fe_plan.case.scene, pictures),
-        report.chosen_sentences(outcome.fe_plan),
-    )
-    parts = _sections(outcome)
-    page = report.run_page(outcome, KICKER, headline(outcome), parts, omitted, FOOTER, why)
+    omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
+    why = report.chosen_sentences(outcome.fe_plan)
+    page = report.run_page(outcome, KICKER, headline(outcome), _sections(outcome), omitted, FOOTER, why)
     tables = (
         peak_table(outcome),
         report.short(report.design_table(outcome.fe_plan.case, outcome.lateral_force)),
@@ -104,10 +101,8 @@ def run_report(
 def headline(outcome: run.ImpactOutcome) -> Headline:
     """Largest 50 ms mean, the set-up, and the effects of flexibility and mesh."""
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
-    failed, sentence = (
-        failed_names(outcome.checks),
-        case.force_sentence(outcome.fe, outcome.tipping.get("FE")),
-    )
+    failed = failed_names(outcome.checks)
+    sentence = case.force_sentence(outcome.fe, outcome.tipping.get("FE"))
     uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
     if failed and not uncertain:
         sentence = unreliable(sentence)

@@ -145,9 +145,9 @@ class RigidImpact(Case):
         """The impact to another end [s]; None: to `after_second` after the second strike, of a train the last rear."""
         with refusals(self.scene):
             given = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
-            behind: dict[str, Any] = {"trailers": self.trailers, "tolerance": TRAIN_TOLERANCE}
-            behind = behind if self.trailers else {}
-            return impact.solve_impact(*given, on_compile=progress.compiling, **behind)
+            tolerance = TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE
+            others: dict[str, Any] = {"tolerance": tolerance, "trailers": self.trailers}
+            return impact.solve_impact(*given, on_compile=progress.compiling, **others)
 
     @property
     def after_second(self) -> float:
@@ -162,10 +162,9 @@ class RigidImpact(Case):
     @cached_property
     def sample(self) -> float:
         """Time between rows [s] that resolves both strikes of the rigid vehicle."""
-        motion, counted = self.motion, 3 * len(self.scene.units) - 1
-        shortest = min(
-            (strike.duration for strike in motion.strikes[:counted]), default=SAMPLE * ROWS_A_STRIKE
-        )
+        motion = self.motion
+        counted = motion.strikes[: answers.counted(len(motion.vehicles))]
+        shortest = min((strike.duration for strike in counted), default=SAMPLE * ROWS_A_STRIKE)
         return min(SAMPLE, max(shortest / ROWS_A_STRIKE, motion.t_end / MOST_ROWS))
 
     @cached_property
@@ -287,17 +286,13 @@ class RigidImpact(Case):
         """Vehicle at first touch and at its second strike, a train at that of its last rear; without one at the end."""
         from postprocess.figures import set_up
 
-        rear = impact.corner_name(len(self.trailers), 1)
-        strikes = [each for each in self.motion.strikes if each.corner == rear] if self.trailers else []
-        strikes = strikes[:1] if self.trailers else list(self.motion.strikes[1:2])
-        last = strikes[0].start if strikes else self.motion.t_end
-        at, units = self.motion.at([0.0, last]), []
-        for number, body in enumerate(self.motion.vehicles, 1):
-            end = f"_{number}" if number > 1 else ""
-            x, y, theta = (getattr(at, f"{name}{end}") for name in ("x_g", "y_g", "theta"))
-            units.append(set_up.Unit(x, y, theta, body.length, body.width, body.front_distance))
+        motion = self.motion
+        strike = answers.last_awaited(motion.strikes, len(motion.vehicles))
+        last = strike.start if strike else motion.t_end
+        at = motion.at([0.0, last])
+        units = [set_up.Unit(*place) for place in answers.places(vars(at), motion.vehicles)]
         which = "strike" if self.trailers else "second strike"
-        event = f"{which} ({strikes[0].corner} corner)" if strikes else "end"
+        event = f"{which} ({strike.corner} corner)" if strike else "end"
         words = self.drawing_words(float(at.theta[0]))
         words |= {"second": f"{event}, after {measure(last, 's', '.3g')}"}
         caption = (
@@ -351,7 +346,7 @@ def tipping_of(case: RigidImpact, answer: answers.ImpactAnswer) -> Any:
     from tailslap.case.impact import tipping
 
     with refusals(case.scene):
-        return tipping.solve(case.scene, [case.vehicle, *(each.vehicle for each in case.trailers)], answer)
+        return tipping.solve(case.scene, case.motion.vehicles, answer)
 
 
 def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.plate.properties import ModelError
-from solver.impact import CORNERS, corner_name
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method, tipping_of
@@ -106,13 +105,9 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
         now = float(run.history["t"][-1])
         if now < until:
             return False
-        strikes = _answer(fe_plan, run).strikes
-        if run.units:
-            rear = corner_name(len(run.units) - 1, CORNERS.index("rear"))
-            last = [strike for strike in strikes if strike.corner == rear][:1]
-        else:
-            last = list(strikes[1:2])
-        return now >= (last[0].end + fe_plan.case.after_second if last else BEYOND * until)
+        answer = _answer(fe_plan, run)
+        last = answers.last_awaited(answer.strikes, answer.units)
+        return now >= (last.end + fe_plan.case.after_second if last else BEYOND * until)
 
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
