@@ -38,6 +38,7 @@ def pages() -> dict[str, str]:
         "python.md": python_page(),
         "commands.md": commands_page(),
         "../theory/set-up.svg": scheme(),
+        "../train.svg": train(),
     }
     return {name: NOTICE + text.rstrip() + "\n" for name, text in made.items()}
 
@@ -50,6 +51,16 @@ def scheme() -> str:
 
     unit = CornerCase(*read_scene("mash-tl4-sut")).unit
     return set_up.draw_set_up([unit], set_up.SYMBOLS, set_up.SCHEME).svg
+
+
+def train() -> str:
+    """Positions of the rigid train of MASH TL-5 at each strike, and their animation."""
+    from tailslap.case.impact.case import ImpactCase
+    from tailslap.case.impact.figures import position_strip
+    from tailslap.scene.read import read_scene
+
+    case = ImpactCase(*read_scene("impact-mash-tl5-tractor-van"))
+    return position_strip(case.answer, case.motion.vehicles).svg
 
 
 # Scene

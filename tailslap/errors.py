@@ -6,6 +6,7 @@ import difflib
 import errno
 import functools
 import inspect
+import shlex
 import textwrap
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
@@ -101,6 +102,14 @@ def machine_fault(error: OSError) -> str:
 def escaped(text: str) -> str:
     """Text with unprintable characters, other than line feeds, as escape sequences."""
     return "".join(letter if letter.isprintable() or letter == "\n" else _escape(letter) for letter in text)
+
+
+def typed_command(*more: str) -> str:
+    """The command line of this process, with more arguments at its end, for a shell; "" where there is none."""
+    import click
+
+    context = click.get_current_context(silent=True)
+    return shlex.join(["tailslap", *context.find_root().obj, *more]) if context else ""
 
 
 def shortened(text: str, most: int = MAX_SHOWN) -> str:

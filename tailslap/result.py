@@ -459,6 +459,7 @@ def of_run(summary: dict[str, Any], *rest: Any) -> Result:
 
 def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     """Tables of a run from its summary: what was found, and the checks that failed."""
+    from tailslap.case.case import as_read
     from tailslap.case.report import CHECKS, TAIL_SLAP, strikes_table
 
     fe, rigid = summary["fe"], summary["rigid"]
@@ -468,5 +469,5 @@ def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     elif all(fe[key] is not None for key in quantities.KEYS):
         columns = tuple(replace(c, form=".7g") if c.key in ("fe", "rigid") else c for c in TAIL_SLAP)
         found["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid, None))
-    failed = [check for check in summary["checks"] if not check["passed"]]
+    failed = [as_read(check) for check in summary["checks"] if not check["passed"]]
     return found | ({"Failed checks": Table(CHECKS, failed)} if failed else {})

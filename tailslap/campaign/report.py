@@ -227,7 +227,8 @@ def headline(
     good = rows.worst[passed & np.isfinite(rows.worst)]
     if good.size:
         certainty += f" Finite elements and rigid body differ by at most {percent_up(good.max())} in those that passed."
-    title = f"Sweep of {', '.join(item.key for item in definition.variations)}: {definition.scene}"
+    title = f"Sweep of {', '.join(item.key for item in definition.variations)}"
+    title += f": {case.subject if case else definition.scene}"
     return Headline(title, answer or certainty, set_up, certainty if answer else "")
 
 

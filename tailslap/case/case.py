@@ -19,7 +19,7 @@ import numpy as np
 
 from postprocess.comparison.quantities import Compared
 from postprocess.signals.filters import design_forces
-from postprocess.units import SI, Units, force, measure
+from postprocess.units import SI, Units, force, measure, percent_up, shown
 from tailslap.case import cost, model
 from tailslap.case.model import Decision
 from tailslap.errors import InputError, Verbatim
@@ -340,8 +340,8 @@ STEP = "a smaller time.safety_factor"
 
 @dataclass(frozen=True)
 class Check:
-    """The outcome of a check: its value, its limit, whether it passed, what it guards against, and what to change in a
-    scene whose run fails it, separated by semicolons."""
+    """The outcome of a check: its value, its limit, whether it passed, what it guards against, what to change in a
+    scene whose run fails it, separated by semicolons, and whether value and limit are shown in per cent."""
 
     name: str
     value: float
@@ -349,20 +349,36 @@ class Check:
     passed: bool
     meaning: str = ""
     advice: str = ""
+    in_percent: bool = False
 
     @classmethod
-    def at_most(cls, name: str, value: float, limit: float, meaning: str, advice: str = "") -> Check:
+    def at_most(
+        cls, name: str, value: float, limit: float, meaning: str, advice: str = "", in_percent: bool = False
+    ) -> Check:
         """A check that passes where the value is a finite number and not above the limit."""
-        return cls(name, float(value), limit, bool(math.isfinite(value) and value <= limit), meaning, advice)
+        passed = bool(math.isfinite(value) and value <= limit)
+        return cls(name, float(value), limit, passed, meaning, advice, in_percent)
+
+
+def as_read(check: Mapping[str, Any]) -> dict[str, Any]:
+    """A check, as in a summary, with value and limit as text."""
+    value, limit = check["value"], check["limit"]
+    if not check.get("in_percent"):
+        return {**check, "value": shown(value, ".3g"), "limit": shown(limit, ".3g")}
+    return {
+        **check,
+        "value": percent_up(math.nan if value is None else value),
+        "limit": f"{100.0 * limit:g} %",
+    }
 
 
 def failed_sentence(checks: Iterable[Check]) -> str:
     """Names, values and limits of the checks that failed, and their remedy; empty if none failed."""
-    failed = [check for check in checks if not check.passed]
+    failed = [as_read(vars(check)) for check in checks if not check.passed]
     if not failed:
         return ""
-    named = ", ".join(f"{check.name} {check.value:.3g} (limit {check.limit:.3g})" for check in failed)
-    return f"Failed: {named}. Remedy: {advice(check.advice for check in failed)}. "
+    named = ", ".join(f"{check['name']} {check['value']} (limit {check['limit']})" for check in failed)
+    return f"Failed: {named}. Remedy: {advice(check['advice'] for check in failed)}. "
 
 
 def unreliable(sentence: str) -> str:
@@ -397,7 +413,8 @@ class CheckKind:
 
     evaluate: value and limit by the evidence, of a whole impact its outcome; None where it does not apply. advice: what
     could be changed in a scene whose run fails it. shows_ringing: whether a run that rings fails it. of_reaction:
-    whether a reaction that rings can fail it while the five quantities are right.
+    whether a reaction that rings can fail it while the five quantities are right. in_percent: whether its value and
+    limit are shown so.
     """
 
     name: str
@@ -405,11 +422,12 @@ class CheckKind:
     advice: str
     shows_ringing: bool = False
     of_reaction: bool = False
+    in_percent: bool = False
 
     def outcome(self, evidence: Any) -> Check | None:
         """The check of this run, or None where it does not apply."""
         found = self.evaluate(evidence)
-        return found and Check.at_most(self.name, *found[:3], found.advice or self.advice)
+        return found and Check.at_most(self.name, *found[:3], found.advice or self.advice, self.in_percent)
 
 
 @np.errstate(all="ignore")  # a run that diverged is judged, not warned about

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import datetime
-import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
 import numpy as np
 
 import tailslap
@@ -20,7 +18,8 @@ from postprocess.report.page import Column, Headline, Page, Section, Table, colu
 from postprocess.signals.filters import DesignForce, design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost
-from tailslap.case.case import LABEL, Case, Check, FePlan, Outcome
+from tailslap.case.case import LABEL, Case, Check, FePlan, Outcome, as_read
+from tailslap.errors import typed_command
 from tailslap.scene import write
 
 if TYPE_CHECKING:
@@ -58,14 +57,14 @@ DESIGN = (
 )
 CHECKS = (
     Column("name", "Check"),
-    *columns({"value": "Value", "limit": "Limit"}, form=".3g"),
+    *columns({"value": "Value", "limit": "Limit"}, form=str),
     Column("passed", "Result", form=lambda passed: "passed" if passed else "failed", style="badge"),
     Column("meaning", "Meaning"),
 )
 FAILED = (
     Column("name", "Failed check"),
-    Column("value", "Value", form=".3g", style="strong"),
-    Column("limit", "Limit", form=".3g"),
+    Column("value", "Value", form=str, style="strong"),
+    Column("limit", "Limit", form=str),
     Column("advice", "Remedy"),
 )
 INPUTS = (
@@ -242,8 +241,8 @@ def chosen_sentences(fe_plan: FePlan) -> list[str]:
 
 def footer(files: str = "") -> str:
     """Version, date, command line, and the files beside the page."""
-    context = click.get_current_context(silent=True)
-    command = f"`{shlex.join(['tailslap', *context.find_root().obj])}`" if context else "from Python"
+    typed = typed_command()
+    command = f"`{typed}`" if typed else "from Python"
     beside = f" Files beside this page: {files}." if files else ""
     return f"tailslap {tailslap.__version__}, {datetime.date.today().isoformat()}, {command}.{beside}"
 
@@ -309,7 +308,7 @@ def short(table: Table) -> Table:
 
 def failed_section(checks: Sequence[Check], diagnosis: Sequence[str]) -> Section:
     """The checks that failed with their remedies, and the diagnosis; empty if none failed."""
-    rows = [check for check in checks if not check.passed]
+    rows = [as_read(vars(check)) for check in checks if not check.passed]
     title, sentences = "Failed checks and remedies", diagnosis if rows else ()
     return Section(title, tables=[Table(FAILED, rows)], sentences=sentences)
 
@@ -325,7 +324,7 @@ def checks_section(checks: Sequence[Check], groups: Mapping[str, str]) -> Sectio
     for title in dict.fromkeys(groups.get(check.name, "Others") for check in checks):
         own = [check for check in checks if groups.get(check.name, "Others") == title]
         marks = {number: "failed" for number, check in enumerate(own) if not check.passed}
-        tables.append(Table(CHECKS, own, title, marks=marks))
+        tables.append(Table(CHECKS, [as_read(vars(check)) for check in own], title, marks=marks))
     return Section(passed_text(checks), tables=tables, is_folded=True)
 
 

@@ -15,7 +15,8 @@ import numpy as np
 import tailslap
 from postprocess.comparison.nodal import NODES
 from postprocess.report.page import write_history
-from tailslap.errors import InputError
+from tailslap.errors import InputError, typed_command
+from tailslap.scene.vary import shown
 
 if TYPE_CHECKING:
     from tailslap.case.case import Case
@@ -95,7 +96,12 @@ def _demand_possible(case: Case, program: str) -> None:
     scene, corner, (frictional, why) = case.scene, case.scene.corner, FRICTION[program]
     if scene.corner_friction and corner.reaction not in frictional:
         allowed = " or ".join(f'"{name}"' for name in (*frictional, "none"))
-        raise InputError("corner.reaction", corner.reaction, f"{why}; allowed is {allowed}")
+        needed: dict[str, Any] = {"corner.reaction": "none"}
+        if corner.friction is not None and "corner.friction" not in case.source.changed:
+            needed["corner.friction"] = None
+        command = typed_command(*(part for change in shown(needed) for part in ("--set", change)))
+        instead = command or f"changes={needed}"
+        raise InputError("corner.reaction", corner.reaction, f"{why}; allowed is {allowed}: {instead}")
     if corner.patch_length and program == "abaqus":
         raise InputError(
             "corner.patch_length", corner.patch_length, "the connector holds one node; remove this key"

@@ -363,7 +363,7 @@ def test_a_run_fails_only_where_the_error_is_above_what_was_asked():
         "2 %."
     )
     assert headline.answer.startswith(
-        "Failed: error of duration 0.0312 (limit 0.02). Remedy: refine plate.elements"
+        "Failed: error of duration 3.2 % (limit 2 %). Remedy: refine plate.elements"
     )
     assert "not reliable" not in headline.answer
     assert "contact.patch_length" in found["error of duration"].advice

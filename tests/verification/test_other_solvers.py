@@ -6,6 +6,7 @@ import shlex
 import shutil
 import subprocess
 from dataclasses import replace
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from postprocess.comparison.nodal import centre_of_mass_history, read_calculix, read_nodes
 from postprocess.report.page import read_history
 from tailslap import cli
+from tailslap.scene.read import shipped_scenes
 
 FRICTIONLESS = "corner.reaction=none"
 COARSE = ("--set", FRICTIONLESS, "--set", "plate.elements=[4,2]")
@@ -231,6 +233,16 @@ def test_scenes_that_calculix_cannot_have_are_refused(changes, key, why, command
     assert key in said
     assert why in said
     assert not any(elsewhere.iterdir())
+
+
+def test_the_refusal_of_friction_ends_with_a_command_that_is_accepted(elsewhere, capsys):
+    text = shipped_scenes()["paper-table-3"].replace('reaction = "drag"', 'reaction = "drag"\nfriction = 0.3')
+    Path("own.toml").write_text(text)
+    assert written("export", "own.toml", "--to", "calculix") == 2
+    command = shlex.split(capsys.readouterr().err.rpartition(": ")[2])
+    assert command[:-4] == ["tailslap", "export", "own.toml", "--to", "calculix"]
+    assert command[-4:] == ["--set", "corner.reaction=none", "--set", "corner.friction="]
+    assert written(*command[1:]) == 0
 
 
 def test_whole_impact_is_refused(elsewhere, capsys):

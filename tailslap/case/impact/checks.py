@@ -132,7 +132,10 @@ CHECKS = (
     case.CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
     case.CheckKind("sampling", _sampling, SHORT),
     case.CheckKind("articulation", _articulation, "a time.end before that, for the model holds until then"),
-    *(case.CheckKind(name, partial(_stated, quantity), CLOSER) for quantity, name in MESH_CHECKS.items()),
+    *(
+        case.CheckKind(name, partial(_stated, quantity), CLOSER, in_percent=True)
+        for quantity, name in MESH_CHECKS.items()
+    ),
 )
 """In the order in which they are listed."""
 

@@ -1,5 +1,6 @@
 """Figures of a whole impact's report, from its histories."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ from postprocess.figures import impact
 from postprocess.figures.impact import StrikeMark, write_animation
 from postprocess.svg.chart import FULL, Chart
 from postprocess.units import SI, Units
-from solver.impact import corner_name
+from solver.impact import ImpactVehicle, corner_name
 from tailslap import progress
 from tailslap.case.impact import answers
 from tailslap.case.impact.run import ImpactOutcome, corners_of
@@ -43,9 +44,9 @@ def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
     return found
 
 
-def outlines(outcome: ImpactOutcome) -> np.ndarray:
+def outlines(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicle]) -> np.ndarray:
     """Corners of the vehicle at every row, shape (rows, 4, 2) [m]; of a train one line about all its units."""
-    units = answers.places(outcome.fe.history, outcome.fe_plan.case.motion.vehicles)
+    units = answers.places(answer.history, vehicles)
     right, left = list[np.ndarray](), list[np.ndarray]()
     for k, place in enumerate(units, 1):
         each = impact.vehicle_outlines(*place)
@@ -56,14 +57,14 @@ def outlines(outcome: ImpactOutcome) -> np.ndarray:
     return np.stack([*right, *left[::-1]], axis=1)
 
 
-def position_strip(outcome: ImpactOutcome) -> Chart:
+def position_strip(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicle]) -> Chart:
     """Draw the vehicle at even instants, a train where each strike begins, and how it moves."""
-    t = outcome.run.history["t"]
+    t = answer.history["t"]
     shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
-    if outcome.fe.units > 1:
-        shown = np.unique(np.searchsorted(t, [*(strike.start for strike in outcome.fe.strikes), t[-1]]))
-    every = outlines(outcome)
-    return impact.draw_positions(every[shown], t[shown], marks(outcome.fe), motion=(t, every))
+    if answer.units > 1:
+        shown = np.unique(np.searchsorted(t, [*(strike.start for strike in answer.strikes), t[-1]]))
+    every = outlines(answer, vehicles)
+    return impact.draw_positions(every[shown], t[shown], marks(answer), motion=(t, every))
 
 
 def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
@@ -148,7 +149,7 @@ def animation(
         return write_animation(
             folder / "impact.gif",
             h["t"],
-            outlines(outcome),
+            outlines(outcome.fe, outcome.fe_plan.case.motion.vehicles),
             h["force_normal"],
             units=units,
             size=size or impact.SIZE,

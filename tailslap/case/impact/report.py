@@ -200,11 +200,12 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
     design = report.design_table(outcome.fe_plan.case, outcome.lateral_force)
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
+    positions = figures.position_strip(outcome.fe, outcome.fe_plan.case.motion.vehicles)
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
-        Section("Positions along the wall", figures=[figures.position_strip(outcome)], layout="tall"),
+        Section("Positions along the wall", figures=[positions], layout="tall"),
         *tipping_sections(outcome),
         Section(
             "Units and hinges of the train",
