@@ -1,10 +1,12 @@
-"""Random scenes of a constrained corner: every quantity and every choice of a scene drawn at once.
+"""Random scenes: of a constrained corner every quantity and every choice drawn at once, of a whole impact every
+quantity of each unit about the scene's own.
 
 What the machine code of a run depends on is drawn together, as one of `COMBINATIONS`, and quantities apart from it:
 most kinds of model then serve many scenes, where each would be compiled for one or two.
 """
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -29,6 +31,9 @@ OPEN = 0.3  # fraction of the cells that leave a choice to the program
 # until one is possible and affordable, about one in three is; and quantities drawn for a combination before
 # another is.
 MAX_STEPS, MAX_SECONDS, MAX_TRIES, TRIES = 400_000, 0.5, 1000, 50
+
+# Largest factor between a quantity of a whole impact and the scene's.
+ABOUT = 1.25
 
 
 def log_uniform(random: Random, low: float, high: float) -> float:
@@ -67,18 +72,30 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
     Raises InputError where the scene allows no possible and affordable one.
     """
     random = np.random.default_rng((seed, COMBINATIONS + number))
+    scene_case: Any = case_of(scene, base)
+    own = scene_case.inputs if scene.contact else {}
     for attempt in range(MAX_TRIES):
-        choices = choices_of(seed, number % COMBINATIONS, attempt // TRIES)
-        changes = _drawn(scene, choices, random, number)
+        if scene.contact:
+            changes = _about(scene, own, random, number)
+        else:
+            choices = choices_of(seed, number % COMBINATIONS, attempt // TRIES)
+            changes = _drawn(scene, choices, random, number)
         try:
             case: Any = case_of(*vary(base, changes))
             effort = expected_effort(case.scene, case.duration)
         except InputError:
             continue
-        if effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS:
+        if scene.contact or (effort.steps <= MAX_STEPS and effort.seconds <= MAX_SECONDS):
             return changes
     none = f"none of {MAX_TRIES} random scenes is valid and within the limits of this machine"
     raise InputError("--random", number, none)
+
+
+def _about(scene: Scene, own: Mapping[str, float], random: Random, number: int) -> Changes:
+    """Quantities of a whole impact, and the modulus, about the scene's; own: those that its rigid motion depends on."""
+    changes = {key: value * log_uniform(random, 1.0 / ABOUT, ABOUT) for key, value in own.items() if value}
+    stiffer = stiffness(scene, log_uniform(random, 0.1, 10.0))
+    return {**changes, **stiffer, "name": f"cell-{number:04d}"}
 
 
 def _drawn(scene: Scene, choices: Row, random: Random, number: int) -> Changes:

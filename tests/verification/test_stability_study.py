@@ -24,6 +24,7 @@ from postprocess.report.report import report_text, write_report
 from tailslap.campaign import draws
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
+from tailslap.case import case_of
 from tailslap.case.case import Check
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.checks import CHECKS
@@ -190,10 +191,27 @@ def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
     assert study.against_rigid(own, 1e-2)["kind"] == kind
 
 
-def test_random_cells_are_of_the_corner_alone(tmp_path):
-    case = SimpleNamespace(scene=read_scene(TRUCK)[0])
-    with pytest.raises(InputError, match="--random"):
-        study.compute(case, tmp_path, None, None, 5, 1, 1)
+@pytest.mark.parametrize("name", [TRUCK, "impact-mash-tl5-tractor-van"])
+def test_random_cells_of_a_whole_impact_vary_every_unit_about_its_own(name):
+    scene = read_scene(name)[0]
+    base = study.base_source(scene)
+    cells, places = study.random_cells(scene, base, 1, 3)
+    own = {key: value for key, value in case_of(scene, base).inputs.items() if value}
+    assert ("trailer.0.hitch" in own) == (name != TRUCK)
+    for key, changes in cells.items():
+        factors = [changes[quantity] / value for quantity, value in own.items()]
+        assert all(1.0 / draws.ABOUT <= factor <= draws.ABOUT for factor in factors)
+        assert len(set(factors)) == len(own)
+        assert all(places[key][quantity] == changes[quantity] for quantity in own)
+    assert cells["0002"] == draws.draw(scene, base, 1, 2)
+
+
+def test_random_cells_of_a_whole_impact_are_judged_as_on_the_map(tmp_path, monkeypatch):
+    monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
+    case = case_of(*read_scene(TRUCK))
+    found = study.compute(case, tmp_path / "out", None, None, 2, 1, 1)
+    assert (found.kinds, found.axes, found.settings) == (study.MAP_KINDS, (), {"seed": 1, "tolerance": 1e-2})
+    assert headline(found).certainty == "Correct: within 0.01 of the rigid motion or a refined model."
 
 
 @pytest.fixture

@@ -2,7 +2,8 @@
 
 A map varies two axes at a time and judges each cell against the rigid motion; where the two differ, a refined model
 must differ likewise. A cell whose run would take too long is left out, and counted. With --random every quantity and
-choice of the scene is drawn at once, and a cell is judged by a refined model of the same plate.
+choice of the scene is drawn at once, and a cell is judged by a refined model of the same plate; of a whole impact every
+quantity of each unit, about the scene's own, and a cell is judged as on the map.
 """
 
 import math
@@ -120,17 +121,16 @@ def compute(
     """The map, or so many random cells; an interrupted campaign of the same scene goes on from its journal."""
     began, scene = time.perf_counter(), case.scene
     base, usual = base_source(scene), (6, 1e-2) if scene.contact else (10, 1e-3)
-    if scene.contact and count:
-        raise InputError("--random", count, "this option requires a constrained corner; remove it")
+    limit: Row = {"tolerance": tolerance or usual[1]}
+    kinds, verify = MAP_KINDS, partial[Row](against_rigid, **limit)
+    if count and not scene.contact:
+        kinds, verify, limit = RANDOM_KINDS, partial(against_reference), {}
+    axes: tuple[StudyAxis, ...] = ()
     if count:
-        axes: tuple[StudyAxis, ...] = ()
-        settings: Row = {"seed": seed}  # their number is left out: more cells go on from those there are
-        kinds = RANDOM_KINDS
-        verify: Callable[[Any], Row] = against_reference
+        settings: Row = {"seed": seed, **limit}  # without their number: more cells go on from those there are
         cells, places = random_cells(scene, base, seed, count)
     else:
-        settings = {"points": points or usual[0], "tolerance": tolerance or usual[1]}
-        kinds, verify = MAP_KINDS, partial(against_rigid, tolerance=settings["tolerance"])
+        settings = {"points": points or usual[0], **limit}
         axes = axes_of(scene, settings["points"])
         cells, places = map_cells(scene, axes)
     definition = {"study": "stability", "scene": base.given, **settings}
@@ -399,4 +399,5 @@ def random_cells(
 def flat(tables: Mapping[str, Any]) -> Row:
     """Values of a scene by the full names of their keys, sorted."""
     inner = [(name, table) for name, table in tables.items() if isinstance(table, dict)]
+    inner += [(f"trailer.{number}", table) for number, table in enumerate(tables.get("trailer", ()))]
     return dict(sorted((f"{name}.{key}", value) for name, table in inner for key, value in table.items()))

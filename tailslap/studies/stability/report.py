@@ -70,7 +70,7 @@ def report(found: StabilityResult) -> Report:
     )
     opening, kicker = headline(found), MAP if found.axes else RANDOM
     page = study_page(found.case, kicker, opening, sections, FILES, not counted[WRONG])
-    named = (WRONG, compute.UNJUDGED if found.axes else GOOD)
+    named = (WRONG, GOOD if GOOD in found.kinds else compute.UNJUDGED)
     shown = (Table(VERDICTS, verdicts, title), _listed(found, LISTED[:5], *named))
     numbers = {key: number for number, key in enumerate(found.rows)}
     texts = {f"cell-{numbers[key]:04d}.toml": _scene_file(found, key) for key in found.of_kind(WRONG, GOOD)}
@@ -108,8 +108,9 @@ def headline(found: StabilityResult) -> Headline:
     number, case = counts(found), found.case
     parts = [f"{n} {WORDS[kind]}" for kind, n in number.items() if n and kind != WRONG]
     answer = f"{len(found.rows)} cells: {', '.join(parts)}, {number[WRONG] or 'none'} wrong and undetected."
-    limit = f"{found.settings['tolerance']:g}" if found.axes else RANDOM_LIMIT
-    judge = "the rigid motion or a refined model" if found.axes else "a refined model of the same plate"
+    limit, judge = RANDOM_LIMIT, "a refined model of the same plate"
+    if "tolerance" in found.settings:
+        limit, judge = f"{found.settings['tolerance']:g}", "the rigid motion or a refined model"
     certainty = f"Correct: within {limit} of {judge}."
     return Headline(f"Stability: {case.subject}", answer, case.set_up, certainty)
 
