@@ -316,22 +316,28 @@ def patch_weights(side: np.ndarray, s: np.ndarray, length: float) -> tuple[np.nd
             "patch_length",
             f"a corner patch of {length:g} m does not lie between {s[1]:g} m, an element, and {s[-1]:g} m",
         )
-    weights = _hat_integrals(s, length)
+    weights = hat_integrals(s, 0.0, length)
     used = np.abs(weights) > 0.0
     return side[used].astype(np.int64), weights[used]
 
 
-def _hat_integrals(s: np.ndarray, length: float) -> np.ndarray:
-    """Integrals of w times each node's hat function; two Gauss points are exact for this cubic's pieces."""
+def hat_integrals(s: np.ndarray, place: float, length: float) -> np.ndarray:
+    """Parts of the nodes of a line, s [m], in a load over a length of it [m], about the place as far as there is line:
+    integrals of the linear w that has the integral 1 and its first moment at the place, times each node's hat function.
+
+    Two Gauss points are exact for this cubic's pieces.
+    """
+    begin = max(s[0], min(place - 0.5 * length, s[-1] - length))
+    s, off = s - begin, (place - begin) / length
     parts = np.zeros_like(s)
     for i in range(s.size - 1):
-        end = min(s[i + 1], length)
-        if end <= s[i]:
-            break
-        half = 0.5 * (end - s[i])
+        start, end = max(s[i], 0.0), min(s[i + 1], length)
+        if end <= start:
+            continue
+        half = 0.5 * (end - start)
         for point in (-1.0, 1.0):
-            at = 0.5 * (s[i] + end) + point * half / np.sqrt(3.0)
-            load = half * (4.0 - 6.0 * at / length) / length
+            at = 0.5 * (start + end) + point * half / np.sqrt(3.0)
+            load = half * (4.0 - 6.0 * off - (6.0 - 12.0 * off) * at / length) / length
             hat = (at - s[i]) / (s[i + 1] - s[i])
             parts[i] += load * (1.0 - hat)
             parts[i + 1] += load * hat

@@ -117,22 +117,15 @@ def hinge_weights(positions: np.ndarray, place: float, length: float) -> tuple[n
 
 
 def _parts(s: np.ndarray, place: float, length: float) -> np.ndarray:
-    """Parts of nodes in a line, s [m], in the load of a hinge; two Gauss points are exact for it times a hat."""
-    points, loads = np.array([place]), np.ones(1)
+    """Parts of nodes in a line, s [m], in the load of a hinge."""
     if length > 0.0:
         if not np.diff(s).max() <= length * (1.0 + 1e-9) <= (s[-1] - s[0]) * (1.0 + 2e-9):
             raise ValueError(
                 f"a hinge over {length:g} m does not lie between {np.diff(s).max():g} m, an element, "
                 f"and {s[-1] - s[0]:g} m"
             )
-        begin = float(np.clip(place - 0.5 * length, s[0], s[-1] - length))
-        inner = s[(s > begin) & (s < begin + length)]
-        cuts = np.concatenate([[begin], inner, [begin + length]])
-        half = 0.5 * np.diff(cuts)
-        points = (cuts[:-1] + half + np.outer([-1.0, 1.0], half) / np.sqrt(3.0)).ravel()
-        middle = begin + 0.5 * length
-        loads = np.tile(half, 2) / length * (1.0 + 12.0 * (place - middle) * (points - middle) / length**2)
-    before = np.clip(np.searchsorted(s, points, side="right") - 1, 0, s.size - 2)
-    ahead = (points - s[before]) / (s[before + 1] - s[before])
-    parts = np.bincount(before, loads * (1.0 - ahead), s.size)
-    return parts + np.bincount(before + 1, loads * ahead, s.size)
+        return plate_model.hat_integrals(s, place, length)
+    parts, before = np.zeros_like(s), int(np.clip(np.searchsorted(s, place, side="right") - 1, 0, s.size - 2))
+    ahead = (place - s[before]) / (s[before + 1] - s[before])
+    parts[before : before + 2] = 1.0 - ahead, ahead
+    return parts
