@@ -275,7 +275,8 @@ class Case(ABC):
             error, finer = case.stated_error(outcome), model.refined(outcome.fe_plan.plate).counts
             if not error > tolerance or math.prod(finer) > MOST_ELEMENTS:
                 break
-            case = case.varied({"plate.elements": finer})
+            kept = {d.key: d.value for d in outcome.fe_plan.decisions if d.key.endswith("_length")}
+            case = case.varied({**kept, "plate.elements": finer})
             if not cost.affordable(case.scene, case.duration):
                 break
         return outcome.with_tolerance(error, tolerance)

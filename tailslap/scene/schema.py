@@ -157,7 +157,8 @@ class Trailer(Vehicle):
     kingpin: Kingpin = needed("distance of the hinge behind the front of the trailer; negative for a drawbar")
     stiffness: Stiffness | None = key("crush stiffness of each corner; default: contact.stiffness")
     hitch_length: Length | None = key(
-        "length of both plates over which the force of the hinge is distributed; default: one node"
+        "length of both plates over which the force of the hinge is distributed; default: one node, "
+        "or half the vehicle's width if plate.elements is omitted"
     )
     centre_height: Height | None = key("height of the centre of mass; default: tipping.centre_height")
     roll_inertia: Inertia | None = key("roll moment of inertia about it; default: mass times (0.45 width)^2")
@@ -250,7 +251,8 @@ class Contact(SceneTable):
         "crush stiffness per length of a layer along the sides; default: contact at the corners only"
     )
     patch_length: Length | None = key(
-        "length of the side over which the force of a corner is distributed; default: one node"
+        "length of the side over which the force of a corner is distributed; default: one node, "
+        "or half the vehicle's width of trains if plate.elements is omitted"
     )
     enforcement: Literal["penalty", "exact"] = key("enforcement of contact without crush", "penalty")
     penalty_scale: Scale = key(

@@ -3,11 +3,12 @@
 import functools
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from tailslap.case.impact import checks, error, report, run
+from tailslap.case.impact import checks, error, plan, report, run
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.report import plate_sentence
 from tailslap.cli import _status
@@ -102,6 +103,60 @@ def test_a_hinge_that_cannot_be_spread_is_refused_by_its_key():
     with pytest.raises(InputError, match="does not lie between") as caught:
         case(trailer=[TRAILER | {"hitch_length": 9.0}]).plan()
     assert caught.value.key == "trailer.0.hitch_length"
+
+
+OPEN = {"plate__elements": None, "plate__element": None}
+
+
+@pytest.mark.parametrize(("changes", "keys"), [
+    (OPEN, {"contact.patch_length", "trailer.0.hitch_length"}),
+    (OPEN | {"contact__patch_length": 0.9}, {"trailer.0.hitch_length"}),
+    (OPEN | {"trailer": [TRAILER | {"hitch_length": 1.5}]}, {"contact.patch_length"}),
+    (OPEN | {"contact__stiffness": None, "contact__restitution": None}, {"trailer.0.hitch_length"}),
+    ({}, set()),
+])  # fmt: skip
+def test_a_train_without_elements_spreads_the_forces_whose_length_is_left_out(changes, keys):
+    """Over half the width, as the same lengths given: corners and hinges of the same nodes and weights."""
+    made = case(**changes)
+    assert plan.chosen_lengths(made.scene) == dict.fromkeys(keys, 1.22)
+    found = made.plan()
+    decided = {each.key: each.value for each in found.decisions}
+    assert {key: value for key, value in decided.items() if key.endswith("_length")} == dict.fromkeys(
+        keys, 1.22
+    )
+    mesh = {"plate.elements": found.plate.counts, "plate.element": found.plate.element}
+    same = made.varied(dict.fromkeys(keys, 1.22) | mesh).plan()
+    for part in ("contact", "hinges"):
+        own, other = (getattr(each.model.loop, part) for each in (found, same))
+        assert (own.nodes.tolist(), own.weights.tolist()) == (other.nodes.tolist(), other.weights.tolist())
+
+
+def test_a_trailer_that_is_shorter_than_half_the_width_bounds_the_length():
+    short = TRAILER | {
+        "length": 1.1,
+        "centre_of_mass": 0.5,
+        "yaw_inertia": 2e3,
+        "mass": 3000.0,
+        "kingpin": 0.1,
+    }
+    found = plan.chosen_lengths(case(**OPEN, trailer=[short]).scene)
+    assert set(found.values()) == {1.1}
+    case(**OPEN, trailer=[short]).plan()
+
+
+def test_finer_meshes_of_a_tolerance_keep_the_chosen_lengths(monkeypatch):
+    asked = []
+
+    def coarse(self):
+        asked.append(self)
+        return SimpleNamespace(fe_plan=self.plan(), with_tolerance=lambda *given: None)
+
+    monkeypatch.setattr(ImpactCase, "_run", coarse)
+    monkeypatch.setattr(ImpactCase, "stated_error", lambda self, outcome: 0.1 if len(asked) < 2 else 0.0)
+    case(**OPEN).run(tolerance=0.02)
+    _, finer = asked
+    assert (finer.scene.plate.elements, finer.scene.contact.patch_length) == ((24, 8), 1.22)
+    assert finer.scene.trailer[0].hitch_length == 1.22
 
 
 def test_a_drawbar_and_a_third_unit_run():
