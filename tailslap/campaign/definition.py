@@ -31,7 +31,7 @@ from tailslap.case import case_of, kind_of
 from tailslap.case.cost import demand_affordable
 from tailslap.errors import InputError
 from tailslap.options import MAX_RUNS
-from tailslap.scene import read, schema, vary, write
+from tailslap.scene import read, schema, validate, vary, write
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -183,7 +183,7 @@ def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:
 
 
 def _scene(source: vary.Source, changes: vary.Changes) -> schema.Scene:
-    return vary.key_by_key(vary.changed_tables(source.given, changes)[0])
+    return validate.key_by_key(vary.changed_tables(source.given, changes)[0])
 
 
 def _fixed(source: vary.Source, changes: tuple[str, ...], keys: list[str]) -> vary.Source:

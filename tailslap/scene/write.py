@@ -14,7 +14,7 @@ from pydantic.fields import FieldInfo
 from fem.laws import materials
 from postprocess.units import measure
 from tailslap.errors import InputError, named_arguments, place_error
-from tailslap.scene import schema, units, vary
+from tailslap.scene import schema, units, validate, vary
 
 
 def scene_text(source: vary.Source) -> str:
@@ -115,7 +115,7 @@ def new(name: str) -> Path:
     """
     stem = name.removesuffix(".toml")
     path, text = Path(f"{stem}.toml"), new_scene(stem)
-    vary.validate(tomllib.loads(text))
+    validate.validate(tomllib.loads(text))
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)

@@ -15,7 +15,7 @@ from postprocess.report.report import labelled, printed, table_lines
 from tailslap import cli, errors
 from tailslap.scene import read, schema, write
 from tailslap.scene.schema import Scene, SceneTable
-from tailslap.scene.vary import validate
+from tailslap.scene.validate import key_by_key, validate
 
 QUICK = (
     ("scenes",), ("rigid", "mash-tl4-sut"), ("rigid", "mash-tl4-sut", "--units", "us"),
@@ -197,8 +197,6 @@ def test_every_key_has_a_meaning_and_stands_in_a_new_scene():
 
 def test_examples_in_a_new_scene_are_allowed():
     """Each example by itself, in the table that it stands in."""
-    from tailslap.scene.vary import key_by_key
-
     text = "\n".join(line.lstrip("# ") for line in write.new_scene("x").splitlines()[1:])
     key_by_key(tomllib.loads(text))
 

@@ -11,7 +11,7 @@ import scipy.linalg
 from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
 from tailslap.scene.read import read_scene
-from tailslap.scene.vary import validate
+from tailslap.scene.validate import validate
 from tailslap.scene.write import resolved_inputs
 
 EIGHT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")

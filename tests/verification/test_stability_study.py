@@ -33,7 +33,8 @@ from tailslap.case.cost import expected_effort
 from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted, Verbatim
 from tailslap.scene.read import read_scene, source_of_text
-from tailslap.scene.vary import changed_tables, validate, vary
+from tailslap.scene.validate import validate
+from tailslap.scene.vary import changed_tables, vary
 from tailslap.scene.write import scene_file
 from tailslap.studies.stability import compute as study
 from tailslap.studies.stability.axes import axes_of, map_cells

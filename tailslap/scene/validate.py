@@ -1,0 +1,342 @@
+"""Validation of scenes: each key by itself, then keys that require or exclude each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import ValidationError
+
+from fem.laws import constraints
+from fem.laws.friction import FRICTION_LAWS
+from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
+from tailslap.errors import InputError, Missing, Verbatim, nearest
+from tailslap.scene import schema
+
+OF_A_WALL_THAT_GIVES = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
+
+
+def validate(data: dict[str, Any]) -> schema.Scene:
+    """Scene of these tables. Raises InputError for missing keys or the first invalid one."""
+    scene = key_by_key(data)
+    if missing := missing_keys(data):
+        raise _missing_error(missing)
+    if scene.contact is not None:
+        _check_impact(scene, scene.contact)
+    else:
+        _check_corner(scene)
+    _check_plate(scene)
+    return _with_crush_stiffness(scene)
+
+
+def key_by_key(data: dict[str, Any]) -> schema.Scene:
+    """Scene of these tables, each key validated by itself. Raises InputError."""
+    try:
+        return schema.Scene.model_validate(data)
+    except ValidationError as error:
+        raise _input_error(error, data) from None
+
+
+def missing_keys(tables: Mapping[str, Any]) -> list[str]:
+    """Dotted names of all keys that these tables require and do not have."""
+
+    def absent(*keys: str) -> list[str]:
+        return [key for key in keys if _value(tables, key) is None]
+
+    present = {"vehicle"} | {name for name in schema.TABLES if tables.get(name) not in (None, [], ())}
+    if absent("start.angle", "start.omega", "start.corner_speed") or "contact" in present:
+        present.add("impact")
+    frictionless = [law.name for law in FRICTION_LAWS.values() if law.frictionless]
+    found = absent("name")
+    for name in (name for name in schema.TABLES if name in present):
+        units = tables[name] if name in schema.LISTED else ()
+        places = [f"{name}.{i}" for i in range(len(units))] if isinstance(units, list | tuple) else []
+        required = [key for key, field in schema.TABLES[name].model_fields.items() if field.is_required()]
+        found += absent(*(f"{place}.{key}" for place in places or [name] for key in required))
+    if "contact" in present:
+        crushes = len(absent("contact.stiffness", "contact.strike_duration")) < 2
+        found += absent("contact.restitution") if crushes else []
+        found += absent("contact.stiffness") if "plate" not in present and not crushes else []
+        found += absent("wall.height", "wall.foundation_stiffness") if "wall" in present else []
+    elif "impact" in present:
+        found += absent("impact.friction", "impact.restitution")
+    elif _value(tables, "corner.reaction") not in frictionless:
+        found += absent("corner.friction")
+    if "plate" in present and absent("plate.first_frequency"):
+        found += absent("plate.youngs_modulus")
+    if _value(tables, "damping.kind") == "elastic-velocity":
+        found += absent("damping.rate")
+    return found
+
+
+def _value(tables: Mapping[str, Any], key: str) -> Any:
+    """Value of a dotted key; None where it is absent."""
+    found: Any = tables
+    for name in key.split("."):
+        if isinstance(found, list | tuple):
+            found = found[int(name)]
+        else:
+            found = found.get(name) if isinstance(found, Mapping) else None
+    return found
+
+
+INSTEAD = {
+    "impact.speed": "[start] with angle, omega and corner_speed may replace [impact]",
+    "plate.youngs_modulus": "plate.first_frequency may replace plate.youngs_modulus",
+    "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate]",
+    "wall.height": "without [wall] the wall of a whole impact is rigid",
+}
+"""Alternatives to missing keys."""
+
+
+def _missing_error(keys: list[str]) -> InputError:
+    first, *more = keys
+    required = f"this key is required, and so are {', '.join(more)}" if more else "this key is required"
+    return InputError(first, Missing, "; ".join([required, *(INSTEAD[k] for k in keys if k in INSTEAD)]))
+
+
+def _input_error(error: ValidationError, data: Mapping[str, Any]) -> InputError:
+    found = error.errors()
+    first = next((each for each in found if each["type"] == "extra_forbidden"), found[0])
+    key = ".".join(str(part) for part in first["loc"])
+    kind = first["type"]
+    if kind == "missing":
+        return _missing_error(missing_keys(data))
+    if kind == "extra_forbidden":
+        return InputError(key, first["input"], f"this key does not exist; {_known(first['loc'])}")
+    if kind == "literal_error":
+        return InputError(key, first["input"], f"allowed is {first['ctx']['expected']}")
+    if kind == "tuple_type" and key in schema.LISTED:
+        return InputError(
+            key, first["input"], f"allowed is a list of tables, [[{key}]], numbered {key}.0, {key}.1, ..."
+        )
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return InputError(key, first["input"], f"allowed is a table, [{key}]")
+    message = first["msg"].removeprefix("Value error, ")
+    return InputError(key, first["input"], message[0].lower() + message[1:])
+
+
+def _known(location: tuple[int | str, ...]) -> str:
+    *table, name = map(str, location)
+    known = (schema.TABLES[table[0]] if table else schema.Scene).model_fields
+    elsewhere = [key for key in schema.MEANINGS if key.rpartition(".")[2] == name]
+    hint = nearest(name, known, ".".join([*table, "{}"]))
+    return (
+        f"allowed are {', '.join(known)}{hint or ''.join(f'; did you mean {key}?' for key in elsewhere[:1])}"
+    )
+
+
+def _check_corner(scene: schema.Scene) -> None:
+    """Validate keys of a constrained corner."""
+    _refuse(scene, "this key requires [contact]; remove it", *OF_A_WHOLE_IMPACT)
+    if scene.tipping:
+        raise InputError("tipping", Verbatim("a table"), "this table requires [contact]; remove it")
+    if scene.trailer:
+        why = (
+            "a constrained corner is that of one rigid body; a train requires [contact] in place of [corner]"
+        )
+        raise InputError("trailer", f"{len(scene.trailer)} tables", why)
+    for key in OF_A_WALL_THAT_GIVES:
+        value = getattr(scene.wall, key, None)
+        if scene.wall is not None and value != schema.Wall.model_fields[key].default:
+            allowed = "an elastic wall requires [contact]; remove this key"
+            raise InputError(f"wall.{key}", value, allowed)
+    friction = scene.corner.friction
+    if scene.corner.frictionless and friction is not None:
+        allowed = f'this key has no effect with corner.reaction = "{scene.corner.reaction}"; remove it'
+        raise InputError("corner.friction", friction, allowed)
+
+
+def _refuse(scene: schema.Scene, allowed: str, *keys: str) -> None:
+    """Raise InputError for the first of these keys that the scene has."""
+    for key in keys:
+        table, name = key.split(".")
+        own = getattr(scene, table)
+        value = getattr(own, name) if own and name in own.model_fields_set else None
+        if value is not None:
+            raise InputError(key, value, allowed)
+
+
+def _check_plate(scene: schema.Scene) -> None:
+    """Validate keys of the finite-element model."""
+    tables = {
+        "material": scene.material,
+        "damping": scene.damping,
+        "verify": scene.verify.model_fields_set,
+        "wall": scene.wall,
+        "output": scene.output,
+    }
+    for name, table in tables.items():
+        if table and not scene.plate:
+            raise InputError(name, "a table", "this table has no effect without [plate]; remove it")
+    constraint = constraints.CONSTRAINTS[scene.corner.constraint]
+    of_springs = [f"corner.{key}" for key in ("penalty_scale", "damping_ratio") if key not in constraint.keys]
+    _refuse(scene, f'corner.constraint = "{constraint.name}" has no spring; remove this key', *of_springs)
+    plate = scene.plate
+    if plate and plate.youngs_modulus is not None and plate.first_frequency is not None:
+        allowed = (
+            "it defines the modulus; remove this key or plate.youngs_modulus (--set plate.youngs_modulus=)"
+        )
+        raise InputError("plate.first_frequency", Verbatim(f"{plate.first_frequency:g} Hz"), allowed)
+    if plate and LUMPINGS[plate.lumping].row_sums and not ELEMENT_KINDS[plate.element].row_sums:
+        why = f"row sums of {plate.element} are zero at its corner nodes"
+        allowed = f'{why}; allowed is "exact", or another element'
+        raise InputError("plate.lumping", plate.lumping, allowed)
+    if scene.damping:
+        _check_damping(scene.damping)
+
+
+def _check_damping(damping: schema.Damping) -> None:
+    if not damping.model_fields_set:
+        allowed = "kind, ratio or bulk_viscosity is required; without this table damping is automatic"
+        raise InputError("damping", "an empty table", allowed)
+    if damping.rate is not None and damping.kind != "elastic-velocity":
+        why = 'this key requires damping.kind = "elastic-velocity"; remove it'
+        raise InputError("damping.rate", damping.rate, why)
+    given = [key for key in ("ratio", "bulk_viscosity") if getattr(damping, key) is not None]
+    if damping.kind == "none" and given:
+        allowed = 'damping.kind = "none" excludes this key; remove one of the two'
+        raise InputError(f"damping.{given[0]}", getattr(damping, given[0]), allowed)
+
+
+OF_THE_CORNER = {
+    "corner": "unilateral contact excludes a constrained corner",
+    "start": "a whole impact starts at first contact",
+    "strike": "a whole impact computes the duration of its strikes",
+}
+"""Tables that [contact] excludes, and why."""
+
+OF_A_WHOLE_IMPACT = ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh")
+OF_A_CORNER = {
+    "verify.tolerance": "this key requires a constrained corner; remove it or [contact]",
+    "impact.convention": "the restitution of a whole impact is contact.restitution; remove this key",
+    "plate.density": "the density of a whole impact follows from vehicle.mass; remove this key",
+    "plate.start": "a whole impact starts unstressed; remove this key",
+}
+"""Keys that require [contact]; keys that [contact] excludes, and why."""
+
+OF_CRUSH = tuple(f"contact.{k}" for k in ("initial_force", "restitution", "side_stiffness", "patch_length"))
+OF_NO_CRUSH = ("contact.enforcement", "contact.penalty_scale")
+
+
+def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
+    """Validate keys of a whole impact. Raises InputError."""
+    for name, why in OF_THE_CORNER.items():
+        if name in scene.model_fields_set and getattr(scene, name) is not None:
+            raise InputError(name, "a table", f"{why}; remove this table or [contact]")
+    for key, allowed in OF_A_CORNER.items():
+        _refuse(scene, allowed, key)
+    _check_contact(scene, contact)
+    _check_trailers(scene, contact)
+    _check_tipping(scene)
+    _check_plate_of_impact(scene, contact)
+
+
+def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
+    if contact.strike_duration is not None:
+        _check_strike_duration(scene)
+    if contact.crushes:
+        _refuse(scene, "this key has no effect with contact.stiffness; remove it", *OF_NO_CRUSH)
+    else:
+        _refuse(scene, "this key requires contact.stiffness; remove it", *OF_CRUSH)
+    if contact.enforcement == "exact":
+        _refuse(
+            scene, 'contact.enforcement = "exact" has no spring; remove this key', "contact.penalty_scale"
+        )
+
+
+def _check_strike_duration(scene: schema.Scene) -> None:
+    """Raise InputError where other keys define the crush of the corners as well, or it is that of a train."""
+    allowed = "contact.strike_duration defines the crush stiffness; remove one of the two"
+    _refuse(scene, allowed, "contact.stiffness")
+    allowed = (
+        "contact.strike_duration assumes a crush force in proportion to the depth at the corners; remove one "
+        "of the two, or use contact.stiffness in its place"
+    )
+    _refuse(scene, allowed, "contact.initial_force", "contact.side_stiffness")
+    if scene.trailer:
+        allowed = "the effective mass is that of a single vehicle; of a train allowed is contact.stiffness"
+        raise InputError("contact.strike_duration", scene.needed_contact.strike_duration, allowed)
+
+
+def _with_crush_stiffness(scene: schema.Scene) -> schema.Scene:
+    """Scene whose crush stiffness follows from contact.strike_duration. Raises InputError for one out of bounds."""
+    contact, body = scene.contact, scene.vehicle
+    if contact is None or contact.strike_duration is None:
+        return scene
+    from solver.impact import stiffness_of_duration
+
+    centre = 0.5 * body.length if body.centre_of_mass is None else body.centre_of_mass
+    given = (body.mass, body.yaw_inertia, body.length, body.width, centre)
+    stiffness = stiffness_of_duration(contact.strike_duration, contact.restitution or 0.0, *given)
+    low, high = schema.STIFFNESS_BOUNDS
+    if not low <= stiffness <= high:
+        allowed = f"the crush stiffness would be {stiffness:.3g} N/m; allowed is {low:g} to {high:g} N/m"
+        raise InputError("contact.strike_duration", contact.strike_duration, allowed)
+    values = dict(contact) | {"stiffness": stiffness}
+    found = schema.Contact.model_construct(
+        _fields_set=contact.model_fields_set, **values
+    )  # variations follow
+    return scene.model_copy(update={"contact": found})
+
+
+OF_ROLL = ("centre_height", "roll_inertia", "track", "suspension")
+
+
+def _check_tipping(scene: schema.Scene) -> None:
+    """Raise InputError for wheels beside their unit, and for keys of a trailer's roll without [tipping]."""
+    tracks = [("tipping.track", scene.tipping.track, scene.vehicle.width)] if scene.tipping else []
+    for number, unit in enumerate(scene.trailer):
+        given = {name: value for name in OF_ROLL if (value := getattr(unit, name)) is not None}
+        if scene.tipping is None and given:
+            name, value = next(iter(given.items()))
+            raise InputError(f"trailer.{number}.{name}", value, "this key requires [tipping]; remove it")
+        if scene.tipping:
+            key = f"trailer.{number}.track" if unit.track else "tipping.track"
+            tracks.append((key, unit.track or scene.tipping.track, unit.width))
+    for key, track, width in tracks:
+        if track > width:
+            raise InputError(
+                key, track, f"wheels are below the vehicle; allowed is up to its width, {width:g} m"
+            )
+
+
+MOST_TRAILERS = 7
+
+
+def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
+    """Validate the hinges of a train. Raises InputError."""
+    if len(scene.trailer) > MOST_TRAILERS:
+        allowed = f"allowed are at most {MOST_TRAILERS}"
+        raise InputError("trailer", Verbatim(f"{len(scene.trailer)} tables"), allowed)
+    for number, (ahead, unit) in enumerate(zip(scene.units, scene.trailer, strict=False)):
+        if unit.hitch > ahead.length:
+            allowed = f"allowed is from 0 to the length of the unit ahead, {ahead.length:g} m"
+            raise InputError(f"trailer.{number}.hitch", unit.hitch, allowed)
+        if not -unit.length <= unit.kingpin <= unit.length:
+            allowed = (
+                f"allowed is from {-unit.length:g}, a drawbar, to the trailer's length, {unit.length:g} m"
+            )
+            raise InputError(f"trailer.{number}.kingpin", unit.kingpin, allowed)
+        if unit.stiffness is not None and not contact.crushes:
+            raise InputError(
+                f"trailer.{number}.stiffness",
+                unit.stiffness,
+                "this key requires contact.stiffness; remove it",
+            )
+    if scene.trailer and scene.damping and scene.damping.kind == "elastic-velocity":
+        allowed = "it would damp the hinges; of a train allowed are damping.ratio and damping.bulk_viscosity"
+        raise InputError("damping.kind", scene.damping.kind, allowed)
+
+
+def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:
+    plate = scene.plate
+    if plate is None:
+        return
+    if not contact.crushes and plate.youngs_modulus is None:
+        allowed = "this key is required without contact.stiffness: it defines the contact stiffness"
+        raise InputError("plate.youngs_modulus", Missing, allowed)
+    own = any(unit.centre_of_mass or unit.yaw_inertia for unit in scene.units)
+    if plate.lumping == "row-sum" and own:
+        allowed = 'with centre_of_mass or yaw_inertia of a unit allowed is "exact"'
+        raise InputError("plate.lumping", plate.lumping, allowed)
