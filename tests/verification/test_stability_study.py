@@ -192,6 +192,16 @@ def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
     assert study.against_rigid(own, 1e-2)["kind"] == kind
 
 
+def test_a_train_is_judged_by_the_strikes_whose_error_is_stated():
+    """The first two and the largest; another may be cut off by the end of the run."""
+    strikes = ("front", 1.0), ("trailer front", 2.0), ("trailer rear", 3.0), ("rear", 0.5)
+    own = impact(0.0, 0.0)
+    own.fe = own.rigid = SimpleNamespace(strikes=[SimpleNamespace(corner=c, impulse=j) for c, j in strikes])
+    own.difference = {"strike_3.impulse": 2e-3, "strike_4.impulse": 0.3}
+    found = study.against_rigid(own, 1e-2)
+    assert (found["kind"], found["difference"]) == ("right", 2e-3)
+
+
 @pytest.mark.parametrize("name", [TRUCK, "impact-mash-tl5-tractor-van"])
 def test_random_cells_of_a_whole_impact_vary_every_unit_about_its_own(name):
     scene = read_scene(name)[0]

@@ -27,7 +27,7 @@ from tailslap.case.cost import expected_effort
 from tailslap.case.impact import run as whole_impact
 from tailslap.case.impact.answers import ImpactAnswer, differences
 from tailslap.case.impact.checks import failed_but_mesh
-from tailslap.case.impact.error import of_weight
+from tailslap.case.impact.error import weighed
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
@@ -259,8 +259,9 @@ def _corners_agree(*answers: Any) -> bool:
 
 
 def _judged(found: Mapping[str, float], answer: ImpactAnswer) -> float:
-    """Largest difference in impulse and peak force of those of the first two strikes whose error is stated."""
-    return _largest(of_weight(found, answer.strikes))
+    """Largest difference in impulse and peak force of the strikes whose error is stated."""
+    stated = {f"strike_{1 + answer.strikes.index(strike)}" for strike in weighed(answer.strikes)}
+    return _largest({name: each for name, each in found.items() if name.partition(".")[0] in stated})
 
 
 def _largest(found: Mapping[str, float]) -> float:
