@@ -1,6 +1,4 @@
-"""Verification: the whole impact of rigid vehicles: closed forms, orders, conservation, friction, refusals; strikes
-from sampled forces, by the rule of the rigid impact.
-"""
+"""Verification: the whole impact of rigid vehicles: closed forms, orders, conservation, friction, refusals."""
 
 import math
 from functools import partial
@@ -20,7 +18,6 @@ from solver.impact import (
     solve_impact,
     solve_impacts,
     solve_trains,
-    strikes_of,
     train_of,
 )
 from solver.impact.solve import COLUMNS
@@ -535,85 +532,6 @@ def test_what_cannot_be_among_many_is_refused(key, value, allowed):
 
 def test_the_columns_of_rows_are_named():
     assert len(COLUMNS) == impact(end=0.01).rows.shape[1]
-
-
-def half_sine(t, start, duration, peak):
-    """Means of a half sine over the intervals between the instants."""
-    phase = np.clip((t - start) / duration, 0.0, 1.0)
-    impulse = peak * duration / math.pi * (1.0 - np.cos(math.pi * phase))
-    return np.diff(impulse) / np.diff(t)
-
-
-@pytest.mark.parametrize("shift", [0.0, 0.3, 0.77])
-def test_a_half_sine(shift):
-    """Impulse exact; start and end far below a sample; the peak of the third order."""
-    dt = 1e-3
-    t = np.arange(0.0, 0.3, dt)
-    start, duration = 0.05 + shift * dt, 0.08
-    (strike,) = strikes_of(t, {"rear": half_sine(t, start, duration, 5e5)})
-    assert strike.corner == "rear"
-    assert strike.impulse == pytest.approx(2.0 / math.pi * 5e5 * duration, rel=1e-12)
-    assert strike.start == pytest.approx(start, abs=1e-6)
-    assert strike.duration == pytest.approx(duration, abs=2e-6)
-    assert strike.peak_force == pytest.approx(5e5, rel=1e-6)
-    assert math.isnan(strike.point_of_attack)
-    assert math.isnan(strike.impulse_tangential)
-
-
-def test_a_jump_is_found_within_a_sample():
-    t = np.linspace(0.0, 0.1, 101)
-    force = np.where((t[:-1] > 0.0205) & (t[:-1] < 0.0595), 3e5, 0.0)
-    (strike,) = strikes_of(t, {"front": force})
-    assert (strike.start, strike.end) == pytest.approx((0.021, 0.060), abs=1e-9)
-    assert strike.peak_force == pytest.approx(3e5)
-
-
-@pytest.mark.parametrize(("interval", "first", "second", "strikes"), [
-    (2e-4, (100, 200), (295, 320), 1), (2e-4, (100, 200), (305, 320), 2),  # 19 and 21 ms after one of 20 ms
-    (1e-4, (10, 12), (20, 22), 1), (1e-4, (10, 12), (21, 24), 1),  # 0.8 and 0.9 ms after one of 0.2 ms
-    (1e-4, (10, 12), (23, 25), 2),  # 1.1 ms
-])  # fmt: skip
-def test_a_strike_is_over_when_the_corner_has_been_off_as_long_or_a_millisecond(
-    interval, first, second, strikes
-):
-    force = np.zeros(400)
-    force[slice(*first)] = force[slice(*second)] = 1e5
-    found = strikes_of(interval * np.arange(401.0), {"front": force})
-    assert len(found) == strikes
-    impulse = math.fsum(strike.impulse for strike in found)
-    assert impulse == pytest.approx(1e5 * interval * np.count_nonzero(force))
-
-
-def test_uneven_samples_and_means_beside_the_force():
-    t = np.sort(np.random.default_rng(1).uniform(0.0, 0.2, 400))
-    force = half_sine(t, 0.02, 0.1, 2e5)
-    station = np.linspace(0.0, 10.0, force.size)
-    beside = {"front": -0.4 * force}, {"front": station}, {"front": t[1:]}
-    (strike,) = strikes_of(t, {"front": force, "rear": 0.0 * force}, *beside)
-    push = force * np.diff(t)
-    assert strike.impulse_tangential == pytest.approx(-0.4 * strike.impulse)
-    assert strike.point_of_attack == pytest.approx(station @ push / push.sum())
-    assert strike.position == pytest.approx(t[1:] @ push / push.sum())
-
-
-def test_one_sample_alone():
-    (strike,) = strikes_of(np.array([0.0, 1.0, 2.0, 3.0]), {"rear": np.array([0.0, 7.0, 0.0])})
-    assert (strike.start, strike.end, strike.impulse, strike.peak_force) == (1.0, 2.0, 7.0, 7.0)
-
-
-def test_the_rigid_impact_sampled():
-    """Means of the forces over half a millisecond give the strikes that the steps have counted."""
-    motion = impact()
-    t = np.linspace(0.0, motion.t_end, round(motion.t_end / 5e-4) + 1)
-    mean = np.diff(motion.at(t).impulse_normal) / np.diff(t)
-    rear = (t[1:] > motion.strikes[1].start) & (t[:-1] < motion.strikes[1].end)  # the corners strike in turn
-    sampled = strikes_of(t, {"front": np.where(rear, 0.0, mean), "rear": np.where(rear, mean, 0.0)})
-    assert [strike.corner for strike in sampled] == [strike.corner for strike in motion.strikes]
-    for one, exact in zip(sampled[:2], motion.strikes[:2], strict=True):
-        assert one.impulse == pytest.approx(exact.impulse, rel=1e-5)
-        assert one.start == pytest.approx(exact.start, abs=1e-5)
-        assert one.duration == pytest.approx(exact.duration, abs=2e-5)
-        assert one.peak_force == pytest.approx(exact.peak_force, rel=2e-3)  # the peak is a kink
 
 
 @pytest.mark.parametrize("end", [0.05, 0.1, 0.3, 0.35])
