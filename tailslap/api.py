@@ -16,10 +16,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.laws import constraints, friction, materials
-from fem.plate import kinds
-from fem.registry import Registry
-from fem.start import start_kinds
 from postprocess.report import page
 from postprocess.report.report import labelled_text, opened, write_report
 from postprocess.units import SYSTEMS
@@ -27,10 +23,11 @@ from tailslap import result
 from tailslap.case import case_of, cost
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
-from tailslap.errors import InputError, Interrupted, Verbatim, named_arguments, one_of
+from tailslap.errors import InputError, Interrupted, named_arguments, one_of
 from tailslap.files import load
 from tailslap.files.folder import result_folder
 from tailslap.scene import read
+from tailslap.scene.objects import named, own_names
 from tailslap.scene.units import picture_pixels
 from tailslap.scene.vary import Source, parse_changes, shown, vary
 from tailslap.studies import find_study
@@ -48,21 +45,8 @@ Changes = Mapping[str, Any] | Sequence[str]
 Values = str | Sequence[Any]
 """Values of a varied key: a list, or a text as on the command line, "log:20 GPa:2 TPa:5"."""
 
-REGISTRIES: dict[str, Registry[Any]] = {
-    "corner.reaction": friction.FRICTION_LAWS,
-    "corner.constraint": constraints.CONSTRAINTS,
-    "material.law": materials.MATERIALS,
-    "plate.element": kinds.ELEMENT_KINDS,
-    "plate.lumping": kinds.LUMPINGS,
-    "plate.start": start_kinds.START_KINDS,
-}
-"""Registries of the objects named by these keys."""
-
 IN_THIS_PROCESS = 3
 """Runs of a sweep up to which no processes are started: that would take longer than the runs."""
-
-_OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
-"""Names registered by the program."""
 
 
 @named_arguments
@@ -338,7 +322,7 @@ def study(
     Parameters
     ----------
     name : str
-        "cost", "flexibility", "stability" or "uncertainty".
+        "cost", "flexibility", "stability", "tipping" or "uncertainty".
     scene : str or path
         Name of a scene of the program, or path of a TOML file.
     changes : mapping or sequence of str, optional
@@ -500,11 +484,11 @@ def sweep_result(
 def _own_names(asked: Definition) -> list[str]:
     """Names in a sweep of objects that this process alone has registered."""
     names = []
-    for key in REGISTRIES:
+    for key, own in own_names().items():
         table, _, name = key.partition(".")
         used = {asked.source.given.get(table, {}).get(name)}
         used |= {value for item in asked.variations if item.key == key for value in item.settings}
-        names += [f"{key} = {value}" for value in used & REGISTRIES[key].keys() - _OWN[key]]
+        names += [f"{key} = {value}" for value in used & own]
     return names
 
 
@@ -680,38 +664,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {key: _plain(inner) for key, inner in value.items()}
     return value
-
-
-def named(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Changes by dotted key, with nested tables flattened and objects registered and replaced by their names.
-
-    An object replaces an earlier one of the same name, but not one of the program. Raises InputError for an object of
-    another type or with a name of the program.
-    """
-    found: dict[str, Any] = {}
-    for key, value in changes.items():
-        if isinstance(value, Mapping) and value:
-            found |= named({f"{key}.{name}": inner for name, inner in value.items()})
-        else:
-            found[key] = _named(key, value) if key in REGISTRIES else value
-    return found
-
-
-def _named(key: str, value: Any) -> Any:
-    if value is None or isinstance(value, str):
-        return value
-    registry = REGISTRIES[key]
-    kind: Any = type(next(iter(registry.values())))
-    if not isinstance(value, kind):
-        raise InputError(key, Verbatim(repr(value)), f"allowed is a name or a {kind.__name__}")
-    if value.name in registry and registry[value.name] is value:
-        return value.name
-    if value.name in _OWN[key]:
-        raise InputError(key, value.name, "the program has an object of this name; choose another name")
-    if value.name in registry:
-        registry.remove(value.name)
-    try:
-        registry.register(value)
-    except ValueError as error:
-        raise InputError(key, value.name, str(error)) from None
-    return value.name

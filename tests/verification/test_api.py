@@ -28,6 +28,7 @@ from tailslap.campaign import pools
 from tailslap.campaign.definition import CIRCUMSTANCES
 from tailslap.campaign.perform import StoppedError
 from tailslap.case.cost import available_cores
+from tailslap.scene.objects import named
 
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
 FUNCTIONS = (
@@ -389,7 +390,7 @@ def test_a_law_of_ones_own_is_an_object():
         assert FRICTION_LAWS["own"] is first
         limit = 0.47 * np.sqrt(near.history["reaction_normal"] ** 2 + 1.0)
         np.testing.assert_allclose(np.abs(near.history["reaction_tangential"][:-1]), limit[:-1], rtol=1e-12)
-        assert api.named({"corner.reaction": second}) == {"corner.reaction": "own"}
+        assert named({"corner.reaction": second}) == {"corner.reaction": "own"}
         assert FRICTION_LAWS["own"] is second
     finally:
         FRICTION_LAWS.remove("own")
