@@ -40,18 +40,14 @@ def impact_columns() -> dict[str, HistoryColumn]:
 
 def train_columns() -> dict[str, HistoryColumn]:
     """Columns that trains have besides, of each hinge with its number at the end."""
-    told = {
-        "hinge_force_x": (
-            "N",
-            "of the unit behind on the one ahead, along the wall, mean since the row before",
-        ),
-        "hinge_force_y": (
-            "N",
-            "of the unit behind on the one ahead, across the wall, mean since the row before",
-        ),
-        "articulation": ("rad", "angle between the unit behind and the wall less that of the one ahead"),
-    }
-    return {name: HistoryColumn(name, unit, meaning=meaning) for name, (unit, meaning) in told.items()}
+    force = "of the unit behind on the one ahead, {} the wall, mean since the row before"
+    angle = "angle between the unit behind and the wall less that of the one ahead"
+    columns = (
+        HistoryColumn("hinge_force_x", "N", meaning=force.format("along")),
+        HistoryColumn("hinge_force_y", "N", meaning=force.format("across")),
+        HistoryColumn("articulation", "rad", meaning=angle),
+    )
+    return {column.name: column for column in columns}
 
 
 def column_units(names: Iterable[str]) -> dict[str, str]:

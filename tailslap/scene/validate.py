@@ -150,8 +150,9 @@ def _check_corner(scene: schema.Scene) -> None:
 def _refuse(scene: schema.Scene, allowed: str, *keys: str) -> None:
     """Raise InputError for the first of these keys that the scene has."""
     for key in keys:
-        table, name = key.split(".")
+        table, *number, name = key.split(".")
         own = getattr(scene, table)
+        own = own[int(number[0])] if number else own
         value = getattr(own, name) if own and name in own.model_fields_set else None
         if value is not None:
             raise InputError(key, value, allowed)
@@ -227,7 +228,7 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     for key, allowed in OF_A_CORNER.items():
         _refuse(scene, allowed, key)
     _check_contact(scene, contact)
-    _check_trailers(scene, contact)
+    _check_trailers(scene)
     _check_tipping(scene)
     _check_plate_of_impact(scene, contact)
 
@@ -238,7 +239,8 @@ def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
     if contact.crushes:
         _refuse(scene, "this key has no effect with contact.stiffness; remove it", *OF_NO_CRUSH)
     else:
-        _refuse(scene, "this key requires contact.stiffness; remove it", *OF_CRUSH)
+        of_units = _of_trailers(scene, "stiffness")
+        _refuse(scene, "this key requires contact.stiffness; remove it", *OF_CRUSH, *of_units)
     if contact.enforcement == "exact":
         _refuse(
             scene, 'contact.enforcement = "exact" has no spring; remove this key', "contact.penalty_scale"
@@ -285,26 +287,28 @@ OF_ROLL = ("centre_height", "roll_inertia", "track", "suspension")
 
 def _check_tipping(scene: schema.Scene) -> None:
     """Raise InputError for wheels beside their unit, and for keys of a trailer's roll without [tipping]."""
-    tracks = [("tipping.track", scene.tipping.track, scene.vehicle.width)] if scene.tipping else []
+    if scene.tipping is None:
+        _refuse(scene, "this key requires [tipping]; remove it", *_of_trailers(scene, *OF_ROLL))
+        return
+    tracks = [("tipping.track", scene.tipping.track, scene.vehicle.width)]
     for number, unit in enumerate(scene.trailer):
-        given = {name: value for name in OF_ROLL if (value := getattr(unit, name)) is not None}
-        if scene.tipping is None and given:
-            name, value = next(iter(given.items()))
-            raise InputError(f"trailer.{number}.{name}", value, "this key requires [tipping]; remove it")
-        if scene.tipping:
-            key = f"trailer.{number}.track" if unit.track else "tipping.track"
-            tracks.append((key, unit.track or scene.tipping.track, unit.width))
+        key = f"trailer.{number}.track" if unit.track else "tipping.track"
+        tracks.append((key, unit.track or scene.tipping.track, unit.width))
     for key, track, width in tracks:
         if track > width:
-            raise InputError(
-                key, track, f"wheels are below the vehicle; allowed is up to its width, {width:g} m"
-            )
+            allowed = f"wheels are below the vehicle; allowed is up to its width, {width:g} m"
+            raise InputError(key, track, allowed)
 
 
 MOST_TRAILERS = 7
 
 
-def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
+def _of_trailers(scene: schema.Scene, *names: str) -> list[str]:
+    """Dotted keys of these names of all trailers."""
+    return [f"trailer.{number}.{name}" for number in range(len(scene.trailer)) for name in names]
+
+
+def _check_trailers(scene: schema.Scene) -> None:
     """Validate the hinges of a train. Raises InputError."""
     if len(scene.trailer) > MOST_TRAILERS:
         allowed = f"allowed are at most {MOST_TRAILERS}"
@@ -314,16 +318,8 @@ def _check_trailers(scene: schema.Scene, contact: schema.Contact) -> None:
             allowed = f"allowed is from 0 to the length of the unit ahead, {ahead.length:g} m"
             raise InputError(f"trailer.{number}.hitch", unit.hitch, allowed)
         if not -unit.length <= unit.kingpin <= unit.length:
-            allowed = (
-                f"allowed is from {-unit.length:g}, a drawbar, to the trailer's length, {unit.length:g} m"
-            )
-            raise InputError(f"trailer.{number}.kingpin", unit.kingpin, allowed)
-        if unit.stiffness is not None and not contact.crushes:
-            raise InputError(
-                f"trailer.{number}.stiffness",
-                unit.stiffness,
-                "this key requires contact.stiffness; remove it",
-            )
+            ends = f"{-unit.length:g}, a drawbar, to the trailer's length, {unit.length:g} m"
+            raise InputError(f"trailer.{number}.kingpin", unit.kingpin, f"allowed is from {ends}")
     if scene.trailer and scene.damping and scene.damping.kind == "elastic-velocity":
         allowed = "it would damp the hinges; of a train allowed are damping.ratio and damping.bulk_viscosity"
         raise InputError("damping.kind", scene.damping.kind, allowed)
