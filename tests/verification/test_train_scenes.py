@@ -125,6 +125,7 @@ def test_files_of_a_train(tmp_path, capsys):
     assert "trailer rear" in out
     assert "hinge 1: peak force 453.6" in out
     result = tailslap.rigid(SCENE)
+    assert all(f">trailer {end}<" in result.charts["force"].svg for end in ("front", "rear"))
     result.save(tmp_path / "out")
     units = tailslap.load(tmp_path / "out").rigid
     assert result.rigid is not None
