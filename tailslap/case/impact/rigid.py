@@ -235,9 +235,8 @@ class RigidImpact(Case):
                 both = answers.first_strikes(strikes, len(self.scene.units))
             last = int(np.ceil((max(strike.end for strike in strikes) + AFTER_SECOND) / INTERVAL))
             curves = answers.filtered(mean[:last], INTERVAL)
-            rows.append(answers.strike_columns(both, (curves, curves), INTERVAL))
-            if self.trailers:
-                rows[-1][answers.LARGEST] = float(curves["mean_50ms"].max())
+            largest = {answers.LARGEST: float(curves["mean_50ms"].max())} if self.trailers else {}
+            rows.append(largest | answers.strike_columns(both, (curves, curves), INTERVAL))
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def details(self) -> list[str]:
