@@ -699,3 +699,6 @@ def test_every_check_has_advice(start):
 def test_advice_says_each_thing_once():
     assert advised(["time step", "energy balance", "unknown"]) == "a smaller time.safety_factor"
     assert advised(["penetration", "time step"]).endswith("; a smaller time.safety_factor")
+    both = advised(["error of duration", "error of impulse"], impact=True)
+    assert both.startswith("refine plate.elements")
+    assert both.count("contact.patch_length") == 1

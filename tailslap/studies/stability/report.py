@@ -12,6 +12,7 @@ from postprocess.svg.chart import Chart
 from postprocess.units import known
 from tailslap.case.case import advice
 from tailslap.case.corner.checks import CHECKS
+from tailslap.case.impact import checks as impact_checks
 from tailslap.case.report import study_page, study_summary
 from tailslap.scene import vary, write
 from tailslap.studies.stability import compute
@@ -54,7 +55,10 @@ def report(found: StabilityResult) -> Report:
     verdicts = [{"kind": k, "meaning": found.kinds[k], "cells": count} for k, count in counted.items()]
     title = f"{name}: {len(found.rows)} cells in {found.seconds:.0f} s"
     checks = Counter(row["failed"] for row in found.of_kind(CAUGHT).values())
-    caught = [(name, advised([name]), str(n), str(checks[name])) for name, n in caught_by(found).items()]
+    impact = found.case.scene.contact is not None
+    caught = [
+        (name, advised([name], impact), str(n), str(checks[name])) for name, n in caught_by(found).items()
+    ]
     refused = [(key, str(n)) for key, n in refused_by(found).items()]
     why = (
         text_table(
@@ -136,14 +140,16 @@ def cells_table(found: StabilityResult) -> Table:
     places = dict.fromkeys((name for row in found.rows.values() for name in row if name not in UNKNOWN), "")
     rows = []
     for row in found.rows.values():
-        told = advised(row["failed"].split(", ")) if row["kind"] == CAUGHT else ""
+        impact = found.case.scene.contact is not None
+        told = advised(row["failed"].split(", "), impact) if row["kind"] == CAUGHT else ""
         rows.append({**places, **UNKNOWN, **row, ADVISED: told})
     return Table(tuple(Column(key, key) for key in rows[0]), rows)
 
 
-def advised(failed: Iterable[str]) -> str:
-    """Advice on the checks of a constrained corner by their names."""
-    return advice(CHECKS[name].advice for name in failed if name in CHECKS)
+def advised(failed: Iterable[str], impact: bool = False) -> str:
+    """Advice on the checks of a constrained corner, or of a whole impact, by their names."""
+    kinds = {kind.name: kind for kind in (impact_checks.CHECKS if impact else CHECKS.values())}
+    return advice(kinds[name].advice for name in failed if name in kinds)
 
 
 def _scene_file(found: StabilityResult, key: str) -> str:
