@@ -9,7 +9,7 @@ import math
 import statistics
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -22,11 +22,14 @@ from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 from postprocess.report.page import pairs
 from postprocess.report.report import printed
+from solver.impact import solve_impact
+from solver.impact.solve import MANY
 from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import energy_error
 from tailslap.case.impact.run import attempt
 from tailslap.scene.read import read_scene
+from tailslap.studies.uncertainty.compute import impact_ranges
 
 SCENE, TRAIN, LAWS = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van", ("penalty", "exact")
 Row = tuple[str, str]
@@ -163,6 +166,40 @@ def loop_time() -> Iterator[Row]:
         yield f"FE {what}, {end} s: loop and records", spread
 
 
+def rigid_trains() -> Iterator[Row]:
+    """One rigid train, and samples of the ranges of `study uncertainty`: processor time, and error by restitution."""
+    plan = ImpactCase(*read_scene(TRAIN, ("time.end=1.2",)))
+    own = plan.vehicle, plan.contact, plan.touch, 1.2
+    times = [_processor(lambda: solve_impact(*own, trailers=plan.trailers))[0] for _ in range(12)][1:]
+    yield "rigid train, 1.2 s", f"{1e3 * statistics.median(times):.0f} ms ({1e3 * min(times):.0f} least)"
+    ranges, random = impact_ranges(plan), np.random.default_rng(1)
+    inputs = {each.key: random.uniform(each.lower, each.upper, 512) for each in ranges}
+    seconds, found = _processor(lambda: plan.impacts(inputs, interval=5e-4))
+    yield "512 rigid trains, a sample of them", f"{1e3 * seconds / 512:.1f} ms"
+    few = {key: values[:128] for key, values in inputs.items()}
+    fine = plan.impacts(few, tolerance=MANY / 64.0)
+    errors = []
+    for i in range(128):
+        own, other = (each.impulse[:, i] for each in (found, fine))
+        k, j = np.nanargmax(own), np.nanargmax(other)
+        peak = abs(found.peak_force[k, i] / fine.peak_force[j, i] - 1.0)
+        errors.append(max(peak, abs(own[k] / other[j] - 1.0)))
+    for low, high in ((0.0, 0.01), (0.01, 0.1), (0.1, 0.4)):
+        those = (few["contact.restitution"] >= low) & (few["contact.restitution"] < high)
+        true, stated = np.array(errors)[those], found.error[:128][those]
+        yield (
+            f"  restitution {low:g} to {high:g}: error of the largest strike; stated",
+            f"{np.median(true):.0e}, most {max(true):.0e}; {np.median(stated):.0e}, {max(stated):.0e}",
+        )
+
+
+def _processor(call: Callable[[], Any]) -> tuple[float, Any]:
+    """Processor time of a call [s], and what it returns."""
+    began = time.process_time()
+    found = call()
+    return time.process_time() - began, found
+
+
 def whole_run() -> Iterator[Row]:
     """Processor time of the train's run in a process of its own, without pictures."""
     for what, changes in (("without stated error", ("verify.companion=false",)), ("with stated error", ())):
@@ -212,7 +249,17 @@ def filters() -> Iterator[Row]:
     )
 
 
-PARTS = filters, rigid_limit, against_rigid, loop_time, whole_run, striking_bars, bouncing_bar, meshes
+PARTS = (
+    filters,
+    rigid_limit,
+    against_rigid,
+    loop_time,
+    whole_run,
+    rigid_trains,
+    striking_bars,
+    bouncing_bar,
+    meshes,
+)
 
 
 def main() -> None:

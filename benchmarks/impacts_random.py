@@ -176,6 +176,7 @@ def rigid(seed: int, number: int) -> Record:
     """The rigid impact: its stated error, and the largest change of peaks and impulses of its strikes of 5 % of the
     largest impulse with a quarter of the step."""
     from solver.impact import solve_impact
+    from solver.impact.trajectories import TOLERANCE
     from tailslap.errors import InputError
 
     began = time.process_time()
@@ -185,7 +186,7 @@ def rigid(seed: int, number: int) -> Record:
     except InputError as error:
         return {"seconds": time.process_time() - began, "refused": str(error)}
     seconds, own = time.process_time() - began, (case.vehicle, case.contact, case.touch, motion.t_end)
-    finer = solve_impact(*own, step=0.25 * motion.step, trailers=case.trailers)
+    finer = solve_impact(*own, tolerance=TOLERANCE / 16.0, trailers=case.trailers)
     least = 0.05 * max(strike.impulse for strike in motion.strikes)
     true = 0.0
     for strike in (strike for strike in motion.strikes if strike.impulse >= least):

@@ -1,7 +1,7 @@
 """The whole impact of a rigid vehicle on a wall that only pushes: crush law, friction, all strikes.
 
 The vehicle is a rectangle with its centre of mass on the long axis; the wall is the line Y = 0. Its corners, and a
-layer along its sides, follow a crush law (`CrushLaw`) and Coulomb's friction. One compiled scheme of fixed steps
+layer along its sides, follow a crush law (`CrushLaw`) and Coulomb's friction. One compiled scheme of second order
 (`step`) serves `solve_impact` for one impact, `solve_impacts` for many, and `solve_trains` for vehicles joined by
 hinges; each states its error. Signs are those of `solver.MotionState`; SI units and radians.
 """

@@ -26,8 +26,8 @@ MOST_STRIKES = 64
 """Strikes of one impact for which there is room at first."""
 
 RATES = {"x_g": "v_gx", "y_g": "v_gy"}
-RATES |= {f"impulse_{name}": f"force_{name}" for name in ("normal", "tangential")}
-"""Columns of rows that are integrals of another, and of which."""
+FORCES = {f"impulse_{name}": f"force_{name}" for name in ("normal", "tangential")}
+"""Columns of rows that are integrals of another, and of which; `FORCES` of one unit, for those of each have none."""
 
 
 def column_names(units: int) -> tuple[str, ...]:
@@ -117,7 +117,7 @@ class ImpactMotion:
         s, before, after = (t / self.interval - k)[..., None], self.rows[k], self.rows[k + 1]
         value = before + s * (after - before)
         names = column_names(len(self.vehicles))
-        for name, rate in _rates(names):  # by the cubic with both rates
+        for name, rate in _rates(len(self.vehicles)):  # by the cubic with both rates
             i, j = names.index(name), names.index(rate)
             one, two, u = before[..., j], after[..., j], s[..., 0]
             secant = after[..., i] - before[..., i]
@@ -169,11 +169,11 @@ class ImpactMotion:
         return vehicles.corner_depths(places, at.y_g, at.theta)
 
 
-def _rates(names: tuple[str, ...]) -> list[tuple[str, str]]:
+def _rates(units: int) -> list[tuple[str, str]]:
     """Columns that are integrals of another, and of which; those of trailers too."""
-    ends = ("", *(f"_{unit}" for unit in range(2, len(names) // 8 + 1)))
+    ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
     found = [(f"{name}{end}", f"{rate}{end}") for end in ends for name, rate in RATES.items()]
-    return [(name, rate) for name, rate in found if rate in names]
+    return found if units > 1 else [*found, *FORCES.items()]
 
 
 def solve_impact(

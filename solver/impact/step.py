@@ -9,6 +9,8 @@ of the finite-element loop: forces where the points are, velocities half a step 
 The forces, and those in the hinges, are solved together by Gauss-Seidel over the points that touch. A force that comes
 on at once, as F0 does at first touch, counts for its part of the step; an upright line of unloading (e = 0) is solved
 for the end of the step. All of it is of second order.
+
+Steps of a train are taken in parts, for its unloading lasts a millisecond and its motion a second: `_parts_of_step`.
 """
 
 from typing import NamedTuple
@@ -20,6 +22,12 @@ from fem.machine_code.compiled import compiled
 SWEEPS = 200
 SETTLED = 1e-13
 """Relative change of a force at which Gauss-Seidel ends; SWEEPS: its most sweeps."""
+
+NEAR = 0.25
+"""Step over the time that is left to the next jump of stiffness, at the tolerance."""
+
+LOADING, UPRIGHT = 2.0, 0.25
+"""Phase of a step on loading, over that on a line of unloading; the same where the line is upright, and force jumps."""
 
 SHORTEST = 1e-3
 """A corner that is off the wall for less is still in its strike [s]."""
@@ -68,9 +76,10 @@ class Work(NamedTuple):
 
 
 ALONG, ACROSS, STIFFNESS, INITIAL, RESTITUTION, FRICTION, X, Y = range(8)
-DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART = range(8, 15)
+DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(8, 17)
 """Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
-deepest mean so far [m]; forces [N]; part of the step for which the force is there."""
+deepest mean so far [m]; forces [N]; part of the step for which the force is there; of trains the rate of the depth
+[m/s] and the depth at which the line of unloading ends [m]."""
 
 SLOT, FIRST, LAST, FORCE, BEFORE, STAMP = range(6)
 """Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
@@ -81,7 +90,7 @@ def workspace(units: int, hinges: int, points: int) -> Work:
     """Workspace for one sample of a train of this size."""
     size = 3 * units
     return Work(
-        np.zeros((points, 15)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
+        np.zeros((points, 17)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
         np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
         np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 6)), np.zeros(points, dtype=np.int64),
         np.zeros(columns(units) - 6 * units - 4),
@@ -94,11 +103,7 @@ def advance(train, states, clock, work, rows, strikes):
     columns), and strikes, shape (n, strikes, columns), as many as there is room for."""
     for i in range(train.mass.shape[1]):
         _begin(train, i, states[i], work)
-        finish, number = _follow(
-            states[i], clock.step[i], clock.stride[i], clock.end[i], clock.after, clock.longest, clock.most,
-            work, rows[i], strikes[i],
-        )  # fmt: skip
-        clock.reached[i], clock.counted[i] = finish, number
+        clock.reached[i], clock.counted[i] = _follow(states[i], clock, i, work, rows[i], strikes[i])
 
 
 @compiled
@@ -124,37 +129,97 @@ def _begin(train, i, state, work):
 
 
 @compiled
-def _follow(state, h, stride, end, after, longest, most, work, rows, strikes):
-    """Follow one sample; returns its end [s], NaN if the steps did not do, and its number of strikes."""
+def _follow(state, clock, i, work, rows, strikes):
+    """Follow sample i; returns its end [s], NaN if the steps did not do, and its number of strikes."""
     points, motion, active, sums = work.points, work.motion, work.active, work.sums
-    finish, reached, number, row = min(end, longest), np.nan, 0, 0
+    whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
+    finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
+    part, taken, h = 0, parts, whole
     motion[2] -= 0.5 * h * work.load
-    for k in range(most):
-        t = k * h
-        _place(points, work.whose, motion, work.headings, h, k == 0)
-        motion[2] += h * work.load
+    for k in range(clock.most):
+        t, last = part * (whole / parts), h
+        _place(points, work.whose, motion, work.headings, last, k == 0)
+        if parts > 1:
+            taken = _parts_of_step(points, clock, i, part, taken, last)
+            h = taken * (whole / parts)
+            _look_back(points, last, h)
+        kick = 0.5 * (last + h)
+        motion[2] += kick * work.load
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.headings, work.ties, h)
-        touching = _press(points, work.whose, motion, work.masses, work.ties, work.effect, active, h)
+        touching = _press(points, work.whose, motion, work.masses, work.ties, work.effect, active, kick, h)
         pressed = active[:touching]
         if touching > 0 and t < finish + h:
-            left = min((finish - t) / h, 1.0)
-            number = _count(points, work.whose, motion, pressed, work.groups, strikes, number, h, k, left)
+            left = min((finish - t) / kick, 1.0)
+            number = _count(
+                points, work.whose, motion, pressed, work.groups, strikes, number, last, h, t, k, left
+            )
         if np.isnan(reached) and not end < np.inf:
-            open_end = _open_end(t, k, number, touching, motion, work.reach, work.groups, strikes, after)
-            finish = min(open_end, longest)
+            open_end = _open_end(
+                t, k, number, touching, motion, work.reach, work.groups, strikes, clock.after
+            )
+            finish = min(open_end, clock.longest)
         if np.isnan(reached) and finish < t + h:
-            _leave(h, finish - t, motion, state)
+            _leave(kick, h, finish - t, motion, state)
             reached = finish
-        if row * stride == k and row < rows.shape[0]:
-            early = _early(points, pressed) if k > 0 else 0.0
-            _record(points, work.whose, motion, pressed, sums, early, h, rows[row])
+        if row * stride * parts == part and row < rows.shape[0]:
+            early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
+            _record(points, work.whose, motion, pressed, sums, early, kick, rows[row])
             row += 1
-        if t >= finish and ((row - 1) * stride == k or row == rows.shape[0]):
+        if t >= finish and ((row - 1) * stride * parts == part or row == rows.shape[0]):
             break
-        _add(points, work.whose, motion, pressed, h, sums)
+        _add(points, work.whose, motion, pressed, kick, sums)
         _move(points, motion, pressed, h)
+        part += taken
     return reached, number
+
+
+@compiled
+def _parts_of_step(points, clock, i, part, taken, last):
+    """Choose the next step, in parts of a whole one: a power of two, at most twice the last, that ends a larger one.
+
+    On the law a step is a phase of its oscillation, whose stiffness on the line of unloading is larger by 1/e^2. Where
+    it jumps, at touch, at the deepest and at the foot of the line, steps shrink with the time that is left; not so on
+    an upright line, whose force is what stops a point within a step.
+    """
+    phase, near = clock.phase * clock.pace[i], NEAR * clock.pace[i]
+    shortest = np.inf
+    for p in range(points.shape[0]):
+        depth, deepest, upright = points[p, DEPTH], points[p, DEEPEST], points[p, RESTITUTION] == 0.0
+        rate = (depth - points[p, EARLIER]) / last
+        slowing = (points[p, RATE] - rate) / last
+        points[p, RATE] = rate
+        pressed = (UPRIGHT if upright else LOADING) * phase / clock.rate[i]
+        if depth <= points[p, FOOT]:
+            if rate > 0.0:
+                left = near * (points[p, FOOT] - depth) / rate
+                shortest = min(shortest, max(left, pressed) if upright else left)
+            continue
+        shortest = min(shortest, pressed)
+        if upright:
+            points[p, FOOT] = deepest
+        elif rate > 0.0 and depth >= deepest:
+            if slowing > 0.0:
+                shortest = min(shortest, near * rate / slowing)
+        else:
+            _, _, length = _line(points[p], deepest)
+            points[p, FOOT] = deepest - length
+            speed = max(abs(rate), 1e-300)
+            end = deepest - depth if rate > 0.0 else depth - points[p, FOOT]
+            swing = max(speed, np.sqrt(length * abs(slowing)))
+            shortest = min(shortest, phase * length / swing, near * end / speed)
+    taken = min(2 * taken, clock.parts[i])
+    while part % taken > 0 or (taken > 1 and taken * clock.step[i] > shortest * clock.parts[i]):
+        taken //= 2
+    return taken
+
+
+@compiled
+def _look_back(points, last, h):
+    """Set the depth before, where the step changes, so that the mean of depths stands in the middle of the kick."""
+    if h != last:
+        for p in range(points.shape[0]):
+            points[p, EARLIER] = points[p, DEPTH] - 0.5 * (last + h) * points[p, RATE]
 
 
 @compiled
@@ -216,14 +281,14 @@ def _tie(motion, masses, joints, headings, ties, h):
 
 
 @compiled
-def _press(points, whose, motion, masses, ties, effect, active, h):
+def _press(points, whose, motion, masses, ties, effect, active, kick, h):
     """Forces of the wall, and velocities after them: returns the number of contact nodes in reach."""
     v, touching = motion[2], 0
     for p in range(points.shape[0]):
         j = 3 * whose[p, 0]
         x, y, w = points[p, X], points[p, Y], motion[1, j + 2]
         ahead = points[p, DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-        if ahead <= 0.0 and points[p, DEPTH] <= 0.0:
+        if ahead <= points[p, FOOT] and points[p, DEPTH] <= points[p, FOOT]:
             points[p, NORMAL] = points[p, TANGENTIAL] = 0.0
             continue
         for m in range(v.size):
@@ -236,18 +301,18 @@ def _press(points, whose, motion, masses, ties, effect, active, h):
             for m in range(v.size):
                 effect[p, 0, m] -= along * row[m]
                 effect[p, 1, m] -= across * row[m]
-        points[p, PART] = 1.0 if points[p, NORMAL] > 0.0 else _part(points[p], ahead)
+        points[p, PART] = 1.0 if points[p, NORMAL] > 0.0 else h / kick * _part(points[p], ahead)
         active[touching] = p
         touching += 1
     for a in range(touching):
         p = active[a]
-        _push(h * points[p, TANGENTIAL], h * points[p, NORMAL], effect[p], v)
+        _push(kick * points[p, TANGENTIAL], kick * points[p, NORMAL], effect[p], v)
     for _ in range(SWEEPS if touching > 0 else 0):
         settled = True
         for a in range(touching):
             p = active[a]
             j = 3 * whose[p, 0]
-            settled &= _solve_point(points[p], effect[p], v, j, motion[1, j + 2], h)
+            settled &= _solve_point(points[p], effect[p], v, j, motion[1, j + 2], kick, h)
         if settled:
             break
     return touching
@@ -260,20 +325,20 @@ def _push(along, across, effect, v):
 
 
 @compiled
-def _solve_point(point, effect, v, j, w, h):
+def _solve_point(point, effect, v, j, w, kick, h):
     """Forces of a point beside those of the others, j its unit's first velocity, w the turning; True if they stay as
     they were."""
     x, y = point[X], point[Y]
-    inertia = 1.0 / (h * h * (effect[1, j + 1] + x * effect[1, j + 2]))
+    inertia = 1.0 / (kick * h * (effect[1, j + 1] + x * effect[1, j + 2]))
     ahead = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
     normal = _crush_force(point, ahead + point[NORMAL] / inertia, inertia)
     more = normal - point[NORMAL]
-    _push(0.0, h * more, effect, v)
+    _push(0.0, kick * more, effect, v)
     slip = v[j] - v[j + 2] * y - 0.5 * h * w * w * x
-    stopping = point[TANGENTIAL] - slip / (h * (effect[0, j] - y * effect[0, j + 2]))
+    stopping = point[TANGENTIAL] - slip / (kick * (effect[0, j] - y * effect[0, j + 2]))
     tangential = min(max(stopping, -point[FRICTION] * normal), point[FRICTION] * normal)
     turned = tangential - point[TANGENTIAL]
-    _push(h * turned, 0.0, effect, v)
+    _push(kick * turned, 0.0, effect, v)
     point[NORMAL], point[TANGENTIAL] = normal, tangential
     point[AHEAD] = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
     return abs(more) + abs(turned) <= SETTLED * (normal + abs(tangential))
@@ -315,14 +380,15 @@ def _part(point, ahead):
 
 
 @compiled
-def _count(points, whose, motion, active, groups, strikes, number, h, k, left):
+def _count(points, whose, motion, active, groups, strikes, number, last, h, t, k, left):
     """Add this step's forces to the strikes; returns how many there are. left: steps from now to the end, up to 1."""
-    part = min(max(left + 0.5, 0.0), 1.0)
+    kick = 0.5 * (last + h)
+    part = min(max(left + 0.5 * last / kick, 0.0), 1.0)
     for p in active:
         if points[p, NORMAL] <= 0.0:
             continue
         group = groups[whose[p, 1]]
-        first, last = _pressed_during(points[p], h, k)
+        first, until = _pressed_during(points[p], last, h, t)
         if group[STAMP] < k:
             if group[SLOT] < 0.0 or first - group[LAST] >= max(SHORTEST, group[LAST] - group[FIRST]):
                 group[SLOT], group[FIRST] = number, first
@@ -330,13 +396,13 @@ def _count(points, whose, motion, active, groups, strikes, number, h, k, left):
                     strikes[number, :] = 0.0
                 number += 1
             group[BEFORE] = group[FORCE] if group[STAMP] == k - 1 else 0.0
-            group[LAST], group[FORCE], group[STAMP] = last, 0.0, k
-        group[LAST] = max(group[LAST], last)
+            group[LAST], group[FORCE], group[STAMP] = until, 0.0, k
+        group[LAST] = max(group[LAST], until)
         group[FORCE] += points[p, NORMAL]
         if group[SLOT] >= strikes.shape[0]:
             continue
         strike, j = strikes[int(group[SLOT])], 3 * whose[p, 0]
-        impulse, along = part * h * points[p, NORMAL], part * h * points[p, TANGENTIAL]
+        impulse, along = part * kick * points[p, NORMAL], part * kick * points[p, TANGENTIAL]
         strike[0], strike[1], strike[2] = whose[p, 1], group[FIRST], group[LAST]
         strike[3] = max(strike[3], group[FORCE] + min(left, 0.0) * (group[FORCE] - group[BEFORE]))
         strike[4] += impulse
@@ -350,19 +416,19 @@ def _count(points, whose, motion, active, groups, strikes, number, h, k, left):
 
 
 @compiled
-def _pressed_during(point, h, k):
+def _pressed_during(point, last, h, t):
     """From when, if it has just touched, and until when a point is pressed on about this step, by its speed [s]."""
     peak, _, length = _line(point, point[DEEPEST])
-    rate = (point[AHEAD] - point[EARLIER]) / (2.0 * h)
-    beyond, t = point[DEPTH] - max(point[DEEPEST] - length, 0.0), k * h
-    first, last = t, t + h
+    rate = (point[AHEAD] - point[EARLIER]) / (0.5 * last + 1.5 * h)
+    beyond = point[DEPTH] - max(point[DEEPEST] - length, 0.0)
+    first, until = t, t + h
     if rate > 0.0:
         first = max(t - beyond / rate, t - h, 0.0)
     if length <= 0.0 and peak > 0.0:
-        last = t - 0.5 * h + h * min(point[NORMAL] / peak, 1.0)
+        until = t - 0.5 * last + 0.5 * (last + h) * min(point[NORMAL] / peak, 1.0)
     elif rate < 0.0:
-        last = min(max(t - beyond / rate, t - 0.5 * h), t + h)
-    return first, last
+        until = min(max(t - beyond / rate, t - 0.5 * h), t + h)
+    return first, until
 
 
 @compiled
@@ -395,22 +461,24 @@ def _open_end(t, k, number, touching, motion, reach, groups, strikes, after):
 
 
 @compiled
-def _leave(h, ahead, motion, state):
+def _leave(kick, h, ahead, motion, state):
     """Write the state `ahead` seconds after this instant into `state`."""
     for m in range(motion.shape[1]):
         v, gain = motion[2, m], motion[2, m] - motion[1, m]
         state[m // 3, m % 3] = motion[0, m] + (-ahead if m % 3 == 2 else ahead) * v
-        state[m // 3, 3 + m % 3] = v + (ahead / h - 0.5) * gain
+        state[m // 3, 3 + m % 3] = v + (ahead / kick - 0.5 * h / kick) * gain
 
 
 @compiled
-def _early(points, active):
+def _early(points, active, before):
     """Part of the impulse of this step that falls before its instant."""
     total, early = 0.0, 0.0
     for p in active:
         part, normal = points[p, PART], points[p, NORMAL]
         total += normal
-        early += normal * (0.5 if part == 1.0 else max(part - 0.5, 0.0) / part if part > 0.0 else 0.0)
+        early += normal * (
+            before if part == 1.0 else max(part - (1.0 - before), 0.0) / part if part > 0.0 else 0.0
+        )
     return early / total if total > 0.0 else 0.5
 
 

@@ -1,17 +1,17 @@
-"""Motions of rigid trains that strike a wall, one or a million, in steps of one length.
+"""Motions of rigid trains that strike a wall, one or a million, in steps of one length, of hinged units in parts of it.
 
 The step is taken from the stiffest contact, the turning and the tolerance; what it leaves of error is stated from a run
 at twice the step, and where that is more than the tolerance, which doubles with it, the step is halved.
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
-from solver.impact.step import STRIKE, advance, columns, workspace
+from solver.impact.step import SHORTEST, STRIKE, advance, columns, workspace
 from solver.impact.train import Train
 from solver.rules import Array, RigidBodyError
 
@@ -20,6 +20,12 @@ TOLERANCE = 1e-5
 
 PHASE, TURN = 0.7, 0.025
 """The step, over the tolerance's root: of the stiffest oscillation's radian, and of that times size over speed."""
+
+PHASE_OF_PARTS, TURN_OF_PARTS, PARTS = 0.32, 0.1, 1024
+"""Phase of a part of a step of a train, and turning of its whole step, as above; most parts of a step."""
+
+OF_UPRIGHT = 4.0
+"""Stated error of a train whose line of unloading is upright, over its change: the order of its steps is one."""
 
 REFUSED = 1e-3
 """Error, or ten times the tolerance, at which there is no answer."""
@@ -31,15 +37,21 @@ MOST_ROWS = 1_000_000
 
 
 class Timing(NamedTuple):
-    """Times of n samples: step [s] and steps a row, shape (n,); end [s], shape (n,), infinite where it is open: then
-    `after` [s] from the end of the second strike, or from the start and as soon as nothing can touch any more.
+    """Times of n samples: step [s], its most parts, and steps a row, shape (n,); end [s], shape (n,), infinite where it
+    is open: then `after` [s] from the end of the second strike, or from the start and as soon as nothing can touch any
+    more.
 
-    longest: latest open end [s]; most: steps at most. reached, shape (n,): the end, NaN where the steps did not do;
-    counted, shape (n,): strikes.
+    phase: part of a step in radians of the oscillation on the law, times `pace`, shape (n,), step over the one that the
+    tolerance asks for; rate: of the stiffest oscillation [1/s], shape (n,). longest: latest open end [s]; most: steps
+    at most. reached, shape (n,): the end, NaN where the steps did not do; counted, shape (n,): strikes.
     """
 
     step: np.ndarray
+    parts: np.ndarray
     stride: np.ndarray
+    phase: float
+    pace: np.ndarray
+    rate: np.ndarray
     end: np.ndarray
     after: float
     longest: float
@@ -130,11 +142,17 @@ def solve_trains(
     latest = longest if end is None else end
     rate, turning = _rates(train, state)
     h = PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
+    varies = step is None and len(train.hitch) > 0
+    if varies:
+        h = np.minimum(TURN_OF_PARTS * math.sqrt(tolerance) / turning, 0.5 * SHORTEST)
     if step is not None:
         h = np.full(len(state), step)
     h = np.maximum(h, latest / most)  # coarser, and finer then, as far as the end that is found allows
     whole = interval or latest
-    h = whole / np.ceil(whole / h)
+    h = asked = whole / np.ceil(whole / h)
+    parts = np.ones(len(state), dtype=np.int64)
+    if varies:
+        parts <<= np.log2(np.clip(most * h / latest, 1, PARTS)).astype(np.int64)
 
     def run(chosen: NDArray[np.int64], h: Array, interval: float | None, room: int = strikes) -> Trajectories:
         few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[..., chosen]) for v in train))
@@ -146,32 +164,32 @@ def solve_trains(
         rows = np.empty((n, count, columns(out.shape[1])))
         found, ends = np.full((n, room, len(STRIKE)), np.nan), np.full(n, math.inf if end is None else end)
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
-        clock = Timing(h, stride, ends, after_second, latest, most, reached, counted)
+        clock = Timing(
+            h, parts[chosen], stride, PHASE_OF_PARTS * math.sqrt(tolerance), h / asked[chosen], rate[chosen], ends,
+            after_second, latest, most, reached, counted,
+        )  # fmt: skip
         given = few, out, clock, workspace(out.shape[1], len(few.hitch), few.unit.size), rows, found
         compile_once(lambda: advance(*given), advance, *given, on_compile=on_compile)
         if counted.max() > room > 2:
             return run(chosen, h, interval, int(counted.max()))
         return Trajectories(reached, out, found, rows, h * stride, h, np.zeros(n))
 
-    chosen = np.arange(len(state))
+    chosen, settled = np.arange(len(state)), np.full(len(state), step is not None)
+    more = np.where((train.restitution == 0.0).any(axis=0) & varies, OF_UPRIGHT, 1.0)
     found = run(chosen, h.copy(), interval)
-    error = _difference(found, run(chosen, 2.0 * h, None), turning)
-    while step is None:
-        rough = ~(error <= tolerance * h / found.step)
-        chosen = np.flatnonzero(rough & (2.0 * found.end <= most * found.step))
+    error = more * _difference(found, run(chosen, 2.0 * h, None), turning)
+    while True:
+        settled |= (error <= tolerance * h / found.step) | ~(2.0 * found.end <= most * found.step)
+        chosen = np.flatnonzero(~settled)
         if not chosen.size:
             break
         finer = run(chosen, 0.5 * found.step[chosen], interval)
-        coarse = Trajectories(*(value[chosen] for value in found._replace(rows=found.end)))  # rows are large
-        error[chosen] = _difference(finer, coarse, turning[chosen])
-        if len(chosen) == len(found.end):
-            found = finer
-            continue
-        room = max(found.strikes.shape[1], finer.strikes.shape[1])
-        found, finer = _with_room(found, room), _with_room(finer, room)
-        written = math.ceil(float(np.nanmax(finer.end / finer.interval))) + 2
-        for old, new in zip(found._replace(rows=found.rows[:, :written]), finer, strict=True):
-            old[chosen] = new[:, :written] if new is finer.rows else new
+        settled[chosen] = np.isnan(finer.end)  # steps did not do: what is there stays
+        if settled[chosen].any():
+            finer, chosen = _samples(finer, ~settled[chosen]), chosen[~settled[chosen]]
+        coarse = _samples(found._replace(rows=found.end), chosen)  # rows are large
+        error[chosen] = more[chosen] * _difference(finer, coarse, turning[chosen])
+        found = _replaced(found, chosen, finer)
     bad = ~(error <= max(REFUSED, 10.0 * tolerance))
     if bad.any() and step is None:
         i = int(np.argmax(bad))
@@ -179,6 +197,22 @@ def solve_trains(
         why = f"steps of {found.step[i]:.2g} s leave an error of {error[i]:.2g}{place}"
         raise RigidBodyError("contact", "this law", why, "a smaller stiffness or friction")
     return found._replace(error=error)
+
+
+def _samples(found: Trajectories, chosen: NDArray[Any]) -> Trajectories:
+    return Trajectories(*(value[chosen] for value in found))
+
+
+def _replaced(found: Trajectories, chosen: NDArray[np.int64], finer: Trajectories) -> Trajectories:
+    """These samples replaced by finer ones, which may have more strikes."""
+    if len(chosen) == len(found.end) or not chosen.size:
+        return finer if chosen.size else found
+    room = max(found.strikes.shape[1], finer.strikes.shape[1])
+    found, finer = _with_room(found, room), _with_room(finer, room)
+    written = math.ceil(float((finer.end / finer.interval).max())) + 2
+    for old, new in zip(found._replace(rows=found.rows[:, :written]), finer, strict=True):
+        old[chosen] = new[:, :written] if new is finer.rows else new
+    return found
 
 
 def _with_room(found: Trajectories, room: int) -> Trajectories:

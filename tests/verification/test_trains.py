@@ -231,6 +231,40 @@ def test_what_no_trailer_can_have_is_refused_by_its_number():
                       friction=0.4, trailers=[trailer])  # fmt: skip
 
 
+@pytest.mark.parametrize(("restitution", "allowed"), [(0.0, 1e-3), (0.02, 3e-4), (0.3, 3e-4)])
+def test_steps_in_parts_agree_with_short_steps_of_one_length(restitution, allowed):
+    """Down to a restitution at which the law is 2 500 times stiffer on unloading, and upright, at the tolerance of many
+    trains; an upright law is of first order."""
+    law = WallContact(CrushLaw(2e6, 0.0, restitution), MU)
+    train = train_of((TRACTOR, TRAILER), law, [(HITCH, KINGPIN)])
+    start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
+    found, fine = (
+        solve_trains(train, start, strikes=8, end=0.4, **how) for how in ({"tolerance": 4e-3}, {"step": 1e-6})
+    )
+    own, known = (
+        each.strikes[0][each.strikes[0, :, 4] > 0.05 * np.nanmax(each.strikes[0, :, 4])]
+        for each in (found, fine)
+    )
+    assert own[:, 0].tolist() == known[:, 0].tolist() == [0.0, 4.0, 1.0, 0.0][: len(known)]
+    true = np.abs(own[:, 3:5] / known[:, 3:5] - 1.0).max()
+    assert true < allowed
+    assert true <= 1.5 * found.error[0] < 6e-3
+    assert found.step[0] > 2e-4
+
+
+def test_a_restitution_near_zero_is_solved_or_its_error_is_stated():
+    """Its line of unloading has a period of 20 us; the step is 0.5 ms, and has 1024 parts at most."""
+    law = WallContact(CrushLaw(2e6, 0.0, 1e-4), MU)
+    train = train_of((TRACTOR, TRAILER), law, [(HITCH, KINGPIN)])
+    start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
+    found = solve_trains(train, start, tolerance=4e-3, strikes=8, end=0.2)
+    plastic = solve_trains(
+        train._replace(restitution=0.0 * train.restitution), start, tolerance=4e-3, strikes=8, end=0.2
+    )
+    assert found.strikes[0, 0, 3:5] == pytest.approx(plastic.strikes[0, 0, 3:5], rel=2e-3)
+    assert found.error[0] < 4e-2
+
+
 @pytest.mark.parametrize(
     "crushes", [((0.5e6, 0.03), (5e6, 0.1)), ((0.5e6, 0.3), (2e6, 0.03))], ids=["fewer", "more"]
 )
