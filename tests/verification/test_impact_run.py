@@ -13,6 +13,7 @@ import pytest
 
 import tailslap
 from postprocess.units import percent_up
+from solver.impact import Strike
 from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers, checks, error, report, rigid, run
@@ -514,3 +515,25 @@ def test_the_headline_says_of_which_strikes_the_difference_is():
     assert heavy.certainty.startswith("Vehicle flexibility changes the impulses by at most ")
     text = "Vehicle flexibility changes the impulses of strikes above 5 % of the largest by at most 0.1"
     assert light.certainty.startswith(text)
+
+
+def test_strikes_of_two_models_are_paired_by_their_weight_where_one_bounces_more():
+    """A corner that bounces twice in one model and once in the other: the strikes behind it stand beside their own."""
+    fe = [strike("front", 100.0), strike("front", 1.0), strike("rear", 50.0)]
+    rigid_vehicle = [strike("front", 101.0), strike("front", 2.0), strike("front", 1.0), strike("rear", 51.0)]
+    assert {k: each.impulse for k, each in answers.alike(fe, rigid_vehicle).items()} == {
+        1: 101.0,
+        2: 2.0,
+        3: 51.0,
+    }
+    assert {k: each.impulse for k, each in answers.alike(fe[:1] + fe[2:], rigid_vehicle).items()} == {
+        1: 101.0,
+        2: 51.0,
+    }
+    assert answers.alike([strike("rear", 1.0)], rigid_vehicle) == {}
+    found = answers.differences(ImpactAnswer(tuple(fe), {}, 2), ImpactAnswer(tuple(rigid_vehicle), {}, 2))
+    assert found["strike_3.impulse"] == pytest.approx(50.0 / 51.0 - 1.0)
+
+
+def strike(corner, impulse):
+    return Strike(corner, 0.0, 0.1, 10.0 * impulse, impulse)

@@ -17,6 +17,9 @@ END = ("t", "theta", "omega", "v_gx", "v_gy")
 COMPARED = ("impulse", "peak_force", "duration")
 """Quantities of the first two strikes that are compared."""
 
+WEIGHT = 0.05
+"""Impulse of a strike over the largest, from which it is judged; others come and go with the mesh."""
+
 STRIKE = ("corner", "start", "end", "duration", "peak_force", "impulse")
 """First quantities of a strike in a summary; more follow."""
 
@@ -164,15 +167,32 @@ def mean_peak(answer: ImpactAnswer, strike: Strike) -> float:
     return float(mean[during].max())
 
 
-def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:
-    """FE/rigid - 1 of the strikes that count; none where the corners do not strike in the same order."""
+def heavy(strikes: Sequence[Strike]) -> list[Strike]:
+    """Strikes whose impulse is `WEIGHT` of the largest or more."""
+    largest = max((strike.impulse for strike in strikes), default=0.0)
+    return [strike for strike in strikes if strike.impulse >= WEIGHT * largest]
+
+
+def alike(strikes: Sequence[Strike], others: Sequence[Strike]) -> dict[int, Strike]:
+    """Strike of another model beside each, by its number from 1: in order for as long as the same corners strike, of
+    all strikes and of the heavy ones, for a corner that bounces may do so another number of times."""
     found = {}
-    for k, (one, other) in enumerate(zip(fe.strikes[: fe.counted], rigid.strikes, strict=False), 1):
-        if one.corner != other.corner:
-            break
-        for name in COMPARED:
-            found[f"strike_{k}.{name}"] = getattr(one, name) / getattr(other, name) - 1.0
+    for own, its in ((strikes, others), (heavy(strikes), heavy(others))):
+        for one, other in zip(own, its, strict=False):
+            if one.corner != other.corner:
+                break
+            found[1 + strikes.index(one)] = other
     return found
+
+
+def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:
+    """FE/rigid - 1 of the strikes that count and are alike."""
+    return {
+        f"strike_{k}.{name}": getattr(fe.strikes[k - 1], name) / getattr(other, name) - 1.0
+        for k, other in sorted(alike(fe.strikes, rigid.strikes).items())
+        for name in COMPARED
+        if k <= fe.counted
+    }
 
 
 def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:

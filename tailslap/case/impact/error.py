@@ -8,7 +8,7 @@ import numpy as np
 
 from fem.plate import kinds
 from solver.impact import Strike
-from tailslap.case.impact.answers import MEAN_WINDOW, ImpactAnswer, mean_peak
+from tailslap.case.impact.answers import MEAN_WINDOW, ImpactAnswer, heavy, mean_peak
 from tailslap.case.model import refined
 from tailslap.scene.schema import Plate
 
@@ -19,9 +19,6 @@ QUANTITIES = {
     "duration": "duration",
 }
 """Quantities of a strike whose error is stated, in words."""
-
-WEIGHT = 0.05
-"""Impulse of a strike of weight over the largest of its impact."""
 
 RESOLVED = 1e-3
 """Error that comes on top: of time steps and rows, which all meshes share."""
@@ -45,17 +42,16 @@ THIRD_UP_TO = 1000
 
 def weighed(strikes: Sequence[Strike]) -> list[Strike]:
     """The first two strikes of weight; of a train the largest too, which may be the trailer's rear one."""
-    largest = max((strike.impulse for strike in strikes), default=0.0)
-    found = [strike for strike in strikes if strike.impulse >= WEIGHT * largest]
+    found = heavy(strikes)
+    largest = max((strike.impulse for strike in found), default=0.0)
     is_train = any("trailer" in strike.corner for strike in strikes)
     return found[:2] + [strike for strike in found[2:] if is_train and strike.impulse == largest]
 
 
 def of_weight(differences: Mapping[str, float], strikes: Sequence[Strike]) -> dict[str, float]:
-    """Differences, by `strike_1.impulse` and so on, of the strikes above `WEIGHT`: no error is stated for others."""
-    least = WEIGHT * max((strike.impulse for strike in strikes), default=0.0)
-    light = {f"strike_{k}" for k, strike in enumerate(strikes, 1) if strike.impulse < least}
-    return {name: each for name, each in differences.items() if name.partition(".")[0] not in light}
+    """Differences, by `strike_1.impulse` and so on, of the heavy strikes: no error is stated for others."""
+    names = {f"strike_{1 + strikes.index(strike)}" for strike in heavy(strikes)}
+    return {name: each for name, each in differences.items() if name.partition(".")[0] in names}
 
 
 def judged_until(answer: ImpactAnswer) -> float:

@@ -16,7 +16,7 @@ from postprocess.units import SI, Units, measure, percent_up
 from tailslap.case import report
 from tailslap.case.case import failed_names, failed_sentence, unreliable
 from tailslap.case.impact import checks, error, figures, run
-from tailslap.case.impact.answers import ImpactAnswer, train_remarks
+from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, alike, train_remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
 from tailslap.scene.schema import Contact, Scene
@@ -117,7 +117,7 @@ def headline(outcome: run.ImpactOutcome) -> Headline:
 def _certainty(outcome: run.ImpactOutcome) -> str:
     heavy = error.of_weight(outcome.difference, outcome.fe.strikes)
     impulses = [abs(value) for key, value in heavy.items() if key.endswith("impulse")]
-    of = f" of strikes above {100 * error.WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
+    of = f" of strikes above {100 * WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
     what = "Flexibility of vehicle and wall" if outcome.fe_plan.case.scene.wall else "Vehicle flexibility"
     text = f"{what} changes the impulses{of} by at most {percent_up(max(impulses, default=math.nan))}"
     if not impulses:
@@ -166,10 +166,10 @@ def hinges_table(outcome: run.ImpactOutcome) -> Table:
 
 def peak_table(outcome: run.ImpactOutcome) -> Table:
     """Peak force of each strike, and of the whole impact as a mean over 50 ms."""
-    fe, rigid = outcome.fe.strikes, outcome.rigid.strikes
+    fe, rigid = outcome.fe.strikes, alike(outcome.fe.strikes, outcome.rigid.strikes)
     rows: list[dict[str, Any]] = []
     for number, strike in enumerate(fe, 1):
-        other = rigid[number - 1].peak_force if number <= len(rigid) else None
+        other = rigid[number].peak_force if number in rigid else None
         rows.append({"what": f"Strike {number}, {strike.corner}", "fe": strike.peak_force, "rigid": other})
     mean = {"fe": outcome.fe.peaks["mean_50ms"], "rigid": outcome.rigid.peaks["mean_50ms"]}
     return Table(report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
