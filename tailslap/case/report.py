@@ -88,7 +88,7 @@ STRIKES = (
     Column("duration", "Duration", "ms", form=milliseconds),
     Column("peak_force", "Peak", "N", form=".1f", style="strong"),
     Column("impulse", "Impulse", "N s", form=".2f"),
-    Column("point_of_attack", "Resultant", "m", form=".2f"),
+    Column("point_of_attack", "Resultant", "m", form="z.2f"),
 )
 ATTACK = "Resultant: distance of the resultant force behind the front bumper."
 COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
