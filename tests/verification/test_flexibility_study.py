@@ -143,8 +143,8 @@ def test_command(tmp_path, capsys):
     assert cli._status(given) == cli.DONE
     printed = capsys.readouterr().out.replace("\N{NO-BREAK SPACE}", " ")
     printed = " ".join(printed.split())
-    assert "good to 1 %, at the strike and before, down to a first frequency of ≈ 1." in printed
-    assert "Failed: 0.05 Hz: plate.start" in printed
+    assert "Lowest natural frequency at which rigid-body v_GY is within 1 %: ≈ 1." in printed
+    assert "Failed plates: 0.05 Hz: plate.start" in printed
     points = json.loads((out / "summary.json").read_text())["points"]
     assert [point["passed"] for point in points] == [True, True, True, False]
     assert [point["thickness_apart"] is not None for point in points].count(True) == 2

@@ -179,7 +179,7 @@ def test_each_row_is_that_of_a_run(undisturbed, scene):
 def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed):
     refused = [row for row in undisturbed if row["status"] == "refused"]
     assert {row["corner.reaction"] for row in refused} == {"none"}
-    assert all('no meaning with corner.reaction = "none"' in row["reason"] for row in refused)
+    assert all('no effect with corner.reaction = "none"' in row["reason"] for row in refused)
     assert all(row["fe.t"] is None for row in refused)
 
 
@@ -247,7 +247,7 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     said = process.communicate(timeout=HANG)[1].decode()
     assert process.returncode == 130
     kept = table(place)
-    kept_rows = f"{len(kept)} of {RUNS} rows are kept"
+    kept_rows = f"{len(kept)} of {RUNS} rows are saved"
     assert said.strip() == f"tailslap: interrupted; {kept_rows}; the same command resumes the sweep"
     assert [known(row) for row in kept] == [known(undisturbed[row["run"]]) for row in kept]
     done = perform(definition_of(scene), place, cluster)
@@ -392,7 +392,7 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
                 process.kill()
 
         patched.setattr(Records, "add", add_and_kill)
-        message = r"the scheduler at tcp.* is gone; \d+ of 14 rows are kept"
+        message = r"the connection to the scheduler at tcp.* is lost; \d+ of 14 rows are saved"
         with pytest.raises(StoppedError, match=message) as stop:
             perform(definition, place, found.address, compute=compute)
     assert stop.value.status == 3
@@ -414,7 +414,9 @@ def test_other_versions_are_refused(scene, cluster, tmp_path, monkeypatch):
     with pytest.raises(pools.OtherProgramError):
         pools.run_batch("0.0.0", compute_row, [])
     monkeypatch.setattr(pools, "program", lambda: "9.9.9")
-    with pytest.raises(errors.InputError, match=r"--cluster: .* has tailslap .*; allowed is 9\.9\.9"):
+    with pytest.raises(
+        errors.InputError, match=r"--cluster: .* has tailslap .*; all workers require 9\.9\.9"
+    ):
         perform(definition_of(scene), tmp_path / "sweep", cluster)
     assert not (tmp_path / "sweep").exists()
 
