@@ -100,7 +100,7 @@ class Frame:
 def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Frame]:
     """The plots one below the other, from `top` on, over one x axis."""
     ranges = [found_ranges(plot.marks) for plot in plots]
-    scales = [plot.y.scale(y) for plot, (_, y) in zip(plots, ranges, strict=True)]
+    scales = [_below_names(plot, plot.y.scale(y)) for plot, (_, y) in zip(plots, ranges, strict=True)]
     along = x.scale((min(a for (a, _), _ in ranges), max(b for (_, b), _ in ranges)))
     sized = [
         replace(scale, start=200.0 if plot.height is None else plot.height, end=0.0)
@@ -118,6 +118,17 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
         frames.append(Frame(plot, along, replace(scale, start=top + height, end=top), marked))
         top += height
     return frames
+
+
+def _below_names(plot: Plot, scale: scales.Scale) -> scales.Scale:
+    """A longer scale where spans have names at the top of the plot, so that curves stay below them."""
+    rows = max(
+        (mark.row + 1 for mark in plot.marks if isinstance(mark, marks.Span) and mark.label), default=0
+    )
+    if plot.height is None or scale.is_log or not rows:
+        return scale
+    part = (SMALL * rows + 3.0) / plot.height
+    return replace(scale, high=scale.high + (scale.high - scale.low) * part / (1.0 - part))
 
 
 def drawn(frame: Frame, across: Axis) -> str:

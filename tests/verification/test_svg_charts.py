@@ -14,7 +14,7 @@ from postprocess.figures import studies
 from postprocess.figures.histories import Curve, draw_histories, draw_overlay, power_of_ten, thinned
 from postprocess.figures.impact import LINES, draw_forces
 from postprocess.figures.plates import VERDICTS, MapAxis, draw_map, draw_meanings, draw_mode
-from postprocess.svg.chart import FULL, Axis, Plot, draw_chart
+from postprocess.svg.chart import FULL, Axis, Plot, draw_chart, framed
 from postprocess.svg.marks import PALETTE, Boxes, Layer, Level, Line, Span, Swatch, Words, text_width
 from postprocess.svg.scales import Scale, Shades, cells_about, fitted, power_text, round_ticks, tick_texts
 from postprocess.units import SI
@@ -631,3 +631,16 @@ def test_thinning_keeps_ends_and_peaks():
 )
 def test_power_of_ten(size, power):
     assert power_of_ten(np.array([0.0, size])) == power
+
+
+@pytest.mark.parametrize("row", [0, 2])
+def test_curves_stay_below_the_names_of_spans(row):
+    """The largest value is drawn below the last row of names; without spans the axis ends where it did."""
+    line = Line("force", np.array([0.0, 1.0, 2.0]), np.array([0.0, 5.0, 1.0]))
+    spans = (Span("front", 0.5, 1.5, row=row),)
+    (free,) = framed([Plot((line,), Axis("force"))], Axis("t"), 520.0, 0.0)
+    (named,) = framed([Plot((*spans, line), Axis("force"))], Axis("t"), 520.0, 0.0)
+    assert named.y.low == free.y.low
+    gap = free.y.at(5.0) - free.y.end
+    assert named.y.at(5.0) - named.y.end >= gap + 11.0 * (row + 1) * 0.9
+    assert free.y.high < named.y.high < 2.0 * free.y.high
