@@ -278,7 +278,7 @@ def test_a_failed_run_says_so(outcome, tmp_path):
     assert f"1 of {len(made.checks)} checks failed" in page.pieces
     assert ("body", "class", "failed") in page.attributes, "whose numbers are grey"
     assert ".failed section:not(:first-child) .strong { color: var(--soft)" in page.inside("style")
-    assert f"Failed: {first.name} nan (limit {first.limit:.3g}). Remedy: " in page.text.replace(
+    assert f"Failed: {first.name} not a number (limit {first.limit:.3g}). Remedy: " in page.text.replace(
         pages.NO_BREAK, " "
     )
     assert "Failed checks and remedies" in page.text
