@@ -301,7 +301,7 @@ def tell(
     failed = {number: record for number, record in own.items() if record["failed"]}
     row(
         f"{mesh}: {len(own)} impacts; failed",
-        "1 %",
+        "2 %" if drawn is train_changes else "1 %",
         f"{len(failed)} ({100.0 * len(failed) / len(own):.1f} %)",
     )
     for number, record in failed.items():
