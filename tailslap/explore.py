@@ -122,7 +122,7 @@ def _():
 def _(opened, shipped):
     try:
         text = opened.contents().decode("utf-8") if opened.value else read.scene_text(shipped.value)
-        tables = read.source_of_text(text, opened.name() or shipped.value).given
+        tables = read.read_source(opened.name() or shipped.value, text).given
     except (tailslap.InputError, UnicodeDecodeError) as wrong:
         mo.stop(True, mo.callout(str(wrong), "danger"))
     return tables, text

@@ -148,9 +148,9 @@ def make_definition(
 
     Each value is checked by itself; what only a combination makes impossible is found when it is run.
     """
-    text = read.scene_text(name)
+    scene_source = read.read_source(name)
     given = [parse_varied(each, bool(sample)) for each in varied]
-    source = _fixed(read.source_of_text(text, name), changes, [key for key, _ in given])
+    source = _fixed(scene_source, changes, [key for key, _ in given])
     counts = [(values.number or 1) if isinstance(values, TypedRange) else len(values) for _, values in given]
     if math.prod(counts) > MAX_RUNS:
         shown = " x ".join(map(str, counts)) + " runs"
@@ -171,7 +171,7 @@ def make_definition(
         _variation(key, values, functools.partial(read_value, key), places)
         for (key, values), places in zip(given, fractions, strict=True)
     )
-    fixed = (scene.name, text, changes, source, varied, variations, sample, seed)
+    fixed = (scene.name, scene_source.text, changes, source, varied, variations, sample, seed)
     return Definition(*fixed, kind.columns(scene), kind.compared)
 
 

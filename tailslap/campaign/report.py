@@ -220,8 +220,9 @@ def headline(
         set_up = f"{case.set_up} {set_up}"
     known = np.zeros(0) if forces is None else forces[passed & np.isfinite(forces)]
     if case and known.size:
-        span = f"{force(known.min())} to {force(known.max())}"
-        answer = f"{case.force_words}: {span} over {definition.runs} runs."
+        span = " to ".join(dict.fromkeys((force(known.min()), force(known.max()))))
+        of = "runs" if known.size == definition.runs else f"of {definition.runs} runs"
+        answer = f"{case.force_words}: {span} over {known.size} {of}."
     if sweep.failures:
         answer = f"Failed: {sweep.failures} of {definition.runs} runs. {answer}".rstrip()
     good = rows.worst[passed & np.isfinite(rows.worst)]

@@ -100,9 +100,10 @@ def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, So
     return vary(source, parse_changes(changes, source.given))
 
 
-def read_source(name: str) -> Source:
-    """Read a scene's tables, not yet validated; a file without the key `name` takes its own. Raises InputError."""
-    source = source_of_text(scene_text(name), name)
+def read_source(name: str, text: str | None = None) -> Source:
+    """Read a scene's tables, not yet validated, from its file or, where it is known, its text; one without the key
+    `name` takes that of the file. Raises InputError."""
+    source = source_of_text(scene_text(name) if text is None else text, name)
     return replace(source, given={"name": Path(name).stem} | source.given)
 
 

@@ -1,5 +1,6 @@
 """Verification: a sweep of whole impacts; a row is what the scene's calculation gives, the page shows the strikes."""
 
+import json
 import math
 import re
 from dataclasses import replace
@@ -78,6 +79,16 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
     assert perform(definition, tmp_path / "sweep").effort.runs == 0
     with pytest.raises(errors.InputError, match=r"contact\.restitution"):
         make_definition(scene_file(tmp_path, RIGID), (), varied, None, 1)
+
+
+def test_the_range_is_of_the_runs_that_have_a_force(tmp_path):
+    """One value where a single run is left, and how many of all they are."""
+    definition = make_definition(
+        scene_file(tmp_path, RIGID), ("contact.restitution=0.9",), ("contact.initial_force=0,1e5",), None, 1
+    )
+    perform(definition, tmp_path / "sweep", workers=0)
+    answer = json.loads((tmp_path / "sweep" / "summary.json").read_text())["answer"]
+    assert re.fullmatch(r"Largest 50 ms mean of the lateral force: [0-9]+ kN over 1 of 2 runs\.", answer)
 
 
 def test_columns_of_both_calculations(tmp_path):

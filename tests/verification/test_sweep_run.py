@@ -176,6 +176,14 @@ def test_each_row_is_that_of_a_run(undisturbed, scene):
 
 
 @pytest.mark.long
+def test_a_scene_without_a_name_has_that_of_its_file(tmp_path):
+    """As for a single run."""
+    path = tmp_path / "unnamed.toml"
+    path.write_text(SCENE.removeprefix('name = "small"\n'))
+    made = definition_of(str(path), ("corner.friction=0.2,0.4",))
+    assert (made.scene, made.source.given["name"], made.runs) == ("unnamed", "unnamed", 2)
+
+
 def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed):
     refused = [row for row in undisturbed if row["status"] == "refused"]
     assert {row["corner.reaction"] for row in refused} == {"none"}
