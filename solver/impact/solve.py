@@ -379,8 +379,8 @@ def solve_impacts(
     gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
     gate.not_negative(rules.FRICTION, its["friction"])
     found = solve_trains(
-        *_trains(units, its), step=step, interval=interval, after_second=after_second, longest=longest,
-        tolerance=tolerance, strikes=16 * len(units) if trailers else 2,
+        *_trains(units, its), step=step, interval=interval, impulse_alone=True, after_second=after_second,
+        longest=longest, tolerance=tolerance, strikes=16 * len(units) if trailers else 2,
     )  # fmt: skip
     room = found.strikes.shape[1]
     table = np.moveaxis(found.strikes, -1, 0)[:5]
@@ -431,9 +431,8 @@ def _mean_forces(found: Trajectories, interval: float | None) -> Array:
     if interval is None:
         return np.zeros((0, len(found.end)))
     count = math.ceil(float(found.end.max()) / interval)
-    column = column_names(found.state.shape[1]).index("impulse_normal")
     instants = interval * np.arange(count + 1)
-    impulse = found.rows[:, : count + 1, column]
+    impulse = found.rows[:, : count + 1, 0]
     over = instants >= found.end[:, None] + (1.0 - 1e-9) * interval  # rows that were never written
     last = np.where(over, -math.inf, impulse)
     return np.diff(np.maximum.accumulate(last, axis=1), axis=1).T / interval

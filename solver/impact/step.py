@@ -100,7 +100,7 @@ def workspace(units: int, hinges: int, points: int) -> Work:
 @compiled
 def advance(train, states, clock, work, rows, strikes):
     """Follow every sample to its end: its state there into `states`, shape (n, units, 6), rows, shape (n, rows,
-    columns), and strikes, shape (n, strikes, columns), as many as there is room for."""
+    columns) or of the normal impulse alone, and strikes, shape (n, strikes, columns), as many as there is room for."""
     for i in range(train.mass.shape[1]):
         _begin(train, i, states[i], work)
         clock.reached[i], clock.counted[i] = _follow(states[i], clock, i, work, rows[i], strikes[i])
@@ -164,7 +164,12 @@ def _follow(state, clock, i, work, rows, strikes):
             reached = finish
         if row * stride * parts == part and row < rows.shape[0]:
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
-            _record(points, work.whose, motion, pressed, sums, early, kick, rows[row])
+            if rows.shape[1] > 1:
+                _record(points, work.whose, motion, pressed, sums, early, kick, rows[row])
+            else:
+                rows[row, 0] = sums[0]
+                for p in pressed:
+                    rows[row, 0] += early * kick * points[p, NORMAL]
             row += 1
         if t >= finish and ((row - 1) * stride * parts == part or row == rows.shape[0]):
             break

@@ -72,7 +72,7 @@ class Trajectories(NamedTuple):
     strikes : ndarray, shape (n, strikes, columns)
         In the order of their starts, columns as of `step.STRIKE`; NaN where there is none.
     rows : ndarray, shape (n, rows, columns)
-        Columns as of `step.UNIT` of each unit and `step.SUMS`; undefined behind the end.
+        Columns as of `step.UNIT` of each unit and `step.SUMS`, or the impulse alone; undefined behind the end.
     interval : ndarray, shape (n,)
         Between rows [s].
     step : ndarray, shape (n,)
@@ -98,6 +98,7 @@ def solve_trains(
     step: float | None = None,
     end: float | None = None,
     interval: float | None = None,
+    impulse_alone: bool = False,
     after_second: float = 0.1,
     longest: float = 5.0,
     tolerance: float = TOLERANCE,
@@ -119,6 +120,8 @@ def solve_trains(
         nothing can touch any more, but for `after_second` at least.
     interval : float or None
         Between rows [s]; 0: every step, or what `MOST_ROWS` allow; None: no rows.
+    impulse_alone : bool
+        Rows have one column, the normal impulse of the wall; new memory for all would take longer than the motions.
     after_second, longest : float
         [s]; with end None: how far at most.
     tolerance : float
@@ -161,7 +164,7 @@ def solve_trains(
         if interval is not None:
             stride[:] = np.maximum(np.rint(interval / h), np.ceil(latest / h / MOST_ROWS))
             count = math.ceil(min(float((latest / h / stride).max()), most)) + 2
-        rows = np.empty((n, count, columns(out.shape[1])))
+        rows = np.empty((n, count, 1 if impulse_alone else columns(out.shape[1])))
         found, ends = np.full((n, room, len(STRIKE)), np.nan), np.full(n, math.inf if end is None else end)
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
         clock = Timing(

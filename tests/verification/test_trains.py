@@ -21,6 +21,7 @@ from solver.impact import (
     solve_trains,
     train_of,
 )
+from solver.impact.solve import column_names
 from solver.impact.train import Train, lined_up
 
 ANGLE, MU = math.radians(15.0), 0.47
@@ -250,6 +251,18 @@ def test_steps_in_parts_agree_with_short_steps_of_one_length(restitution, allowe
     assert true < allowed
     assert true <= 1.5 * found.error[0] < 6e-3
     assert found.step[0] > 2e-4
+
+
+def test_rows_of_the_impulse_alone_are_that_column():
+    train = train_of((TRACTOR, TRAILER), WallContact(CrushLaw(2e6, 1e5, 0.1), MU), [(HITCH, KINGPIN)])
+    start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
+    whole, alone = (
+        solve_trains(train, start, tolerance=4e-3, end=0.4, interval=5e-4, impulse_alone=each).rows[0, :801]
+        for each in (False, True)
+    )
+    column = column_names(2).index("impulse_normal")
+    assert alone[:, 0] == pytest.approx(whole[:, column], rel=1e-14)
+    assert whole[-1, column] > 1e4
 
 
 def test_a_restitution_near_zero_is_solved_or_its_error_is_stated():
