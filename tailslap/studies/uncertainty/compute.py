@@ -9,7 +9,8 @@ own speed and angle are known it is these that are put in.
 import importlib
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from postprocess.units import measure
 from tailslap import progress
 from tailslap.campaign import sampling
 from tailslap.campaign.sampling import Array, Band, Range
+from tailslap.case import cost
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers
@@ -195,13 +197,24 @@ def solved(
     """
     size, out = next(iter(inputs.values())).size, dict[str, Array]()
     block = CORNER_BLOCK if case.scene.contact is None else IMPACT_BLOCK
-    restitution = inputs.get("contact.restitution", np.zeros(size))
-    order = np.argsort(restitution, kind="stable")  # a block has like steps
-    for first in range(0, size, block):
-        show(first / size)
-        rows = order[first : first + block]
-        for name, values in case.many({key: given[rows] for key, given in inputs.items()}).items():
-            out.setdefault(name, np.empty(size))[rows] = values
+    blocks = [slice(first, first + block) for first in range(0, size, block)]
+    threads = ThreadPoolExecutor(cost.available_cores())  # compiled code runs beside other threads
+
+    def of_block(rows: slice) -> Mapping[str, Array]:
+        found: Mapping[str, Array] = case.many({key: given[rows] for key, given in inputs.items()})
+        return found
+
+    def of_blocks() -> Iterator[Mapping[str, Array]]:
+        yield of_block(blocks[0])  # alone, for it may compile
+        yield from threads.map(of_block, blocks[1:])
+
+    try:
+        for number, (rows, found) in enumerate(zip(blocks, of_blocks(), strict=True), 1):
+            for name, values in found.items():
+                out.setdefault(name, np.empty(size))[rows] = values
+            show(number / len(blocks))
+    finally:
+        threads.shutdown(cancel_futures=True)
     return out
 
 
