@@ -147,11 +147,13 @@ def test_energy_ratio_as_ls_dyna_has_it(result):
 
 @pytest.mark.long
 def test_a_spring_with_a_dashpot_and_a_constraint_without_spring(outcome):
-    """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere."""
+    """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere. The unstressed start
+    rings, and this mesh states a numerical error beyond its limit."""
     for change in ("corner.damping_ratio=0.2", "corner.constraint=exact"):
         result = outcome("paper-table-3", change, "plate.start=unstressed", "damping.ratio=0.1")
-        assert failed(result) == set()
-        assert failed(result, contact_energy=lambda e: e + 1e-4 * np.arange(e.size)) == {"contact work"}
+        assert failed(result) == {"numerical error"}
+        energy = {"contact_energy": lambda e: e + 1e-4 * np.arange(e.size)}
+        assert failed(result, **energy) == {"numerical error", "contact work"}
 
 
 def test_contact_that_holds_too_much_energy(result):
