@@ -147,8 +147,8 @@ def test_energy_ratio_as_ls_dyna_has_it(result):
 
 @pytest.mark.long
 def test_a_spring_with_a_dashpot_and_a_constraint_without_spring(outcome):
-    """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere. The unstressed start
-    rings, and this mesh states a numerical error beyond its limit."""
+    """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere. The unstressed
+    start rings, and this mesh states a numerical error beyond its limit."""
     for change in ("corner.damping_ratio=0.2", "corner.constraint=exact"):
         result = outcome("paper-table-3", change, "plate.start=unstressed", "damping.ratio=0.1")
         assert failed(result) == {"numerical error"}
