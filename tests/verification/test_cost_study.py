@@ -199,7 +199,7 @@ def test_page_and_summary(tmp_path):
     assert summary["known"]["rigid"] == study.ROUNDING
     page = (tmp_path / "report.html").read_text()
     assert page.count("<svg") == sum(len(section.figures) for section in made.page.sections) > 2
-    for words in ("Pareto front", "failed a check", "FE, row-sum masses", "quad9, order 2.0", "is known to"):
+    for words in ("Pareto front", "failed a check", "FE, row-sum masses", "quad9, order 2.0", "known within"):
         assert words in page
     assert len((tmp_path / "points.csv").read_text().splitlines()) == len(TODO) + 1
 
@@ -252,7 +252,7 @@ def test_a_study_of_a_whole_impact_on_a_coarse_plate(tmp_path, capsys):
     arguments = ["study", "cost", "impact-mash-tl4-sut", "--set", "plate.elements=[8, 4]", "--out", str(out)]
     soft = ["--set", "plate.first_frequency=20 Hz", "--set", "plate.youngs_modulus="]
     assert _status([*arguments, *soft]) == 0
-    assert "cheapest setting" in capsys.readouterr().out
+    assert capsys.readouterr().out.startswith("Finite elements compute both strikes within ")
     found = json.loads((out / "summary.json").read_text())
     error = {point["setting"]: point["error"] for point in found["points"]}
     rigid = error.pop("rigid vehicle: fixed step")

@@ -421,6 +421,10 @@ def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
 def test_other_versions_are_refused(scene, cluster, tmp_path, monkeypatch):
     with pytest.raises(pools.OtherProgramError):
         pools.run_batch("0.0.0", compute_row, [])
+    from distributed import Client
+
+    with Client(cluster) as client:
+        client.wait_for_workers(1, timeout=HANG)  # a worker that comes later is asked with its first runs
     monkeypatch.setattr(pools, "program", lambda: "9.9.9")
     with pytest.raises(
         errors.InputError, match=r"--cluster: .* has tailslap .*; all workers require 9\.9\.9"
