@@ -264,10 +264,11 @@ def test_a_run_that_is_killed_and_resumed_leaves_the_same_files(tmp_path, sent):
     whole.mkdir()
     broken.mkdir()
     process, end = started(broken), time.monotonic() + 240.0
-    while not list(broken.glob("results/.*.checkpoint-*")):
+    while not list(broken.glob("results/.p*.checkpoint-*")):  # a partial file begins with two dots
         assert process.poll() is None, "it was done before it could be killed"
         assert time.monotonic() < end
         time.sleep(0.05)
+    time.sleep(0.1)  # until its folder is on the disk
     process.send_signal(sent)
     said = process.communicate(timeout=60)[1]
     assert (sent == signal.SIGKILL) or (process.returncode == 130 and b"--resume" in said)
