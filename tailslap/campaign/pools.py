@@ -18,6 +18,7 @@ from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
+from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -32,6 +33,8 @@ LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
+DESCRIPTORS = Path("/proc/self/fd")
+"""Open files of this process, which a worker opens once more for itself."""
 ENDING = {signal.SIGTERM, signal.SIGHUP}
 LOGGERS = ("distributed", "asyncio", "tornado")
 ANSWER_S = 5.0
@@ -165,7 +168,7 @@ def _begin(lifeline: Connection) -> None:
     A signal of the pipe, not a thread: compiled code may hold the interpreter for minutes.
     """
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-    own = os.open(f"/proc/self/fd/{lifeline.fileno()}", os.O_RDONLY | os.O_NONBLOCK)
+    own = os.open(DESCRIPTORS / str(lifeline.fileno()), os.O_RDONLY | os.O_NONBLOCK)
     fcntl.fcntl(own, fcntl.F_SETOWN, os.getpid())
     # SIGIO ends a process that does not handle it.
     fcntl.fcntl(own, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
@@ -207,8 +210,8 @@ def _hidden_script() -> Iterator[None]:
 
 @contextlib.contextmanager
 def local(workers: int) -> Iterator[Pool]:
-    """So many processes of this machine, ended after; none: this process. Raises LostError."""
-    if not workers:
+    """So many processes of this machine, ended after; none, or without /proc: this process. Raises LostError."""
+    if not workers or not DESCRIPTORS.is_dir():
         yield _ThisProcess()
         return
     with progress.announced("Starting processes ..."):

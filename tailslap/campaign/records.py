@@ -12,10 +12,12 @@ import hashlib
 import json
 import math
 import os
+import re
 import sqlite3
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from contextlib import closing, suppress
+from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -32,6 +34,8 @@ OURS = 0x7461696C
 HEAD, OURS_AT = b"SQLite format 3\0", 68
 LOCAL = {"btrfs", "ext2", "ext3", "ext4", "f2fs", "overlay", "tmpfs", "xfs", "zfs"}
 """File systems on which a log beside the file (WAL) is safe: on those of a network processes share no memory."""
+MOUNTS, OCTAL = Path("/proc/mounts"), re.compile(rb"\\([0-3][0-7]{2})")
+"""Where Linux lists the file systems, and how it writes a space in their places."""
 PATIENCE_S = 600.0
 """Seconds to wait for another program that reads the file."""
 NUMBER = "not finite"
@@ -252,10 +256,20 @@ def _is_ours(path: Path) -> bool:
 
 
 def _file_system(path: Path) -> str:
-    """The kind of file system that a path is on, as Linux calls it."""
-    mounts = [line.split() for line in Path("/proc/mounts").read_text().splitlines()]
-    above = [(len(place), kind) for _, place, kind, *_ in mounts if path.resolve().is_relative_to(place)]
-    return max(above)[1]
+    """The kind of file system that a path is on, as Linux calls it; "" where the system does not tell."""
+    path = path.resolve()
+    try:
+        lines = [line.split(b" ") for line in MOUNTS.read_bytes().split(b"\n")]
+    except OSError:
+        return ""
+    mounts = [(os.fsdecode(OCTAL.sub(_byte, words[1])), words[2].decode()) for words in lines if words[2:]]
+    above = [(len(place), kind) for place, kind in mounts if path.is_relative_to(place)]
+    # Of two at one place the later one covers the other.
+    return max(reversed(above), key=itemgetter(0), default=(0, ""))[1]
+
+
+def _byte(code: re.Match[bytes]) -> bytes:
+    return bytes([int(code[1], 8)])
 
 
 def _seal(*parts: bytes | None) -> str:

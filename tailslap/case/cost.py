@@ -215,25 +215,30 @@ def worker_count(asked: int | None, parts: int) -> int:
 
 
 def available_memory() -> float:
-    """Memory [bytes] that this process may still take: what is free, within the limits of its container and its own."""
-    return float(min((_free(), *_container(), *_own_limit())))
+    """Memory [bytes] that this process may still take: what is free, within the limits of its container and its own.
+
+    What the system does not tell limits nothing.
+    """
+    limits = [float("inf")]
+    for limit in (_free, _container, _own_limit):
+        with contextlib.suppress(OSError, ValueError):
+            limits.append(limit())
+    return max(0.0, min(limits))
 
 
 def _free() -> float:
-    for line in Path("/proc/meminfo").read_text().splitlines():
-        if line.startswith("MemAvailable:"):
-            return 1024.0 * float(line.split()[1])
-    return float("inf")
+    lines = Path("/proc/meminfo").read_text().splitlines()
+    return 1024.0 * next(
+        (float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")), math.inf
+    )
 
 
-def _container() -> list[float]:
-    with contextlib.suppress(OSError, ValueError):
-        most, used = ((CGROUP / name).read_text() for name in ("memory.max", "memory.current"))
-        return [max(0.0, float(most) - float(used))]
-    return []
+def _container() -> float:
+    most, used = (float((CGROUP / name).read_text()) for name in ("memory.max", "memory.current"))
+    return most - used
 
 
-def _own_limit() -> list[float]:
+def _own_limit() -> float:
     most = resource.getrlimit(resource.RLIMIT_AS)[0]
     used = float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-    return [] if most == resource.RLIM_INFINITY else [max(0.0, most - used)]
+    return math.inf if most == resource.RLIM_INFINITY else most - used

@@ -557,6 +557,40 @@ for run in itertools.count():
 """
 
 
+MOUNTED = {
+    r"proc {0}/proc proc rw 0 0": "",
+    "": "",
+    "masked": "",
+    r"a {0} ext4 rw 0 0": "ext4",
+    "a {0} ext4 rw 0 0\nb {1} nfs4 rw 0 0": "nfs4",
+    "a {0} ext4 rw 0 0\nb {0} cifs rw 0 0": "cifs",
+}
+"""Lists of mounts, and the kind of file system of a folder whose name has a space."""
+
+
+@pytest.mark.parametrize("mounts", MOUNTED)
+def test_a_log_beside_the_file_is_kept_on_known_file_systems_alone(tmp_path, monkeypatch, mounts):
+    """Where the root is no mount point, or /proc is masked, the journal is that of any file system."""
+    place, listed = tmp_path / "a b", tmp_path / "mounts"
+    place.mkdir()
+    listed.write_text(mounts.format(tmp_path, str(place).replace(" ", r"\040")) + "\n")
+    monkeypatch.setattr(records, "MOUNTS", listed)
+    assert records._file_system(place) == MOUNTED[mounts]
+    for kind, mode in ((MOUNTED[mounts], "wal" if MOUNTED[mounts] == "ext4" else "delete"), ("", "delete")):
+        with contextlib.closing(Records(place / f"{mode}.sqlite", {})) as rows:
+            assert rows._file.execute("PRAGMA journal_mode").fetchone() == (mode,), kind
+        monkeypatch.setattr(records, "MOUNTS", tmp_path / "none")
+
+
+def test_without_proc_runs_are_made_in_this_process_and_memory_is_unlimited(monkeypatch, tmp_path):
+    monkeypatch.setattr(pools, "DESCRIPTORS", tmp_path / "none")
+    monkeypatch.setattr(cost, "Path", lambda *given: tmp_path / "none")
+    monkeypatch.setattr(cost, "CGROUP", tmp_path / "none")
+    assert cost.available_memory() == math.inf
+    with pools.local(2) as pool:
+        assert pool.submit(os.getpid).result() == os.getpid()
+
+
 def test_what_was_added_before_a_kill_is_there(tmp_path):
     path = tmp_path / "r.sqlite"
     writer = subprocess.Popen([sys.executable, "-c", WRITER, str(path)], stdout=subprocess.PIPE, text=True)
