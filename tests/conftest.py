@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 from typing import Any
 
 import pytest
@@ -42,6 +43,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @functools.cache
 def _outcome(name: str, changes: tuple[str, ...]) -> Any:
     return case_of(*read_scene(name, changes)).run()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def temporary_folder(tmp_path_factory):
+    """Have all that processes which are killed leave in the temporary folder be where pytest removes it."""
+    place, before = tmp_path_factory.mktemp("t"), tempfile.tempdir
+    os.environ["TMPDIR"] = tempfile.tempdir = str(place)
+    yield
+    del os.environ["TMPDIR"]
+    tempfile.tempdir = before
 
 
 @pytest.fixture(scope="session")

@@ -241,7 +241,7 @@ def test_without_fields_there_is_the_mesh_at_the_tail_slap(tmp_path):
 
 
 MEMORY = """
-import ctypes, gc, resource, sys, tempfile
+import ctypes, gc, resource, sys
 from pathlib import Path
 import numpy as np
 {setup}
@@ -259,7 +259,7 @@ print(used() - before)
 FIELDS = """
 from tests_series import series
 from postprocess.fields.contours import draw_instants
-folder = Path(tempfile.mkdtemp())
+folder = Path()
 draw = lambda: draw_instants(folder, series, "velocity_y")
 """
 CONTOURS = """
@@ -268,7 +268,7 @@ x, y = np.meshgrid(np.linspace(0, 10, 21), np.linspace(1, 3.4, 7))
 points = np.column_stack([x.ravel(), y.ravel()])
 first = (np.arange(20) + 21 * np.arange(6)[:, None]).ravel()
 quads = np.column_stack([first, first + 1, first + 22, first + 21])
-folder = Path(tempfile.mkdtemp())
+folder = Path()
 draw = lambda: draw_contours(Situation((points, quads)), [ContourField("v", "V", "m/s", points[:, 0])], folder)
 """
 SERIES = """
@@ -295,7 +295,7 @@ def test_memory_of_many_pictures_is_flat(setup, count, tmp_path, python):
     (tmp_path / "tests_series.py").write_text(SERIES)
     code = MEMORY.format(setup=setup, count=count)
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}
-    assert float(python(code, check=True, env=environment).stdout) < 20.0
+    assert float(python(code, check=True, env=environment, cwd=tmp_path).stdout) < 20.0
 
 
 def test_another_format_is_refused(tmp_path):

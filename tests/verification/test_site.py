@@ -52,8 +52,11 @@ PLACEHOLDER = re.compile(r"\b(?:KEY|DIR|COMMAND|SHELL|X)\b")
 MENTIONED = {"tailslap run", "tailslap rigid", "tailslap check"}
 """Commands without their argument."""
 
-SERVED = ("tailslap explore", *(() if shutil.which("ccx") else ("tailslap confirm",)))
-"""Commands that serve a page until they are ended, test_explore.py, or need a solver that is not installed."""
+SERVED = ("tailslap explore",)
+"""Commands that serve a page until they are ended, test_explore.py."""
+
+NOT_HERE = () if shutil.which("ccx") else ("tailslap confirm",)
+"""Commands that need a solver which is not installed."""
 
 FRAGMENTS = {"docs/impact.md": "impact-mash-tl4-sut"}
 """Scene of the --set options that a page shows alone; of others paper-table-3."""
@@ -235,6 +238,8 @@ def laws_of_the_program():
 def do(step, namespace):
     """Run a step to its verdict: commands end with 0, and no check fails of what code computes."""
     if step.kind == "command":
+        if step.text.startswith(NOT_HERE):
+            return
         with pytest.raises(SystemExit) as left:
             main(shlex.split(step.text)[1:])
         assert left.value.code == any(change in step.text for change in FAILING), step.text
