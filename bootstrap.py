@@ -19,19 +19,12 @@ from pathlib import Path
 if sys.version_info < (3, 11):  # noqa: UP036
     sys.exit(f"bootstrap: tailslap requires Python 3.11 or newer; this is Python {sys.version.split()[0]}")
 
+from tailslap.errors import APT_INSTALL, APT_PACKAGES, DNF_PACKAGES
+
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
 PYTHON = str(VENV / "bin" / "python")
 
-APT_INSTALL = "apt-get install -y --no-install-recommends"
-APT_PACKAGES = (  # the same names on Debian 12 and 13 and on Ubuntu 22.04 and 24.04
-    "libegl1 libfontconfig1 libgl1 libglu1-mesa libgomp1 libx11-6 libxcursor1 libxext6 libxfixes3 libxft2 "
-    "libxinerama1 libxrender1"
-)
-DNF_PACKAGES = (
-    "fontconfig libgomp libX11 libXcursor libXext libXfixes libXft libXinerama libXrender mesa-dri-drivers "
-    "mesa-libEGL mesa-libGL mesa-libGLU"
-)
 
 # Without a display, even where there is one: the program must also run over ssh and in a batch job.
 PROBE = ["env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", PYTHON, "-c"]

@@ -39,7 +39,10 @@ def gmsh_model(name: str) -> Iterator[Any]:
 
     A session that the calling program has open already is used and left open; only our model is removed.
     """
-    import gmsh
+    try:
+        import gmsh
+    except OSError as error:  # of ctypes
+        raise ImportError(f"gmsh cannot be loaded: {error}") from None
 
     with _LOCK:
         ours = not gmsh.isInitialized()

@@ -59,9 +59,7 @@ def _status(arguments: list[str] | None) -> int:
     except MemoryError:
         return _complain("insufficient memory for this mesh; reduce plate.elements", CANNOT_RUN)
     except ImportError as error:
-        return _complain(
-            f"{error}\n`python3 bootstrap.py` in the checkout lists missing libraries", CANNOT_RUN
-        )
+        return _complain(errors.import_fault(error), CANNOT_RUN)
     except OSError as error:
         return _complain(errors.machine_fault(error), CANNOT_RUN)
     except Exception as error:  # a fault of the program: one line, as everywhere; the rest on demand

@@ -13,8 +13,30 @@ from typing import Any, TypeVar
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-MACHINE_FAULTS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.ENOMEM}
-"""Errors that no other folder would avoid: full disk, limits of the process."""
+APT_INSTALL = "apt-get install -y --no-install-recommends"
+APT_PACKAGES = (  # the same names on Debian 12 and 13 and on Ubuntu 22.04 and 24.04
+    "libegl1 libfontconfig1 libgl1 libglu1-mesa libgomp1 libx11-6 libxcursor1 libxext6 libxfixes3 libxft2 "
+    "libxinerama1 libxrender1"
+)
+DNF_PACKAGES = (
+    "fontconfig libgomp libX11 libXcursor libXext libXfixes libXft libXinerama libXrender mesa-dri-drivers "
+    "mesa-libEGL mesa-libGL mesa-libGLU"
+)
+"""System libraries that gmsh and VTK load; bootstrap.py installs them."""
+
+MACHINE_FAULTS = {
+    *(
+        errno.ENOSPC,
+        errno.EDQUOT,
+        errno.EFBIG,
+        errno.EMFILE,
+        errno.ENFILE,
+        errno.ENOMEM,
+        errno.EIO,
+        errno.ESTALE,
+    )
+}
+"""Errors of the machine, not of the input: full or broken disk, lost server, limits of the process."""
 
 MAX_SHOWN, LONG = 120, 160
 """Characters of a value that a message shows, and of a list above which it is wrapped."""
@@ -97,6 +119,13 @@ def machine_fault(error: OSError) -> str:
     """Message of an OSError."""
     where = f": {shortened(str(error.filename))}" if error.filename else ""
     return f"{error.strerror or error}{where}"
+
+
+def import_fault(error: ImportError) -> str:
+    """Message of a library that cannot be loaded; a missing system library is followed by its packages."""
+    if ".so" not in str(error):
+        return f"{error}\n`python3 bootstrap.py` in the checkout installs missing packages"
+    return f"{error}\nas root: {APT_INSTALL} {APT_PACKAGES}\nor: dnf install -y {DNF_PACKAGES}"
 
 
 def escaped(text: str) -> str:
