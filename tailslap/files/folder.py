@@ -54,7 +54,7 @@ def demand_result(place: Path, force: bool, origin: Origin) -> None:
     """Raise InputError unless a place is empty, or has an unchanged result: without force, of this origin."""
     names = users(place)
     if manifest.read_manifest(place) is None or SWEEP in names:
-        if names or os.path.lexists(place / manifest.NAME):
+        if names or manifest.is_there(place / manifest.NAME):
             raise others(place, names or [manifest.NAME], ALLOWED)
         return
     earlier(place)
@@ -108,7 +108,7 @@ def _make_and_lock(place: Path, stack: contextlib.ExitStack) -> None:
 def _leave(place: Path) -> None:
     """Remove new files that no log speaks of, and the lock."""
     with contextlib.suppress(OSError):
-        if _is_held(place) and not os.path.lexists(place / LOG):
+        if _is_held(place) and not manifest.is_there(place / LOG):
             _drop(place)
     with contextlib.suppress(OSError):
         if _is_held(place):
@@ -128,7 +128,7 @@ def fresh(place: Path) -> Path:
 
 
 def _drop(place: Path) -> None:
-    if os.path.lexists(place / NEW):
+    if manifest.is_there(place / NEW):
         shutil.rmtree(place / NEW)
 
 
@@ -160,12 +160,12 @@ def commit(place: Path, origin: Origin = UNKNOWN) -> None:
 def earlier(place: Path, names: Iterable[str] = ()) -> frozenset[Entry]:
     """Files of the earlier result. Raises InputError for one that was changed, and for a user's file of these names."""
     listed = manifest.read_manifest(place) or frozenset()
-    ours = {item.path: item for item in listed if os.path.lexists(place / item.path)}
+    ours = {item.path: item for item in listed if manifest.is_there(place / item.path)}
     for name, item in sorted(ours.items()):
         if manifest.entry(place / name) != item:
             raise _refusal(place, f"its file {name} was modified")
     for name in sorted(set(names) - ours.keys()):
-        if os.path.lexists(place / name):  # asked of the folder: "A" and "a" may be one file there
+        if manifest.is_there(place / name):  # asked of the folder: "A" and "a" may be one file there
             raise _refusal(place, f"its file {name} does not belong to the result and would be overwritten")
     return frozenset(ours.values())
 
@@ -176,11 +176,12 @@ def _write_log(place: Path, origin: Origin) -> None:
     entries = [manifest.read_entry(new / name) for name in names]
     old = earlier(place, names)
     manifest.write_manifest(new, entries, origin)
+    before = manifest.entry(place / manifest.NAME)
     listed = {
-        "old": [*old, manifest.entry(place / manifest.NAME)],
-        "new": [*entries, manifest.entry(new / manifest.NAME)],
+        "old": [*old, before] if before else old,
+        "new": [*entries, manifest.read_entry(new / manifest.NAME)],
     }
-    log = {name: [item._asdict() for item in items if item] for name, items in listed.items()}
+    log = {name: [item._asdict() for item in items] for name, items in listed.items()}
     for path in (*new.iterdir(), new):
         manifest.sync(path)
     manifest.write_object(new / LOG, log)
@@ -191,11 +192,12 @@ def _write_log(place: Path, origin: Origin) -> None:
 
 def _read_log(place: Path) -> tuple[frozenset[Entry], frozenset[Entry]] | None:
     """Old and new files of a log; None where there is none. Raises InputError for one that is damaged."""
-    if not os.path.lexists(place / LOG):
+    if not manifest.is_there(place / LOG):
         return None
     found = manifest.read_object(place / LOG)
     old, new = (manifest.read_entries(found.get(name)) for name in ("old", "new"))
-    if old is None or new is None or len(found) > len((old, new)) or (place / NEW).is_symlink():
+    has_manifest = new and any(item.path == manifest.NAME for item in new)
+    if old is None or new is None or not has_manifest or len(found) > 2 or (place / NEW).is_symlink():
         raise _damaged(place, LOG)
     return old, new
 
@@ -209,11 +211,11 @@ def _redo(place: Path) -> None:
     """Finish what the log of a locked place says; without one, drop new files."""
     if log := _read_log(place):
         old, new = log
-        waiting = [item for item in new if os.path.lexists(place / NEW / item.path)]
+        waiting = [item for item in new if manifest.is_there(place / NEW / item.path)]
         for item in waiting:
             if manifest.entry(place / NEW / item.path) != item:
                 raise _damaged(place, f"{NEW}/{item.path}")
-            if os.path.lexists(place / item.path) and manifest.entry(place / item.path) not in old:
+            if manifest.is_there(place / item.path) and manifest.entry(place / item.path) not in old:
                 raise _refusal(place, f"its file {item.path} was modified")
         for item in old:
             if item.path not in {its.path for its in new} and manifest.entry(place / item.path) == item:
@@ -232,7 +234,7 @@ def recover(place: Path) -> None:
     A folder that may not be written stays as it is: see `path_in`. Raises InputError.
     """
     end = time.monotonic() + PATIENCE_S
-    while os.path.lexists(place / LOG) and os.access(place, os.W_OK):
+    while manifest.is_there(place / LOG) and os.access(place, os.W_OK):
         try:
             with locked(place):
                 return
@@ -245,7 +247,7 @@ def recover(place: Path) -> None:
 def path_in(place: Path, name: str) -> Path:
     """The path of a file of the result, which is still among the new ones where a log could not be finished."""
     waiting = place / NEW / name
-    return waiting if _read_log(place) and os.path.lexists(waiting) else place / name
+    return waiting if _read_log(place) and manifest.is_there(waiting) else place / name
 
 
 def resolved(place: Path) -> Path:

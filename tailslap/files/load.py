@@ -84,10 +84,13 @@ class Stored:
     """
 
     def __init__(self, place: Path, force: bool = False) -> None:
-        folder.recover(place)
         self.place, self._force = place, force
-        home = folder.path_in(place, manifest.NAME).parent
-        listed, self.origin = manifest.read_manifest(home), manifest.read_origin(home)
+        try:
+            folder.recover(place)
+            home = folder.path_in(place, manifest.NAME).parent
+            listed, self.origin = manifest.read_manifest(home), manifest.read_origin(home)
+        except OSError as error:
+            raise errors.place_error(place, "the folder cannot be read", error, "folder") from None
         self.listed = None if listed is None else {item.path: item for item in listed}
         self.names = _names_in(place) if self.listed is None else {*self.listed}
 
@@ -112,6 +115,8 @@ class Stored:
         except (errors.InputError, Warning):
             raise
         except Exception as error:  # a parser raises what it likes over damaged bytes
+            if isinstance(error, OSError) and error.errno in errors.MACHINE_FAULTS:
+                raise
             self._complain(f"its file {name} cannot be read, {type(error).__name__}: {error}")
             return None
 

@@ -24,6 +24,8 @@ NAME, LOCK, NEW, LOG = ".tailslap-result.json", ".tailslap-lock", ".tailslap-new
 
 PROGRAM = "tailslap"
 SUFFIX = ".tailslap"
+ABSENT = {errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENXIO}
+"""Errors of what is not there, or no plain file: a link, a socket."""
 MAX_STEM = 100
 """Characters of a file's name in that of its unfinished one."""
 
@@ -57,19 +59,26 @@ def open_plain(name: str, flags: int) -> int:
 
 
 def entry(path: Path) -> Entry | None:
-    """The file as it is now; None for what is not there, is no plain file or may not be read."""
-    with _what_can_be_read():
+    """The file as it is now; None for what is not there or is no plain file. Raises OSError where it cannot be read."""
+    with _what_is_there():
         return read_entry(path)
     return None
 
 
+def is_there(path: Path) -> bool:
+    """True for what is there, also a link to nothing. Raises OSError where that cannot be known."""
+    with _what_is_there():
+        return bool(os.lstat(path))
+    return False
+
+
 @contextlib.contextmanager
-def _what_can_be_read() -> Iterator[None]:
-    """End the block at what is not there, makes no sense or may not be read; a broken disk is the machine's fault."""
+def _what_is_there() -> Iterator[None]:
+    """End the block at what is not there or makes no sense. Raises OSError for all else: it may be there."""
     try:
         yield
     except (OSError, ValueError, RecursionError) as error:
-        if isinstance(error, OSError) and error.errno == errno.EIO:
+        if isinstance(error, OSError) and error.errno not in ABSENT:
             raise
 
 
@@ -114,12 +123,12 @@ def write_object(path: Path, content: Mapping[str, Any]) -> None:
 def read_object(path: Path) -> dict[str, Any]:
     """The object in a JSON file, without its digest; an empty one where there is none, or it is damaged.
 
-    Those of earlier versions have no digest.
+    Raises OSError where it cannot be read.
     """
-    with _what_can_be_read():
+    with _what_is_there():
         with open(path, encoding="utf-8", opener=open_plain) as file:
             found = json.load(file)
-        if isinstance(found, dict) and found.pop("sha256", None) in (None, _digest(found)):
+        if isinstance(found, dict) and found.pop("sha256", None) == _digest(found):
             return found
     return {}
 

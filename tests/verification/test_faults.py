@@ -10,11 +10,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import io_errors
 import psutil
 import pytest
 
 from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compiled
+from tailslap import errors
 from tailslap.campaign import pools
 from tailslap.cli import _status
 
@@ -80,6 +82,27 @@ def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path, besides_compil
         assert done.returncode in (0, 2), done.stderr
         assert "Traceback" not in done.stderr
         assert "bootstrap" not in done.stderr
+
+
+def test_a_missing_system_library_is_named_with_its_packages(tmp_path, monkeypatch, capsys):
+    (tmp_path / "gmsh.py").write_text("import ctypes\nctypes.CDLL('libnone.so.1')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "gmsh", raising=False)
+    assert _status(["run", "paper-table-3", "--out", str(tmp_path / "out")]) == 3
+    said = capsys.readouterr().err
+    assert "gmsh cannot be loaded: libnone.so.1: cannot open shared object file" in said
+    assert f"apt-get install -y --no-install-recommends {errors.APT_PACKAGES}" in said
+    assert errors.APT_PACKAGES in (Path(__file__).parents[2] / "README.md").read_text()
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", ["export", "compare"])
+def test_an_error_of_the_disk_is_told_and_one_result_is_whole(command):
+    """At a few calls of a command to its folder; benchmarks/io_errors.py has the rest."""
+    found = [said for _, said in io_errors.injected(command, 29, (errno.ENOMEM, errno.EACCES))]
+    assert len(found) > 6
+    assert {said.split(",")[0] for said in found} > {"status 3"}
+    assert [said for said in found if said.startswith("BAD")] == []
 
 
 def test_messages_that_nobody_takes_change_no_status(tmp_path):

@@ -2,6 +2,7 @@
 one command at a time works in it, and nothing of others is lost.
 """
 
+import contextlib
 import errno
 import fcntl
 import hashlib
@@ -145,7 +146,8 @@ def test_an_added_file_that_the_result_would_overwrite_is_refused_at_the_end(pla
 
 def forged(**more):
     item = {"path": "thesis.txt", "size": 1, "sha256": hashlib.sha256(b"x").hexdigest()} | more
-    return json.dumps({"program": "tailslap", "version": "0.1.0", "files": [item]})
+    content = {"program": "tailslap", "version": "0.1.0", "files": [item]}
+    return json.dumps(content | {"sha256": manifest._digest(content)})
 
 
 FOREIGN = [
@@ -641,3 +643,30 @@ def test_a_file_is_whole_or_the_earlier_one_and_two_writers_follow_each_other(tm
         assert writer.is_alive()
     writer.join()
     assert texts(tmp_path) == {"definition.json": "new"}
+
+
+@pytest.mark.parametrize(
+    "number", [errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.ENOSPC, errno.EIO, errno.EMFILE]
+)
+def test_an_error_of_the_system_is_none_of_what_is_absent(tmp_path, earlier, number, monkeypatch):
+    """At each call; the manifest is never lost, and the next command completes what is said to be complete."""
+    monkeypatch.setattr(os, "fsync", lambda number: None)
+    for step in itertools.count(1):
+        place, failed = tmp_path / f"{step}", []
+        shutil.copytree(earlier, place)
+
+        def fail():
+            failed.append(1)  # noqa: B023
+            raise OSError(number, os.strerror(number))
+
+        with pytest.MonkeyPatch.context() as patch:
+            break_at(patch, step, fail, (*CALLS, "lstat"))
+            with contextlib.suppress(InputError, OSError):
+                write(place, NEWER)
+        if not failed:
+            break
+        assert seen(place) in (OLD, NEWER)
+        assert LOG not in os.listdir(place) or seen(place) == NEWER
+        write(place, NEWER)
+        assert seen(place) == NEWER
+    assert step > 40
