@@ -36,7 +36,6 @@ import numba
 import numpy as np
 
 from fem.explicit.internal_force import subtract_internal_forces
-from fem.machine_code.numba_code import make_dispatcher
 from fem.run.corner import Stepper
 
 CHAIN = 16
@@ -109,12 +108,12 @@ def multiply_adds(stepper: Stepper) -> tuple[int, int]:
     The kernel is compiled anew, since code from the cache on disk cannot be read. Every packed loop has its
     scalar twin, for arrays that overlap; the twin is never taken.
     """
-    fresh = make_dispatcher(subtract_internal_forces)
+    dispatcher = subtract_internal_forces.dispatcher
     loop, positions = stepper.loop, stepper.model.discretisation.positions
     parts: tuple[Any, ...] = (loop.viscosity, loop.hourglass, np.zeros_like(positions))
     scratch = stepper._scratch
     given = (positions, np.zeros_like(positions), *parts, loop.table, loop.material, scratch)
-    fresh.compile(tuple(map(numba.typeof, given)))
-    found = MULTIPLY_ADD.findall("\n".join(fresh.inspect_asm().values()))
+    dispatcher.compile(tuple(map(numba.typeof, given)))
+    found = MULTIPLY_ADD.findall("\n".join(dispatcher.inspect_asm().values()))
     packed = sum(kind == "p" and ("ymm" in operands or "zmm" in operands) for kind, operands in found)
     return packed, sum(kind == "s" for kind, _ in found)

@@ -6,6 +6,7 @@ shows it. Bands: 5 to 95 % of the impacts with the inputs that the paper does no
 """
 
 import math
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 from scipy.optimize import brentq
@@ -13,7 +14,7 @@ from scipy.stats import qmc
 
 from solver.impact import stiffness_of_duration
 from tailslap.case.impact.case import ImpactCase
-from tailslap.replication.tables import TABLE_4
+from tailslap.replication.tables import TABLE_4, ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.studies.uncertainty.compute import impact_ranges
 
@@ -21,14 +22,17 @@ SCENE = "impact-mash-tl4-sut"
 STIFFNESS, MEAN = "contact.stiffness", "strike_2.mean_50ms"
 SAMPLES = 2048
 
+Law = Callable[[Mapping[str, np.ndarray]], np.ndarray]
+Reading = tuple[float, float, np.ndarray]
 
-def as_read(stiffness):
+
+def as_read(stiffness: float) -> float:
     """Duration of the second strike read on the 50 ms mean [s]."""
     case = ImpactCase(*read_scene(SCENE)).varied({STIFFNESS: float(stiffness)})
-    return case.answer.second_strike["mean_50ms"]["duration"]
+    return float(case.answer.second_strike["mean_50ms"]["duration"])
 
 
-def stiffness_as_read(duration):
+def stiffness_as_read(duration: float) -> float:
     """Stiffness [N/m] of which the 50 ms mean of the second strike has this duration [s]; NaN above 10 MN/m."""
     low, high = math.log(1e5), math.log(1e7)
     if as_read(1e7) > duration:
@@ -36,7 +40,7 @@ def stiffness_as_read(duration):
     return math.exp(brentq(lambda x: as_read(math.exp(x)) - duration, low, high, xtol=1e-3))
 
 
-def forces(case, stiffness, samples=SAMPLES):
+def forces(case: ImpactCase, stiffness: Law, samples: int = SAMPLES) -> tuple[float, np.ndarray]:
     """50 ms mean of the second strike [N], and 5 and 95 % of it; stiffness(inputs) [N/m] of each impact."""
     own = {key: np.array([value]) for key, value in case.inputs.items()}
     ranges = [item for item in impact_ranges(case) if item.key != STIFFNESS]
@@ -52,7 +56,7 @@ def forces(case, stiffness, samples=SAMPLES):
     return float(found[0][0]), np.nanpercentile(found[1], [5.0, 95.0])
 
 
-def of_strike(duration):
+def of_strike(duration: float) -> Law:
     """Stiffness by the duration of the strike itself, of each impact [N/m]."""
     names = (
         "contact.restitution",
@@ -62,14 +66,19 @@ def of_strike(duration):
         "vehicle.centre_of_mass",
     )
 
-    def stiffness(inputs):
+    def stiffness(inputs: Mapping[str, np.ndarray]) -> np.ndarray:
         restitution, mass, length, width, centre = (inputs[name] for name in names)
         return stiffness_of_duration(duration, restitution, mass, None, length, width, centre)
 
     return stiffness
 
 
-def rows(samples=SAMPLES):
+def of_all(stiffness: float) -> Law:
+    """The same stiffness for each impact [N/m]."""
+    return lambda inputs: np.full(inputs["vehicle.mass"].size, stiffness)
+
+
+def rows(samples: int = SAMPLES) -> Iterator[tuple[ForceRow, list[Reading]]]:
     """Yield row, duration [s], measured force [N], and by reading: stiffness [N/m], force and band [N]."""
     case = ImpactCase(*read_scene(SCENE))
     own = {key: np.array([value]) for key, value in case.inputs.items()}
@@ -78,15 +87,13 @@ def rows(samples=SAMPLES):
         law, read = of_strike(duration), stiffness_as_read(duration)
         readings = [(float(law(own)[0]), *forces(case, law, samples))]
         if math.isfinite(read):
-            readings.append(
-                (read, *forces(case, lambda its, k=read: np.full(its["vehicle.mass"].size, k), samples))
-            )
+            readings.append((read, *forces(case, of_all(read), samples)))
         found[duration] = readings
     for row in TABLE_4:
         yield row, found[row.duration]
 
 
-def main():
+def main() -> None:
     """Print the table."""
     for row, readings in rows():
         print(f"{row.row}  {row.duration:.2f} s  measured {row.measured / 1e3:.0f} kN", end="")

@@ -62,7 +62,7 @@ class Sums(NamedTuple):
     """What `summed` returns."""
 
     total: float
-    count: int
+    size: int
 
 
 def summed(values: Any, factor: float) -> Sums:
@@ -268,7 +268,7 @@ class Results:
 
     def go_on(self) -> str:
         """Judge the sweep, which makes anew what is lost."""
-        line = [sys.executable, "-m", "tailslap", *SWEEP, "--out", self.folder / "sweep"]
+        line = [sys.executable, "-m", "tailslap", *SWEEP, "--out", str(self.folder / "sweep")]
         given = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
         done = subprocess.run(line, env=given, capture_output=True, text=True, check=False)
         found, whole = self.folder / "sweep", self.whole / "sweep"

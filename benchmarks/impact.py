@@ -35,7 +35,7 @@ SCENE, TRAIN, LAWS = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van", ("pen
 Row = tuple[str, str]
 
 
-def bar(elements: int, law: str, **plate: float) -> Any:
+def bar(elements: int, law: str, **plate: Any) -> Any:
     """A bar of E = 900, rho = 1, L = 10, or SDNV100's, that meets the wall head on."""
     given = {"thickness": 1.0, "density": 1.0, "youngs_modulus": 900.0, **plate}
     length, width = given.pop("length", 10.0), given.pop("width", 10.0 / elements)
@@ -50,14 +50,14 @@ def bounce(elements: int, law: str, periods: float) -> tuple[np.ndarray, np.ndar
     step, stepper = model.loop.time_step, ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(math.pi / 2.0, 0.0, 0.0))
     state.positions[1] += 5e-4
-    rows = []
+    instants: list[tuple[float, float]] = []
     for _ in range(round(16.0 * tau * periods / step)):
         state.velocities[1] -= gravity * step
         rows, _, state = stepper.record(state, 1, 1)
         values = dict(zip(ImpactMeasures._fields, rows[0], strict=False))
         held = sum(values[name] for name in ("kinetic_energy", "strain_energy", "contact_energy"))
-        rows.append((values["normal_impulse"], held + gravity * model.mass * values["y_g"]))
-    impulse, energy = np.array(rows).T
+        instants.append((values["normal_impulse"], held + gravity * model.mass * values["y_g"]))
+    impulse, energy = np.array(instants).T
     t = step * np.arange(1, impulse.size + 1)
     force = np.diff(impulse, prepend=0.0) / step / (30.0 * gravity * t * 10.0 / elements)
     return t / tau, force, energy / energy[0] - 1.0
@@ -180,10 +180,10 @@ def rigid_trains() -> Iterator[Row]:
     fine = plan.impacts(few, tolerance=MANY / 64.0)
     errors = []
     for i in range(128):
-        own, other = (each.impulse[:, i] for each in (found, fine))
-        k, j = np.nanargmax(own), np.nanargmax(other)
+        coarse, exact = found.impulse[:, i], fine.impulse[:, i]
+        k, j = np.nanargmax(coarse), np.nanargmax(exact)
         peak = abs(found.peak_force[k, i] / fine.peak_force[j, i] - 1.0)
-        errors.append(max(peak, abs(own[k] / other[j] - 1.0)))
+        errors.append(max(peak, abs(coarse[k] / exact[j] - 1.0)))
     for low, high in ((0.0, 0.01), (0.01, 0.1), (0.1, 0.4)):
         those = (few["contact.restitution"] >= low) & (few["contact.restitution"] < high)
         true, stated = np.array(errors)[those], found.error[:128][those]

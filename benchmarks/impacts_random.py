@@ -102,7 +102,8 @@ def train_changes(seed: int, number: int) -> tuple[dict[str, Any], float]:
     last quarter of the unit ahead, the kingpin in the first tenth of its own.
     """
     random = np.random.default_rng((seed, number, 1))
-    units, hitch_length = [], {} if number % 3 else {"hitch_length": 1.5}
+    units: list[dict[str, float]] = []
+    hitch_length = {} if number % 3 else {"hitch_length": 1.5}
     for unit in range(1 + int(random.integers(1, 4))):
         length, width, mass, crush = (random.uniform(*bounds) for bounds in UNITS[min(unit, 1)].values())
         centre, radius = random.uniform(0.35, 0.65) * length, random.uniform(0.22, 0.33) * length

@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -102,7 +103,9 @@ def exactness() -> None:
         positions[1] -= positions[
             1, model.loop.corner.nodes[0]
         ]  # the corner on the wall: its spring is slack
-        later = stepper.advance(type(state)(positions, np.zeros_like(positions), zero), 1)
+        later = stepper.advance(
+            state._replace(positions=positions, velocities=np.zeros_like(positions), sums=zero), 1
+        )
         forces.append(np.abs(later.velocities * model.loop.mass / model.loop.time_step).max())
     row(
         "rigid translation and rotation: largest force over E t L", "rounding", f"{max(forces) / 1.06e11:.1e}"
@@ -134,7 +137,7 @@ def cost() -> None:
         run = [*COMMAND, "run", "paper-table-3", "--no-pictures", "--out", f"{folder}/out"]
         rigid = [*COMMAND, "rigid", "paper-table-3"]
         for what, asked, command in (("run ... --no-pictures", "2 s", run), ("rigid", "0.5 s", rigid)):
-            spent = timed(lambda command=command: subprocess.run(command, check=True, capture_output=True), 7)
+            spent = timed(partial(subprocess.run, command, check=True, capture_output=True), 7)
             row(f"whole process, tailslap {what}", asked, spent)
 
 

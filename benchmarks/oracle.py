@@ -218,7 +218,7 @@ def main() -> None:
     if given.what == "make":
         make(given.folders[0].resolve(), given.root.resolve(), given.only)
     else:
-        sys.exit(compare(*given.folders, given.tolerance))
+        sys.exit(compare(given.folders[0], given.folders[1], given.tolerance))
 
 
 if __name__ == "__main__":

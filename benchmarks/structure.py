@@ -102,7 +102,8 @@ def circles(root: Path = ROOT) -> list[list[str]]:
 
 
 def _reached(graph: dict[str, set[str]], start: str) -> set[str]:
-    found, left = set(), [start]
+    found: set[str] = set()
+    left = [start]
     while left:
         for name in graph[left.pop()] - found:
             found.add(name)

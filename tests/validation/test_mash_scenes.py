@@ -32,6 +32,7 @@ def test_conditions(name):
     scene = read_scene(name)[0]
     assert scene.vehicle.mass == pytest.approx(pounds * POUND, rel=1e-5)  # the paper prints 9979 kg
     assert scene.vehicle.mass == pytest.approx(kilograms, rel=0.0025)
+    assert scene.impact is not None
     assert scene.impact.speed == pytest.approx(mph * MILE / 3600.0, rel=1e-12)
     assert scene.impact.speed == pytest.approx(kmh / 3.6, abs=1.0 / 3.6)
     assert math.degrees(scene.impact.angle) == pytest.approx(degrees, rel=1e-12)
@@ -42,6 +43,7 @@ def test_conditions(name):
 def test_impact_severity(name, least):
     """m (v sin(theta))^2 / 2 is above the least that a test must have [kip ft], by less than a tenth."""
     scene = read_scene(name)[0]
+    assert scene.impact is not None
     severity = scene.vehicle.mass * (scene.impact.speed * math.sin(scene.impact.angle)) ** 2 / 2.0
     assert least < severity / (KIP * FOOT) < 1.1 * least
 
@@ -80,6 +82,7 @@ def test_conditions_of_tractors(name):
     mass, kmh, degrees = TRAINS[name]
     scene, text = read_scene(name)[0], shipped_scenes()[name]
     assert sum(unit.mass for unit in scene.units) == pytest.approx(mass, rel=2e-5)
+    assert scene.impact is not None
     assert (3.6 * scene.impact.speed, math.degrees(scene.impact.angle)) == pytest.approx(
         (kmh, degrees), rel=1e-12
     )

@@ -58,7 +58,8 @@ class PressedBlock:
 def test_sdnd100_released_friction_pad():
     """m = 1 kg, k = 1e4 N/m, mu = 0.1, released at 0.85 mm: half a period each, 0.2 mm shorter, then it sticks."""
     pad = PressedBlock(0.1)
-    times, places = [], []
+    times: list[float] = []
+    places: list[float] = []
     while len(times) * pad.time_step < 0.2:
         times.append(len(times) * pad.time_step)
         places.append(0.85e-3 + pad.place)
@@ -86,7 +87,8 @@ def test_cgs_4_sliding_wedge():
     t, place = places(0.999 * reference)
     assert np.ptp(place[t > 0.15]) < 1e-12
     forces = np.array([1.02, 1.04]) * reference
-    rates = np.array([2.0 * np.polyfit(*places(force), 2)[0] for force in forces])
+    motions = [places(force) for force in forces]
+    rates = np.array([2.0 * np.polyfit(t, place, 2)[0] for t, place in motions])
     threshold = forces[0] - rates[0] * np.diff(forces)[0] / np.diff(rates)[0]
     assert threshold == pytest.approx(reference, abs=1e-6)
 

@@ -106,7 +106,7 @@ def test_within_a_bar_only_the_bar_is_seen(terminal):
 
 def test_what_follows_the_progress_gets_the_lines_of_its_thread_alone(terminal):
     """Those of what runs within are silent, and so is the terminal."""
-    lines = []
+    lines: list[str] = []
     with progress.followed(lines.append), progress_bar("steps", 10) as show:
         show(0.5)
         with counted("inner", 4, 0) as inner:

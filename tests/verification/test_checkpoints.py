@@ -130,7 +130,9 @@ def test_files_belong_to_one_definition(tmp_path, at_once, capsys):
     assert capsys.readouterr().err == ""
     before = theirs.read_bytes()
     with checkpointed(place, {"scene": 3}, True):
-        assert next_checkpoint().load(dict) is None
+        checkpoint = next_checkpoint()
+        assert checkpoint is not None
+        assert checkpoint.load(lambda length: {}) is None
     stay = ", ".join(sorted(path.name for path in (*files, theirs)))
     assert f"checkpoints of other scenes or versions are kept: {stay}; the run" in capsys.readouterr().err
     with checkpointed(place, one, True):
@@ -187,7 +189,7 @@ def test_a_file_of_another_kind_run_or_form_is_told_and_not_read(tmp_path, at_on
 def test_only_what_there_is_is_promised(tmp_path, at_once):
     """Interrupted before a checkpoint, with a damaged one, and with those of others, the run says nothing of one."""
     place = tmp_path / "out"
-    arrays = functools.partial(dict, rows=np.zeros((1, 3)))
+    arrays = functools.partial(dict[str, np.ndarray], rows=np.zeros((1, 3)))
 
     def command(act):
         with checkpointed(place, {}, True):

@@ -5,7 +5,7 @@ and frictions a run is right to 2e-3 or fails its own checks.
 import itertools
 import math
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def ringing(normal):
     return normal * (1.0 + 0.2 * (-1.0) ** np.arange(normal.size))
 
 
-CHANGES = (
+CHANGES: tuple[tuple[dict[str, Any], set[str]], ...] = (
     ({}, set()),
     ({"v_gy": lambda v: v * (1.0 + 1e-8 * np.arange(v.size))}, {"momentum balance"}),
     ({"reaction_normal": ringing}, {"reaction against rigid", "friction law"}),

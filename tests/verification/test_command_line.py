@@ -33,8 +33,8 @@ FILES = {
     ".tailslap-result.json",
     CRATE,
 }
-CURVES = ("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential")
-CURVES += ("energy_exchanged", "energy_stored", "energy_error", "positions")
+CURVES = ["theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"]
+CURVES += ["energy_exchanged", "energy_stored", "energy_error", "positions"]
 FILES |= {f"{name}.svg" for name in CURVES}
 FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "--set", "damping.kind=none")
 PICTURES = {"contour_v_gx.png", "contour_v_gy.png", "contour_omega.png", "contour_von_mises.png"}

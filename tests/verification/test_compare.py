@@ -49,6 +49,8 @@ def test_metrics_of_a_scaled_and_of_a_late_history():
     reference = {"t": T, "v": np.sin(2.0 * np.pi * T)}
     twice = quantities.beside("v", {"t": T, "v": 2.0 * reference["v"]}, reference)
     late = quantities.beside("v", {"t": T, "v": np.sin(2.0 * np.pi * (T - 0.01))}, reference)
+    assert twice is not None
+    assert late is not None
     assert twice.metrics.magnitude == pytest.approx(1.0, abs=1e-12)
     assert (twice.metrics.phase, twice.largest[0]) == (pytest.approx(0.0, abs=1e-7), pytest.approx(1.0))
     assert not twice.within
@@ -60,6 +62,7 @@ def test_metrics_of_a_scaled_and_of_a_late_history():
 def test_residuals_of_a_shifted_history():
     reference = {"t": T, "v": 4.0 - T}
     found = quantities.beside("v", {"t": T, "v": reference["v"] + 0.4}, reference)
+    assert found is not None
     assert found.metrics.mean_residual == pytest.approx(0.1)
     assert found.metrics.deviation == pytest.approx(0.0, abs=1e-12)
     assert found.at_end == pytest.approx(0.4 / 3.0)
@@ -69,6 +72,7 @@ def test_residuals_of_a_shifted_history():
 def test_only_the_common_time_counts():
     reference = {"t": T, "v": T}
     found = quantities.beside("v", {"t": T[200:500:3] + 1e-5, "v": T[200:500:3] + 1e-5}, reference)
+    assert found is not None
     assert (found.t[0], found.t[-1]) == (T[201], T[497])
     np.testing.assert_allclose(found.value, found.reference, atol=1e-12)
     assert quantities.beside("v", {"t": T + 2.0, "v": T}, reference) is None
@@ -77,6 +81,7 @@ def test_only_the_common_time_counts():
 def test_rows_that_are_not_finite_are_left_out():
     values = np.where(T > 0.5, np.nan, T)
     found = quantities.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
+    assert found is not None
     assert found.t[-1] == 0.5
 
 
@@ -192,10 +197,10 @@ def test_a_name_is_no_formula_of_a_spreadsheet(result, folder, tmp_path):
 
 def test_what_is_not_there_is_refused(folder, tmp_path):
     for given, only, message in (
-        ((folder, tmp_path / "none.csv"), None, "the file or folder does not exist"),
-        ((folder,), None, "two or more results are required"),
-        ((folder, folder), ["colour"], "allowed are the common columns"),
-        ((folder, tmp_path), None, r"it has no readable summary\.json"),
+        ((folder, tmp_path / "none.csv"), (), "the file or folder does not exist"),
+        ((folder,), (), "two or more results are required"),
+        ((folder, folder), ("colour",), "allowed are the common columns"),
+        ((folder, tmp_path), (), r"it has no readable summary\.json"),
     ):
         with pytest.raises(InputError, match=message):
             tailslap.compare(*given, only=only)

@@ -227,6 +227,7 @@ def test_what_a_dead_command_left_is_finished_before_it_is_read(results, monkeyp
         patch.setattr(folder, "_redo", lambda place: None)  # it dies here
         died = pytest.raises(InputError, match="the next command completes it")
         with died, folder.result_folder(place, force=True) as new:
+            assert other.fill is not None
             other.fill(new, True, "si")
         assert (place / manifest.LOG).exists()
     with monkeypatch.context() as patch:

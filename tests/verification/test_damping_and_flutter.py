@@ -76,7 +76,7 @@ def test_ledger_and_momentum_close(plate_model, constraint, threads):
     """An unstressed start that is damped strongly; what the damping takes is what the plate has less."""
     model = plate_model(reaction="drag", elastic_rate=800.0, corner={"constraint": constraint})
     history = simulate(model, START, 0.384, kind="unstressed", threads=threads).history
-    held = sum(history[name] for name in ("kinetic_energy", "strain_energy", "contact_energy"))
+    held = np.sum([history[name] for name in ("kinetic_energy", "strain_energy", "contact_energy")], axis=0)
     balance = held - history["friction_work"] - history["damping_work"]
     assert np.abs(balance - balance[0]).max() < 1e-10 * held[0]
     gained = model.mass * (history["v_gy"] - history["v_gy"][0])
@@ -199,7 +199,12 @@ def test_steps_along_the_line_grow_with_the_modes_alone(plate_model, monkeypatch
     """However small the rate is beside the frequencies: on a light or stiff plate it is a billionth of them."""
     model, made = plate_model((10, 3), "drag", corner=CORNERS["penalty"]), []
     modes, plain = flutter.corner_modes(model), flutter._response.py_func
-    monkeypatch.setattr(flutter, "_response", lambda *given: made.append(1) or plain(*given))
+
+    def counted(*given):
+        made.append(1)
+        return plain(*given)
+
+    monkeypatch.setattr(flutter, "_response", counted)
     squares, residues = np.append(0.0, modes.squares[3:]), modes.corner[1, 2:] ** 2
     stiffness = model.loop.corner.stiffness
     top = flutter.highest_mode(squares, residues, stiffness)
@@ -261,7 +266,8 @@ def test_without_friction_nothing_grows(plate_model):
 
 def test_only_meshes_that_can_be_analysed_are_made(monkeypatch):
     """Of the coarser meshes of a large one."""
-    made, plain = [], decisions.static_models
+    made: list[int] = []
+    plain = decisions.static_models
 
     def counted(plan, plates, meshes):
         made.extend(plate.elements for plate in plates)

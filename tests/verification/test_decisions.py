@@ -198,6 +198,7 @@ def test_the_certainty_tells_flexibility_from_discretisation_error(outcome):
         r"Vehicle flexibility changes the motion by at most (\S+) %; discretisation error at most (\S+) %\."
     )
     found = re.match(sentence, headline(softer).certainty)
+    assert found
     assert 0.9 < float(found[1]) <= 1.1
     assert float(found[2]) < 0.1
     demanded = outcome("mash-tl4-sut", *soft, "verify.tolerance=1e-3")

@@ -76,7 +76,9 @@ def entries(body: str) -> dict[str, str]:
 
 def own_nodes(function: Any) -> Iterator[ast.AST]:
     """Nodes of a function's body, without those of functions inside it."""
-    left: list[ast.AST] = list(ast.parse(textwrap.dedent(inspect.getsource(function))).body[0].body)
+    (definition,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
+    assert isinstance(definition, ast.FunctionDef)
+    left: list[ast.AST] = [*definition.body]
     while left:
         node = left.pop()
         yield node

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -86,7 +87,7 @@ def test_every_slider_changes_the_answer(page, monkeypatch, scene, keys):
     assert set(cells["made"]) == {"vehicle.mass", *keys.split()}
     for key, (element, value, unit) in cells["made"].items():
         other = next(step for step in element.steps if step > value)
-        changed = tailslap.rigid(scene, {key: f"{other} {unit}" if unit else other})
+        changed: Any = tailslap.rigid(scene, {key: f"{other} {unit}" if unit else other})
         assert changed.history.to_numpy().tolist() != cells["rigid"].history.to_numpy().tolist(), key
 
 

@@ -130,8 +130,8 @@ def test_csv_has_every_bit_and_the_units(result, exported):
         names, *rows = csv.reader(file)
     assert names[:4] == ["t [s]", "theta [rad]", "omega [rad/s]", "v_gx [m/s]"]
     np.testing.assert_array_equal([float(row[3]) for row in rows], result.history["v_gx"])
-    names = ("history", "rigid", "nodes", "elements")
-    assert {path.name for path in exported("csv").glob("*.csv")} == {f"{name}.csv" for name in names}
+    files = ("history", "rigid", "nodes", "elements")
+    assert {path.name for path in exported("csv").glob("*.csv")} == {f"{name}.csv" for name in files}
 
 
 def test_the_command_exports_a_result_folder(result, tmp_path, capsys):
@@ -166,7 +166,7 @@ def test_pictures_of_all_instants_have_one_scale(result, tmp_path):
     assert all(matplotlib.image.imread(path).std() > 0.05 for path in folder.glob("*.png"))
     moving = tailslap.export(result, "gif", tmp_path / "gif", field="stress_von_mises")
     with Image.open(moving / "stress_von_mises.gif") as image:
-        assert image.n_frames == 4
+        assert getattr(image, "n_frames", 1) == 4
     with pytest.raises(InputError, match=r"allowed is one of\s+displacement_x"):
         tailslap.export(result, "gif", tmp_path / "x", field="colour")
 

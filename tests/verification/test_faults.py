@@ -64,7 +64,12 @@ def test_a_full_cache_disk_ends_no_run(tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     tried = []
-    monkeypatch.setattr(object_code.os, "replace", lambda *given: tried.append(1) or full())
+
+    def replace(*given):
+        tried.append(1)
+        full()
+
+    monkeypatch.setattr(object_code.os, "replace", replace)
     monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path)
     assert (compiled(doubled)(1.5), tried) == (3.0, [1])
     assert not list(tmp_path.iterdir())

@@ -136,8 +136,9 @@ def test_every_block_counts():
     expected = np.zeros_like(forces)
     for element in range(d.table.connectivity.shape[1]):
         names = ("connectivity", "gradients", "weights")
-        parts = {name: getattr(d.table, name)[:, element : element + 1] for name in names}
-        alone = d.table._replace(**{name: np.ascontiguousarray(part) for name, part in parts.items()})
+        parts = (getattr(d.table, name)[:, element : element + 1] for name in names)
+        connectivity, gradients, weights = map(np.ascontiguousarray, parts)
+        alone = d.table._replace(connectivity=connectivity, gradients=gradients, weights=weights)
         expected += internal_forces(alone, positions)[0]
     assert_allclose(forces, expected, atol=1e-12 * np.abs(forces).max(), rtol=0.0)
 
@@ -182,15 +183,18 @@ def test_forces_do_not_depend_on_the_numbering(kind, share):
     number = rng.permutation(d.positions.shape[1])
     back = np.argsort(number)
     given = d.positions + rng.normal(0.0, 1e-3, d.positions.shape), rng.normal(size=d.positions.shape)
-    others, damped = (np.ascontiguousarray(values[:, back]) for values in given), Viscosity(1e3, 3e2, 4e2)
+    damped = Viscosity(1e3, 3e2, 4e2)
+    positions, velocities = (np.ascontiguousarray(values[:, back]) for values in given)
     force, power = internal_forces(d.table, *given, damped, hourglass=hourglass)
-    other, other_power = internal_forces(shuffled(d.table, number), *others, damped, hourglass=hourglass)
+    shuffled_table = shuffled(d.table, number)
+    other, other_power = internal_forces(shuffled_table, positions, velocities, damped, hourglass=hourglass)
     assert_allclose(other[:, number], force, rtol=0.0, atol=1e-12 * np.abs(force).max())
     assert other_power == pytest.approx(power, rel=1e-12)
 
 
 def test_a_plate_is_a_lattice_with_one_idle_slot_between_rows():
     lattice = point_force.find_lattice(discretise(plate_mesh(10.0, 2.438, ELEMENTS), 0.05).table.connectivity)
+    assert lattice is not None
     assert lattice.element.size == 6 * 21 - 1
     assert (lattice.element < 0).sum() == lattice.idle.size == 5
 
@@ -458,6 +462,8 @@ def test_threads_give_the_same_answer_and_repeat_to_the_bit(plate_model, threads
     for name, column in first.history.items():
         assert_array_equal(column, second.history[name])
     for name in ("t", "v_gx", "v_gy", "omega", "slide"):
+        assert first.strike is not None
+        assert alone.strike is not None
         assert first.strike.values[name] == pytest.approx(alone.strike.values[name], rel=1e-8)
 
 

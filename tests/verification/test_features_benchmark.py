@@ -2,6 +2,7 @@
 verdicts on made-up times, whose ratios are known; its counts of instructions and sums of imports."""
 
 import sys
+from functools import partial
 
 import features as benchmark
 import numpy as np
@@ -106,8 +107,13 @@ def test_each_part_is_added_alone(models):
 
 
 def test_turns_go_forwards_and_back():
-    order = []
-    runs = [lambda i=i: float(order.append(i) or 10 * len(order) + i) for i in range(3)]
+    order: list[int] = []
+
+    def run(i):
+        order.append(i)
+        return float(10 * len(order) + i)
+
+    runs = [partial(run, i) for i in range(3)]
     table = benchmark.take_turns(runs, 3)
     assert order == [0, 1, 2, 2, 1, 0, 0, 1, 2]
     assert table.tolist() == [[10, 21, 32], [60, 51, 42], [70, 81, 92]]

@@ -7,6 +7,7 @@ import math
 import re
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -196,8 +197,7 @@ def synthetic(plan):
 
     def build(changes={}):  # noqa: B006
         rigid = plan.tail_slap
-        records = [point_record(f, rigid) for f in SWEEP]
-        records = {**dict(enumerate(records)), **changes}
+        records = {i: point_record(f, rigid) for i, f in enumerate(SWEEP)} | changes
         rows = [compute.plate_row(f, records[i], rigid) for i, f in enumerate(SWEEP)]
         return replace(compute.summed_up(sweep, rows, 1.0), own_frequency=100.0)
 
@@ -351,7 +351,8 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
 
 
 def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
-    rigid, done = plan.tail_slap, []
+    done: list[Any] = []
+    rigid = plan.tail_slap
 
     def one_at_a_time(function, parts, journal, *rest):
         for key in parts:
@@ -445,8 +446,12 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     def all_of(value):
         return dict.fromkeys(COLUMNS, value)
 
-    given = ((2.0, {}, {}, ("contact: no",)), (4.0, all_of(3e3), all_of(-0.06), ()))
-    given += ((8.0, all_of(3e3), all_of(0.04), ()), (math.inf, all_of(2e3), {}, ()))
+    given: list[tuple[float, Any, Any, tuple[str, ...]]] = [
+        (2.0, {}, {}, ("contact: no",)),
+        (4.0, all_of(3e3), all_of(-0.06), ()),
+        (8.0, all_of(3e3), all_of(0.04), ()),
+        (math.inf, all_of(2e3), {}, ()),
+    ]
     plates = [compute.plate_record(*each) for each in given]
     assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
     found = compute.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)

@@ -4,6 +4,7 @@ own motion on the foundation, and in the whole impact: momentum, energy, and the
 import functools
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -138,7 +139,12 @@ def test_the_wall_swings_on_its_foundation():
     assert np.ptp(wall.face[1] @ state.wall.amplitude) < 1e-9 * -speed / frequency
 
 
-CASES = {"crush": {}, "layer": {"layer": 2e5}, "penalty": {"law": "penalty"}, "exact": {"law": "exact"}}
+CASES: dict[str, dict[str, Any]] = {
+    "crush": {},
+    "layer": {"layer": 2e5},
+    "penalty": {"law": "penalty"},
+    "exact": {"law": "exact"},
+}
 GAINED = {"exact": 2e-5, "penalty": 2e-5, "layer": 5e-6}
 LOST = {"exact": 2e-3}
 """Share of the energy: what light nodes bring on touching, and waves that the step does not follow."""

@@ -3,7 +3,7 @@ Sci. Comput. 33, 2011; Code_Aster's SDNV100), a sliding block, conservation. Bod
 
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -171,7 +171,7 @@ def truck(law="crush", elements=(20, 6), friction=0.47, modulus=200e9, inertia=N
     return model, simulate_impact(model, touch, 2e-4, 0.6)
 
 
-CONTACTS = {
+CONTACTS: dict[str, dict[str, Any]] = {
     "crush": {},
     "elastic crush": {"restitution": 1.0},
     "plastic crush": {"restitution": 0.0, "initial_force": 5e4, "longest": 3e-5},

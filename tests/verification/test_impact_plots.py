@@ -18,6 +18,7 @@ STRIKES = (
 
 def found(pattern, svg):
     match = re.search(pattern, svg, re.DOTALL)
+    assert match
     return match[1]
 
 
@@ -39,7 +40,9 @@ def test_outlines_of_a_rigid_vehicle():
     heading = np.array([math.cos(theta), -math.sin(theta)])
     left = np.array([math.sin(theta), math.cos(theta)])
     x, y = 3.0 * np.array([1.0, 0.0]) - centre * heading + 0.5 * width * left
-    (outline,) = impact.vehicle_outlines(*np.array([[x], [y], [theta]]), length, width, centre)
+    (outline,) = impact.vehicle_outlines(
+        np.array([x]), np.array([y]), np.array([theta]), length, width, centre
+    )
     np.testing.assert_allclose(outline[0], (3.0, 0.0), atol=1e-12)
     np.testing.assert_allclose(outline[0] - outline[1], length * heading, atol=1e-12)
     np.testing.assert_allclose(outline[2] - outline[1], width * left, atol=1e-12)
@@ -56,7 +59,7 @@ def test_positions_name_instants_and_strikes():
 
 def test_positions_keep_their_scale():
     """A metre along the wall is as long as a metre across: the outline's sides in the figure."""
-    outlines = impact.vehicle_outlines(*np.array([[0.0], [2.4], [0.3]]), 10.0, 2.5, 5.0)
+    outlines = impact.vehicle_outlines(np.array([0.0]), np.array([2.4]), np.array([0.3]), 10.0, 2.5, 5.0)
     corners = points(impact.draw_positions(outlines, (0.0,)).svg, "fe")[:4]
     sides = np.hypot(*np.diff(corners, axis=0).T)
     assert sides[0] / sides[1] == pytest.approx(4.0, rel=1e-4)
@@ -66,7 +69,7 @@ def test_what_moves_ends_where_the_last_outline_is():
     """Turned by 0.3 rad about its first corner and moved by 4 m in 0.5 s; by CSS, which its reader can switch off."""
     t, x = np.linspace(0.0, 0.5, 200), np.linspace(0.0, 4.0, 200)
     every = impact.vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
-    chart = impact.draw_positions(every[[0, -1]], t[[0, -1]], motion=(t, every))
+    chart = impact.draw_positions(every[[0, -1]], t[[0, -1]].tolist(), motion=(t, every))
     place = r"translate\(([-\d.]+)px,([-\d.]+)px\) rotate\(([-\d.]+)rad\)"
     frames = np.array(re.findall(rf"[\d.]+%\{{transform:{place}\}}", chart.svg), float)
     assert len(frames) == impact.MAX_POSES + 1
@@ -83,7 +86,7 @@ def test_what_moves_ends_where_the_last_outline_is():
     assert "prefers-reduced-motion:reduce){.moving{animation:none}}" in chart.svg
     assert f"animation:motion {impact.SLOWER * 0.5 / 0.88:.3g}s linear infinite" in chart.svg
     assert chart.is_moving
-    assert not impact.draw_positions(every[[0, -1]], t[[0, -1]]).is_moving
+    assert not impact.draw_positions(every[[0, -1]], t[[0, -1]].tolist()).is_moving
 
 
 def test_instants_of_close_positions_stand_in_two_rows():
@@ -149,14 +152,14 @@ def test_contact_of_one_instant_is_seen():
     force[1777, 2] = 300.0
     chart = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN", STRIKES)
     assert plain.csv == ""
-    plain, svg = plain.svg, chart.svg
+    svg = chart.svg
     (heading, row) = chart.csv.splitlines()
     at, value = row.split(",")
     assert (heading, value) == ("t [s]; distance from the front [m],force", "300 kN")
     time, place = at.split("; ")
     assert (float(time[:-2]), place) == (pytest.approx(T[1777], abs=T[-1] / impact.COLUMNS), "5 m")
     assert "300\N{NO-BREAK SPACE}kN" in texts(svg)
-    assert len(svg) < len(plain) + 1500
+    assert len(svg) < len(plain.svg) + 1500
 
 
 @pytest.mark.parametrize(("instants", "frames"), [(7, 7), (impact.MAX_FRAMES + 30, impact.MAX_FRAMES)])
@@ -169,7 +172,7 @@ def test_animation(tmp_path, instants, frames):
     path = impact.write_animation(tmp_path / "impact.gif", t, outlines, 1e5 * np.sin(10.0 * t))
     assert path == tmp_path / "impact.gif"
     with Image.open(path) as film:
-        assert film.n_frames == frames
+        assert getattr(film, "n_frames", 1) == frames
         assert film.info["duration"] == pytest.approx(3000.0 / (frames - 1), abs=5.0)
         first = np.array(film.convert("RGB"))
         film.seek(frames - 1)

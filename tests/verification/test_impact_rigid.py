@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -194,7 +195,7 @@ def test_where_it_strikes():
 
 # --- conservation ---
 
-CASES = {
+CASES: dict[str, dict[str, Any]] = {
     **{f"k {k:.0e}": {"k": k} for k in (1e4, 1e5, 2e6, 1e7, 1e9)},
     **{f"e {e}": {"e": e} for e in (0.0, 0.05, 0.9, 1.0)},
     **{f"angle {angle}": {"angle": angle} for angle in (1.0, 30.0, 60.0, 85.0)},
@@ -395,6 +396,7 @@ def start(y_g=2.0, v_gy=-1.0):
 
 
 BOX_OF_A_TON = partial(ImpactVehicle, 4.0, 2.0, 1e3)
+PAIR: Any = [1.0, 2.0]
 REFUSED = [
     ("length", lambda: ImpactVehicle(0.0, 2.0, 1e3), "positive"),
     ("mass", lambda: ImpactVehicle(4.0, 2.0, -1e3), "positive"),
@@ -407,7 +409,7 @@ REFUSED = [
     ("yaw_inertia", lambda: BOX_OF_A_TON(1.0, math.nan), "from 0.001 I to I"),
     ("stiffness", lambda: CrushLaw(-1.0), "positive and finite"),
     ("stiffness", lambda: CrushLaw(math.inf), "positive and finite"),
-    ("stiffness", lambda: CrushLaw([1.0, 2.0]), "a number"),
+    ("stiffness", lambda: CrushLaw(PAIR), "a number"),
     ("initial_force", lambda: CrushLaw(1e6, -1.0), "0 or more"),
     ("restitution", lambda: CrushLaw(1e6, 0.0, 1.1), "from 0 to 1"),
     ("restitution", lambda: CrushLaw(1e6, 0.0, math.nan), "from 0 to 1"),
@@ -446,7 +448,7 @@ def test_the_greatest_inertia_is_that_of_masses_at_the_corners():
 
 # --- many at once ---
 
-GIVEN = {
+GIVEN: dict[str, Any] = {
     "length": 10.0, "width": 2.438, "mass": 9979.0, "speed": SPEED, "angle": ANGLE, "stiffness": 2e6,
     "restitution": 0.22, "friction": MU,
 }  # fmt: skip

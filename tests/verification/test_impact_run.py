@@ -7,6 +7,7 @@ import functools
 import json
 import math
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -234,7 +235,7 @@ def answer(impulse=1.0, duration=0.02, corner="rear", blip=0.0, force=0.0):
     given = [("front", 0.0, 0.02, 1.0), ("front", 0.1, 0.001, blip), (corner, 0.2, duration, impulse)]
     names = ("corner", "start", "duration", "impulse", "peak_force", "end")
     rows = ((c, t, d, j, j, t + d) for c, t, d, j in given)
-    strikes = (SimpleNamespace(**dict(zip(names, row, strict=True))) for row in rows)
+    strikes: Any = (SimpleNamespace(**dict(zip(names, row, strict=True))) for row in rows)
     t = INTERVAL * np.arange(3001.0)
     return ImpactAnswer(tuple(strikes), {"t": t, "force_normal": np.full_like(t, 1.0 + force)})
 
@@ -467,6 +468,7 @@ def test_the_papers_method_stands_beside():
     outcome = whole()
     beside = rigid.paper_method(outcome.fe_plan.case.scene, outcome.rigid)
     corner = CornerCase(*read_scene("mash-tl4-sut"))
+    assert beside is not None
     assert beside["impulse"] == pytest.approx(float(corner.force.impulse), rel=1e-12)
     assert beside["peak_force"] == pytest.approx(2.0 * beside["impulse"] / 0.1, rel=1e-12)
     computed = 2.0 * beside["impulse"] / beside["computed_duration"]
@@ -486,6 +488,7 @@ def test_a_wall_that_gives_deflects_and_its_foundation_carries_the_force():
     """The foundation carries what the contact brings, but for the wall's inertia: impulses agree; the ledger closes."""
     outcome = ran(*(f"{key}={value}" for key, value in WALL.items()))
     h, found = outcome.run.history, report.wall_numbers(outcome)
+    assert found is not None
     assert 2e-3 < found["deflection"] < 6e-3  # of the size of the peak force over 2 k'/b, 3.3 mm
     assert h["foundation_impulse"][-1] == pytest.approx(h["normal_impulse"][-1], rel=0.05)
     initial = 0.5 * outcome.fe_plan.model.mass * 25.034**2

@@ -14,6 +14,7 @@ from tailslap import case, errors
 from tailslap.campaign import report
 from tailslap.campaign.definition import compute_row, make_definition, table_schema
 from tailslap.campaign.perform import perform
+from tailslap.case.impact.case import ImpactCase
 from tailslap.files.load import read_columns
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
@@ -36,6 +37,7 @@ def test_a_row_is_what_the_rigid_vehicle_gives():
     source = source_of_text(RIGID, "rigid")
     row = compute_row(3, source, {"contact.stiffness": 3e6})
     plan = case.case_of(*vary(source, {"contact.stiffness": 3e6}))
+    assert isinstance(plan, ImpactCase)
     first, second = plan.motion.strikes[:2]
     assert (row["run"], row["status"], row["rigid.strike_2.corner"]) == (3, "passed", "rear")
     assert row["rigid.strike_1.impulse"] == first.impulse

@@ -74,7 +74,7 @@ def struck(until=1.0, **given):
 
 def corner_strikes(run):
     """Strikes by the number of the corner point."""
-    forces = {k: run.normal[1:, k] for k in range(run.normal.shape[1]) if run.normal[:, k].any()}
+    forces = {str(k): run.normal[1:, k] for k in range(run.normal.shape[1]) if run.normal[:, k].any()}
     return strikes_of(run.history["t"], forces)
 
 
@@ -308,11 +308,6 @@ def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
         assert np.abs(run.units[1]["omega"]).max() < 1e-3 * np.abs(run.units[0]["omega"]).max()
 
 
-@pytest.mark.long
-def test_peaks_and_impulses_of_a_soft_train_converge_where_its_hinge_is_spread():
-    """Corners and hinge spread over 2 m, on 1, 2 and 4 times the elements each way."""
-
-
 @pytest.mark.parametrize("hitch_length", [0.0, 2.0])
 def test_free_modes_of_a_train_are_those_of_its_matrices_with_closed_hinges(hitch_length):
     """Against a dense solution in the null space of the hinges; four rigid motions, one of them the hinge's."""
@@ -339,7 +334,7 @@ def test_a_soft_train_converges_where_its_corners_and_its_hinge_are_spread():
     for n in (1, 2, 4):
         counts = tuple((n * along, n * across) for along, across in COUNTS)
         _, run = struck(0.95, modulus=2e10, counts=counts, hitch_length=2.0, patch_length=2.0)
-        strikes, ahead, behind = corner_strikes(run)[:5], *run.units
+        strikes, (ahead, behind) = corner_strikes(run)[:5], run.units
         found.append([
             [strike.peak_force for strike in strikes],
             [strike.impulse for strike in strikes],

@@ -11,9 +11,11 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -50,7 +52,7 @@ class Sums(NamedTuple):
     """What `add` returns."""
 
     total: float
-    count: int
+    size: int
     some: bool
     inner: tuple[float, float]
 
@@ -126,7 +128,17 @@ def with_header(kept, header):
     return hashlib.sha256(made).digest() + made
 
 
-DAMAGE = {
+RESULTS: tuple[Any, ...] = (
+    {}, [], "x", 3, ["d"], [3, 4, "d"], ["os", "path", "d"], ["antigravity", "Sums", "d"], [*["builtins"] * 2]
+)  # fmt: skip
+
+
+def with_other(key, value):
+    """Damage that gives a key of the header this value."""
+    return lambda kept: said_otherwise(kept, key, value)
+
+
+DAMAGE: dict[str, Callable[[bytes], bytes]] = {
     "cut": lambda kept: kept[:-100],
     "empty": lambda kept: b"",
     "without a digest": lambda kept: b"{}\n",
@@ -135,11 +147,10 @@ DAMAGE = {
     "no JSON": lambda kept: with_header(kept, b"\xff{"),
     "deep": lambda kept: with_header(kept, b"[" * 50_000),
     "long": lambda kept: with_header(kept, kept[32:].partition(b"\n")[0] + b" " * 2**16),
-    **{f"JSON {text}": lambda kept, text=text: with_header(kept, text) for text in (b"[]", b"3", b"null", b'"{}"')},
-    **{key: lambda kept, key=key: said_otherwise(kept, key, "other") for key in
-       ("kernel", "arguments", "values", "sources", "processor", "versions", "settings", "symbol", "more")},
-    **{f"result {result}": lambda kept, result=result: said_otherwise(kept, "result", result) for result in
-       ({}, [], "x", 3, ["d"], [3, 4, "d"], ["os", "path", "d"], ["antigravity", "Sums", "d"], [*["builtins"] * 2])},
+    **{f"JSON {text!r}": partial(with_header, header=text) for text in (b"[]", b"3", b"null", b'"{}"')},
+    **{key: with_other(key, "other") for key in
+        ("kernel", "arguments", "values", "sources", "processor", "versions", "settings", "symbol", "more")},
+    **{f"result {result}": with_other("result", result) for result in RESULTS},
     "types": lambda kept: said_otherwise(kept, "symbol", 7, "versions", None, "values", ["d"]),
 }  # fmt: skip
 """Contents of a file, made from the right one."""
@@ -177,6 +188,12 @@ def sparse(path):
     os.truncate(path, 2**40)
 
 
+def give_away(path):
+    """A copy of the whole file, of another user."""
+    shutil.copy(path.with_suffix(".whole"), path)
+    os.chown(path, 65534, -1)
+
+
 ODD = {
     "pipe": os.mkfifo,
     "device": lambda path: path.symlink_to("/dev/zero"),
@@ -184,7 +201,7 @@ ODD = {
     "folder": Path.mkdir,
     "huge": sparse,
     "open to all": lambda path: shutil.copy(path.with_suffix(".whole"), path) and path.chmod(0o644),
-    "another's": lambda path: shutil.copy(path.with_suffix(".whole"), path) and os.chown(path, 65534, -1),
+    "another's": give_away,
 }
 """What may stand in the place of a file."""
 
@@ -211,7 +228,8 @@ def test_what_is_no_file_of_this_user_s_alone_is_not_opened(keeping, how):
 @pytest.mark.parametrize("how", ["open to all", "readable", "another's", "link"])
 def test_in_a_folder_of_others_nothing_is_loaded_or_kept(keeping, how, tmp_path, monkeypatch):
     """And that is said with the time that it took."""
-    said, place = [], folder.cache_folder()
+    said: list[str] = []
+    place = folder.cache_folder()
     assert compiled(double)(1.5) == 3.0
     if how == "link":
         place.rename(tmp_path / "elsewhere")
@@ -240,7 +258,8 @@ def test_the_folder_is_made_for_this_user_alone(keeping):
 def test_below_a_folder_that_may_not_be_searched_code_is_not_kept(keeping, tmp_path, monkeypatch):
     """As below the home of another user."""
     assert compiled(double)(2) == 4.0  # Numba is there
-    closed, said = tmp_path / "home", []
+    said: list[str] = []
+    closed = tmp_path / "home"
     closed.mkdir(0o000)
     monkeypatch.setattr(folder, "cache_folder", lambda: closed / "cache" / "code")
     user, again = os.geteuid(), compiled(double)
@@ -382,7 +401,7 @@ def test_code_is_known_by_the_types_of_its_arguments(outcome):
 
 
 def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(keeping):
-    told = []
+    told: list[str] = []
 
     def use(value):
         function = compiled(double)  # as a new process has it
@@ -411,8 +430,10 @@ def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
 
     def said():
-        settings = {"capture_output": True, "text": True, "check": True}
-        return subprocess.run(command, env=environment, cwd=tmp_path, **settings).stderr
+        done = subprocess.run(
+            command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True
+        )
+        return done.stderr
 
     assert re.search(r"compiling the time loop .*: about 10 s\n.*compiled in \d+ s", said(), re.DOTALL)
     assert "compil" not in said()
@@ -462,6 +483,7 @@ def test_threads_meet_again_and_again():
 )
 def test_threads_are_as_many_as_the_mesh_has_work_for(elements, used):
     plan = CornerCase(*read_scene("paper-table-3", (f"plate.elements={list(elements)}", "time.threads=3")))
+    assert plan.scene.plate
     decisions = open_threads(plan, plan.scene.plate)
     assert plan.decided(decisions).scene.time.threads == used
     assert [decision.value for decision in decisions] == ([] if used == 3 else [used])

@@ -171,7 +171,7 @@ def test_motion_is_paused_and_is_not_where_the_reader_prefers_none(browser, tmp_
     """Without a script: a box to tick, and the reader's own choice."""
     t, x = np.linspace(0.0, 0.5, 20), np.linspace(0.0, 4.0, 20)
     every = vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
-    chart = draw_positions(every[[0, -1]], t[[0, -1]], motion=(t, every))
+    chart = draw_positions(every[[0, -1]], t[[0, -1]].tolist(), motion=(t, every))
     path = write_page(
         tmp_path / "p.html", Page("", Headline("Motion", ""), (Section("Motion", figures=(chart,)),), "")
     )

@@ -42,7 +42,9 @@ def test_every_file_is_listed_with_size_and_digest(folder, entities):
 
 
 def test_digests_are_those_of_the_manifest(folder, entities):
-    listed = {entry.path: entry.sha256 for entry in read_manifest(folder)}
+    entries = read_manifest(folder)
+    assert entries is not None
+    listed = {entry.path: entry.sha256 for entry in entries}
     assert CRATE in listed
     assert {name: listed[name] for name in listed if name != CRATE} == {
         name: entity["sha256"] for name, entity in entities.items() if entity["@type"] == "File"

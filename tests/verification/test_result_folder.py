@@ -310,10 +310,11 @@ def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earli
         fsync(number)
 
     def noted(call):
-        return lambda *given, **options: (
-            done.append((call.__name__, Path(given[0]).name)),
-            call(*given, **options),
-        )
+        def called(*given, **options):
+            done.append((call.__name__, Path(given[0]).name))
+            return call(*given, **options)
+
+        return called
 
     monkeypatch.setattr(os, "fsync", synced)
     monkeypatch.setattr(os, "replace", noted(replace))
@@ -495,6 +496,7 @@ def test_the_lock_goes_with_its_process_and_what_that_has_left_is_dropped(tmp_pa
     process = subprocess.Popen(
         [sys.executable, "-c", DYING, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
+    assert process.stdout
     assert process.stdout.readline() == b"filling\n"
     refused(place, "another command uses this folder")
     assert (place / NEW / "half.csv").exists()

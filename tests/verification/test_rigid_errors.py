@@ -3,6 +3,7 @@
 import math
 import pickle
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 import pytest
@@ -41,11 +42,17 @@ def signed(**changes):
 
 
 BELOW_MOST = f"more than 0 and less than {MOST:.6g} rad"
+LONG: Any = "long"
 REFUSED = [
     (lambda: RectangularBody(0.0, 2.0, 1.0), "length", "0", "positive and finite, m"),
     (lambda: RectangularBody(9.0, -2.0, 1.0), "width", "-2", "positive and finite, m"),
-    (lambda: RectangularBody(9.0, 2.0, [1.0, INF]), "mass", "inf at index 1", "positive and finite, kg"),
-    (lambda: RectangularBody("long", 2.0, 1.0), "length", "'long'", "a number, or an array of numbers"),
+    (
+        lambda: RectangularBody(9.0, 2.0, np.array([1.0, INF])),
+        "mass",
+        "inf at index 1",
+        "positive and finite, kg",
+    ),
+    (lambda: RectangularBody(LONG, 2.0, 1.0), "length", "'long'", "a number, or an array of numbers"),
     (lambda: impact(speed=0.0), "speed", "0", "positive and finite, m/s"),
     (lambda: impact(speed=NAN), "speed", "nan", "positive and finite, m/s"),
     (lambda: impact(angle=0.0), "angle", "0", BELOW_MOST),
@@ -176,8 +183,10 @@ def test_nan_rows_stay_alone():
 
 
 def test_nan_rows_of_stage_1_pass_through_stage_2():
-    frictions = [0.4, 0.4, -1.0, 9.0, NAN]
-    first = corner_impulse(TRUCK, [25.0, 0.0, 25.0, 25.0, 25.0], 0.26, frictions, 0.2, invalid="nan")
+    frictions = np.array([0.4, 0.4, -1.0, 9.0, NAN])
+    first = corner_impulse(
+        TRUCK, np.array([25.0, 0.0, 25.0, 25.0, 25.0]), 0.26, frictions, 0.2, invalid="nan"
+    )
     expected = [False, True, True, True, True]
     assert np.isnan(first.omega).tolist() == np.isnan(first.corner_speed).tolist() == expected
     assert np.isnan(first.impulse).tolist() == expected

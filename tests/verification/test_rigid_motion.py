@@ -4,6 +4,7 @@ import math
 import time
 import timeit
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 import pytest
@@ -98,7 +99,7 @@ def test_impulses_of_arrays_equal_single_calls():
     together = corner_impulse(body, 20.0, angles, frictions, 0.2)
     assert together.omega.shape == together.corner_speed.shape == together.impulse.shape == (2, 3)
     for i, j in np.ndindex(2, 3):
-        one = RectangularBody(float(body.length[j]), 2.4, 9000.0)
+        one = RectangularBody(float(np.asarray(body.length)[j]), 2.4, 9000.0)
         alone = corner_impulse(one, 20.0, float(angles[i, 0]), float(frictions[j]), 0.2)
         assert isinstance(alone.omega, float)
         for name in ("omega", "corner_speed", "impulse"):
@@ -119,7 +120,7 @@ def test_the_body():
     assert (body.corner_radius, body.corner_angle) == (5.0, math.atan2(8.0, 6.0))
     assert body.moment_of_inertia == pytest.approx(100.0, rel=1e-15)
     bodies = RectangularBody(np.array([6.0, 3.0]), np.array([8.0, 4.0]), 12.0)
-    assert bodies.corner_radius.tolist() == [5.0, 2.5]
+    assert np.asarray(bodies.corner_radius).tolist() == [5.0, 2.5]
     assert bodies.moment_of_inertia == pytest.approx([100.0, 25.0], rel=1e-15)
 
 
@@ -131,7 +132,7 @@ def test_the_triangular_pulse_holds_the_momentum():
     assert force.peak_force * force.duration / 2 == pytest.approx(force.impulse, rel=1e-15)
 
 
-START = {"angle": 0.26, "omega": 0.707, "corner_speed": 25.053, "friction": 0.47}
+START: dict[str, Any] = {"angle": 0.26, "omega": 0.707, "corner_speed": 25.053, "friction": 0.47}
 NAMES = [field.name for field in fields(MotionState)]
 # t, v_GY, v_GX; omega, s, v_P at theta = 0 for START: Eqs 66-71 by Taylor series with 30 digits.
 FIRST_THREE = {
@@ -342,7 +343,9 @@ def test_broadcasting_equals_single_calls():
 def test_numbers_in_numbers_out():
     """Whole numbers, NumPy scalars and arrays without dimension count as numbers; answers are plain floats."""
     body = RectangularBody(10, 2.438, np.float64(9979.0))
-    first = plane_motion(TRUCK, 0.26, 1, np.float32(25.0), np.array(0)).strike
+    scalar: Any = np.float32(25.0)
+    without_dimension: Any = np.array(0)
+    first = plane_motion(TRUCK, 0.26, 1, scalar, without_dimension).strike
     strikes = (first, tail_slap(body, np.float64(0.26), 1, 25, 0))
     for strike in strikes:
         assert {type(getattr(strike, name)) for name in NAMES} == {float}
@@ -353,9 +356,10 @@ def test_a_hundred_thousand_motions_take_less_than_two_seconds():
     random = np.random.default_rng(0)
     n = 100_000
     body = RectangularBody(10.0, random.uniform(0.1, 3.0, n), 9979.0)
-    arguments = [random.uniform(*limits, n) for limits in ((0.05, 1.2), (0.1, 1.0), (30.0, 60.0), (0.0, 1.3))]
+    limits = ((0.05, 1.2), (0.1, 1.0), (30.0, 60.0), (0.0, 1.3))
+    angle, omega, speed, friction = (random.uniform(*ends, n) for ends in limits)
     start = time.process_time()
-    strike = tail_slap(body, *arguments)
+    strike = tail_slap(body, angle, omega, speed, friction)
     assert time.process_time() - start < 2.0
     assert np.all(np.isfinite(strike.t))
 

@@ -9,6 +9,7 @@ import pytest
 
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes, source_of_text
 from tailslap.scene.vary import Source, parse_changes, shown, varied, vary
@@ -26,7 +27,11 @@ def test_shipped_scenes_have_their_own_name_and_a_solution(name):
     scene, text = read_scene(name)
     assert scene.name == name
     plan = case_of(scene, text)
-    instants = [strike.start for strike in plan.motion.strikes] if scene.contact else [plan.motion.strike.t]
+    if isinstance(plan, ImpactCase):
+        instants = [strike.start for strike in plan.motion.strikes]
+    else:
+        assert isinstance(plan, CornerCase)
+        instants = [plan.motion.strike.t]
     assert instants[-1] > 0.0
 
 
@@ -210,6 +215,7 @@ def test_the_given_tables_are_left_alone_and_changes_add_up():
     first = vary(source, {"corner.friction": 0.1, "damping.ratio": 0.1})[1]
     second = vary(first, {"damping": None, "damping.ratio": 0.2, "corner.friction": 0.3})[0]
     assert (json.dumps(source.given), first.given["damping"]) == (before, {"ratio": 0.1})
+    assert second.damping is not None
     assert (second.damping.ratio, second.corner.friction) == (0.2, 0.3)
 
 

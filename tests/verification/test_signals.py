@@ -1,6 +1,9 @@
 """Verification: filters, peaks and second strikes of known pulses, occupant risk by closed forms, design forces."""
 
 import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,8 +22,8 @@ from postprocess.signals.filters import (
     second_strike,
 )
 
-FILTERS = {
-    **{f"CFC {c}": lambda x, t, c=c: cfc_filter(x, t, c) for c in CLASSES},
+FILTERS: dict[str, Callable[..., Any]] = {
+    **{f"CFC {c}": partial(cfc_filter, frequency_class=c) for c in CLASSES},
     "13 Hz": lambda x, t: low_pass(x, t, 13.0),
     "60 Hz": filters.FILTERS["cutoff_60hz"],
     "50 ms": lambda x, t: moving_mean(x, t, 0.05),
@@ -132,7 +135,8 @@ def test_what_is_refused(call, message):
 def test_the_lowest_rate_of_a_class_is_accepted():
     """Ten times the class."""
     for frequency_class in CLASSES:
-        cfc_filter(np.zeros(1000), 0.1 / frequency_class, frequency_class)
+        filtered = cfc_filter(np.ones(1000), 0.1 / frequency_class, frequency_class)
+        assert filtered == pytest.approx(np.ones(1000), rel=1e-9)
 
 
 INTERVAL = 1e-4
@@ -296,6 +300,7 @@ def test_growing_deceleration_of_few_instants():
     time = (6.0 * 0.6 / 200.0) ** (1.0 / 3.0)
     ahead = risk.head_contact(motion, ahead=2.0)
     for contact in (risk.occupant_contact(motion), risk.head_contact(motion), ahead):
+        assert contact is not None
         assert contact.time == pytest.approx(time, rel=1e-12)
         assert contact.forward == pytest.approx(100.0 * time**2, rel=1e-12)
 
@@ -305,6 +310,7 @@ def test_half_sine_of_deceleration():
     length, size = 0.2, 120.0
     pulse = -size * np.sin(math.pi * np.clip(TIMES / length, 0.0, 1.0))
     contact = risk.occupant_contact(straight(pulse, 0.0))
+    assert contact is not None
     phase, scale = math.pi * contact.time / length, size * length / math.pi
     assert scale * (contact.time - length / math.pi * math.sin(phase)) == pytest.approx(0.6, rel=1e-6)
     assert contact.forward == pytest.approx(scale * (1.0 - math.cos(phase)), rel=1e-6)
@@ -332,6 +338,7 @@ def test_head_goes_straight_on_while_the_vehicle_turns():
         cos, sin = math.cos(turned), math.sin(turned)
         return np.array([cos * away[0] + sin * away[1], cos * away[1] - sin * away[0]])
 
+    assert contact is not None
     assert inside(contact.time)[1] == pytest.approx(-0.3, abs=1e-8)
     speeds = (inside(contact.time + 1e-5) - inside(contact.time - 1e-5)) / 2e-5
     assert (contact.forward, contact.sideways) == pytest.approx(tuple(speeds), abs=1e-5)
@@ -343,6 +350,7 @@ def test_a_head_ahead_of_the_centre_is_met_by_the_turning_side():
     motion = risk.VehicleMotion(TIMES, ZERO, ZERO, spin * TIMES, 0.5 * spin * TIMES**2)
     contact = risk.head_contact(motion, ahead=2.0)
     turned = math.asin(0.15)
+    assert contact is not None
     assert 0.5 * spin * contact.time**2 == pytest.approx(turned, rel=1e-7)
     assert contact.sideways == pytest.approx(-2.0 * spin * contact.time * math.cos(turned), rel=1e-6)
     assert risk.head_contact(motion) is None

@@ -119,7 +119,7 @@ def test_a_reference_is_as_the_program_is(name):
 
 
 def keys(model, prefix=""):
-    found = []
+    found: list[str] = []
     for name, field in model.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
         table = next((k for k in kinds if inspect.isclass(k) and issubclass(k, SceneTable)), None)
@@ -260,8 +260,13 @@ def do(step, namespace):
 def demand_passed(compute):
     """All results that are made meanwhile have passed their checks, or are not judged."""
     made, plain = [], result.Result.__init__
+
+    def noted(it, *given, **named):
+        made.append(it)
+        plain(it, *given, **named)
+
     with pytest.MonkeyPatch.context() as change:
-        change.setattr(result.Result, "__init__", lambda it, *a, **k: made.append(it) or plain(it, *a, **k))
+        change.setattr(result.Result, "__init__", noted)
         try:
             compute()
         except ImportError as error:
@@ -329,8 +334,9 @@ def test_the_cluster_s_commands_run(tmp_path, monkeypatch):
     with contextlib.ExitStack() as stack:
         for line in (f"{scheduler} --host 127.0.0.1 --port {port}", f"{worker} --host 127.0.0.1"):
             command = [sys.executable, "-m", *line.split(), "--no-dashboard"]
-            quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-            process = stack.enter_context(subprocess.Popen(command, **quiet))
+            process = stack.enter_context(
+                subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            )
             stack.callback(process.terminate)
             while not listens(port):
                 time.sleep(0.1)

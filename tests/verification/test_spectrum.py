@@ -2,6 +2,7 @@
 
 import json
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -144,7 +145,7 @@ def test_time_step_has_the_same_digits_whatever_the_rounding(plate_model, monkey
 
 
 START = RigidStart(0.26, 0.707, 25.053)
-PLATES = (
+PLATES: list[dict[str, Any]] = (
     [{}] + [{"element": name} for name in ("quad9", "tri6", "quad4-reduced")] + [{"poissons_ratio": 0.45}]
 )
 
@@ -209,7 +210,12 @@ def test_start_takes_two_loads_and_statics_none_more(plate_model, monkeypatch):
 
     loads = []
     plain = Inverse._solved
-    monkeypatch.setattr(Inverse, "_solved", lambda self, load: loads.append(load) or plain(self, load))
+
+    def noted(self, load):
+        loads.append(load)
+        return plain(self, load)
+
+    monkeypatch.setattr(Inverse, "_solved", noted)
     lazy.forget()
     model = plate_model(elements=(10, 3))
     fields = relieved_fields(model, START)

@@ -30,6 +30,7 @@ from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.corner.error import NumericalError
 from tailslap.case.cost import expected_effort
+from tailslap.case.impact.case import ImpactCase
 from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted, Verbatim
 from tailslap.scene.read import read_scene, source_of_text
@@ -107,6 +108,8 @@ def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch):
 @pytest.mark.long
 def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed():
     scene = read_scene("paper-table-3", ("plate.elements=",))[0]
+    assert scene.plate is not None
+    assert scene.plate.youngs_modulus is not None
     softer = {"plate.youngs_modulus": 1e-4 * scene.plate.youngs_modulus}
     assert verdict_of(scene, softer)["kind"] == "flexible"
 
@@ -207,7 +210,7 @@ def test_random_cells_of_a_whole_impact_vary_every_unit_about_its_own(name):
     scene = read_scene(name)[0]
     base = study.base_source(scene)
     cells, places = study.random_cells(scene, base, 1, 3)
-    own = {key: value for key, value in case_of(scene, base).inputs.items() if value}
+    own = {key: value for key, value in ImpactCase(scene, base).inputs.items() if value}
     assert ("trailer.0.hitch" in own) == (name != TRUCK)
     for key, changes in cells.items():
         factors = [changes[quantity] / value for quantity, value in own.items()]
@@ -537,19 +540,24 @@ def test_a_refined_model_is_the_same_plate_held_exactly():
     changes = {f"plate.{key}": value for key, value in plate_keys.items()}
     changes |= {f"corner.{key}": value for key, value in corner_keys.items()}
     own, cell = vary(SMALL, {**changes, "damping.ratio": 0.3, "material.law": "neo-hookean"})
+    assert own.plate is not None
     refined = vary(cell, study.reference_changes(own, own.plate, 1.5))[0]
+    assert refined.plate is not None
     assert (refined.plate.element, refined.plate.counts) == ("quad9", (15, 5))
     assert (refined.plate.start, refined.plate.distortion, refined.damping) == ("unstressed", 0.0, None)
     assert refined.material == own.material
     assert (refined.corner.constraint, refined.corner.patch_length) == ("exact", 2.0)
     calmed = vary(cell, study.reference_changes(own, own.plate, 1.5, 0.05))[0]
+    assert calmed.damping is not None
     assert calmed.damping.ratio == 0.05
     left_open = vary(SMALL, {})[0]
+    assert left_open.plate is not None
     assert "corner.constraint" not in study.reference_changes(left_open, left_open.plate, 1.5)
 
 
 def test_a_refined_mesh_has_its_limit():
     scene = vary(SMALL, {})[0]
+    assert scene.plate is not None
     plates = (scene.plate.model_copy(update={"elements": counts}) for counts in ((10, 4), (40, 12)))
     small, (along, across) = (study.reference_changes(scene, p, 1.5)["plate.elements"] for p in plates)
     assert small == (15, 6)

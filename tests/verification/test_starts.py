@@ -5,7 +5,7 @@ balance the internal forces best, and what they leave."""
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ SOFT = {"youngs_modulus": 2e7}  # first frequency 1.1 Hz
 
 Make = Callable[..., PlateModel]
 
-GIVEN = {
+GIVEN: dict[str, dict[str, Any]] = {
     "steel": {},
     "soft": {"plate": SOFT},
     "soft, exact": {"plate": SOFT, "corner": {"constraint": "exact"}},
@@ -228,6 +228,8 @@ def test_origin_changes_nothing_but_rounding(plate_model):
     model = plate_model(reaction="drag")
     far = model.loop._replace(span=1e9)
     near, fixed = (simulate(m, START, 0.384) for m in (model, replace(model, loop=far)))
+    assert near.strike is not None
+    assert fixed.strike is not None
     for name, value in near.strike.values.items():
         assert value == pytest.approx(fixed.strike.values[name], rel=1e-6, abs=1e-9), name
     np.testing.assert_allclose(near.strike.positions, fixed.strike.positions, rtol=0.0, atol=1e-10)

@@ -52,6 +52,7 @@ def test_durations_of_table_4(duration, k, lasts, mean):
     """Stiffness, duration of the rear strike and largest 50 ms mean of the truck of the paper, to the digits known."""
     case = ImpactCase(*vary(read_source(SCENE), {KEY: duration}))
     rear = case.motion.strikes[1]
+    assert case.scene.contact is not None
     assert case.scene.contact.stiffness == pytest.approx(k, rel=0.02)
     assert (rear.corner, rear.duration) == ("rear", pytest.approx(lasts, abs=6e-4))
     assert case.answer.peaks["mean_50ms"] == pytest.approx(mean, abs=1e3)
@@ -61,10 +62,13 @@ def test_the_stiffness_follows_the_duration_and_not_the_other_way():
     scene, source = vary(read_source(SCENE), {KEY: "0.1 s"})
     assert source.given["contact"].keys() == {"strike_duration", "restitution", "friction"}
     assert vary(Source.of(scene), {})[0] == scene
-    assert vary(source, {"vehicle.mass": 2 * 9979.0})[0].contact.stiffness == pytest.approx(
-        2.0 * scene.contact.stiffness, rel=1e-14
-    )
+    heavy = vary(source, {"vehicle.mass": 2 * 9979.0})[0].contact
+    assert heavy is not None
+    assert scene.contact is not None
+    assert scene.contact.stiffness is not None
+    assert heavy.stiffness == pytest.approx(2.0 * scene.contact.stiffness, rel=1e-14)
     back, source = vary(source, {"contact.stiffness": 1e6})
+    assert back.contact is not None
     assert (back.contact.stiffness, back.contact.strike_duration) == (1e6, None)
     assert "strike_duration" not in scene_text(source).partition("[contact]")[2]
     rows = {row.key: row for row in scene_inputs(*vary(read_source(SCENE), {KEY: "0.1 s"}))}
@@ -73,6 +77,7 @@ def test_the_stiffness_follows_the_duration_and_not_the_other_way():
 
 def test_a_plate_has_the_stiffness_of_the_rigid_vehicle():
     case = ImpactCase(*vary(read_source(SCENE), {KEY: "0.1 s"}))
+    assert case.scene.contact is not None
     plate = ImpactCase(*vary(read_source(SCENE), {"contact.stiffness": case.scene.contact.stiffness}))
     np.testing.assert_equal(case.plan().model.loop.contact, plate.plan().model.loop.contact)
 

@@ -133,8 +133,8 @@ def test_names_of_levels_stand_at_their_lines():
     y = Axis("size [%]", low=1e-6, high=20.0, is_log=True)
     root = ElementTree.fromstring(draw_chart("name", "caption", (Plot(tuple(marks), y),), Axis()).svg)
     names = [(text.text, text.get("y")) for text in root.iter(SVG + "text") if "%" in (text.text or "")]
-    heights = {name: float(height) for name, height in names}
-    frame = next(each for each in root.iter() if each.get("data-box")).get("data-box").split()
+    heights = {name: float(height or "nan") for name, height in names}
+    frame = next(box for each in root.iter() if (box := each.get("data-box"))).split()
     top, bottom = float(frame[1]), float(frame[3])
     for value, below in ((10.0, 0.0), (5.0, 12.0), (1.0, 0.0), (0.1, 0.0)):
         line = top + (bottom - top) * math.log10(20.0 / value) / math.log10(20.0 / 1e-6)
@@ -147,9 +147,8 @@ PARTS = ("plot", "key", "marks", "ticks", "beside", "x-axis")
 
 
 def test_the_legend_names_what_is_drawn_once():
-    marks = (Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X))
-    marks = (*marks, Swatch("60 kN", "#123456"))
-    root = chart(*marks)
+    marks = Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X)
+    root = chart(*marks, Swatch("60 kN", "#123456"))
     said = ["".join(each.itertext()) for each in root.iter(SVG + "text")]
     assert [said.count(label) for label in ("front", "strain", "FE", "60 kN")] == [1] * 4
     assert {each.get("class") for each in root.iter(SVG + "g")} - {None, *PARTS} <= set(PALETTE)

@@ -4,6 +4,7 @@ import functools
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +27,8 @@ TRACTOR = {"length": 6.9, "width": 2.44, "mass": 8200.0, "centre_of_mass": 2.9, 
 
 def case(**changes):
     """The train of the trial by another code, on linear elements 4 across."""
-    keys = {f"vehicle.{key}": value for key, value in TRACTOR.items()} | {"impact.test_level": None}
+    keys: dict[str, Any] = {f"vehicle.{key}": value for key, value in TRACTOR.items()}
+    keys["impact.test_level"] = None
     keys |= {"trailer": [TRAILER], "plate.elements": (10, 4), "plate.element": "quad4", "impact.speed": 22.35}
     changed = {key.replace("__", "."): value for key, value in changes.items()}
     return ImpactCase(*vary(read_source("impact-mash-tl4-sut"), keys | changed))

@@ -2,6 +2,7 @@
 
 import json
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from postprocess.units import SI
 from solver.tipping import RollingVehicle, lowest_walls
 from tailslap.case import case_of
 from tailslap.case.impact.answers import LARGEST, ImpactAnswer, both_strikes
+from tailslap.case.impact.case import ImpactCase
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
@@ -222,13 +224,15 @@ def test_a_wide_trailer_and_a_jack_knife_are_told():
     folded = case_of(*vary(Source(given=SCENE), light))
     (said,) = folded.rigid_numbers()["remarks"]
     assert said.startswith("The train jack-knifes: from 0.")
+    assert isinstance(folded, ImpactCase)
     assert np.abs(folded.answer.history["articulation_1"]).max() > math.pi / 2
     assert train().rigid_numbers()["remarks"] == []
 
 
 def test_a_train_of_three_units_strikes_with_its_last_rear():
-    third = {**SCENE["trailer"][0], "hitch": 14.0, "kingpin": -1.0}
-    case = train(trailer=[SCENE["trailer"][0], third], time__end=2.5)
+    trailer: Any = SCENE["trailer"]
+    third = {**trailer[0], "hitch": 14.0, "kingpin": -1.0}
+    case = train(trailer=[trailer[0], third], time__end=2.5)
     assert {"trailer rear", "trailer 2 rear"} <= {strike.corner for strike in case.motion.strikes}
     assert len(case.rigid_numbers()["hinges"]) == 2
     assert set(case.columns(case.scene)) >= {"rigid.strike_8.impulse", "rigid.hinge_2.peak_force"}

@@ -10,6 +10,7 @@ import json
 import math
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -440,7 +441,8 @@ def test_many_impacts_are_the_single_one():
 
 
 def test_rows_of_the_force_history_hold_impulse_and_mean():
-    given = {"length": 10.0, "width": 2.438, "mass": 9979.0, "speed": 25.0, "angle": 0.26, "friction": 0.47}
+    given: dict[str, Any] = {"length": 10.0, "width": 2.438, "mass": 9979.0, "speed": 25.0}
+    given |= {"angle": 0.26, "friction": 0.47}
     impacts = solve_impacts(**given, stiffness=np.array([[1e6, 2e6]]), restitution=0.22, interval=5e-4)
     assert impacts.mean_force.shape[1:] == (1, 2)
     for force, k in zip(impacts.mean_force[:, 0].T, (1e6, 2e6), strict=True):

@@ -3,6 +3,7 @@
 import json
 import re
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -168,7 +169,8 @@ def test_tables_of_an_impact_convert_before_they_round(monkeypatch):
     """The paper's method beside an impact, and what a wall does that gives; 0.1 kN s are 1 % of 2.3556 kip s."""
     case = ImpactCase(*read_scene("impact-mash-tl3-pickup", ("verify.mesh=0.01",)))
     method = rigid.paper_method(case.scene, case.answer)
-    outcome = SimpleNamespace(rigid=case.answer, paper_method=method)
+    assert method is not None
+    outcome: Any = SimpleNamespace(rigid=case.answer, paper_method=method)
     (beside,) = report._paper(outcome)
     assert second_columns(beside)[0] == (f"{method['impulse'] / KIP:.5g}", "kip s") == ("2.3556", "kip s")
     forces = {f"{name}_mean_50ms": 12_345.6 for name in ("foundation", "contact")}

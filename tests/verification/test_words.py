@@ -63,10 +63,10 @@ def texts(path):
     """Strings of a module that reach a person: of several words; descriptions where an editor shows them."""
     tree, name = ast.parse(path.read_text(encoding="utf-8")), str(path.relative_to(ROOT))
     described = set() if name in READ_IN_AN_EDITOR else docstrings(tree)
-    strings = (
-        node for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    )
-    return [node.value for node in strings if " " in node.value and id(node) not in described]
+    strings = [
+        node for node in ast.walk(tree) if isinstance(node, ast.Constant) and id(node) not in described
+    ]
+    return [node.value for node in strings if isinstance(node.value, str) and " " in node.value]
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -89,6 +89,7 @@ def helps(command, context):
     if isinstance(command, click.Group):
         for name in command.list_commands(context):
             below = command.get_command(context, name)
+            assert below is not None
             yield from helps(below, click.Context(below, info_name=name, parent=context))
 
 
