@@ -105,6 +105,48 @@ def test_a_docstring_begins_with_a_verb_or_the_thing_itself(package):
     assert found == []
 
 
+ASSERTING = re.compile(r"assert|raises$|warns$|fail$")
+
+
+def called_names(function):
+    """Names of what a function calls."""
+    for node in ast.walk(function):
+        if isinstance(node, ast.Call):
+            yield node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+
+
+def without_assertion(trees):
+    """Test functions that assert nothing, neither themselves nor by a function of the tests that they call."""
+    functions = [f for tree in trees for f in ast.walk(tree) if isinstance(f, ast.FunctionDef)]
+    calls = {id(f): set(called_names(f)) for f in functions}
+    asserting = {f.name for f in functions if any(isinstance(node, ast.Assert) for node in ast.walk(f))}
+    asserting |= {f.name for f in functions if any(map(ASSERTING.search, calls[id(f)]))}
+    found = [f.name for f in functions if f.name.startswith("test_") and f.name not in asserting]
+    return [f.name for f in functions if f.name in found and not calls[id(f)] & asserting]
+
+
+def test_each_test_asserts_something():
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in (ROOT / "tests").rglob("*.py")]
+    assert without_assertion(trees) == []
+
+
+def test_a_test_that_asserts_nothing_is_noticed():
+    code = """
+def demand(x):
+    assert x
+def test_of_words():
+    "Nothing but words."
+def test_of_a_call():
+    print("words")
+def test_by_a_helper():
+    demand(3)
+def test_of_an_error():
+    with pytest.raises(ValueError):
+        float("x")
+"""
+    assert without_assertion([ast.parse(code)]) == ["test_of_words", "test_of_a_call"]
+
+
 @pytest.mark.parametrize("command", [("ruff", "check", "."), ("ruff", "format", "--check", "."), ("mypy",)])
 def test_sources_are_clean(command):
     done = subprocess.run([sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True)
