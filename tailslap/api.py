@@ -288,7 +288,8 @@ def modes(
     Returns
     -------
     Result
-        `summary["modes"]` contains a record per mode: frequency [Hz], kind, frequency of beam theory.
+        `summary["modes"]` contains a record per mode: frequency [Hz], its relative error [-], kind, frequency of
+        beam theory.
 
     Raises
     ------
@@ -303,7 +304,7 @@ def modes(
     """
     from tailslap import modal_analysis
 
-    report = modal_analysis.modes_report(_affordable(scene, changes, allow_large, 6).plan(), count)
+    report = modal_analysis.modes_report(_affordable(scene, changes, allow_large, 6), count)
     return result.of_report("modes", report, tables={"Frequencies": report.terminal[0]})
 
 

@@ -21,10 +21,10 @@ from postprocess.figures.plates import draw_mode
 from postprocess.report.page import Column, Headline, Section, Table, columns
 from postprocess.report.report import Report, printed, shown_in
 from postprocess.units import SYSTEMS, measure, percent, percent_up
-from tailslap.case.case import Case, Check, failed_sentence, unreliable
+from tailslap.case.case import MOST_ELEMENTS, Case, Check, failed_sentence, unreliable
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.impact.plan import ImpactPlan
-from tailslap.case.model import plate_density
+from tailslap.case.model import plate_density, refined
 from tailslap.case.report import study_page
 from tailslap.errors import InputError
 
@@ -40,6 +40,35 @@ COLUMNS = (
     *columns({"fe": "modal", "rigid": "rigid, exact"}, form=".7g", unit_key="quantity.unit"),
     Column("difference", "modal/rigid - 1", form="+.1e"),
 )
+
+
+BENDING = ("bending", "shear")
+"""Kinds of beam modes, numbered together as in Timoshenko's theory."""
+
+MAX_PICTURES = 24
+"""Number of drawn modes, lowest first."""
+
+MODE_COLUMNS = (
+    Column("number", "Mode"),
+    Column("frequency", "Frequency", "Hz", "#.5g", style="strong"),
+    Column("error", "Error", form=percent_up),
+    Column("name", "Kind"),
+    Column("theory", "Beam theory", "Hz", "#.5g"),
+    Column("difference", "Difference", form=percent),
+    Column("slender", "Slender beam", "Hz", "#.5g", style="soft"),
+)
+
+MODES_ERROR = 5e-3
+"""Relative error of frequencies to which a mesh is refined that the program chooses."""
+
+LEAST_ERROR = 1e-5
+"""Least stated error of a frequency [-]."""
+
+EXTRA_MODES = 4
+"""Modes of the finer mesh beyond the number of printed ones, among which those of the same kind are."""
+
+MESH_FACTOR = 2.0
+"""Ratio of the stated error to the change on a mesh twice as fine, which bounds errors of first order."""
 
 
 class ModalEstimate(NamedTuple):
@@ -225,40 +254,22 @@ def modal_numbers(fe_plan: CornerPlan, run: ModalRun) -> dict[str, Any]:
     }
 
 
-BENDING = ("bending", "shear")
-"""Kinds of beam modes, numbered together as in Timoshenko's theory."""
+def modes_report(case: Case, count: int) -> Report:
+    """Report the lowest `count` elastic modes with the errors of their frequencies.
 
-MAX_PICTURES = 24
-"""Number of drawn modes, lowest first."""
-
-MODE_COLUMNS = (
-    Column("number", "Mode"),
-    Column("frequency", "Frequency", "Hz", "#.5g", style="strong"),
-    Column("name", "Kind"),
-    Column("theory", "Beam theory", "Hz", "#.5g"),
-    Column("difference", "Difference", form=percent),
-    Column("slender", "Slender beam", "Hz", "#.5g", style="soft"),
-)
-
-
-def modes_report(fe_plan: CornerPlan | ImpactPlan, count: int) -> Report:
-    """Report on the lowest `count` elastic modes. Raises InputError for a number that the mesh does not allow."""
+    Raises InputError for a number of modes that the mesh does not allow.
+    """
+    fe_plan, shapes, modes = modes_with_errors(case, count)
     model, plate, case = fe_plan.model, fe_plan.plate, fe_plan.case
-    most = elastic.most_modes(model.loop.mass.size)
-    if not 1 <= count <= most:
-        raise InputError("--count", count, f"allowed for this mesh are 1 to {most}")
-    found, vehicle = elastic.free_modes(model, count), case.scene.vehicle
-    density = plate_density(case.scene, plate)
-    beam = modal.Beam(vehicle.length, vehicle.width, plate.modulus, plate.poissons_ratio, density)
-    modes = [*_modes(fe_plan, found, beam)]
+    beam = _beam(fe_plan)
     what = "train" if case.scene.trailer else "plate"
-    shown = MODE_COLUMNS[:3] if case.scene.trailer else MODE_COLUMNS
+    shown = MODE_COLUMNS[:4] if case.scene.trailer else MODE_COLUMNS
     table = Table(shown, [mode | {"name": _name(mode)} for mode in modes])
-    headline = _modes_headline(case, modes[0], what)
-    rigid = found.rigid_frequencies / (2.0 * math.pi)
+    headline = _modes_headline(case, modes, what)
+    rigid = shapes.rigid_frequencies / (2.0 * math.pi)
     sections = (
         Section("Natural frequencies", tables=(table,)),
-        _shapes(model, modes, found.shapes),
+        _shapes(model, modes, shapes.shapes),
         Section("Method", sentences=_sentences(fe_plan, rigid, beam)),
     )
     files = "summary.json"
@@ -267,6 +278,7 @@ def modes_report(fe_plan: CornerPlan | ImpactPlan, count: int) -> Report:
         "scene": case.scene.name,
         "version": tailslap.__version__,
         "modes": modes,
+        "numerical_error": max(mode["error"] for mode in modes),
         "rigid_frequencies": rigid,
         "plate": {
             "youngs_modulus": plate.youngs_modulus,
@@ -279,13 +291,76 @@ def modes_report(fe_plan: CornerPlan | ImpactPlan, count: int) -> Report:
     return Report(page, summary, (table,))
 
 
-def _modes_headline(case: Case, first: dict[str, Any], what: str) -> Headline:
-    """The first natural frequency, beside that of a beam."""
+def modes_with_errors(case: Case, count: int) -> tuple[Any, elastic.FreeModes, list[dict[str, Any]]]:
+    """Return plan, shapes and records of the modes, with the error by a mesh that is twice as fine.
+
+    A mesh that the program chooses is refined until the errors are small.
+    """
+    keys: dict[str, Any] = {}
+    fe_plan = case.plan()
+    shapes, modes = _modes_of(fe_plan, count)
+    while True:
+        keys |= {decision.key: decision.value for decision in fe_plan.decisions}
+        chosen = {key: value for key, value in keys.items() if key.endswith(("_length", "plate.element"))}
+        counts = refined(fe_plan.plate).counts
+        finer = case.varied({**chosen, "plate.elements": counts}).plan()
+        finer_shapes, finer_modes = _modes_of(finer, count + EXTRA_MODES)
+        _state_errors(modes, finer_modes)
+        worst = max(mode["error"] for mode in modes)
+        if case.scene.needed_plate.elements or worst <= MODES_ERROR or 4 * math.prod(counts) > MOST_ELEMENTS:
+            return fe_plan, shapes, modes
+        fe_plan, shapes, modes = finer, finer_shapes, finer_modes[:count]
+
+
+def _modes_of(fe_plan: CornerPlan | ImpactPlan, count: int) -> tuple[elastic.FreeModes, list[dict[str, Any]]]:
+    """Return the modes of a plan and their records. Raises InputError for a number that the mesh does not allow."""
+    most = elastic.most_modes(fe_plan.model.loop.mass.size)
+    if not 1 <= count <= most:
+        raise InputError("--count", count, f"allowed for this mesh are 1 to {most}")
+    shapes = elastic.free_modes(fe_plan.model, count)
+    return shapes, [*_modes(fe_plan, shapes, _beam(fe_plan))]
+
+
+def _beam(fe_plan: CornerPlan | ImpactPlan) -> modal.Beam:
+    """Return the beam of the plate's dimensions."""
+    plate, scene = fe_plan.plate, fe_plan.case.scene
+    density = plate_density(scene, plate)
+    return modal.Beam(scene.vehicle.length, scene.vehicle.width, plate.modulus, plate.poissons_ratio, density)
+
+
+def _state_errors(modes: list[dict[str, Any]], finer: list[dict[str, Any]]) -> None:
+    """Add the relative error to each mode by its frequency on the finer mesh.
+
+    The mode there is that of the same kind and order, or of the same number. The change of one frequency may be small
+    by accident: the error is the geometric mean with the largest change of its family.
+    """
+    frequencies = {(_family(mode), mode["order"]): mode["frequency"] for mode in finer}
+    largest: dict[str, float] = {}
+    for mode, same_number in zip(modes, finer, strict=False):
+        family = _family(mode)
+        frequency = frequencies.get((family, mode["order"]), same_number["frequency"])
+        mode["error"] = MESH_FACTOR * abs(frequency / mode["frequency"] - 1.0)
+        largest[family] = max(mode["error"], largest.get(family, 0.0))
+    for mode in modes:
+        mode["error"] = max(LEAST_ERROR, math.sqrt(mode["error"] * largest[_family(mode)]))
+
+
+def _family(mode: dict[str, Any]) -> str:
+    """Return "beam" for bending and shear, which are numbered together, or the kind."""
+    return "beam" if mode["kind"] in BENDING else str(mode["kind"])
+
+
+def _modes_headline(case: Case, modes: list[dict[str, Any]], what: str) -> Headline:
+    """Return the first natural frequency, beside that of a beam, and the errors of all."""
+    first = modes[0]
     answer = f"First natural frequency of the free {what} in its plane: {first['frequency']:.4g} Hz ({_name(first)})."
-    certainty = ""
+    worst = max(mode["error"] for mode in modes)
+    certainty = (
+        f"Discretisation error {percent_up(first['error'])}, of all modes at most {percent_up(worst)}."
+    )
     if first["theory"]:
-        certainty = (
-            f"Beam theory: {first['theory']:.4g} Hz; the plate differs by {percent(first['difference'])}."
+        certainty += (
+            f" Beam theory: {first['theory']:.4g} Hz; the plate differs by {percent(first['difference'])}."
         )
     return Headline(f"Natural frequencies: {case.subject}", answer, case.set_up, certainty)
 
@@ -311,7 +386,7 @@ def _modes(
         theories = dict.fromkeys(theories, repeat((None, None)))
     seen = dict.fromkeys(theories, 0)
     for i, (frequency, kind) in enumerate(zip(found.frequencies, kinds.names, strict=True)):
-        family = "beam" if kind in BENDING else kind
+        family = _family({"kind": kind})
         seen[family] += 1
         theory, slender = next(theories[family])
         hertz = float(frequency) / (2.0 * math.pi)
@@ -355,7 +430,9 @@ def _sentences(fe_plan: CornerPlan | ImpactPlan, frequencies: Any, beam: modal.B
     sentences = (
         f"Free {'hinged plates' if is_train else 'plate'} without wall and corner constraint: "
         f"{model.loop.table.connectivity.shape[1]} elements ({plate.element}), {plate.lumping} masses. Frequencies of "
-        f"all {len(frequencies)} modes of rigid motion: {rigid} Hz.",
+        f"all {len(frequencies)} modes of rigid motion: {rigid} Hz. Error: {MESH_FACTOR:g} times the "
+        "change of the frequency on a mesh of twice as many elements each way, as geometric mean with the largest of "
+        "the modes of its kind, 0.001 % at least.",
         "Kinds: more than half of the kinetic energy of longitudinal and transverse modes is symmetric about the "
         "longitudinal axis, and longitudinal or transverse, respectively. Of the others, shear modes have more than "
         "half of their strain energy in shear; the remaining modes are bending modes. Both are numbered together.",

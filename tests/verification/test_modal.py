@@ -15,10 +15,11 @@ from fem.modal.motion import MEASURED, accelerate, measure_rows
 from fem.modal.motion import reaction as corner_reaction
 from fem.start.inertia_relief import RigidStart, relieved_fields, to_global
 from postprocess.comparison.quantities import KEYS
+from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import DONE, WRONG_INPUT, _status
 from tailslap.commands import CHECK_FAILED
-from tailslap.modal_analysis import modal_run
+from tailslap.modal_analysis import modal_run, modes_with_errors
 from tailslap.scene.read import read_scene
 
 SOFT = [pytest.param(modulus, marks=pytest.mark.long) for modulus in ("200 MPa", "20 MPa")]
@@ -286,3 +287,36 @@ def test_json(capsys):
     answer = json.loads(capsys.readouterr().out)
     assert (set(answer["modal"]), answer["cost"]["modes"]) == (set(KEYS), 2)
     assert answer["estimate"]["total"] < 1e-8
+
+
+SLENDER = ["vehicle.length=20 m", "vehicle.width=1 m"]
+
+
+@functools.cache
+def frequencies(scene, *changes, count=6):
+    return modes_with_errors(case_of(*read_scene(scene, changes)), count)[2]
+
+
+@pytest.mark.parametrize(
+    ("scene", "open_mesh"),
+    [("mash-tl4-sut", ("plate.elements=", "wall=")), ("impact-mash-tl4-sut", ("plate.elements=",))],
+)
+def test_frequencies_on_an_automatic_mesh_are_those_of_a_slender_beam(scene, open_mesh):
+    """Timoshenko's, and n c / (2 L) less the inertia of the lateral contraction, 1e-4 at this slenderness."""
+    modes = frequencies(scene, *SLENDER, *open_mesh)
+    assert {mode["kind"] for mode in modes} == {"bending", "longitudinal"}
+    for mode in modes:
+        assert mode["error"] <= 5e-3
+        assert abs(mode["difference"]) <= mode["error"] + 3e-4
+
+
+@pytest.mark.parametrize("element", ["quad4", "tri6"])
+@pytest.mark.parametrize(
+    "shape", [SLENDER, ["vehicle.length=5 m", "vehicle.width=2 m"]], ids=["slender", "stocky"]
+)
+def test_stated_errors_bound_the_frequencies_of_a_given_mesh(element, shape):
+    """The reference has quadratic elements a third as large."""
+    coarse = frequencies("impact-mash-tl4-sut", *shape, f"plate.element={element}", "plate.elements=[20, 4]")
+    fine = frequencies("impact-mash-tl4-sut", *shape, "plate.element=quad9", "plate.elements=[60, 12]")
+    for mode, reference in zip(coarse, fine, strict=True):
+        assert abs(reference["frequency"] / mode["frequency"] - 1.0) <= mode["error"]
