@@ -167,11 +167,11 @@ def main() -> None:
     print(f"Any: {len(listed['Any'])}")
     if options.files:
         print("\n".join(entry for entries in listed.values() for entry in entries))
-        for place, summary in lines:
+        for source, summary in lines:
             if len(summary.split()) > LONGEST_SUMMARY or re.search("[;:]", summary):
-                print(f"{place}: {summary}")
-    for place, summary in random.Random(options.seed).sample(lines, min(options.random, len(lines))):
-        print(f"{place}: {summary}")
+                print(f"{source}: {summary}")
+    for source, summary in random.Random(options.seed).sample(lines, min(options.random, len(lines))):
+        print(f"{source}: {summary}")
 
 
 if __name__ == "__main__":
