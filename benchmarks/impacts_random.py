@@ -1,7 +1,7 @@
 """Random ordinary whole impacts: what fails and how far off it is, whether what is stated bounds the error, the time.
 
     .venv/bin/python benchmarks/impacts_random.py [--runs 200] [--seed 1] [--meshes default quad4:6 ...]
-        [--trains] [--rigid] [--references [MESH ...]] [--every N] [--keep FILE] [--beside CHECKOUT]
+        [--trains] [--units N] [--rigid] [--references [MESH ...]] [--every N] [--keep FILE] [--beside CHECKOUT]
 
 Vehicles are cars, pickups, trucks and tractors with their trailer as one body, of ordinary size and mass, as a plate of
 200 GPa and half to twice the thickness that steel would have, their crush within the values that docs/impact.md names.
@@ -9,10 +9,12 @@ Below a restitution of 0.1 a strike ends so suddenly that no mesh tells when.
 
 --trains       tractors with one to three trailers instead, each unit with a centre of mass and a yaw inertia of its
                own; in a third of them the hinges are spread over 1.5 m
+--units        of the trains those of at most so many units alone
 --rigid        rigid vehicles alone, each beside the same at a quarter of its step
 --meshes       "default", or a kind of element and the number across the vehicle, which are square
 --references   each impact also on finer meshes of two kinds of element, still finer ones for those that fail, or on the
-               meshes named. The true error of a quantity is the distance from the nearer of the two, which both confirm
+               meshes named. The true error of a quantity is the distance from the nearer of the two, which both
+               confirm. Of trains the largest 50 ms mean of each hinge's force counts too
 --every        references of every n-th impact alone, and of those that fail
 --keep         records of the runs, a line each; those that are there are not made again
 --beside       the same scenes by the sources of another checkout, for the time
@@ -128,6 +130,11 @@ def train_changes(seed: int, number: int) -> tuple[dict[str, Any], float]:
     return keys, length / width
 
 
+def of_units(seed: int, runs: int, most: int) -> list[int]:
+    """Numbers of the impacts of at most so many units."""
+    return [number for number in range(runs) if len(drawn(seed, number)[0].get("trailer", ())) < most]
+
+
 drawn: Callable[[int, int], tuple[dict[str, Any], float]] = changes
 """What draws the impacts; with --trains `train_changes`."""
 
@@ -150,15 +157,21 @@ def case_of(seed: int, number: int, mesh: str) -> Any:
 
 
 def read(answer: Any) -> Record:
-    """The quantities of the first two strikes of weight."""
+    """The quantities of the first two strikes of weight, and of hinges."""
     from tailslap.case.impact import error
 
     strikes = error.weighed(answer.strikes)
-    return {
+    values = {
         f"strike_{k}.{name}": error.value(answer, strike, name)
         for k, strike in enumerate(strikes, 1)
         for name in error.QUANTITIES
     } | {"corners": [strike.corner for strike in strikes]}
+    return values | by_hinge([hinge["mean_50ms"] for hinge in answer.hinges])
+
+
+def by_hinge(values: Sequence[float]) -> Record:
+    """Values of the hinges' largest 50 ms means by name."""
+    return {f"hinge_{k}.mean_50ms": value for k, value in enumerate(values, 1)}
 
 
 def judged(seed: int, number: int, mesh: str) -> Record:
@@ -168,7 +181,7 @@ def judged(seed: int, number: int, mesh: str) -> Record:
     return {
         "seconds": time.process_time() - began,
         "failed": [check.name for check in outcome.checks if not check.passed],
-        "stated": outcome.mesh_error,
+        "stated": outcome.mesh_error | by_hinge(outcome.hinge_error),
         "values": read(outcome.fe),
     }
 
@@ -247,7 +260,11 @@ def beside(checkout: Path, arguments: list[str]) -> Record:
 
 
 def made(
-    place: Path | None, seed: int, runs: int, meshes: list[str], references: Callable[[Record], Sequence[str]]
+    place: Path | None,
+    seed: int,
+    numbers: Sequence[int],
+    meshes: list[str],
+    references: Callable[[Record], Sequence[str]],
 ) -> dict[tuple[int, str], Record]:
     """Records of all runs by number and mesh; those that the file has are read."""
     found = {}
@@ -265,7 +282,7 @@ def made(
                     print(json.dumps(record), file=file)
         return found[number, name]
 
-    for number in range(runs):
+    for number in numbers:
         records = [add(number, mesh, judged, mesh) for mesh in meshes]
         for mesh in sorted({mesh for record in records for mesh in references(record)}):
             add(number, f"reference {mesh}", reference, mesh)
@@ -362,6 +379,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--meshes", nargs="+", default=["default", *CHOSEN])
     parser.add_argument("--trains", action="store_true")
+    parser.add_argument("--units", type=int, default=8)
     parser.add_argument("--rigid", action="store_true")
     parser.add_argument("--references", nargs="*", metavar="MESH")
     parser.add_argument("--every", type=int, default=1)
@@ -389,7 +407,8 @@ def main() -> None:
             )
         return
     references = partial(references_of, meshes=given.references, every=given.every)
-    records = made(given.keep, given.seed, given.runs, given.meshes, references)
+    numbers = of_units(given.seed, given.runs, given.units)
+    records = made(given.keep, given.seed, numbers, given.meshes, references)
     for mesh in given.meshes:
         tell(mesh, records, references)
 

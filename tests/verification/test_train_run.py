@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tailslap.case.impact import checks, error, plan, report, run
+from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.report import plate_sentence
 from tailslap.cli import _status
@@ -99,6 +100,70 @@ def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
     (advice,) = {check.advice for check in outcome.checks if check.name in checks.MESH_CHECKS.values()}
     assert "hitch_length" in advice
     assert [check.name for check in outcome.checks if not check.passed] == []
+
+
+def hinged(delay=0.0, interval=1e-4, force=1e6):
+    """A train of two units whose hinge bears a force of one minus cosine over 0.4 s, which comes late."""
+    t = np.arange(0.0, 0.6, interval)
+    angle = 2.0 * np.pi * np.clip(t - delay, 0.0, 0.4) / 0.4
+    gained = 0.4 * force * np.diff(angle - np.sin(angle), prepend=0.0) / (2.0 * np.pi * interval)
+    history = {"t": t, "hinge_force_x_1": 0.6 * gained, "hinge_force_y_1": 0.8 * gained}
+    return ImpactAnswer((), history | {"articulation_1": 0.0 * t}, units=2)
+
+
+def test_a_small_step_of_a_hinges_force_is_bounded_by_the_curves_about_its_peak():
+    """Another mesh has the same peak 10 ms later, with rows of its own: no step, and yet curves that differ."""
+    own, late = hinged(), hinged(0.01, 0.7e-4)
+    ((changed,),) = error.hinge_changes(own, [late])
+    assert abs(changed) < 1e-4
+    part = np.sin(np.pi * 0.05 / 0.4) / (np.pi * 0.05 / 0.4)
+    early, late_by = np.cos(2.0 * np.pi * np.array([0.025, 0.035]) / 0.4)
+    bound = part * (early - late_by) / (1.0 + part)
+    expected = error.RESOLVED + bound / (2.0**error.ORDER - 1.0)
+    assert error.hinge_errors(own, [late, own]) == pytest.approx([expected], rel=5e-3)
+    third = error.hinge_errors(own, [hinged(0.02), own, late])
+    assert third == pytest.approx([error.RESOLVED + bound * error.safety(0.0) / error.TWO_MESHES], rel=5e-3)
+    assert error.hinge_errors(own, [hinged(force=1.03e6), own])[0] > 0.03  # a step that is none of chance
+
+
+def test_a_hinge_of_a_short_history_is_judged_over_the_whole_of_it():
+    short = hinged(interval=1e-5)
+    rows = {name: column[:2001] for name, column in short.history.items()}
+    answer = ImpactAnswer((), rows, units=2)
+    assert error.hinge_errors(answer, [answer, answer]) == [error.RESOLVED]
+
+
+def test_a_train_whose_hinge_is_not_known_fails():
+    stated = {f"strike_1.{name}": 1e-3 for name in error.QUANTITIES}
+    sure = replace(attempted(), mesh_error=stated, hinge_error=[1e-3, 0.0312])
+    outcome = replace(sure, checks=checks.impact_checks(sure))
+    (failed,) = [check for check in outcome.checks if not check.passed]
+    assert (failed.name, failed.value, failed.limit) == ("error of hinge force", 0.0312, 0.02)
+    assert "trailer.hitch_length" in failed.advice
+    assert checks.failed_but_mesh(outcome) == ()
+    assert "hinge forces to 3.2 % (limit 2 %)" in report.headline(outcome).certainty
+    assert ImpactCase.stated_error(outcome) == 0.0312
+    unknown = checks.impact_checks(replace(sure, hinge_error=[]))
+    assert [check.name for check in unknown if not check.passed] == ["error of hinge force"]
+
+
+def test_a_third_mesh_is_run_for_a_hinge_alone(monkeypatch):
+    """Strikes are known, the hinge is not: the third mesh decides, unless the finer mesh is too far away."""
+    own = attempted()
+    meshes = []
+
+    def on(outcome, plate):
+        meshes.append(plate.counts)
+        return outcome.fe
+
+    monkeypatch.setattr(run, "_on", on)
+    monkeypatch.setattr(error, "estimate", lambda own, sequence: dict.fromkeys(error.QUANTITIES, 1e-3))
+    monkeypatch.setattr(error, "hinge_errors", lambda own, sequence: [0.05 if len(sequence) < 3 else 0.01])
+    assert run.with_errors(own).hinge_error == [0.01]
+    assert len(meshes) == 3
+    monkeypatch.setattr(error, "hinge_changes", lambda own, sequence: [[0.0, 0.03]])
+    assert run.with_errors(own).hinge_error == [0.05]
+    assert len(meshes) == 5
 
 
 def test_a_hinge_that_cannot_be_spread_is_refused_by_its_key():

@@ -50,10 +50,8 @@ class ImpactCase(rigid.RigidImpact):
 
     @staticmethod
     def stated_error(outcome: ImpactOutcome) -> float:
-        """The largest of the errors of both strikes' quantities."""
-        from tailslap.case.impact import error
-
-        return error.largest(outcome.mesh_error)
+        """The largest of the errors of all quantities; NaN where none is stated."""
+        return max(outcome.stated_errors.values())
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:

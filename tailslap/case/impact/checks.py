@@ -87,16 +87,18 @@ def _strikes(outcome: run.ImpactOutcome) -> case.Evaluation:
 
 
 def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None:
-    verify = outcome.fe_plan.case.scene.verify
-    if not verify.companion:
+    verify, found = outcome.fe_plan.case.scene.verify, outcome.stated_errors
+    if not verify.companion or quantity not in found:
         return None
     hinged = bool(outcome.run.units)
-    meaning = (
-        f"larger discretisation error of the {error.QUANTITIES[quantity]} of the first two major strikes"
-        f"{' and the largest' if hinged else ''}; limit: verify.mesh"
+    which = f"first two major strikes{' and the largest' if hinged else ''}"
+    what = (
+        f"{error.QUANTITIES[quantity]} of the {which}"
+        if quantity in error.QUANTITIES
+        else "largest 50 ms mean of a hinge"
     )
-    found = error.largest(outcome.mesh_error, quantity)
-    return case.Evaluation(found, verify.mesh, meaning, HINGED if hinged else "")
+    meaning = f"larger discretisation error of the {what}; limit: verify.mesh"
+    return case.Evaluation(found[quantity], verify.mesh, meaning, HINGED if hinged else "")
 
 
 def _sampling(outcome: run.ImpactOutcome) -> case.Evaluation:
@@ -114,7 +116,7 @@ def _articulation(outcome: run.ImpactOutcome) -> case.Evaluation | None:
     )
 
 
-MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.QUANTITIES.items()}
+MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.STATED.items()}
 """Names of the checks of the stated error by quantity; a run that has none, for others tell it, fails them."""
 
 CLOSER = f"{case.FINER}; contact.patch_length for the force of a corner; a larger verify.mesh"

@@ -123,7 +123,9 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
     if not impulses:
         text = "Plate and rigid vehicle do not strike in the same order"
     stated = (
-        f"at most {percent_up(error.largest(outcome.mesh_error))}" if outcome.mesh_error else "not estimated"
+        f"at most {percent_up(max(outcome.stated_errors.values()))}"
+        if outcome.mesh_error
+        else "not estimated"
     )
     return f"{text}; discretisation error {stated}."
 
@@ -131,7 +133,7 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
 def _uncertain(outcome: run.ImpactOutcome) -> str:
     """Quantities whose error is above the scene's limit, and the error of the others."""
     limit = outcome.fe_plan.case.scene.verify.mesh
-    found = {f"{words}s": error.largest(outcome.mesh_error, name) for name, words in error.QUANTITIES.items()}
+    found = {f"{error.STATED[name]}s": each for name, each in outcome.stated_errors.items()}
     parts = [
         f"{words} to {percent_up(each)} (limit {100 * limit:g} %)"
         for words, each in found.items()

@@ -50,6 +50,12 @@ class ImpactOutcome(Outcome):
     hinge_error: list[float] = field(default_factory=list)
 
     @property
+    def stated_errors(self) -> dict[str, float]:
+        """Largest error of each quantity by its name in `error.STATED`; NaN where none is stated."""
+        found = {name: error.largest(self.mesh_error, name) for name in error.QUANTITIES}
+        return found | ({"hinge": max(self.hinge_error, default=math.nan)} if self.fe.units > 1 else {})
+
+    @property
     def lateral_force(self) -> float:
         """Largest mean over 50 ms of the plate's force on the wall [N]."""
         return float(self.fe.peaks["mean_50ms"])
@@ -156,13 +162,23 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
             sequence = [_on(outcome, plate) for plate in (coarse, fine)]
         except InputError:
             continue
-        found = error.estimate(outcome.fe, sequence)
-        moved = max(map(abs, error.changes(outcome.fe, sequence[-1]).values()), default=math.inf)
-        if moved <= limit < error.largest(found) and (finest := error.third(fine)):
-            sequence.append(_on(outcome, finest))
-            found = error.estimate(outcome.fe, sequence)
-        return replace(outcome, mesh_error=found, hinge_error=error.hinge_errors(outcome.fe, sequence))
+        estimated = _estimated(outcome, sequence)
+        moved = list(error.changes(outcome.fe, sequence[-1]).values())
+        moved += [distances[-1] for distances in error.hinge_changes(outcome.fe, sequence)]
+        within = max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values())
+        if within and (finest := error.third(fine)):
+            estimated = _estimated(outcome, [*sequence, _on(outcome, finest)])
+        return estimated
     return outcome
+
+
+def _estimated(outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer]) -> ImpactOutcome:
+    """The outcome with its errors by the answers of other meshes."""
+    return replace(
+        outcome,
+        mesh_error=error.estimate(outcome.fe, sequence),
+        hinge_error=error.hinge_errors(outcome.fe, sequence),
+    )
 
 
 def _on(outcome: ImpactOutcome, plate: Plate) -> answers.ImpactAnswer:
