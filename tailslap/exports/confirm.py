@@ -6,15 +6,18 @@ state bounds which it starts without. Its mean over the last periods is compared
 
 from __future__ import annotations
 
+import contextlib
 import math
+import os
 import shutil
+import signal
 import subprocess
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING
 
 import numpy as np
 
@@ -27,7 +30,7 @@ from postprocess.units import percent, percent_up
 from tailslap.case.report import study_page
 from tailslap.comparing.report import compare_items, compare_report
 from tailslap.comparing.source import Item
-from tailslap.errors import InputError
+from tailslap.errors import InputError, shortened
 from tailslap.exports.deck import Deck, write_deck
 from tailslap.files.load import column_units
 from tailslap.progress import announced
@@ -50,10 +53,21 @@ LIMIT = 3e-4
 LAST_LINES = 12
 """Lines of a failed program that the message repeats."""
 
+MAX_LOG, TAIL = 16_000_000, 65_536
+"""Bytes that a program may print, and those at their end that are read."""
+
+BYTES_PER_NODE = 200_000
+"""Files that a program may write, over the nodes of a layer: twice what CalculiX writes."""
+
+POLL, GRACE = 0.05, 2.0
+"""Seconds between looks at a program, and between SIGTERM and SIGKILL."""
+
 COMMAND = "ccx"
+DECK, RESULT, LOG = "plate.inp", "plate.dat", "ccx.log"
 INSTALL = (
     "`ccx` was not found on the PATH; install CalculiX: `apt-get install calculix-ccx`, or www.calculix.de"
 )
+TESTED = "tested with CalculiX 2.20, `ccx -v` prints the version"
 
 TABLE = (
     Column("title", "Quantity"),
@@ -145,35 +159,111 @@ def run_confirmation(deck: Deck, folder: Path, time_limit: float) -> Confirmatio
     files = {path.name: path.read_text("utf-8") for path in folder.iterdir()}
     began = time.monotonic()
     with announced("Running CalculiX ..."):
-        said = _run(folder, time_limit)
+        _run(folder, time_limit, MAX_LOG + BYTES_PER_NODE * deck.places.shape[1])
     seconds = time.monotonic() - began
     try:
-        columns = read_centre_of_mass(folder / "plate.dat")
+        columns = read_centre_of_mass(_result_in(folder))
     except (OSError, ValueError) as error:
-        raise _failed(f"{COMMAND} wrote no complete result, {error}", said) from None
+        raise _failed(f"{COMMAND} wrote no complete result, {error} ({TESTED})", folder) from None
     columns["theta"] = deck.plan.start.angle - columns.pop("rotation")
     if columns["theta"][-1] > 0.0:
-        raise _failed(f"{COMMAND} did not reach the tail-slap", said)
+        raise _failed(f"{COMMAND} did not reach the tail-slap", folder)
     return Confirmation(deck, run_corner(deck.case), columns, seconds, files)
 
 
-def _run(folder: Path, time_limit: float) -> Path:
-    """Run the deck in its folder; returns the file with what the program prints. Raises OSError."""
-    said = folder / "ccx.log"
+def _run(folder: Path, time_limit: float, room: int) -> None:
+    """Run the deck in its folder, of at most `room` bytes. Raises OSError."""
+    with (folder / LOG).open("wb") as log, _program([COMMAND, DECK.removesuffix(".inp")], folder) as program:
+        why = _watch(program, log, folder, time_limit, room)
+    if why or program.returncode:
+        raise _failed(f"{COMMAND} {why or f'ended with status {program.returncode}'}", folder)
+
+
+@contextlib.contextmanager
+def _program(command: list[str], folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    """Yield a program in a process group of its own, which ends with the block."""
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        start_new_session=True,
+        bufsize=0,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    ) as program:
+        try:
+            yield program
+        finally:
+            _end_group(program)
+
+
+def _end_group(leader: subprocess.Popen[bytes]) -> None:
+    """End all processes of a group by SIGTERM, after the grace by SIGKILL."""
+    deadline = time.monotonic() + GRACE
     try:
-        with said.open("wb") as log:
-            streams: dict[str, Any] = {"stdin": subprocess.DEVNULL, "stdout": log, "stderr": log}
-            subprocess.run([COMMAND, "plate"], cwd=folder, check=True, timeout=time_limit, **streams)
-    except subprocess.TimeoutExpired:
-        raise _failed(f"{COMMAND} ran longer than --time-limit {time_limit:g} s", said) from None
-    except subprocess.CalledProcessError as error:
-        raise _failed(f"{COMMAND} ended with status {error.returncode}", said) from None
-    return said
+        os.killpg(leader.pid, signal.SIGTERM)
+        while time.monotonic() < deadline:
+            leader.poll()
+            os.killpg(leader.pid, 0)
+            time.sleep(POLL)
+    except ProcessLookupError:
+        pass
+    finally:  # also where a second interrupt ends the grace
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(leader.pid, signal.SIGKILL)
+        leader.wait()
 
 
-def _failed(why: str, said: Path) -> OSError:
-    lines = [line for line in said.read_text("utf-8", "replace").splitlines() if line.strip()]
-    return ChildProcessError("\n".join([f"{why}; its last lines:", *lines[-LAST_LINES:]]))
+def _watch(
+    program: subprocess.Popen[bytes], log: IO[bytes], folder: Path, time_limit: float, room: int
+) -> str:
+    """Log what a program prints until it ends; returns the limit that it exceeds, or ""."""
+    assert program.stdout is not None
+    os.set_blocking(program.stdout.fileno(), False)
+    deadline = time.monotonic() + time_limit
+    while True:
+        has_ended = program.poll() is not None
+        text = program.stdout.read(TAIL) or b""
+        if log.tell() + len(text) > MAX_LOG:
+            return f"printed more than {MAX_LOG / 1e6:g} MB"
+        log.write(text)
+        if has_ended and not text:
+            return ""
+        if time.monotonic() > deadline:
+            return f"ran longer than --time-limit {time_limit:g} s"
+        if _size(folder) > room:
+            return f"wrote files of more than {room / 1e6:.0f} MB"
+        if not text:
+            time.sleep(POLL)
+
+
+def _size(folder: Path) -> int:
+    """Return the bytes on disk of all files below a folder."""
+    size = 0
+    for place, _, names in os.walk(folder):
+        for name in names:
+            with contextlib.suppress(FileNotFoundError):
+                size += 512 * os.lstat(os.path.join(place, name)).st_blocks
+    return size
+
+
+def _result_in(folder: Path) -> Path:
+    """Return the file of the motion. Raises ValueError for one that is not of this run."""
+    deck, result = folder / DECK, folder / RESULT
+    if not result.is_file():
+        raise ValueError(f"{RESULT} is missing")
+    if result.stat().st_mtime_ns < deck.stat().st_mtime_ns:
+        raise ValueError(f"{RESULT} is older than {DECK}: an earlier run has left it")
+    return result
+
+
+def _failed(why: str, folder: Path) -> OSError:
+    with (folder / LOG).open("rb") as log:
+        log.seek(max(0, log.seek(0, os.SEEK_END) - TAIL))
+        text = log.read(TAIL).decode("utf-8", "replace")
+    lines = [shortened(line) for line in text.splitlines() if line.strip()]
+    said = "its last lines:" if lines else "it printed nothing"
+    return ChildProcessError("\n".join([f"{why}; {said}", *lines[-LAST_LINES:]]))
 
 
 def confirm_report(found: Confirmation) -> Report:

@@ -1,10 +1,14 @@
 """Verification: decks of a scene for other solvers, and the motion that CalculiX computes with them."""
 
+import contextlib
 import json
 import os
 import shlex
 import shutil
+import signal
 import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -263,9 +267,21 @@ def test_missing_solver_is_named_with_its_package(elsewhere, capsys, monkeypatch
     assert not any(elsewhere.iterdir())
 
 
+OLD_RESULT = "touch -d 2001-01-01 plate.dat"
 FAILURES = {
-    "status": ("echo first; echo '*ERROR reading *ELASTIC'; exit 201", "ended with status 201"),
-    "nothing": ("echo '*ERROR reading *ELASTIC'", "wrote no complete result"),
+    "status": (
+        "echo first; echo '*ERROR reading *ELASTIC'; exit 201",
+        "ended with status 201; its last lines:",
+    ),
+    "killed": ("echo '*ERROR reading *ELASTIC'; kill -9 $$", "ended with status -9"),
+    "nothing": (
+        "echo '*ERROR reading *ELASTIC'",
+        "no complete result, plate.dat is missing (tested with Calc",
+    ),
+    "old": (
+        f"echo '*ERROR reading *ELASTIC'; {OLD_RESULT}",
+        "is older than plate.inp: an earlier run has left it",
+    ),
     "time": ("echo '*ERROR reading *ELASTIC'; exec sleep 60", "ran longer than --time-limit 1 s"),
 }
 
@@ -280,6 +296,104 @@ def test_solver_that_fails_ends_with_its_last_lines(
     assert why in said
     assert "*ERROR reading *ELASTIC" in said
     assert not any(elsewhere.iterdir())
+
+
+@needs_ccx
+def test_result_of_another_run_is_not_compared(elsewhere, capsys, monkeypatch, tmp_path_factory):
+    """A sound one, which would confirm the scene."""
+    fake = tmp_path_factory.mktemp("fake")
+    fake_ccx(fake, f"{shutil.which('ccx')} $1 && {OLD_RESULT}", monkeypatch)
+    assert written("confirm", "paper-table-3", *COARSE) == 3
+    assert "an earlier run has left it" in capsys.readouterr().err
+
+
+def test_solver_without_output_and_velocities_is_named_so(elsewhere, capsys, monkeypatch, tmp_path_factory):
+    block = "printf ' displacements (vx,vy,vz) for set PLATE and time 0.1\\n\\n 1 0. 0. 0.\\n' > plate.dat"
+    fake_ccx(tmp_path_factory.mktemp("fake"), block, monkeypatch)
+    assert written("confirm", "paper-table-3", *COARSE) == 3
+    said = capsys.readouterr().err
+    assert "it has no displacements or no velocities of nodes" in said
+    assert "`ccx -v` prints the version); it printed nothing\n" in said
+
+
+ENDLESS = {
+    "prints": ("while :; do echo '*WARNING again and again'; done", "printed more than 0.3 MB"),
+    "prints one line": ("tr '\\0' x < /dev/zero", "printed more than 0.3 MB"),
+    "writes": ("exec cat /dev/zero > plate.dat", "wrote files of more than 3 MB"),
+}
+
+
+@pytest.mark.parametrize(("script", "why"), ENDLESS.values(), ids=ENDLESS)
+def test_solver_without_end_is_ended(script, why, elsewhere, capsys, monkeypatch, tmp_path_factory):
+    """What is on disk and in the message is bounded."""
+    from tailslap.exports import confirm
+
+    sizes, failed = [], confirm._failed
+    keep = lambda why, folder: sizes.append((folder / "ccx.log").stat().st_size) or failed(why, folder)  # noqa: E731
+    monkeypatch.setattr(confirm, "_failed", keep)
+    monkeypatch.setattr(confirm, "MAX_LOG", 300_000)
+    fake_ccx(tmp_path_factory.mktemp("fake"), f"echo $$ > {elsewhere}/pid; {script}", monkeypatch)
+    assert written("confirm", "paper-table-3", *COARSE) == 3
+    said = capsys.readouterr().err
+    assert why in said
+    assert len(said) < 2000
+    assert sizes[0] <= 300_000
+    assert not group_of(elsewhere / "pid")
+
+
+def group_of(file):
+    """Processes that live in the process group whose number a file holds."""
+    group, living = int(file.read_text()), []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            state, _, its = path.read_text().rpartition(") ")[2].split()[:3]
+            living += [path.parent.name] * (int(its) == group and state not in "ZX")
+    return living
+
+
+STUBBORN = "trap '' TERM; sleep 60 & while :; do sleep 1; done"
+
+
+@pytest.mark.parametrize(
+    "script",
+    [STUBBORN, "sleep 60", "sleep 60 & exit 0", "yes & exit 0"],
+    ids=["stubborn", "child", "left", "loud"],
+)
+def test_no_process_of_a_solver_outlives_it(script, elsewhere, capsys, monkeypatch, tmp_path_factory):
+    """One that ignores SIGTERM; children of a script that waits for them, and of scripts that do not."""
+    from tailslap.exports import confirm
+
+    monkeypatch.setattr(confirm, "GRACE", 0.2)
+    fake_ccx(tmp_path_factory.mktemp("fake"), f"echo $$ > {elsewhere}/pid; {script}", monkeypatch)
+    assert written("confirm", "paper-table-3", *COARSE, "--time-limit", "0.5") == 3
+    assert not group_of(elsewhere / "pid")
+
+
+def test_solver_ends_by_sigterm_where_it_obeys(elsewhere, monkeypatch, tmp_path_factory):
+    script = f"echo $$ > {elsewhere}/pid; trap 'echo cleared > {elsewhere}/said; exit' TERM; sleep 60 & wait"
+    fake_ccx(tmp_path_factory.mktemp("fake"), script, monkeypatch)
+    assert written("confirm", "paper-table-3", *COARSE, "--time-limit", "0.5") == 3
+    assert (elsewhere / "said").read_text() == "cleared\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["Ctrl-C", "SIGTERM"])
+def test_interrupt_ends_the_solver_with_its_children(number, elsewhere, monkeypatch, tmp_path_factory):
+    """Those that ignore SIGTERM, even where a second interrupt comes within the grace."""
+    script = (
+        f"trap '' INT TERM; sleep 60 & echo $$ > {elsewhere}/new; mv {elsewhere}/new {elsewhere}/pid; wait"
+    )
+    fake_ccx(tmp_path_factory.mktemp("fake"), script, monkeypatch)
+    command = [sys.executable, "-m", "tailslap", "confirm", "paper-table-3", *COARSE]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as program:
+        while not (elsewhere / "pid").exists():
+            assert program.poll() is None
+            time.sleep(0.05)
+        for _ in range(2):
+            program.send_signal(number)
+            time.sleep(0.2)
+        said = program.communicate()[1]
+    assert program.returncode == 130, said
+    assert not group_of(elsewhere / "pid")
 
 
 def plate_of(folder):
