@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import functools
 import importlib.util
-import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -427,16 +425,14 @@ def explore(name: str, port: int, headless: bool) -> None:
     """Open a page in the browser with sliders for a scene.
 
     Force history, strikes and set-up of the rigid vehicle follow the sliders; a button runs the finite elements. The
-    page is served to this machine only, under an address with a token. It needs marimo.
+    page is served on 127.0.0.1 to you only, under an address with a secret. It needs marimo.
     """
     if importlib.util.find_spec("marimo") is None:
         raise click.ClickException("`tailslap explore` needs marimo; install it with `pip install marimo`")
+    from tailslap import server
+
     read.read_scene(name)
-    page, flags = Path(__file__).with_name("explore.py"), ["--headless"] * headless
-    address = ["--host", "127.0.0.1", "--port", str(port), "--token", *flags]
-    os.execv(
-        sys.executable, [sys.executable, "-m", "marimo", "run", str(page), *address, "--", "--scene", name]
-    )
+    server.serve(name, port, headless)
 
 
 @commands.command()

@@ -111,7 +111,7 @@ def drawn(chart: Chart) -> str:
 
 @app.cell
 def _():
-    first = str(mo.cli_args().get("scene") or "mash-tl4-sut")
+    first = mo.query_params().get("scene", "mash-tl4-sut")
     shipped = mo.ui.dropdown(list(dict.fromkeys([first, *tailslap.scenes()])), first, label="Scene")
     opened = mo.ui.file(filetypes=[".toml"], max_size=read.MAX_BYTES, label="Open a scene file")
     mo.hstack([shipped, opened], justify="start", align="center", wrap=True, gap=1.0)

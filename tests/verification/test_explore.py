@@ -1,21 +1,26 @@
 """Verification: the page of `tailslap explore`: its cells run in Python, and in a browser where there is playwright."""
 
+import asyncio
 import contextlib
+import http.client
 import importlib.util
 import os
 import re
+import signal
 import socket
 import statistics
 import subprocess
 import sys
+import time
 import tomllib
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 
 import tailslap
-from tailslap import cli
+from tailslap import cli, server
 
 SOURCE = Path(tailslap.__file__).parent / "explore.py"
 CHROMIUM = Path("/usr/bin/chromium")
@@ -42,18 +47,121 @@ def test_without_marimo_it_says_what_to_install(monkeypatch, capsys):
     assert "needs marimo; install it with `pip install marimo`" in capsys.readouterr().err
 
 
-def test_it_is_served_to_this_machine_under_a_token(monkeypatch, capsys):
+def test_a_wrong_scene_and_a_port_in_use_are_refused(capsys):
     pytest.importorskip("marimo")
-    calls = []
-    monkeypatch.setattr(os, "execv", lambda *given: calls.append(given))
     assert cli._status(["explore", "none"]) == 2
-    assert calls == []
-    assert cli._status(["explore", "paper-table-3", "--port", "2000", "--headless"]) == 0
-    ((program, words),) = calls
-    assert (program, words[1:4]) == (sys.executable, ["-m", "marimo", "run"])
-    assert words[words.index("--host") + 1] == "127.0.0.1"
-    assert {"--token", "--headless"} <= set(words)
-    assert words[-2:] == ["--scene", "paper-table-3"]
+    with socket.socket() as taken:
+        taken.bind((server.HOST, 0))
+        taken.listen()
+        assert cli._status(["explore", "--headless", "--port", str(taken.getsockname()[1])]) == 2
+    assert "--port: given" in (said := capsys.readouterr().err)
+    assert said.count("tailslap:") == 2
+
+
+OWN = "127.0.0.1:2718"
+
+
+@pytest.mark.parametrize(("path", "host", "origin", "is_admitted"), [
+    ("/secret/", OWN, None, True), ("/secret/ws", OWN, f"http://{OWN}", True),
+    ("/secret/", "evil.example", None, False), ("/secret/", "localhost:2718", None, False),
+    ("/secret/", "127.0.0.1", None, False), ("/secret/", None, None, False),
+    ("/secret/", OWN, "http://evil.example", False), ("/secret/", OWN, "null", False),
+    ("/secret/", OWN, f"http://{OWN}1", False), ("/secret/", OWN, f"https://{OWN}", False),
+    ("/", OWN, None, False), ("//", OWN, None, False), ("/secre/", OWN, None, False), ("/secret1/", OWN, None, False),
+    ("/sécret/", OWN, None, False), ("/assets/secret/", OWN, None, False),
+])  # fmt: skip
+@pytest.mark.parametrize("kind", ["http", "websocket"])
+def test_a_guard_admits_host_origin_and_secret_of_its_page(kind, path, host, origin, is_admitted):
+    reached, sent = [], []
+
+    async def page(scope, receive, send):
+        reached.append(scope)
+
+    async def send(message):
+        sent.append(message)
+
+    given = {"host": host, "origin": origin}
+    headers = [(name.encode(), value.encode()) for name, value in given.items() if value is not None]
+    scope = {"type": kind, "path": path, "headers": headers}
+    asyncio.run(server.Guard(page, 2718, "secret")(scope, None, send))
+    assert reached == [scope] * is_admitted
+    refusal = {"http": ["http.response.start", "http.response.body"], "websocket": ["websocket.close"]}[kind]
+    assert [message["type"] for message in sent] == ([] if is_admitted else refusal)
+    assert is_admitted or kind == "websocket" or sent[0]["status"] == 403
+
+
+def test_the_file_for_the_browser_is_private(tmp_path):
+    path = server.redirecting_file(tmp_path, "http://127.0.0.1:2718/secret/?scene=a")
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert 'content="0; url=http://127.0.0.1:2718/secret/?scene=a"' in path.read_text(encoding="utf-8")
+
+
+def answer(address, **headers):
+    """Status of a request with these headers."""
+    where = urlsplit(address)
+    with contextlib.closing(http.client.HTTPConnection(where.netloc, timeout=30)) as connection:
+        connection.request("GET", f"{where.path}?{where.query}", headers=headers)
+        return connection.getresponse().status
+
+
+def can_open(address, origin, host=None):
+    """True if a websocket is accepted."""
+    client, where = pytest.importorskip("websockets.sync.client"), urlsplit(address)
+    place = where._replace(
+        scheme="ws", netloc=host or where.netloc, path=f"{where.path}ws", query="session_id=s_abcdef"
+    )
+    with socket.create_connection((where.hostname, where.port)) as plain:
+        try:
+            with client.connect(place.geturl(), origin=origin, sock=plain) as opened:
+                return bool(opened.recv(timeout=60))
+        except client.InvalidStatus as refused:
+            return refused.response.status_code != 403
+
+
+@pytest.mark.long
+def test_it_answers_its_own_page_alone():
+    """By the address alone, and with its host and origin alone, requests as websockets."""
+    with served("mash-tl4-sut") as address:
+        where = urlsplit(address)
+        own, foreign = f"http://{where.netloc}", "http://evil.example"
+        assert where.hostname == "127.0.0.1"
+        assert answer(address) == answer(address, Origin=own) == 200
+        for host in ("evil.example", f"evil.example:{where.port}", f"localhost:{where.port}", "127.0.0.1"):
+            assert answer(address, Host=host) == 403, host
+        for origin in (foreign, "null", f"{own}1", f"http://localhost:{where.port}"):
+            assert answer(address, Origin=origin) == 403, origin
+        other = where._replace(path="/" + "A" * len(where.path[1:-1]) + "/").geturl()
+        for without in (where._replace(path="/").geturl(), other, f"{own}/assets/", f"{own}//"):
+            assert answer(without) == 403, without
+            assert not can_open(without, own)
+        assert can_open(address, own)
+        assert not can_open(address, foreign)
+        assert not can_open(address, own, "evil.example")
+
+
+@pytest.mark.long
+def test_the_browser_is_opened_by_a_private_file(tmp_path):
+    """Neither its arguments nor those of any process have the address; the file goes with the server."""
+    browser, seen = tmp_path / "browser", tmp_path / "seen"
+    browser.write_text(BROWSER_SCRIPT.format(seen), encoding="utf-8")
+    browser.chmod(0o700)
+    with served("mash-tl4-sut", BROWSER=f"{browser} %s &", TMPDIR=str(tmp_path)) as address:
+        while not seen.exists():
+            time.sleep(0.05)
+        mode, path = seen.read_text().splitlines()[0].split(" ", 1)
+        assert (mode, Path(path).parent.stat().st_mode & 0o777) == ("600", 0o700)
+        assert f"url={address}" in seen.read_text()
+        lines = [read_or_empty(process / "cmdline") for process in Path("/proc").glob("[0-9]*")]
+        assert any(str(browser).encode() in line and path.encode() in line for line in lines)
+        assert not any(urlsplit(address).path.strip("/").encode() in line for line in lines)
+    assert not Path(path).parent.exists()
+
+
+def read_or_empty(path):
+    try:
+        return path.read_bytes()
+    except OSError:  # the process has ended
+        return b""
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +173,7 @@ def page():
 
 
 def test_its_cells_show_the_rigid_answer(page, monkeypatch):
-    monkeypatch.setattr(sys, "argv", ["explore"])
+    monkeypatch.setattr(page.mo, "query_params", dict)
     outputs, cells = page.app.run()
     expected = tailslap.rigid("mash-tl4-sut")
     assert cells["rigid"].summary == expected.summary
@@ -82,7 +190,7 @@ def test_its_cells_show_the_rigid_answer(page, monkeypatch):
 ])  # fmt: skip
 def test_every_slider_changes_the_answer(page, monkeypatch, scene, keys):
     """Keys of the scene that have no effect beside others have none."""
-    monkeypatch.setattr(sys, "argv", ["explore", "--scene", scene])
+    monkeypatch.setattr(page.mo, "query_params", lambda: {"scene": scene})
     _, cells = page.app.run()
     assert set(cells["made"]) == {"vehicle.mass", *keys.split()}
     for key, (element, value, unit) in cells["made"].items():
@@ -104,23 +212,42 @@ def test_a_slider_has_the_value_and_unit_of_the_scene(page, key, given, value, u
     assert len(element.steps) >= page.STEPS
 
 
+BROWSER_SCRIPT = """#!/bin/sh
+file="${{1#file://}}"
+exec > {0}.new 2>&1
+stat -c "%a %n" "$file"
+cat "$file"
+mv {0}.new {0}
+while [ -e "$file" ]; do sleep 0.1; done
+"""
+
+
 @contextlib.contextmanager
-def served(scene):
-    """Address of the page with its token, as the command prints it."""
+def served(scene, **settings):
+    """Address of the page, as the command prints it; settings: of its environment, with a browser."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
-    command = [sys.executable, "-m", "tailslap", "explore", scene, "--port", str(port), "--headless"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+    command = [
+        sys.executable,
+        "-m",
+        "tailslap",
+        "explore",
+        scene,
+        "--port",
+        str(port),
+        *["--headless"] * (not settings),
+    ]
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen(command, **streams, env=os.environ | settings) as process:
         try:
             assert process.stdout
-            lines = iter(process.stdout.readline, "")
-            yield next(
-                found[0] for line in lines if (found := re.search(r"http://\S+access_token=\S+", line))
-            )
+            said = process.stdout.readline()
+            yield re.search(r"http://\S+", said)[0]
         finally:
-            process.terminate()
-            process.communicate(timeout=30)
+            process.send_signal(signal.SIGINT)
+            assert process.communicate(timeout=60)[0].strip() == ""
+    assert process.returncode == 0
 
 
 @contextlib.contextmanager
@@ -132,7 +259,7 @@ def opened(address, width=1280, waits_for=".force svg"):
         browser = started.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
         shown = browser.new_context(viewport={"width": width, "height": 900}).new_page()
         elsewhere = []
-        own = ("http://localhost", "ws://localhost", "data:", "blob:")
+        own = ("http://127.0.0.1", "ws://127.0.0.1", "data:", "blob:")
         shown.on("request", lambda asked: None if asked.url.startswith(own) else elsewhere.append(asked.url))
         shown.goto(address)
         shown.wait_for_selector(waits_for, state="attached", timeout=120_000)
@@ -174,8 +301,6 @@ def test_the_page_in_a_browser(tmp_path, capsys):
             shown.wait_for_function(CHANGED, arg=first)
             assert shown.locator(".found p").first.text_content() == said
             assert shown.locator(".force .narrow svg").is_visible()
-        with opened(address.partition("?")[0], waits_for="input[type=password]") as shown:
-            assert shown.locator(".found").count() == 0
 
 
 @in_a_browser

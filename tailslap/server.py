@@ -1,0 +1,106 @@
+"""Server of the page of `tailslap explore`, for the user of this machine who has started it alone.
+
+The secret is the first part of every path, as cookies of 127.0.0.1 are sent to all of its ports.
+"""
+
+import contextlib
+import os
+import secrets
+import socket
+import tempfile
+import webbrowser
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from tailslap.errors import InputError
+
+HOST = "127.0.0.1"
+PAGE = Path(__file__).with_name("explore.py")
+REDIRECT = '<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0; url={}">'
+"""File that the browser opens: arguments of processes are visible to all users, so the secret is not among them."""
+
+FORBIDDEN, FOREIGN = 403, 1008
+"""Status of a refused request, and code of a refused websocket."""
+
+
+def serve(scene: str, port: int, headless: bool) -> None:
+    """Serve the page until the process is interrupted. Raises InputError for a port that is in use."""
+    import marimo
+    import uvicorn
+
+    with socket.socket() as listener:
+        _listen(listener, port)
+        secret = secrets.token_urlsafe(32)
+        app = marimo.create_asgi_app(quiet=True).with_app(path=f"/{secret}", root=str(PAGE)).build()
+        guard = Guard(app, port, secret)
+        address = f"{guard.origin}/{secret}/?scene={quote(scene)}"
+        print(f"tailslap explore: {address} (Ctrl-C ends it)", flush=True)
+        settings = uvicorn.Config(guard, log_level="error", lifespan="off", timeout_graceful_shutdown=1)
+        with contextlib.suppress(KeyboardInterrupt), _shown(address, headless):
+            uvicorn.Server(settings).run([listener])
+
+
+def _listen(listener: socket.socket, port: int) -> None:
+    """Take the port before the address is shown, so that nobody else can answer there."""
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((HOST, port))
+        listener.listen()
+    except OSError as error:
+        raise InputError("--port", port, f"{error.strerror}; choose another port") from None
+
+
+@contextlib.contextmanager
+def _shown(address: str, headless: bool) -> Iterator[None]:
+    """Open the address in the browser by a private file, which is removed at the end."""
+    with tempfile.TemporaryDirectory(prefix="tailslap-") as folder:
+        if not headless:
+            webbrowser.open(redirecting_file(Path(folder), address).as_uri())
+        yield
+
+
+def redirecting_file(folder: Path, address: str) -> Path:
+    """Write the file, readable by this user alone, that leads a browser to an address."""
+    path = folder / "explore.html"
+    with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
+        file.write(REDIRECT.format(address))
+    return path
+
+
+class Guard:
+    """ASGI application that lets through what its own page requests, and refuses all else.
+
+    Another name of the host is that of a page of another site whose name leads here; another origin is such a page.
+    """
+
+    def __init__(self, app: Any, port: int, secret: str) -> None:
+        self.app, self.secret = app, secret.encode()
+        self.host = f"{HOST}:{port}"
+        self.origin = f"http://{self.host}"
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        """Answer a request or a websocket."""
+        if self._admits(scope):
+            await self.app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": FOREIGN})
+        else:
+            headers = [(b"content-type", b"text/plain")]
+            await send({"type": "http.response.start", "status": FORBIDDEN, "headers": headers})
+            await send(
+                {"type": "http.response.body", "body": b"Open the address that tailslap explore has printed."}
+            )
+
+    def _admits(self, scope: Any) -> bool:
+        """True for the host, the origin, where there is one, and the secret of the page."""
+        hosts, origins = (
+            [value for key, value in scope["headers"] if key == name] for name in (b"host", b"origin")
+        )
+        secret = scope["path"].encode().split(b"/")[1:2]
+        return (
+            hosts == [self.host.encode()]
+            and set(origins) <= {self.origin.encode()}
+            and secrets.compare_digest(b"".join(secret), self.secret)
+        )
