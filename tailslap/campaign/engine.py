@@ -10,7 +10,7 @@ import math
 import queue
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
@@ -91,15 +91,28 @@ def run_parts(
         perform(todo, records, pool, lambda threads: show(len(records)))
 
 
+@contextlib.contextmanager
+def study(
+    place: Path, definition: Mapping[str, Any], workers: int | None = None
+) -> Iterator[Callable[[Group], dict[str, Any]]]:
+    """Yield a function from a group of parts to its results; an interrupted study goes on from its journal."""
+    name = definition["scene"]["name"]
+    with Journal(place, definition) as journal:
+
+        def results(group: Group) -> dict[str, Any]:
+            function, parts, label = group
+            run_parts(function, parts, journal, f"{name}: {label}", workers)
+            return {key: journal.records[key] for key in parts}
+
+        yield results
+
+
 def run_study(
     place: Path, definition: Mapping[str, Any], groups: Sequence[Group], workers: int | None = None
 ) -> list[dict[str, Any]]:
-    """Results by key of each group of parts; an interrupted study of this definition goes on from its journal."""
-    name = definition["scene"]["name"]
-    with Journal(place, definition) as journal:
-        for function, parts, label in groups:
-            run_parts(function, parts, journal, f"{name}: {label}", workers)
-        return [{key: journal.records[key] for key in parts} for _, parts, _ in groups]
+    """Results by key of each group of parts, see `study`."""
+    with study(place, definition, workers) as results:
+        return [results(group) for group in groups]
 
 
 def _died(key: Key) -> Any:

@@ -15,8 +15,7 @@ from tailslap.scene.vary import parse_value
 # Values of --lowest and --highest.
 HERTZ = Quantity("a frequency", "Hz", '"8 Hz"', least=0.01, most=1e5)
 
-# Fraction of a level, or of a difference, that the numerical error must stay below for either to be known; a
-# difference that is below the level with its error on top is known to be.
+# Fraction of a level, or of a difference, that the numerical error must stay below for either to be known.
 KNOWN_FRACTION = 1.0 / 3.0
 
 # The level is crossed; not within the points that passed; by all of them; the error is too large to say.
@@ -33,6 +32,11 @@ class Sample(NamedTuple):
     difference: float
     error: float
     passed: bool
+
+    @property
+    def bound(self) -> float:
+        """The difference with its error on top."""
+        return self.difference + self.error
 
 
 @dataclass(frozen=True)
@@ -104,10 +108,8 @@ def lowest_frequency(samples: Sequence[Sample], level: float) -> Reach:
             continue
         if not math.isfinite(sample.error):
             return Reach(level, UNKNOWN, sample.frequency)
-        if sample.difference > level:
+        if sample.bound > level:
             return _crossing(samples, last, number, level)
-        if not (sample.error < KNOWN_FRACTION * level or sample.difference + sample.error <= level):
-            return Reach(level, UNKNOWN, sample.frequency)
         last = number
     if last is None:
         return Reach(level, UNKNOWN, math.nan)
@@ -121,8 +123,8 @@ def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: f
         known = soft.error < KNOWN_FRACTION * soft.difference
         return Reach(level, ABOVE_ALL if known else UNKNOWN, soft.frequency)
     stiff = samples[last]
-    low = max(stiff.difference + stiff.error, floor)  # the logarithm of nothing is none
-    part = math.log(level / low) / math.log((soft.difference + soft.error) / low)
+    low = max(stiff.bound, floor)  # the logarithm of nothing is none
+    part = math.log(level / low) / math.log(soft.bound / low)
     error = max(stiff.error, floor) ** (1.0 - part) * max(soft.error, floor) ** part
     if number != last + 1 or not error < KNOWN_FRACTION * level:
         return Reach(level, UNKNOWN, soft.frequency)

@@ -3,7 +3,8 @@
 Of a constrained corner three starts and three meshes a plate, the modal model beside them, and at some plates the
 thickness in place of the modulus. Of a whole impact both strikes of each plate, and what is measured of them from 2 Hz
 to rigid. A difference is known where its numerical error is small against it; then the report says down to which
-first frequency it stays below a level.
+first frequency it stays below a level. Where levels are crossed, the difference is scanned by further runs, because
+it oscillates with the first frequency.
 """
 
 import math
@@ -33,6 +34,7 @@ from tailslap.errors import InputError
 from tailslap.modal_analysis import modal_run
 from tailslap.scene import schema
 from tailslap.scene.vary import Changes, Source, vary
+from tailslap.studies.flexibility.scan import Scan, Series, scanned
 
 # The softest plate of a constrained corner and of a whole impact.
 LOWEST, IMPACT_LOWEST = "0.1 Hz", "2 Hz"
@@ -59,6 +61,9 @@ PATCH = 0.1
 
 # Expected seconds of a time loop above which a run is left out.
 TOO_LONG = 120.0
+
+# Function of a study under way from a group of parts to their results.
+Results = Callable[[engine.Group], dict[str, Any]]
 
 # Places in the sweep where it is repeated by the thickness, from the stiffest (0) to the softest (1).
 THICKNESSES = (1 / 6, 1 / 2, 5 / 6)
@@ -96,6 +101,10 @@ class Flexibility:
         Of a corner's first start, levels and power laws of the quantities at the strike.
     plates : list of dict
         Of a whole impact, both strikes from 2 Hz to rigid, as of `measure_plate`, softest first.
+    scan : list of dict
+        Signed differences of the runs where levels are crossed, as `scan.csv` has them.
+    step : float
+        Resolution of the scan [Hz].
     """
 
     case: Any
@@ -107,6 +116,8 @@ class Flexibility:
     others: Mapping[str, tuple[Reach, ...]]
     laws: Mapping[str, PowerLaw | None]
     plates: Sequence[Record] = ()
+    scan: Sequence[Record] = ()
+    step: float = math.nan
 
     @property
     def band(self) -> tuple[Reach, ...]:
@@ -191,20 +202,75 @@ def corner_flexibility(case: Any, given: Sequence[float], place: Path, workers: 
         own, half = sweep.own if number in thin else None, number == len(given) // 2
         parts[f"{frequency!r} Hz"] = (case.source, starts, modal, own, half)
     definition = {"study": "flexibility", "scene": case.scene.model_dump(), "frequencies": given}
-    groups = [(measure, parts, f"{len(parts)} plates")]
-    (records,) = engine.run_study(place, definition | {"starts": STARTS}, groups, workers)
-    rows = [plate_row(f, record, case.tail_slap) for f, record in zip(given, records.values(), strict=True)]
-    return summed_up(sweep, rows, time.perf_counter() - began)
+    with engine.study(place, definition | {"starts": STARTS}, workers) as results:
+        records = results((measure, parts, f"{len(parts)} plates"))
+        rows = [
+            plate_row(f, record, case.tail_slap) for f, record in zip(given, records.values(), strict=True)
+        ]
+        scans = {
+            start: start_scan(sweep, results, series, start) for start, series in all_series(rows).items()
+        }
+    return summed_up(sweep, rows, scans, time.perf_counter() - began)
 
 
-def summed_up(sweep: Sweep, rows: list[Record], seconds: float) -> Flexibility:
-    """Levels and power laws of these plates."""
-    starts = {name: levels.reaches(start_samples(rows, name), LEVELS) for name in STARTS}
-    samples = {name: samples_of(rows, name) for name in MEASURED}
-    others = {n: levels.reaches(its, LEVELS) for n, its in samples.items() if n not in ("v_gy", "stored")}
-    laws = {name: levels.power_law(its) for name, its in samples.items()}
+def all_series(rows: Sequence[Record]) -> dict[str, dict[str, list[Sample]]]:
+    """Return the samples whose levels are sought, by start: v_GY of each, of the first the others too."""
+    series = {start: {"v_gy": start_samples(rows, start)} for start in STARTS}
+    series[STARTS[0]] |= {name: samples_of(rows, name) for name in MEASURED if name not in ("v_gy", "stored")}
+    return series
+
+
+def start_scan(sweep: Sweep, results: Results, series: Series, start: str) -> Scan:
+    """A start's differences where they cross the levels, on the finest mesh."""
+    case = sweep.case
+
+    def differences(frequencies: Sequence[float]) -> dict[float, Record]:
+        parts = {
+            f"scan {start} {f!r} Hz": (case.source, scan_changes(mesh_changes(sweep, f, start)[-1]))
+            for f in frequencies
+        }
+        records = results((one_run, parts, f"scan of {start}"))
+        rows = [scan_row(record, case.tail_slap) for record in records.values()]
+        return dict(zip(frequencies, rows, strict=True))
+
+    return scanned(series, LEVELS, 1.0 / case.motion.strike.t, differences)
+
+
+def scan_changes(changes: Changes | None) -> Changes | None:
+    """The changes of a run without companions."""
+    if changes is None:
+        return None
+    return {name: value for name, value in changes.items() if name != "verify"} | {
+        "verify.tolerance": None,
+        "verify.companion": False,
+    }
+
+
+def scan_row(record: Record, rigid: Mapping[str, float]) -> Record:
+    """Differences of a run by name, NaN where a check failed; of v_GY the largest."""
+    if not _passed(record):
+        return dict.fromkeys(MEASURED, math.nan)
+    return {**_differences(record, rigid), "v_gy": record["largest"], "reaction": record["reaction"]}
+
+
+def summed_up(sweep: Sweep, rows: list[Record], scans: Mapping[str, Scan], seconds: float) -> Flexibility:
+    """Levels and power laws of these plates; scans: by start."""
+    starts = {name: levels.reaches(scan.samples["v_gy"], LEVELS) for name, scan in scans.items()}
+    first = scans[STARTS[0]].samples
+    others = {name: levels.reaches(samples, LEVELS) for name, samples in first.items() if name != "v_gy"}
+    laws = {name: levels.power_law(samples_of(rows, name)) for name in MEASURED}
     setup, own = {"corner": sweep.support, "meshes": sweep.meshes}, sweep.fe_plan.first_frequency
-    return Flexibility(sweep.case, rows, starts, own, setup, seconds, others, laws)
+    scan_rows = [row for start, scan in scans.items() for row in listed_scan(scan, start=start)]
+    step = scans[STARTS[0]].step
+    return Flexibility(sweep.case, rows, starts, own, setup, seconds, others, laws, scan=scan_rows, step=step)
+
+
+def listed_scan(scan: Scan, **head: str) -> list[Record]:
+    """Rows of a scan as `scan.csv` has them."""
+    return [
+        {**head, "first_frequency": frequency, **{f"difference_{name}": row[name] for name in scan.samples}}
+        for frequency, row in scan.differences.items()
+    ]
 
 
 def samples_of(rows: Sequence[Record], name: str) -> list[Sample]:
@@ -393,14 +459,41 @@ def impact_flexibility(case: Any, given: Sequence[float], place: Path, workers: 
     end = {"time.end": LONGER * case.duration}
     sweep = {f"{f!r} Hz": (case.source, plate(f), strike_record) for f in given}
     plates = {f"plate {f!r} Hz": (case.source, f, *(plate(f, n, **end) for n in (1, 2))) for f in PLATES}
-    groups = (one_run, sweep, f"{len(sweep)} plates"), (measure_plate, plates, "from 2 Hz to rigid")
     definition = {"study": "flexibility", "scene": case.scene.model_dump(), "frequencies": given}
-    records, soft = engine.run_study(place, definition, groups, workers)
-    rows = [impact_row(f, record) for f, record in zip(given, records.values(), strict=True)]
-    reached = {name: levels.reaches(impact_samples(rows, name), IMPACT_LEVELS) for name in NAMES}
+
+    def differences(frequencies: Sequence[float]) -> dict[float, Record]:
+        parts = {
+            f"scan {f!r} Hz": (case.source, plate(f, **{"verify.companion": False}), strike_record)
+            for f in frequencies
+        }
+        records = results((one_run, parts, "scan")).values()
+        return {f: strike_differences(record) for f, record in zip(frequencies, records, strict=True)}
+
+    with engine.study(place, definition, workers) as results:
+        records = results((one_run, sweep, f"{len(sweep)} plates"))
+        soft = results((measure_plate, plates, "from 2 Hz to rigid"))
+        rows = [impact_row(f, record) for f, record in zip(given, records.values(), strict=True)]
+        series = {name: impact_samples(rows, name) for name in NAMES}
+        scan = scanned(series, IMPACT_LEVELS, 1.0 / second_end(case), differences)
+    reached = {name: levels.reaches(samples, IMPACT_LEVELS) for name, samples in scan.samples.items()}
     rigid, seconds = plate_record(math.inf, both_strikes(case.answer), {}, ()), time.perf_counter() - began
     setup, measured = {"patch_length": patch}, [*soft.values(), rigid]
-    return Flexibility(case, rows, reached, own.first_frequency, setup, seconds, {}, {}, measured)
+    return Flexibility(
+        *(case, rows, reached, own.first_frequency, setup, seconds, {}, {}, measured),
+        scan=listed_scan(scan),
+        step=scan.step,
+    )
+
+
+def second_end(case: ImpactCase) -> float:
+    """End of the rigid vehicle's second strike, or of its motion without one [s]."""
+    return float(case.motion.strikes[1].end if len(case.motion.strikes) > 1 else case.duration)
+
+
+def strike_differences(record: Record) -> Record:
+    """Differences of a run by name, NaN where a check failed or other corners strike."""
+    known = record["difference"] if _passed(record) else {}
+    return {name: known.get(name, math.nan) for name in NAMES}
 
 
 def patch_length(case: ImpactCase) -> float:

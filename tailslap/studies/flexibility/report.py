@@ -26,7 +26,7 @@ MAIN, MAIN_STRIKE = LEVELS.index(1e-2), "strike_2.impulse"
 SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
 SIGNED, ONE = known("+.2e"), known(".1f")
 F1 = Column("frequency", "f_1", form=hertz)
-FILES = "points.csv (all plates, in SI); summary.json"
+FILES = "points.csv (all plates, in SI); scan.csv (differences of the scan); summary.json"
 
 
 def _good(levels: Sequence[float], *more: Column) -> tuple[Column, ...]:
@@ -117,9 +117,9 @@ def corner_report(found: Flexibility) -> Report:
     tables = [Table((F1, *EVERY_PLATE[k]), rows, k, marks=m) for k, m in zip(EVERY_PLATE, marks, strict=True)]
     modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), rows)
     three, five, reaction, stored, modes = figures(found)
-    modelled = _modelled(found)
+    modelled, resolution = _modelled(found), _resolution(found)
     sections = (
-        Section("Three starts", "", (three,), (v_gy,), (modelled, *READING)),
+        Section("Three starts", "", (three,), (v_gy,), (modelled, resolution, *READING)),
         Section("With inertia relief", "", (five,), (Table(_good(LEVELS, *LAWS), laws),)),
         Section("Reaction and stored energy", "", (reaction, stored)),
         Section("Modal model against finite elements", "", (modes,), (modal,)),
@@ -127,7 +127,7 @@ def corner_report(found: Flexibility) -> Report:
     )
     numbers: Record = {"rigid": found.case.tail_slap, "levels_v_gy": found.levels}
     numbers |= {"levels_v_gy_any_start": found.band, "levels": found.others, "power_laws": found.laws}
-    return _report(found, answer(found), sections, numbers, (v_gy, modelled))
+    return _report(found, answer(found), sections, numbers, (v_gy, resolution, modelled))
 
 
 def _report(
@@ -142,10 +142,26 @@ def _report(
     page = study_page(case, "Finite elements against the rigid vehicle", headline, sections, FILES, passed)
     head = {**study_summary("flexibility", case), "passed": passed}
     summary = {**head, "own_frequency": found.own_frequency, **found.setup, **numbers}
+    summary |= {"scan_runs": len(found.scan), "scan_step": found.step}
     summary |= {"points": found.rows, "cost": {"seconds": found.seconds}}
-    plates = len(found.rows) + max(0, len(found.plates) - 1)  # the last is the rigid vehicle
+    plates = (
+        len(found.rows) + len(found.scan) + max(0, len(found.plates) - 1)
+    )  # the last is the rigid vehicle
     cost = f"Cost:   {plates} plates in {found.seconds:.0f} s"
-    return Report(page, summary, (*terminal, cost), {"points.csv": listed(found.rows)})
+    files = {"points.csv": listed(found.rows)} | ({"scan.csv": listed(found.scan)} if found.scan else {})
+    return Report(page, summary, (*terminal, cost), files)
+
+
+def _resolution(found: Flexibility) -> str:
+    """Runs and step of the scan."""
+    if not found.scan:
+        return "No level is within the range."
+    frequencies = [row["first_frequency"] for row in found.scan]
+    return (
+        f"Differences oscillate over the first frequency: levels are from {len(frequencies)} further runs from "
+        f"{hertz(min(frequencies))} to {hertz(max(frequencies))}, at steps of {hertz(found.step)} or 5 % of the "
+        "frequency if that is less, and are one step on the safe side."
+    )
 
 
 def _failures(rows: Sequence[tuple[float, str]]) -> str:
@@ -236,15 +252,16 @@ def impact_report(found: Flexibility) -> Report:
     patch = measure(found.setup["patch_length"], "m", "g")
     failures = _failures([(row["frequency"], row["failed"]) for row in found.rows])
     crush = f"A corner's crush is spread over {patch} of its side. {failures}"
+    resolution = _resolution(found)
     why = [f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in found.plates if row["failed"]]
     sections = (
-        Section("Both strikes", "", (_strikes_figure(found),), (good,), (crush, IMPACT_READING)),
+        Section("Both strikes", "", (_strikes_figure(found),), (good,), (crush, resolution, IMPACT_READING)),
         Section("From 2 Hz to rigid", PLATES, _plate_figures(found), (plates_table(found),), why),
         Section("All plates", tables=(points,)),
     )
     numbers = {"rigid": found.case.rigid_numbers(), "levels": found.levels, "plates": found.plates}
     plates = plates_table(found, "The plate from soft to rigid", short=True)
-    return _report(found, _impact_answer(found), sections, numbers, (good, crush, plates))
+    return _report(found, _impact_answer(found), sections, numbers, (good, resolution, crush, plates))
 
 
 def _impact_answer(found: Flexibility) -> tuple[str, str]:

@@ -1,0 +1,93 @@
+"""Levels of the study of flexibility against runs at further first frequencies, which lie beyond the printed ones.
+
+    tailslap study flexibility SCENE --out FOLDER
+    .venv/bin/python benchmarks/flexibility.py SCENE FOLDER [COUNT [SEED]]
+
+For each level: COUNT random first frequencies (40) from the printed one to twice that, the largest difference there,
+and the highest frequency at which the level is exceeded, over all runs beyond half the printed one. Exit status 1 if a
+difference is above its level at or beyond the printed frequency.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from postprocess.units import rounded_up
+from tailslap.campaign.levels import CROSSED, NOT_REACHED, Reach
+from tailslap.case import case_of
+from tailslap.scene.read import read_scene
+from tailslap.studies.flexibility import compute
+
+COUNT = 40
+"""Runs beyond each printed frequency."""
+
+BELOW = 0.5
+"""The lowest frequency at which runs are made, over the printed one: to see how far it is on the safe side."""
+
+
+def stated(summary: dict[str, Any]) -> Iterator[tuple[str, str, Reach]]:
+    """Start, quantity and level of each statement."""
+    if "levels_v_gy" not in summary:
+        yield from (("", name, Reach(**level)) for name, each in summary["levels"].items() for level in each)
+        return
+    for start, each in summary["levels_v_gy"].items():
+        yield from ((start, "v_gy", Reach(**level)) for level in each)
+    for name, each in summary["levels"].items():
+        yield from ((compute.STARTS[0], name, Reach(**level)) for level in each)
+
+
+def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
+    """Differences of a plate by quantity; plate: start and first frequency [Hz]."""
+    case, (start, frequency) = case_of(*read_scene(scene)), plate
+    if start:
+        sweep = compute.define(case)
+        changes = compute.scan_changes(compute.run_changes(sweep, frequency, sweep.meshes[-1], start))
+        return compute.scan_row(compute.one_run(case.source, changes), case.tail_slap)
+    changes = {"plate.youngs_modulus": None, "plate.elements": case.plan().plate.counts}
+    changes |= {"plate.first_frequency": frequency, "contact.patch_length": compute.patch_length(case)}
+    record = compute.one_run(case.source, changes | {"verify.companion": False}, compute.strike_record)
+    return compute.strike_differences(record)
+
+
+def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:
+    """Print a line a level."""
+    random = np.random.default_rng(seed)
+    known = [
+        each
+        for each in stated(json.loads((Path(folder) / "summary.json").read_text()))
+        if each[2].kind in (CROSSED, NOT_REACHED)
+    ]
+    plates: set[tuple[str, float]] = set()
+    for start, _, reach in known:
+        printed = rounded_up(reach.frequency)
+        drawn = [*random.uniform(printed, 2.0 * printed, count - 1), printed]
+        plates |= {(start, float(frequency)) for frequency in drawn}
+    with ProcessPoolExecutor() as pool:
+        rows = dict(zip(plates, pool.map(partial(differences, scene), plates, chunksize=8), strict=True))
+    wrong, print_line = 0, "{:22} {:22} {:>6} {:>10} {:>5} {:>9} {:>10} {:>6}".format
+    print(print_line("start", "quantity", "level", "printed", "runs", "largest", "exceeded", "ok"))
+    for start, name, reach in known:
+        printed = rounded_up(reach.frequency)
+        sizes = {f: abs(row[name]) for (own, f), row in rows.items() if own == start and f >= BELOW * printed}
+        beyond = [size for f, size in sizes.items() if f >= printed and np.isfinite(size)]
+        exceeded = max((f for f, size in sizes.items() if size > reach.level), default=np.nan)
+        ok = max(beyond) <= reach.level
+        wrong += not ok
+        numbers = f"{printed:.3g} Hz", len(beyond), f"{100 * max(beyond):.3g} %", f"{exceeded:.4g} Hz"
+        print(print_line(start, name, f"{100 * reach.level:g} %", *numbers, "yes" if ok else "NO"))
+    print(f"{len(known)} levels, {len(rows)} runs: {wrong} levels exceeded beyond the printed frequency")
+    return int(wrong > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:3], *map(int, sys.argv[3:])))

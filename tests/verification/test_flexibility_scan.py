@@ -1,0 +1,129 @@
+"""Verification: levels of differences that oscillate over the first frequency, against exact differences."""
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+
+from tailslap.campaign import levels
+from tailslap.campaign.levels import Sample
+from tailslap.studies.flexibility import scan
+
+# Plates as the study has them, instant of the strike [s], and levels.
+PLATES = np.geomspace(1000.0, 2.0, 16)
+INSTANT, SIZES = 0.36, (1e-2, 5e-2, 1e-1)
+
+# Frequencies where the differences are above the smallest level somewhere, and how closely peaks are told.
+EVERY, CLOSE = np.arange(2.0, 120.0, 2e-3), 1e-3
+
+OSCILLATIONS = {
+    "about zero": lambda f, phase: 30.0 * np.sin(2.0 * np.pi * INSTANT * f + phase) / f**2,
+    "about a mean": lambda f, phase: (20.0 + 15.0 * np.sin(2.0 * np.pi * INSTANT * f + phase)) / f**2,
+    "first power": lambda f, phase: np.sin(2.0 * np.pi * INSTANT * f + phase) / f,
+    "beats": lambda f, phase: (
+        30.0 * np.sin(2.0 * np.pi * INSTANT * f + phase) * np.cos(0.8 * np.pi * INSTANT * f) / f**2
+    ),
+    "steady": lambda f, phase: 30.0 / f**2,
+}
+
+
+def plates(difference, error=0.0):
+    return [Sample(f, abs(float(difference(f))), error, True) for f in PLATES]
+
+
+def runs(difference, frequencies):
+    return {f: {"impulse": float(difference(f))} for f in frequencies}
+
+
+def scan_of(samples, difference):
+    return scan.scanned({"impulse": samples}, SIZES, 1.0 / INSTANT, partial(runs, difference))
+
+
+@pytest.mark.parametrize("phase", np.linspace(0.0, 2.0 * np.pi, 7)[:-1])
+@pytest.mark.parametrize("name", OSCILLATIONS)
+def test_no_difference_is_above_a_level_beyond_its_frequency(name, phase):
+    difference = partial(OSCILLATIONS[name], phase=phase)
+    found = scan_of(plates(difference), difference)
+    sizes = np.abs(difference(EVERY))
+    for reach in levels.reaches(found.samples["impulse"], SIZES):
+        assert reach.kind == levels.CROSSED
+        last, almost = (EVERY[sizes > part * reach.level].max() for part in (1.0 + CLOSE, 1.0 - 5.0 * CLOSE))
+        # On the safe side, and by no more than two steps: that of the scan and the one that is added.
+        assert last <= reach.frequency <= almost + 2.0 * min(found.step, 0.05 * almost)
+
+
+def test_plates_alone_lie_between_the_peaks():
+    """Their power law between them is crossed below the frequency up to which the level is exceeded."""
+    parts = []
+    for phase in np.linspace(0.0, 2.0 * np.pi, 7)[:-1]:
+        difference = partial(OSCILLATIONS["about zero"], phase=phase)
+        sizes, alone = np.abs(difference(EVERY)), levels.reaches(plates(difference), SIZES)
+        parts += [reach.frequency / EVERY[sizes > reach.level].max() for reach in alone]
+    assert min(parts) < 0.85
+
+
+def test_the_scan_goes_up_to_where_the_level_is_kept_for_two_periods():
+    """Plates that lie at zeros of the difference make it seem smaller than it is."""
+    difference = partial(OSCILLATIONS["about zero"], phase=0.0)
+    calls = []
+
+    def measure(frequencies):
+        calls.append(max(frequencies))
+        return runs(difference, frequencies)
+
+    small = [sample._replace(difference=0.05 * sample.difference) for sample in plates(difference)]
+    found = scan.scanned({"impulse": small}, SIZES, 1.0 / INSTANT, measure)
+    highest = scan.highest_above(found.samples["impulse"], SIZES[0])
+    assert highest > levels.lowest_frequency(small, SIZES[0]).frequency + scan.PERIODS / INSTANT
+    assert calls == sorted(calls)
+    assert calls[0] < highest < calls[-1] - scan.PERIODS / INSTANT + found.step
+    assert calls[-1] < highest + (scan.PERIODS + 1) / INSTANT
+
+
+def test_the_error_of_the_worse_neighbour_is_added():
+    difference = partial(OSCILLATIONS["steady"], phase=0.0)
+    samples = [sample._replace(error=0.1 * sample.difference) for sample in plates(difference)]
+    found = scan_of(samples, difference)
+    above = next(s for s in samples[::-1] if s.frequency > math.sqrt(30.0 / SIZES[1]))
+    below = samples[samples.index(above) + 1]
+    assert scan.larger_error(samples, above.frequency) == above.error
+    assert scan.larger_error(samples, 0.5 * (above.frequency + below.frequency)) == below.error
+    reach = levels.lowest_frequency(found.samples["impulse"], SIZES[1])
+    expected = math.sqrt(30.0 / (SIZES[1] - below.error))
+    assert expected <= reach.frequency <= expected + 2.0 * found.step
+
+
+def test_a_failed_run_beside_a_crossing_leaves_the_level_unknown():
+    difference = partial(OSCILLATIONS["steady"], phase=0.0)
+    crossing = math.sqrt(30.0 / SIZES[1])
+
+    def measure(low, high, frequencies):
+        return {f: {"impulse": math.nan if low < f < high else float(difference(f))} for f in frequencies}
+
+    for interval, kind in (((-0.4, 0.8), levels.UNKNOWN), ((5.0, 6.0), levels.CROSSED)):
+        gap = [crossing + distance for distance in interval]
+        found = scan.scanned({"impulse": plates(difference)}, SIZES, 1.0 / INSTANT, partial(measure, *gap))
+        assert levels.lowest_frequency(found.samples["impulse"], SIZES[1]).kind == kind
+
+
+def test_a_level_that_no_plate_tells_is_not_scanned():
+    samples = [Sample(f, 1.0, 0.0, True) for f in PLATES]
+    found = scan.scanned({"impulse": samples}, SIZES, 1.0 / INSTANT, lambda frequencies: 1 / 0)
+    assert (found.samples["impulse"], found.differences) == (samples, {})
+
+
+@pytest.mark.parametrize("phase", np.linspace(0.0, 0.25 * np.pi, 5))
+def test_peaks_between_samples(phase):
+    """A cosine of any phase, and of any sign; the middle of a parabola."""
+    cosine = np.cos(2.0 * np.pi * np.arange(-8, 9) / scan.STEPS_A_PERIOD + phase)
+    assert scan.peak_sizes(-cosine).max() == scan.peak_sizes(cosine).max() == pytest.approx(1.0, abs=CLOSE)
+    assert scan.peak_sizes(np.array([-1.0, -3.0, -1.0])).tolist() == [1.0, 3.0, 1.0]
+
+
+def test_steps_are_even_or_at_a_ratio():
+    found = np.array(scan.scan_frequencies(100.0, 2.0, 0.5))
+    assert (found[0], found[-1]) == (100.0, 2.0)
+    steps = -np.diff(found)
+    assert steps[found[:-1] > 12.0] == pytest.approx(0.5)
+    assert (steps / found[1:]).max() <= scan.RATIO - 1.0 + 1e-12
