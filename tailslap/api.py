@@ -526,7 +526,7 @@ def compare(
         Results, folders or files that are compared with the reference.
     columns : mapping or str, optional
         Column names of the files by names of this program: {"time": "t", "v_gy": "-VY [mph]"}; a minus reverses the
-        sign, the unit of the file is in brackets. Default: SI.
+        sign, a unit in brackets holds for a file without one. Default: SI.
     only : sequence of str
         Columns to compare. Default: the main columns in common.
     author : str
@@ -537,13 +537,13 @@ def compare(
     Returns
     -------
     Result
-        `summary["compared"]` contains the metrics by label and column; `passed` is True if all are within the limits of
-        NCHRP W179.
+        `summary["compared"]` contains the metrics by label and column, `summary["notes"]` what is missing or hardly
+        shows in them; `passed` is True if all are within the limits of NCHRP W179 over half of the reference's time.
 
     Raises
     ------
     InputError
-        For unreadable or damaged results, or results without a common column.
+        For unreadable or damaged results, cells without a number, units of time that differ, or no common column.
 
     Examples
     --------

@@ -302,7 +302,7 @@ def compare(
 
     A RESULT is a result folder, a text file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
     CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV). Exit status 1 if a metric
-    exceeds the limits of NCHRP W179.
+    exceeds the limits of NCHRP W179, or less than half of the reference's time is compared.
     """
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
 

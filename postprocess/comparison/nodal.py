@@ -13,8 +13,9 @@ not considered.
 """
 
 import csv
+import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,6 +27,10 @@ Floats = NDArray[np.float64]
 Blocks = dict[float, dict[int, list[float]]]
 """Values along X and Y by instant and node."""
 
+LARGEST = 1e30
+"""Size of a number in a file: its square is a number, too."""
+
+ALLOWED = f"allowed are numbers of at most {LARGEST:g}"
 NODES = "nodes.csv"
 MAX_HEAD = 4_000_000
 """Characters in which the heading of a file is looked for; a legend of LS-DYNA names all nodes."""
@@ -35,6 +40,9 @@ STEP_TIME = re.compile(r"Frame:.*Step Time =\s*(\S+)")
 FIELDS = ("U.U1", "U.U2", "V.V1", "V.V2")
 NODE_COLUMN = re.compile(r".*?\s{2,}(\d+)\s.*\b(DX|DY|VX|VY)\s*")
 """Title of the group and number of the node, both filled up with blanks, and quantity."""
+
+MAX_TITLE = 1000
+"""Characters of such a title."""
 
 HEAD = re.compile(r"\s*(displacements|velocities) \(vx,vy,vz\) for set (\S+) and time\s+(\S+)\s*")
 
@@ -59,6 +67,25 @@ class NodalHistory:
     velocities: Floats
 
 
+def number(cell: str) -> float:
+    """Return the number in a cell. Raises ValueError for a word, an infinite one, NaN, and one above `LARGEST`."""
+    try:
+        value = float(cell.replace("_", " "))  # Python reads 1_0 as ten
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= LARGEST:
+        raise ValueError(f'given "{cell[:40]}"; {ALLOWED}')
+    return value
+
+
+def _numbers(cells: Sequence[str], line: int) -> list[float]:
+    """Return the numbers of a line. Raises ValueError with the line."""
+    try:
+        return [number(cell) for cell in cells]
+    except ValueError as error:
+        raise ValueError(f"line {line}: {error}") from None
+
+
 def read_calculix(path: Path) -> NodalHistory:
     """Read displacements and velocities of the nodes from a file `.dat` of CalculiX.
 
@@ -67,17 +94,16 @@ def read_calculix(path: Path) -> NodalHistory:
     blocks: dict[str, Blocks] = {"displacements": {}, "velocities": {}}
     block: dict[int, list[float]] | None = None
     with open(path, encoding="ascii", errors="replace") as lines:
-        for number, line in enumerate(lines, 1):
+        for place, line in enumerate(lines, 1):
             if head := HEAD.fullmatch(line):
-                block = blocks[head[1]].setdefault(float(head[3]), {})
+                (t,) = _numbers([head[3]], place)
+                block = blocks[head[1]].setdefault(t, {})
             elif (cells := line.split()) and not cells[0].isdigit():
                 block = None
             elif cells and block is not None:
-                try:
-                    x, y, _ = map(float, cells[1:])
-                    block[int(cells[0])] = [x, y]
-                except ValueError:
-                    raise ValueError(f"line {number} is cut short: {line.strip()!r}") from None
+                if len(cells) != 4:
+                    raise ValueError(f"line {place} is cut short: {line.strip()!r}")
+                block[int(cells[0])] = _numbers(cells[1:], place)[:2]
     displacements, velocities = blocks["displacements"], blocks["velocities"]
     if not velocities or not displacements:
         raise ValueError(
@@ -96,21 +122,18 @@ def read_nodout(path: Path) -> NodalHistory:
     """
     displacements, velocities = Blocks(), Blocks()
     t, length, inside = 0.0, 0, False
-    for number, line in _numbered(path):
+    for place, line in _numbered(path):
         if instant := INSTANT.search(line):
-            t, inside = float(instant[1]), False
+            (t,), inside = _numbers([instant[1]], place), False
             displacements.setdefault(t, {})
             velocities.setdefault(t, {})
         elif "nodal point" in line:  # translations; a table of rotations may follow at the same instant
             inside, length = "x-disp" in line, 0
         elif inside and line[:10].strip().isdigit():
             length = length or len(line)
-            try:
-                if len(line) != length:
-                    raise ValueError
-                values = [float(line[10 + 12 * k : 22 + 12 * k]) for k in (0, 1, 3, 4)]
-            except ValueError:
-                raise ValueError(f"line {number} is cut short: {line!r}") from None
+            if len(line) != length:
+                raise ValueError(f"line {place} is cut short: {line!r}")
+            values = _numbers([line[10 + 12 * k : 22 + 12 * k].strip() for k in (0, 1, 3, 4)], place)
             displacements[t][int(line[:10])], velocities[t][int(line[:10])] = values[:2], values[2:]
     return _stacked(displacements, velocities)
 
@@ -123,26 +146,25 @@ def read_field_report(path: Path) -> NodalHistory:
     displacements, velocities = Blocks(), Blocks()
     names: list[str] = []
     t = 0.0
-    for number, line in _numbered(path):
+    for place, line in _numbered(path):
         cells = line.split()
         if frame := STEP_TIME.search(line):
-            t, names = float(frame[1]), []
+            (t,), names = _numbers([frame[1]], place), []
             if t in velocities:
-                raise ValueError(f"line {number}: {t:g} s is there twice; allowed is one step")
+                raise ValueError(f"line {place}: {t:g} s is there twice; allowed is one step")
             displacements[t], velocities[t] = {}, {}
         elif fields := [cell for cell in cells if re.fullmatch(r"[A-Z]+\.\w+", cell)]:
             names = fields
             if missing := [name for name in FIELDS if name not in names]:
                 raise ValueError(
-                    f"line {number}: {', '.join(missing)} are missing; the columns are {', '.join(names)}"
+                    f"line {place}: {', '.join(missing)} are missing; the columns are {', '.join(names)}"
                 )
         elif names and cells and cells[0].isdigit():
-            try:
-                values = dict(zip(names, map(float, cells[1:]), strict=True))
-            except ValueError:
-                raise ValueError(f"line {number} is cut short: {line.strip()!r}") from None
-            place = int(cells[0])
-            displacements[t][place], velocities[t][place] = (
+            if len(cells) != len(names) + 1:
+                raise ValueError(f"line {place} is cut short: {line.strip()!r}")
+            values = dict(zip(names, _numbers(cells[1:], place), strict=True))
+            node = int(cells[0])
+            displacements[t][node], velocities[t][node] = (
                 [values[n] for n in FIELDS[:2]],
                 [values[n] for n in FIELDS[2:]],
             )
@@ -158,22 +180,24 @@ def read_radioss(path: Path) -> NodalHistory:
         header, *rows = csv.reader(file)
     columns: dict[int, dict[str, int]] = {}
     for k, name in enumerate(header):
-        if found := NODE_COLUMN.fullmatch(name):
+        if found := NODE_COLUMN.fullmatch(name[-MAX_TITLE:]):
             columns.setdefault(int(found[1]), {})[found[2]] = k
     displacements, velocities = Blocks(), Blocks()
     for node, its in columns.items():
         if missing := [name for name in ("DX", "DY", "VX", "VY") if name not in its]:
             raise ValueError(f"columns of node {node} are missing: {', '.join(missing)}")
-    for number, row in enumerate(filter(None, rows), 2):
-        if len(row) < len(list(filter(None, header))):
-            raise ValueError(f"line {number} is cut short: {len(row)} of {len(header)} entries")
-        t = float(row[0])
-        displacements[t] = {
-            node: [float(row[its["DX"]]), float(row[its["DY"]])] for node, its in columns.items()
-        }
-        velocities[t] = {
-            node: [float(row[its["VX"]]), float(row[its["VY"]])] for node, its in columns.items()
-        }
+    least = len(list(filter(None, header)))
+    for place, row in enumerate(rows, 2):
+        if row and len(row) < least:
+            raise ValueError(f"line {place} is cut short: {len(row)} of {len(header)} entries")
+        if row:
+            (t,) = _numbers(row[:1], place)
+            if t in velocities:
+                raise ValueError(f"line {place}: {t:g} s is there twice; allowed is one row an instant")
+            displacements[t], velocities[t] = (
+                {node: _numbers([row[its[x]], row[its[y]]], place) for node, its in columns.items()}
+                for x, y in (("DX", "DY"), ("VX", "VY"))
+            )
     return _stacked(displacements, velocities)
 
 
@@ -183,7 +207,9 @@ def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
         return read_calculix if path.suffix == ".dat" else None
     with open(path, encoding="ascii", errors="replace") as file:
         first = file.readline(MAX_HEAD)
-        if '"INTERNAL ENERGY"' in first and any(map(NODE_COLUMN.fullmatch, first.split('"'))):
+        if '"INTERNAL ENERGY"' in first and any(
+            NODE_COLUMN.fullmatch(name[-MAX_TITLE:]) for name in first.split('"')
+        ):
             return read_radioss
         head = first + file.read(MAX_HEAD)
     if "Field Output Report" in head:
@@ -222,9 +248,14 @@ def read_nodes(path: Path) -> tuple[NDArray[np.int64], Floats, Floats]:
         rows = list(csv.DictReader(file))
     try:
         numbers = np.array([int(row["node"]) for row in rows])
-        values = np.array([[float(row[name]) for name in ("x", "y", "mass")] for row in rows]).reshape(-1, 3)
-    except (KeyError, TypeError, ValueError) as error:
+        lines = [_numbers([row[name] for name in ("x", "y", "mass")], k) for k, row in enumerate(rows, 2)]
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ValueError(f"{path.name} must have the columns node, x, y and mass: {error}") from None
+    values = np.array(lines).reshape(-1, 3)
+    if wrong := [k for k, mass in enumerate(values[:, 2], 2) if mass <= 0.0]:
+        raise ValueError(f"{path.name}, line {wrong[0]}: the mass of a node must be positive")
+    if np.unique(numbers).size < numbers.size:
+        raise ValueError(f"{path.name} has a node twice")
     order = np.argsort(numbers)
     return numbers[order], values[order, :2], values[order, 2]
 

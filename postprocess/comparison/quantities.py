@@ -176,15 +176,17 @@ class Metrics:
         return all(abs(value) <= limits[name] for name, value in asdict(self).items())
 
 
-def compare_histories(instants: Floats, history: Floats, reference: Floats) -> Metrics:
+def compare_histories(
+    instants: Floats, history: Floats, reference: Floats, is_known: NDArray[np.bool_] | bool = True
+) -> Metrics:
     """Metrics of `history` against `reference`, both of shape (instants,), in any one unit.
 
-    Instants [s] rise, and need not be evenly spaced. Numbers that are not finite, less than two instants, and a
-    reference that is zero throughout give NaN.
+    Instants [s] rise, and need not be evenly spaced; is_known, shape (instants - 1,): time between two that counts.
+    Numbers that are not finite, less than two instants, and a reference that is zero throughout give NaN.
     """
     if instants.size < 2:
         return Metrics(*(5 * (math.nan,)))
-    steps = np.diff(instants)
+    steps = np.diff(instants) * is_known
     weights = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))  # [s], of the trapezoidal rule
     with np.errstate(all="ignore"):
         size, its = _norm(weights, history), _norm(weights, reference)
@@ -229,11 +231,29 @@ LIMITS = Metrics(0.40, 0.40, 0.40, 0.05, 0.35)
 """Customary limits of the sizes of the metrics."""
 
 
+GAP, LEAST_GAP = 5.0, 0.05
+"""Time between two values that is not interpolated: over the median of such times, and over all time of the values."""
+
+COVERED = 0.5
+"""Least part of the reference's time that has to be compared."""
+
+
 @dataclass(frozen=True)
 class Beside:
     """A column beside the reference's, while both are known.
 
-    t, value, reference: common instants [s] and both histories there. metrics: of the one against the other.
+    Attributes
+    ----------
+    name : str
+        Of the column.
+    t, value, reference : ndarray, shape (instants,)
+        Instants of both [s], and both histories there.
+    metrics : Metrics
+        Of the one against the other.
+    covered : float
+        Time compared over that of the reference [-].
+    gaps : tuple of pairs
+        Ends [s] of the times between that are not compared.
     """
 
     name: str
@@ -241,6 +261,8 @@ class Beside:
     value: Floats
     reference: Floats
     metrics: Metrics
+    covered: float = 1.0
+    gaps: tuple[tuple[float, float], ...] = ()
 
     @property
     def difference(self) -> Floats:
@@ -262,30 +284,54 @@ class Beside:
 
     @property
     def within(self) -> bool:
-        """True if all metrics are within their customary limits."""
-        return self.metrics.within
+        """True if all metrics are within their customary limits, over enough of the reference's time."""
+        return self.metrics.within and self.covered >= COVERED
 
 
 def beside(name: str, history: Mapping[str, Floats], reference: Mapping[str, Floats]) -> Beside | None:
-    """The column of this name at the reference's instants, interpolated; None where they have less than two in common.
+    """The column of this name at the instants of both, interpolated; None where they have less than two in common.
 
-    Columns "t" [s] rise; rows that are not finite are left out.
+    Columns "t" [s] rise. Values that are not finite are left out, and so are gaps, where either has no values for long.
     """
-    t, value = _finite(history["t"], history[name])
-    at, expected = _finite(reference["t"], reference[name])
-    if t.size < 2 or at.size < 2:
+    records = [_finite(columns["t"], columns[name]) for columns in (history, reference)]
+    if min(t.size for t, _ in records) < 2:
         return None
-    common = (at >= t[0]) & (at <= t[-1])
-    if common.sum() < 2:
+    first, last = max(t[0] for t, _ in records), min(t[-1] for t, _ in records)
+    within = [t[(t >= first) & (t <= last)] for t, _ in records]
+    if min(t.size for t in within) < 2:
         return None
-    at, expected = at[common], expected[common]
-    found = np.interp(at, t, value)
-    return Beside(name, at, found, expected, compare_histories(at, found, expected))
+    gaps = [gap for t, _ in records for gap in _gaps(t) if gap[0] < last and gap[1] > first]
+    t = np.union1d(*within)
+    t = t[~_inside(t, gaps)]
+    is_known = ~_inside(0.5 * (t[1:] + t[:-1]), gaps)
+    compared = float(np.sum(np.diff(t)[is_known]))
+    if not compared:
+        return None
+    value, expected = (np.interp(t, *record) for record in records)
+    metrics = compare_histories(t, value, expected, is_known)
+    covered = min(1.0, compared / float(reference["t"][-1] - reference["t"][0]))
+    ends = tuple(sorted((max(begin, first), min(end, last)) for begin, end in gaps))
+    return Beside(name, t, value, expected, metrics, covered, ends)
 
 
 def _finite(t: Floats, values: Floats) -> tuple[Floats, Floats]:
     known = np.isfinite(t) & np.isfinite(values)
     return t[known], values[known]
+
+
+def _gaps(t: Floats) -> list[tuple[float, float]]:
+    """Ends of the times between two instants that are not interpolated."""
+    steps = np.diff(t)
+    is_gap = (steps > GAP * np.median(steps)) & (steps > LEAST_GAP * (t[-1] - t[0]))
+    return [(float(t[k]), float(t[k + 1])) for k in np.flatnonzero(is_gap)]
+
+
+def _inside(t: Floats, gaps: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+    """True at instants between the ends of a gap."""
+    inside = np.zeros(t.shape, bool)
+    for begin, end in gaps:
+        inside |= (t > begin) & (t < end)
+    return inside
 
 
 SAFETY_FACTOR = 1.25

@@ -1,12 +1,14 @@
 """Comparison of results with a reference."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+import numpy as np
+
 import tailslap
-from postprocess.comparison.quantities import LIMITS, QUANTITIES, Beside, beside
+from postprocess.comparison.quantities import COVERED, LIMITS, QUANTITIES, Beside, beside
 from postprocess.figures.histories import COMPARED, Curve, draw_overlay
 from postprocess.report.page import Column, Headline, Page, Section, Table, columns
 from postprocess.report.report import Report
@@ -25,10 +27,17 @@ USUAL = (
 FORCES = ("force_normal", "reaction_normal")
 """Forces across the wall, one of which takes the width of the page."""
 
+MOST_RATIO = 10.0
+"""Ratio of the times of two records above which a unit of time that is not given is not believed."""
+
+WHOLE = 0.9
+"""Part of the reference's time below which a remark says how much is compared."""
+
 HEADS = {"magnitude": "M", "phase": "P", "combined": "C", "mean_residual": "Mean", "deviation": "SD"}
 METRICS = (
     *columns({"item": "Result", "name": "Column"}),
     *columns({**HEADS, "largest": "Largest"}, form=lambda ratio: percent(ratio).removesuffix(" %")),
+    Column("covered", "Time", form=lambda part: f"{100.0 * part:.0f}"),
     Column("within", "Within", form=lambda within: "yes" if within else "NO"),
 )
 WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
@@ -43,16 +52,18 @@ NOTE = (
     "M, P, C: Sprague-Geers magnitude, phase and comprehensive metrics. Mean, standard deviation (SD) and largest "
     "value of the differences, relative to the peak of the reference, as in NCHRP W179. Limits: "
     f"{100 * LIMITS.magnitude:.0f} % for M, P and C, {100 * LIMITS.mean_residual:.0f} % for the mean, "
-    f"{100 * LIMITS.deviation:.0f} % for SD."
+    f"{100 * LIMITS.deviation:.0f} % for SD. Time: compared part of the time of the reference, at least "
+    f"{100 * COVERED:.0f} %."
 )
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Items, of which the first is the reference; pairs: label of another item and a common column."""
+    """Items, of which the first is the reference; pairs: label of another item and a common column; notes: remarks."""
 
     items: tuple[Item, ...]
     pairs: tuple[tuple[str, Beside], ...]
+    notes: tuple[str, ...] = ()
 
     @property
     def reference(self) -> Item:
@@ -82,27 +93,88 @@ def compare_items(
         replace(item, label=f"{item.label} ({k})") if labels.count(item.label) > 1 else item
         for k, item in enumerate(items, 1)
     ]
-    pairs = [(item.label, each) for item in items[1:] for each in _in_common(item, items[0], only)]
-    return Comparison(tuple(items), tuple(pairs))
+    reference, pairs = items[0], []
+    notes = [note for item in items for note in item.notes]
+    for item in items[1:]:
+        _demand_one_unit_of_time(item, reference)
+        compared, left = _in_common(item, reference, only)
+        pairs += [(item.label, each) for each in compared]
+        notes += _remarks(item, reference, compared, left)
+    return Comparison(tuple(items), tuple(pairs), tuple(dict.fromkeys(notes)))
 
 
-def _in_common(item: Item, reference: Item, only: Sequence[str]) -> list[Beside]:
+def _demand_one_unit_of_time(item: Item, reference: Item) -> None:
+    """Refuse a time without a unit that another record has ten times over, or a tenth of. Raises InputError."""
+    both = item, reference
+    spans = [float(record.columns[TIME][-1] - record.columns[TIME][0]) for record in both]
+    guessed = [record for record in both if record.unit_of_time == "assumed"]
+    if all(record.unit_of_time == "columns" for record in both):  # of which one may be in another unit
+        guessed = [item]
+    if guessed and max(spans) > MOST_RATIO * min(spans):
+        allowed = (
+            f"{item.label} lasts {spans[0]:.4g} s and {reference.label} {spans[1]:.4g} s if times without a unit are "
+            f'seconds; allowed is a unit in the file, or by --columns "time={guessed[0].time_name} [ms]"'
+        )
+        raise InputError("RESULT", guessed[0].label, allowed)
+
+
+def _in_common(item: Item, reference: Item, only: Sequence[str]) -> tuple[list[Beside], list[str]]:
+    """Columns of both, and names of those that have no values at common times. Raises InputError where none has."""
     common = [name for name in reference.columns if name in item.columns and name != TIME]
     for name in only:
         if name not in common:
             raise InputError("--only", name, one_of(name, common, "allowed are the common columns,"))
     chosen = only or [name for name in USUAL if name in common] or common
-    found = [each for name in chosen if (each := beside(name, item.columns, reference.columns))]
-    if not found:
-        allowed = f"it has no column and time range in common with {reference.label}; see --columns"
-        raise InputError("RESULT", item.label, allowed)
-    return found
+    found = {name: beside(name, item.columns, reference.columns) for name in chosen}
+    compared, left = (
+        [each for each in found.values() if each],
+        [name for name, each in found.items() if not each],
+    )
+    if not compared or (only and left):
+        names = ", ".join(left) or "no column"
+        allowed = (
+            f"it has no {names} with two values at times in common with {reference.label}; see --columns"
+        )
+        raise InputError("RESULT", item.label, allowed.replace("no no", "no"))
+    return compared, left
+
+
+def _remarks(item: Item, reference: Item, compared: Sequence[Beside], left: Sequence[str]) -> Iterator[str]:
+    """Sentences on what is not compared, or hardly seen by the metrics."""
+    if left:
+        yield f"{item.label}: no values at times of {reference.label}, not compared: {', '.join(left)}."
+    for record in (item, reference):
+        missing = {x.name: int(np.isnan(record.columns[x.name]).sum()) for x in compared}
+        for names, rows in _by_value((name, rows) for name, rows in missing.items() if rows):
+            of = record.columns[TIME].size
+            yield f"{record.label}: {names} without a value in {rows} of {of} rows, interpolated or excluded."
+    for names, (begin, end) in _by_value((x.name, gap) for x in compared for gap in x.gaps):
+        yield f"{item.label}: {names} not compared from {begin:.4g} to {end:.4g} s, a gap of one of both."
+    t = reference.columns[TIME]
+    for names, covered in _by_value(
+        (x.name, round(100.0 * x.covered, 1)) for x in compared if x.covered < WHOLE
+    ):
+        yield f"{item.label}: {names} compared for {covered:g} % of the {t[-1] - t[0]:.4g} s of {reference.label}."
+    for each in compared:
+        size, at = abs(each.largest[0]), each.largest[1]
+        if each.metrics.within and size > LIMITS.deviation:
+            yield (
+                f"{item.label}: {each.name} differs by {100.0 * size:.0f} % of the peak at {at:.4g} s; the metrics, "
+                "means over time, are within their limits."
+            )
+
+
+def _by_value(pairs: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
+    """Names that have the same value, separated by commas, and the value."""
+    names: dict[Any, list[str]] = {}
+    for name, value in pairs:
+        names.setdefault(value, []).append(name)
+    return ((", ".join(them), value) for value, them in names.items())
 
 
 def compare_report(found: Comparison) -> Report:
     """Report of a comparison."""
     table, opening = metrics_table(found), headline(found)
-    notes = [note for item in found.items for note in item.notes]
     compared: dict[str, Any] = {item.label: {} for item in found.items[1:]}
     for label, each in found.pairs:
         compared[label][each.name] = _numbers(each)
@@ -112,17 +184,17 @@ def compare_report(found: Comparison) -> Report:
         "passed": found.within,
         "limits": asdict(LIMITS),
         "compared": compared,
-        "notes": notes,
+        "notes": list(found.notes),
     }
     sections = (
-        Section("Metrics", tables=(table,), sentences=notes),
+        Section("Metrics", tables=(table,), sentences=found.notes),
         Section("Results at the tail-slap", tables=tuple(_quantities(found))),
         Section("Curves", figures=[*_curves(found)]),
         Section("Differences from the reference", figures=[*_curves(found, True)]),
     )
     below = footer("summary.json, these numbers; metrics.csv, the table; validation.html")
     page = Page("Histories side by side", opening, sections, below, passed=found.within)
-    return Report(page, summary, (table, *notes), tables={"metrics.csv": table})
+    return Report(page, summary, (table, *found.notes), tables={"metrics.csv": table})
 
 
 def headline(found: Comparison) -> Headline:
@@ -130,10 +202,14 @@ def headline(found: Comparison) -> Headline:
     sizes = [abs(each.largest[0]) for _, each in found.pairs]
     most = max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
     label, worst = found.pairs[most]
-    outside = [f"{each.name} of {label}" for label, each in found.pairs if not each.within]
+    outside = [f"{each.name} of {label}" for label, each in found.pairs if not each.metrics.within]
+    short = [f"{each.name} of {label}" for label, each in found.pairs if each.covered < COVERED]
+    part = f"compared for less than {100 * COVERED:.0f} % of the time of the reference"
+    faults = [f"beyond the limits of NCHRP W179: {', '.join(outside)}"] if outside else []
+    faults += [f"{part}: {', '.join(short)}"] if short else []
     answer = f"All {len(sizes)} histories are within the limits of NCHRP W179."
-    if outside:
-        answer = f"Failed: beyond the limits of NCHRP W179: {', '.join(outside)}."
+    if faults:
+        answer = f"Failed: {'; '.join(faults)}."
     difference = (
         f"Largest difference: {worst.name} of {label}, {percent(worst.largest[0])} of the peak, at "
         f"{worst.largest[1]:.4g} s."
@@ -153,7 +229,8 @@ def metrics_table(found: Comparison) -> Table:
 def _numbers(each: Beside) -> dict[str, Any]:
     largest, at = each.largest
     found = {"name": each.name, **asdict(each.metrics), "largest": largest, "at": at, "at_end": each.at_end}
-    return found | {"from": float(each.t[0]), "to": float(each.t[-1]), "within": each.within}
+    found |= {"from": float(each.t[0]), "to": float(each.t[-1]), "covered": each.covered}
+    return found | {"within": each.within}
 
 
 def _quantities(found: Comparison) -> Iterator[Table]:

@@ -1,20 +1,25 @@
 """Histories to compare: of a result, or of a file with named columns, by this program's names and in SI.
 
 Files of other programs and of tests are text with a line of names, separated by commas, semicolons, tabs or blanks.
-Units stand behind a name in brackets, "VY [m/s]" or "VY (m/s)", or in a line of their own below the names.
+Units stand behind a name in brackets, "VY [m/s]" or "VY (m/s)", or in a line of their own below the names. Columns that
+are compared hold numbers; an empty cell or NaN is a value that is missing.
 """
 
 import csv
 import os
 import re
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from postprocess.comparison import nodal
 from tailslap.errors import InputError, Verbatim, one_of, shortened
 from tailslap.files.load import column_units, demand_listed, load
 from tailslap.result import FE, Result
@@ -29,20 +34,76 @@ COMMENTS = ("#", "%", "*", "$")
 NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
 THEIRS = re.compile(r"(?P<minus>-?)\s*(?P<name>[^\[]+?)\s*(?:\[(?P<unit>[^\]]+)\])?")
 DECIMAL_COMMA = re.compile(r"[-+]?[0-9.]*,[0-9.,]+([eE][-+]?[0-9]+)?")
-MAX_BYTES = 500_000_000
+MISSING = ("", "nan", "-nan", "na", "n/a", "null")
+"""Cells without a value, in small or capital letters."""
+
+MAX_BYTES, MAX_COLUMNS = 500_000_000, 1000
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Item:
-    """One of those compared: its label, columns in SI, their units, its summary where it is a result, and notes."""
+    """One of those compared.
+
+    Attributes
+    ----------
+    label : str
+        Name of the scene, folder or file.
+    columns : dict of ndarray, shape (rows,)
+        In SI; NaN is a value that is missing.
+    units : dict of str
+        Of the columns.
+    summary : dict, optional
+        Of a result.
+    notes : tuple of str
+        What was assumed.
+    time_name : str
+        Name of the column of instants in the file.
+    unit_of_time : str
+        What gives the unit of time: "file", "columns" for the option, or "assumed".
+    """
 
     label: str
     columns: Mapping[str, Floats]
     units: Mapping[str, str]
     summary: Mapping[str, Any] | None = None
     notes: tuple[str, ...] = ()
+    time_name: str = TIME
+    unit_of_time: str = "file"
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cells of a file with named columns.
+
+    Attributes
+    ----------
+    names : list of str
+        Of the columns, as they stand in the file.
+    units : dict of str
+        By name; "" where there is none.
+    rows : list of list of str
+        Cells of each row, at least to the last column with a name.
+    lines : list of int
+        Line of each row in the file, from 1.
+    """
+
+    names: list[str]
+    units: dict[str, str]
+    rows: list[list[str]]
+    lines: list[int]
+
+    def numbers(self, name: str) -> Floats:
+        """Numbers of a column, NaN where one is missing. Raises ValueError with the line of a cell without number."""
+        k, numbers = self.names.index(name), np.empty(len(self.rows))
+        for place, (row, line) in enumerate(zip(self.rows, self.lines, strict=True)):
+            try:
+                numbers[place] = np.nan if row[k].lower() in MISSING else nodal.number(row[k])
+            except ValueError as error:
+                allowed = f"{error}, and an empty cell where there is no value"
+                raise ValueError(f"line {line}, column {shortened(name)}: {allowed}") from None
+        return numbers
 
 
 def parse_mapping(text: str) -> dict[str, str]:
@@ -56,6 +117,7 @@ def parse_mapping(text: str) -> dict[str, str]:
 def read_item(given: object, mapping: Mapping[str, str], force: bool = False) -> Item:
     """A result, its folder, or a file; force: damaged ones too. Raises InputError."""
     if isinstance(given, Item):
+        _demand_sound(given.columns, given.label)
         return given
     path = Path(str(given))
     if isinstance(given, Result):
@@ -65,12 +127,12 @@ def read_item(given: object, mapping: Mapping[str, str], force: bool = False) ->
     ):  # where Path.is_dir raises an error for one below a folder that may not be searched
         found, label = load(path, force=force), path.resolve().name
     else:
-        demand_listed(path, force)
-        return _read_file(path, {_time_as_t(name): theirs for name, theirs in mapping.items()})
+        is_own = demand_listed(path, force)
+        return _read_file(path, {_time_as_t(name): theirs for name, theirs in mapping.items()}, is_own)
     if not found.histories:
         raise InputError(str(given), Verbatim(found.command), "it has no history; allowed is a run")
     columns = found.histories.get(FE) or next(iter(found.histories.values()))
-    _demand_rising(columns, path)
+    _demand_sound(columns, str(path))
     return Item(label, dict(columns), columns.units, found.summary)
 
 
@@ -78,45 +140,67 @@ def _time_as_t(name: str) -> str:
     return TIME if name.lower() in TIMES else name
 
 
-def _read_file(path: Path, mapping: Mapping[str, str]) -> Item:
+def _read_file(path: Path, mapping: Mapping[str, str], is_own: bool) -> Item:
     """The file's columns by this program's names: those of the mapping, and those that are called so already.
 
-    A name of the mapping that the file has not, where it has this program's own, is another file's.
+    A name of the mapping that the file has not, where it has this program's own, is another file's; so is a unit of the
+    mapping where the file has one, as the files of this program do.
     """
+    names, units, lines, numbers = _read(path)
+    units = {**units, **column_units(names)} if is_own else units
+    there = {ours for ours, theirs in mapping.items() if _parts(theirs, names)[1] in names}
+    wanted = {name: theirs for name, theirs in mapping.items() if name not in names or name in there}
+    own = {TIME, *column_units(names)}
+    for name in names:
+        if (ours := _time_as_t(name)) in own:
+            wanted.setdefault(ours, name)
+    known = column_units(wanted)
+    columns, sources, notes = {}, {}, []
+    for ours, theirs in wanted.items():
+        minus, name, mapped = _parts(theirs, names)
+        if name not in names:
+            allowed = one_of(name, names, f"{path.name} does not have this column; allowed are")
+            raise InputError("--columns", theirs, allowed)
+        unit = units.get(name) or mapped
+        sources[ours] = name, "file" if units.get(name) else "columns" if mapped else "assumed"
+        factor = (-1.0 if minus else 1.0) * _factor(ours, unit, known.get(ours, ""))
+        columns[ours] = factor * _readable(path, partial(numbers, name))
+        if mapped and mapped != unit:
+            notes.append(f"{path.name}: {name} is in {unit} by the file, not in {mapped}.")
+    _demand_sound(columns, str(path), lines)
+    assumed = ", ".join(
+        name for name, (_, source) in sources.items() if source == "assumed" and name in mapping
+    )
+    notes += [f"{path.name}: {assumed} without a unit, assumed in SI."] if assumed else []
+    return Item(path.stem, columns, known, None, tuple(notes), *sources[TIME])
+
+
+def _read(path: Path) -> tuple[list[str], dict[str, str], Sequence[int], Callable[[str], Floats]]:
+    """Names of a file's columns, units by name, lines of the rows if any, and the numbers of a column."""
+    motion = _readable(path, partial(_read_nodal, path))
+    if motion is None:
+        cells = _readable(path, partial(read_table, path))
+        return [*filter(None, cells.names)], cells.units, cells.lines, cells.numbers
+    return [*motion], {}, (), motion.__getitem__
+
+
+def _readable(path: Path, read: Callable[[], Any]) -> Any:
+    """Result of reading a file. Raises InputError for one that cannot be read."""
     try:
-        columns, units = _read_nodal(path) or read_table(path)
+        return read()
     except FileNotFoundError:
         allowed = "the file or folder does not exist; allowed are result folders and files with named columns"
         raise InputError("RESULT", str(path), allowed) from None
     except (OSError, ValueError, csv.Error) as error:
         why = getattr(error, "strerror", None) or error
-        raise InputError("RESULT", str(path), f"{why}; allowed is a file with named columns") from None
-    there = {ours for ours, theirs in mapping.items() if _parts(theirs, columns)[1] in columns}
-    wanted = {name: theirs for name, theirs in mapping.items() if name not in columns or name in there}
-    own = {TIME, *column_units(columns)}
-    for name in columns:
-        if (ours := _time_as_t(name)) in own:
-            wanted.setdefault(ours, name)
-    known = column_units(wanted)
-    found, assumed = {}, []
-    for ours, theirs in wanted.items():
-        minus, name, given = _parts(theirs, columns)
-        if name not in columns:
-            allowed = one_of(name, columns, f"{path.name} does not have this column; allowed are")
-            raise InputError("--columns", theirs, allowed)
-        unit = given or units.get(name, "")
-        found[ours] = (-1.0 if minus else 1.0) * _factor(ours, unit, known.get(ours, "")) * columns[name]
-        if ours in mapping and not unit:
-            assumed.append(ours)
-    _demand_rising(found, path)
-    notes = (f"{path.name}: {', '.join(assumed)} without a unit, assumed in SI.",) if assumed else ()
-    return Item(path.stem, found, known, None, notes)
+        advice = "" if "allowed" in str(why) else "; allowed is a file with named columns"
+        raise InputError("RESULT", str(path), f"{why}{advice}") from None
 
 
-def _parts(theirs: str, columns: Mapping[str, Floats]) -> tuple[str, str, str]:
+def _parts(theirs: str, names: Sequence[str]) -> tuple[str, str, str]:
     """A minus, the column's name, and a unit, that a mapping gives."""
     match = THEIRS.fullmatch(theirs)
-    if match is None or theirs in columns:
+    if match is None or theirs in names:
         return "", theirs, ""
     return match["minus"], match["name"], match["unit"] or ""
 
@@ -131,67 +215,82 @@ def _factor(ours: str, unit: str, si: str) -> float:
         raise InputError(f"unit of {ours}", unit, f"allowed is a unit of the dimension of {si}") from None
 
 
-def _demand_rising(found: Mapping[str, Floats], path: Path) -> None:
-    if TIME not in found:
+def _demand_sound(columns: Mapping[str, Floats], place: str, lines: Sequence[int] = ()) -> None:
+    """Demand instants that rise, and numbers of a size that can be squared. Raises InputError with line or row."""
+    if TIME not in columns:
         allowed = "it has no time column; allowed is a column t or time, or --columns time=THEIRS"
-        raise InputError("RESULT", str(path), allowed)
-    t = found[TIME]
-    if not (np.diff(t[np.isfinite(t)]) > 0.0).all():
-        raise InputError("RESULT", str(path), "time does not increase from row to row")
+        raise InputError("RESULT", place, allowed)
+    where = lambda k: f"line {lines[k]}" if lines else f"row {k + 1}"  # noqa: E731
+    t = columns[TIME]
+    for k in np.flatnonzero(~np.isfinite(t))[:1]:
+        raise InputError("RESULT", place, f"{where(k)}: the instant is missing; allowed is a number")
+    for k in np.flatnonzero(np.diff(t) <= 0.0)[:1] + 1:
+        after = f"{t[k]:.7g} s after {t[k - 1]:.7g} s"
+        raise InputError("RESULT", place, f"{where(k)}: time does not increase from row to row, {after}")
+    for name, values in columns.items():
+        for k in np.flatnonzero(np.abs(values) > nodal.LARGEST)[:1]:  # not where it is missing, NaN
+            allowed = f"{where(k)}, column {shortened(name)}: {values[k]:g} in SI; {nodal.ALLOWED}"
+            raise InputError("RESULT", place, allowed)
 
 
-def _read_nodal(path: Path) -> tuple[dict[str, Floats], dict[str, str]] | None:
-    """Motion of the centre of mass from nodes of another program, and its units; None where the file has no nodes.
+def _read_nodal(path: Path) -> dict[str, Floats] | None:
+    """Motion of the centre of mass from nodes of another program; None where the file has no nodes.
 
     Raises OSError and ValueError.
     """
-    from postprocess.comparison import nodal
-
     if nodal.reader_of(path) is None:
         return None
-    columns = nodal.read_centre_of_mass(path)
-    return columns, column_units(columns)
+    if path.is_file() and path.stat().st_size > MAX_BYTES:
+        raise ValueError(f"it is too large; the limit is {MAX_BYTES} bytes")
+    return nodal.read_centre_of_mass(path)
 
 
-def read_table(path: Path) -> tuple[dict[str, Floats], dict[str, str]]:
-    """Columns of a file by name, shape (rows,) each, and the units that it gives; "" is the unit of those without.
-
-    An empty or missing cell, or a word, is NaN.
+def read_table(path: Path) -> Cells:
+    """Cells of a text with named columns.
 
     Raises OSError, and ValueError or csv.Error, saying why, for a file that has no named columns of numbers.
     """
-    lines = read_text(path, MAX_BYTES, "replace").splitlines()
-    lines = [line for line in lines if line.strip() and not line.lstrip().startswith(COMMENTS)]
-    if len(lines) < 3:
+    numbered = enumerate(read_text(path, MAX_BYTES, "replace").splitlines(), 1)
+    rows = [(n, line) for n, line in numbered if line.strip() and not line.lstrip().startswith(COMMENTS)]
+    if len(rows) < 3:
         raise ValueError("it has fewer than two rows below the line of names")
-    separator = next((mark for mark in ("\t", ";", ",") if mark in lines[0]), None)
-    cells = csv.reader(lines, delimiter=separator) if separator else map(str.split, lines)
-    rows = [[cell.strip() for cell in row] for row in cells]
-    if all(_is_number(cell) for cell in rows[0] if cell):
+    lines, texts = zip(*rows, strict=True)
+    separator = next((mark for mark in ("\t", ";", ",") if mark in texts[0]), None)
+    if (width := len(texts[0].split(separator))) > MAX_COLUMNS:
+        raise ValueError(f"it has {width} columns; allowed are at most {MAX_COLUMNS}")
+    reader = csv.reader(texts, delimiter=separator or " ")
+    split = ((row, reader.line_num) for row in reader) if separator else zip(map(str.split, texts), count(1))
+    heads, *others = [([cell.strip() for cell in row], lines[k - 1]) for row, k in split]
+    names, units = _names_and_units(heads[0])
+    if not any(map(_is_number, others[0][0])):
+        units, others = [cell.strip("[]() ") for cell in others[0][0]], others[1:]
+    width = max((k for k, name in enumerate(names, 1) if name), default=0)
+    _demand_whole(others, width, len(names))
+    by_name = {name: unit for name, unit in zip(names, units, strict=False) if name}
+    return Cells(names, by_name, [row for row, _ in others], [line for _, line in others])
+
+
+def _names_and_units(heads: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Names and units of a line of names. Raises ValueError where it is none, or a name is there twice."""
+    if all(_is_number(cell) for cell in heads if cell):
         raise ValueError("its first line has no column names")
-    matches = [NAME_AND_UNIT.fullmatch(cell.strip()) for cell in rows[0]]
-    names = [match[1] if match else cell.strip() for cell, match in zip(rows[0], matches, strict=True)]
-    units = [match[2] if match else "" for match in matches]
-    for name in filter(None, names):
-        if names.count(name) > 1:
+    matches = [NAME_AND_UNIT.fullmatch(cell) for cell in heads]
+    names = [match[1] if match else cell for cell, match in zip(heads, matches, strict=True)]
+    for name, times in Counter(filter(None, names)).items():
+        if times > 1:
             raise ValueError(f"it has two columns {shortened(name)}")
-    first = 1
-    if not any(map(_is_number, rows[1])):
-        units, first = [cell.strip("[]() ") for cell in rows[1]], 2
-    _demand_points(rows[first:], len(names))
-    padded = ((row + [""] * len(names))[: len(names)] for row in rows[first:])
-    values = np.array([[float(cell) if _is_number(cell) else np.nan for cell in row] for row in padded])
-    columns = {name: values[:, k] for k, name in enumerate(names) if name}
-    return columns, {name: unit for name, unit in zip(names, units, strict=False) if name}
+    return names, [match[2] if match else "" for match in matches]
 
 
-def _demand_points(rows: list[list[str]], columns: int) -> None:
-    """Raise ValueError where numbers have decimal commas, as cells or as more cells than there are columns."""
-    for row in rows:
+def _demand_whole(rows: Sequence[tuple[list[str], int]], least: int, most: int) -> None:
+    """Demand decimal points and a cell for each column with a name. Raises ValueError with the line."""
+    for row, line in rows:
         if comma := next(filter(DECIMAL_COMMA.fullmatch, row), None):
-            raise ValueError(f'it has "{comma}"; {COMMA}')
-        if any(row[columns:]):
-            raise ValueError(f"a row has {len(row)} entries for {columns} names; {COMMA}")
+            raise ValueError(f'line {line} has "{shortened(comma)}"; {COMMA}')
+        if any(row[most:]):
+            raise ValueError(f"line {line} has {len(row)} entries for {most} names; {COMMA}")
+        if len(row) < least:
+            raise ValueError(f"line {line} is cut short: {len(row)} entries for {least} names")
 
 
 def _is_number(cell: str) -> bool:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.quantities import LIMITS, weighted_metrics
+from postprocess.comparison.quantities import COVERED, LIMITS, weighted_metrics
 from postprocess.report.page import Column, Headline, Page, Section, Table, columns, page_text, pairs
 from postprocess.report.report import Report
 from postprocess.units import percent
@@ -169,7 +169,11 @@ def validation_page(found: Comparison, author: str = "") -> Page:
     sections = (
         Section("Basic information", tables=(_basic(author),), layout="half"),
         Section("Solution verification", tables=(_verification_table(found, verified),), layout="half"),
-        Section("Metrics of single channels and of all together", tables=(_metrics_table(found, weighted),)),
+        Section(
+            "Metrics of single channels and of all together",
+            tables=(_metrics_table(found, weighted),),
+            sentences=found.notes,
+        ),
         Section("Phenomena", tables=(_phenomena_table(found),)),
     )
     return Page(
@@ -221,12 +225,13 @@ def _metrics_table(found: Comparison, weighted: dict[str, dict[str, Any]]) -> Ta
         own = [each for name, each in found.pairs if name == label]
         rows += [
             {"item": label, "name": each.name, "weight": weights.get(each.name), **asdict(each.metrics)}
-            | {"largest": each.largest[0], "within": each.within}
+            | {"largest": each.largest[0], "covered": each.covered, "within": each.within}
             for each in own
         ]
         if weights:
             rows.append(
-                {"item": label, "name": "weighted", "weight": 1.0, "largest": None, **weighted[label]}
+                {"item": label, "name": "weighted", "weight": 1.0, "largest": None, "covered": None}
+                | weighted[label]
             )
     heads = (*METRICS[:2], Column("weight", "Weight", form=".3f"), *METRICS[2:])
     limits = (
@@ -235,7 +240,8 @@ def _metrics_table(found: Comparison, weighted: dict[str, dict[str, Any]]) -> Ta
     note = (
         f"In %; limits {limits} for Sprague-Geers M, P and C, mean and standard deviation of the residuals. Weight: "
         "largest change of momentum of the channel in the reference (angular velocity: over the radius of gyration); "
-        "weighted: mean of the sizes of the metrics. Channels are velocities, where W179 uses accelerations."
+        f"weighted: mean of the sizes of the metrics. Time: compared part of the time of the reference, at least "
+        f"{100 * COVERED:.0f} %. Channels are velocities, where W179 uses accelerations."
     )
     return Table(heads, rows, notes=(note,), marks=failed(rows, "within"))
 

@@ -209,11 +209,13 @@ def _loaded(stored: Stored) -> result.Result:
     return replace(stored.read(SUMMARY, made) or bare, inputs=(stored.place,))
 
 
-def demand_listed(path: Path, force: bool) -> None:
-    """Raise InputError for a file that differs from the manifest of its folder; with force, warn."""
+def demand_listed(path: Path, force: bool) -> bool:
+    """True if the manifest of its folder lists a file. Raises InputError for one that differs; with force, warns."""
     stored = Stored(path.parent, force)
-    if stored.listed and path.name in stored.listed:
+    is_listed = path.name in (stored.listed or {})
+    if is_listed:
         stored.read(path.name, id)
+    return is_listed
 
 
 def read_columns(source: Path | BufferedReader, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:

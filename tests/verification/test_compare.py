@@ -15,7 +15,8 @@ from postprocess.comparison import quantities
 from postprocess.comparison.quantities import PAPER_TABLE_3, comparison_rows, relative_difference
 from tailslap import InputError, cli
 from tailslap.comparing import source
-from tailslap.comparing.source import parse_mapping, read_table
+from tailslap.comparing.report import compare_items
+from tailslap.comparing.source import Item, parse_mapping, read_table
 
 T = np.linspace(0.0, 1.0, 1001)
 
@@ -73,7 +74,9 @@ def test_only_the_common_time_counts():
     reference = {"t": T, "v": T}
     found = quantities.beside("v", {"t": T[200:500:3] + 1e-5, "v": T[200:500:3] + 1e-5}, reference)
     assert found is not None
-    assert (found.t[0], found.t[-1]) == (T[201], T[497])
+    assert (found.t[0], found.t[-1]) == (T[200] + 1e-5, T[497] + 1e-5)
+    assert found.covered == pytest.approx(0.297, rel=1e-10)
+    assert not found.within  # less than half of the reference's time
     np.testing.assert_allclose(found.value, found.reference, atol=1e-12)
     assert quantities.beside("v", {"t": T + 2.0, "v": T}, reference) is None
 
@@ -83,6 +86,43 @@ def test_rows_that_are_not_finite_are_left_out():
     found = quantities.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
     assert found is not None
     assert found.t[-1] == 0.5
+    assert found.covered == pytest.approx(0.5, rel=1e-12)
+
+
+def test_a_gap_is_not_interpolated():
+    """What the other does meanwhile does not count, and the rest agrees: 0.625 of the time, both ways round."""
+    wild = {"t": T, "v": np.where((T > 0.25) & (T < 0.625), 50.0, T)}
+    rows = T[(T <= 0.25) | (T >= 0.625)]
+    part = {"t": rows, "v": rows}
+    for found in (quantities.beside("v", part, wild), quantities.beside("v", wild, part)):
+        assert found is not None
+        assert found.gaps == ((0.25, 0.625),)
+        assert found.covered == pytest.approx(0.625, rel=1e-12)
+        assert {*vars(found.metrics).values()} == {0.0}
+        assert found.largest[0] == 0.0
+
+
+def test_a_gap_of_missing_values_is_one_too():
+    values = np.where((T > 0.25) & (T < 0.625), np.nan, T)
+    assert quantities.beside("v", {"t": T, "v": values}, {"t": T, "v": T}).gaps == ((0.25, 0.625),)
+
+
+def test_even_and_dense_rows_have_no_gaps():
+    """Five rows at even distances; rows that crowd in a strike, and a flight of less than a twentieth."""
+    coarse = np.linspace(0.0, 1.0, 5)
+    crowded = np.unique(np.r_[np.linspace(0.0, 1.0, 26), np.linspace(0.5, 0.6, 1001)])
+    for t in (coarse, crowded):
+        found = quantities.beside("v", {"t": t, "v": t}, {"t": T, "v": T})
+        assert (found.gaps, found.covered) == ((), 1.0)
+
+
+def test_rows_of_the_finer_history_count_too():
+    """Between two rows of the reference, whose value is 2, a peak of 1 over a width of 0.002: area 0.001."""
+    reference = {"t": np.linspace(0.0, 1.0, 11), "v": np.full(11, 2.0)}
+    value = 2.0 + (np.arange(T.size) == 250)
+    found = quantities.beside("v", {"t": T, "v": value}, reference)
+    assert found.metrics.mean_residual == pytest.approx(0.0005, rel=1e-10)
+    assert found.largest == (pytest.approx(0.5, rel=1e-12), T[250])
 
 
 def test_another_programs_file_is_compared_in_si(result, folder, tmp_path):
@@ -145,8 +185,10 @@ def test_the_table_fits_eighty_columns(folder, tmp_path, capsys):
 @pytest.mark.parametrize(("text", "why"), [
     ("1,2\n3,4\n5,6\n", "its first line has no column names"), ("t,v_gy\n0,1\n", "fewer than two rows"),
     ("a,v_gy\n0,1\n1,2\n", "it has no time column"),
-    ("t,v_gy\n1,1\n0,2\n", "time does not increase"),
-    ("t,colour\n0,1\n1,2\n", "no column and time range in common"),
+    ("t,v_gy\n1,1\n0,2\n", "line 3: time does not increase from row to row, 0 s after 1 s"),
+    ("t,v_gy\n0,1\n\n,2\n", "line 4: the instant is missing"),
+    ("t;v_gy\n0;1\n1\n", "line 3 is cut short: 1 entries for 2"),
+    ("t,colour\n0,1\n1,2\n", "no column with two values at times in common"),
     ("t,v_gy [kg]\n0,1\n1,2\n", "allowed is a unit of the dimension of m/s"),
     ("t;v_gy\n0,0;1,5\n0,1;2,5\n", "the decimal separator is a point"),
     ("t v_gy\n0 1,5\n1 2,5\n", "the decimal separator is a point"),
@@ -165,10 +207,10 @@ def test_files_that_are_no_histories_are_refused(text, why, folder, tmp_path):
 def test_encodings_of_windows(encoding, tmp_path):
     path = tmp_path / "\u00b5.csv"
     path.write_bytes("t [s];v_gy [m/s];\u00b5\r\n0;1.5;1\r\n1;2.5;1\r\n".encode(encoding))
-    columns, units = read_table(path)
-    assert list(columns)[:2] == ["t", "v_gy"]
-    np.testing.assert_array_equal(columns["v_gy"], [1.5, 2.5])
-    assert (units["t"], units["v_gy"]) == ("s", "m/s")
+    cells = read_table(path)
+    assert cells.names[:2] == ["t", "v_gy"]
+    np.testing.assert_array_equal(cells.numbers("v_gy"), [1.5, 2.5])
+    assert (cells.units["t"], cells.units["v_gy"]) == ("s", "m/s")
 
 
 def test_devices_and_pipes_are_refused(folder, tmp_path, capsys):
@@ -213,12 +255,174 @@ def test_a_mapping_names_both(text):
         parse_mapping(text)
 
 
-def test_columns_apart_by_blanks_and_gaps(tmp_path):
+def test_columns_apart_by_blanks_and_missing_values(tmp_path):
     path = tmp_path / "blank.txt"
-    path.write_text("$ LS-DYNA\ntime  vy\n0.0  1.0\n0.1\n0.2  nonsense\n")
-    columns, _ = read_table(path)
-    np.testing.assert_array_equal(columns["time"], [0.0, 0.1, 0.2])
-    np.testing.assert_array_equal(columns["vy"], [1.0, np.nan, np.nan])
+    path.write_text("$ LS-DYNA\ntime  vy\n0.0  1.0\n0.1 NaN\n# more\n0.2  2.0\n")
+    cells = read_table(path)
+    np.testing.assert_array_equal(cells.numbers("time"), [0.0, 0.1, 0.2])
+    np.testing.assert_array_equal(cells.numbers("vy"), [1.0, np.nan, 2.0])
+    assert cells.lines == [3, 4, 6]
+
+
+def written(path, t, unit="s", **columns):
+    """A file with these columns of motion, empty where they are NaN."""
+    heads = ",".join([f"time [{unit}]" if unit else "time", *columns])
+    rows = np.column_stack([t, *columns.values()]).tolist()
+    path.write_text(
+        heads + "\n" + "".join(",".join(f"{x:.10g}" for x in row) + "\n" for row in rows).replace("nan", "")
+    )
+    return path
+
+
+@pytest.mark.parametrize("cell", ["inf", "-Infinity", "1e999", "1e308", "1e31", "nonsense", "1_0"])
+def test_cells_without_a_number_are_refused_by_line_and_column(cell, folder, tmp_path, capsys):
+    path = tmp_path / "their.csv"
+    path.write_text(f"# by hand\nTIME;VY;note\n0;-3;\n0.1;{cell};word\n0.2;-3;\n")
+    mapping = ("--columns", "time=TIME,v_gy=VY", "--out", str(tmp_path / "page"))
+    assert command(str(folder), str(path), *mapping) == 2
+    said = capsys.readouterr().err
+    assert f'line 4, column VY: given "{cell}"; allowed are numbers of at most 1e+30' in said
+    assert not (tmp_path / "page").exists()
+
+
+def test_numbers_that_a_unit_makes_too_large_are_refused(folder, tmp_path):
+    path = tmp_path / "their.csv"
+    path.write_text("t,x_g [km]\n0,1\n0.1,9e29\n0.2,1\n")
+    with pytest.raises(
+        InputError, match=r"line 3, column x_g: 9e\+32 in SI; allowed are numbers of at most 1e\+30"
+    ):
+        tailslap.compare(folder, path)
+
+
+def test_histories_in_memory_are_held_to_the_same():
+    """Those of results are read by the same function."""
+    sound = Item("sound", {"t": T, "v_gy": 1.0 - T}, {})
+    for k, name, why in (
+        (7, "v_gy", "row 8, column v_gy: inf in SI"),
+        (3, "t", "row 4: the instant is missing"),
+    ):
+        columns = {column: values.copy() for column, values in sound.columns.items()}
+        columns[name][k] = np.inf
+        with pytest.raises(InputError, match=why):
+            compare_items([sound, Item("wrong", columns, {})])
+
+
+def test_many_columns_are_refused(folder, tmp_path):
+    path = tmp_path / "wide.csv"
+    names = ["t", "v_gy", *(f"c{k}" for k in range(999))]
+    for columns in (1000, 1001):
+        rows = [
+            ",".join(names[:columns]),
+            *(",".join([str(0.3 * k), *((columns - 1) * ["1"])]) for k in range(2)),
+        ]
+        path.write_text("\n".join(rows) + "\n")
+        if columns == 1000:
+            assert len(read_table(path).names) == 1000
+    with pytest.raises(InputError, match="it has 1001 columns; allowed are at most 1000"):
+        tailslap.compare(folder, path)
+
+
+def part_of(result, first=0.0, last=1.0, rows=400):
+    """Instants and v_gy between parts of the time of a result."""
+    own, v_gy = (np.asarray(result.history[name]) for name in ("t", "v_gy"))
+    t = np.linspace(first * own[-1], last * own[-1], rows)
+    return t, np.interp(t, own, v_gy)
+
+
+def test_milliseconds_without_a_unit_are_refused_with_the_option_that_gives_it(
+    result, folder, tmp_path, capsys
+):
+    t, v_gy = part_of(result)
+    path = written(tmp_path / "their.csv", 1e3 * t, "", v_gy=v_gy)
+    assert command(str(folder), str(path)) == 2
+    said = capsys.readouterr().err
+    assert "their lasts 384 s and reference 0.384 s if times without a unit are seconds" in said
+    advice = said.rpartition("--columns ")[2].strip().strip('"')
+    assert tailslap.compare(folder, path, columns=advice).summary["notes"] == []
+
+
+def test_a_unit_in_a_file_holds_against_one_of_the_option(result, folder, tmp_path):
+    """Columns of this program's files are in SI, even where another file has a column of the same name."""
+    t, v_gy = part_of(result)
+    path = written(tmp_path / "their.csv", 1e3 * t, "", v_gy=v_gy).rename(tmp_path / "a.csv")
+    path.write_text(path.read_text().replace("time", "t"))
+    found = tailslap.compare(folder / "rigid.csv", path, columns="time=t [ms],v_gy=v_gy [m/s]")
+    assert found.passed
+    assert found.summary["compared"]["a"]["v_gy"]["to"] == pytest.approx(t[-1])
+    assert found.summary["notes"] == ["rigid.csv: t is in s by the file, not in ms."]
+    copy = tmp_path / "copy.csv"
+    copy.write_bytes((folder / "rigid.csv").read_bytes())
+    with pytest.raises(InputError, match=r"a lasts 0\.384 s and copy 0\.000384 s"):
+        tailslap.compare(copy, path, columns="time=t [ms]")
+
+
+def test_a_few_rows_of_the_record_are_not_enough(result, folder, tmp_path, capsys):
+    """Four rows over 2.8 of 384 ms."""
+    t, v_gy = part_of(result, 0.0, 0.0028 / 0.384, 4)
+    path = written(tmp_path / "their.csv", t, "s", v_gy=v_gy)
+    assert command(str(folder), str(path), "--out", str(tmp_path / "page")) == 1
+    said = capsys.readouterr().out
+    assert "Failed: compared for less than 50 % of the time of the reference: v_gy of their." in said
+    assert "their: v_gy compared for 0.7 % of the 0.384 s of reference." in said
+    assert command(str(folder), str(written(path, t, "", v_gy=v_gy))) == 2
+    assert "time [ms]" in capsys.readouterr().err
+
+
+def test_half_of_the_record_is_enough_and_named(result, folder, tmp_path):
+    for part, passed in ((0.55, True), (0.45, False)):
+        t, v_gy = part_of(result, 0.0, part)
+        found = tailslap.compare(folder, written(tmp_path / "their.csv", t, v_gy=v_gy))
+        assert found.passed == passed
+        assert found.summary["notes"] == [
+            f"their: v_gy compared for {100 * part:g} % of the 0.384 s of reference."
+        ]
+        assert found.summary["compared"]["their"]["v_gy"]["within"] == passed
+
+
+def test_missing_values_and_gaps_are_named_everywhere(result, folder, tmp_path, capsys):
+    """In the terminal, numbers and both pages."""
+    t, v_gy = part_of(result, rows=401)
+    v_gy[[10, 12]] = np.nan
+    v_gy[101:200] = np.nan
+    path = written(tmp_path / "their.csv", t, v_gy=v_gy)
+    assert command(str(folder), str(path), "--out", str(tmp_path / "page")) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    summary = json.loads((tmp_path / "page" / "summary.json").read_text())
+    assert summary["notes"] == [
+        "their: v_gy without a value in 101 of 401 rows, interpolated or excluded.",
+        "their: v_gy not compared from 0.09599 to 0.192 s, a gap of one of both.",
+        "their: v_gy compared for 75 % of the 0.384 s of reference.",
+    ]
+    pages = [(tmp_path / "page" / name).read_text() for name in ("report.html", "validation.html")]
+    pages = [page.replace("\N{NO-BREAK SPACE}", " ") for page in pages]
+    for note in summary["notes"]:
+        assert note in said
+        assert all(note.partition("v_gy")[2] in page for page in pages)
+
+
+def test_a_column_without_values_is_named(result, folder, tmp_path):
+    t, v_gy = part_of(result)
+    path = written(tmp_path / "their.csv", t, v_gy=v_gy, v_gx=np.nan * t)
+    found = tailslap.compare(folder, path)
+    assert found.summary["notes"] == ["their: no values at times of reference, not compared: v_gx."]
+    with pytest.raises(InputError, match="it has no v_gx with two values"):
+        tailslap.compare(folder, path, only=["v_gx", "v_gy"])
+
+
+def test_a_spike_between_rows_of_a_coarser_reference_is_seen(tmp_path):
+    """500 kN in one row of 0.1 ms, beside a reference of 650 kN with a row every 10 ms."""
+    t = np.linspace(0.0, 0.4, 4001)
+    force = 650e3 * np.sin(np.pi * t / 0.4)
+    spiked = force - 500e3 * (np.arange(t.size) == 2050)
+    reference = written(tmp_path / "test.csv", t[::100], force_normal=force[::100])
+    found = tailslap.compare(reference, written(tmp_path / "fine.csv", t, force_normal=spiked))
+    numbers = found.summary["compared"]["fine"]["force_normal"]
+    assert numbers["largest"] == pytest.approx(-500.0 / 650.0, rel=2e-3)
+    assert numbers["at"] == pytest.approx(0.205)
+    (note,) = found.summary["notes"]
+    assert note.startswith(
+        "fine: force_normal differs by 77 % of the peak at 0.205 s; the metrics, means over time"
+    )
 
 
 FE = {"t": 0.5, "v_gx": 22.0, "v_gy": -3.0, "omega": 0.75, "slide": 9.0}

@@ -3,6 +3,9 @@
 The files of LS-DYNA, ABAQUS and OpenRadioss are written here by their documented formats; none of these programs ran.
 """
 
+import re
+import shlex
+
 import numpy as np
 import pytest
 
@@ -238,6 +241,61 @@ def test_files_of_others_cut_short_are_refused(name, cut, said, tmp_path, capsys
     assert cli._status(["compare", str(path), str(path), "--out", str(tmp_path / "out")]) == 2
     assert said in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+ALL_WRITERS = {"plate.dat": write_dat, **WRITERS}
+LAST_LINES = {"plate.dat": 42, "nodout": 44, "abaqus.rpt": 77, "plateT01.csv": 4}
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e31])
+@pytest.mark.parametrize("name", ALL_WRITERS)
+def test_values_that_are_no_numbers_are_refused_by_line(name, value, tmp_path, capsys):
+    displacements, velocities = rigid_nodes()
+    velocities[2, 3, 0] = value
+    path = ALL_WRITERS[name](tmp_path / name, displacements, velocities)
+    assert cli._status(["compare", str(path), str(path), "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert f"line {LAST_LINES[name]}: given" in said
+    assert "allowed are numbers of at most 1e+30" in said
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name", ALL_WRITERS)
+def test_instants_that_are_no_numbers_are_refused_by_line(name, tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(globals(), "T", np.array([0.1, 0.2, np.nan]))
+    motion = rigid_nodes()
+    path = ALL_WRITERS[name](tmp_path / name, *np.nan_to_num(motion))
+    assert cli._status(["compare", str(path), str(path), "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err.lower()
+    assert re.search(r'line \d+: given "nan"; allowed are numbers', said)
+
+
+@pytest.mark.parametrize(("row", "said"), [
+    ("4,0.0,2.0,nan", 'line 5: given "nan"'), ("4,0.0,2.0,0", "line 5: the mass of a node must be positive"),
+    ("4,0.0,inf,2.0", 'line 5: given "inf"'), ("4,0.0", "must have the columns"), ("3,0.0,2.0,2.0", "has a node twice"),
+])  # fmt: skip
+def test_wrong_nodes_are_refused(row, said, tmp_path, capsys):
+    path = write_dat(tmp_path / "plate.dat", *rigid_nodes())
+    table = path.with_name("nodes.csv")
+    table.write_text("\n".join([*table.read_text().splitlines()[:-1], row]) + "\n")
+    assert cli._status(["compare", str(path), str(path)]) == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ALL_WRITERS)
+def test_nodes_over_milliseconds_are_refused_with_the_option_for_them(name, tmp_path, capsys, monkeypatch):
+    reference = tmp_path / "exact.csv"
+    reference.write_text(
+        "t [s],omega,v_gx,v_gy\n" + "".join(f"{t},{SPIN},{SPEED[0]},{SPEED[1]}\n" for t in T)
+    )
+    motion = rigid_nodes()
+    monkeypatch.setitem(globals(), "T", 1e3 * T)
+    path = ALL_WRITERS[name](tmp_path / name, *motion)
+    given = ["compare", str(reference), str(path), "--out", str(tmp_path / "out")]
+    assert cli._status(given) == 2
+    said = capsys.readouterr().err
+    assert "lasts 200 s and exact 0.2 s if times without a unit are seconds" in said
+    assert cli._status([*given, *shlex.split(said[said.rindex("--columns") :])]) == 0
 
 
 @pytest.mark.parametrize("name", WRITERS)
