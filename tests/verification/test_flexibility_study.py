@@ -471,7 +471,15 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
     found = compute.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
     assert plates_table(found).marks == {0: "failed", 1: "failed"}
+    assert "scan.csv" not in said(found, tmp_path)[1]
+    differences = {40.0: dict.fromkeys(compute.NAMES, 0.01), 39.5: dict.fromkeys(compute.NAMES, -0.02)}
+    scan_rows = compute.listed_scan(Scan(samples, differences, 0.5))
+    found = replace(found, scan=scan_rows, step=0.5)
     terminal, page = said(found, tmp_path)
+    assert "from 2 further runs from 39.5 Hz to 40 Hz, at steps of 0.5 Hz" in terminal
+    assert "scan.csv" in page
+    lines = (tmp_path / "scan.csv").read_text().splitlines()
+    assert [lines[0].split(",")[0], *lines[2].split(",")] == ["first_frequency", "39.5", *6 * ["-0.02"]]
     assert "≈ 32 Hz (within 1 %)" in page.replace("\N{NO-BREAK SPACE}", " ")
     assert all(word in page for word in WORDS.values())
     assert [words for words in ("8 Hz: energy balance", "2 Hz: contact: no.") if words not in page] == []

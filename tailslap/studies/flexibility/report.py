@@ -26,7 +26,8 @@ MAIN, MAIN_STRIKE = LEVELS.index(1e-2), "strike_2.impulse"
 SIZE, DEPARTURE = known(".2e"), known(".2e", negligible=1e-9)
 SIGNED, ONE = known("+.2e"), known(".1f")
 F1 = Column("frequency", "f_1", form=hertz)
-FILES = "points.csv (all plates, in SI); scan.csv (differences of the scan); summary.json"
+FILES = "points.csv (all plates, in SI); {scan}summary.json"
+SCAN_FILE = "scan.csv (differences of the scan); "
 
 
 def _good(levels: Sequence[float], *more: Column) -> tuple[Column, ...]:
@@ -139,7 +140,8 @@ def _report(
         f"{case.set_up} The plate of the scene has a first natural frequency of {hertz(found.own_frequency)}."
     )
     headline = Headline(f"Effect of flexibility: {case.subject}", sentences[0], set_up, sentences[1])
-    page = study_page(case, "Finite elements against the rigid vehicle", headline, sections, FILES, passed)
+    names = FILES.format(scan=SCAN_FILE if found.scan else "")
+    page = study_page(case, "Finite elements against the rigid vehicle", headline, sections, names, passed)
     head = {**study_summary("flexibility", case), "passed": passed}
     summary = {**head, "own_frequency": found.own_frequency, **found.setup, **numbers}
     summary |= {"scan_runs": len(found.scan), "scan_step": found.step}
