@@ -3,6 +3,7 @@
 import contextlib
 import io
 import os
+import re
 import signal
 import sys
 import warnings
@@ -23,6 +24,21 @@ WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 2, 3, 130
 """Exit statuses of other commands; CANNOT_RUN: the installation or the machine is insufficient."""
 
 STDERR = 2
+
+ENVIRONMENT = {
+    "NUMBA_NUM_THREADS": ("0*[1-9][0-9]{0,8}", "a whole number of at least 1"),
+    "SOURCE_DATE_EPOCH": ("[0-9]{1,11}", "a whole number of seconds since 1970"),
+    "VTK_DEFAULT_OPENGL_WINDOW": (
+        "vtk(EGL|OSOpenGL|XOpenGL)RenderWindow",
+        "a window of VTK, vtkEGLRenderWindow",
+    ),
+}
+"""Environment variables with which libraries fail as they are imported: pattern of their values, and it in words."""
+
+FOLDERS = tuple(
+    f"XDG_{name}" for name in ("CACHE_HOME", "CONFIG_HOME", "DATA_HOME", "STATE_HOME", "RUNTIME_DIR")
+)
+"""Environment variables that are to be ignored where their path is relative (XDG Base Directory Specification)."""
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -72,6 +88,7 @@ def _status(arguments: list[str] | None) -> int:
 def _run(arguments: list[str] | None) -> int:
     """Run the command; `commands.main` would end with 1 where the reader of a pipe leaves."""
     given = sys.argv[1:] if arguments is None else list(arguments)
+    _prepare_environment()
     if COMPLETE in os.environ:
         from click.shell_completion import shell_complete
 
@@ -86,8 +103,21 @@ def _run(arguments: list[str] | None) -> int:
     return status if isinstance(status, int) else DONE
 
 
+def _prepare_environment() -> None:
+    """Drop or replace environment variables that libraries misread. Raises InputError for those that end them."""
+    os.environ["MPLBACKEND"] = "agg"  # a command opens no windows
+    for name in FOLDERS:
+        if not os.path.isabs(os.environ.get(name, os.sep)):
+            del os.environ[name]
+    for name, (pattern, words) in ENVIRONMENT.items():
+        value = os.environ.get(name)
+        if value is not None and not re.fullmatch(pattern, value):
+            raise errors.InputError(f"environment variable {name}", value, f"allowed is {words}; or unset it")
+
+
 def _remark(message: Warning | str, *_: Any, **__: Any) -> None:
-    click.echo(f"tailslap: remark: {errors.escaped(str(message))}", err=True)
+    first = str(message).strip().partition("\n")[0]  # Numba's go on with a traceback
+    click.echo(f"tailslap: remark: {errors.escaped(first)}", err=True)
 
 
 def _complain(message: str, status: int) -> int:

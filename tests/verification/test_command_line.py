@@ -12,6 +12,7 @@ import subprocess
 import sys
 import termios
 import time
+import warnings
 
 import pytest
 from click.testing import CliRunner
@@ -234,3 +235,38 @@ def test_every_command_has_help(command):
     shown = CliRunner().invoke(commands, [*command.split(), "--help"])
     assert shown.exit_code == 0, shown.output
     assert "Usage:" in shown.output
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("NUMBA_NUM_THREADS", "0"), ("NUMBA_NUM_THREADS", "-1"), ("NUMBA_NUM_THREADS", "two"),
+    ("SOURCE_DATE_EPOCH", "abc"), ("SOURCE_DATE_EPOCH", ""), ("SOURCE_DATE_EPOCH", "1e9"),
+    ("VTK_DEFAULT_OPENGL_WINDOW", "none"),
+])  # fmt: skip
+def test_environment_variables_that_end_a_library_are_refused(monkeypatch, capsys, name, value):
+    monkeypatch.setenv(name, value)
+    assert _status(["scenes"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith(f'tailslap: environment variable {name}: given "{value}"; allowed is ')
+    assert said.err.count("\n") == 1
+
+
+def test_other_environment_variables_change_nothing(monkeypatch, tmp_path):
+    """Relative folders are no folders (XDG), a command opens no windows."""
+    settings = {"XDG_CACHE_HOME": "cache", "XDG_CONFIG_HOME": "../config", "MPLBACKEND": "none"}
+    settings |= {"NUMBA_NUM_THREADS": "1", "SOURCE_DATE_EPOCH": "0", "XDG_DATA_HOME": str(tmp_path)}
+    monkeypatch.setattr(os, "environ", os.environ | settings)
+    assert _status(["scenes", "--quiet"]) == 0
+    assert os.environ["MPLBACKEND"] == "agg"
+    assert {name: value for name, value in os.environ.items() if name.startswith("XDG_")} == {
+        "XDG_DATA_HOME": str(tmp_path)
+    }
+
+
+def test_a_remark_of_a_library_is_its_first_line(monkeypatch, capsys):
+    def warn(**given):
+        warnings.warn("\nthe first line\nTraceback", UserWarning, stacklevel=1)
+
+    monkeypatch.setattr(commands.commands["scenes"], "callback", warn)
+    assert _status(["scenes"]) == 0
+    assert capsys.readouterr().err == "tailslap: remark: the first line\n"
