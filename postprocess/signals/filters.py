@@ -58,7 +58,8 @@ def low_pass(values: Floats, interval: float, cutoff: float) -> Floats:
 
 
 def moving_mean(values: Floats, interval: float, width: float) -> Floats:
-    """Centred mean over `width` [s], at the instant of each sample; beyond the ends the end values hold.
+    """Centred mean over `width` [s], at the instant of each sample; before the start the first value holds, and near the
+    end the last mean that does not reach beyond it.
 
     values: shape (n,), any unit; interval: T [s]. From the cumulated integral, interpolated: any width will do.
     ValueError if the history is shorter than the width.
@@ -68,7 +69,7 @@ def moving_mean(values: Floats, interval: float, width: float) -> Floats:
     held = np.pad(values, added, mode="edge")
     edges = interval * (np.arange(held.size + 1) - added)
     integral = np.concatenate(([0.0], np.cumsum(held))) * interval
-    centres = interval * (np.arange(values.size) + 0.5)
+    centres = interval * np.minimum(np.arange(values.size) + 0.5, values.size - 0.5 * width / interval)
     after, before = (np.interp(centres + side, edges, integral) for side in (0.5 * width, -0.5 * width))
     return np.asarray((after - before) / width)
 
@@ -85,11 +86,16 @@ def check_samples(values: Floats, interval: float, shortest: float, cutoff: floa
         raise ValueError(f"history of {values.size * interval:.4g} s: must last at least {shortest:.4g} s")
 
 
+def settling_rows(cutoff: float, interval: float) -> int:
+    """Samples in which a filter of this cut-off frequency [Hz] settles."""
+    return math.ceil(max(PAD, PERIODS / cutoff) / interval)
+
+
 def _both_ways(values: Floats, interval: float, cutoff: float, corner: float) -> Floats:
     """Forward and backward through the second-order filter with this w_a, from the steady state at both ends."""
     from scipy.linalg.blas import dtbsv  # scipy.signal takes longer to import than a run to compute
 
-    added = math.ceil(max(PAD, PERIODS / cutoff) / interval)
+    added = settling_rows(cutoff, interval)
     held = np.pad(values, added, mode="edge")
     entering, leaving = _coefficients(corner)
     band = np.tile(leaving[:, None], held.size)
@@ -124,6 +130,9 @@ FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
 """Curves of a force [N] with this interval [s]. "SAE filter, 60 Hz cut-off" says `low_pass` at 60 Hz: CFC 60 is 3 dB
 down at 100 Hz."""
 
+CUTOFFS = {"cfc60": 100.0, "cfc180": 300.0, "cutoff_60hz": 60.0}
+"""Cut-off frequencies of these curves [Hz]."""
+
 
 @dataclass(frozen=True)
 class StrikeDuration:
@@ -148,12 +157,17 @@ class StrikeDuration:
 def force_curves(force: Floats, interval: float, names: Iterable[str] = tuple(FILTERS)) -> dict[str, Floats]:
     """The force [N] itself and by each filter, under the names of `summary.json`; shape (n,) each.
 
-    force: shape (n,), each sample the mean over its interval [s]. It starts at first touch: before there is none.
+    force: shape (n,), each sample the mean over its interval [s]. It starts at first touch: before there is none. Where
+    it ends in a strike, what later forces would change of a filter's curve is replaced by the last value before.
     names: of `FILTERS`.
     ValueError for samples too rare for CFC 180 (1800 Hz), and for a history shorter than 50 ms.
     """
     touched = np.concatenate(([0.0], force))
-    return {name: FILTERS[name](touched, interval)[1:] for name in names}
+    curves = {name: FILTERS[name](touched, interval)[1:] for name in names}
+    for name in CUTOFFS.keys() & curves.keys() if touched[-1] != 0.0 else ():
+        last = max(0, force.size - 1 - settling_rows(CUTOFFS[name], interval))
+        curves[name][last:] = curves[name][last]
+    return curves
 
 
 def force_peaks(curves: Mapping[str, Floats]) -> dict[str, float]:

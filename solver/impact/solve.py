@@ -200,11 +200,12 @@ def solve_impact(
         At the start, outside the wall or touching it.
     end : float or None
         How far to follow the motion [s]; None: `after_second` after the first two strikes, or of a train after the
-        strike of its last rear, and without one until nothing can touch any more, but for `after_second` at least.
+        strike of its last rear, and without one until nothing can touch any more, but for `after_second` at least; and
+        on until no strike is in progress.
     after_second : float
         [s].
     longest : float
-        With end None: how far at most [s].
+        With end None: how far at most [s], be it in a strike.
     step : float or None
         [s]; None: chosen by the tolerance.
     tolerance : float
@@ -331,7 +332,7 @@ def solve_impacts(
     yaw_inertia : float, ndarray or None
         [kg m^2]; None: m (L^2 + B^2)/12.
     after_second : float
-        Each ends so long after its second strike [s].
+        Each ends so long after its second strike, or when a strike then in progress is over [s].
     longest : float
         And after this at the latest [s].
     interval : float or None
@@ -380,7 +381,7 @@ def solve_impacts(
     gate.not_negative(rules.FRICTION, its["friction"])
     found = solve_trains(
         *_trains(units, its), step=step, interval=interval, impulse_alone=True, after_second=after_second,
-        longest=longest, tolerance=tolerance, strikes=16 * len(units) if trailers else 2,
+        longest=longest, tolerance=tolerance, strikes=16 * len(units),
     )  # fmt: skip
     room = found.strikes.shape[1]
     table = np.moveaxis(found.strikes, -1, 0)[:5]

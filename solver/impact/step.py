@@ -32,9 +32,13 @@ LOADING, UPRIGHT = 2.0, 0.25
 SHORTEST = 1e-3
 """A corner that is off the wall for less is still in its strike [s]."""
 
-STRIKE = ("corner", "start", "end", "peak", "impulse", "tangential", "along", "place", "crush", "friction")
+LIGHT = 1e-3
+"""Impulse over that of the strike up to which touches of a corner that comes back do not prolong it: whether there are
+such touches at all is a matter of micrometres, and so of the step."""
+
+STRIKE = ("corner", "start", "end", "peak", "impulse", "tangential", "along", "place", "crush", "friction", "cut")
 """Columns of a strike: number of its unit and corner, 4 unit + corner; times [s], greatest force [N], impulses [N s],
-impulse times place on the vehicle and along the wall [N s m], works [J]."""
+impulse times place on the vehicle and along the wall [N s m], works [J], 1 where the motion ends before it is over."""
 
 UNIT = ("x_g", "y_g", "theta", "v_gx", "v_gy", "omega")
 SUMS = ("force_normal", "force_tangential", "crush_energy_stored", "crush_energy_lost", "impulse_normal",
@@ -81,9 +85,9 @@ DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(8, 
 deepest mean so far [m]; forces [N]; part of the step for which the force is there; of trains the rate of the depth
 [m/s] and the depth at which the line of unloading ends [m]."""
 
-SLOT, FIRST, LAST, FORCE, BEFORE, STAMP = range(6)
+SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
 """Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
-before [N]; the step in which it was pressed last."""
+before [N]; the step in which it was pressed last; impulses of the strike and of touches after its end so far, the latest included [N s]."""
 
 
 def workspace(units: int, hinges: int, points: int) -> Work:
@@ -92,9 +96,17 @@ def workspace(units: int, hinges: int, points: int) -> Work:
     return Work(
         np.zeros((points, 17)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
         np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
-        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 6)), np.zeros(points, dtype=np.int64),
+        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 8)), np.zeros(points, dtype=np.int64),
         np.zeros(columns(units) - 6 * units - 4),
     )  # fmt: skip
+
+
+@compiled
+def over_from(start, end):
+    """Instant [s] from which a strike is over that began at `start` and last pressed at `end`: its corner has then been
+    off the wall for as long as it has lasted. Where it hops, as a plate does, hops are one strike; else a gap that a mesh
+    opens or closes would tell how many there are."""
+    return end + max(SHORTEST, end - start)
 
 
 @compiled
@@ -158,9 +170,10 @@ def _follow(state, clock, i, work, rows, strikes):
             open_end = _open_end(
                 t, k, number, touching, motion, work.reach, work.groups, strikes, clock.after
             )
-            finish = min(open_end, clock.longest)
+            finish = min(max(open_end, _all_over(work.groups, k)), clock.longest)
         if np.isnan(reached) and finish < t + h:
             _leave(kick, h, finish - t, motion, state)
+            _name_cut(work.groups, k, finish, strikes)
             reached = finish
         if row * stride * parts == part and row < rows.shape[0]:
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
@@ -395,15 +408,25 @@ def _count(points, whose, motion, active, groups, strikes, number, last, h, t, k
         group = groups[whose[p, 1]]
         first, until = _pressed_during(points[p], last, h, t)
         if group[STAMP] < k:
-            if group[SLOT] < 0.0 or first - group[LAST] >= max(SHORTEST, group[LAST] - group[FIRST]):
-                group[SLOT], group[FIRST] = number, first
+            comes = group[STAMP] < k - 1
+            if group[SLOT] < 0.0 or (comes and first >= over_from(group[FIRST], group[LAST])):
+                group[SLOT], group[FIRST], group[LAST] = number, first, until
+                group[WHOLE] = group[AFTER] = 0.0
                 if number < strikes.shape[0]:
                     strikes[number, :] = 0.0
                 number += 1
-            group[BEFORE] = group[FORCE] if group[STAMP] == k - 1 else 0.0
-            group[LAST], group[FORCE], group[STAMP] = until, 0.0, k
-        group[LAST] = max(group[LAST], until)
+            if group[AFTER] >= LIGHT * group[WHOLE]:
+                if comes:
+                    group[AFTER] = 0.0
+                else:
+                    group[LAST] = until
+            group[BEFORE] = 0.0 if comes else group[FORCE]
+            group[FORCE], group[STAMP] = 0.0, k
         group[FORCE] += points[p, NORMAL]
+        group[AFTER] += kick * points[p, NORMAL]
+        group[WHOLE] += kick * points[p, NORMAL]
+        if group[AFTER] >= LIGHT * group[WHOLE]:
+            group[LAST] = max(group[LAST], until)
         if group[SLOT] >= strikes.shape[0]:
             continue
         strike, j = strikes[int(group[SLOT])], 3 * whose[p, 0]
@@ -463,6 +486,25 @@ def _open_end(t, k, number, touching, motion, reach, groups, strikes, after):
             return np.inf
         end = max(end, t + max(reach[u] - motion[0, 3 * u + 1], 0.0) / v)
     return end
+
+
+@compiled
+def _all_over(groups, k):
+    """Instant [s] from which all strikes are over; infinite while a corner is pressed on."""
+    latest = 0.0
+    for group in groups:
+        if group[SLOT] >= 0.0:
+            latest = max(latest, np.inf if group[STAMP] == k else over_from(group[FIRST], group[LAST]))
+    return latest
+
+
+@compiled
+def _name_cut(groups, k, finish, strikes):
+    """Mark the strikes that are not over when the motion ends."""
+    for group in groups:
+        if 0.0 <= group[SLOT] < strikes.shape[0]:
+            is_cut = group[STAMP] == k or over_from(group[FIRST], group[LAST]) > finish
+            strikes[int(group[SLOT]), 10] = 1.0 if is_cut else 0.0
 
 
 @compiled

@@ -3,11 +3,10 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from solver.impact.step import SHORTEST
+from solver.impact.step import LIGHT, over_from
 from solver.impact.train import CORNERS
 from solver.rules import Array
 
@@ -16,12 +15,14 @@ from solver.rules import Array
 class Strike:
     """One strike: a corner, or its half of each side, is pressed on, until it is off the wall for as long.
 
+    Touches until then are part of it, and prolong it where they bring `LIGHT` of its impulse or more.
+
     Attributes
     ----------
     corner : str
         One of `CORNERS`; of a trailer with its name in front, as of `corner_name`.
     start, end : float
-        [s]; `end` is that of the motion where the strike goes on.
+        [s]; `end` is that of the motion where the corner is pressed on there.
     peak_force : float
         Greatest normal force [N].
     impulse : float
@@ -36,6 +37,8 @@ class Strike:
         Net work of the normal forces on the crush [J].
     friction_work : float
         On the vehicle [J].
+    cut : bool
+        The motion ends before the strike is over: duration, peak and impulse are at least these.
     """
 
     corner: str
@@ -48,6 +51,7 @@ class Strike:
     position: float = math.nan
     energy_absorbed: float = math.nan
     friction_work: float = math.nan
+    cut: bool = False
 
     @property
     def duration(self) -> float:
@@ -58,13 +62,6 @@ class Strike:
     def mean_force(self) -> float:
         """Impulse over duration [N]."""
         return self.impulse / self.duration
-
-
-def is_over(start: Any, end: Any, now: Any) -> Any:
-    """True if a strike that began at `start` and last pressed at `end` is over at `now`, all [s]: the corner has been
-    off the wall for as long as its strike has lasted. Where it hops, as a plate does, hops are one strike; else a gap
-    that a mesh opens or closes would tell how many there are."""
-    return now - end >= np.maximum(SHORTEST, end - start)
 
 
 def strikes_of(
@@ -101,34 +98,40 @@ def strikes_of(
     found = []
     for corner, force in force_by_corner.items():
         beside = [values.get(corner) for values in (tangential, station, position_by_corner or {})]
-        intervals = _pressed(np.asarray(t), np.asarray(force))
-        found += [_sampled(corner, np.asarray(t), np.asarray(force), run, beside) for run in intervals]
+        touches = _touches(np.asarray(t), np.asarray(force))
+        found += [_sampled(corner, np.asarray(t), np.asarray(force), own, beside) for own in touches]
     return tuple(sorted(found, key=lambda strike: strike.start))
 
 
-def _pressed(t: Array, force: Array) -> list[tuple[int, int]]:
-    """Runs of samples with a force, first and last + 1; those of one strike as one."""
+def _touches(t: Array, force: Array) -> list[tuple[int, int, int]]:
+    """Samples of each strike: the first, the end of those that prolong it, and the end of all."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], force > 0.0, [0]]))).reshape(-1, 2)
-    runs: list[tuple[int, int]] = []
-    for first, last in edges:
-        if runs and not is_over(t[runs[-1][0]], t[runs[-1][1]], t[first]):
-            runs[-1] = (runs[-1][0], int(last))
-        else:
-            runs.append((int(first), int(last)))
-    return runs
+    impulse = np.concatenate([[0.0], np.cumsum(force * np.diff(t))])
+    found: list[tuple[int, int, int]] = []
+    for first, last in edges.tolist():
+        if not found or t[first] >= over_from.py_func(t[found[-1][0]], t[found[-1][1]]):
+            found.append((first, last, last))
+            continue
+        start, until, _ = found[-1]
+        is_light = impulse[last] - impulse[until] < LIGHT * (impulse[last] - impulse[start])
+        found[-1] = start, until if is_light else last, last
+    return found
 
 
-def _sampled(corner: str, t: Array, force: Array, run: tuple[int, int], beside: list[Array | None]) -> Strike:
-    part = slice(*run)
-    step = np.diff(t[run[0] : run[1] + 1])
-    push = force[part] * step
-    start = t[run[0] + 1] - _pressed_fraction(force[part]) * step[0]
-    end = t[run[1] - 1] + _pressed_fraction(force[part][::-1]) * step[-1]
+def _sampled(
+    corner: str, t: Array, force: Array, touches: tuple[int, int, int], beside: list[Array | None]
+) -> Strike:
+    first, last, until = touches
+    part, step = slice(first, until), np.diff(t[first : until + 1])
+    push, pressed = force[part] * step, force[first:last]
+    start = t[first + 1] - _pressed_fraction(pressed) * step[0]
+    end = t[last - 1] + _pressed_fraction(pressed[::-1]) * (t[last] - t[last - 1])
     tangential, station, position = (None if v is None else np.asarray(v)[part] for v in beside)
     along = math.nan if tangential is None else float(tangential @ step)
     means = [math.nan if v is None else float(v @ push) / float(push.sum()) for v in (station, position)]
-    peak = _parabola_peak(t, force, run)
-    return Strike(corner, float(start), float(end), peak, float(push.sum()), along, *means)
+    peak = _parabola_peak(t, force, (first, until))
+    cut = bool(until == force.size or over_from.py_func(t[first], t[last]) > t[-1])
+    return Strike(corner, float(start), float(end), peak, float(push.sum()), along, *means, cut=cut)
 
 
 def _pressed_fraction(force: Array) -> float:
@@ -175,9 +178,9 @@ def corner_name(unit: int, corner: int) -> str:
 def strikes_of_rows(rows: Array, fronts: Sequence[float], end: float) -> tuple[Strike, ...]:
     """Rows of `step.STRIKE` as strikes of units whose centres of mass are so far behind their fronts [m]."""
     found, known = [], (rows[:, 4] > 0.0) & (rows[:, 1] < end)
-    for group, start, last, peak, impulse, along, station, place, crush, friction in rows[known]:
+    for group, start, last, peak, impulse, along, station, place, crush, friction, cut in rows[known]:
         unit, corner = divmod(int(group), 4)
         means = round(fronts[unit] - station / impulse, 12), place / impulse
         values = start, min(last, end), peak, impulse, along, *means, crush, friction
-        found.append(Strike(corner_name(unit, corner), *map(float, values)))
+        found.append(Strike(corner_name(unit, corner), *map(float, values), cut=bool(cut)))
     return tuple(sorted(found, key=lambda strike: strike.start))

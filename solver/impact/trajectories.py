@@ -27,6 +27,9 @@ PHASE_OF_PARTS, TURN_OF_PARTS, PARTS = 0.32, 0.1, 1024
 OF_UPRIGHT = 4.0
 """Stated error of a train whose line of unloading is upright, over its change: the order of its steps is one."""
 
+DURATIONS = 4e-3
+"""Change of durations that is allowed where the tolerance is smaller: their order is one where unloading is abrupt."""
+
 REFUSED = 1e-3
 """Error, or ten times the tolerance, at which there is no answer."""
 
@@ -39,7 +42,7 @@ MOST_ROWS = 1_000_000
 class Timing(NamedTuple):
     """Times of n samples: step [s], its most parts, and steps a row, shape (n,); end [s], shape (n,), infinite where it
     is open: then `after` [s] from the end of the second strike, or from the start and as soon as nothing can touch any
-    more.
+    more; and when no strike is in progress.
 
     phase: part of a step in radians of the oscillation on the law, times `pace`, shape (n,), step over the one that the
     tolerance asks for; rate: of the stiffest oscillation [1/s], shape (n,). longest: latest open end [s]; most: steps
@@ -117,7 +120,7 @@ def solve_trains(
         [s]; None: chosen by the tolerance.
     end : float or None
         How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
-        nothing can touch any more, but for `after_second` at least.
+        nothing can touch any more, but for `after_second` at least; and on until no strike is in progress.
     interval : float or None
         Between rows [s]; 0: every step, or what `MOST_ROWS` allow; None: no rows.
     impulse_alone : bool
@@ -180,7 +183,8 @@ def solve_trains(
     chosen, settled = np.arange(len(state)), np.full(len(state), step is not None)
     more = np.where((train.restitution == 0.0).any(axis=0) & varies, OF_UPRIGHT, 1.0)
     found = run(chosen, h.copy(), interval)
-    error = more * _difference(found, run(chosen, 2.0 * h, None), turning)
+    weight = tolerance / max(tolerance, DURATIONS)
+    error = more * _difference(found, run(chosen, 2.0 * h, None), turning, weight)
     while True:
         settled |= (error <= tolerance * h / found.step) | ~(2.0 * found.end <= most * found.step)
         chosen = np.flatnonzero(~settled)
@@ -191,7 +195,7 @@ def solve_trains(
         if settled[chosen].any():
             finer, chosen = _samples(finer, ~settled[chosen]), chosen[~settled[chosen]]
         coarse = _samples(found._replace(rows=found.end), chosen)  # rows are large
-        error[chosen] = more[chosen] * _difference(finer, coarse, turning[chosen])
+        error[chosen] = more[chosen] * _difference(finer, coarse, turning[chosen], weight)
         found = _replaced(found, chosen, finer)
     bad = ~(error <= max(REFUSED, 10.0 * tolerance))
     if bad.any() and step is None:
@@ -239,23 +243,30 @@ WEIGHT = 0.05
 """Impulse of a strike of weight, over the largest of its train."""
 
 
-def _difference(fine: Trajectories, coarse: Trajectories, turning: Array) -> Array:
-    """Largest change, of spin against its own and a tenth of speed over size; infinite where strikes differ, or
-    anything is not finite."""
+def _difference(fine: Trajectories, coarse: Trajectories, turning: Array, weight: float) -> Array:
+    """Largest change, of spin against its own and a tenth of speed over size, of durations times the weight; infinite
+    where strikes differ, or anything is not finite."""
     spin, other = fine.state[..., 5], coarse.state[..., 5]
     strikes = _changes if fine.state.shape[1] == 1 else _changes_of_trains
     with np.errstate(invalid="ignore", divide="ignore"):
-        changes = strikes(fine.strikes, coarse.strikes)
+        changes = strikes(_measures(fine, weight), _measures(coarse, weight))
         spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
     known = np.isfinite(fine.state).all(axis=(1, 2)) & np.isfinite(fine.end + coarse.end)
     return np.where(known, np.maximum(changes, spins), math.inf)
 
 
+def _measures(found: Trajectories, weight: float) -> Array:
+    """Corner, start, impulse, peak and duration of strikes, the last to the power of its weight: relative changes of that
+    are those of the duration times the weight; shape (n, strikes, 5)."""
+    corner, start, end, peak, impulse = np.moveaxis(found.strikes, -1, 0)[:5]
+    return np.stack([corner, start, impulse, peak, (end - start) ** weight], axis=-1)
+
+
 def _changes(fine: Array, coarse: Array) -> Array:
-    """Largest change of the peaks and impulses of the first two strikes, shape (n,)."""
+    """Largest change of the first two strikes, columns as of `_measures`, shape (n,)."""
     one, two = fine[:, :2], coarse[:, :2]
     same = (one[..., 0] == two[..., 0]) | (np.isnan(one[..., 0]) & np.isnan(two[..., 0]))
-    changes = np.nan_to_num(np.abs(two[..., 3:5] / one[..., 3:5] - 1.0), nan=0.0).max(axis=(1, 2))
+    changes = np.nan_to_num(np.abs(two[..., 2:] / one[..., 2:] - 1.0), nan=0.0).max(axis=(1, 2))
     return np.where(same.all(axis=1), changes, math.inf)
 
 
@@ -265,7 +276,7 @@ def _changes_of_trains(fine: Array, coarse: Array) -> Array:
     apart = np.abs(fine[:, :, None, 1] - coarse[:, None, :, 1])
     apart = np.where(fine[:, :, None, 0] == coarse[:, None, :, 0], apart, math.inf)
     beside = np.take_along_axis(coarse, apart.argmin(axis=2)[..., None], axis=1)
-    changes = np.abs(beside[..., 3:5] / fine[..., 3:5] - 1.0).max(axis=2)
+    changes = np.abs(beside[..., 2:] / fine[..., 2:] - 1.0).max(axis=2)
     changes = np.where(np.isfinite(apart.min(axis=2)), changes, math.inf)
-    weighs = fine[..., 4] >= WEIGHT * np.nanmax(fine[..., 4], axis=1, initial=0.0)[:, None]
+    weighs = fine[..., 2] >= WEIGHT * np.nanmax(fine[..., 2], axis=1, initial=0.0)[:, None]
     return np.where(weighs, changes, 0.0).max(axis=1)

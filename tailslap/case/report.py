@@ -91,6 +91,8 @@ STRIKES = (
     Column("point_of_attack", "Resultant", "m", form="z.2f"),
 )
 ATTACK = "Resultant: distance of the resultant force behind the front bumper."
+CUT = " (cut)"
+AT_LEAST = "Cut: the strike is not over at the end; its duration, peak force and impulse are at least those given."
 COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "elements": ("elements", units.grouped),
     "nodes": ("nodes", units.grouped),
@@ -294,11 +296,13 @@ def design_table(case: Case, lateral: float) -> Table:
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
     """Strikes of each model, as its summary has them, in order of time."""
     rows: list[dict[str, Any]] = [
-        {"point_of_attack": None, **strike, "model": model, "title": f"{n} {strike['corner']}", "number": n}
+        {"point_of_attack": None, **strike, "model": model, "number": n}
+        | {"title": f"{n} {strike['corner']}{CUT if strike.get('cut') else ''}"}
         for model, its in strikes.items()
         for n, strike in enumerate(its, 1)
     ]
-    return Table(STRIKES, sorted(rows, key=lambda row: row["number"]), notes=(ATTACK,))
+    notes = (ATTACK, *([AT_LEAST] if any(row.get("cut") for row in rows) else []))
+    return Table(STRIKES, sorted(rows, key=lambda row: row["number"]), notes=notes)
 
 
 def short(table: Table) -> Table:

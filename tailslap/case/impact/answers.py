@@ -70,6 +70,11 @@ class ImpactAnswer:
         """Time between rows [s]."""
         return float(self.history["t"][1] - self.history["t"][0])
 
+    @property
+    def cut(self) -> list[int]:
+        """Numbers from 1 of the strikes that are not over at the end."""
+        return [number for number, strike in enumerate(self.strikes, 1) if strike.cut]
+
     @cached_property
     def lateral(self) -> dict[str, np.ndarray]:
         """Force on the wall across it, raw and filtered [N], shape (rows - 1,)."""
@@ -99,6 +104,8 @@ class ImpactAnswer:
             try:
                 strike = filters.second_strike(self.lateral[name], self.interval)
             except ValueError:
+                continue
+            if self.cut and strike.end + self.interval >= self.history["t"][-1]:
                 continue
             found[name] = {
                 "duration": strike.duration,
@@ -246,9 +253,15 @@ def train_columns(
     return found
 
 
-def train_remarks(answer: ImpactAnswer) -> list[str]:
-    """Sentences on a train that the model does not hold for, or that does not strike by its front first."""
-    found = []
+def remarks(answer: ImpactAnswer) -> list[str]:
+    """Sentences on strikes that the end cuts, on a train that the model does not hold for, or that does not strike by its
+    front first."""
+    found = [
+        f"Strike {number} ({answer.strikes[number - 1].corner} corner) is not over at the end, "
+        f"{answer.end['t']:.4g} s: its duration, peak force and impulse, and the filtered forces, are at least those "
+        "given."
+        for number in answer.cut
+    ]
     if answer.strikes and answer.strikes[0].corner.startswith("trailer"):
         found.append("A trailer is so wide that it touches the wall first.")
     for k in range(1, answer.units):

@@ -60,7 +60,7 @@ class ImpactCase(rigid.RigidImpact):
         kinds: dict[str, type] = {}
         strikes = range(1, 1 + answers.counted(len(scene.units)))
         for model in models:
-            kinds[f"{model}.strikes"] = int
+            kinds |= {f"{model}.strikes": int, f"{model}.strikes_cut": int}
             for k in strikes:
                 kinds[f"{model}.strike_{k}.corner"] = str
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
@@ -95,7 +95,7 @@ class ImpactCase(rigid.RigidImpact):
 
 def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
     """Columns of one of the two models, of the strikes that count; what it lacks is missing."""
-    row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes)}
+    row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes), f"{model}.strikes_cut": len(answer.cut)}
     for k, strike in enumerate(answer.strikes[: answer.counted], 1):
         row[f"{model}.strike_{k}.corner"] = strike.corner
         values = {"mean_50ms": answers.mean_peak(answer, strike), **answers.strike_numbers(strike)}

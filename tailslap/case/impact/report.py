@@ -16,7 +16,7 @@ from postprocess.units import SI, Units, measure, percent_up
 from tailslap.case import report
 from tailslap.case.case import failed_names, failed_sentence, unreliable
 from tailslap.case.impact import checks, error, figures, run
-from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, alike, train_remarks
+from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, alike, remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
 from tailslap.scene.schema import Contact, Scene
@@ -172,7 +172,8 @@ def peak_table(outcome: run.ImpactOutcome) -> Table:
     rows: list[dict[str, Any]] = []
     for number, strike in enumerate(fe, 1):
         other = rigid[number].peak_force if number in rigid else None
-        rows.append({"what": f"Strike {number}, {strike.corner}", "fe": strike.peak_force, "rigid": other})
+        cut = report.CUT if strike.cut else ""
+        rows.append({"what": f"Strike {number}, {strike.corner}{cut}", "fe": strike.peak_force, "rigid": other})
     mean = {"fe": outcome.fe.peaks["mean_50ms"], "rigid": outcome.rigid.peaks["mean_50ms"]}
     return Table(report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
 
@@ -288,7 +289,7 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
         "The rigid vehicle has the same mass, centre of mass, inertia and contact; the plate is flexible (first "
         f"natural frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
         *report.chosen_sentences(outcome.fe_plan),
-        *train_remarks(outcome.fe),
+        *remarks(outcome.fe),
     ]
 
 
@@ -300,6 +301,7 @@ def summary(outcome: run.ImpactOutcome, pictures: bool) -> dict[str, Any]:
         "rigid": outcome.rigid.numbers() | rolls.get("rigid", {}),
         "fe": outcome.fe.numbers() | rolls.get("FE", {}),
         "paper_method": outcome.paper_method,
+        "remarks": remarks(outcome.fe),
         "difference": outcome.difference,
         "numerical_error": {"mesh": outcome.mesh_error}
         | ({"hinges": outcome.hinge_error} if outcome.hinge_error else {}),
@@ -370,7 +372,10 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
 def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
     """All lines of `tailslap check`; of a scene without [plate] those that need no mesh."""
     motion, touch, vehicle = case.motion, case.touch, case.vehicle
-    strikes = ", ".join(f"{s.corner} at {s.start:.4g} s for {s.duration:.3g} s" for s in motion.strikes)
+    strikes = ", ".join(
+        f"{s.corner} at {s.start:.4g} s for {'at least ' if s.cut else ''}{s.duration:.3g} s"
+        for s in motion.strikes
+    )
     lines = [
         f"start        first touch at {math.degrees(touch.theta):.5g} deg, "
         + measure(math.hypot(touch.v_gx, touch.v_gy), "m/s", ".5g"),

@@ -142,7 +142,8 @@ class RigidImpact(Case):
         return self.motion_until(self.scene.time.end)
 
     def motion_until(self, end: float | None) -> impact.ImpactMotion:
-        """The impact to another end [s]; None: to `after_second` after the second strike, of a train the last rear."""
+        """The impact to another end [s]; None: to `after_second` after the second strike, of a train the last rear, and on
+        until no strike is in progress."""
         with refusals(self.scene):
             given = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
             tolerance = TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE
@@ -214,7 +215,7 @@ class RigidImpact(Case):
         Returns
         -------
         dict of ndarray, shape (n,)
-            As of `both_strikes` [SI], of a single vehicle its first two strikes; NaN where there is no such strike.
+            As of `both_strikes` [SI]; NaN where there is no such strike.
 
         Raises
         ------
@@ -230,9 +231,7 @@ class RigidImpact(Case):
                 for corner, *values in zip(*own, strict=True)
                 if corner >= 0
             ]
-            both = [strikes[:1], strikes[1:]]
-            if self.trailers:
-                both = answers.first_strikes(strikes, len(self.scene.units))
+            both = answers.first_strikes(strikes, len(self.scene.units))
             last = int(np.ceil((max(strike.end for strike in strikes) + AFTER_SECOND) / INTERVAL))
             curves = answers.filtered(mean[:last], INTERVAL)
             largest = {answers.LARGEST: float(curves["mean_50ms"].max())} if self.trailers else {}
@@ -270,7 +269,8 @@ class RigidImpact(Case):
         strike = answer.strikes[number]
         where = f"strike {number + 1} ({strike.corner} corner, from {strike.start:.3f} s)"
         roll = f" {tipping.verdict}" if tipping else ""
-        return f"{self.force_words}: {force(peak)} in {where}{self.design_ratio(peak)}.{roll}"
+        least = "at least " if answer.cut else ""
+        return f"{self.force_words}: {least}{force(peak)} in {where}{self.design_ratio(peak)}.{roll}"
 
     def headline(self) -> Headline:
         """Largest 50 ms mean of the rigid vehicle."""
@@ -310,7 +310,8 @@ class RigidImpact(Case):
         if self.tipping:
             found["tipping"] = self.tipping.numbers()
         if self.trailers:
-            found |= {"error": self.motion.error, "remarks": answers.train_remarks(self.answer)}
+            found["error"] = self.motion.error
+        found["remarks"] = answers.remarks(self.answer)
         return {"scene": self.scene.name, **found, "paper_method": beside}
 
     def rigid_text(self, units: str = "si") -> list[str]:
@@ -320,8 +321,9 @@ class RigidImpact(Case):
         lines += ["Strikes"] if answer.strikes else ["no strike"]
         for strike in answer.strikes:
             peak, impulse = shown(strike.peak_force, "N", units), shown(strike.impulse, "N s", units)
-            when = f"from {strike.start:.4f} s for {strike.duration:.4f} s"
-            lines.append(f"  {strike.corner:<16} {when}: peak {peak}, impulse {impulse}")
+            least = "at least " if strike.cut else ""
+            when = f"from {strike.start:.4f} s for {least}{strike.duration:.4f} s"
+            lines.append(f"  {strike.corner:<16} {when}: peak {least}{peak}, impulse {least}{impulse}")
         lines += ["", "Hinges"] if self.trailers else []
         for number, hinge in enumerate(answer.hinges, 1):
             peak, mean = (shown(hinge[name], "N", units) for name in ("peak_force", "mean_50ms"))
@@ -333,8 +335,8 @@ class RigidImpact(Case):
         lines += [value_line(label, answer.end[name], unit, units) for name, (label, unit) in ENDS.items()]
         if self.tipping:
             lines += ["", *self.tipping.text(units)]
-        if self.trailers:
-            lines += ["", *answers.train_remarks(answer)]
+        if remarks := answers.remarks(answer):
+            lines += ["", *remarks]
         return lines + _paper_lines(paper_method(self.scene, answer), units)
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.plate.properties import ModelError
+from solver.impact import ImpactMotion
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method, tipping_of
@@ -89,16 +90,19 @@ def attempt(case: RigidImpact) -> ImpactOutcome:
 def compared(fe_plan: plan.ImpactPlan, run: ImpactRun) -> ImpactOutcome:
     """A run beside the rigid vehicle at the same instants."""
     fe = _answer(fe_plan, run)
-    motion, last = fe_plan.case.motion, float(run.history["t"][-1])
-    if last > motion.t_end:
-        motion = fe_plan.case.motion_until(last)
+    motion = rigid_motion(fe_plan.case, float(run.history["t"][-1]))
     rigid = answers.rigid_answer(motion, run.history["t"])
     return ImpactOutcome(fe_plan, run, answers.differences(fe, rigid), (), 0.0, rigid, fe)
 
 
+def rigid_motion(case: RigidImpact, end: float) -> ImpactMotion:
+    """The rigid vehicle's impact, no less than to this end [s]."""
+    return case.motion if end <= case.motion.t_end else case.motion_until(end)
+
+
 def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = None) -> ImpactRun:
-    """The run of the model, to the scene's end, or 0.1 s after the second strike, of a train after its last rear's, and
-    no less than the rigid's.
+    """The run of the model, to the scene's end, or 0.1 s after the second strike, of a train after its last rear's, no
+    less than the rigid's, and until neither is in a strike.
 
     snapshots: instants at which the motion of all nodes is kept; end: another end [s].
     """
@@ -113,7 +117,9 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
             return False
         answer = _answer(fe_plan, run)
         last = answers.last_awaited(answer.strikes, answer.units)
-        return now >= (last.end + fe_plan.case.after_second if last else BEYOND * until)
+        if now < (last.end + fe_plan.case.after_second if last else BEYOND * until) or answer.cut:
+            return False
+        return not any(strike.cut for strike in rigid_motion(fe_plan.case, now).strikes)
 
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:
@@ -190,5 +196,15 @@ def _on(outcome: ImpactOutcome, plate: Plate) -> answers.ImpactAnswer:
         return outcome.fe
     model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
     impact.compile_impact_loop(model, on_compile=compiling)
-    other = replace(fe_plan, model=model, plate=plate)
-    return _answer(other, simulated(other, end=error.judged_until(outcome.fe)))
+    other, end = replace(fe_plan, model=model, plate=plate), error.judged_until(outcome.fe)
+    answer = _answer(other, simulated(other, end=end))
+    if cut_alone(answer, outcome.fe):
+        answer = _answer(other, simulated(other, end=BEYOND * end))
+    return answer
+
+
+def cut_alone(answer: answers.ImpactAnswer, own: answers.ImpactAnswer) -> bool:
+    """True where a judged strike is not over on another mesh, while all of the run's own are."""
+    return any(each.cut for each in error.weighed(answer.strikes)) and not any(
+        each.cut for each in error.weighed(own.strikes)
+    )
