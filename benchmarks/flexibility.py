@@ -53,7 +53,7 @@ def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
         sweep = compute.define(case)
         changes = compute.scan_changes(compute.run_changes(sweep, frequency, sweep.meshes[-1], start))
         return compute.scan_row(compute.one_run(case.source, changes), case.tail_slap)
-    changes = {"plate.youngs_modulus": None, "plate.elements": case.plan().plate.counts}
+    changes: compute.Record = {"plate.youngs_modulus": None, "plate.elements": case.plan().plate.counts}
     changes |= {"plate.first_frequency": frequency, "contact.patch_length": compute.patch_length(case)}
     record = compute.one_run(case.source, changes | {"verify.companion": False}, compute.strike_record)
     return compute.strike_differences(record)
