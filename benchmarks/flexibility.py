@@ -25,6 +25,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from postprocess.units import rounded_up
 from tailslap.campaign.levels import CROSSED, NOT_REACHED, Reach
 from tailslap.case import case_of
+from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 from tailslap.studies.flexibility import compute
 
@@ -49,13 +51,19 @@ def stated(summary: dict[str, Any]) -> Iterator[tuple[str, str, Reach]]:
 def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
     """Differences of a plate by quantity; plate: start and first frequency [Hz]."""
     case, (start, frequency) = case_of(*read_scene(scene)), plate
-    if start:
+    if isinstance(case, CornerCase):
         sweep = compute.define(case)
-        changes = compute.scan_changes(compute.run_changes(sweep, frequency, sweep.meshes[-1], start))
-        return compute.scan_row(compute.one_run(case.source, changes), case.tail_slap)
-    changes: compute.Record = {"plate.youngs_modulus": None, "plate.elements": case.plan().plate.counts}
-    changes |= {"plate.first_frequency": frequency, "contact.patch_length": compute.patch_length(case)}
-    record = compute.one_run(case.source, changes | {"verify.companion": False}, compute.strike_record)
+        of_start = compute.scan_changes(compute.run_changes(sweep, frequency, sweep.meshes[-1], start))
+        return compute.scan_row(compute.one_run(case.source, of_start), case.tail_slap)
+    assert isinstance(case, ImpactCase)
+    changes: dict[str, Any] = {
+        "plate.youngs_modulus": None,
+        "plate.elements": case.plan().plate.counts,
+        "plate.first_frequency": frequency,
+        "contact.patch_length": compute.patch_length(case),
+        "verify.companion": False,
+    }
+    record = compute.one_run(case.source, changes, compute.strike_record)
     return compute.strike_differences(record)
 
 
@@ -90,4 +98,4 @@ def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:3], *map(int, sys.argv[3:])))
+    sys.exit(main(sys.argv[1], sys.argv[2], *map(int, sys.argv[3:])))

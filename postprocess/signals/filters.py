@@ -58,8 +58,9 @@ def low_pass(values: Floats, interval: float, cutoff: float) -> Floats:
 
 
 def moving_mean(values: Floats, interval: float, width: float) -> Floats:
-    """Centred mean over `width` [s], at the instant of each sample; before the start the first value holds, and near the
-    end the last mean that does not reach beyond it.
+    """Return the centred mean over `width` [s] at the instant of each sample.
+
+    Before the start the first value holds, and near the end the last mean that does not reach beyond it.
 
     values: shape (n,), any unit; interval: T [s]. From the cumulated integral, interpolated: any width will do.
     ValueError if the history is shorter than the width.

@@ -36,7 +36,19 @@ LIGHT = 1e-3
 """Impulse over that of the strike up to which touches of a corner that comes back do not prolong it: whether there are
 such touches at all is a matter of micrometres, and so of the step."""
 
-STRIKE = ("corner", "start", "end", "peak", "impulse", "tangential", "along", "place", "crush", "friction", "cut")
+STRIKE = (
+    "corner",
+    "start",
+    "end",
+    "peak",
+    "impulse",
+    "tangential",
+    "along",
+    "place",
+    "crush",
+    "friction",
+    "cut",
+)
 """Columns of a strike: number of its unit and corner, 4 unit + corner; times [s], greatest force [N], impulses [N s],
 impulse times place on the vehicle and along the wall [N s m], works [J], 1 where the motion ends before it is over."""
 
@@ -87,7 +99,8 @@ deepest mean so far [m]; forces [N]; part of the step for which the force is the
 
 SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
 """Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
-before [N]; the step in which it was pressed last; impulses of the strike and of touches after its end so far, the latest included [N s]."""
+before [N]; the step in which it was pressed last; impulses of the strike and of touches after its end so
+far, the latest included [N s]."""
 
 
 def workspace(units: int, hinges: int, points: int) -> Work:
@@ -103,9 +116,11 @@ def workspace(units: int, hinges: int, points: int) -> Work:
 
 @compiled
 def over_from(start, end):
-    """Instant [s] from which a strike is over that began at `start` and last pressed at `end`: its corner has then been
-    off the wall for as long as it has lasted. Where it hops, as a plate does, hops are one strike; else a gap that a mesh
-    opens or closes would tell how many there are."""
+    """Return the instant [s] from which a strike is over that began at `start` and last pressed at `end`.
+
+    The corner has then been off the wall for as long as the strike has lasted. The hops of a plate are one strike; else
+    a gap that a mesh opens or closes would decide how many there are.
+    """
     return end + max(SHORTEST, end - start)
 
 

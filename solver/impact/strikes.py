@@ -131,7 +131,9 @@ def _sampled(
     means = [math.nan if v is None else float(v @ push) / float(push.sum()) for v in (station, position)]
     peak = _parabola_peak(t, force, (first, until))
     cut = bool(until == force.size or over_from.py_func(t[first], t[last]) > t[-1])
-    return Strike(corner, float(start), float(end), peak, float(push.sum()), along, *means, cut=cut)
+    return Strike(
+        corner, float(start), float(end), peak, float(push.sum()), along, means[0], means[1], cut=cut
+    )
 
 
 def _pressed_fraction(force: Array) -> float:
@@ -178,9 +180,13 @@ def corner_name(unit: int, corner: int) -> str:
 def strikes_of_rows(rows: Array, fronts: Sequence[float], end: float) -> tuple[Strike, ...]:
     """Rows of `step.STRIKE` as strikes of units whose centres of mass are so far behind their fronts [m]."""
     found, known = [], (rows[:, 4] > 0.0) & (rows[:, 1] < end)
-    for group, start, last, peak, impulse, along, station, place, crush, friction, cut in rows[known]:
+    for group, start, last, peak, impulse, along, station, place, crush, friction, cut in rows[
+        known
+    ].tolist():
         unit, corner = divmod(int(group), 4)
-        means = round(fronts[unit] - station / impulse, 12), place / impulse
-        values = start, min(last, end), peak, impulse, along, *means, crush, friction
-        found.append(Strike(corner_name(unit, corner), *map(float, values), cut=bool(cut)))
+        attack, position, until = round(fronts[unit] - station / impulse, 12), place / impulse, min(last, end)
+        name = corner_name(unit, corner)
+        found.append(
+            Strike(name, start, until, peak, impulse, along, attack, position, crush, friction, bool(cut))
+        )
     return tuple(sorted(found, key=lambda strike: strike.start))

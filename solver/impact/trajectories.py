@@ -256,8 +256,11 @@ def _difference(fine: Trajectories, coarse: Trajectories, turning: Array, weight
 
 
 def _measures(found: Trajectories, weight: float) -> Array:
-    """Corner, start, impulse, peak and duration of strikes, the last to the power of its weight: relative changes of that
-    are those of the duration times the weight; shape (n, strikes, 5)."""
+    """Return corner, start, impulse, peak and duration of strikes, shape (n, strikes, 5).
+
+    The duration is raised to the power of its weight, so that relative changes are those of the duration times the
+    weight.
+    """
     corner, start, end, peak, impulse = np.moveaxis(found.strikes, -1, 0)[:5]
     return np.stack([corner, start, impulse, peak, (end - start) ** weight], axis=-1)
 

@@ -92,7 +92,9 @@ STRIKES = (
 )
 ATTACK = "Resultant: distance of the resultant force behind the front bumper."
 CUT = " (cut)"
-AT_LEAST = "Cut: the strike is not over at the end; its duration, peak force and impulse are at least those given."
+AT_LEAST = (
+    "Cut: the strike is not over at the end; its duration, peak force and impulse are at least those given."
+)
 COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "elements": ("elements", units.grouped),
     "nodes": ("nodes", units.grouped),

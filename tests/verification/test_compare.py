@@ -104,7 +104,9 @@ def test_a_gap_is_not_interpolated():
 
 def test_a_gap_of_missing_values_is_one_too():
     values = np.where((T > 0.25) & (T < 0.625), np.nan, T)
-    assert quantities.beside("v", {"t": T, "v": values}, {"t": T, "v": T}).gaps == ((0.25, 0.625),)
+    found = quantities.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
+    assert found is not None
+    assert found.gaps == ((0.25, 0.625),)
 
 
 def test_even_and_dense_rows_have_no_gaps():
@@ -113,6 +115,7 @@ def test_even_and_dense_rows_have_no_gaps():
     crowded = np.unique(np.r_[np.linspace(0.0, 1.0, 26), np.linspace(0.5, 0.6, 1001)])
     for t in (coarse, crowded):
         found = quantities.beside("v", {"t": t, "v": t}, {"t": T, "v": T})
+        assert found is not None
         assert (found.gaps, found.covered) == ((), 1.0)
 
 
@@ -121,6 +124,7 @@ def test_rows_of_the_finer_history_count_too():
     reference = {"t": np.linspace(0.0, 1.0, 11), "v": np.full(11, 2.0)}
     value = 2.0 + (np.arange(T.size) == 250)
     found = quantities.beside("v", {"t": T, "v": value}, reference)
+    assert found is not None
     assert found.metrics.mean_residual == pytest.approx(0.0005, rel=1e-10)
     assert found.largest == (pytest.approx(0.5, rel=1e-12), T[250])
 

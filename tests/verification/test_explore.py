@@ -238,12 +238,13 @@ def served(scene, **settings):
         str(port),
         *["--headless"] * (not settings),
     ]
-    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     with subprocess.Popen(command, **streams, env=os.environ | settings) as process:
         try:
             assert process.stdout
-            said = process.stdout.readline()
-            yield re.search(r"http://\S+", said)[0]
+            address = re.search(r"http://\S+", process.stdout.readline())
+            assert address
+            yield address[0]
         finally:
             process.send_signal(signal.SIGINT)
             assert process.communicate(timeout=60)[0].strip() == ""

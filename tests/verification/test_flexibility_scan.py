@@ -108,8 +108,11 @@ def test_a_failed_run_beside_a_crossing_leaves_the_level_unknown():
 
 
 def test_a_level_that_no_plate_tells_is_not_scanned():
+    def unmeasured(frequencies):
+        raise AssertionError(frequencies)
+
     samples = [Sample(f, 1.0, 0.0, True) for f in PLATES]
-    found = scan.scanned({"impulse": samples}, SIZES, 1.0 / INSTANT, lambda frequencies: 1 / 0)
+    found = scan.scanned({"impulse": samples}, SIZES, 1.0 / INSTANT, unmeasured)
     assert (found.samples["impulse"], found.differences) == (samples, {})
 
 

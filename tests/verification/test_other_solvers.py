@@ -329,7 +329,11 @@ def test_solver_without_end_is_ended(script, why, elsewhere, capsys, monkeypatch
     from tailslap.exports import confirm
 
     sizes, failed = [], confirm._failed
-    keep = lambda why, folder: sizes.append((folder / "ccx.log").stat().st_size) or failed(why, folder)  # noqa: E731
+
+    def keep(why, folder):
+        sizes.append((folder / "ccx.log").stat().st_size)
+        return failed(why, folder)
+
     monkeypatch.setattr(confirm, "_failed", keep)
     monkeypatch.setattr(confirm, "MAX_LOG", 300_000)
     fake_ccx(tmp_path_factory.mktemp("fake"), f"echo $$ > {elsewhere}/pid; {script}", monkeypatch)

@@ -254,8 +254,7 @@ def train_columns(
 
 
 def remarks(answer: ImpactAnswer) -> list[str]:
-    """Sentences on strikes that the end cuts, on a train that the model does not hold for, or that does not strike by its
-    front first."""
+    """List sentences on strikes that the end cuts and on trains outside the limits of the model."""
     found = [
         f"Strike {number} ({answer.strikes[number - 1].corner} corner) is not over at the end, "
         f"{answer.end['t']:.4g} s: its duration, peak force and impulse, and the filtered forces, are at least those "

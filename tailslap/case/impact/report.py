@@ -173,7 +173,9 @@ def peak_table(outcome: run.ImpactOutcome) -> Table:
     for number, strike in enumerate(fe, 1):
         other = rigid[number].peak_force if number in rigid else None
         cut = report.CUT if strike.cut else ""
-        rows.append({"what": f"Strike {number}, {strike.corner}{cut}", "fe": strike.peak_force, "rigid": other})
+        rows.append(
+            {"what": f"Strike {number}, {strike.corner}{cut}", "fe": strike.peak_force, "rigid": other}
+        )
     mean = {"fe": outcome.fe.peaks["mean_50ms"], "rigid": outcome.rigid.peaks["mean_50ms"]}
     return Table(report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
 

@@ -142,8 +142,11 @@ class RigidImpact(Case):
         return self.motion_until(self.scene.time.end)
 
     def motion_until(self, end: float | None) -> impact.ImpactMotion:
-        """The impact to another end [s]; None: to `after_second` after the second strike, of a train the last rear, and on
-        until no strike is in progress."""
+        """Return the impact to another end [s].
+
+        None: to `after_second` after the second strike, of a train the last rear, and on until no strike is in
+        progress.
+        """
         with refusals(self.scene):
             given = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
             tolerance = TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE
@@ -227,8 +230,14 @@ class RigidImpact(Case):
         rows = []
         for mean, *own in zip(found.mean_force.T, *(each.T for each in columns), strict=True):
             strikes = [
-                impact.Strike(impact.corner_name(*divmod(int(corner), 4)), *map(float, values))
-                for corner, *values in zip(*own, strict=True)
+                impact.Strike(
+                    impact.corner_name(*divmod(int(corner), 4)),
+                    float(start),
+                    float(end),
+                    float(peak),
+                    float(push),
+                )
+                for corner, start, end, peak, push in zip(*own, strict=True)
                 if corner >= 0
             ]
             both = answers.first_strikes(strikes, len(self.scene.units))
