@@ -8,6 +8,7 @@ are compared hold numbers; an empty cell or NaN is a value that is missing.
 import csv
 import os
 import re
+import stat
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison import nodal
-from tailslap.errors import InputError, Verbatim, one_of, shortened
+from tailslap.errors import MACHINE_FAULTS, InputError, Verbatim, one_of, place_error, shortened
 from tailslap.files.load import column_units, demand_listed, load
 from tailslap.result import FE, Result
 from tailslap.scene.read import read_text
@@ -122,9 +123,7 @@ def read_item(given: object, mapping: Mapping[str, str], force: bool = False) ->
     path = Path(str(given))
     if isinstance(given, Result):
         found, label = given, given.scene
-    elif os.path.isdir(
-        path
-    ):  # where Path.is_dir raises an error for one below a folder that may not be searched
+    elif _is_folder(path):
         found, label = load(path, force=force), path.resolve().name
     else:
         is_own = demand_listed(path, force)
@@ -134,6 +133,16 @@ def read_item(given: object, mapping: Mapping[str, str], force: bool = False) ->
     columns = found.histories.get(FE) or next(iter(found.histories.values()))
     _demand_sound(columns, str(path))
     return Item(label, dict(columns), columns.units, found.summary)
+
+
+def _is_folder(path: Path) -> bool:
+    """True for a folder. Raises InputError, or OSError of the machine, where that cannot be known."""
+    try:
+        return stat.S_ISDIR(os.stat(path).st_mode)
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        return False
+    except OSError as error:
+        raise place_error(path, "it cannot be read", error, "RESULT") from None
 
 
 def _time_as_t(name: str) -> str:
@@ -192,6 +201,8 @@ def _readable(path: Path, read: Callable[[], Any]) -> Any:
         allowed = "the file or folder does not exist; allowed are result folders and files with named columns"
         raise InputError("RESULT", str(path), allowed) from None
     except (OSError, ValueError, csv.Error) as error:
+        if isinstance(error, OSError) and error.errno in MACHINE_FAULTS:
+            raise
         why = getattr(error, "strerror", None) or error
         advice = "" if "allowed" in str(why) else "; allowed is a file with named columns"
         raise InputError("RESULT", str(path), f"{why}{advice}") from None

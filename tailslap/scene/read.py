@@ -146,9 +146,10 @@ def scene_text(name: str) -> str:
         return read_text(path, MAX_BYTES)
     except FileNotFoundError:
         raise errors.InputError("SCENE", name, "the file does not exist") from None
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or error
-        raise errors.InputError("SCENE", name, f"the file cannot be read: {why}") from None
+    except OSError as error:
+        raise errors.place_error(name, "the file cannot be read", error, "SCENE") from None
+    except ValueError as error:
+        raise errors.InputError("SCENE", name, f"the file cannot be read: {error}") from None
 
 
 class Usual(NamedTuple):
