@@ -20,10 +20,11 @@ from postprocess.report import page
 from postprocess.report.report import labelled_text, opened, write_report
 from postprocess.units import SYSTEMS
 from tailslap import result
+from tailslap.arguments import UnitSystem, checked_arguments
 from tailslap.case import case_of, cost
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
-from tailslap.errors import InputError, Interrupted, named_arguments, one_of
+from tailslap.errors import InputError, Interrupted, one_of
 from tailslap.files import load
 from tailslap.files.folder import result_folder
 from tailslap.scene import read
@@ -49,7 +50,7 @@ IN_THIS_PROCESS = 3
 """Runs of a sweep up to which no processes are started: that would take longer than the runs."""
 
 
-@named_arguments
+@checked_arguments
 def run(
     scene: Scene,
     changes: Changes | None = None,
@@ -111,8 +112,8 @@ def run(
     )
 
 
-@named_arguments
-def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") -> result.Result:
+@checked_arguments
+def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "si") -> result.Result:
     """Solve the rigid-body method, or the whole impact of the rigid vehicle, without loading mesh or FE libraries.
 
     Parameters
@@ -121,7 +122,7 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
         Name of a scene of the program, path of a TOML file, or tables of a scene.
     changes : mapping or sequence of str, optional
         Values by dotted key, or texts KEY=VALUE.
-    units : str
+    units : {"si", "us"}
         Units of the printed text, "si" or "us"; numbers are in SI.
 
     Returns
@@ -163,9 +164,9 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: str = "si") ->
     )
 
 
-@named_arguments
+@checked_arguments
 def check(
-    scene: Scene, changes: Changes | None = None, *, allow_large: bool = False, units: str = "si"
+    scene: Scene, changes: Changes | None = None, *, allow_large: bool = False, units: UnitSystem = "si"
 ) -> result.Result:
     """Show the model, automatic choices and estimated cost of a run without running it.
 
@@ -177,7 +178,7 @@ def check(
         Values by dotted key, or texts KEY=VALUE.
     allow_large : bool
         Run even if the estimate exceeds this machine's memory, threads or time.
-    units : str
+    units : {"si", "us"}
         Units of the printed text, "si" or "us"; numbers are in SI.
 
     Returns
@@ -207,7 +208,7 @@ def check(
     return result.Result("check", case.scene.name, summary, text=text)
 
 
-@named_arguments
+@checked_arguments
 def modal(
     scene: Scene,
     changes: Changes | None = None,
@@ -216,7 +217,7 @@ def modal(
     steps: int = 100,
     tolerance: float = 1e-5,
     allow_large: bool = False,
-    units: str = "si",
+    units: UnitSystem = "si",
 ) -> result.Result:
     """Run a scene with the modal model of the plate.
 
@@ -234,7 +235,7 @@ def modal(
         Largest allowed relative error [-].
     allow_large : bool
         Run even if the estimate exceeds this machine's memory, threads or time.
-    units : str
+    units : {"si", "us"}
         Units of the printed text, "si" or "us"; numbers are in SI.
 
     Returns
@@ -268,7 +269,7 @@ def modal(
     )
 
 
-@named_arguments
+@checked_arguments
 def modes(
     scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
 ) -> result.Result:
@@ -308,6 +309,7 @@ def modes(
     return result.of_report("modes", report, tables={"Frequencies": report.terminal[0]})
 
 
+@checked_arguments
 def study(
     name: str,
     scene: str | os.PathLike[str],
@@ -373,7 +375,7 @@ def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, A
     return result.of_report(f"study {chosen.name}", report, text=text)
 
 
-@named_arguments
+@checked_arguments
 def sweep(
     scene: str | os.PathLike[str],
     vary: Mapping[str, Values] | Sequence[str],
@@ -384,7 +386,7 @@ def sweep(
     seed: int = 307,
     cluster: str | None = None,
     workers: int | None = None,
-    units: str = "si",
+    units: UnitSystem = "si",
     force: bool = False,
 ) -> result.Result:
     """Run a scene for many values of its keys.
@@ -393,7 +395,7 @@ def sweep(
     ----------
     scene : str or path
         Name of a scene of the program, or path of a TOML file.
-    vary : mapping
+    vary : mapping or sequence of str
         Values by dotted key: a list, or a text as on the command line, "log:20 GPa:2 TPa:5".
     changes : mapping or sequence of str, optional
         Values by dotted key, or texts KEY=VALUE.
@@ -408,7 +410,7 @@ def sweep(
     workers : int, optional
         Number of worker processes; 0 runs in this process. Default: 0 for up to three runs and for objects registered
         in this process, otherwise the number of cores.
-    units : str
+    units : {"si", "us"}
         Units of the page and the printed text, "si" or "us"; numbers are in SI.
     force : bool
         Replace the result of another command, but not of another sweep, in this folder.
@@ -506,7 +508,7 @@ def _folder_or_none(folder: str | os.PathLike[str] | None) -> Iterator[Path]:
             raise KeyboardInterrupt("interrupted; without a folder no rows are saved") from None
 
 
-@named_arguments
+@checked_arguments
 def compare(
     reference: result.Result | str | os.PathLike[str],
     *others: result.Result | str | os.PathLike[str],
@@ -563,7 +565,7 @@ def compare(
     return result.of_report("compare", made, tables=tables, histories=histories, inputs=tuple(chain(*inputs)))
 
 
-@named_arguments
+@checked_arguments
 def confirm(
     scene: Scene,
     changes: Changes | None = None,
@@ -627,11 +629,8 @@ def _case(scene: Scene, changes: Changes | None, level: int = 4) -> Case:
         source = scene.source
     elif isinstance(scene, Mapping):
         source = Source(given=_plain(scene))
-    elif isinstance(scene, str | os.PathLike):
-        source = read.read_source(os.fspath(scene))
     else:
-        allowed = "allowed is a name, the path of a TOML file, or a dict of tables"
-        raise InputError("scene", type(scene).__name__, allowed)
+        source = read.read_source(os.fspath(scene))
     typed = not isinstance(changes, Mapping)
     values = parse_changes(changes or (), source.given) if typed else named(_plain(changes))
     varied, source = vary(source, values)

@@ -13,6 +13,7 @@ import click
 import tailslap
 from postprocess.fields import FORMATS
 from tailslap import errors, options, studies
+from tailslap.arguments import UnitSystem
 from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.exports import PROGRAMS, SOLVERS
@@ -100,8 +101,8 @@ def commands() -> None:
 @click.option("--no-pictures", is_flag=True, help="Omit the contour images.")
 @click.option(
     "--tolerance",
-    type=options.Real(0.0, 1.0, min_open=True, max_open=True),
-    help="Refine the mesh until the relative error is below this value.",
+    type=options.Real(1e-8, 1.0, max_open=True),
+    help="Refine the mesh until the relative error is below this value, of whole impacts at least 0.005.",
 )
 @click.option("--resume", is_flag=True, help="Resume from the checkpoint of an interrupted run.")
 @options.with_options(options.FORCE, *options.WATCHED)
@@ -139,7 +140,7 @@ def run(
 @commands.command()
 @takes_a_case
 @options.with_options(*options.PRINTED)
-def rigid(case: Case, as_json: bool, units: str) -> int:
+def rigid(case: Case, as_json: bool, units: UnitSystem) -> int:
     """Solve the rigid-body method, or the whole impact of the rigid vehicle."""
     if as_json and units == "us":
         raise errors.InputError("--units", units, "--json is always in SI; remove one of the two options")

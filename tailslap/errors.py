@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import difflib
 import errno
-import functools
-import inspect
 import shlex
 import textwrap
-from collections.abc import Callable, Iterable
-from typing import Any, TypeVar
-
-Function = TypeVar("Function", bound=Callable[..., Any])
+from collections.abc import Iterable
 
 APT_INSTALL = "apt-get install -y --no-install-recommends"
 APT_PACKAGES = (  # the same names on Debian 12 and 13 and on Ubuntu 22.04 and 24.04
@@ -92,20 +87,6 @@ def one_of(name: str, known: Iterable[str], which: str = "allowed is one of") ->
     if len(names) > LONG:
         names = "\n" + textwrap.fill(names, 78, subsequent_indent=" ", break_on_hyphens=False)
     return f"{which}{names}{nearest(name, known)}"
-
-
-def named_arguments(function: Function) -> Function:
-    """Decorator: a keyword argument that the function does not have raises TypeError with the nearest that it has."""
-    known = inspect.signature(function).parameters
-
-    @functools.wraps(function)
-    def checked(*arguments: Any, **options: Any) -> Any:
-        for name in options.keys() - known.keys():
-            hint = one_of(name, known, "its arguments are")
-            raise TypeError(f"{function.__name__}() has no argument {name!r}; {hint}")
-        return function(*arguments, **options)
-
-    return checked  # type: ignore[return-value]
 
 
 def place_error(place: object, what: str, error: OSError, key: str = "--out") -> Exception:

@@ -20,6 +20,7 @@ from postprocess.figures.histories import Curve, HistoryPlot, plot_overlays
 from postprocess.report.page import Headline, Table, plain
 from postprocess.report.report import PAGE, Report, in_units, opened, write_report
 from postprocess.units import SI, SYSTEMS
+from tailslap.arguments import checked_arguments
 from tailslap.errors import InputError, Missing, Verbatim, one_of
 from tailslap.files.folder import result_folder
 from tailslap.files.manifest import Origin
@@ -267,6 +268,7 @@ class Result:
             raise InputError("output.fields", Missing, FIELDS_NEEDED)
         return found
 
+    @checked_arguments
     def mesh(self, t: float | None = None) -> pyvista.UnstructuredGrid:
         """Mesh of the plate with its fields, for PyVista.
 
@@ -297,6 +299,7 @@ class Result:
         series, k = self._instant(t)
         return series.grid(k)
 
+    @checked_arguments
     def plot_field(self, name: str, t: float | None = None, magnify: float = 1.0) -> PIL.Image.Image:
         """Draw a field of the plate as a contour picture.
 
@@ -340,6 +343,7 @@ class Result:
         fields = self.fields
         return fields, -1 if t is None else int(abs(fields.t - t).argmin())
 
+    @checked_arguments
     def plot(self, *names: str) -> HistoryPlot:
         """Plot columns of the FE run and the rigid vehicle over time, or of a sweep over the first varied key.
 
@@ -372,6 +376,7 @@ class Result:
             panels[heading] = [Curve(label, its[over], its[name]) for label, its in having.items()]
         return plot_overlays(panels, drawn[next(iter(drawn))].heading(over))
 
+    @checked_arguments
     def save(self, folder: str | os.PathLike[str], pictures: bool = True, *, force: bool = False) -> Path:
         """Write the files of the command.
 

@@ -22,7 +22,7 @@ from postprocess.signals.filters import design_forces
 from postprocess.units import SI, Units, force, measure, percent_up, shown
 from tailslap.case import cost, model
 from tailslap.case.model import Decision
-from tailslap.errors import InputError, Verbatim
+from tailslap.errors import InputError
 from tailslap.scene import write
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, vary
@@ -265,10 +265,10 @@ class Case(ABC):
             return self._run()
         if not self.least_tolerance <= tolerance < 1.0:
             allowed = f"allowed is from {self.least_tolerance:g} to below 1"
-            raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
+            raise InputError("--tolerance", tolerance, allowed)
         if not self.scene.verify.companion:
             allowed = "it requires the stated error of a run; remove verify.companion"
-            raise InputError("--tolerance", Verbatim(f"{tolerance:g}"), allowed)
+            raise InputError("--tolerance", tolerance, allowed)
         case = self
         while True:
             outcome = case._run()

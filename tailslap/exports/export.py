@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
-from tailslap.errors import InputError, Verbatim, named_arguments, one_of
+from tailslap.arguments import UnitSystem, checked_arguments
+from tailslap.errors import InputError, Verbatim, one_of
 from tailslap.exports import PROGRAMS
 from tailslap.files.load import load
 from tailslap.result import FE, RIGID, Result
@@ -21,7 +22,7 @@ FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", 
 """File to open, by format."""
 
 
-@named_arguments
+@checked_arguments
 def export(
     result: Result | str | os.PathLike[str],
     to: str,
@@ -30,7 +31,7 @@ def export(
     changes: Sequence[str] = (),
     field: str | None = None,
     magnify: float = 1.0,
-    units: str = "si",
+    units: UnitSystem = "si",
     picture_size: str | tuple[int, int] | None = None,
     force: bool = False,
 ) -> Path:
@@ -53,7 +54,7 @@ def export(
         Field of the pictures, e.g. "stress_von_mises" or "velocity_y". Default: all.
     magnify : float
         Magnification of the elastic deformation in pictures [-].
-    units : str
+    units : {"si", "us"}
         Units of the pictures, "si" or "us"; other files are in SI.
     picture_size : tuple of int or str, optional
         Width and height of pictures [pixels], (3200, 1400) or "3200x1400"; letters and lines are in proportion.
@@ -132,11 +133,9 @@ def _export_deck(scene: object, to: str, folder: object, changes: tuple[str, ...
 
 
 def _units(to: str, units: str) -> Units:
-    """Units of pictures. Raises InputError for unknown units, or for formats without pictures."""
+    """Units of pictures. Raises InputError for formats without pictures."""
     from postprocess.units import SYSTEMS
 
-    if units not in SYSTEMS:
-        raise InputError("--units", units, f"allowed is one of {', '.join(SYSTEMS)}")
     if units != "si" and to not in PICTURES:
         raise InputError("--units", units, f"{to} files are always in SI; remove --units")
     return SYSTEMS[units]

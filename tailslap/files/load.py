@@ -17,6 +17,7 @@ import numpy as np
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
 from postprocess.report import page
 from tailslap import errors, result
+from tailslap.arguments import checked_arguments
 from tailslap.files import folder, manifest
 
 Read = TypeVar("Read")
@@ -146,7 +147,7 @@ def _names_in(place: Path) -> set[str]:
         raise errors.place_error(place, "the folder cannot be read", error, "folder") from None
 
 
-@errors.named_arguments
+@checked_arguments
 def load(folder: str | os.PathLike[str], *, force: bool = False) -> result.Result:
     """Load the result folder of a run, a study or a sweep.
 

@@ -19,8 +19,8 @@ from postprocess.report.report import Report
 from postprocess.svg import chart, marks
 from postprocess.units import percent, percent_up
 from tailslap import progress
+from tailslap.arguments import checked_arguments
 from tailslap.case.report import footer
-from tailslap.errors import named_arguments
 from tailslap.replication import tables
 from tailslap.replication.tables import FIGURES, Numbers
 from tailslap.result import Result, of_report
@@ -47,7 +47,7 @@ MARK_LOOKS: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour
 """Looks of the first and the second motion, or kind of mark."""
 
 
-@named_arguments
+@checked_arguments
 def paper() -> Result:
     """Compare the tables and figures of the paper with computed values.
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tailslap import errors
+from tailslap.arguments import checked_arguments
 from tailslap.scene import schema, units
 from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
 
@@ -56,7 +57,7 @@ def shipped_scenes() -> dict[str, str]:
     return {item.name.removesuffix(".toml"): item.read_text(encoding="utf-8") for item in found}
 
 
-@errors.named_arguments
+@checked_arguments
 def scenes() -> dict[str, str]:
     """List the scenes of the program.
 

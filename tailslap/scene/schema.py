@@ -153,7 +153,9 @@ class Vehicle(SceneTable):
 class Trailer(Vehicle):
     """Trailer of a train, hinged to the unit ahead on the centre lines of both; whole impacts only."""
 
-    hitch: Hitch = needed("distance of the hinge behind the front of the unit ahead")
+    hitch: Hitch = needed(
+        "distance of the hinge behind the front of the unit ahead, a tow ball beyond its rear"
+    )
     kingpin: Kingpin = needed("distance of the hinge behind the front of the trailer; negative for a drawbar")
     stiffness: Stiffness | None = key("crush stiffness of each corner; default: contact.stiffness")
     hitch_length: Length | None = key(

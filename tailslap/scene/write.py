@@ -1,7 +1,6 @@
 """Scenes as text: the scene of a run, a new scene with every key, and the table of inputs."""
 
 import json
-import tomllib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -13,7 +12,8 @@ from pydantic.fields import FieldInfo
 
 from fem.laws import materials
 from postprocess.units import measure
-from tailslap.errors import InputError, named_arguments, place_error
+from tailslap.arguments import checked_arguments
+from tailslap.errors import InputError, place_error
 from tailslap.scene import schema, units, validate, vary
 
 
@@ -88,7 +88,7 @@ OPTIONAL: Mapping[str, Mapping[str, str]] = {
 """Examples in the comments where that of the quantity is none of the key."""
 
 
-@named_arguments
+@checked_arguments
 def new(name: str) -> Path:
     """Write NAME.toml in the current folder, a scene with every key, its meaning and an example.
 
@@ -114,8 +114,8 @@ def new(name: str) -> Path:
     'my-truck'
     """
     stem = name.removesuffix(".toml")
+    validate.validate({"name": stem, **EXAMPLE})
     path, text = Path(f"{stem}.toml"), new_scene(stem)
-    validate.validate(tomllib.loads(text))
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text)

@@ -142,6 +142,55 @@ def test_wrong_names_get_the_nearest(call, kind, hint):
         call()
 
 
+METHODS = tuple(getattr(tailslap.Result, name) for name in ("mesh", "plot", "plot_field", "save"))
+TAKEN = [
+    (function, name)
+    for function in (*(getattr(tailslap, name) for name in FUNCTIONS), *METHODS)
+    for name in inspect.signature(function).parameters
+    if name not in ("self", "options")
+]
+VALID = {"scene": "mash-tl4-sut", "name": "uncertainty", "vary": {"impact.speed": [20.0]}, "to": "csv"}
+"""Valid values of arguments without default."""
+
+
+@pytest.mark.parametrize(("function", "name"), TAKEN, ids=lambda part: getattr(part, "__qualname__", part))
+@pytest.mark.parametrize("wrong", [object(), b"x", 1j])
+def test_an_argument_of_another_type_is_refused_by_its_name(function, name, wrong):
+    known = inspect.signature(function).parameters
+    options = {other: VALID[other] for other in known if other in VALID}
+    several = known[name].kind is inspect.Parameter.VAR_POSITIONAL
+    with pytest.raises(InputError) as caught:
+        function("x", wrong) if several else function(**options | {name: wrong})
+    assert (caught.value.key, caught.value.given) == (name, repr(wrong))
+    assert re.search(rf"^ *\*?{name} : {re.escape(caught.value.allowed.removeprefix('allowed is '))}$",
+                     inspect.getdoc(function), re.MULTILINE)  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "key"), [
+    (lambda: tailslap.new("\0"), "name"), (lambda: tailslap.new("\ud800"), "name"),
+    (lambda: tailslap.new("\1"), "name"),
+    (lambda: tailslap.load("\0"), "folder"), (lambda: tailslap.load(Path("\0")), "folder"),
+    (lambda: tailslap.load("\ud800"), "folder"),
+    (lambda: tailslap.rigid("mash-tl4-sut", [("impact.speed",)]), "changes"),
+    (lambda: tailslap.rigid("mash-tl4-sut", "impact.speed=20"), "changes"),
+    (lambda: tailslap.rigid("mash-tl4-sut", {3: 20.0}), "changes"),
+    (lambda: tailslap.rigid("mash-tl4-sut", units="imperial"), "units"),
+    (lambda: tailslap.sweep("mash-tl4-sut", {"impact.speed": 20.0}), "vary"),
+    (lambda: tailslap.run("mash-tl4-sut", tolerance="1 %"), "tolerance"),
+    (lambda: tailslap.run("mash-tl4-sut", tolerance=True), "tolerance"),
+])  # fmt: skip
+def test_what_no_argument_can_be_is_refused_by_its_name(call, key):
+    with pytest.raises(InputError) as caught:
+        call()
+    assert caught.value.key == key
+
+
+def test_numbers_and_rows_of_numpy_are_taken():
+    changes = np.array(["impact.speed=56 mph"])
+    assert tailslap.modes("paper-table-3", count=np.int64(1)).summary["modes"]
+    assert tailslap.rigid("mash-tl4-sut", changes).summary == tailslap.rigid("mash-tl4-sut").summary
+
+
 def test_scenes_paper_and_new_have_the_bits_of_the_commands(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert tailslap.scenes() == json.loads(command(capsys, "scenes", "--json"))

@@ -260,9 +260,9 @@ def test_what_makes_no_scene_or_no_motion_is_refused_by_its_key(changes, key, al
 
 
 TRAILER = {"length": "48 ft", "width": 2.6, "mass": 27770, "hitch": "5.6 m", "kingpin": 0.9}
-UNIT_AHEAD = "from 0 to the length of the unit ahead, 6.9 m"
+UNIT_AHEAD = "from 0 to twice the length of the unit ahead, 13.8 m"
 OF_TRAINS = [
-    ("impact-mash-tl4-sut", {"trailer.0.hitch": 7.0}, "trailer.0.hitch", UNIT_AHEAD),
+    ("impact-mash-tl4-sut", {"trailer.0.hitch": 13.9}, "trailer.0.hitch", UNIT_AHEAD),
     ("impact-mash-tl4-sut", {"trailer.0.kingpin": 15.0}, "trailer.0.kingpin", "to the trailer's length, 14.6304 m"),
     ("impact-mash-tl4-sut", {"damping.kind": "elastic-velocity", "damping.rate": 5.0}, "damping.kind", "the hinges"),
     ("impact-mash-tl4-sut", {"trailer.0.kingpin": -15.0, "plate": None}, "trailer.0.kingpin", "from -14.6304, a"),

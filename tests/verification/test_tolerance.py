@@ -13,8 +13,9 @@ from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.checks import rings
 from tailslap.case.corner.error import CORRUPTED
 from tailslap.case.corner.run import attempt, damped_alike, damped_freely, on_plate
+from tailslap.case.impact.case import ImpactCase
 from tailslap.case.model import comparable_plate, refined
-from tailslap.cli import _status
+from tailslap.cli import _status, commands
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
@@ -190,6 +191,22 @@ def test_soft_plate_is_held_against_its_own_limit():
 def test_tolerances_that_make_no_sense(tolerance):
     with pytest.raises(InputError, match="--tolerance"):
         case_of("paper-table-3").run(tolerance)
+
+
+@pytest.mark.parametrize(
+    ("kind", "scene"), [(CornerCase, "paper-table-3"), (ImpactCase, "impact-mash-tl4-sut")]
+)
+def test_a_tolerance_below_the_least_is_shown_with_all_of_its_digits(kind, scene):
+    """The allowed value and the refused one are different texts; what the command allows, a corner can be held to."""
+    case = kind(*read_scene(scene))
+    tolerance = math.nextafter(case.least_tolerance, 0.0)
+    with pytest.raises(InputError) as caught:
+        case.run(tolerance)
+    assert caught.value.allowed == f"allowed is from {case.least_tolerance:g} to below 1"
+    assert str(caught.value).startswith(f"--tolerance: given {tolerance!r};")
+    (option,) = (own for own in commands.commands["run"].params if own.name == "tolerance")
+    assert (option.type.min, option.type.min_open) == (CornerCase.least_tolerance, False)
+    assert f"{ImpactCase.least_tolerance:g}" in option.help
 
 
 def test_setting_that_would_flutter_is_damped_by_the_run(monkeypatch):

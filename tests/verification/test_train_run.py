@@ -226,8 +226,8 @@ def test_finer_meshes_of_a_tolerance_keep_the_chosen_lengths(monkeypatch):
     assert finer.scene.trailer[0].hitch_length == 1.22
 
 
-def test_a_drawbar_and_a_third_unit_run():
-    trailer = TRAILER | {"kingpin": -1.0, "hitch": 6.9, "stiffness": 1e6}
+def test_a_drawbar_at_a_tow_ball_and_a_third_unit_run():
+    trailer = TRAILER | {"kingpin": -1.0, "hitch": 7.0, "stiffness": 1e6}
     outcome = run.attempt(case(trailer=[trailer, TRAILER | {"hitch": 13.0}], time__end=0.3))
     assert outcome.fe.units == 3
     law = outcome.fe_plan.model.loop.contact.law

@@ -149,6 +149,21 @@ def test_the_hinge_of_two_spinning_units_bears_their_relative_acceleration():
             assert np.hypot(*force) == pytest.approx(reduced * 0.4**2 * (a + b), rel=1e-6)
 
 
+def test_a_tow_ball_is_the_hinge_of_a_longer_vehicle_until_the_rear_strikes():
+    short, long = (
+        train_impact(
+            vehicle=ImpactVehicle(length, 2.44, 8200.0, 2.9, 34621.0),
+            trailers=[(TRAILER, 7.0, 0.9)],
+            end=0.12,
+        )
+        for length in (6.9, 7.1)
+    )
+    assert long.strikes[0].corner == short.strikes[0].corner
+    for name in ("duration", "peak_force", "impulse", "friction_work"):
+        value = getattr(short.strikes[0], name)
+        assert getattr(long.strikes[0], name) == pytest.approx(value, rel=1e-7)
+
+
 def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
     """Which has no angle: while nothing touches it, the tractor with it is one rigid vehicle."""
     m, point, a = TRACTOR.mass, 27770.0, TRACTOR.front_distance
