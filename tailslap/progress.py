@@ -68,20 +68,26 @@ def progress_bar(label: str, total: int = 0) -> Iterator[Callable[[float], None]
 
 @contextmanager
 def counted(
-    label: str, total: int, before: int, logged: float | None = LOGGED_EVERY
+    label: str,
+    total: int,
+    before: int,
+    logged: float | None = LOGGED_EVERY,
+    work_left: Callable[[float], float] | None = None,
 ) -> Iterator[Callable[..., None]]:
     """Yield a function that takes how many of `total` are done, and a note; it logs where there is no terminal.
 
     total: 0 where a fraction is shown in per cent. before: how many were done when this begins, which count for no
-    rate. logged: seconds between log lines, None for none.
+    rate. logged: seconds between log lines, None for none. work_left: what is left when so many are done, where they
+    differ in cost.
     """
     began, done, note = time.monotonic(), float(before), ""
+    left = work_left or (lambda count: max(total, 1) - count)
 
     def line() -> str:
         elapsed, own = time.monotonic() - began, done - before
         count = f"{round(done)} of {total}" if total else f"{100.0 * done:.0f} %"
         rate = f", {own / elapsed:.3g}/s" if total and own else ""
-        return f"{label}: {count}{rate}, {_left(max(total, 1) - done, own, elapsed)}{note}"
+        return f"{label}: {count}{rate}, {_left(left(done), left(before) - left(done), elapsed)}{note}"
 
     def show(count: float, remark: str = "") -> None:
         nonlocal done, note
@@ -90,6 +96,12 @@ def counted(
 
     with _shown(line, lambda: done / max(total, 1), logged) as log:
         yield show
+
+
+def estimated(text: str) -> None:
+    """Say what a long campaign will take, terminal or not, unless progress is silent."""
+    if os.environ.get(MODE) != "none":
+        compiling(text)
 
 
 def compiling(text: str) -> None:

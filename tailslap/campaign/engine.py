@@ -13,7 +13,10 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import partial
+from itertools import accumulate
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from tailslap import progress
@@ -74,26 +77,43 @@ def run_parts(
     journal: Journal,
     label: str,
     workers: int | None = None,
+    expected: Mapping[str, float] = MappingProxyType({}),
 ) -> None:
     """Call function(*arguments) for every part that the journal lacks; the results are records of the journal.
 
-    workers: processes, None for one a core; a single one is this process itself. An error in a part is raised here.
+    workers: processes, None for one a core; a single one is this process itself. expected: processor time of each part
+    [s], where it is known; the longest come first, and the sum is announced. An error in a part is raised here.
     """
     records = journal.records
-    left: list[Key] = [key for key in parts if key not in records]
+    costs = {key: expected.get(key, 1.0) for key in parts if key not in records}
+    left: list[Key] = [*sorted(costs, key=costs.__getitem__, reverse=True)]
     if not left:
         return
     count = cost.worker_count(workers, len(left))
+    work = (0.0, *accumulate(costs[str(key)] for key in reversed(left)))
+    if expected:
+        cores = f"{count} cores" if count > 1 else "one core"
+        wall = max(work[-1] / count, costs[str(left[0])])
+        progress.estimated(f"{label}: expected time {progress.clock(wall)} on {cores}")
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(pools.local(count if count > 1 else 0))
-        show = stack.enter_context(progress.counted(label, len(parts), len(parts) - len(left)))
+        total, before = len(parts), len(parts) - len(left)
+        rest = partial(_work_left, work, total)
+        show = stack.enter_context(progress.counted(label, total, before, work_left=rest))
         todo = Parts(function, left, lambda key: parts[str(key)], _died)
         perform(todo, records, pool, lambda threads: show(len(records)))
 
 
+def _work_left(work: Sequence[float], total: int, done: float) -> float:
+    return work[round(total - done)]
+
+
 @contextlib.contextmanager
 def study(
-    place: Path, definition: Mapping[str, Any], workers: int | None = None
+    place: Path,
+    definition: Mapping[str, Any],
+    workers: int | None = None,
+    expected: Mapping[str, float] = MappingProxyType({}),
 ) -> Iterator[Callable[[Group], dict[str, Any]]]:
     """Yield a function from a group of parts to its results; an interrupted study goes on from its journal."""
     name = definition["scene"]["name"]
@@ -101,17 +121,21 @@ def study(
 
         def results(group: Group) -> dict[str, Any]:
             function, parts, label = group
-            run_parts(function, parts, journal, f"{name}: {label}", workers)
+            run_parts(function, parts, journal, f"{name}: {label}", workers, expected)
             return {key: journal.records[key] for key in parts}
 
         yield results
 
 
 def run_study(
-    place: Path, definition: Mapping[str, Any], groups: Sequence[Group], workers: int | None = None
+    place: Path,
+    definition: Mapping[str, Any],
+    groups: Sequence[Group],
+    workers: int | None = None,
+    expected: Mapping[str, float] = MappingProxyType({}),
 ) -> list[dict[str, Any]]:
     """Results by key of each group of parts, see `study`."""
-    with study(place, definition, workers) as results:
+    with study(place, definition, workers, expected) as results:
         return [results(group) for group in groups]
 
 

@@ -15,12 +15,14 @@ from dataclasses import replace
 from functools import partial
 from itertools import combinations
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from test_sweep_run import alive, children
 
 from postprocess.report.provenance import CRATE
 from postprocess.report.report import report_text, write_report
+from tailslap import progress
 from tailslap.campaign import draws
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
@@ -293,6 +295,115 @@ def test_parts_that_the_journal_has_are_not_run_again(journal):
         noted.records.add({"seven": "kept"})
         run_parts(operator.add, {"seven": (3, 4), "five": (2, 3)}, noted, "adding", workers=1)
         assert noted.records == {"seven": "kept", "five": 5}
+
+
+def started(journal, parts, expected, monkeypatch):
+    """The order in which a single worker takes up parts, and what was said before."""
+    said: list[tuple[str, int]] = []
+    order: list[str] = []
+    monkeypatch.setattr("tailslap.progress.compiling", lambda text: said.append((text, len(order))))
+    with journal(a=1) as noted:
+        noted.records.add({"done": None})
+        run_parts(order.append, parts, noted, "cells", 1, expected)
+        assert noted.records.keys() == parts.keys()
+    return order, said
+
+
+def test_the_costliest_parts_come_first_none_is_lost_and_the_time_is_said_before(journal, monkeypatch):
+    monkeypatch.delenv(progress.MODE, raising=False)
+    parts = {key: (key,) for key in ("a", "done", "b", "c", "d")}
+    expected = {"a": 10.0, "done": 1000.0, "b": 40.0, "c": 10.0, "d": 60.0}
+    order, said = started(journal, parts, expected, monkeypatch)
+    assert order == ["d", "b", "a", "c"]
+    assert said == [("cells: expected time 2:00 on one core", 0)]
+
+
+def test_parts_of_unknown_cost_keep_their_order_and_nothing_is_said(journal, monkeypatch):
+    parts = {key: (key,) for key in ("b", "done", "c", "a")}
+    assert started(journal, parts, {}, monkeypatch) == (["b", "c", "a"], [])
+
+
+def test_silent_progress_announces_no_time(journal, monkeypatch):
+    monkeypatch.setenv(progress.MODE, "none")
+    assert started(journal, {"done": (), "a": ("a",)}, {"a": 1.0}, monkeypatch) == (["a"], [])
+
+
+def test_the_time_left_is_that_of_the_work_which_is_left(monkeypatch):
+    monkeypatch.setattr(progress, "_left", lambda rest, done, elapsed: f"{rest:g} after {done:g}")
+    lines: list[str] = []
+    work = [0.0, 0.5, 1.0, 10.0]
+    with (
+        progress.followed(lines.append),
+        progress.counted("x", 4, 1, work_left=lambda n: work[4 - round(n)]) as show,
+    ):
+        show(2)
+        show(4)
+    assert [line.rpartition(", ")[2] for line in lines] == ["1 after 9", "0 after 10"]
+
+
+def test_every_cell_has_an_estimate_and_those_of_many_steps_the_longest():
+    case = CornerCase(*read_scene("paper-table-3"))
+    base, axes = study.base_source(case.scene), axes_of(case.scene, 4)
+    cells = map_cells(case.scene, axes)[0]
+    assert study.expected_seconds(case, base, cells).keys() == cells.keys()
+    seconds = {
+        name: study.expected_seconds(case, base, {"": changes})[""]
+        for name, changes in {
+            "usual": {},
+            "slender": {"vehicle.width": 0.02 * case.scene.vehicle.length},
+            "stiff": {"plate.youngs_modulus": 2e15},
+            "penalty": {"corner.penalty_scale": 1e4},
+            "refused": {"time.safety_factor": -1.0},
+        }.items()
+    }
+    assert seconds["refused"] == study.CELL_S < seconds["usual"]
+    assert min(seconds[name] for name in ("slender", "stiff", "penalty")) > 1.5 * seconds["usual"]
+
+
+@pytest.mark.parametrize(("name", "changes"), [
+    ("paper-table-3", {"vehicle.width": 0.0834}), ("paper-table-3", {"plate.youngs_modulus": 2e13}),
+    ("paper-table-3", {"corner.penalty_scale": 1e3}), (TRUCK, {}), (TRUCK, {"impact.speed": 5.0}),
+])  # fmt: skip
+def test_the_estimate_of_a_loop_is_that_of_its_plan_within_a_factor(name, changes):
+    case = case_of(*read_scene(name))
+    base = study.base_source(case.scene)
+    seconds = study.expected_seconds(case, base, {"": changes})[""] - study.CELL_S
+    planned = case_of(*vary(base, changes)).plan().expected_seconds
+    assert 0.3 < seconds / study.LOOPS / planned < 3.0
+
+
+def test_an_announced_map_has_all_cells_in_their_order_and_says_how_long(tmp_path, monkeypatch):
+    said: list[str] = []
+    order: list[Any] = []
+
+    def verdict(base, changes, verify):
+        order.append(changes)
+        return study.verdict("right", steps=len(order), processor_seconds=1.0)
+
+    monkeypatch.delenv(progress.MODE, raising=False)
+    monkeypatch.setattr("tailslap.progress.compiling", said.append)
+    monkeypatch.setattr(study, "judge", verdict)
+    case = CornerCase(*read_scene("paper-table-3"))
+    found = study.compute(case, tmp_path / "out", points=2, tolerance=1e-3, count=None, seed=1, workers=1)
+    assert list(found.rows) == list(found.cells)
+    expected = study.expected_seconds(case, found.base, found.cells)
+    by_start = sorted(found.rows, key=lambda key: found.rows[key]["steps"])
+    assert [expected[key] for key in by_start] == sorted(expected.values(), reverse=True)
+    assert len(said) == 1
+    assert re.fullmatch(r"paper-table-3: 112 cells: expected time [\d:]+ on one core", said[0])
+
+
+def test_the_report_shows_the_ten_costliest_cells_and_the_processor_time_of_all(tmp_path):
+    rows = {f"{n:04d}": study.verdict("right", steps=n, processor_seconds=float(n)) for n in range(1, 25)}
+    found = campaign_of()._replace(rows=rows, cells={key: {} for key in rows})
+    write_report(report(found), tmp_path)
+    cost = json.loads((tmp_path / "summary.json").read_text())["cost"]
+    assert cost["processor_seconds"] == 300.0
+    assert [row["cell"] for row in cost["costliest"]] == [f"{n:04d}" for n in range(24, 14, -1)]
+    assert cost["costliest"][0]["share"] == 0.08
+    page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
+    assert "Processor time of all 24 cells: 300 s; share of these 10: 65%." in page
+    assert "8.0%" in page
 
 
 def test_page_and_summary_say_what_was_found(tmp_path):

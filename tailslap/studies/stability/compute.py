@@ -59,10 +59,11 @@ RANDOM_KINDS = {
 # A verdict. failed: names of the checks that failed; reason: otherwise why the cell is refused, left out, wrong,
 # or flexible. difference, reference: largest difference of the five quantities from the rigid motion, of the run
 # and of the refined model; distance, allowed: between the two, and how large it may be; error: as the run
-# itself estimates it. model, reference_model: elements.
+# itself estimates it. model, reference_model: elements. processor_seconds: of the run, its reference and the planning.
 UNKNOWN: Row = {"kind": "", "failed": "", "reason": "", "distance": math.nan, "allowed": math.nan}
 UNKNOWN |= {"difference": math.nan, "reference": math.nan, "error": math.nan, "model": ""}
 UNKNOWN |= {"reference_model": "", "steps": 0, "seconds": 0.0, "reference_seconds": 0.0}
+UNKNOWN |= {"processor_seconds": 0.0}
 
 # Fraction of a difference that refinement may change for it to count as the plate's own.
 SURVIVES = 0.5
@@ -82,6 +83,16 @@ FIRST, SECOND, CONFIRMING = (1.5, 1.0, 0.7), (2.0, 1.0, 0.7), (2.0, 1.5)
 # Elements of which a reference has no more; expected seconds of the time loop, at most: of a random cell's reference,
 # and of any run of the map.
 MAX_ELEMENTS, MAX_REFERENCE_S, LONGEST_S = 600, 4.0, 100.0
+
+# Processor time of a cell whatever its steps [s]; time of all its loops, a companion's and those of the start included,
+# over the estimate for its run. Measured on cells of paper-table-3 that were drawn at random.
+CELL_S, LOOPS = 0.2, 2.0
+
+# Width over length below which the program takes quadratic elements in bending, on the map of paper-table-3.
+SLENDER = 0.05
+
+# Steps with a penalty over those without, by the root of its scale; measured at scales of 46 to 10 000.
+PENALTY_STEPS = 0.5
 
 # Stiffness-proportional damping against flutter, of the reference that is tried last.
 FLUTTER_DAMPING = 0.05
@@ -135,7 +146,8 @@ def compute(
         cells, places = map_cells(scene, axes)
     definition = {"study": "stability", "scene": base.given, **settings}
     parts = {key: (base, changes, verify) for key, changes in cells.items()}
-    (found,) = engine.run_study(place, definition, [(judge, parts, f"{len(cells)} cells")], workers)
+    expected = {} if count else expected_seconds(case, base, cells)
+    (found,) = engine.run_study(place, definition, [(judge, parts, f"{len(cells)} cells")], workers, expected)
     rows = {key: places[key] | its for key, its in found.items()}
     return StabilityResult(case, base, axes, settings, kinds, cells, rows, time.perf_counter() - began)
 
@@ -145,8 +157,42 @@ def base_source(scene: Scene) -> Source:
     return vary(Source.of(scene), {"wall": None})[1]
 
 
+def expected_seconds(case: Any, base: Source, cells: Mapping[str, Changes]) -> dict[str, float]:
+    """Return the estimated processor time of every cell of a map, without a plan [s]."""
+    return {key: CELL_S + _loop_seconds(case, base, changes) for key, changes in cells.items()}
+
+
+def _loop_seconds(usual: Any, base: Source, changes: Changes) -> float:
+    """Return the estimated time of a cell's loop, 0 where it is refused or left out [s]."""
+    try:
+        scene, source = vary(base, changes)
+        plate = scene.needed_plate
+        duration = _impact_duration(usual, scene) if scene.contact else case_of(scene, source).duration
+    except Exception:  # judged with its cell, and what breaks the program too
+        return 0.0
+    if "element" not in plate.model_fields_set:
+        slender = scene.vehicle.width < SLENDER * scene.vehicle.length
+        plate = plate.model_copy(update={"element": "quad9" if slender else "quad4"})
+    effort = expected_effort(scene.model_copy(update={"plate": plate}), duration)
+    penalty = (scene.contact or scene.corner).penalty_scale or 0.0
+    seconds = effort.seconds * max(1.0, PENALTY_STEPS * math.sqrt(penalty))
+    return LOOPS * seconds if seconds <= LONGEST_S else 0.0
+
+
+def _impact_duration(usual: Any, scene: Scene) -> float:
+    """Return about the duration of a whole impact, in proportion to the usual one [s]; its run would take longer."""
+    return float(usual.duration * usual.scene.impact.speed / scene.impact.speed) if scene.impact else 0.0
+
+
 def judge(base: Source, changes: Changes, verify: Callable[[Any], Row]) -> Row:
-    """The verdict on the scene with these changes: what became of its run, and of what `verify` holds it against."""
+    """The verdict on the scene with these changes, and the processor time that it took."""
+    began = time.process_time()
+    row = _judged_cell(base, changes, verify)
+    return row | {"processor_seconds": time.process_time() - began}
+
+
+def _judged_cell(base: Source, changes: Changes, verify: Callable[[Any], Row]) -> Row:
+    """The verdict: what became of the cell's run, and of what `verify` holds it against."""
     began = time.perf_counter()
     try:
         case: Any = case_of(*vary(base, changes))

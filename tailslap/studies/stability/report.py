@@ -1,8 +1,11 @@
 """Report of the study `stability`."""
 
+import heapq
+import math
 from collections import Counter
 from collections.abc import Iterable
 from itertools import combinations
+from operator import itemgetter
 from typing import Any
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
@@ -42,6 +45,14 @@ AXES = (
 )
 VERDICTS = (Column("kind", "Verdict"), Column("meaning", "Meaning"), Column("cells", "Cells", form="d"))
 SMALL = known(".1e")
+COSTLIEST = 10
+"""Cells that the table of cost shows."""
+COST = (
+    *columns({"cell": "Cell", "kind": "Verdict", "model": "Elements"}),
+    Column("steps", "Steps", form="d"),
+    Column("processor_seconds", "Processor time [s]", form=".3g"),
+    Column("share", "Share", form=".1%"),
+)
 LISTED = (
     *columns({"cell": "Cell", "kind": "Verdict", "why": "Failed checks or reason"}),
     *columns({"distance": "Distance", "allowed": "Allowed"}, form=SMALL),
@@ -71,6 +82,7 @@ def report(found: StabilityResult) -> Report:
         Section("Verdicts", tables=(Table(VERDICTS, verdicts), Table(AXES, found.axes, "Axes"))),
         Section("Maps", figures=maps(found), layout="narrow"),
         Section("Reasons", tables=why),
+        Section("Cost", tables=(costliest(found),)),
     )
     opening, kicker = headline(found), MAP if found.axes else RANDOM
     page = study_page(found.case, kicker, opening, sections, FILES, not counted[WRONG])
@@ -131,8 +143,30 @@ def summary(found: StabilityResult) -> dict[str, Any]:
         "caught_by": caught_by(found),
         "wrong": _records(found, WRONG),
         "listed": _records(found, *listed_kinds(found)),
-        "cost": {"seconds": found.seconds},
+        "cost": {
+            "seconds": found.seconds,
+            "processor_seconds": processor_seconds(found),
+            "costliest": costliest(found).records(),
+        },
     }
+
+
+def processor_seconds(found: StabilityResult) -> float:
+    """Return the processor time of all cells [s]."""
+    return math.fsum(row["processor_seconds"] for row in found.rows.values())
+
+
+def costliest(found: StabilityResult) -> Table:
+    """Return the cells that took most processor time, and their shares in all of it."""
+    total = processor_seconds(found)
+    rows = [
+        {"cell": key, **row, "share": row["processor_seconds"] / total if total else 0.0}
+        for key, row in found.rows.items()
+    ]
+    rows = heapq.nlargest(COSTLIEST, rows, key=itemgetter("processor_seconds"))
+    share = math.fsum(row["share"] for row in rows)
+    note = f"Processor time of all {len(found.rows)} cells: {total:.3g} s; share of these {len(rows)}: {share:.0%}."
+    return Table(COST, rows, "Costliest cells", (note,))
 
 
 def cells_table(found: StabilityResult) -> Table:
