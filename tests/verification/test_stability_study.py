@@ -132,6 +132,7 @@ def test_a_program_that_breaks_has_not_refused(monkeypatch):
     monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
     broken = verdict_at("stiffness", 1.0, "friction", 0.2)
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
+    assert broken["processor_seconds"] > 0.0
 
 
 TRUCK = "impact-mash-tl4-sut"
