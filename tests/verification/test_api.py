@@ -163,21 +163,21 @@ def test_an_argument_of_another_type_is_refused_by_its_name(function, name, wron
         function("x", wrong) if several else function(**options | {name: wrong})
     assert (caught.value.key, caught.value.given) == (name, repr(wrong))
     assert re.search(rf"^ *\*?{name} : {re.escape(caught.value.allowed.removeprefix('allowed is '))}$",
-                     inspect.getdoc(function), re.MULTILINE)  # fmt: skip
+                     inspect.getdoc(function) or "", re.MULTILINE)  # fmt: skip
 
 
 @pytest.mark.parametrize(("call", "key"), [
-    (lambda: tailslap.new("\0"), "name"), (lambda: tailslap.new("\ud800"), "name"),
-    (lambda: tailslap.new("\1"), "name"),
-    (lambda: tailslap.load("\0"), "folder"), (lambda: tailslap.load(Path("\0")), "folder"),
-    (lambda: tailslap.load("\ud800"), "folder"),
-    (lambda: tailslap.rigid("mash-tl4-sut", [("impact.speed",)]), "changes"),
-    (lambda: tailslap.rigid("mash-tl4-sut", "impact.speed=20"), "changes"),
-    (lambda: tailslap.rigid("mash-tl4-sut", {3: 20.0}), "changes"),
-    (lambda: tailslap.rigid("mash-tl4-sut", units="imperial"), "units"),
-    (lambda: tailslap.sweep("mash-tl4-sut", {"impact.speed": 20.0}), "vary"),
-    (lambda: tailslap.run("mash-tl4-sut", tolerance="1 %"), "tolerance"),
-    (lambda: tailslap.run("mash-tl4-sut", tolerance=True), "tolerance"),
+    (lambda: UNTYPED.new("\0"), "name"), (lambda: UNTYPED.new("\ud800"), "name"),
+    (lambda: UNTYPED.new("\1"), "name"),
+    (lambda: UNTYPED.load("\0"), "folder"), (lambda: UNTYPED.load(Path("\0")), "folder"),
+    (lambda: UNTYPED.load("\ud800"), "folder"),
+    (lambda: UNTYPED.rigid("mash-tl4-sut", [("impact.speed",)]), "changes"),
+    (lambda: UNTYPED.rigid("mash-tl4-sut", "impact.speed=20"), "changes"),
+    (lambda: UNTYPED.rigid("mash-tl4-sut", {3: 20.0}), "changes"),
+    (lambda: UNTYPED.rigid("mash-tl4-sut", units="imperial"), "units"),
+    (lambda: UNTYPED.sweep("mash-tl4-sut", {"impact.speed": 20.0}), "vary"),
+    (lambda: UNTYPED.run("mash-tl4-sut", tolerance="1 %"), "tolerance"),
+    (lambda: UNTYPED.run("mash-tl4-sut", tolerance=True), "tolerance"),
 ])  # fmt: skip
 def test_what_no_argument_can_be_is_refused_by_its_name(call, key):
     with pytest.raises(InputError) as caught:
@@ -187,8 +187,8 @@ def test_what_no_argument_can_be_is_refused_by_its_name(call, key):
 
 def test_numbers_and_rows_of_numpy_are_taken():
     changes = np.array(["impact.speed=56 mph"])
-    assert tailslap.modes("paper-table-3", count=np.int64(1)).summary["modes"]
-    assert tailslap.rigid("mash-tl4-sut", changes).summary == tailslap.rigid("mash-tl4-sut").summary
+    assert UNTYPED.modes("paper-table-3", count=np.int64(1)).summary["modes"]
+    assert UNTYPED.rigid("mash-tl4-sut", changes).summary == tailslap.rigid("mash-tl4-sut").summary
 
 
 def test_scenes_paper_and_new_have_the_bits_of_the_commands(tmp_path, monkeypatch, capsys):

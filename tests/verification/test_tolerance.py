@@ -3,6 +3,7 @@
 import json
 import math
 
+import click
 import numpy as np
 import pytest
 
@@ -205,8 +206,10 @@ def test_a_tolerance_below_the_least_is_shown_with_all_of_its_digits(kind, scene
     assert caught.value.allowed == f"allowed is from {case.least_tolerance:g} to below 1"
     assert str(caught.value).startswith(f"--tolerance: given {tolerance!r};")
     (option,) = (own for own in commands.commands["run"].params if own.name == "tolerance")
+    assert isinstance(option, click.Option)
+    assert isinstance(option.type, click.FloatRange)
     assert (option.type.min, option.type.min_open) == (CornerCase.least_tolerance, False)
-    assert f"{ImpactCase.least_tolerance:g}" in option.help
+    assert f"{ImpactCase.least_tolerance:g}" in (option.help or "")
 
 
 def test_setting_that_would_flutter_is_damped_by_the_run(monkeypatch):
