@@ -4,7 +4,7 @@ The view takes in the plate at all its instants, and as much of the wall as fits
 colours for all of them, so that what is seen to change has changed.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -108,16 +108,18 @@ def draw_instants(
     instants: Sequence[int] | None = None,
     units: Units = SI,
     size: Size = SIZE,
+    follow: Callable[[], object] = lambda: None,
 ) -> list[Path]:
     """Write NAME_0000.png and so on.
 
     name: of `SCALARS`; magnify: factor on the elastic deformation; instants: by number, all without; units: of what is
-    shown; size: of a picture [pixels].
+    shown; size: of a picture [pixels]; follow: called after each picture.
     """
     chosen = range(len(series.t)) if instants is None else [k % len(series.t) for k in instants]
     paths = [folder / f"{name}_{k:04d}.png" for k in chosen]
     for path, frame in zip(paths, frames(series, name, magnify, chosen, units, size), strict=True):
         save(frame, path)
+        follow()
     return paths
 
 
@@ -128,10 +130,14 @@ def animate(
     magnify: float = 1.0,
     units: Units = SI,
     size: Size = GIF_SIZE,
+    follow: Callable[[], object] = lambda: None,
 ) -> Path:
-    """Write all instants as a GIF that repeats."""
-    drawn = frames(series, name, magnify, range(len(series.t)), units, size)
-    first, *others = (frame.quantize(GIF_COLOURS) for frame in drawn)
+    """Write all instants as a GIF that repeats; follow: called after each."""
+    pictures = []
+    for frame in frames(series, name, magnify, range(len(series.t)), units, size):
+        pictures.append(frame.quantize(GIF_COLOURS))
+        follow()
+    first, *others = pictures
     first.save(path, save_all=True, append_images=others, duration=FRAME_MS, loop=0)
     return path
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
 from tailslap.arguments import UnitSystem, checked_arguments
 from tailslap.errors import InputError, Verbatim, one_of
 from tailslap.exports import PROGRAMS
 from tailslap.files.load import load
+from tailslap.progress import counted
 from tailslap.result import FE, RIGID, Result
 from tailslap.scene.units import picture_pixels
 
@@ -104,13 +106,18 @@ def export(
         if fields is None:
             _write_tables(found, to, unfinished)
         elif to in PICTURES:
-            for name in series.SCALARS if field is None else (field,):
-                if to == "png":
-                    chosen = size or contours.SIZE
-                    contours.draw_instants(unfinished, fields, name, magnify, units=system, size=chosen)
-                else:
-                    chosen = size or contours.GIF_SIZE
-                    contours.animate(unfinished / f"{name}.gif", fields, name, magnify, system, chosen)
+            names = list(series.SCALARS) if field is None else [field]
+            total, drawn = len(names) * len(fields.t), count(1)
+            with counted("Drawing pictures", total, 0) as show:
+                shown: dict[str, Any] = {"units": system, "follow": lambda: show(next(drawn))}
+                for name in names:
+                    if to == "png":
+                        chosen = size or contours.SIZE
+                        contours.draw_instants(unfinished, fields, name, magnify, size=chosen, **shown)
+                    else:
+                        chosen = size or contours.GIF_SIZE
+                        file = unfinished / f"{name}.gif"
+                        contours.animate(file, fields, name, magnify, size=chosen, **shown)
         else:
             getattr(series, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")

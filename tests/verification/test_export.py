@@ -171,6 +171,16 @@ def test_pictures_of_all_instants_have_one_scale(result, tmp_path):
         tailslap.export(result, "gif", tmp_path / "x", field="colour")
 
 
+@pytest.mark.parametrize("to", ["png", "gif"])
+def test_pictures_are_counted_while_they_are_drawn(to, result, tmp_path):
+    from tailslap.progress import followed
+
+    lines = []
+    with followed(lines.append):
+        tailslap.export(result, to, tmp_path / to, field="velocity_y", picture_size="400x300")
+    assert [line.partition(",")[0] for line in lines] == [f"Drawing pictures: {k} of 4" for k in range(1, 5)]
+
+
 @pytest.mark.parametrize("name", ["stress_von_mises", "velocity_y"])
 def test_a_picture_shows_values_where_the_plate_is(name, result, tmp_path):
     """The middle of an element has the colour of its value, or of its nodes' mean, on the scale of all instants."""
