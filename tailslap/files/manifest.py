@@ -189,11 +189,14 @@ def sync(path: Path) -> None:
 def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
     """Lock a file, which is made if it is not there. The lock goes with its process, however that ends.
 
-    Raises BlockingIOError where another process has it, OSError where the file system has no locks.
+    Raises BlockingIOError where another process has it, OSError where it is no plain file or where the file system has
+    no locks.
     """
     while True:
-        number = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        number = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
         try:
+            if not stat.S_ISREG(os.fstat(number).st_mode):
+                raise OSError(errno.EINVAL, f"{path.name} is not a regular file")
             try:
                 fcntl.flock(number, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
             except OSError as error:

@@ -179,6 +179,17 @@ def test_a_forged_manifest_reaches_nothing_outside(tmp_path):
         fill(mine)
 
 
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir, lambda path: os.symlink("elsewhere", path)])
+def test_a_lock_that_is_no_file_is_refused_before_the_work_begins(tmp_path, make):
+    place = tmp_path / "result"
+    place.mkdir()
+    make(place / LOCK)
+    with pytest.raises(InputError, match="the folder cannot be locked: "), result_folder(place):
+        pytest.fail("the work begins")
+    assert os.listdir(place) == [LOCK]
+    assert not (place / "elsewhere").exists()
+
+
 def test_a_link_to_a_folder_is_followed(place, tmp_path):
     link, dangling = tmp_path / "link", tmp_path / "dangling"
     link.symlink_to(place)
