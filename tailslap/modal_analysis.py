@@ -431,8 +431,8 @@ def _sentences(fe_plan: CornerPlan | ImpactPlan, frequencies: Any, beam: modal.B
         f"Free {'hinged plates' if is_train else 'plate'} without wall and corner constraint: "
         f"{model.loop.table.connectivity.shape[1]} elements ({plate.element}), {plate.lumping} masses. Frequencies of "
         f"all {len(frequencies)} modes of rigid motion: {rigid} Hz. Error: {MESH_FACTOR:g} times the "
-        "change of the frequency on a mesh of twice as many elements each way, as geometric mean with the largest of "
-        "the modes of its kind, 0.001 % at least.",
+        "change of the frequency on a mesh of twice as many elements in both directions, as geometric mean with the "
+        "largest of the modes of its kind, 0.001 % at least.",
         "Kinds: more than half of the kinetic energy of longitudinal and transverse modes is symmetric about the "
         "longitudinal axis, and longitudinal or transverse, respectively. Of the others, shear modes have more than "
         "half of their strain energy in shear; the remaining modes are bending modes. Both are numbered together.",

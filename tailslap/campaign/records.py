@@ -35,7 +35,7 @@ HEAD, OURS_AT = b"SQLite format 3\0", 68
 LOCAL = {"btrfs", "ext2", "ext3", "ext4", "f2fs", "overlay", "tmpfs", "xfs", "zfs"}
 """File systems on which a log beside the file (WAL) is safe: on those of a network processes share no memory."""
 MOUNTS, OCTAL = Path("/proc/mounts"), re.compile(rb"\\([0-3][0-7]{2})")
-"""Where Linux lists the file systems, and how it writes a space in their places."""
+"""File in which Linux lists the file systems, and its text of a space in their paths."""
 PATIENCE_S = 600.0
 """Seconds to wait for another program that reads the file."""
 NUMBER = "not finite"

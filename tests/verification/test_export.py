@@ -175,7 +175,7 @@ def test_pictures_of_all_instants_have_one_scale(result, tmp_path):
 def test_pictures_are_counted_while_they_are_drawn(to, result, tmp_path):
     from tailslap.progress import followed
 
-    lines = []
+    lines: list[str] = []
     with followed(lines.append):
         tailslap.export(result, to, tmp_path / to, field="velocity_y", picture_size="400x300")
     assert [line.partition(",")[0] for line in lines] == [f"Drawing pictures: {k} of 4" for k in range(1, 5)]

@@ -403,7 +403,7 @@ def test_the_report_shows_the_ten_costliest_cells_and_the_processor_time_of_all(
     assert [row["cell"] for row in cost["costliest"]] == [f"{n:04d}" for n in range(24, 14, -1)]
     assert cost["costliest"][0]["share"] == 0.08
     page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
-    assert "Processor time of all 24 cells: 300 s; share of these 10: 65%." in page
+    assert "Processor time of all 24 cells: 300 s; these 10 take 65%." in page
     assert "8.0%" in page
 
 
