@@ -165,7 +165,9 @@ def costliest(found: StabilityResult) -> Table:
     ]
     rows = heapq.nlargest(COSTLIEST, rows, key=itemgetter("processor_seconds"))
     share = math.fsum(row["share"] for row in rows)
-    note = f"Processor time of all {len(found.rows)} cells: {total:.3g} s; these {len(rows)} take {share:.0%}."
+    note = (
+        f"Processor time of all {len(found.rows)} cells: {total:.3g} s; these {len(rows)} take {share:.0%}."
+    )
     return Table(COST, rows, "Costliest cells", (note,))
 
 
