@@ -5,10 +5,13 @@ beside the measured values of crash tests 612541-01-1 to -4 in National Academie
 12, 13, 18 and 19. The tolerances of its trucks' masses were not found published. Friction, restitution and the duration
 of the strike: assumed, wide enough for the values of the paper's tables.
 
-Sobol indices: the part of the variance that comes from each input, alone and with its interactions. The estimators are
-those of `scipy.stats.sobol_indices` (Saltelli et al. 2010, Comput. Phys. Commun. 181, 259, Table 2 b and f), written as
-means over rows. That makes the bootstrap a product of two tables, where SciPy's takes a square of the number of rows;
-and rows can be left out, where SciPy turns a NaN into an index of 0.
+Sobol indices: the part of the variance that comes from each input, alone and with its interactions. Totals by Jansen
+(1999, Comput. Phys. Commun. 117, 35); first-order indices by Saltelli et al. (2010, Comput. Phys. Commun. 181, 259,
+Table 2 b), with the covariance of both tables, which is zero but for chance, as control variate. The variance is at
+most the sum of the totals' numerators (Efron and Stein 1981, Ann. Stat. 9, 586).
+
+Points: few rows of a Sobol sequence have columns that coincide. Rows are therefore a Latin hypercube until independent
+scramblings of a sequence, one for each group of rows, have enough of them. Intervals: jackknife of the groups.
 """
 
 import math
@@ -29,8 +32,19 @@ Array = NDArray[np.float64]
 # The ends of a range [SI], and where it comes from.
 Limits = tuple[float, float, str]
 
-# Of every random number: the same call gives the same numbers; resamples of the bootstrap and its intervals.
-SEED, RESAMPLES, CONFIDENCE = 307, 500, 0.95
+# Of every random number: the same call gives the same numbers.
+SEED = 307
+
+# Fewest rows of a table; groups of rows; rows of a group, for each column, from which on a Sobol sequence serves it.
+LEAST_ROWS, GROUPS, ROWS_PER_COLUMN = 32, 16, 8
+
+# Two-sided, of intervals stated as 95 %: skewed outputs and few rows take the rest. One-sided, of a refusal.
+CONFIDENCE, CONTRADICTION = 0.98, 0.9999
+
+TOO_FEW = "Sobol indices are not determined: too few samples differ for an error. Increase --samples."
+
+# Changed outputs below which the upper limits are those of a binomial fraction.
+FEW = 10
 
 PERCENTILES = (5, 50, 95)
 # Rows below which there are no indices.
@@ -159,14 +173,28 @@ def _row(scene: schema.Scene, source: Source, key: str) -> write.SceneInput | No
 
 
 def sobol_points(ranges: tuple[Range, ...], rows: int) -> tuple[Array, Array]:
-    """Two tables of inputs, each of shape (inputs, rows): halves of one sequence in twice the dimensions."""
+    """Two tables of inputs, each of shape (inputs, rows): halves of one set of points in twice the dimensions."""
     from scipy.stats import qmc
 
-    random = np.random.default_rng(SEED)
-    drawn = qmc.Sobol(2 * len(ranges), scramble=True, bits=64, seed=random).random(rows).T
+    random, columns, size = np.random.default_rng(SEED), 2 * len(ranges), rows // GROUPS
+    if not _are_nets(len(ranges), rows):
+        drawn = qmc.LatinHypercube(columns, seed=random).random(rows).T
+    else:
+        nets = [qmc.Sobol(columns, scramble=True, bits=64, seed=random).random(size) for _ in range(GROUPS)]
+        drawn = np.vstack(nets).T
     lower, upper = (np.array([[getattr(item, end)] for item in ranges]) for end in ("lower", "upper"))
     a, b = (lower + (upper - lower) * half for half in np.split(drawn, 2))
     return a, b
+
+
+def _are_nets(inputs: int, rows: int) -> bool:
+    """Return whether Sobol sequences of the groups have columns that do not coincide."""
+    return rows >= GROUPS * ROWS_PER_COLUMN * 2 * inputs
+
+
+def points_in_words(inputs: int, rows: int) -> str:
+    """Return the kind of set that the rows are points of."""
+    return f"{GROUPS} scrambled Sobol sequences" if _are_nets(inputs, rows) else "a Latin hypercube"
 
 
 def sampled(
@@ -190,7 +218,7 @@ def sampled(
     tables : dict of ndarray, shape (inputs + 2, rows)
         By name, in the same order.
     """
-    rows = 1 << max(5, math.ceil(math.log2(at_least / (len(ranges) + 2))))
+    rows = 1 << math.ceil(math.log2(max(LEAST_ROWS, at_least / (len(ranges) + 2))))
     a, b = sobol_points(ranges, rows)
     mixed = [np.where(np.arange(len(a))[:, None] == i, b, a) for i in range(len(a))]
     inputs = dict(zip((item.key for item in ranges), np.hstack([a, b, *mixed]), strict=True))
@@ -226,47 +254,111 @@ def band_of(values: Array) -> Band:
 
 
 class Indices(NamedTuple):
-    """An index for each input, shape (inputs,), and the ends of its confidence interval, shape (2, inputs)."""
+    """An index for each input, shape (inputs,), and the ends of its 95 % interval, shape (2, inputs).
+
+    refusal: why they are not to be shown, or "".
+    """
 
     first: Array
     total: Array
     first_interval: Array
     total_interval: Array
+    refusal: str
 
 
-def sobol_indices(table: Array, seed: int = SEED) -> Indices:
-    """First-order and total indices, with percentile intervals of the bootstrap over rows.
+def sobol_indices(table: Array) -> Indices:
+    """Return first-order and total indices with their intervals.
 
-    table: as of `sampled`, without NaN. Its rows are quasi-random, more even than random ones, which the bootstrap does
-    not see: its intervals err on the wide side. Without variance the indices are NaN.
+    table: as of `sampled`; rows with NaN are left out. Each group of rows in turn is left out: the jackknife, with
+    Student's t. Groups are independent, or of one Latin hypercube, whose means scatter less than those of independent
+    rows.
     """
-    a, b, *_ = centred = table - np.mean(table[:2])
-    ab = centred[2:]
-    parts = [b * (ab - a), 0.5 * (a - ab) ** 2, 0.5 * (a * a + b * b), 0.5 * (a + b)]
-    terms = np.ascontiguousarray(np.vstack(parts).T)
-    random, rows = np.random.default_rng(seed), len(terms)
-    resampled = []
-    for _ in range(RESAMPLES):
-        drawn = random.integers(0, rows, rows, dtype=np.int32)
-        resampled.append(np.bincount(drawn, minlength=rows) @ terms / rows)
-    tails = (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE)
-    ends = np.quantile(_ratios(np.array(resampled)), tails, axis=0)
-    return Indices(*np.split(_ratios(terms.mean(axis=0)), 2), *np.split(ends, 2, axis=-1))
+    known, inputs = np.isfinite(table).all(axis=0), len(table) - 2
+    group = (np.arange(known.size) * GROUPS // known.size)[known]
+    table = table[:, known] - np.mean(table[:2, known])
+    sums = np.array([np.bincount(group, row, GROUPS) for row in _terms(table)])
+    count = np.bincount(group, minlength=GROUPS)
+    sums, count = sums[:, count > 0], count[count > 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = _ratios(sums.sum(axis=1) / group.size)
+        without = _ratios((sums.sum(axis=1, keepdims=True) - sums) / (group.size - count))
+        error = np.sqrt((count.size - 1) * np.var(without, axis=1))
+    low, high = found[:-1] + np.outer((-1.0, 1.0), _quantile(0.5 + 0.5 * CONFIDENCE, count.size) * error[:-1])
+    few, bound = _bounds(table, found[inputs:-1])
+    low, high = np.where(few, 0.0, low), np.where(few, np.maximum(bound, high), high)
+    first, total, *ends = (
+        part for row in (found[:-1], low, high) for part in np.split(np.clip(row, 0.0, 1.0), 2)
+    )
+    refusal = _refusal(found, error, _quantile(CONTRADICTION, count.size))
+    return Indices(first, total, np.array(ends[::2]), np.array(ends[1::2]), refusal)
+
+
+def _terms(table: Array) -> Array:
+    """Return the products whose means give the indices, shape (2 inputs + 3, rows)."""
+    a, b, *_ = table
+    mixed = table[2:]
+    return np.vstack([b * mixed, 0.5 * (a - mixed) ** 2, a * b, 0.5 * (a * a + b * b), 0.5 * (a + b)])
 
 
 def _ratios(means: Array) -> Array:
-    """Indices, first-order ones and then total ones, from the means of the terms along the last axis."""
-    variance = means[..., -2:-1] - means[..., -1:] ** 2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios: Array = means[..., :-2] / variance
-    return ratios
+    """Return first-order and total indices, and the sum of these by the variance of the samples.
+
+    means: of `_terms`, along the first axis.
+    """
+    inputs = (len(means) - 3) // 2
+    mixed, changes, (both, square, mean) = means[:inputs], means[inputs:-3], means[-3:]
+    variance, chance = square - mean**2, both - mean**2
+    first = mixed - mean**2 - (1.0 - changes / variance) * chance
+    in_all = changes.sum(axis=0, keepdims=True)
+    bounded = np.minimum(variance, in_all)
+    return np.concatenate([first / bounded, changes / bounded, in_all / variance])
 
 
-def index_rows(ranges: tuple[Range, ...], table: Array) -> list[dict[str, Any]]:
-    """A row an input: its range, its Sobol indices and their intervals; rows of the table with NaN are left out."""
-    found = sobol_indices(np.ascontiguousarray(table[:, np.isfinite(table).all(axis=0)]))
+def _bounds(table: Array, total: Array) -> tuple[Array, Array]:
+    """Return which indices rest on few changed outputs, and their upper limits.
+
+    These are the limit of the fraction that changes (Clopper-Pearson) times the larger mean change: that of the input,
+    or that of all inputs at once.
+    """
+    from scipy.stats import beta
+
+    rows, changed = table.shape[1], np.count_nonzero(table[0] != table[2:], axis=1)
+    fraction = beta.ppf(0.5 + 0.5 * CONFIDENCE, changed + 1.0, np.maximum(rows - changed, 0.5))
+    of_all = rows / max(1, np.count_nonzero(table[0] != table[1]))
+    bound = fraction * np.maximum(of_all, total * rows / np.maximum(changed, 1))
+    return np.tile(changed < FEW, 2), np.tile(bound, 2)
+
+
+def _quantile(probability: float, groups: int) -> float:
+    """Return the quantile of Student's t of so many groups."""
+    from scipy.stats import t
+
+    return float(t.ppf(probability, groups - 1))
+
+
+def _refusal(found: Array, error: Array, quantile: float) -> str:
+    """Return why indices are refused, or "".
+
+    The sum of the totals is below 1 beyond its error, or the error is unknown.
+    """
+    highest = found[-1] + quantile * error[-1]
+    if highest < 1.0:
+        return (
+            f"Sobol indices are not determined: the sum of the total indices is {found[-1]:.2f}, with its error "
+            f"at most {highest:.2f}; for independent inputs it is at least 1. Increase --samples."
+        )
+    return "" if np.isfinite([*found, *error]).all() else TOO_FEW
+
+
+def index_rows(ranges: tuple[Range, ...], table: Array) -> tuple[list[dict[str, Any]], str]:
+    """A row an input, with its range, its Sobol indices and their intervals; or none, and why they are refused."""
+    if np.count_nonzero(np.isfinite(table).all(axis=0)) < MIN_ROWS:
+        return [], TOO_FEW
+    found = sobol_indices(table)
+    if found.refusal:
+        return [], found.refusal
     first, total = (found.first_interval.T.tolist(), found.total_interval.T.tolist())
-    return [
+    rows = [
         {
             **{name: getattr(item, name) for name in ("key", "lower", "upper", "unit", "origin")},
             "of_the_scene": item.given,
@@ -277,3 +369,4 @@ def index_rows(ranges: tuple[Range, ...], table: Array) -> list[dict[str, Any]]:
         }
         for i, item in enumerate(ranges)
     ]
+    return rows, ""

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sobol_coverage as benchmark
 from scipy import stats
 
 from postprocess.report.provenance import CRATE
@@ -21,7 +22,8 @@ from postprocess.report.report import printed, write_report
 from postprocess.signals.filters import moving_mean
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
 from tailslap import cli, errors, studies
-from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices
+from tailslap.campaign import sampling
+from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices, sobol_points
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers, case
 from tailslap.files.manifest import NAME as MANIFEST
@@ -108,7 +110,9 @@ def test_distribution_of_a_product(product):
         assert below(force / g) == pytest.approx(fraction, abs=4e-4)  # 2e-3 for random points
     histogram = report(product).summary["peak_force"]["histogram"]
     fractions = np.array([below(edge / g) for edge in histogram["edges"]])
-    assert histogram["counts"] / histogram["counts"].sum() == pytest.approx(np.diff(fractions), abs=4e-4)
+    counts, exact = histogram["counts"], np.diff(fractions)
+    of_random = np.sqrt(exact * (1.0 - exact) / counts.sum())
+    assert np.sqrt(np.mean(((counts / counts.sum() - exact) / of_random) ** 2)) < 0.9  # 1 for random points
 
 
 def below(ratio):
@@ -146,11 +150,17 @@ def ishigami(rows):
 
 
 def test_estimators_are_scipys_and_give_ishigamis_indices():
-    """Exact: V = V_1 + V_2 + V_13, V_1 = (1 + 0.1 pi^4/5)^2/2, V_2 = 7^2/8, V_13 = 0.1^2 pi^8 8/225."""
+    """Exact: V = V_1 + V_2 + V_13, V_1 = (1 + 0.1 pi^4/5)^2/2, V_2 = 7^2/8, V_13 = 0.1^2 pi^8 8/225.
+
+    Control variate of the first-order index: T cov(f_A, f_B), since f_AB varies with f_A by 1 - T.
+    """
     table = ishigami(2**14)
-    (f_a, f_b), f_ab, found = table[:2], table[2:], sobol_indices(table, seed=1)
+    (f_a, f_b), f_ab, found = table[:2], table[2:], sobol_indices(table)
     reference = stats.sobol_indices(func={"f_A": f_a[None], "f_B": f_b[None], "f_AB": f_ab[:, None]}, n=2**14)
-    assert found.first == pytest.approx(reference.first_order, abs=1e-12)
+    mean, variance = np.mean(table[:2]), np.var(table[:2])
+    chance = np.mean((f_a - mean) * (f_b - mean)) / variance
+    first = reference.first_order + reference.total_order * chance
+    assert found.first == pytest.approx(np.clip(first, 0.0, 1.0), abs=1e-12)
     assert found.total == pytest.approx(reference.total_order, abs=1e-12)
     v_1, v_2, v_13 = (1 + 0.1 * math.pi**4 / 5) ** 2 / 2, 49 / 8, 0.01 * math.pi**8 * 8 / 225
     variance = v_1 + v_2 + v_13
@@ -158,31 +168,126 @@ def test_estimators_are_scipys_and_give_ishigamis_indices():
     assert found.total == pytest.approx(np.array([v_1 + v_13, v_2, v_13]) / variance, abs=2e-3)
 
 
-def test_the_bootstrap_is_the_estimators_on_rows_drawn_with_replacement():
+def by_hand(table):
+    """First-order and total indices of centred outputs, the variance at most the sum of the totals' numerators."""
+    (a, b), ab = table[:2], table[2:]
+    changes, variance = np.mean((a - ab) ** 2, axis=1) / 2.0, np.var([a, b])
+    centre = np.mean([a, b])
+    of_b, chance = np.mean(b * ab, axis=1) - centre**2, np.mean(a * b) - centre**2
+    bounded = min(variance, changes.sum())
+    return np.array([of_b - (1.0 - changes / variance) * chance, changes]) / bounded
+
+
+def test_the_intervals_are_those_of_the_jackknife_of_groups():
+    """Rows with NaN left out: groups are by the number of the row."""
     table = ishigami(256)
-    centred = table - np.mean(table[:2])
-    (f_a, f_b), f_ab = centred[:2], centred[2:]
-    random, drawn = np.random.default_rng(5), []
-    for _ in range(500):
-        rows = random.integers(0, 256, 256, dtype=np.int32)
-        a, b, ab = f_a[rows], f_b[rows], f_ab[:, rows]
-        variance = np.var([a, b])
-        drawn.append([np.mean(b * (ab - a), axis=1), np.mean((a - ab) ** 2, axis=1) / 2.0] / variance)
-    found = sobol_indices(table, seed=5)
+    table[3, [0, 1, 40, 41, 42]] = np.nan
+    rows, size = np.flatnonzero(np.isfinite(table[3])), 256 // sampling.GROUPS
+    table -= np.mean(table[:2, rows])
+    without = [by_hand(table[:, rows[rows // size != group]]) for group in range(sampling.GROUPS)]
+    error = np.std(without, axis=0) * math.sqrt(sampling.GROUPS - 1)
+    wide = stats.t.ppf(0.5 + 0.5 * sampling.CONFIDENCE, sampling.GROUPS - 1) * error
+    found, middle = sobol_indices(table), by_hand(table[:, rows])
     for i, interval in enumerate((found.first_interval, found.total_interval)):
-        assert interval == pytest.approx(np.percentile(drawn, [2.5, 97.5], axis=0)[:, i], abs=1e-12)
+        expected = np.clip([middle[i] - wide[i], middle[i] + wide[i]], 0.0, 1.0)
+        assert interval == pytest.approx(expected, abs=1e-12)
 
 
-def test_the_bootstrap_s_intervals_are_those_of_random_rows():
-    """For independent rows, half the 95 % interval is 1.96 standard deviations of the indices over repetitions."""
+def test_the_errors_of_the_indices_are_those_of_random_rows():
+    """For independent rows, half the interval is the quantile times the standard deviation over repetitions."""
     random, found, half = np.random.default_rng(2), [], []
-    for seed in range(60):
+    for _ in range(60):
         x, y = random.uniform(0.5, 1.0, (2, 2, 512))
-        result = sobol_indices(np.array([x[0] * y[0], x[1] * y[1], x[1] * y[0], x[0] * y[1]]), seed)
+        result = sobol_indices(np.array([x[0] * y[0], x[1] * y[1], x[1] * y[0], x[0] * y[1]]))
         found.append([*result.first, *result.total])
         intervals = np.hstack([result.first_interval, result.total_interval])
         half.append((intervals[1] - intervals[0]) / 2.0)
-    assert np.mean(half, axis=0) == pytest.approx(1.96 * np.std(found, axis=0, ddof=1), rel=0.3)
+    quantile = stats.t.ppf(0.5 + 0.5 * sampling.CONFIDENCE, sampling.GROUPS - 1)
+    assert np.mean(half, axis=0) == pytest.approx(quantile * np.std(found, axis=0, ddof=1), rel=0.3)
+
+
+@pytest.mark.parametrize(("inputs", "rows"), [(2, 32), (11, 32), (21, 64), (2, 512)])
+def test_the_intervals_cover_exact_indices(inputs, rows):
+    """In 95 % of the indices of linear, Ishigami's, product and indicator functions, by points of 12 seeds."""
+    found = [benchmark.coverage(function, rows, 12)["covered"] for function in benchmark.functions(inputs)]
+    assert np.min(np.mean(found, axis=0)) >= 0.95
+    assert np.min(found) >= 0.85, "each function"
+
+
+def unit_ranges(inputs):
+    return tuple(Range(f"x{i}", 0.0, 1.0, "", None, "") for i in range(inputs))
+
+
+@pytest.mark.parametrize("inputs", [1, 2, 3, 5, 7, 9, 11, 15, 21, 35])
+def test_no_two_columns_of_the_points_coincide(inputs):
+    """Their correlations are below 5 standard deviations of those of independent columns."""
+    for rows in (2**m for m in range(5, 13)):
+        correlation = np.corrcoef(np.vstack(sobol_points(unit_ranges(inputs), rows)))
+        assert np.abs(correlation - np.eye(2 * inputs)).max() < 5.0 / math.sqrt(rows), rows
+
+
+def test_points_are_uniform():
+    """Each column, and points of A and B together, by Kolmogorov's statistic of independent points."""
+    for rows in (32, 256, 4096):
+        for column in np.vstack(sobol_points(unit_ranges(3), rows)):
+            assert stats.kstest(column, "uniform").pvalue > 0.5
+            assert len(np.unique(column)) == rows
+
+
+def test_totals_whose_sum_is_below_one_are_refused():
+    """Points of B near those of A: f changes by less than its variance."""
+    random = np.random.default_rng(4)
+    a = random.random((3, 64))
+    b = np.clip(a + 0.1 * random.standard_normal(a.shape), 0.0, 1.0)
+    table = np.array([a.sum(axis=0), b.sum(axis=0), *(a.sum(axis=0) - a + b)])
+    rows, refusal = sampling.index_rows(unit_ranges(3), table)
+    assert rows == []
+    assert "the sum of the total indices is 0." in refusal
+    rows, refusal = sampling.index_rows(unit_ranges(3), np.array([*table[:2], *[table[0]] * 3]))
+    assert rows == []
+    assert "the sum of the total indices is 0.00" in refusal
+    for seed in range(20):  # additive: the sum is 1, and is never shown below it
+        x, y = np.random.default_rng(seed).random((2, 3, 32))
+        table = np.array([x.sum(axis=0), y.sum(axis=0), *(x.sum(axis=0) - x + y)])
+        rows, refusal = sampling.index_rows(unit_ranges(3), table)
+        assert refusal or sum(row["total"] for row in rows) >= 1.0 - 1e-12
+
+
+def test_few_changed_outputs_have_the_limits_of_a_binomial_fraction():
+    """No change in 64 rows, of outputs of which half differ: at most p/P(differ), (1 - p)^64 = (1 - confidence)/2."""
+    a, b = np.arange(64) % 2 * 1.0, np.arange(64) // 2 % 2 * 1.0
+    found = sobol_indices(np.array([a, b, a, b]))
+    limit = 1.0 - (0.5 - 0.5 * sampling.CONFIDENCE) ** (1.0 / 64.0)
+    assert found.total_interval[:, 0] == pytest.approx([0.0, limit / 0.5], abs=1e-12)
+    assert found.first_interval[:, 0] == pytest.approx([0.0, limit / 0.5], abs=1e-12)
+    assert (found.first[0], found.total[0]) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("name", [TRUCK, IMPACT])
+def test_refused_indices_are_said_and_not_shown(name, monkeypatch, tmp_path, capsys):
+    """On the page, in the summary and on the terminal, where all points of B are those of A but for a little."""
+    drawn = sampling.sobol_points
+
+    def near(ranges, rows):
+        a, b = drawn(ranges, rows)
+        return a, a + 0.1 * (b - a)
+
+    monkeypatch.setattr(sampling, "sobol_points", near)
+    assert (
+        cli._status(["study", "uncertainty", name, "--samples", "288", "--out", str(tmp_path / "out")]) == 0
+    )
+    said = " ".join(capsys.readouterr().out.split())
+    page = (tmp_path / "out" / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    for text in (said, page):
+        assert "Sobol indices are not determined: the sum of the total indices is 0.0" in text
+        assert "Largest part of the variance" not in text
+        assert "total Sobol index" not in text
+    part = summary if name == TRUCK else summary["bands"]["strike_2.mean_50ms"]
+    assert part["indices_refused"].startswith("Sobol indices are not determined")
+    assert not part.get("indices")
+    assert not any("total" in row for row in summary["inputs"])
+    assert not (tmp_path / "out" / "sensitivity.svg").exists()
 
 
 PLANS = [
@@ -482,8 +587,11 @@ def test_stiffness_alone_has_all_of_the_variance():
 
 def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
     for name, sources in impacts.sources.items():
-        assert sum(row["total"] for row in sources) > 0.8, name  # at least 1, but for the few rows
-        assert all(row["total"] > -0.02 for row in sources)
+        assert sum(row["total"] for row in sources) >= 1.0 - 1e-12, name
+        for row in sources:
+            for kind in ("first_order", "total"):
+                low, high = row[f"{kind}_interval"]
+                assert 0.0 <= low <= row[kind] <= high <= 1.0
     assert impacts.sources_of("strike_2.raw")[0]["key"] == "contact.stiffness"
     for name in answers.COLUMNS:
         low, middle, high = impacts.band(name).percentiles

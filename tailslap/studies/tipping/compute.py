@@ -69,6 +69,8 @@ class RolledOver:
         Samples by key, shape ((inputs + 2) rows,), and the lowest walls that hold, shape (inputs + 2, rows) [m].
     sources : list of dict
         A row an input, as of `sampling.index_rows`.
+    refusal : str
+        Why there are none, or "".
     error : float
         Change of peaks, impulses and spin of the samples' impacts with twice the step, which 95 in 100 keep [-].
     """
@@ -85,6 +87,7 @@ class RolledOver:
     inputs: Mapping[str, Array]
     lowest: Array
     sources: list[dict[str, Any]]
+    refusal: str
     error: float
     seconds: float
 
@@ -147,7 +150,7 @@ def compute(
         )
     return RolledOver(
         case, answer, centres, walls, rolls, line, found["centres"], found["band"], varied, inputs, lowest,
-        sampling.index_rows(varied, lowest), found["error"], time.perf_counter() - began,
+        *sampling.index_rows(varied, lowest), found["error"], time.perf_counter() - began,
     )  # fmt: skip
 
 

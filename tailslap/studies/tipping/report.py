@@ -1,5 +1,6 @@
 """Report of the study `tipping`."""
 
+from dataclasses import asdict
 from typing import Any
 
 from postprocess.figures import studies
@@ -11,6 +12,7 @@ from tailslap.campaign import sampling
 from tailslap.case.impact.tipping import LIMIT_COLUMNS, LIMITS
 from tailslap.case.report import study_page, study_summary
 from tailslap.studies.tipping.compute import ABRUPT, FINE_STEP, INCH, STEP, WALLS, RolledOver
+from tailslap.studies.uncertainty.report import INDEX_METHOD, INDICES, main_source, with_intervals
 
 HELD = (
     Column("inches", "Wall [in]", form=".1f"),
@@ -22,10 +24,6 @@ INPUTS = (
     Column("key", "Input"),
     Column("range", "Range", form=str),
     Column("origin", "Source"),
-    *(
-        Column(name, label, form=".3f")
-        for name, label in (("first_order", "First-order index"), ("total", "Total index"))
-    ),
 )
 MEANING = (
     "No rollover: fraction of the samples without rollover at this wall height, for the ranges below. Omitted "
@@ -44,15 +42,19 @@ def report(found: RolledOver) -> Report:
     sources = [
         row | {"range": words[row["key"]]} for row in sorted(found.sources, key=lambda row: -row["total"])
     ]
-    held, inputs = Table(HELD, walls_held(found), notes=(MEANING,)), Table(INPUTS, sources)
+    held, inputs = Table(HELD, walls_held(found), notes=(MEANING,)), Table((*INPUTS, *INDICES), sources)
+    drawn_indices = [studies.draw_sensitivity(sources, "the lowest wall")] if sources else []
+    if found.refusal:
+        rows = [{"key": item.key, "range": words[item.key], "origin": item.origin} for item in found.ranges]
+        inputs = Table(INPUTS, rows, notes=(found.refusal,))
     said = headline(found)
     sections = (
         Section("Heights of wall and centre of mass", own.verdict, (drawn,), layout="tall"),
         Section("Walls", tables=(held,)),
         Section(
             "Sensitivity of the lowest wall",
-            "",
-            (studies.draw_sensitivity(sources, "the lowest wall"),),
+            found.refusal,
+            drawn_indices,
         ),
         Section("Inputs and Sobol indices", tables=(inputs,)),
         Section("Method", sentences=_sentences(found)),
@@ -66,7 +68,8 @@ def report(found: RolledOver) -> Report:
         study_summary("tipping", found.case) | _summary(found),
         (
             Table(HELD, held.rows, f"{scene.name}: walls"),
-            Table(INPUTS, sources, "Lowest wall without rollover"),
+            found.refusal
+            or Table(with_intervals((INPUTS[0], *INDICES)), sources, "Lowest wall without rollover"),
             cost,
         ),
         {},
@@ -93,15 +96,15 @@ def walls_held(found: RolledOver) -> list[dict[str, Any]]:
 def headline(found: RolledOver) -> Headline:
     """Lowest wall, its uncertainty and the main source of variance."""
     low, _, high = sampling.band_of(found.lowest).percentiles
-    first = max(found.sources, key=lambda row: row["total"])
     own = f"{measure(found.answer.lowest_wall, 'm', '.3f')} ({found.answer.lowest_wall / INCH:.1f} in)"
     ends = f"{measure(low, 'm', '.2f', named=False)} and {measure(high, 'm', '.2f')}"
-    certainty = (
-        f"90 % of the samples lie between {ends}; main source of variance {first['key']} (total Sobol index "
-        f"{first['total']:.2f})."
-    )
+    certainty = f"90 % of the samples lie between {ends}"
+    if found.sources:
+        certainty += (
+            f"; main source of variance {main_source(max(found.sources, key=lambda row: row['total']))}"
+        )
     answer = f"Lowest wall without rollover: {own}."
-    return Headline(f"Roll over the wall: {found.case.subject}", answer, found.case.set_up, certainty)
+    return Headline(f"Roll over the wall: {found.case.subject}", answer, found.case.set_up, f"{certainty}.")
 
 
 def _sentences(found: RolledOver) -> list[str]:
@@ -110,9 +113,11 @@ def _sentences(found: RolledOver) -> list[str]:
         f"Map and line: nominal impact with {found.centres.size} heights of the centre of mass and {found.walls.size} "
         "of the wall. Band of the line: all inputs above except speed, angle, mass and longitudinal position of the "
         "centre of mass, at fixed heights of the centre of mass.",
-        f"{grouped(found.lowest.size)} impacts of the rigid vehicle: {grouped(found.lowest[:2].size)} scrambled Sobol "
-        f"points (seed {sampling.SEED}) for the distribution, the others for the indices. The inputs are independent "
-        "and uniformly distributed. Results are reproducible.",
+        f"{grouped(found.lowest.size)} impacts of the rigid vehicle: {grouped(found.lowest[:2].size)} points of "
+        f"{sampling.points_in_words(len(found.ranges), found.lowest.shape[1])} (seed {sampling.SEED}) for the "
+        "distribution, the others for the indices. The inputs are independent and uniformly distributed. Results are "
+        "reproducible.",
+        INDEX_METHOD,
         f"The time step of the impacts is {1e3 * STEP:g} ms, and {1e3 * FINE_STEP:g} ms for restitutions below "
         f"{ABRUPT:g}. With a step of 0.1 ms, the lowest wall changes by less than 2 mm in 95 % of the samples. With "
         "twice the step, peak forces, impulses and angular velocities change by at most "
@@ -131,7 +136,8 @@ def _summary(found: RolledOver) -> dict[str, Any]:
         "walls": [{"height": row["height"], "holds": row["holds"]} for row in walls_held(found)],
         "line": {"centre_height": found.centres, "lowest_safe_wall": found.line},
         "band": {"centre_height": found.band_centres, "percentiles": found.band},
-        "inputs": found.sources,
+        "inputs": found.sources or [asdict(item) for item in found.ranges],
+        "indices_refused": found.refusal or None,
         "cost": {"seconds": found.seconds},
     }
 

@@ -66,7 +66,9 @@ class Spread:
     tables : dict of ndarray, shape (inputs + 2, rows)
         What was computed of them, by name; NaN where the theory refuses one, or there is no such strike.
     sources : dict
-        By name a row an input, as of `sampling.index_rows`; names without variance are missing.
+        By name a row an input, as of `sampling.index_rows`, none where refused; names without variance are missing.
+    refused_sources : dict
+        By name why its indices are refused.
     own : dict
         What the scene's own values give, by name [SI].
     refusal : str
@@ -82,6 +84,7 @@ class Spread:
     inputs: Mapping[str, Array]
     tables: Mapping[str, Array]
     sources: Mapping[str, list[dict[str, Any]]]
+    refused_sources: Mapping[str, str]
     own: Mapping[str, float]
     seconds: float
     refusal: str = ""
@@ -115,7 +118,7 @@ class Spread:
         return sampling.band_of(self.tables[name])
 
     def sources_of(self, name: str) -> list[dict[str, Any]]:
-        """Inputs that the variance of a table comes from, the most first; none where it has no variance."""
+        """Inputs that the variance of a table comes from, the most first; none without variance, or where refused."""
         return sorted(self.sources.get(name, ()), key=lambda row: -row["total"])
 
 
@@ -146,14 +149,14 @@ def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
         few = "too few of these impacts have a second strike"
         why = few if impact else f"too few samples have a solution; first reason: {refusal}"
         raise InputError("--range", Verbatim("these ranges"), why)
-    with progress.announced("Resampling for the confidence intervals ..."):
-        varying = {name: table for name, table in tables.items() if _varies(table)}
-        sources = {name: sampling.index_rows(ranges, table) for name, table in varying.items()}
-    if not sources:
+    rated = {name: sampling.index_rows(ranges, table) for name, table in tables.items() if _varies(table)}
+    if not rated:
         raise InputError(
             "--range", Verbatim("these ranges"), "the peak force is constant within these ranges"
         )
-    found = Spread(case, ranges, inputs, tables, sources, own_columns(case), 0.0, refusal, curves)
+    sources = {name: rows for name, (rows, _) in rated.items()}
+    refused = {name: why for name, (_, why) in rated.items() if why}
+    found = Spread(case, ranges, inputs, tables, sources, refused, own_columns(case), 0.0, refusal, curves)
     beside = rows_beside(found) if impact else ()
     return replace(found, beside=beside, seconds=time.perf_counter() - began)
 

@@ -1,8 +1,7 @@
 """Report of the study `uncertainty`."""
 
-import math
-from collections.abc import Mapping
-from dataclasses import asdict
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -10,16 +9,14 @@ import numpy as np
 from postprocess.figures import studies as figures
 from postprocess.report.page import Column, Headline, Section, Table, columns, pairs
 from postprocess.report.report import Report
-from postprocess.units import force, grouped, known
-from tailslap.campaign.sampling import PERCENTILES, RESAMPLES, SEED
+from postprocess.units import force, grouped
+from tailslap.campaign.sampling import GROUPS, PERCENTILES, SEED, points_in_words
 from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
 from tailslap.case.report import known_forces, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
 from tailslap.studies.uncertainty.compute import LEVEL, TAKEN, Spread, used_keys
 
 BINS = 60
-FRACTION = known(".2f")
-
 INPUTS = (
     Column("key", "Input"),
     Column("range", "Range", form=str),
@@ -28,10 +25,33 @@ INPUTS = (
 )
 
 
-def _index(key: str, label: str) -> Column:
+# What stands for the 95 % interval of an index.
+INTERVAL = "95 %"
+
+
+def _index(key: str, label: str, form: str = ".3f", group: str = "") -> Column:
     """A Sobol index, its confidence interval below it."""
-    interval = Column(f"{key}_interval", "", form=lambda ends: " to ".join(f"{end:.3f}" for end in ends))
-    return Column(key, label, form=".3f", below=interval)
+    interval = Column(f"{key}_interval", "", form=lambda ends: interval_in_words(ends, form))
+    return Column(key, label, form=form, below=interval, group=group)
+
+
+def interval_in_words(ends: tuple[float, float], form: str) -> str:
+    """The ends of an interval."""
+    return " to ".join(format(end, form) for end in ends)
+
+
+def with_intervals(heads: Iterable[Column]) -> tuple[Column, ...]:
+    """Columns whose intervals stand beside them, for a terminal."""
+    both = ((head, head.below and replace(head.below, label=INTERVAL, group=head.group)) for head in heads)
+    return tuple(column for pair in both for column in pair if column)
+
+
+def main_source(source: Mapping[str, Any]) -> str:
+    """The input with the largest total index, for a headline."""
+    return (
+        f"{source['key']} (total Sobol index {source['total']:.2f}, 95 % interval "
+        f"{interval_in_words(source['total_interval'], '.2f')})"
+    )
 
 
 INDICES = (_index("first_order", "First-order index"), _index("total", "Total index"))
@@ -63,7 +83,7 @@ BANDS = (
     *(Column(f"{p} %", f"{p} %", form=".1f", group="Band", unit_key="unit") for p in PERCENTILES),
     Column("unit", "Unit", is_unit=True),
     Column("source", "Main source of variance"),
-    Column("index", "Total index", form=FRACTION),
+    _index("total", "Total index", ".2f"),
 )
 # Quantities whose indices are shown.
 SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
@@ -90,7 +110,14 @@ ROW_NOTES = (
     "results are fitted to these rows.",
 )
 NOT_TL_4 = f"Tables 4 and 5 of the paper contain {LEVEL} only; impact.test_level of this scene differs."
-INDEX_NOTE = "Total Sobol indices: fraction of the variance that remains if all other inputs are known."
+INDEX_NOTE = (
+    "Total Sobol indices: fraction of the variance that remains if all other inputs are known, with 95 % intervals. "
+    "Dashes: not determined."
+)
+INDEX_METHOD = (
+    "Sobol indices are fractions of the variance due to an input: without (first order) and with its interactions "
+    f"(total). The 95 % confidence intervals are from {GROUPS} groups of samples (jackknife, Student's t)."
+)
 
 
 def report(found: Spread) -> Report:
@@ -133,6 +160,7 @@ def corner_report(found: Spread) -> Report:
     words = {row["key"]: row for row in _input_rows(found)}
     inputs = [words[row["key"]] | row for row in found.sources_of("peak_force")]
     sentences, refusals = _corner_answer(found, inputs), _refusals(found)
+    refused = found.refused_sources.get("peak_force", "")
     counts, edges = np.histogram(found.band("peak_force").values, BINS)
     own, used = found.own["peak_force"], used_keys(found.case.scene)
     keys = [row.key for row in scene_inputs(found.case.scene, found.case.source)]
@@ -140,17 +168,24 @@ def corner_report(found: Spread) -> Report:
     percentiles = list(zip(PERCENTILES, found.band("peak_force").percentiles, strict=True))
     histogram = figures.draw_histogram(edges, counts, percentiles, own)
     table = Table((*INPUTS, *INDICES), inputs, notes=("95 % confidence intervals are below the indices.",))
+    drawn_indices = [figures.draw_sensitivity(inputs)]
+    if refused:
+        table, drawn_indices = Table(INPUTS, list(words.values()), notes=(refused,)), []
     explained = _corner_sentences(found, refusals, held)
     sections = (
         Section("Distribution", figures=(histogram,), layout="half"),
-        Section("Sensitivity", figures=(figures.draw_sensitivity(inputs),), layout="half"),
+        Section("Sensitivity", refused, drawn_indices, layout="half"),
         Section("Inputs and Sobol indices", tables=(table,)),
         Section("Peak force", tables=(_forces_table(found),), layout="half"),
         Section("Method", sentences=explained, layout="half"),
     )
     title = f"{found.case.scene.name}: Sobol indices of the peak force"
     cost = f"Cost:   {found.computed} combinations in {found.seconds:.2f} s"
-    terminal = (Table((*INPUTS[:2], *INDICES), inputs, title=title), refusals, cost)
+    terminal = (
+        refused or Table(with_intervals((INPUTS[0], *INDICES)), inputs, title=title),
+        refusals,
+        cost,
+    )
     kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
     drawn = {"of_the_scene": own, "histogram": {"edges": edges, "counts": counts}}
     return _report(found, kicker, sentences, sections, _corner_summary(found, drawn, held), terminal)
@@ -163,7 +198,8 @@ def _corner_summary(found: Spread, drawn: dict[str, Any], held: tuple[str, ...])
         **{"rows": found.rows, "combinations": found.computed, "refused": refused, "rows_left_out": left_out},
         "first_refusal": found.refusal or None,
         "peak_force": {**found.band("peak_force").numbers(), **drawn},
-        "inputs": found.sources["peak_force"],
+        "inputs": found.sources["peak_force"] or [asdict(item) for item in found.ranges],
+        "indices_refused": found.refused_sources.get("peak_force"),
         "held": held,
     }
 
@@ -177,10 +213,8 @@ def _corner_answer(found: Spread, inputs: list[dict[str, Any]]) -> tuple[str, st
         f"{force(band.standard_deviation)}; 90 % of the samples lie between {force(low)} and {force(high)}. "
         f"The nominal case ({force(own)}) exceeds {100.0 * band.fraction_below(own):.0f} % of the samples."
     )
-    certainty = (
-        f"{grouped(found.computed)} samples; largest part of the variance from {inputs[0]['key']} (first-order Sobol "
-        f"index {inputs[0]['first_order']:.2f})."
-    )
+    certainty = f"{grouped(found.computed)} samples"
+    certainty += f"; largest part of the variance from {main_source(inputs[0])}." if inputs else "."
     if refused:
         certainty += (
             f" {100.0 * refused / found.computed:.2g} % of them have no solution and are not included."
@@ -204,13 +238,12 @@ def _refusals(found: Spread) -> str:
 def _corner_sentences(found: Spread, refusals: str, held: tuple[str, ...]) -> list[str]:
     """Description of the method."""
     return [
-        f"The inputs are independent and uniformly distributed over their ranges. {grouped(found.rows)} scrambled "
-        f"Sobol points (seed {SEED}) define {grouped(found.computed)} samples, each solved exactly by Stages 1 to 3. "
-        "Results are reproducible.",
+        f"The inputs are independent and uniformly distributed over their ranges. {grouped(found.rows)} points of "
+        f"{points_in_words(len(found.ranges), found.rows)} (seed {SEED}) define {grouped(found.computed)} samples, "
+        "each solved exactly by Stages 1 to 3. Results are reproducible.",
         refusals,
         *([f"Fixed inputs: {', '.join(held)} (varied by --range)."] if held else []),
-        "Sobol indices are fractions of the variance due to an input: without (first order) and with its interactions "
-        f"(total). The 95 % confidence intervals are from {RESAMPLES} bootstrap resamples and are conservative.",
+        INDEX_METHOD,
         "The duration of the triangular force pulse is an input; the rigid-body method does not predict it.",
     ]
 
@@ -242,10 +275,11 @@ def impact_report(found: Spread) -> Report:
         Section("Comparison with Tables 4 and 5 of the paper", "" if beside else NOT_TL_4, tables=[rows]),
         Section("Variation of single inputs", figures=_curve_figures(found)),
     )
-    kinds, numbers = ("first_order", "total"), {}
+    kinds, numbers = ("first_order", "first_order_interval", "total", "total_interval"), {}
     for name in found.tables:
         indices = {row["key"]: {kind: row[kind] for kind in kinds} for row in found.sources.get(name, ())}
-        numbers[name] = {**found.band(name).numbers(), "indices": indices}
+        refused = found.refused_sources.get(name)
+        numbers[name] = {**found.band(name).numbers(), "indices": indices, "indices_refused": refused}
     summary = {
         **{"impacts": found.computed, "without_second_strike": single, "own": found.own, "bands": numbers},
         "inputs": [asdict(item) for item in found.ranges],
@@ -256,6 +290,7 @@ def impact_report(found: Spread) -> Report:
         _bands_table(found, f"{found.case.scene.name}: both strikes"),
         short(levels),
         _inputs_table(found, short=True),
+        *_refused_indices(found),
         Table((*ROWS, VERDICT), beside, "Comparison with Tables 4 and 5 (* projected); u_D is unknown"),
         f"Cost:   {found.computed} impacts in {found.seconds:.1f} s",
     )
@@ -292,9 +327,7 @@ def _impact_answer(found: Spread) -> tuple[str, str]:
     certainty = f"{grouped(found.computed)} impacts of the rigid vehicle."
     if sources := found.sources_of(main):
         first = sources[0]
-        certainty += (
-            f" Largest part of the variance from {first['key']} (total Sobol index {first['total']:.2f})."
-        )
+        certainty += f" Largest part of the variance from {main_source(first)}."
     if shown := [row for row in found.beside if not row["projected"]]:
         inside = sum(row["band"][0] <= row["measured"] <= row["band"][2] for row in shown)
         within = sum(row["within"] for row in shown)
@@ -309,8 +342,9 @@ def _impact_sentences(found: Spread, single: int) -> list[str]:
     """Description of the method."""
     sentences = [
         f"The inputs are independent and uniformly distributed over their ranges. {grouped(found.computed)} impacts of "
-        f"the rigid vehicle: {grouped(2 * found.rows)} scrambled Sobol points (seed {SEED}) for the distribution, the "
-        "others for the indices. Results are reproducible.",
+        f"the rigid vehicle: {grouped(2 * found.rows)} points of {points_in_words(len(found.ranges), found.rows)} "
+        f"(seed {SEED}) for the distribution, the others for the indices. Results are reproducible.",
+        INDEX_METHOD,
         "Raw: force at the striking corner. Filtered and 50 ms mean forces: total force on the wall during the strike.",
         "The duration of the strikes follows from mass, crush and friction.",
         "The distribution reflects these ranges only. The model excludes roll and pitch, shifting load, deflection of "
@@ -332,7 +366,7 @@ def _bands_table(found: Spread, title: str = "") -> Table:
         strike, quantity = name.removeprefix("strike_").split(".")
         label, unit, scale = QUANTITIES[quantity]
         ends = zip(PERCENTILES, found.band(name).percentiles, strict=True)
-        first = next(iter(found.sources_of(name)), {"key": "–", "total": math.nan})
+        first = next(iter(found.sources_of(name)), {"key": "–", "total": None, "total_interval": None})
         row = {
             "strike": int(strike) if strike.isdigit() else "largest",
             "quantity": label,
@@ -340,26 +374,36 @@ def _bands_table(found: Spread, title: str = "") -> Table:
             "unit": unit,
         }
         row |= {f"{p} %": value / scale for p, value in ends}
-        rows.append(row | {"source": first["key"], "index": first["total"]})
-    return Table(BANDS, rows, title)
+        rows.append(
+            row | {"source": first["key"], **{key: first[key] for key in ("total", "total_interval")}}
+        )
+    return Table(with_intervals(BANDS) if title else BANDS, rows, title)
 
 
 def _inputs_table(found: Spread, short: bool = False) -> Table:
     """Ranges of the inputs and total indices of the main quantities; short: of the second strike only."""
     strikes, inputs = (2,) if short else (1, 2), _input_rows(found)
     heads = [
-        Column(f"strike_{k}.{name}", label, form=FRACTION, group="" if short else f"Strike {k}")
+        _index(f"strike_{k}.{name}", label, ".2f", "" if short else f"Strike {k}")
         for k in strikes
         for name, label in SHOWN.items()
         if f"strike_{k}.{name}" in found.sources
     ]
     if LARGEST in found.sources:
-        heads.insert(0, Column(LARGEST, "Largest 50 ms", form=FRACTION))
-    for number, row in enumerate(inputs):
-        row |= {head.key: found.sources[head.key][number]["total"] for head in heads}
+        heads.insert(0, _index(LARGEST, "Largest 50 ms", ".2f"))
+    for head in heads:
+        sources = found.sources[head.key] or [{"total": None, "total_interval": None}] * len(inputs)
+        for row, source in zip(inputs, sources, strict=True):
+            row |= {head.key: source["total"], f"{head.key}_interval": source["total_interval"]}
     if short:
+        heads = list(with_intervals(heads))
         return Table((*INPUTS[:2], *heads), inputs, "Inputs and total Sobol indices of strike 2")
-    return Table((*INPUTS, *heads), inputs, notes=(INDEX_NOTE,))
+    return Table((*INPUTS, *heads), inputs, notes=(INDEX_NOTE, *_refused_indices(found)))
+
+
+def _refused_indices(found: Spread) -> list[str]:
+    """Quantities whose indices are refused, and why."""
+    return [f"{name}: {why}" for name, why in found.refused_sources.items()]
 
 
 def _curves_table(found: Spread) -> Table:

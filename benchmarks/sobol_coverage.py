@@ -1,0 +1,148 @@
+"""Coverage of the 95 % intervals of Sobol indices: functions with exact indices, many randomisations of the points.
+
+    .venv/bin/python benchmarks/sobol_coverage.py [--inputs N]... [--rows N]... [--repeats N]
+
+For each function, number of inputs and of rows: the fraction of first-order and of total indices that lie in their
+interval, its mean width, and how often the indices were refused.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tailslap.campaign import sampling
+from tailslap.campaign.sampling import Array, Range
+
+INPUTS, ROWS, REPEATS = (2, 5, 11, 21), (32, 64, 256, 1024, 4096), 40
+
+# Inputs of the largest set of tables.
+MOST = 400_000
+
+# Rounding of exact zeros and ones.
+ROUNDING = 1e-9
+
+
+class Function(NamedTuple):
+    """A function of inputs in (0, 1), shape (inputs, n), with its exact indices, shape (inputs,)."""
+
+    name: str
+    of: Callable[[Array], Array]
+    first: Array
+    total: Array
+
+
+def linear(name: str, weights: Array) -> Function:
+    """Return the weighted sum, whose indices are the squared weights by their sum."""
+    share = weights**2 / np.sum(weights**2)
+    return Function(name, lambda x: weights @ x, share, share)
+
+
+def ishigami(inputs: int) -> Function:
+    """Return sin x + 7 sin^2 y + 0.1 z^4 sin x of three inputs, the others without effect."""
+
+    def of(x: Array) -> Array:
+        a, b, c = math.pi * (2.0 * x[:3] - 1.0)
+        return np.asarray(np.sin(a) + 7.0 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a))
+
+    alone = np.array([(1.0 + 0.1 * math.pi**4 / 5.0) ** 2 / 2.0, 49.0 / 8.0, 0.0])
+    both = 0.01 * math.pi**8 * 8.0 / 225.0
+    parts = np.array([alone, alone + np.array([both, 0.0, both])]) / (alone.sum() + both)
+    first, total = np.pad(parts, ((0, 0), (0, inputs - 3)))
+    return Function("Ishigami", of, first, total)
+
+
+def product(inputs: int) -> Function:
+    """Return the function of Sobol, the product of (|4 x - 2| + a)/(1 + a) with a = i²/2."""
+    a = 0.5 * np.arange(inputs)[:, None] ** 2
+    part = (1.0 / 3.0 / (1.0 + a) ** 2)[:, 0]
+    variance = np.prod(1.0 + part) - 1.0
+    total = part / (1.0 + part) * (variance + 1.0) / variance
+    return Function(
+        "product", lambda x: np.prod((np.abs(4.0 * x - 2.0) + a) / (1.0 + a), axis=0), part / variance, total
+    )
+
+
+def indicator(name: str, inputs: int, fraction: float) -> Function:
+    """Return 1 where the largest input exceeds a limit, in this fraction of the cases."""
+    limit = (1.0 - fraction) ** (1.0 / inputs)
+    rest, variance = limit ** (inputs - 1), fraction * (1.0 - fraction)
+    first = rest**2 * limit * (1.0 - limit) / variance
+    total = rest * limit * (1.0 - limit) / variance
+    return Function(
+        name,
+        lambda x: np.where(x.max(axis=0) > limit, 1.0, 0.0),
+        np.full(inputs, first),
+        np.full(inputs, total),
+    )
+
+
+def functions(inputs: int) -> list[Function]:
+    """Return the functions of so many inputs."""
+    unequal = 1.0 / np.arange(1.0, inputs + 1.0)
+    unequal[2::3] = 0.0
+    found = [linear("linear", np.ones(inputs)), linear("linear 1/i", unequal)]
+    found += [ishigami(inputs)] if inputs >= 3 else []
+    return [*found, product(inputs), indicator("1 of 2", inputs, 0.5), indicator("1 of 10", inputs, 0.1)]
+
+
+def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -> dict[str, Any]:
+    """Return covered fractions and mean widths, first-order and total, and the fraction of refusals."""
+    inputs = function.first.size
+    ranges = tuple(Range(f"x{i}", 0.0, 1.0, "", None, "") for i in range(inputs))
+    exact, seed = np.array([function.first, function.total]), sampling.SEED
+    covered, widths = [], []
+    try:
+        for sampling.SEED in range(first_seed, first_seed + repeats):
+            table = sampling.sampled(
+                ranges, rows * (inputs + 2), lambda given: {"": function.of(np.array([*given.values()]))}
+            )[1][""]
+            found, refusal = sampling.index_rows(ranges, table)
+            if refusal:
+                continue
+            kinds = ("first_order_interval", "total_interval")
+            low, high = np.moveaxis([[row[kind] for row in found] for kind in kinds], -1, 0)
+            covered.append(((low - ROUNDING <= exact) & (exact <= high + ROUNDING)).mean(axis=1))
+            widths.append((high - low).mean(axis=1))
+    finally:
+        sampling.SEED = seed
+    nothing = [(math.nan, math.nan)]
+    return {
+        "covered": np.mean(covered or nothing, axis=0),
+        "width": np.mean(widths or nothing, axis=0),
+        "refused": 1.0 - len(covered) / repeats,
+    }
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--inputs", type=int, action="append")
+    parser.add_argument("--rows", type=int, action="append")
+    parser.add_argument("--repeats", type=int, default=REPEATS)
+    given = parser.parse_args()
+    print("inputs   rows  function    covered: first  total   width: first  total   refused")
+    everything = []
+    for inputs in given.inputs or INPUTS:
+        for rows in given.rows or [rows for rows in ROWS if rows * inputs * (inputs + 2) <= MOST]:
+            for function in functions(inputs):
+                found = coverage(function, rows, given.repeats)
+                (first, total), (wide, widest) = found["covered"], found["width"]
+                everything.append((first, total))
+                print(
+                    f"{inputs:6} {rows:6}  {function.name:10} {first:15.1%} {total:6.1%} {wide:14.4f} {widest:6.4f} "
+                    f"{found['refused']:9.1%}"
+                )
+    first, total = np.nanmean(everything, axis=0)
+    lowest = np.nanmin(everything)
+    print(f"all: first-order {first:.1%}, total {total:.1%}; lowest of a row {lowest:.1%}")
+
+
+if __name__ == "__main__":
+    main()
