@@ -105,7 +105,7 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
             if refusal:
                 continue
             kinds = ("first_order_interval", "total_interval")
-            low, high = np.moveaxis([[row[kind] for row in found] for kind in kinds], -1, 0)
+            low, high = np.moveaxis(np.array([[row[kind] for row in found] for kind in kinds]), -1, 0)
             covered.append(((low - ROUNDING <= exact) & (exact <= high + ROUNDING)).mean(axis=1))
             widths.append((high - low).mean(axis=1))
     finally:

@@ -254,7 +254,7 @@ def solve_impact(
 
 @dataclass(frozen=True)
 class Impacts:
-    """The first two strikes of many impacts, of trains more.
+    """The first strikes of many impacts.
 
     Attributes
     ----------
@@ -270,7 +270,7 @@ class Impacts:
         Total normal force [N], each row the mean since the even instant before, the first from first touch on; none
         behind the end, and no rows where no interval was asked for.
     error : ndarray, shape (...)
-        Largest relative change of peaks, impulses and spin against twice the step [-].
+        Largest relative change of peaks, impulses, durations and spin against twice the step [-].
     """
 
     corner: NDArray[np.int64]
@@ -305,6 +305,7 @@ def solve_impacts(
     interval: float | None = None,
     step: float | None = None,
     tolerance: float = MANY,
+    strikes: int | None = None,
     trailers: Sequence[Mapping[str, Number]] = (),
 ) -> Impacts:
     """Whole impacts of rigid vehicles, or trains, whose corners alone touch; arguments broadcast.
@@ -340,7 +341,9 @@ def solve_impacts(
     step : float or None
         Of all [s]; None: chosen for each by the tolerance.
     tolerance : float
-        Of peaks, impulses and spin, by which the step of each is chosen [-].
+        Of peaks, impulses, durations and spin, by which the step of each is chosen [-].
+    strikes : int or None
+        For how many there is room, and of more than two for all; None: two, of trains all.
     trailers : sequence of dict
         Of each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `HitchedVehicle`, and
         where it has its own `centre_of_mass`, `yaw_inertia` and `stiffness`.
@@ -381,7 +384,7 @@ def solve_impacts(
     gate.not_negative(rules.FRICTION, its["friction"])
     found = solve_trains(
         *_trains(units, its), step=step, interval=interval, impulse_alone=True, after_second=after_second,
-        longest=longest, tolerance=tolerance, strikes=16 * len(units),
+        longest=longest, tolerance=tolerance, strikes=strikes or (16 * len(units) if trailers else 2),
     )  # fmt: skip
     room = found.strikes.shape[1]
     table = np.moveaxis(found.strikes, -1, 0)[:5]

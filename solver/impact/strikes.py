@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -51,7 +51,7 @@ class Strike:
     position: float = math.nan
     energy_absorbed: float = math.nan
     friction_work: float = math.nan
-    cut: bool = False
+    cut: bool = field(default=False, kw_only=True)
 
     @property
     def duration(self) -> float:
@@ -187,6 +187,6 @@ def strikes_of_rows(rows: Array, fronts: Sequence[float], end: float) -> tuple[S
         attack, position, until = round(fronts[unit] - station / impulse, 12), place / impulse, min(last, end)
         name = corner_name(unit, corner)
         found.append(
-            Strike(name, start, until, peak, impulse, along, attack, position, crush, friction, bool(cut))
+            Strike(name, start, until, peak, impulse, along, attack, position, crush, friction, cut=bool(cut))
         )
     return tuple(sorted(found, key=lambda strike: strike.start))

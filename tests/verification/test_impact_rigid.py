@@ -1,6 +1,7 @@
 """Verification: the whole impact of rigid vehicles: closed forms, orders, conservation, friction, refusals."""
 
 import math
+from dataclasses import astuple
 from functools import partial
 from typing import Any
 
@@ -361,8 +362,14 @@ def test_a_layer_pressed_flat_is_a_spring_of_its_stiffness_times_length():
 
 def test_the_end():
     """After the second strike; where there is none, when nothing can touch any more."""
-    motion = impact()
-    assert motion.t_end == pytest.approx(motion.strikes[1].end + 0.1, rel=1e-12)
+    motion = impact(end=None, after_second=0.05)
+    assert motion.t_end == pytest.approx(
+        motion.strikes[1].end + max(0.05, motion.strikes[1].duration), rel=1e-12
+    )
+    motion = impact(after_second=0.08)
+    assert motion.t_end == pytest.approx(motion.strikes[1].end + 0.08, rel=1e-12)
+    third = impact().strikes[2]
+    assert impact().t_end == pytest.approx(third.end + third.duration, rel=1e-12)
     single = impact(mu=2.0, longest=9.0)
     assert len(single.strikes) == 1
     assert single.end.y_g >= TRUCK.reach * (1.0 - 1e-4)
@@ -371,6 +378,46 @@ def test_the_end():
     whole = impact().at(0.05)
     assert short.strikes[0].impulse == pytest.approx(float(whole.impulse_normal), rel=1e-6)
     assert short.strikes[0].peak_force == pytest.approx(float(whole.force_normal), rel=1e-5)
+
+
+def strikes_of_motion(motion):
+    return [(strike.corner, *astuple(strike)[1:5]) for strike in motion.strikes]
+
+
+@pytest.mark.parametrize("angle", [10.0, 12.0, 13.0, 15.0, 20.0])
+@pytest.mark.parametrize("e", [0.0, 0.02, 0.22])
+def test_a_motion_ends_between_strikes(angle, e):
+    """Followed for half a second more, it has the same strikes, and then others."""
+    motion = impact(angle=angle, e=e)
+    longer = impact(angle=angle, e=e, end=motion.t_end + 0.5, step=motion.step)
+    assert not any(strike.cut for strike in motion.strikes)
+    assert float(motion.at(motion.t_end).force_normal) == 0.0
+    own, others = strikes_of_motion(motion), strikes_of_motion(longer)[: len(motion.strikes)]
+    for one, other in zip(own, others, strict=True):
+        assert one[0] == other[0]
+        assert one[1:] == pytest.approx(other[1:], rel=1e-3)
+
+
+def test_the_end_in_a_strike_cuts_it():
+    """What is given then is at least so much less than the whole, and grows with the end."""
+    whole, last = impact().strikes[2], (0.0, 0.0, 0.0)
+    for end in np.linspace(whole.start + 1e-3, whole.end - 1e-3, 6):
+        *others, strike = impact(end=end).strikes
+        assert [each.cut for each in (*others, strike)] == [False, False, True]
+        values = strike.duration, strike.peak_force, strike.impulse
+        assert strike.end == pytest.approx(end)
+        assert all(
+            a <= b <= c
+            for a, b, c in zip(last, values, (whole.duration, whole.peak_force, whole.impulse), strict=True)
+        )
+        last = values
+    resumed = impact(end=whole.end + 0.9 * whole.duration).strikes[2]  # it may come back
+    assert (resumed.cut, resumed.impulse) == (True, pytest.approx(whole.impulse, rel=1e-4))
+    assert not impact(end=whole.end + 1.1 * whole.duration).strikes[2].cut
+
+
+def test_the_latest_end_may_cut_a_strike():
+    assert [strike.cut for strike in impact(longest=0.33).strikes] == [False, True]
 
 
 def test_a_single_strike_is_followed_for_a_tenth_of_a_second():
@@ -482,7 +529,7 @@ def test_many_are_what_each_is_alone(seed, steepest, roughest):
     """Slender and steep, slip and stick, in coarser steps: within 1e-4."""
     given = drawn(seed, 15, steepest, roughest)
     found = solve_impacts(**given, interval=5e-4)
-    assert np.all(found.error < 1e-3)
+    assert np.all(found.error < 2e-3)
     for i in range(15):
         motion = alone({key: float(value[i]) for key, value in given.items()})
         for k, strike in enumerate(motion.strikes[:2]):
@@ -502,6 +549,35 @@ def test_many_are_what_each_is_alone(seed, steepest, roughest):
     exact = alone({key: float(np.asarray(value)) for key, value in GIVEN.items()})
     end = solve_impacts(**GIVEN, interval=exact.strikes[0].end / 100.0).mean_force
     assert len(end) == pytest.approx(100.0 * exact.t_end / exact.strikes[0].end, abs=1.0)
+
+
+GRAZING = {
+    "length": 10.0, "width": 2.438, "mass": 10_000.0, "speed": 25.0, "angle": math.radians(15.0), "stiffness": 1.2e6,
+    "restitution": 0.02, "friction": 0.45,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("count", [20, pytest.param(200, marks=pytest.mark.long)])
+def test_many_have_the_strikes_of_each_where_contact_is_lost_for_a_moment(count):
+    """At low restitution the rear corner comes off and back, by micrometres: durations and impulses within what many
+    state, or 4e-3 of one alone; 99 in 100 durations."""
+    rng = np.random.default_rng(8)
+    drawn = {
+        "mass": rng.uniform(9480.0, 10478.0, count), "angle": rng.uniform(0.2356, 0.288, count),
+        "speed": rng.uniform(23.9, 26.2, count), "stiffness": rng.uniform(1e6, 3e6, count),
+        "restitution": rng.uniform(0.0, 0.05, count), "friction": rng.uniform(0.3, 0.6, count),
+    }  # fmt: skip
+    given: dict[str, Any] = {key: np.broadcast_to(v, count) for key, v in (GRAZING | drawn).items()}
+    found = solve_impacts(**given)
+    off = []
+    for i in range(count):
+        motion = alone({key: float(value[i]) for key, value in given.items()})
+        for k, strike in enumerate(motion.strikes[:2]):
+            assert CORNERS[found.corner[k, i]] == strike.corner
+            allowed = found.error[i] + 4e-3
+            assert found.impulse[k, i] == pytest.approx(strike.impulse, rel=allowed)
+            off.append(abs(found.duration[k, i] / strike.duration - 1.0) / allowed)
+    assert np.count_nonzero(np.array(off) > 1.0) <= count // 100
 
 
 def test_numbers_and_arrays_broadcast():

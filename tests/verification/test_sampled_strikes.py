@@ -56,6 +56,29 @@ def test_a_strike_is_over_when_the_corner_has_been_off_as_long_or_a_millisecond(
     assert impulse == pytest.approx(1e5 * interval * np.count_nonzero(force))
 
 
+def test_touches_that_bring_a_thousandth_prolong_a_strike():
+    """One after it, of less, is part of its impulse alone; several of less that bring as much prolong it."""
+    force = np.zeros(400)
+    force[100:200], force[220] = 1e5, 9e3
+    (light,) = strikes_of(1e-4 * np.arange(401.0), {"rear": force})
+    assert (light.end, light.cut) == (pytest.approx(0.02), False)
+    assert light.impulse == pytest.approx(1e-4 * force.sum())
+    force[240] = 9e3
+    (two,) = strikes_of(1e-4 * np.arange(401.0), {"rear": force})
+    assert two.end == pytest.approx(0.0241)
+    force[220], force[240] = 11e3, 0.0
+    (heavy,) = strikes_of(1e-4 * np.arange(401.0), {"rear": force})
+    assert heavy.end == pytest.approx(0.0221)
+
+
+def test_a_strike_that_is_not_over_at_the_end_is_cut():
+    force = np.zeros(400)
+    force[100:200] = 1e5
+    for rows, cut in ((150, True), (200, True), (298, True), (302, False)):
+        (strike,) = strikes_of(1e-4 * np.arange(rows + 1.0), {"rear": force[:rows]})
+        assert strike.cut == cut
+
+
 def test_uneven_samples_and_means_beside_the_force():
     t = np.sort(np.random.default_rng(1).uniform(0.0, 0.2, 400))
     force = half_sine(t, 0.02, 0.1, 2e5)

@@ -68,6 +68,9 @@ OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "stiffness", "hitch", "kingpin"
 INTERVAL = 5e-4
 """Time between rows of the forces of many impacts [s]: peaks of a 50 ms mean are within 1e-4."""
 
+STRIKES = 32
+"""Strikes of each of many impacts for which there is room at first."""
+
 CURVES = {
     "raw": "raw",
     "mean_50ms": "50 ms mean",
@@ -225,7 +228,7 @@ class RigidImpact(Case):
         InputError
             Where the theory refuses one of them.
         """
-        found = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL)
+        found = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
         columns = found.corner, found.start, found.end, found.peak_force, found.impulse
         rows = []
         for mean, *own in zip(found.mean_force.T, *(each.T for each in columns), strict=True):
