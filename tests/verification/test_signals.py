@@ -76,7 +76,7 @@ def test_a_constant_passes_unchanged_to_both_ends(name, size):
     np.testing.assert_allclose(found, -3.7, rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", FILTERS.keys() - {"50 ms"})
+@pytest.mark.parametrize("name", [name for name in FILTERS if name != "50 ms"])
 def test_an_end_is_that_of_a_signal_that_holds_its_value(name):
     """What comes after the end of a history is as good as the end value going on."""
     rising = np.sin(np.linspace(0.0, 1.2, 1000))
