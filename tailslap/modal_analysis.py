@@ -21,6 +21,7 @@ from postprocess.figures.plates import draw_mode
 from postprocess.report.page import Column, Headline, Section, Table, columns
 from postprocess.report.report import Report, printed, shown_in
 from postprocess.units import SYSTEMS, measure, percent, percent_up
+from tailslap import progress
 from tailslap.case.case import MOST_ELEMENTS, Case, Check, failed_sentence, unreliable
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.case.impact.plan import ImpactPlan
@@ -129,7 +130,7 @@ def modal_run(
     plate, relieved = with_fewer_modes(finer, modes), relieved_fields(model, start)
     (state, finer_state) = (modal_start(model, kept, start, relieved) for kept in (plate, finer))
     setup = time.perf_counter() - began
-    motion = integrate(plate, state, duration, steps)
+    motion = integrate(plate, state, duration, steps, progress.compiling)
     halved = integrate(plate, state, duration, max(1, steps // 2))
     others = integrate(finer, finer_state, duration, steps), halved
     estimate = _estimate(fe_plan, float(finer.frequencies[0]), motion, *others)

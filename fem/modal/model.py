@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from fem.modal import motion
 from fem.modal.motion import REACHED, run_to_strike
 from fem.model.plate_model import PlateModel
@@ -203,14 +204,22 @@ def modal_start(
 
 
 def integrate(
-    modal: ModalPlate, start: tuple[np.ndarray, np.ndarray], duration: float, steps: int
+    modal: ModalPlate,
+    start: tuple[np.ndarray, np.ndarray],
+    duration: float,
+    steps: int,
+    on_compile: OnCompile = ignore_compiling,
 ) -> ModalMotion:
-    """Run to the tail-slap, in so many steps of the expected duration [s] and one shorter."""
+    """Run to the tail-slap, in so many steps of the expected duration [s] and one shorter.
+
+    on_compile: see `fem.machine_code.compiled.compile_once`.
+    """
     size = start[0].size
     table = np.empty((int(OVERTIME * steps) + 2, 1 + 2 * size))
     table[0] = np.concatenate([[0.0], *start])
     workspace = np.empty((14, size)), np.empty(size, dtype=complex)
-    run_to_strike(1.0, modal.model, table[:1], *workspace)  # a table of one row has no step: this compiles
+    unstepped = 1.0, modal.model, table[:1], *workspace  # a table of one row has no step
+    compile_once(lambda: run_to_strike(*unstepped), run_to_strike, *unstepped, on_compile=on_compile)
     began = time.perf_counter()
     end, rows, iterations = run_to_strike(duration / steps, modal.model, table, *workspace)
     elapsed = time.perf_counter() - began

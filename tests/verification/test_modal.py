@@ -10,6 +10,7 @@ import math
 import numpy as np
 import pytest
 
+from fem.modal import model
 from fem.modal.model import integrate, modal_plate, modal_start, with_fewer_modes
 from fem.modal.motion import MEASURED, accelerate, measure_rows
 from fem.modal.motion import reaction as corner_reaction
@@ -320,3 +321,17 @@ def test_stated_errors_bound_the_frequencies_of_a_given_mesh(element, shape):
     fine = frequencies("impact-mash-tl4-sut", *shape, "plate.element=quad9", "plate.elements=[60, 12]")
     for mode, reference in zip(coarse, fine, strict=True):
         assert abs(reference["frequency"] / mode["frequency"] - 1.0) <= mode["error"]
+
+
+def test_the_command_states_that_its_steps_are_compiled(monkeypatch, capsys):
+    compile_once, kernels = model.compile_once, []
+
+    def compiled(compile_all, kernel, *arguments, on_compile):
+        kernels.append(kernel)
+        on_compile("compiling")
+        compile_once(compile_all, kernel, *arguments, on_compile=on_compile)
+
+    monkeypatch.setattr(model, "compile_once", compiled)
+    assert _status(["modal", "paper-table-3", "--modes", "1"]) == 0
+    assert set(kernels) == {model.run_to_strike}
+    assert "tailslap: compiling\n" in capsys.readouterr().err
