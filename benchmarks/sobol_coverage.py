@@ -95,7 +95,7 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
     inputs = function.first.size
     ranges = tuple(Range(f"x{i}", 0.0, 1.0, "", None, "") for i in range(inputs))
     exact, seed = np.array([function.first, function.total]), sampling.SEED
-    covered, widths = [], []
+    covered, widths = list[Array](), list[Array]()
     try:
         for sampling.SEED in range(first_seed, first_seed + repeats):
             table = sampling.sampled(
@@ -110,7 +110,7 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
             widths.append((high - low).mean(axis=1))
     finally:
         sampling.SEED = seed
-    nothing = [(math.nan, math.nan)]
+    nothing = [np.full(2, math.nan)]
     return {
         "covered": np.mean(covered or nothing, axis=0),
         "width": np.mean(widths or nothing, axis=0),

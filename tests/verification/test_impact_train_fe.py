@@ -265,7 +265,7 @@ def impulse_errors(modulus, until, count, counts=COUNTS):
     """Relative errors of the first impulses against the rigid train."""
     rigid = rigid_strikes(until)[:count]
     strikes = corner_strikes(struck(until, modulus=modulus, counts=counts)[1])[:count]
-    assert [strike.corner for strike in strikes] == rigid[:, 0].tolist()
+    assert [float(strike.corner) for strike in strikes] == rigid[:, 0].tolist()
     return np.array([strike.impulse for strike in strikes]) / rigid[:, 4] - 1.0
 
 

@@ -93,6 +93,16 @@ def test_the_report(found):
     assert made.summary["tipping"]["lowest_safe_wall"] == found.answer.lowest_wall
 
 
+def test_refused_indices_are_said_and_not_shown(found):
+    made = report.report(replace(found, sources=[], refusal="Sobol indices are not determined."))
+    assert "main source of variance" not in made.page.headline.certainty
+    assert "Sobol indices are not determined." in made.terminal
+    assert made.summary["indices_refused"] == "Sobol indices are not determined."
+    assert not any("total" in row for row in made.summary["inputs"])
+    assert "Sobol indices are not determined." in str(made.page)
+    assert report.report(found).summary["indices_refused"] is None
+
+
 @pytest.mark.parametrize(("changes", "key"), [
     (("tipping=",), "tipping"), (("contact.side_stiffness=1 MN/m^2",), "contact.side_stiffness"),
 ])  # fmt: skip
