@@ -30,7 +30,7 @@ from tailslap.files.folder import result_folder
 from tailslap.scene import read
 from tailslap.scene.objects import named, own_names
 from tailslap.scene.units import picture_pixels
-from tailslap.scene.vary import Source, parse_changes, shown, vary
+from tailslap.scene.vary import Source, changes_of, parse_changes, shown, vary
 from tailslap.studies import find_study
 from tailslap.studies.study import Study, checked_options, prepared
 
@@ -146,7 +146,7 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
 
     case = _case(scene, changes)
     headline, columns = case.headline(), case.rigid_history()
-    summary = page.plain({**vars(headline), **case.rigid_numbers()})
+    summary = page.plain({**vars(headline), **case.rigid_numbers(), "changes": changes_of(case.source)})
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
         page.write_summary(folder / "summary.json", summary)
@@ -361,6 +361,7 @@ def study(
     own = checked_options(chosen, options)
     with _folder_or_none(folder) as place:
         case, _, origin = prepared(chosen, os.fspath(scene), _texts(changes), place, allow_large, own)
+        _warn(case.source, not isinstance(changes, Mapping))
         with result_folder(place, force=force, origin=origin) as unfinished:
             found = study_result(chosen, case, place, own)
             if folder is not None and found.fill:
@@ -436,10 +437,12 @@ def sweep(
     """
     from tailslap.campaign import definition
 
+    typed = not isinstance(vary, Mapping)
     if isinstance(vary, Mapping):
         texts = {k: v if isinstance(v, str) else ",".join(map(str, v)) for k, v in vary.items()}
         vary = [f"{key}={text}" for key, text in texts.items()]
     asked = definition.make_definition(os.fspath(scene), _texts(changes), tuple(vary), sample, seed)
+    _warn(definition.varied_source(asked) if typed else asked.source, not isinstance(changes, Mapping))
     own = _own_names(asked)
     if own and (workers or cluster):
         key, value = "--workers" if workers else "--cluster", workers or cluster
@@ -634,9 +637,14 @@ def _case(scene: Scene, changes: Changes | None, level: int = 4) -> Case:
     typed = not isinstance(changes, Mapping)
     values = parse_changes(changes or (), source.given) if typed else named(_plain(changes))
     varied, source = vary(source, values)
-    for remark in read.remarks(source):
-        warnings.warn(remark, stacklevel=level)
+    _warn(source, typed, level + 1)
     return case_of(varied, source)
+
+
+def _warn(source: Source, typed: bool, level: int = 4) -> None:
+    """Warn of what is remarkable in a scene; typed: by texts; level: of the caller's line on the stack."""
+    for remark in read.remarks(source, typed):
+        warnings.warn(remark, stacklevel=level)
 
 
 def _affordable(scene: Scene, changes: Changes | None, allow_large: bool, level: int = 5) -> Case:

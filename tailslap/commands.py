@@ -17,9 +17,10 @@ from tailslap.arguments import UnitSystem
 from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.exports import PROGRAMS, SOLVERS
-from tailslap.files.folder import commit, result_folder
+from tailslap.files.folder import commit, default_place, result_folder
 from tailslap.files.manifest import Origin
 from tailslap.scene import read
+from tailslap.scene.vary import Source, changes_of
 from tailslap.studies.study import Study, prepared
 
 if TYPE_CHECKING:
@@ -37,7 +38,6 @@ PICTURES_HELP = (
 )
 
 HELP = {"help_option_names": ["-h", "--help"]}
-RESULTS = Path("results")
 
 
 def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
@@ -46,11 +46,21 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
     @functools.wraps(function)
     def command(name: str, changes: tuple[str, ...], **given: Any) -> int:
         scene, source = read.read_scene(name, changes)
-        for remark in read.remarks(source):
-            click.echo(f"tailslap: remark: {remark}", err=True)
+        remark_on(source)
         return function(case_of(scene, source), **given)
 
     return options.with_options(options.SCENE, options.SET)(command)
+
+
+def place_of(case: Case, ending: str = "") -> Path:
+    """Default result folder of a command on a case."""
+    return default_place(case.scene.name, changes_of(case.source), ending)
+
+
+def remark_on(source: Source) -> None:
+    """Show what is remarkable in a scene."""
+    for remark in read.remarks(source):
+        click.echo(f"tailslap: remark: {remark}", err=True)
 
 
 def deliver(
@@ -96,7 +106,7 @@ def commands() -> None:
 @commands.command()
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE)
-@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME]")
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES]")
 @click.option("--picture-size", type=options.PictureSize(), metavar="WIDTHxHEIGHT", help=PICTURES_HELP)
 @click.option("--no-pictures", is_flag=True, help="Omit the contour images.")
 @click.option(
@@ -122,7 +132,7 @@ def run(
     from tailslap.campaign.records import program
     from tailslap.files import checkpoints
 
-    place, of = out or RESULTS / case.scene.name, Origin("run", case.scene.name)
+    place, of = out or place_of(case), Origin("run", case.scene.name)
     definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}
     with result_folder(place, force=force, origin=of) as folder:
         with checkpoints.checkpointed(place, definition, resume):
@@ -167,7 +177,7 @@ def study() -> None:
 
 def study_command(chosen: Study) -> click.Command:
     """Command of a study, with SCENE, --set, --out and its own options."""
-    help_out = f"Result folder  [default: results/NAME-{chosen.name}]"
+    help_out = f"Result folder  [default: results/NAME+CHANGES-{chosen.name}]"
     out = click.Option(["--out", "folder"], type=options.Folder(), help=help_out)
     shared = [options.SCENE, options.SET, out, options.ALLOW_LARGE, options.FORCE, *options.WATCHED]
 
@@ -176,6 +186,7 @@ def study_command(chosen: Study) -> click.Command:
 
         folder, allow_large, force = (given.pop(key) for key in ("folder", "allow_large", "force"))
         case, place, of = prepared(chosen, name, changes, folder, allow_large, given)
+        remark_on(case.source)
         compute = lambda: api.study_result(chosen, case, place, given).fill  # noqa: E731
         return deliver(compute, place, of, as_json, units, force=force)
 
@@ -201,7 +212,9 @@ def study_command(chosen: Study) -> click.Command:
 @click.option(
     "--seed", type=options.Whole(0), default=307, show_default=True, help="Random seed of the samples."
 )
-@click.option("--out", "folder", type=options.Folder(), help="Result folder  [default: results/NAME-sweep]")
+@click.option(
+    "--out", "folder", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES-sweep]"
+)
 @click.option(
     "--cluster",
     type=options.Text(),
@@ -231,12 +244,14 @@ def sweep(
     checks or was refused by the theory; 1 if one failed a check or ended in an error; 3 if the cluster was lost.
     """
     from tailslap import api
-    from tailslap.campaign.definition import make_definition
+    from tailslap.campaign.definition import make_definition, varied_source
     from tailslap.campaign.perform import StoppedError
 
     asked = make_definition(name, changes, varied, sample, seed)
+    remark_on(varied_source(asked))
+    place = folder or default_place(asked.scene, changes_of(asked.source), "-sweep")
     try:
-        found = api.sweep_result(asked, folder or RESULTS / f"{asked.scene}-sweep", **given)
+        found = api.sweep_result(asked, place, **given)
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
@@ -311,7 +326,7 @@ def compare(
         """Compare them."""
         return tailslap.compare(*given, columns=columns, only=names, author=author or "", force=force).fill
 
-    place = out or RESULTS / "compare"
+    place = out or default_place("compare", ())
     return deliver(compute, place, ("compare", ""), as_json, units, inputs=given, force=force)
 
 
@@ -328,7 +343,7 @@ def compare(
     show_default=True,
     help="Longest time of the solver, in s.",
 )
-@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-confirm]")
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES-confirm]")
 @options.with_options(options.FORCE, *options.WATCHED)
 def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **given: Any) -> int:
     """Run a scene in another solver and compare it with the exact motion.
@@ -336,7 +351,7 @@ def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool
     Input file, run, comparison and report. The solver must be installed; exit status 1 if the difference exceeds the
     limit, 3 if the solver fails.
     """
-    place = out or RESULTS / f"{case.scene.name}-confirm"
+    place = out or place_of(case, "-confirm")
     compute = lambda: tailslap.confirm(case, **given).fill  # noqa: E731
     return deliver(compute, place, ("confirm", case.scene.name), as_json, units, force=force)
 
@@ -356,13 +371,13 @@ def check(case: Case, as_json: bool, **given: Any) -> int:
 @click.option(
     "--count", type=options.Whole(1, 1000), default=10, show_default=True, help="Number of elastic modes."
 )
-@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME-modes]")
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES-modes]")
 @options.with_options(options.FORCE, *options.WATCHED)
 def modes(
     case: Case, allow_large: bool, count: int, out: Path | None, force: bool, units: str, as_json: bool
 ) -> int:
     """Compute the natural frequencies and mode shapes of the free plate."""
-    place = out or RESULTS / f"{case.scene.name}-modes"
+    place = out or place_of(case, "-modes")
     compute = lambda: tailslap.modes(case, count=count, allow_large=allow_large).fill  # noqa: E731
     return deliver(compute, place, ("modes", case.scene.name), as_json, units, force=force)
 
@@ -459,4 +474,4 @@ def paper(out: Path | None, force: bool, as_json: bool) -> int:
     from tailslap.replication.page import PAGE
 
     compute = lambda: tailslap.paper().fill  # noqa: E731
-    return deliver(compute, out or RESULTS / "paper", ("paper", ""), as_json, force=force, page=PAGE)
+    return deliver(compute, out or default_place("paper", ()), ("paper", ""), as_json, force=force, page=PAGE)

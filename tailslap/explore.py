@@ -10,7 +10,6 @@ with app.setup:
     import math
     import tempfile
     import time
-    from collections.abc import Mapping
     from pathlib import Path
     from typing import Any
 
@@ -21,6 +20,7 @@ with app.setup:
     from postprocess.svg.chart import Chart, draw_chart
     from tailslap import progress
     from tailslap.scene import read, units
+    from tailslap.scene.vary import given_at
 
     SLIDERS = {
         "impact.speed": ("Speed", "m/s", 5.0, 40.0),
@@ -78,13 +78,6 @@ with app.setup:
 
 
 @app.function
-def given_in(tables: Mapping[str, Any], key: str) -> Any:
-    """Value of a dotted key as the scene gives it, None without it."""
-    table, _, name = key.partition(".")
-    return (tables.get(table) or {}).get(name)
-
-
-@app.function
 def slider(key: str, given: Any) -> tuple[Any, float, str]:
     """Slider of a key in the unit of the scene, its value there, and the unit."""
     label, si, low, high = SLIDERS[key]
@@ -130,8 +123,8 @@ def _(opened, shipped):
 
 @app.cell
 def _(tables):
-    replaced = {old for new, old in REPLACED.items() if given_in(tables, new) is not None}
-    shown = {key: given_in(tables, key) for key in SLIDERS if key not in replaced}
+    replaced = {old for new, old in REPLACED.items() if given_at(tables, new) is not None}
+    shown = {key: given_at(tables, key) for key in SLIDERS if key not in replaced}
     made = {key: slider(key, value) for key, value in shown.items() if value is not None}
     sliders = mo.ui.dictionary({key: element for key, (element, _, _) in made.items()})
     mo.Html(STYLE + f'<div class="sliders">{"".join(f"<div>{sliders[key]}</div>" for key in made)}</div>')

@@ -175,6 +175,19 @@ def make_definition(
     return Definition(*fixed, kind.columns(scene), kind.compared)
 
 
+def varied_source(asked: Definition) -> vary.Source:
+    """The source of a sweep with a value of each key as typed, a number without unit if there is one."""
+    first = {}
+    for text in asked.given:
+        key, values = parse_varied(text, bool(asked.sample))
+        typed = [
+            vary.parse_value(value) for value in (values[:2] if isinstance(values, TypedRange) else values)
+        ]
+        first[key] = next((value for value in typed if isinstance(value, int | float)), typed[0])
+    tables = vary.changed_tables(asked.source.given, first)[0]
+    return vary.Source(asked.source.text, tables, asked.source.changed | first.keys())
+
+
 def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:
     """Fractions in [0, 1), shape (runs, keys): of each key one in each of `runs` equal parts."""
     from scipy.stats import qmc

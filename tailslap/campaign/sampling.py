@@ -15,6 +15,7 @@ scramblings of a sequence, one for each group of rows, have enough of them. Inte
 """
 
 import math
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -26,6 +27,7 @@ from postprocess.units import measure
 from tailslap.case.case import Case
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, write
+from tailslap.scene.read import unit_remarks
 from tailslap.scene.vary import Source, parse_value, vary
 
 Array = NDArray[np.float64]
@@ -152,12 +154,16 @@ def _range(case: Case, key: str, lower: Any, upper: Any, origin: str) -> Range:
     typed = origin == FROM_USER
     try:
         given = ({key: parse_value(end) if typed else end} for end in (lower, upper))
-        ends = [_row(*vary(case.source, changes), key) for changes in given]
+        found = [vary(case.source, changes) for changes in given]
     except InputError as error:
         if typed:
             raise
         where = Verbatim(f"{lower} to {upper} by default ({origin})")
         raise InputError(key, where, f"{error.allowed}; --range changes the range") from None
+    ends = [_row(*varied, key) for varied in found]
+    remarks = (unit_remarks(source).get(key) for _, source in found if typed)
+    if remark := next(filter(None, remarks), None):
+        warnings.warn(remark, stacklevel=2)
     low, high = (float(row.value or 0.0) if row else math.nan for row in ends)
     if not high > low:
         text = f"{lower}:{upper}" if typed else f"{lower!r}:{upper!r}"

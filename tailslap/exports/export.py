@@ -48,8 +48,8 @@ def export(
         "parquet": histories, and fields if any; "png", "gif": pictures of all instants. Of a scene: "calculix",
         "abaqus", input files that run as they are.
     folder : path, optional
-        New or empty folder, or an earlier export. Default: folder of the result, or results/NAME of a scene, with
-        "-FORMAT" appended.
+        New or empty folder, or an earlier export. Default: folder of the result, or results/NAME+CHANGES of a scene,
+        with "-FORMAT" appended.
     changes : sequence of str
         Changes of a scene, as texts KEY=VALUE.
     field : str, optional
@@ -82,7 +82,7 @@ def export(
     PosixPath('results/paraview/fields.vtkhdf')
     """
     from postprocess.fields import contours, series
-    from tailslap.files.folder import result_folder
+    from tailslap.files.folder import default_place, result_folder
     from tailslap.files.manifest import Origin
 
     if to in PROGRAMS:
@@ -92,7 +92,9 @@ def export(
     if changes:
         raise InputError("--set", changes[0], f"{to} is of a result, not of a scene; remove --set")
     found = result if isinstance(result, Result) else load(result, force=force)
-    base = Path("results") / found.scene if isinstance(result, Result) else Path(str(result)).resolve()
+    base = Path(str(result)).resolve()
+    if isinstance(result, Result):
+        base = default_place(found.scene, found.summary.get("changes", ()))
     place = base.with_name(f"{base.name}-{to}") if folder is None else Path(folder)
     fields = None if to in TABLES else found.fields
     if field is not None and field not in series.SCALARS:
@@ -127,13 +129,16 @@ def _export_deck(scene: object, to: str, folder: object, changes: tuple[str, ...
     """Write the deck of a scene; returns the folder. Raises InputError."""
     from tailslap.case import case_of
     from tailslap.exports.deck import make_deck, write_deck
-    from tailslap.files.folder import result_folder
+    from tailslap.files.folder import default_place, result_folder
     from tailslap.files.manifest import Origin
     from tailslap.scene.read import read_scene
+    from tailslap.scene.vary import changes_of
 
     deck = make_deck(case_of(*read_scene(str(scene), changes)), to)
     name = deck.case.scene.name
-    place = Path("results") / f"{name}-{to}" if folder is None else Path(str(folder))
+    place = (
+        default_place(name, changes_of(deck.case.source), f"-{to}") if folder is None else Path(str(folder))
+    )
     with result_folder(place, (), force, Origin(f"export {to}", name)) as unfinished:
         write_deck(deck, unfinished)
     return place

@@ -10,7 +10,9 @@ unchanged: the manifest lists them (manifest.py).
 """
 
 import contextlib
+import hashlib
 import os
+import re
 import shutil
 import time
 from collections.abc import Iterable, Iterator
@@ -25,8 +27,27 @@ SWEEP = "sweep.json"
 
 ALLOWED = "allowed is a new or empty folder, or a result of tailslap"
 ANOTHER = "choose another folder"
+RESULTS = Path("results")
+MOST_SHOWN = 80
+BLANK, UNFIT = r"[\s\"'\[\](){}]", "[^A-Za-z0-9_.,=+^-]"
+"""Letters of the changes of a scene that the name of its folder shows, at most; those that it omits, and replaces."""
+
 PATIENCE_S = 10.0
 """Time that a reader waits for a command which is moving its files [s]."""
+
+
+def default_place(scene: str, changes: Iterable[str], ending: str = "") -> Path:
+    """Folder of a result for which none is named, results/SCENE, its changes and the ending.
+
+    changes: texts KEY=VALUE, in the order of the keys. What a name cannot show of them is in a digest at its end.
+    """
+    texts = [text for text in changes if not text.startswith("name=")]  # it is the scene's
+    plain = "".join(f"+{re.sub(BLANK, '', text)}" for text in texts).replace("/", "_")  # of units
+    shown = re.sub(UNFIT, "_", plain)
+    if len(shown) > MOST_SHOWN or shown != plain:
+        digest = hashlib.sha256("\n".join(texts).encode("utf-8", "backslashreplace")).hexdigest()
+        shown = f"{shown[:MOST_SHOWN]}-{digest[:8]}"
+    return RESULTS / f"{scene}{shown}{ending}"
 
 
 @contextlib.contextmanager

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 from tailslap import errors
 from tailslap.arguments import checked_arguments
-from tailslap.scene import schema, units
-from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
+from tailslap.scene import schema, units, write
+from tailslap.scene.vary import Source, depth_exceeds, given_at, parse_changes, vary
 
 UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -178,15 +178,27 @@ USUAL = {
 }
 
 
-def remarks(source: Source) -> Iterator[str]:
-    """Sentences about unusual numbers without a unit."""
+def unit_remarks(source: Source) -> dict[str, str]:
+    """Sentences about changes to numbers without a unit, by key, where the file has another unit than SI."""
+    found = {}
+    for key, unit in write.plain_numbers(source).items():
+        value, si = given_at(source.given, key), write.unit_at(key)
+        means = f"{value:g} {si}, {units.converted(value, si, unit):.4g} {unit}"
+        found[key] = f"{key} = {value:g} without a unit is {means}; the scene has this key in {unit}"
+    return found
+
+
+def remarks(source: Source, typed: bool = True) -> Iterator[str]:
+    """Sentences about unusual numbers without a unit; typed: also about changes that are texts, by their units."""
+    plain = unit_remarks(source) if typed else {}
+    yield from plain.values()
     trailers = {f"trailer.{i}": unit for i, unit in enumerate(source.given.get("trailer", ()))}
     for key, usual in USUAL.items():
         table, name = key.split(".")
         tables = {table: source.given.get(table)} | (trailers if table == "vehicle" else {})
         for place, given in tables.items():
             value = _given(given, name)
-            if value is not None and not usual.low <= value <= usual.high:
+            if value is not None and f"{place}.{name}" not in plain and not usual.low <= value <= usual.high:
                 means = f"{value:g} {usual.unit}, {value / usual.factor:.4g} {usual.other}"
                 yield f"{place}.{name} = {value:g} without a unit is {means}"
 

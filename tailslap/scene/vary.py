@@ -81,6 +81,16 @@ def value_at(scene: Any, key: str) -> Any:
     return scene
 
 
+def given_at(tables: Any, key: str) -> Any:
+    """Value of a dotted key of tables as given; None without it."""
+    for name in key.split("."):
+        if isinstance(tables, list | tuple):
+            tables = dict(enumerate(tables)).get(int(name)) if name.isdecimal() else None
+        else:
+            tables = tables.get(name) if isinstance(tables, Mapping) else None
+    return tables
+
+
 def changed_tables(given: Mapping[str, Any], changes: Changes) -> tuple[dict[str, Any], dict[str, Any]]:
     """Copy of the tables with the changes applied, and the changes that had an effect.
 
@@ -131,6 +141,11 @@ def parse_value(text: str) -> Any:
         return tomllib.loads(f"value = {text}")["value"]
     except (ValueError, RecursionError):
         return text
+
+
+def changes_of(source: Source) -> list[str]:
+    """Texts of the keys that were changed since the file was read, with their values now, in the order of the keys."""
+    return [*shown({key: given_at(source.given, key) for key in sorted(source.changed)})]
 
 
 def depth_exceeds(value: Any, most: int) -> bool:

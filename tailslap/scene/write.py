@@ -1,6 +1,7 @@
 """Scenes as text: the scene of a run, a new scene with every key, and the table of inputs."""
 
 import json
+import tomllib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -185,7 +186,22 @@ def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, 
     if scene.contact and scene.contact.strike_duration is not None:
         origin = "from contact.strike_duration"
         rows = [replace(row, origin=origin) if row.key == "contact.stiffness" else row for row in rows]
+    plain = plain_numbers(source)
+    rows = [
+        replace(row, origin=f"--set, not in {plain[row.key]}") if row.key in plain else row for row in rows
+    ]
     return tuple(row for row in rows if not row.key.startswith(tuple(unused)))
+
+
+def plain_numbers(source: vary.Source) -> dict[str, str]:
+    """Units other than SI that keys have in the scene's file and that were changed to numbers without a unit."""
+    before, found = tomllib.loads(source.text), {}
+    for key in sorted(source.changed):
+        earlier, now = (vary.given_at(tables, key) for tables in (before, source.given))
+        match = units.NUMBER.fullmatch(earlier) if isinstance(earlier, str) else None
+        if match and match[2] and isinstance(now, int | float) and units.to_si(match[2])[0] != 1.0:
+            found[key] = match[2]
+    return found
 
 
 def resolved_inputs(
@@ -225,12 +241,16 @@ def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], pref
 
 def as_given(source: vary.Source, key: str) -> str:
     """A quantity of the scene in the unit in which it is given; a plain number in SI, or the units of the reader."""
-    table, *number, name = key.split(".")
-    tables = source.given[table]
-    given = (tables[int(number[0])] if number else tables)[name]
+    given = vary.given_at(source.given, key)
     if isinstance(given, str) and (found := units.NUMBER.fullmatch(given)):
         return f"{float(found[1]):.6g} {found[2]}"
-    return measure(given, unit_of(schema.TABLES[table].model_fields[name]), ".6g")
+    return measure(given, unit_at(key), ".6g")
+
+
+def unit_at(key: str) -> str:
+    """SI unit of a dotted key; "" without one."""
+    table, *_, name = key.split(".")
+    return unit_of(schema.TABLES[table].model_fields[name])
 
 
 def unit_of(field: FieldInfo) -> str:

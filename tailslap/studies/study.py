@@ -14,9 +14,10 @@ from tailslap.case import case_of, kind_of
 from tailslap.case.case import CORNER, Case
 from tailslap.case.cost import demand_run
 from tailslap.errors import InputError, Missing, Verbatim, one_of
+from tailslap.files.folder import default_place
 from tailslap.files.manifest import Origin
 from tailslap.scene.read import read_scene
-from tailslap.scene.vary import shown
+from tailslap.scene.vary import changes_of, shown
 
 if TYPE_CHECKING:
     from postprocess.report.report import Report
@@ -114,5 +115,5 @@ def prepared(
     if study.needs_plate:
         demand_run(scene, case.duration, allow_large)
     ending = study.folder(options) if study.folder else study.name
-    place = out or Path("results") / f"{scene.name}-{ending}"
+    place = out or default_place(scene.name, changes_of(source), f"-{ending}")
     return case, place, Origin(f"study {study.name}", scene.name)

@@ -13,12 +13,16 @@ import sys
 import termios
 import time
 import warnings
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from postprocess.report.provenance import CRATE
+from tailslap import commands as command_line
 from tailslap.cli import _status, commands
+from tailslap.files import folder
+from tailslap.studies import study as study_record
 from tailslap.studies import study_names
 
 HEAVY = (
@@ -270,3 +274,38 @@ def test_a_remark_of_a_library_is_its_first_line(monkeypatch, capsys):
     monkeypatch.setattr(commands.commands["scenes"], "callback", warn)
     assert _status(["scenes"]) == 0
     assert capsys.readouterr().err == "tailslap: remark: the first line\n"
+
+
+def test_results_of_changed_scenes_replace_no_other(tmp_path, monkeypatch):
+    """The order of the changes is of no account; a folder that is named is taken."""
+    monkeypatch.chdir(tmp_path)
+    modes = ["modes", "paper-table-3", "--count", "1", "--quiet"]
+    changes = ["--set", "vehicle.mass=9 t", "--set", "plate.youngs_modulus=100 GPa"]
+    for more in ([], changes, [*changes[2:], *changes[:2]], [*changes, "--out", "results/mine"]):
+        assert _status([*modes, *more]) == 0
+    exported = ["export", "paper-table-3", "--to", "calculix", "--set", "corner.reaction=none", "--quiet"]
+    assert _status(exported) == 0
+    assert sorted(path.name for path in Path("results").iterdir()) == [
+        "mine",
+        "paper-table-3+corner.reaction=none-calculix",
+        "paper-table-3+plate.youngs_modulus=100GPa+vehicle.mass=9t-modes",
+        "paper-table-3-modes",
+    ]
+
+
+def test_every_command_names_its_folder_by_the_changes(monkeypatch):
+    places = []
+
+    def place(*given):
+        places.append(folder.default_place(*given).name)
+        raise KeyboardInterrupt
+
+    for module in (command_line, study_record):
+        monkeypatch.setattr(module, "default_place", place)
+    changed = ["mash-tl4-sut", "--set", "vehicle.mass=9 t"]
+    studies = [f"study {name}" for name in study_names() if name != "tipping"]
+    for command in ("run", "modes", "confirm", *studies):
+        assert _status([*command.split(), *changed]) == 130
+    assert _status(["sweep", *changed, "--vary", "impact.speed=25 m/s"]) == 130
+    assert all(name.startswith("mash-tl4-sut+vehicle.mass=9t") for name in places)
+    assert len({*places}) == len(studies) + 4

@@ -190,6 +190,35 @@ def test_a_lock_that_is_no_file_is_refused_before_the_work_begins(tmp_path, make
     assert not (place / "elsewhere").exists()
 
 
+@pytest.mark.parametrize(("changes", "name"), [
+    ([], "truck"), (["name=truck"], "truck"), (["impact.speed=60 mph"], "truck+impact.speed=60mph"),
+    (["contact.stiffness=2 MN/m", "plate.elements=[20, 6]"], "truck+contact.stiffness=2MN_m+plate.elements=20,6"),
+    (["plate="], "truck+plate="), (["corner.friction=-0.1e-3"], "truck+corner.friction=-0.1e-3"),
+])  # fmt: skip
+def test_a_changed_scene_has_a_folder_of_its_own(changes, name):
+    assert folder.default_place("truck", changes) == Path("results", name)
+    assert folder.default_place("truck", changes, "-modes") == Path("results", f"{name}-modes")
+
+
+def test_the_name_of_a_folder_is_bounded_and_tells_all_changes_apart():
+    """What it cannot show is in its digest; it is the same each time, and no path."""
+    long = "trailer=[{'length': '48 ft', 'width': 2.6, 'mass': 27770.0, 'hitch': 5.6, 'kingpin': 0.9}]"
+    changes = [
+        long,
+        long.replace("0.9", "0.8"),
+        "corner.reaction=a:b",
+        "corner.reaction=a_b",
+        "corner.reaction=Ä",
+    ]
+    names = [folder.default_place("truck", [change]) for change in changes]
+    assert len({*names, *(folder.default_place("truck", [f"impact.speed={n}"]) for n in range(100))}) == 105
+    for name, change in zip(names, changes, strict=True):
+        assert name == folder.default_place("truck", [change])
+        assert name.parent == Path("results")
+        assert len(name.name) < 100
+        assert name.name.isascii()
+
+
 def test_a_link_to_a_folder_is_followed(place, tmp_path):
     link, dangling = tmp_path / "link", tmp_path / "dangling"
     link.symlink_to(place)

@@ -3,16 +3,19 @@
 import json
 import math
 import re
+import warnings
 from operator import attrgetter
 
 import pytest
 
+import tailslap
+from tailslap.campaign.definition import make_definition, varied_source
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
-from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes, source_of_text
-from tailslap.scene.vary import Source, parse_changes, shown, varied, vary
+from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes, source_of_text, unit_remarks
+from tailslap.scene.vary import Source, changed_tables, parse_changes, shown, varied, vary
 from tailslap.scene.write import scene_inputs, scene_text
 
 SHIPPED = {"mash-tl4-sut", "paper-table-3", "paper-abaqus"}
@@ -312,3 +315,45 @@ def test_a_scene_is_its_own_source():
     assert vary(Source.of(scene), {})[0] == scene
     assert varied(scene, {"corner.friction": 0.2}).corner.model_fields_set >= {"friction"}
     assert varied(scene, {}).plate == scene.plate
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    ("impact.speed=25", "impact.speed = 25 without a unit is 25 m/s, 55.92 mph; the scene has this key in mph"),
+    ("impact.angle=15", "impact.angle = 15 without a unit is 15 rad, 859.4 deg; the scene has this key in deg"),
+    ("vehicle.width=2438", "vehicle.width = 2438 without a unit is 2438 m, 2.438e+06 mm; the scene has this key in mm"),
+    ("vehicle.mass=9979", None), ("impact.speed=25 m/s", None), ("impact.friction=0.4", None),
+    ("start.omega=1", None), ("impact=", None),
+])  # fmt: skip
+def test_a_number_in_place_of_a_value_in_another_unit_is_remarked_upon(change, said):
+    source = read_source("mash-tl4-sut")
+    tables, noted = changed_tables(source.given, parse_changes([change], source.given))
+    changed = Source(source.text, tables, frozenset(noted))
+    assert list(unit_remarks(changed).values()) == ([said] if said else [])
+    assert [text for text in remarks(changed) if "the scene has" in text] == ([said] if said else [])
+
+
+def test_the_table_of_inputs_states_the_unit_that_a_number_has_not():
+    origins = {row.key: row.origin for row in scene_inputs(*read_scene("mash-tl4-sut", ("impact.speed=25",)))}
+    assert (origins["impact.speed"], origins["impact.angle"]) == ("--set, not in mph", "scene")
+
+
+@pytest.mark.parametrize("values", ["25:30:3", "60 mph,25", "log:25:30:3"])
+def test_varied_numbers_are_remarked_upon(values):
+    asked = make_definition("mash-tl4-sut", ("plate.elements=[4, 2]",), (f"impact.speed={values}",), None, 0)
+    assert unit_remarks(varied_source(asked)).keys() == {"impact.speed"}
+    assert unit_remarks(asked.source) == {}
+
+
+def test_typed_changes_of_every_function_are_remarked_upon(tmp_path):
+    """Numbers of Python are in SI, and nothing is said of them."""
+    said = "the scene has this key in mph"
+    with pytest.warns(UserWarning, match=said):
+        tailslap.rigid("mash-tl4-sut", ["impact.speed=25"])
+    with pytest.warns(UserWarning, match=said):
+        tailslap.study("uncertainty", "mash-tl4-sut", ["impact.speed=25"], samples=1000)
+    with pytest.warns(UserWarning, match=said):
+        tailslap.study("uncertainty", "mash-tl4-sut", samples=1000, range={"impact.speed": "24:26"})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        tailslap.rigid("mash-tl4-sut", {"impact.speed": 25.0})
+        tailslap.study("uncertainty", "mash-tl4-sut", {"impact.speed": 25.0}, samples=1000)
