@@ -109,6 +109,7 @@ def run(
         if found.snapshots is None
         else lambda: report.field_series(outcome.fe_plan.model, found.snapshots),
         None if getattr(found, "strike", None) is None else lambda: report.series_of_ends(outcome),
+        changes=changes_of(case.source),
     )
 
 
@@ -146,7 +147,7 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
 
     case = _case(scene, changes)
     headline, columns = case.headline(), case.rigid_history()
-    summary = page.plain({**vars(headline), **case.rigid_numbers(), "changes": changes_of(case.source)})
+    summary = page.plain({**vars(headline), **case.rigid_numbers()})
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
         page.write_summary(folder / "summary.json", summary)
@@ -161,6 +162,7 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
         text=f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{labelled_text(case.rigid_text(units), 19)}",
         fill=fill,
         make_charts=lambda: (force.force_chart(case), case.drawing()),
+        changes=changes_of(case.source),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
@@ -222,6 +222,8 @@ class Result:
         Draws the charts.
     inputs : tuple of Path
         Files and folders from which it was read; they are never overwritten.
+    changes : sequence of str
+        Changes of the scene, as texts KEY=VALUE, for the name of a folder of exports.
     """
 
     command: str
@@ -236,6 +238,7 @@ class Result:
     text: str = ""
     make_charts: Callable[[], Iterable[Chart]] | None = None
     inputs: tuple[Path, ...] = ()
+    changes: Sequence[str] = ()
 
     @property
     def headline(self) -> Headline:
@@ -457,9 +460,9 @@ def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) 
     return Result(command, summary=summary, **(found | more))
 
 
-def of_run(summary: dict[str, Any], *rest: Any) -> Result:
-    """The result of a run, just made or read again; rest: of the result, from its histories on."""
-    return Result("run", summary["scene"], summary, summary["passed"], _run_tables(summary), *rest)
+def of_run(summary: dict[str, Any], *rest: Any, **more: Any) -> Result:
+    """The result of a run, just made or read again; rest: of the result, from its histories on; more: by name."""
+    return Result("run", summary["scene"], summary, summary["passed"], _run_tables(summary), *rest, **more)
 
 
 def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:

@@ -20,7 +20,7 @@ from postprocess.units import duration, number
 from tailslap.case import cost
 from tailslap.case.case import LABEL, Case, Check, FePlan, Outcome, as_read
 from tailslap.errors import typed_command
-from tailslap.scene import vary, write
+from tailslap.scene import write
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
@@ -150,7 +150,6 @@ def run_summary(outcome: Outcome, headline: Headline, omitted: Parts) -> dict[st
         **vars(headline),
         "scene": fe_plan.case.scene.name,
         "version": tailslap.__version__,
-        "changes": vary.changes_of(fe_plan.case.source),
         "passed": outcome.passed,
         "checks": [asdict(check) for check in outcome.checks],
         "design_forces": design_ratios(outcome.fe_plan.case, outcome.lateral_force),

@@ -94,7 +94,7 @@ def export(
     found = result if isinstance(result, Result) else load(result, force=force)
     base = Path(str(result)).resolve()
     if isinstance(result, Result):
-        base = default_place(found.scene, found.summary.get("changes", ()))
+        base = default_place(found.scene, found.changes)
     place = base.with_name(f"{base.name}-{to}") if folder is None else Path(folder)
     fields = None if to in TABLES else found.fields
     if field is not None and field not in series.SCALARS:

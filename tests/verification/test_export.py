@@ -311,3 +311,11 @@ def test_memory_of_many_pictures_is_flat(setup, count, tmp_path, python):
 def test_another_format_is_refused(tmp_path):
     with pytest.raises(InputError, match="allowed is one of vtkhdf, xdmf, vtu, msh, csv, parquet, png, gif"):
         tailslap.export(tailslap.rigid("paper-table-3"), "stl", tmp_path / "x")
+
+
+def test_exports_of_changed_scenes_have_folders_of_their_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for changes in ({}, {"vehicle.mass": "9 t"}):
+        tailslap.export(tailslap.rigid("mash-tl4-sut", changes), "csv")
+    names = sorted(path.name for path in Path("results").iterdir())
+    assert names == ["mash-tl4-sut+vehicle.mass=9t-csv", "mash-tl4-sut-csv"]

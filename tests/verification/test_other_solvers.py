@@ -104,7 +104,7 @@ def section(text, keyword):
 def test_deck_holds_the_mass_and_the_motion_of_the_rigid_body(elsewhere):
     """Mass, moment of inertia, momentum and spin of density times brick volumes are those of the rectangle."""
     assert written("export", "paper-table-3", "--to", "calculix", "--set", FRICTIONLESS) == 0
-    folder = elsewhere / "results" / "paper-table-3-calculix"
+    folder = elsewhere / "results" / f"paper-table-3+{FRICTIONLESS}-calculix"
     assert {path.name for path in folder.glob("[!.]*")} == {
         "plate.inp",
         "README.md",
@@ -165,7 +165,7 @@ def test_calculix_confirms_the_paper_on_a_coarse_mesh(elsewhere, capsys):
     demand_agreement(summary)
     assert summary["calculix"]["v_gy"] == pytest.approx(-3.2868596947, rel=3e-4)
     assert summary["calculix"]["omega"] == pytest.approx(0.6573719389, rel=3e-4)
-    folder = elsewhere / "results" / "paper-table-3-confirm"
+    folder = elsewhere / "results" / f"paper-table-3+{FRICTIONLESS}+plate.elements=10,4-confirm"
     history = read_history((folder / "calculix.csv").read_bytes())
     for key, exact in (("v_gy", -3.2868596947), ("omega", 0.6573719389)):
         assert np.interp(0.0, -history["theta"], history[key]) == pytest.approx(exact, rel=3e-4)

@@ -276,7 +276,7 @@ def demand_passed(compute):
     assert all("".join(each.headline.lines).isprintable() for each in made)
 
 
-def one_for_all(function, parts, journal, label, workers=None):
+def one_for_all(function, parts, journal, *_):
     """In place of `engine.run_parts`: one part is computed, the second, and its record stands for all."""
     record = function(*list(parts.values())[1])
     journal.records.add(dict.fromkeys(parts, record))

@@ -45,7 +45,7 @@ def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     assert "toy" in studies.study_names()
     assert cli._status(["study", "toy", TRUCK, "--set", "vehicle.mass=10 t", "--factor", "3"]) == 0
-    folder = Path("results") / f"{TRUCK}-toy"
+    folder = Path("results") / f"{TRUCK}+vehicle.mass=10t-toy"
     said = capsys.readouterr().out
     assert "30000" in said
     assert f"Report: {folder / 'report.html'}" in said

@@ -292,7 +292,7 @@ def test_refused_indices_are_said_and_not_shown(name, monkeypatch, tmp_path, cap
 
 PLANS = [
     (TRUCK, (), ()),
-    ("mash-tl3-pickup", ("vehicle.length=5 m:7 m", "vehicle.width=1.8:2.2"), ()),
+    ("mash-tl3-pickup", ("vehicle.length=5 m:7 m", "vehicle.width=1.8 m:2.2 m"), ()),
     ("paper-table-3", ("start.angle=10 deg:20 deg", "start.omega=0.5:0.9"), ()),
     ("paper-abaqus", ("start.corner_speed=20:30",), ()),
     (TRUCK, ("corner.friction=0:1.2",), ()),
