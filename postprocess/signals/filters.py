@@ -4,8 +4,8 @@ Low-passes, by frequency class (CFC) or cut-off frequency, are Butterworth filte
 once backward, so nothing is delayed. With w_a the tangent at the corner of one pass, their gain is 1 / (1 + (tan(pi f
 T) / w_a)^4). Both ends are padded by the end values, for 10 ms and at least three periods of the cut-off frequency:
 long enough for the filter to settle, so that the result is that of a signal which holds its end values for ever, and a
-constant stays as it is. The mean is centred. Values are uniform samples, each the mean over its interval T; sample i
-stands for the instant (i + 1/2) T.
+constant stays as it is. The mean is centred, and does not reach beyond the end. Values are uniform samples, each the
+mean over its interval T; sample i stands for the instant (i + 1/2) T.
 
 Sources: SAE J211-1, Instrumentation for impact test; its class CFC is 3 dB down at CFC / 0.6. Sample rate of at least
 ten times the class, six times the cut-off frequency: as FlexPro's documentation of its CFC filter has it.

@@ -81,8 +81,8 @@ class Trajectories(NamedTuple):
     step : ndarray, shape (n,)
         [s].
     error : ndarray, shape (n,)
-        Largest relative change of the first two peaks and impulses, of trains of all strikes of weight, and of the spin
-        at the end, against twice the step.
+        Largest relative change of the first two peaks, impulses and durations, of trains of all strikes of weight, and
+        of the spin at the end, against twice the step; that of durations times tolerance over `DURATIONS`, if less.
     """
 
     end: Array

@@ -369,7 +369,9 @@ class Time(SceneTable):
     safety_factor: Fraction = key("time step divided by the critical time step", 0.9)
     rows: Annotated[int, Field(ge=10, le=1_000_000, strict=True)] = key("number of rows of the history", 400)
     threads: Annotated[int, Field(ge=1, le=256, strict=True)] = key("number of threads of the time loop", 1)
-    end: EndOfImpact | None = key("end time of a whole impact; default: 0.1 s after the second strike")
+    end: EndOfImpact | None = key(
+        "end time of a whole impact; default: 0.1 s after the second strike, or the end of a strike then in progress"
+    )
 
 
 class Output(SceneTable):

@@ -210,6 +210,70 @@ def test_a_run_leaves_what_the_contract_names(tmp_path, capsys):
     assert "rear" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("angle", [12, 13, pytest.param(16, marks=pytest.mark.long)])
+def test_a_run_ends_between_strikes_of_plate_and_rigid_vehicle(angle):
+    """Near the rigid vehicle alone, whose third strike was cut at these angles and told 8 to 11 % more."""
+    outcome = ran(f"impact.angle={angle} deg")
+    alone = outcome.fe_plan.case.answer
+    for answer in (alone, outcome.fe, outcome.rigid):
+        assert [strike.corner for strike in answer.strikes] == ["front", "rear", "front"]
+        assert not answer.cut
+        assert answer.peaks["mean_50ms"] == pytest.approx(alone.peaks["mean_50ms"], rel=5e-3)
+        assert answer.strikes[2].impulse == pytest.approx(alone.strikes[2].impulse, rel=0.01)
+    sampled = outcome.fe_plan.case.many({"impact.angle": np.array([math.radians(angle)])})
+    own = answers.both_strikes(alone)
+    for name in answers.COLUMNS:
+        assert sampled[name][0] == pytest.approx(own[name], rel=2e-3), name
+
+
+def test_a_strike_that_the_end_cuts_is_named(tmp_path, capsys):
+    """In summary, terminal and page, by the plate and by the rigid vehicle, with values that are lower bounds."""
+    words, cut = ["--set", "time.end=0.46", "--set", "verify.companion=false"], [False, False, True]
+    assert cli._status(["run", SCENE, *words, "--no-pictures", "--out", str(tmp_path / "out")]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    for model in ("fe", "rigid"):
+        assert [strike["cut"] for strike in summary[model]["strikes"]] == cut
+    (remark,) = summary["remarks"]
+    assert remark.startswith("Strike 3 (front corner) is not over at the end, 0.46")
+    shown = capsys.readouterr().out
+    assert shown.count("3 front (cut)") == 2
+    assert "at least 49" in shown
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert page.count("3 front (cut)") == 2
+    assert remark in page
+    assert cli._status(["rigid", SCENE, *words]) == 0
+    shown = capsys.readouterr().out
+    assert "for at least 0.0140 s: peak at least" in shown
+    assert remark in shown
+    row = planned("time.end=0.46").row(None)
+    assert (row["rigid.strikes"], row["rigid.strikes_cut"]) == (3, 1)
+
+
+def test_values_of_a_cut_history_are_lower_bounds():
+    """Wherever the third strike is cut, no filter gives more than the whole impact has."""
+    whole = planned().answer
+    for end in np.linspace(0.447, 0.479, 9):
+        cut = planned(f"time.end={end}").answer
+        assert cut.cut == [3]
+        for name, peak in cut.peaks.items():
+            assert peak <= whole.peaks[name] * (1.0 + 1e-4), name
+        assert answers.mean_peak(cut, cut.strikes[2]) <= answers.mean_peak(whole, whole.strikes[2]) * (
+            1.0 + 1e-4
+        )
+
+
+def test_another_mesh_is_run_until_its_strikes_are_over(monkeypatch):
+    """Where a judged strike goes on there at the end, and only if the run's own are over."""
+    outcome, plate = ran(), ran().fe_plan.plate.model_copy(update={"elements": (10, 3)})
+    rear = outcome.fe.strikes[1]
+    monkeypatch.setattr(error, "judged_until", lambda answer: rear.end - 0.01)
+    other = run._on(outcome, plate)
+    assert not other.strikes[1].cut
+    assert other.strikes[1].impulse == pytest.approx(rear.impulse, rel=0.02)
+    short = dataclasses.replace(outcome, fe=ran("time.end=0.34").fe)
+    assert run._on(short, plate).strikes[1].cut
+
+
 def test_what_is_not_known_of_a_strike_is_left_out():
     numbers = answers.strike_numbers(whole().fe.strikes[0])
     assert "friction_work" not in numbers

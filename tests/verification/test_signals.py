@@ -84,6 +84,27 @@ def test_an_end_is_that_of_a_signal_that_holds_its_value(name):
     np.testing.assert_allclose(FILTERS[name](rising, 1e-4), FILTERS[name](longer, 1e-4)[:1000], atol=3e-7)
 
 
+def test_no_mean_reaches_beyond_the_end():
+    """Near the end stands the last mean over 50 ms that lies within, whatever the force is there."""
+    force = np.linspace(0.0, 1.0, 1000)
+    found = moving_mean(force, 1e-4, 0.05)
+    assert found[-250:] == pytest.approx(force[-500:].mean())
+    assert found[500] == pytest.approx(force[250:751].mean(), rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["cfc60", "cfc180", "cutoff_60hz"])
+def test_a_force_that_is_cut_is_filtered_as_far_as_later_values_do_not_count(name):
+    """The curve of the whole pulse up to then, and its last value from there on."""
+    t = 1e-4 * np.arange(3000.0)
+    pulse = np.maximum(0.0, np.sin(20.0 * np.pi * (t - 0.1)))
+    whole = force_curves(pulse, 1e-4)[name]
+    for rows in (1200, 1300, 1450):
+        found = force_curves(pulse[:rows], 1e-4)[name]
+        settled = rows - filters.settling_rows(filters.CUTOFFS[name], 1e-4)
+        assert found[:settled] == pytest.approx(whole[:settled], abs=2e-3)
+        assert np.ptp(found[settled:]) == 0.0
+
+
 @pytest.mark.parametrize("name", FILTERS)
 def test_nothing_is_delayed_or_lost(name):
     """A pulse keeps its impulse and its middle."""
