@@ -32,7 +32,7 @@ LOADING, UPRIGHT = 2.0, 0.25
 SHORTEST = 1e-3
 """A corner that is off the wall for less is still in its strike [s]."""
 
-LIGHT = 1e-3
+LIGHT = 5e-3
 """Impulse over that of the strike up to which touches of a corner that comes back do not prolong it: whether there are
 such touches at all is a matter of micrometres, and so of the step."""
 

@@ -56,17 +56,17 @@ def test_a_strike_is_over_when_the_corner_has_been_off_as_long_or_a_millisecond(
     assert impulse == pytest.approx(1e5 * interval * np.count_nonzero(force))
 
 
-def test_touches_that_bring_a_thousandth_prolong_a_strike():
+def test_touches_that_bring_half_a_per_cent_prolong_a_strike():
     """One after it, of less, is part of its impulse alone; several of less that bring as much prolong it."""
     force = np.zeros(400)
-    force[100:200], force[220] = 1e5, 9e3
+    force[100:200], force[220] = 1e5, 4.5e4
     (light,) = strikes_of(1e-4 * np.arange(401.0), {"rear": force})
     assert (light.end, light.cut) == (pytest.approx(0.02), False)
     assert light.impulse == pytest.approx(1e-4 * force.sum())
-    force[240] = 9e3
+    force[240] = 4.5e4
     (two,) = strikes_of(1e-4 * np.arange(401.0), {"rear": force})
     assert two.end == pytest.approx(0.0241)
-    force[220], force[240] = 11e3, 0.0
+    force[220], force[240] = 6e4, 0.0
     (heavy,) = strikes_of(1e-4 * np.arange(401.0), {"rear": force})
     assert heavy.end == pytest.approx(0.0221)
 
