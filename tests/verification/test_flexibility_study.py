@@ -473,7 +473,7 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     assert plates_table(found).marks == {0: "failed", 1: "failed"}
     assert "scan.csv" not in said(found, tmp_path)[1]
     differences = {40.0: dict.fromkeys(compute.NAMES, 0.01), 39.5: dict.fromkeys(compute.NAMES, -0.02)}
-    scan_rows = compute.listed_scan(Scan(samples, differences, 0.5))
+    scan_rows = compute.listed_scan(Scan(samples, differences, 0.5), samples)
     found = replace(found, scan=scan_rows, step=0.5)
     terminal, page = said(found, tmp_path)
     assert "from 2 further runs from 39.5 Hz to 40 Hz, at steps of 0.5 Hz" in terminal
@@ -509,3 +509,11 @@ def test_a_stiff_plate_is_the_rigid_vehicle(impact):
     assert plate["error"] < 1e-2
     for name, value in plate["values"].items():
         assert value == pytest.approx(rigid[name], rel=1e-2), name
+
+
+def test_rows_of_the_scans_of_all_starts_have_the_same_columns():
+    """Of later starts v_GY alone decides the scan; `scan.csv` has one heading."""
+    differences = {2.0: {"v_gy": 0.5, "t": 0.25}}
+    scans = [Scan(dict.fromkeys(names, []), differences, 0.5) for names in (("v_gy", "t"), ("v_gy",))]
+    first, second = ([*compute.listed_scan(scan, scans[0].samples)[0]] for scan in scans)
+    assert first == second == ["first_frequency", "difference_v_gy", "difference_t"]

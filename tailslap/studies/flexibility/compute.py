@@ -9,7 +9,7 @@ it oscillates with the first frequency.
 
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -260,15 +260,15 @@ def summed_up(sweep: Sweep, rows: list[Record], scans: Mapping[str, Scan], secon
     others = {name: levels.reaches(samples, LEVELS) for name, samples in first.items() if name != "v_gy"}
     laws = {name: levels.power_law(samples_of(rows, name)) for name in MEASURED}
     setup, own = {"corner": sweep.support, "meshes": sweep.meshes}, sweep.fe_plan.first_frequency
-    scan_rows = [row for start, scan in scans.items() for row in listed_scan(scan, start=start)]
+    scan_rows = [row for start, scan in scans.items() for row in listed_scan(scan, first, start=start)]
     step = scans[STARTS[0]].step
     return Flexibility(sweep.case, rows, starts, own, setup, seconds, others, laws, scan=scan_rows, step=step)
 
 
-def listed_scan(scan: Scan, **head: str) -> list[Record]:
-    """Rows of a scan as `scan.csv` has them."""
+def listed_scan(scan: Scan, names: Iterable[str], **head: str) -> list[Record]:
+    """Return the rows of a scan for `scan.csv`, with the same columns for every start."""
     return [
-        {**head, "first_frequency": frequency, **{f"difference_{name}": row[name] for name in scan.samples}}
+        {**head, "first_frequency": frequency, **{f"difference_{name}": row[name] for name in names}}
         for frequency, row in scan.differences.items()
     ]
 
@@ -480,7 +480,7 @@ def impact_flexibility(case: Any, given: Sequence[float], place: Path, workers: 
     setup, measured = {"patch_length": patch}, [*soft.values(), rigid]
     return Flexibility(
         *(case, rows, reached, own.first_frequency, setup, seconds, {}, {}, measured),
-        scan=listed_scan(scan),
+        scan=listed_scan(scan, scan.samples),
         step=scan.step,
     )
 
