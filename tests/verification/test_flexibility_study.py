@@ -514,6 +514,6 @@ def test_a_stiff_plate_is_the_rigid_vehicle(impact):
 def test_rows_of_the_scans_of_all_starts_have_the_same_columns():
     """Of later starts v_GY alone decides the scan; `scan.csv` has one heading."""
     differences = {2.0: {"v_gy": 0.5, "t": 0.25}}
-    scans = [Scan(dict.fromkeys(names, []), differences, 0.5) for names in (("v_gy", "t"), ("v_gy",))]
+    scans = [Scan(dict.fromkeys(names, ()), differences, 0.5) for names in (("v_gy", "t"), ("v_gy",))]
     first, second = ([*compute.listed_scan(scan, scans[0].samples)[0]] for scan in scans)
     assert first == second == ["first_frequency", "difference_v_gy", "difference_t"]
