@@ -10,8 +10,8 @@ Sobol indices: the part of the variance that comes from each input, alone and wi
 Table 2 b), with the covariance of both tables, which is zero but for chance, as control variate. The variance is at
 most the sum of the totals' numerators (Efron and Stein 1981, Ann. Stat. 9, 586).
 
-Points: few rows of a Sobol sequence have columns that coincide. Rows are therefore a Latin hypercube until independent
-scramblings of a sequence, one for each group of rows, have enough of them. Intervals: jackknife of the groups.
+Points: few rows of a Sobol sequence have columns that coincide. Rows are therefore a Latin hypercube until each group
+of a scrambled sequence has enough of them. Intervals: jackknife of the groups.
 """
 
 import math
@@ -182,25 +182,24 @@ def sobol_points(ranges: tuple[Range, ...], rows: int) -> tuple[Array, Array]:
     """Two tables of inputs, each of shape (inputs, rows): halves of one set of points in twice the dimensions."""
     from scipy.stats import qmc
 
-    random, columns, size = np.random.default_rng(SEED), 2 * len(ranges), rows // GROUPS
+    random, columns = np.random.default_rng(SEED), 2 * len(ranges)
     if not _are_nets(len(ranges), rows):
         drawn = qmc.LatinHypercube(columns, seed=random).random(rows).T
     else:
-        nets = [qmc.Sobol(columns, scramble=True, bits=64, seed=random).random(size) for _ in range(GROUPS)]
-        drawn = np.vstack(nets).T
+        drawn = qmc.Sobol(columns, scramble=True, bits=64, seed=random).random(rows).T
     lower, upper = (np.array([[getattr(item, end)] for item in ranges]) for end in ("lower", "upper"))
     a, b = (lower + (upper - lower) * half for half in np.split(drawn, 2))
     return a, b
 
 
 def _are_nets(inputs: int, rows: int) -> bool:
-    """Return whether Sobol sequences of the groups have columns that do not coincide."""
+    """Return whether the groups of a Sobol sequence have columns that do not coincide."""
     return rows >= GROUPS * ROWS_PER_COLUMN * 2 * inputs
 
 
 def points_in_words(inputs: int, rows: int) -> str:
     """Return the kind of set that the rows are points of."""
-    return f"{GROUPS} scrambled Sobol sequences" if _are_nets(inputs, rows) else "a Latin hypercube"
+    return "a scrambled Sobol sequence" if _are_nets(inputs, rows) else "a Latin hypercube"
 
 
 def sampled(
@@ -276,8 +275,8 @@ def sobol_indices(table: Array) -> Indices:
     """Return first-order and total indices with their intervals.
 
     table: as of `sampled`; rows with NaN are left out. Each group of rows in turn is left out: the jackknife, with
-    Student's t. Groups are independent, or of one Latin hypercube, whose means scatter less than those of independent
-    rows.
+    Student's t. Groups are of one sequence or Latin hypercube, whose means scatter less than those of independent
+    groups: the intervals are wider than necessary.
     """
     known, inputs = np.isfinite(table).all(axis=0), len(table) - 2
     group = (np.arange(known.size) * GROUPS // known.size)[known]

@@ -563,8 +563,8 @@ GRAZING = {
 
 @pytest.mark.parametrize("count", [20, pytest.param(200, marks=pytest.mark.long)])
 def test_many_have_the_strikes_of_each_where_contact_is_lost_for_a_moment(count):
-    """At low restitution the rear corner comes off and back, by micrometres: impulses are within the stated error
-    of many and 4e-3 of one alone."""
+    """At low restitution the rear corner comes off and back, by micrometres: impulses and 97 in 100 durations are
+    within the stated error of many and 4e-3 of one alone, all durations within 10 %."""
     rng = np.random.default_rng(8)
     drawn = {
         "mass": rng.uniform(9480.0, 10478.0, count), "angle": rng.uniform(0.2356, 0.288, count),
@@ -573,12 +573,17 @@ def test_many_have_the_strikes_of_each_where_contact_is_lost_for_a_moment(count)
     }  # fmt: skip
     given: dict[str, Any] = {key: np.broadcast_to(v, count) for key, v in (GRAZING | drawn).items()}
     found = solve_impacts(**given)
+    apart = []
     for i in range(count):
         motion = alone({key: float(value[i]) for key, value in given.items()})
         for k, strike in enumerate(motion.strikes[:2]):
             assert CORNERS[found.corner[k, i]] == strike.corner
             allowed = found.error[i] + 4e-3
             assert found.impulse[k, i] == pytest.approx(strike.impulse, rel=allowed)
+            apart.append((abs(found.duration[k, i] / strike.duration - 1.0), allowed))
+    off, allowed = np.array(apart).T
+    assert np.count_nonzero(off > allowed) <= 0.03 * off.size
+    assert off.max() < 0.1
 
 
 def test_numbers_and_arrays_broadcast():
