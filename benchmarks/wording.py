@@ -5,7 +5,7 @@
 With --files every occurrence is listed with its line, with --random N summary lines are drawn at random. Paths
 restrict the count to files and folders of the packages, tests and benchmarks.
 
-The list of words is the only one of the project. `tests/verification/test_words.py` applies it.
+The list of words is the only one of the project; test_words.py and test_style.py apply it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import random
 import re
 import statistics
 import tokenize
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -38,7 +38,10 @@ PRIVATE = {
     r"sw[iu]ngs?": "oscillates, rotates",
     r"nobody|somebody|whoever": "the user, another process",
     r"anew|alike|by itself": "again, equal, separately",
-    r"(?:the|a|its|this|their|of|plate's|corner's|static) give(?! (?:way|and take))": "deflection, compliance",
+}
+"""Words that are vague or private here, with standard ones."""
+RETIRED = {
+    r"(?:the|a|its|this|their|of|plate's|corner's|static) give(?! (?:way|and take))": "deflection or compliance",
     r"(?:the|a|its|this|by|exact|corner's|which|penalty) hold": "constraint",
     r"(?:quiet|sudden)(?:ly)? starts?|starts? (?:quiet|sudden)(?:ly)?": "inertia relief; unstressed start",
     r"spoil(?:s|t|ed|ing)?": "diverged, corrupted",
@@ -50,8 +53,7 @@ PRIVATE = {
     r"survey(?:s|ed)?": "campaign",
     r"left_out parts": "omitted parts",
 }
-"""Words that are vague or private here, with standard ones."""
-WORDS = {re.compile(rf"\b(?:{words})\b", re.IGNORECASE): standard for words, standard in PRIVATE.items()}
+"""Words in the meanings that they had here alone, with standard ones: in no text, description or comment."""
 VAGUE_NAMES = {
     *("found", "given", "each", "own", "its", "whose", "kept", "left"),
     *("made", "asked", "told", "taken", "done", "known", "shown", "others"),
@@ -61,10 +63,11 @@ LONGEST_SUMMARY = 12
 """Words in the summary line of a docstring."""
 
 
-def private_words(text: str) -> list[str]:
+def private_words(text: str, words: Mapping[str, str] = PRIVATE | RETIRED) -> list[str]:
     """List the private words of a text in their context, with standard ones."""
     text = re.sub(r"`[^`\n]*`|\s+", " ", text)
-    matches = ((match, standard) for words, standard in WORDS.items() for match in words.finditer(text))
+    patterns = ((re.compile(rf"\b(?:{each})\b", re.IGNORECASE), standard) for each, standard in words.items())
+    matches = ((match, standard) for pattern, standard in patterns for match in pattern.finditer(text))
     return [f"{text[max(0, m.start() - 30) : m.end() + 30]!r}: {standard}" for m, standard in matches]
 
 

@@ -7,30 +7,14 @@ import sys
 from pathlib import Path
 
 import pytest
+from wording import PACKAGES, RETIRED, private_words
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
-RETIRED = {
-    r"\b(?:the|a|its|this|their|of|plate's|corner's|static) give\b(?! (?:way|and take))": "deflection or compliance",
-    r"\b(?:the|a|its|this|by|exact|corner's|which|penalty) hold\b": "constraint",
-    r"\b(?:quiet|sudden)(?:ly)? starts?\b|\bstarts? (?:quiet|sudden)(?:ly)?\b": "inertia relief; unstressed start",
-    r"\bspoil(?:s|t|ed|ing)?\b": "diverged or corrupted",
-    r"\bcalm(?:s|ed|er|ing)?\b": "damps, suppresses",
-    r"\bcure[sd]?\b": "required damping, what to do",
-    r"\bforet(?:ell|ells|elling|old)\b": "predicts",
-    r"\brungs?\b|\bladders?\b": "refinement level",
-    r"\blanes?\b": "SIMD block",
-    r"\bsurvey(?:s|ed)?\b": "campaign",
-    r"\bleft_out parts\b": "omitted parts",
-}
-"""Words in the meanings that they had here alone, and what the field says."""
 
 
 def found_in(text):
-    """Retired words of a text, each with its standard one."""
-    said = re.sub(r"\s+", " ", text)
-    found = ((m, standard) for p, standard in RETIRED.items() for m in re.finditer(p, said, re.IGNORECASE))
-    return [f'"{match[0]}": {standard}' for match, standard in found]
+    """List the retired words of a text, code included, each with its standard one."""
+    return private_words(text.replace("`", " "), RETIRED)
 
 
 def sentences(path):

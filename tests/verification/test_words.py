@@ -7,30 +7,11 @@ from pathlib import Path
 
 import click
 import pytest
+from wording import PACKAGES, PRIVATE, private_words
 
 from tailslap import cli
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
-PRIVATE = {
-    r"tell(?:s|ing)?|told": "states, lists, reports",
-    r"says?|saying|said": "states, describes",
-    r"reckon\w*": "estimated, computed",
-    r"giv(?:es?|ing)|gave": "yields, returns; elastic",
-    r"(?<!two-)(?<!one-)ways?": "method, travel, path",
-    r"mov(?:es?|ed)": "changes; displaced",
-    r"lack(?:s|ing|ed)?": "does not have, requires",
-    r"(?:left|leaves?|leaving) (?:\w+ )?out(?! of)": "omitted, excluded, removed",
-    r"so (?:much|many|few)": "the number",
-    r"of it": "of the thing, by its name",
-    r"what (?:the|it|a|an)": "the quantity, by its name",
-    r"shares?": "fraction",
-    r"sw[iu]ngs?": "oscillates, rotates",
-    r"nobody|somebody|whoever": "the user, another process",
-    r"anew|alike|by itself": "again, equal, separately",
-}
-"""Words that are vague or private here, with standard ones."""
-WORDS = {re.compile(rf"\b(?:{words})\b", re.IGNORECASE): standard for words, standard in PRIVATE.items()}
 READ_IN_AN_EDITOR = (
     "tailslap/api.py",
     "tailslap/result.py",
@@ -47,10 +28,8 @@ DOCUMENTS = [
 
 
 def found_in(text):
-    """Private words of a text, in their context, each with standard ones."""
-    text = re.sub(r"`[^`\n]*`|\s+", " ", text)
-    found = ((match, standard) for words, standard in WORDS.items() for match in words.finditer(text))
-    return [f"{text[max(0, m.start() - 30) : m.end() + 30]!r}: {standard}" for m, standard in found]
+    """List the private words of a text in their context, each with standard ones."""
+    return private_words(text, PRIVATE)
 
 
 def docstrings(tree):
