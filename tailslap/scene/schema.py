@@ -1,4 +1,4 @@
-"""Scenes: the keys of a TOML file with meaning, unit, bounds and default.
+"""Define the keys of a scene with meaning, unit, bounds and default.
 
 Values are in SI after validation; a table that is None is absent from the model.
 """
@@ -69,7 +69,7 @@ Distortion = Annotated[float, Quantity("a fraction of the element size", "", "0.
 
 
 def _registered(registry: Registry[Any]) -> BeforeValidator:
-    """One of the names in a registry, whenever the scene is read."""
+    """Return a validator that accepts the present names of a registry."""
 
     def name(given: object) -> object:
         if not isinstance(given, str) or given not in registry:
@@ -80,6 +80,7 @@ def _registered(registry: Registry[Any]) -> BeforeValidator:
 
 
 def _element_counts(given: object) -> object:
+    """Return two element counts as a tuple. Raises ValueError for other values."""
     allowed = f"allowed are two whole numbers from 1, at most {MAX_ELEMENTS} elements in all, like [20, 6]"
     if not isinstance(given, list | tuple) or len(given) != 2:
         raise ValueError(allowed)
@@ -93,6 +94,7 @@ FORMER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
 
 
 def _start_name(given: object) -> object:
+    """Refuse a former name of a start."""
     if isinstance(given, str) and given in FORMER_STARTS:
         raise ValueError(f'the present name of this start is "{FORMER_STARTS[given]}"')
     return given
@@ -105,13 +107,17 @@ ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
 
 
 def _flag(given: object) -> object:
+    """Return a truth value. Raises ValueError for numbers and texts."""
     if not isinstance(given, bool):
         raise ValueError("allowed is true or false")
     return given
 
 
 def _name(given: object) -> object:
-    """Name of the scene and of its result folder, results/NAME: no "..", no hidden file."""
+    """Return a name that is safe as that of a folder.
+
+    Results are written to results/NAME: "..", slashes and hidden files are refused.
+    """
     if not isinstance(given, str) or not re.fullmatch(r"[\w+-][\w.+-]{0,79}", given):
         raise ValueError('allowed are 1 to 80 letters, digits and "_", "+", "-", ".", no "." in front')
     return given
@@ -121,17 +127,17 @@ Name = Annotated[str, BeforeValidator(_name)]
 
 
 def needed(meaning: str) -> Any:
-    """Required key of a table, with its meaning in one line."""
+    """Return a required key of a table with its meaning."""
     return Field(description=meaning)
 
 
 def key(meaning: str, default: Any = None) -> Any:
-    """Optional key of a table, with its meaning in one line."""
+    """Return an optional key of a table with its meaning."""
     return Field(default, description=meaning)
 
 
 class SceneTable(BaseModel):
-    """Table of a scene; unknown keys are errors."""
+    """Table of a scene, in which unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -151,7 +157,10 @@ class Vehicle(SceneTable):
 
 
 class Trailer(Vehicle):
-    """Trailer of a train, hinged to the unit ahead on the centre lines of both; whole impacts only."""
+    """Trailer of a train, hinged to the unit ahead.
+
+    The hinge lies on the centre lines of both units. Trailers require a whole impact.
+    """
 
     hitch: Hitch = needed(
         "distance of the hinge behind the front of the unit ahead, a tow ball beyond its rear"
@@ -193,7 +202,10 @@ class Impact(SceneTable):
 
 
 class StartTable(SceneTable):
-    """Initial state of Stage 2; values not given follow from Stage 1."""
+    """Initial state of Stage 2.
+
+    Omitted values follow from Stage 1.
+    """
 
     angle: Angle | None = key(
         "initial angle between the side of the vehicle and the wall; default: from Stage 1"
@@ -205,7 +217,10 @@ class StartTable(SceneTable):
 
 
 class CornerTable(SceneTable):
-    """Constrained corner of Stage 2. By default the constraint is selected automatically."""
+    """Constrained corner of Stage 2.
+
+    By default the program selects the constraint.
+    """
 
     reaction: ReactionName = key("friction law of the sliding corner", "drag")
     friction: Friction | None = key("coefficient of friction of the sliding corner; default: impact.friction")
@@ -218,7 +233,7 @@ class CornerTable(SceneTable):
 
     @property
     def frictionless(self) -> bool:
-        """True for a reaction without friction."""
+        """True if the reaction has no friction."""
         return FRICTION_LAWS[self.reaction].frictionless
 
     @property
@@ -233,7 +248,7 @@ class CornerTable(SceneTable):
 
 
 class Contact(SceneTable):
-    """Whole impact: unilateral contact between vehicle and wall.
+    """Unilateral contact between vehicle and wall in a whole impact.
 
     stiffness, initial_force and restitution define the crush law of each corner, F0 + k d, and side_stiffness that of a
     layer along the sides. strike_duration may replace stiffness. Without both the vehicle does not crush; enforcement
@@ -268,8 +283,10 @@ class Contact(SceneTable):
 
 
 class Tipping(SceneTable):
-    """Roll of the vehicle over the wall, whole impacts only. The default of time.end is then 0.5 s after the second
-    strike."""
+    """Roll of the vehicle over the wall in a whole impact.
+
+    The default of time.end is then 0.5 s after the second strike.
+    """
 
     wall_height: Height = needed("height of the top of the wall, at which its force acts")
     centre_height: Height = needed("height of the centre of mass")
@@ -283,13 +300,13 @@ class Tipping(SceneTable):
 
 
 class StrikeTable(SceneTable):
-    """Stage 3: force of the tail-slap."""
+    """Force of the tail-slap in Stage 3."""
 
     duration: Duration = key("duration of the triangular force pulse", 0.1)
 
 
 class Plate(SceneTable):
-    """FE model of the vehicle: a plate in plane stress.
+    """FE model of the vehicle as a plate in plane stress.
 
     Either youngs_modulus or first_frequency defines its stiffness.
     """
@@ -311,32 +328,44 @@ class Plate(SceneTable):
 
     @property
     def counts(self) -> tuple[int, int]:
-        """Elements along and across. Raises ValueError before they are selected."""
+        """Numbers of elements along and across.
+
+        Raises ValueError before they are selected.
+        """
         if self.elements is None:
             raise ValueError("the elements are not chosen yet")
         return self.elements
 
     @property
     def modulus(self) -> float:
-        """Young's modulus [Pa]. Raises ValueError before it follows from the first frequency."""
+        """Young's modulus [Pa].
+
+        Raises ValueError before it follows from the first frequency.
+        """
         if self.youngs_modulus is None:
             raise ValueError("the modulus is not resolved yet")
         return self.youngs_modulus
 
     @property
     def relieved(self) -> bool:
-        """True for a start by inertia relief."""
+        """True if the start is by inertia relief."""
         return start_kinds.START_KINDS[self.start].relieved
 
 
 class MaterialTable(SceneTable):
-    """Material law of the plate; Young's modulus and Poisson's ratio are keys of [plate]."""
+    """Material law of the plate.
+
+    Young's modulus and Poisson's ratio are keys of [plate].
+    """
 
     law: Annotated[str, _registered(materials.MATERIALS)] = needed("material law of the plate")
 
 
 class Damping(SceneTable):
-    """Damping of the plate. By default it is selected automatically."""
+    """Damping of the plate.
+
+    By default the program selects it.
+    """
 
     kind: Literal["elastic-velocity", "none"] | None = key(
         "damping of the elastic velocities; default: automatic"
@@ -349,7 +378,10 @@ class Damping(SceneTable):
 
 
 class Verify(SceneTable):
-    """Limits on the result, and companion runs: runs on other meshes from which the numerical error is estimated."""
+    """Limits on the result, and companion runs.
+
+    Companion runs repeat a run on other meshes; the numerical error is estimated from them.
+    """
 
     tolerance: Tolerance | None = key(
         "largest allowed difference from the rigid-body motion, constrained corners only"
@@ -383,8 +415,11 @@ class Output(SceneTable):
 
 
 class Wall(SceneTable):
-    """Mesh of the wall. In a whole impact the wall is elastic, on an elastic foundation; the default material is the
-    concrete of the paper (Table 2)."""
+    """Mesh of the wall.
+
+    In a whole impact the wall is elastic, on an elastic foundation. The default material is the concrete of the paper
+    (Table 2).
+    """
 
     length: Length = needed("length of the wall")
     depth: Length = needed("depth of the wall")
@@ -399,7 +434,7 @@ class Wall(SceneTable):
 
 
 class Scene(SceneTable):
-    """Scene: one impact, with the models that represent it."""
+    """One impact, with the models that represent it."""
 
     name: Name = needed("name of the scene and of its result folder")
     vehicle: Vehicle
@@ -420,25 +455,34 @@ class Scene(SceneTable):
 
     @property
     def units(self) -> tuple[Vehicle, ...]:
-        """The vehicle and its trailers."""
+        """The vehicle and its trailers, front to rear."""
         return (self.vehicle, *self.trailer)
 
     @property
     def starts_later(self) -> bool:
-        """True if [start] gives all of the state that Stage 2 starts from, and [impact] nothing."""
+        """True if [start] defines the whole initial state of Stage 2.
+
+        [impact] is then not used.
+        """
         start = self.start or StartTable()
         return None not in (start.angle, start.omega, start.corner_speed)
 
     @property
     def needed_plate(self) -> Plate:
-        """The plate. Raises InputError where the scene has none."""
+        """The plate of a finite-element run.
+
+        Raises InputError where the scene has none.
+        """
         if self.plate is None:
             raise InputError("plate", Missing, "this table is required for a finite-element run")
         return self.plate
 
     @property
     def needed_contact(self) -> Contact:
-        """The contact of a whole impact. Raises InputError where the scene has none."""
+        """The contact of a whole impact.
+
+        Raises InputError where the scene has none.
+        """
         if self.contact is None:
             raise InputError("contact", Missing, "this table is required for a whole impact")
         return self.contact
@@ -450,7 +494,10 @@ class Scene(SceneTable):
 
     @property
     def corner_friction(self) -> float:
-        """Coefficient of friction in Stage 2: corner.friction, by default impact.friction; 0 with reaction "none"."""
+        """Coefficient of friction in Stage 2.
+
+        corner.friction, by default impact.friction; 0 for a reaction without friction.
+        """
         if self.corner.frictionless:
             return 0.0
         given = self.corner.friction
