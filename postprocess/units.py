@@ -11,8 +11,8 @@ OPEN, SEPARATOR, CLOSE = "\x02", "\x1f", "\x03"
 MEASURE = re.compile(f"{OPEN}([^{SEPARATOR}]*){SEPARATOR}([^{SEPARATOR}]*){SEPARATOR}([^{CLOSE}]*){CLOSE}")
 """A value, its unit and its format within a text."""
 
-FOOT, POUND, KIP = 0.3048, 0.45359237, 4448.2216152605
-"""[m], [kg], [N]; 1 kip is 1000 lbf."""
+FOOT, INCH, POUND, KIP, MPH = 0.3048, 0.0254, 0.45359237, 4448.2216152605, 0.44704
+"""[m], [m], [kg], [N], [m/s]; 1 kip is 1000 lbf, pounds under standard gravity, and 1 mph is 5280 ft/h."""
 
 POWER = re.compile(r"^(10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+) (.*)$")
 

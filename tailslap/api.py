@@ -20,7 +20,7 @@ from postprocess.report import page
 from postprocess.report.report import labelled_text, opened, write_report
 from postprocess.units import SYSTEMS
 from tailslap import result
-from tailslap.arguments import UnitSystem, checked_arguments
+from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.case import case_of, cost
 from tailslap.case.case import Case
 from tailslap.case.corner.case import CornerCase
@@ -28,8 +28,7 @@ from tailslap.errors import InputError, Interrupted, one_of
 from tailslap.files import load
 from tailslap.files.folder import result_folder
 from tailslap.scene import read
-from tailslap.scene.objects import named, own_names
-from tailslap.scene.units import picture_pixels
+from tailslap.scene.objects import added_names, named
 from tailslap.scene.vary import Source, changes_of, parse_changes, shown, vary
 from tailslap.studies import find_study
 from tailslap.studies.study import Study, checked_options, prepared
@@ -492,7 +491,7 @@ def sweep_result(
 def _own_names(asked: Definition) -> list[str]:
     """Names in a sweep of objects that this process alone has registered."""
     names = []
-    for key, own in own_names().items():
+    for key, own in added_names().items():
         table, _, name = key.partition(".")
         used = {asked.source.given.get(table, {}).get(name)}
         used |= {value for item in asked.variations if item.key == key for value in item.settings}

@@ -1,10 +1,13 @@
-"""Check of the arguments of the functions of `import tailslap`: names, and types by their annotations."""
+"""Check arguments of the functions of `import tailslap`.
+
+Names are those of the signature, and types those of its annotations.
+"""
 
 import functools
 import inspect
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence, Sized
 from numbers import Integral, Real
 from types import UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin
@@ -17,20 +20,26 @@ UnitSystem = Literal["si", "us"]
 NUMBERS = {int: Integral, float: Real}
 """Types that are accepted for those of Python, NumPy's among them."""
 
+SMALLEST_PICTURE, LARGEST_PICTURE = 300, 8000
+"""Pixels along either side of a picture."""
+
 
 def checked_arguments(function: Function) -> Function:
-    """Decorator: an argument of another type raises InputError, one of an unknown name TypeError with the nearest."""
+    """Decorate a function to check its arguments.
+
+    An argument of another type raises InputError, one of an unknown name TypeError with the nearest name.
+    """
     signature = inspect.signature(function)
-    known = signature.parameters
-    takes_any = any(own.kind is own.VAR_KEYWORD for own in known.values())
+    parameters = signature.parameters
+    takes_any = any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters.values())
 
     @functools.wraps(function)
-    def checked(*arguments: Any, **options: Any) -> Any:
-        for name in () if takes_any else options.keys() - known.keys():
-            hint = one_of(name, known, "its arguments are")
+    def checked(*arguments: object, **options: object) -> object:
+        for name in () if takes_any else options.keys() - parameters.keys():
+            hint = one_of(name, parameters, "its arguments are")
             raise TypeError(f"{function.__name__}() has no argument {name!r}; {hint}")
         for name, value in signature.bind_partial(*arguments, **options).arguments.items():
-            several = known[name].kind is inspect.Parameter.VAR_POSITIONAL
+            several = parameters[name].kind is inspect.Parameter.VAR_POSITIONAL
             for item in value if several else (value,):
                 _demand_type(function, name, item)
         return function(*arguments, **options)
@@ -38,8 +47,28 @@ def checked_arguments(function: Function) -> Function:
     return checked  # type: ignore[return-value]
 
 
-def _demand_type(function: Callable[..., Any], name: str, value: Any) -> None:
-    """Raise InputError for a value that is not of the annotated type, or that no path and no file can have."""
+def picture_pixels(given: str | Sequence[int] | None) -> tuple[int, int] | None:
+    """Return width and height [pixels] of a text like "1600x700" or a pair.
+
+    Raises InputError for other values; None is returned.
+    """
+    if given is None:
+        return None
+    sides = re.split(r"\s*[xX×]\s*", given.strip()) if isinstance(given, str) else [*map(str, given)]
+    pair = [int(side) for side in sides if re.fullmatch(r"\d{1,5}", side)]
+    if len(sides) != 2 or len(pair) != 2 or min(pair) < SMALLEST_PICTURE or max(pair) > LARGEST_PICTURE:
+        allowed = (
+            f"allowed is WIDTHxHEIGHT in pixels, like 1600x700, each {SMALLEST_PICTURE} to {LARGEST_PICTURE}"
+        )
+        raise InputError("--picture-size", given if isinstance(given, str) else Verbatim(given), allowed)
+    return pair[0], pair[1]
+
+
+def _demand_type(function: Callable[..., object], name: str, value: object) -> None:
+    """Raise InputError for a value of another type than the annotated one.
+
+    Text must be encodable as a path.
+    """
     if not _is_of(value, _annotated(function, name)):
         described = re.search(rf"^ *\*?{name} : (.*)$", function.__doc__ or "", re.MULTILINE)
         allowed = described[1] if described else str(_annotated(function, name))
@@ -50,16 +79,19 @@ def _demand_type(function: Callable[..., Any], name: str, value: Any) -> None:
 
 
 @functools.cache
-def _annotated(function: Callable[..., Any], name: str) -> Any:
-    """The type of a parameter; Any for one without annotation."""
+def _annotated(function: Callable[..., object], name: str) -> object:
+    """Return the type of a parameter, `object` for one without annotation."""
     kind = inspect.signature(function).parameters[name].annotation
     if kind is inspect.Parameter.empty:
-        return Any
+        return object
     return eval(kind, function.__globals__) if isinstance(kind, str) else kind
 
 
-def _is_of(value: Any, kind: Any) -> bool:
-    """True for a value of the type; as sequences count all that have a length and are neither text nor mapping."""
+def _is_of(value: object, kind: Any) -> bool:
+    """Return True for a value of the type.
+
+    Everything that has a length and is neither text nor mapping counts as a sequence.
+    """
     origin, inner = get_origin(kind) or kind, get_args(kind)
     if origin in (Union, UnionType):
         return any(_is_of(value, one) for one in inner)
@@ -70,9 +102,9 @@ def _is_of(value: Any, kind: Any) -> bool:
             _is_of(part, one) for item in value.items() for part, one in zip(item, inner, strict=True)
         )
     if origin in (Sequence, tuple):
-        is_row = all(hasattr(value, name) for name in ("__len__", "__iter__"))
         return (
-            is_row
+            isinstance(value, Sized)
+            and isinstance(value, Iterable)
             and not isinstance(value, str | bytes | Mapping)
             and all(_is_of(item, inner[0]) for item in value)
         )
@@ -82,6 +114,7 @@ def _is_of(value: Any, kind: Any) -> bool:
 
 
 def _is_encodable(text: str) -> bool:
+    """Return True for text that the file system can have as a name."""
     try:
         return b"\0" not in os.fsencode(text)
     except UnicodeEncodeError:

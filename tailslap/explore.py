@@ -20,7 +20,7 @@ with app.setup:
     from postprocess.svg.chart import Chart, draw_chart
     from tailslap import progress
     from tailslap.scene import read, units
-    from tailslap.scene.vary import given_at
+    from tailslap.scene.validate import given_at
 
     SLIDERS = {
         "impact.speed": ("Speed", "m/s", 5.0, 40.0),

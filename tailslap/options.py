@@ -12,8 +12,8 @@ from typing import Any
 import click
 
 from tailslap import progress
+from tailslap.arguments import picture_pixels
 from tailslap.scene import read, schema
-from tailslap.scene.units import picture_pixels
 
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")

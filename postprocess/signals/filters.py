@@ -24,6 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from postprocess.units import FOOT, KIP
+
 Floats = NDArray[np.float64]
 
 CLASSES = (60, 180, 600, 1000)
@@ -216,10 +218,6 @@ def _valley(falling: Floats) -> int:
     low = int(np.argmax(falling <= falling.min() + LOWEST * falling[0]))
     rising = np.diff(falling[low:]) >= 0.0
     return low + (int(np.argmax(rising)) if rising.any() else rising.size)
-
-
-KIP, FOOT = 4448.2216152605, 0.3048
-"""[N], [m]"""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.units import measure
+from postprocess.units import MPH, POUND, measure
 from tailslap.case.case import Case
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, write
@@ -53,7 +53,6 @@ PERCENTILES = (5, 50, 95)
 MIN_ROWS = 16
 
 ASSUMED, FROM_USER = "assumed", "--range"
-MILE_PER_HOUR, DEGREE, POUND = 0.44704, 0.017453292519943295, 0.45359237
 
 # MASH's name: inertial mass and its tolerance [lb].
 LIGHT_VEHICLES = {"1100C": (2420.0, 55.0), "2270P": (5000.0, 110.0)}
@@ -70,8 +69,8 @@ def default_limits(scene: schema.Scene) -> dict[str, Limits]:
         limits |= {
             "impact.friction": (0.3, 0.6, ASSUMED),
             "impact.restitution": (0.0, 0.4, ASSUMED),
-            "impact.speed": about(scene.impact.speed, 2.5 * MILE_PER_HOUR, "± 2.5 mph, MASH"),
-            "impact.angle": about(scene.impact.angle, 1.5 * DEGREE, "± 1.5 deg, MASH"),
+            "impact.speed": about(scene.impact.speed, 2.5 * MPH, "± 2.5 mph, MASH"),
+            "impact.angle": about(scene.impact.angle, math.radians(1.5), "± 1.5 deg, MASH"),
         }
     return limits
 

@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
-from tailslap.arguments import UnitSystem, checked_arguments
+from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.errors import InputError, Verbatim, one_of
 from tailslap.exports import PROGRAMS
 from tailslap.files.load import load
 from tailslap.progress import counted
 from tailslap.result import FE, RIGID, Result
-from tailslap.scene.units import picture_pixels
 
 if TYPE_CHECKING:
     from postprocess.units import Units

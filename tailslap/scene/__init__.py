@@ -1,1 +1,1 @@
-"""The scene: its schema, where it is read from, units at the border."""
+"""Scenes, with their keys, units, reading, validation, variation and writing."""

@@ -1,4 +1,7 @@
-"""Objects in place of their names in the changes of a scene: friction laws, constraints, materials and so on."""
+"""Replace objects in the changes of a scene by their names.
+
+They are friction laws, constraints, materials, elements, lumpings and starts.
+"""
 
 from __future__ import annotations
 
@@ -19,42 +22,46 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "plate.lumping": kinds.LUMPINGS,
     "plate.start": start_kinds.START_KINDS,
 }
-"""Registries of the objects named by these keys."""
+"""Registries of the objects that these keys name."""
 
-_OWN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
+BUILT_IN = {key: frozenset(registry) for key, registry in REGISTRIES.items()}
 """Names registered by the program."""
 
 
-def own_names() -> dict[str, set[str]]:
-    """Names by key of the objects that this process alone has registered."""
-    return {key: set(registry) - _OWN[key] for key, registry in REGISTRIES.items()}
+def added_names() -> dict[str, set[str]]:
+    """Return names by key of the objects registered in this process alone."""
+    return {key: set(registry) - BUILT_IN[key] for key, registry in REGISTRIES.items()}
 
 
-def named(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Changes by dotted key, with nested tables flattened and objects registered and replaced by their names.
+def named(changes: Mapping[str, object]) -> dict[str, object]:
+    """Return changes by dotted key, with names in place of objects.
 
-    An object replaces an earlier one of the same name, but not one of the program. Raises InputError for an object of
-    another type or with a name of the program.
+    Nested tables are flattened. An object is registered; it replaces an earlier one of the same name, but not one of
+    the program. Raises InputError for an object of another type or with a name of the program.
     """
-    found: dict[str, Any] = {}
+    flat: dict[str, object] = {}
     for key, value in changes.items():
         if isinstance(value, Mapping) and value:
-            found |= named({f"{key}.{name}": inner for name, inner in value.items()})
+            flat |= named({f"{key}.{name}": inner for name, inner in value.items()})
         else:
-            found[key] = _named(key, value) if key in REGISTRIES else value
-    return found
+            flat[key] = _registered_name(key, value) if key in REGISTRIES else value
+    return flat
 
 
-def _named(key: str, value: Any) -> Any:
+def _registered_name(key: str, value: object) -> object:
+    """Register an object and return its name.
+
+    Texts and None are returned.
+    """
     if value is None or isinstance(value, str):
         return value
     registry = REGISTRIES[key]
-    kind: Any = type(next(iter(registry.values())))
+    kind = type(next(iter(registry.values())))
     if not isinstance(value, kind):
         raise InputError(key, Verbatim(repr(value)), f"allowed is a name or a {kind.__name__}")
     if value.name in registry and registry[value.name] is value:
         return value.name
-    if value.name in _OWN[key]:
+    if value.name in BUILT_IN[key]:
         raise InputError(key, value.name, "the program has an object of this name; choose another name")
     if value.name in registry:
         registry.remove(value.name)

@@ -1,4 +1,4 @@
-"""Scenes: finding and reading them, with remarks on unusual values without a unit."""
+"""Find and read scenes, with remarks on numbers without a unit."""
 
 import codecs
 import math
@@ -10,21 +10,45 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, NamedTuple
 
 from tailslap import errors
 from tailslap.arguments import checked_arguments
 from tailslap.scene import schema, units, write
-from tailslap.scene.vary import Source, depth_exceeds, given_at, parse_changes, vary
+from tailslap.scene.validate import given_at
+from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
 
 UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+"""Byte order marks of UTF-16."""
+
+MAX_NAME, MAX_BYTES, MAX_LINE, MAX_DEPTH = 4096, 262_144, 10_000, 8
+"""Limits of a scene: length of its path, size of its file, length of a line, depth of tables and lists."""
+
+DECIMAL_COMMA = re.compile(r"=\s*[-+]?[0-9]+,[0-9]")
+"""Beginning of a number with a decimal comma."""
+
+REPLACED = {name: f"impact-{name}" for name in ("mash-tl5-tractor-van", "mash-tl6-tractor-tank")}
+"""Scenes of earlier versions, with those that replace them."""
+
+SPEED, ANGLE = (1.0, 40.0, "km/h"), (math.radians(1.0), math.radians(60.0), "deg")
+USUAL = {
+    "vehicle.length": (1.5, 40.0, "ft"),
+    "vehicle.width": (0.5, 6.0, "ft"),
+    "vehicle.mass": (200.0, 2e5, "lb"),
+    "impact.speed": SPEED,
+    "impact.angle": ANGLE,
+    "start.angle": ANGLE,
+    "start.corner_speed": SPEED,
+    "strike.duration": (1e-3, 2.0, "ms"),
+    "plate.thickness": (1e-4, 1.0, "mm"),
+}
+"""Usual range of a key [SI], and another common unit."""
 
 
 def read_text(path: Path, most: int, undecodable: str = "strict") -> str:
-    """Text of a regular file of at most `most` bytes, in UTF-8 or, after a byte order mark, UTF-16; lines end with
-    line feeds. Devices and pipes are not opened.
+    """Read a regular file as text.
 
-    undecodable: treatment of bytes that cannot be decoded, as in `bytes.decode`.
+    The file has at most `most` bytes, in UTF-8 or, after a byte order mark, UTF-16; lines end with line feeds. Devices
+    and pipes are not opened. undecodable: treatment of bytes that cannot be decoded, as in `bytes.decode`.
 
     Raises OSError or ValueError with the reason.
     """
@@ -43,18 +67,12 @@ def read_text(path: Path, most: int, undecodable: str = "strict") -> str:
     return text.replace("\r\n", "\n")
 
 
-MAX_NAME, MAX_BYTES, MAX_LINE, MAX_DEPTH = 4096, 262_144, 10_000, 8
-"""Limits of a scene: length of its path, size of its file, length of a line, depth of tables and lists."""
-
-DECIMAL_COMMA = re.compile(r"=\s*[-+]?[0-9]+,[0-9]")
-
-
 def shipped_scenes() -> dict[str, str]:
-    """Scenes of the program: name and text."""
+    """Return name and text of the scenes of the program."""
     folder = files("tailslap") / "scene" / "shipped"
-    scenes = (item for item in folder.iterdir() if item.name.endswith(".toml"))
-    found = sorted(scenes, key=lambda item: item.name)
-    return {item.name.removesuffix(".toml"): item.read_text(encoding="utf-8") for item in found}
+    scenes = sorted(folder.iterdir(), key=lambda item: item.name)
+    texts = (item for item in scenes if item.name.endswith(".toml"))
+    return {item.name.removesuffix(".toml"): item.read_text(encoding="utf-8") for item in texts}
 
 
 @checked_arguments
@@ -102,35 +120,39 @@ def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, So
 
 
 def read_source(name: str, text: str | None = None) -> Source:
-    """Read a scene's tables, not yet validated, from its file or, where it is known, its text; one without the key
-    `name` takes that of the file. Raises InputError."""
+    """Read a scene's tables, without validation.
+
+    text: of the file, where it is available. A scene without the key `name` takes that of the file. Raises InputError.
+    """
     source = source_of_text(scene_text(name) if text is None else text, name)
     return replace(source, given={"name": Path(name).stem} | source.given)
 
 
 def source_of_text(text: str, name: str = "SCENE") -> Source:
-    """Parse the text of a scene, without validation; name: the scene in error messages. Raises InputError."""
+    """Parse the text of a scene, without validation.
+
+    name: the scene in error messages. Raises InputError.
+    """
     if len(max(text.split("\n"), key=len)) > MAX_LINE:
         why = f"the limit is {MAX_LINE} characters"
         raise errors.InputError(name, errors.Verbatim("a very long line"), why)
     try:
-        given = tomllib.loads(text)
+        tables = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError itself for an integer of thousands of digits
         hint = f"; {units.COMMA}" if DECIMAL_COMMA.search(text) else ""
         why = f"{errors.shortened(str(error))}{hint}"
         raise errors.InputError(name, errors.Verbatim("a file that is not TOML"), why) from None
-    if depth_exceeds(given, MAX_DEPTH):
+    if depth_exceeds(tables, MAX_DEPTH):
         allowed = f"the limit is {MAX_DEPTH} levels"
         raise errors.InputError(name, errors.Verbatim("tables or lists nested too deep"), allowed)
-    return Source(text.rstrip("\n") + "\n", given)
-
-
-REPLACED = {name: f"impact-{name}" for name in ("mash-tl5-tractor-van", "mash-tl6-tractor-tank")}
-"""Scenes of earlier versions, and those in their place."""
+    return Source(text.rstrip("\n") + "\n", tables)
 
 
 def scene_text(name: str) -> str:
-    """Text of a scene file or of a scene of the program. Raises InputError."""
+    """Return the text of a scene file or of a shipped scene.
+
+    Raises InputError.
+    """
     shipped = shipped_scenes()
     path = Path(name)
     if len(name) > MAX_NAME:
@@ -153,56 +175,36 @@ def scene_text(name: str) -> str:
         raise errors.InputError("SCENE", name, f"the file cannot be read: {error}") from None
 
 
-class Usual(NamedTuple):
-    """Usual range of a key in SI, its unit, and another unit with its value in SI."""
-
-    low: float
-    high: float
-    unit: str
-    other: str
-    factor: float
-
-
-SPEED = Usual(1.0, 40.0, "m/s", "km/h", 1.0 / 3.6)
-ANGLE = Usual(math.radians(1.0), math.radians(60.0), "rad", "deg", math.radians(1.0))
-USUAL = {
-    "vehicle.length": Usual(1.5, 40.0, "m", "ft", 0.3048),
-    "vehicle.width": Usual(0.5, 6.0, "m", "ft", 0.3048),
-    "vehicle.mass": Usual(200.0, 2e5, "kg", "lb", 0.45359237),
-    "impact.speed": SPEED,
-    "impact.angle": ANGLE,
-    "start.angle": ANGLE,
-    "start.corner_speed": SPEED,
-    "strike.duration": Usual(1e-3, 2.0, "s", "ms", 1e-3),
-    "plate.thickness": Usual(1e-4, 1.0, "m", "mm", 1e-3),
-}
-
-
 def unit_remarks(source: Source) -> dict[str, str]:
-    """Sentences about changes to numbers without a unit, by key, where the file has another unit than SI."""
-    found = {}
-    for key, unit in write.plain_numbers(source).items():
-        value, si = given_at(source.given, key), write.unit_at(key)
-        means = f"{value:g} {si}, {units.converted(value, si, unit):.4g} {unit}"
-        found[key] = f"{key} = {value:g} without a unit is {means}; the scene has this key in {unit}"
-    return found
+    """Return remarks on changes to numbers without a unit, by key.
+
+    They concern keys that have another unit than SI in the file.
+    """
+    return {
+        key: f"{_in_two_units(source, key, unit)}; the scene has this key in {unit}"
+        for key, unit in write.plain_numbers(source).items()
+    }
 
 
 def remarks(source: Source, typed: bool = True) -> Iterator[str]:
-    """Sentences about unusual numbers without a unit; typed: also about changes that are texts, by their units."""
+    """Yield remarks on unusual numbers without a unit.
+
+    typed: also on changes, which are texts, by their units.
+    """
     plain = unit_remarks(source) if typed else {}
     yield from plain.values()
-    trailers = {f"trailer.{i}": unit for i, unit in enumerate(source.given.get("trailer", ()))}
-    for key, usual in USUAL.items():
-        table, name = key.split(".")
-        tables = {table: source.given.get(table)} | (trailers if table == "vehicle" else {})
-        for place, given in tables.items():
-            value = _given(given, name)
-            if value is not None and f"{place}.{name}" not in plain and not usual.low <= value <= usual.high:
-                means = f"{value:g} {usual.unit}, {value / usual.factor:.4g} {usual.other}"
-                yield f"{place}.{name} = {value:g} without a unit is {means}"
+    trailers = [f"trailer.{number}" for number in range(len(source.given.get("trailer", ())))]
+    for usual_key, (low, high, unit) in USUAL.items():
+        table, name = usual_key.split(".")
+        for key in (f"{place}.{name}" for place in [table, *(trailers if table == "vehicle" else ())]):
+            value = given_at(source.given, key)
+            if isinstance(value, int | float) and key not in plain and not low <= value <= high:
+                yield _in_two_units(source, key, unit)
 
 
-def _given(table: Any, name: str) -> float | None:
-    value = table.get(name) if isinstance(table, dict) else None
-    return float(value) if isinstance(value, int | float) else None
+def _in_two_units(source: Source, key: str, unit: str) -> str:
+    """Return the number of a key in SI and in another unit, as a remark."""
+    value, si = given_at(source.given, key), write.unit_at(key)
+    return (
+        f"{key} = {value:g} without a unit is {value:g} {si}, {units.converted(value, si, unit):.4g} {unit}"
+    )

@@ -1,6 +1,6 @@
-"""Quantities of a scene: plain numbers are SI, strings carry their unit.
+"""Convert quantities of a scene between their units and SI.
 
-A unit is a product of names, each with an integer power of up to 9:
+Plain numbers are SI, strings carry their unit. A unit is a product of names, each with an integer power of up to 9:
 
     unit    = first { join factor }        first = factor | "1" join factor
     join    = "*" | "/" | blank            factor = name [ ("^" | "**") [ "-" ] digit ]
@@ -10,51 +10,39 @@ Pound, foot and pound-force are those of the international agreement of 1959 and
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from postprocess.units import SYSTEMS
-from tailslap.errors import InputError, Verbatim
+from postprocess.units import FOOT, INCH, KIP, MPH, POUND, SYSTEMS
 
-FOOT, POUND, GRAVITY = 0.3048, 0.45359237, 9.80665
-POUND_FORCE = POUND * GRAVITY
-MPH = 5280.0 * FOOT / 3600.0
+if TYPE_CHECKING:
+    from pydantic_core.core_schema import CoreSchema
+
 COMMA = "the decimal separator is a point, not a comma"
 
+Dimension = tuple[int, int, int, int]
+"""Powers of metre, kilogram, second and radian."""
 
-class Dimension(NamedTuple):
-    """Powers of metre, kilogram, second and radian."""
-
-    length: int = 0
-    mass: int = 0
-    time: int = 0
-    angle: int = 0
-
-
-LENGTH, MASS, TIME, ANGLE = Dimension(1), Dimension(0, 1), Dimension(0, 0, 1), Dimension(0, 0, 0, 1)
-SPEED, FORCE, PRESSURE = Dimension(1, 0, -1), Dimension(1, 1, -2), Dimension(-1, 1, -2)
-ENERGY, FREQUENCY = Dimension(2, 1, -2), Dimension(0, 0, -1)
 LENGTHS = {"m": 1.0, "mm": 0.001, "cm": 0.01, "km": 1000.0}
-LENGTHS |= {"in": 0.0254, "ft": FOOT, "yd": 0.9144, "mi": 5280.0 * FOOT}
-MASSES = {"kg": 1.0, "g": 0.001, "t": 1000.0, "lb": POUND, "klb": 1e3 * POUND, "slug": POUND_FORCE / FOOT}
+LENGTHS |= {"in": INCH, "ft": FOOT, "yd": 0.9144, "mi": 5280.0 * FOOT}
+MASSES = {"kg": 1.0, "g": 0.001, "t": 1000.0, "lb": POUND, "klb": 1e3 * POUND, "slug": 1e-3 * KIP / FOOT}
 TIMES = {"s": 1.0, "us": 1e-6, "ms": 0.001, "min": 60.0, "h": 3600.0}
-FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "GN": 1e9, "lbf": POUND_FORCE, "kip": 1e3 * POUND_FORCE}
+FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "GN": 1e9, "lbf": 1e-3 * KIP, "kip": KIP}
 PRESSURES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "TPa": 1e12, "bar": 1e5}
-PSI = POUND_FORCE / 0.0254**2
-IMPERIAL_PRESSURES = {"psf": POUND_FORCE / FOOT**2, "psi": PSI, "ksi": 1e3 * POUND_FORCE / 0.0254**2}
+PRESSURES |= {"psf": 1e-3 * KIP / FOOT**2, "psi": 1e-3 * KIP / INCH**2, "ksi": KIP / INCH**2}
 KINDS: tuple[tuple[Dimension, dict[str, float]], ...] = (
-    (LENGTH, LENGTHS),
-    (MASS, MASSES),
-    (TIME, TIMES),
-    (ANGLE, {"rad": 1.0, "deg": math.pi / 180.0}),
-    (SPEED, {"mph": 0.44704, "kph": 1.0 / 3.6}),
-    (FORCE, FORCES),
-    (PRESSURE, PRESSURES | IMPERIAL_PRESSURES),
-    (ENERGY, {"J": 1.0, "kJ": 1e3}),
-    (FREQUENCY, {"Hz": 1.0, "kHz": 1e3}),
+    ((1, 0, 0, 0), LENGTHS),
+    ((0, 1, 0, 0), MASSES),
+    ((0, 0, 1, 0), TIMES),
+    ((0, 0, 0, 1), {"rad": 1.0, "deg": math.pi / 180.0}),
+    ((1, 0, -1, 0), {"mph": MPH, "kph": 1.0 / 3.6}),
+    ((1, 1, -2, 0), FORCES),
+    ((-1, 1, -2, 0), PRESSURES),
+    ((2, 1, -2, 0), {"J": 1.0, "kJ": 1e3}),
+    ((0, 0, -1, 0), {"Hz": 1.0, "kHz": 1e3}),
 )
-UNITS = {name: (factor, kind) for kind, factors in KINDS for name, factor in factors.items()}
+UNITS = {name: (factor, dimension) for dimension, factors in KINDS for name, factor in factors.items()}
 """Factor to SI and dimension, by name."""
 
 MAX_UNIT, MAX_TEXT = 80, 200
@@ -68,14 +56,20 @@ NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)
 
 
 class Factor(NamedTuple):
-    """Name of a unit and its power, 1 to 9 or -9 to -1."""
+    """Name of a unit and its power.
+
+    Powers are 1 to 9 and -9 to -1.
+    """
 
     name: str
     power: int
 
 
 def unit_factors(text: str) -> tuple[Factor, ...]:
-    """Factors of a unit. Raises ValueError for text that is not a unit."""
+    """Split a unit into its factors.
+
+    Raises ValueError for text that is not a unit.
+    """
     if len(text) > MAX_UNIT:
         raise ValueError("too long")
     at, factors, sign = 0, [], 1
@@ -92,7 +86,7 @@ def unit_factors(text: str) -> tuple[Factor, ...]:
 
 
 def _join(text: str, at: int) -> tuple[int, int]:
-    """Start of the next factor, and the sign of its power."""
+    """Return the start of the next factor, and the sign of its power."""
     match = JOIN.match(text, at)
     if not match:
         raise ValueError("it is not a product of units")
@@ -100,19 +94,26 @@ def _join(text: str, at: int) -> tuple[int, int]:
 
 
 def to_si(text: str) -> tuple[float, Dimension]:
-    """Factor to SI and dimension of a unit. Raises ValueError for an unknown name or other text."""
-    scale, powers = 1.0, [0, 0, 0, 0]
+    """Return the factor to SI and the dimension of a unit.
+
+    Raises ValueError for an unknown name or other text.
+    """
+    scale, powers = 1.0, (0, 0, 0, 0)
     for name, power in unit_factors(text):
         if name not in UNITS:
             raise ValueError(f'"{name}" is unknown; allowed are {", ".join(UNITS)}')
         factor, dimension = UNITS[name]
         scale = scale * factor**power if power > 0 else scale / factor**-power
-        powers = [total + power * own for total, own in zip(powers, dimension, strict=True)]
-    return scale, Dimension(*powers)
+        length, mass, time, angle = (total + power * p for total, p in zip(powers, dimension, strict=True))
+        powers = (length, mass, time, angle)
+    return scale, powers
 
 
 def converted(value: float, given: str, unit: str) -> float:
-    """Convert a value to another unit of the same dimension. Raises ValueError for another dimension."""
+    """Convert a value to another unit of the same dimension.
+
+    Raises ValueError for another dimension.
+    """
     source, target = to_si(given), to_si(unit)
     if source[1] != target[1]:
         raise ValueError(f"its dimension differs from that of {unit}")
@@ -121,9 +122,10 @@ def converted(value: float, given: str, unit: str) -> float:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Number of a scene: its kind, SI unit and bounds. Used as `Annotated[float, Quantity(...)]`.
+    """Number of a scene with its SI unit and bounds.
 
-    Bounds least and most are inclusive, below is exclusive. unit "" is a plain number.
+    Used as `Annotated[float, Quantity(...)]`. Bounds least and most are inclusive, below is exclusive. unit "" is a
+    plain number.
     """
 
     what: str
@@ -133,13 +135,16 @@ class Quantity:
     below: float = math.inf
     most: float = math.inf
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> "CoreSchema":
         from pydantic_core import core_schema
 
         return core_schema.no_info_plain_validator_function(self.parse)
 
     def parse(self, given: object) -> float:
-        """Return the value in SI. Raises ValueError, with the allowed range in the unit of what was given."""
+        """Return the value in SI.
+
+        Raises ValueError, with the allowed range in the unit of the text.
+        """
         value, unit = (
             self._from_text(given) if isinstance(given, str) else (self._from_number(given), self.unit)
         )
@@ -148,7 +153,10 @@ class Quantity:
         return value
 
     def limits(self, unit: str = "") -> str:
-        """Allowed range in a unit; bounds that are not round in it are rounded inwards to three digits."""
+        """Return the allowed range in a unit, as text.
+
+        Bounds that are not round in it are rounded inwards to three digits.
+        """
         unit = unit or ("deg" if self.unit == "rad" else self.unit)
         factor = converted(1.0, self.unit, unit) if unit != self.unit else 1.0
         bounds = (factor * self.least, math.ceil), (factor * min(self.most, self.below), math.floor)
@@ -158,7 +166,7 @@ class Quantity:
         )
 
     def allowed(self, unit: str = "") -> str:
-        """Allowed values, in words; unit: of the range."""
+        """Describe the allowed values, with their range in a unit."""
         number = f"a number in {self.unit} or a string with its unit" if self.unit else "a plain number"
         return f"allowed is {self.what} {self.limits(unit)}, {number}, like {self.example}"
 
@@ -182,7 +190,7 @@ class Quantity:
 
 
 def _rounded(bound: float, inwards: Callable[[float], int]) -> float:
-    """The bound, if six digits show it exactly; else rounded inwards to three digits."""
+    """Round a bound inwards to three digits unless six digits are exact."""
     if float(f"{bound:g}") == bound:
         return bound
     step = 10.0 ** (math.floor(math.log10(abs(bound))) - 2)
@@ -190,30 +198,15 @@ def _rounded(bound: float, inwards: Callable[[float], int]) -> float:
 
 
 def value_line(name: str, value: float, unit: str, system: str) -> str:
-    """Line of a list of values, converted from SI."""
+    """Return a line of a list of values, converted from SI."""
     return f"  {name:<18}{shown(value, unit, system, width=14)}"
 
 
 def shown(value: float, unit: str, system: str = "si", width: int = 0, digits: int = 7) -> str:
-    """Value in an SI unit, as "digits unit"; digits right-aligned in `width` columns, US speeds in mph too."""
+    """Return the text of a value in SI, converted to a system of units.
+
+    Digits are right-aligned in `width` columns. US speeds are in mph too.
+    """
     factor, name = SYSTEMS[system].of(unit)
     also = f" ({value / MPH:.{digits}g} mph)" if (system, unit) == ("us", "m/s") else ""
     return f"{factor * value:>{width}.{digits}g} {name}{also}"
-
-
-SMALLEST_PICTURE, LARGEST_PICTURE = 300, 8000
-"""Pixels along either side."""
-
-
-def picture_pixels(given: str | Sequence[int] | None) -> tuple[int, int] | None:
-    """Width and height [pixels] from a text like "1600x700" or a pair; None without any. Raises InputError."""
-    if given is None:
-        return None
-    sides = re.split(r"\s*[xX×]\s*", given.strip()) if isinstance(given, str) else [*map(str, given)]
-    pair = [int(side) for side in sides if re.fullmatch(r"\d{1,5}", side)]
-    if len(sides) != 2 or len(pair) != 2 or min(pair) < SMALLEST_PICTURE or max(pair) > LARGEST_PICTURE:
-        allowed = (
-            f"allowed is WIDTHxHEIGHT in pixels, like 1600x700, each {SMALLEST_PICTURE} to {LARGEST_PICTURE}"
-        )
-        raise InputError("--picture-size", given if isinstance(given, str) else Verbatim(given), allowed)
-    return pair[0], pair[1]

@@ -1,4 +1,4 @@
-"""Validation of scenes: each key by itself, then keys that require or exclude each other."""
+"""Validate scenes key by key, then combinations of keys."""
 
 from __future__ import annotations
 
@@ -13,11 +13,47 @@ from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim, nearest
 from tailslap.scene import schema
 
-OF_A_WALL_THAT_GIVES = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
+ELASTIC_WALL_KEYS = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
+ROLL_KEYS = ("centre_height", "roll_inertia", "track", "suspension")
+"""Keys of [wall] that require an elastic wall, and keys of [[trailer]] that require [tipping]."""
+
+MOST_TRAILERS = 7
+"""Largest number of trailers of a train."""
+
+SUBSTITUTES = {
+    "impact.speed": "[start] with angle, omega and corner_speed may replace [impact]",
+    "plate.youngs_modulus": "plate.first_frequency may replace plate.youngs_modulus",
+    "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate]",
+    "wall.height": "without [wall] the wall of a whole impact is rigid",
+}
+"""Alternatives to missing keys."""
+
+CORNER_TABLES = {
+    "corner": "unilateral contact excludes a constrained corner",
+    "start": "a whole impact starts at first contact",
+    "strike": "a whole impact computes the duration of its strikes",
+}
+"""Tables that [contact] excludes, and why."""
+
+IMPACT_KEYS = ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh")
+CORNER_KEYS = {
+    "verify.tolerance": "this key requires a constrained corner; remove it or [contact]",
+    "impact.convention": "the restitution of a whole impact is contact.restitution; remove this key",
+    "plate.density": "the density of a whole impact follows from vehicle.mass; remove this key",
+    "plate.start": "a whole impact starts unstressed; remove this key",
+}
+"""Keys that require [contact]; keys that [contact] excludes, and why."""
+
+CRUSH_KEYS = tuple(f"contact.{k}" for k in ("initial_force", "restitution", "side_stiffness", "patch_length"))
+UNCRUSHED_KEYS = ("contact.enforcement", "contact.penalty_scale")
+"""Keys that require crush, and keys that crush excludes."""
 
 
-def validate(data: dict[str, Any]) -> schema.Scene:
-    """Scene of these tables. Raises InputError for missing keys or the first invalid one."""
+def validate(data: Mapping[str, object]) -> schema.Scene:
+    """Return the scene of these tables.
+
+    Raises InputError for missing keys or the first invalid one.
+    """
     scene = key_by_key(data)
     if missing := missing_keys(data):
         raise _missing_error(missing)
@@ -29,81 +65,78 @@ def validate(data: dict[str, Any]) -> schema.Scene:
     return _with_crush_stiffness(scene)
 
 
-def key_by_key(data: dict[str, Any]) -> schema.Scene:
-    """Scene of these tables, each key validated by itself. Raises InputError."""
+def key_by_key(data: Mapping[str, object]) -> schema.Scene:
+    """Return the scene of these tables, each key validated separately.
+
+    Raises InputError.
+    """
     try:
         return schema.Scene.model_validate(data)
     except ValidationError as error:
         raise _input_error(error, data) from None
 
 
-def missing_keys(tables: Mapping[str, Any]) -> list[str]:
-    """Dotted names of all keys that these tables require and do not have."""
+def missing_keys(tables: Mapping[str, object]) -> list[str]:
+    """Return dotted names of all required keys that are missing."""
 
     def absent(*keys: str) -> list[str]:
-        return [key for key in keys if _value(tables, key) is None]
+        return [key for key in keys if given_at(tables, key) is None]
 
     present = {"vehicle"} | {name for name in schema.TABLES if tables.get(name) not in (None, [], ())}
     if absent("start.angle", "start.omega", "start.corner_speed") or "contact" in present:
         present.add("impact")
     frictionless = [law.name for law in FRICTION_LAWS.values() if law.frictionless]
-    found = absent("name")
+    missing = absent("name")
     for name in (name for name in schema.TABLES if name in present):
         units = tables[name] if name in schema.LISTED else ()
         places = [f"{name}.{i}" for i in range(len(units))] if isinstance(units, list | tuple) else []
         required = [key for key, field in schema.TABLES[name].model_fields.items() if field.is_required()]
-        found += absent(*(f"{place}.{key}" for place in places or [name] for key in required))
+        missing += absent(*(f"{place}.{key}" for place in places or [name] for key in required))
     if "contact" in present:
         crushes = len(absent("contact.stiffness", "contact.strike_duration")) < 2
-        found += absent("contact.restitution") if crushes else []
-        found += absent("contact.stiffness") if "plate" not in present and not crushes else []
-        found += absent("wall.height", "wall.foundation_stiffness") if "wall" in present else []
+        missing += absent("contact.restitution") if crushes else []
+        missing += absent("contact.stiffness") if "plate" not in present and not crushes else []
+        missing += absent("wall.height", "wall.foundation_stiffness") if "wall" in present else []
     elif "impact" in present:
-        found += absent("impact.friction", "impact.restitution")
-    elif _value(tables, "corner.reaction") not in frictionless:
-        found += absent("corner.friction")
+        missing += absent("impact.friction", "impact.restitution")
+    elif given_at(tables, "corner.reaction") not in frictionless:
+        missing += absent("corner.friction")
     if "plate" in present and absent("plate.first_frequency"):
-        found += absent("plate.youngs_modulus")
-    if _value(tables, "damping.kind") == "elastic-velocity":
-        found += absent("damping.rate")
-    return found
+        missing += absent("plate.youngs_modulus")
+    if given_at(tables, "damping.kind") == "elastic-velocity":
+        missing += absent("damping.rate")
+    return missing
 
 
-def _value(tables: Mapping[str, Any], key: str) -> Any:
-    """Value of a dotted key; None where it is absent."""
-    found: Any = tables
+def given_at(tables: object, key: str) -> Any:
+    """Return the value of a dotted key of tables, None without it."""
     for name in key.split("."):
-        if isinstance(found, list | tuple):
-            found = found[int(name)]
+        if isinstance(tables, list | tuple):
+            tables = dict(enumerate(tables)).get(int(name)) if name.isdecimal() else None
         else:
-            found = found.get(name) if isinstance(found, Mapping) else None
-    return found
-
-
-INSTEAD = {
-    "impact.speed": "[start] with angle, omega and corner_speed may replace [impact]",
-    "plate.youngs_modulus": "plate.first_frequency may replace plate.youngs_modulus",
-    "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate]",
-    "wall.height": "without [wall] the wall of a whole impact is rigid",
-}
-"""Alternatives to missing keys."""
+            tables = tables.get(name) if isinstance(tables, Mapping) else None
+    return tables
 
 
 def _missing_error(keys: list[str]) -> InputError:
+    """Return the error for missing keys, with their substitutes."""
     first, *more = keys
     required = f"this key is required, and so are {', '.join(more)}" if more else "this key is required"
-    return InputError(first, Missing, "; ".join([required, *(INSTEAD[k] for k in keys if k in INSTEAD)]))
+    return InputError(
+        first, Missing, "; ".join([required, *(SUBSTITUTES[k] for k in keys if k in SUBSTITUTES)])
+    )
 
 
-def _input_error(error: ValidationError, data: Mapping[str, Any]) -> InputError:
-    found = error.errors()
-    first = next((each for each in found if each["type"] == "extra_forbidden"), found[0])
+def _input_error(error: ValidationError, data: Mapping[str, object]) -> InputError:
+    """Return the error for an unknown key, else the first error."""
+    details = error.errors()
+    first = next((detail for detail in details if detail["type"] == "extra_forbidden"), details[0])
     key = ".".join(str(part) for part in first["loc"])
     kind = first["type"]
     if kind == "missing":
         return _missing_error(missing_keys(data))
     if kind == "extra_forbidden":
-        return InputError(key, first["input"], f"this key does not exist; {_known(first['loc'])}")
+        return InputError(key, first["input"], f"this key does not exist; {_allowed_keys(first['loc'])}")
     if kind == "literal_error":
         return InputError(key, first["input"], f"allowed is {first['ctx']['expected']}")
     if kind == "tuple_type" and key in schema.LISTED:
@@ -116,19 +149,20 @@ def _input_error(error: ValidationError, data: Mapping[str, Any]) -> InputError:
     return InputError(key, first["input"], message[0].lower() + message[1:])
 
 
-def _known(location: tuple[int | str, ...]) -> str:
+def _allowed_keys(location: tuple[int | str, ...]) -> str:
+    """List the keys of the table of an unknown key, with the nearest one."""
     *table, name = map(str, location)
-    known = (schema.TABLES[table[0]] if table else schema.Scene).model_fields
+    keys = (schema.TABLES[table[0]] if table else schema.Scene).model_fields
     elsewhere = [key for key in schema.MEANINGS if key.rpartition(".")[2] == name]
-    hint = nearest(name, known, ".".join([*table, "{}"]))
+    hint = nearest(name, keys, ".".join([*table, "{}"]))
     return (
-        f"allowed are {', '.join(known)}{hint or ''.join(f'; did you mean {key}?' for key in elsewhere[:1])}"
+        f"allowed are {', '.join(keys)}{hint or ''.join(f'; did you mean {key}?' for key in elsewhere[:1])}"
     )
 
 
 def _check_corner(scene: schema.Scene) -> None:
     """Validate keys of a constrained corner."""
-    _refuse(scene, "this key requires [contact]; remove it", *OF_A_WHOLE_IMPACT)
+    _refuse(scene, "this key requires [contact]; remove it", *IMPACT_KEYS)
     if scene.tipping:
         raise InputError("tipping", Verbatim("a table"), "this table requires [contact]; remove it")
     if scene.trailer:
@@ -136,7 +170,7 @@ def _check_corner(scene: schema.Scene) -> None:
             "a constrained corner is that of one rigid body; a train requires [contact] in place of [corner]"
         )
         raise InputError("trailer", f"{len(scene.trailer)} tables", why)
-    for key in OF_A_WALL_THAT_GIVES:
+    for key in ELASTIC_WALL_KEYS:
         value = getattr(scene.wall, key, None)
         if scene.wall is not None and value != schema.Wall.model_fields[key].default:
             allowed = "an elastic wall requires [contact]; remove this key"
@@ -148,12 +182,12 @@ def _check_corner(scene: schema.Scene) -> None:
 
 
 def _refuse(scene: schema.Scene, allowed: str, *keys: str) -> None:
-    """Raise InputError for the first of these keys that the scene has."""
+    """Raise InputError for the first of these keys that is set."""
     for key in keys:
         table, *number, name = key.split(".")
-        own = getattr(scene, table)
-        own = own[int(number[0])] if number else own
-        value = getattr(own, name) if own and name in own.model_fields_set else None
+        values = getattr(scene, table)
+        values = values[int(number[0])] if number else values
+        value = getattr(values, name) if values and name in values.model_fields_set else None
         if value is not None:
             raise InputError(key, value, allowed)
 
@@ -188,44 +222,25 @@ def _check_plate(scene: schema.Scene) -> None:
 
 
 def _check_damping(damping: schema.Damping) -> None:
+    """Validate combinations of the keys of [damping]."""
     if not damping.model_fields_set:
         allowed = "kind, ratio or bulk_viscosity is required; without this table damping is automatic"
         raise InputError("damping", "an empty table", allowed)
     if damping.rate is not None and damping.kind != "elastic-velocity":
         why = 'this key requires damping.kind = "elastic-velocity"; remove it'
         raise InputError("damping.rate", damping.rate, why)
-    given = [key for key in ("ratio", "bulk_viscosity") if getattr(damping, key) is not None]
-    if damping.kind == "none" and given:
+    excluded = [key for key in ("ratio", "bulk_viscosity") if getattr(damping, key) is not None]
+    if damping.kind == "none" and excluded:
         allowed = 'damping.kind = "none" excludes this key; remove one of the two'
-        raise InputError(f"damping.{given[0]}", getattr(damping, given[0]), allowed)
-
-
-OF_THE_CORNER = {
-    "corner": "unilateral contact excludes a constrained corner",
-    "start": "a whole impact starts at first contact",
-    "strike": "a whole impact computes the duration of its strikes",
-}
-"""Tables that [contact] excludes, and why."""
-
-OF_A_WHOLE_IMPACT = ("vehicle.centre_of_mass", "vehicle.yaw_inertia", "time.end", "verify.mesh")
-OF_A_CORNER = {
-    "verify.tolerance": "this key requires a constrained corner; remove it or [contact]",
-    "impact.convention": "the restitution of a whole impact is contact.restitution; remove this key",
-    "plate.density": "the density of a whole impact follows from vehicle.mass; remove this key",
-    "plate.start": "a whole impact starts unstressed; remove this key",
-}
-"""Keys that require [contact]; keys that [contact] excludes, and why."""
-
-OF_CRUSH = tuple(f"contact.{k}" for k in ("initial_force", "restitution", "side_stiffness", "patch_length"))
-OF_NO_CRUSH = ("contact.enforcement", "contact.penalty_scale")
+        raise InputError(f"damping.{excluded[0]}", getattr(damping, excluded[0]), allowed)
 
 
 def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
-    """Validate keys of a whole impact. Raises InputError."""
-    for name, why in OF_THE_CORNER.items():
+    """Validate keys of a whole impact."""
+    for name, why in CORNER_TABLES.items():
         if name in scene.model_fields_set and getattr(scene, name) is not None:
             raise InputError(name, "a table", f"{why}; remove this table or [contact]")
-    for key, allowed in OF_A_CORNER.items():
+    for key, allowed in CORNER_KEYS.items():
         _refuse(scene, allowed, key)
     _check_contact(scene, contact)
     _check_trailers(scene)
@@ -234,13 +249,14 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
 
 
 def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
+    """Validate keys that depend on whether the vehicle crushes."""
     if contact.strike_duration is not None:
         _check_strike_duration(scene)
     if contact.crushes:
-        _refuse(scene, "this key has no effect with contact.stiffness; remove it", *OF_NO_CRUSH)
+        _refuse(scene, "this key has no effect with contact.stiffness; remove it", *UNCRUSHED_KEYS)
     else:
         of_units = _of_trailers(scene, "stiffness")
-        _refuse(scene, "this key requires contact.stiffness; remove it", *OF_CRUSH, *of_units)
+        _refuse(scene, "this key requires contact.stiffness; remove it", *CRUSH_KEYS, *of_units)
     if contact.enforcement == "exact":
         _refuse(
             scene, 'contact.enforcement = "exact" has no spring; remove this key', "contact.penalty_scale"
@@ -248,7 +264,10 @@ def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
 
 
 def _check_strike_duration(scene: schema.Scene) -> None:
-    """Raise InputError where other keys define the crush of the corners as well, or it is that of a train."""
+    """Refuse keys that define the crush of the corners as well.
+
+    Raises InputError for them and for trains.
+    """
     allowed = "contact.strike_duration defines the crush stiffness; remove one of the two"
     _refuse(scene, allowed, "contact.stiffness")
     allowed = (
@@ -262,33 +281,35 @@ def _check_strike_duration(scene: schema.Scene) -> None:
 
 
 def _with_crush_stiffness(scene: schema.Scene) -> schema.Scene:
-    """Scene whose crush stiffness follows from contact.strike_duration. Raises InputError for one out of bounds."""
+    """Return the scene with the crush stiffness of contact.strike_duration.
+
+    Raises InputError for a stiffness out of bounds.
+    """
     contact, body = scene.contact, scene.vehicle
     if contact is None or contact.strike_duration is None:
         return scene
     from solver.impact import stiffness_of_duration
 
     centre = 0.5 * body.length if body.centre_of_mass is None else body.centre_of_mass
-    given = (body.mass, body.yaw_inertia, body.length, body.width, centre)
-    stiffness = stiffness_of_duration(contact.strike_duration, contact.restitution or 0.0, *given)
+    vehicle = (body.mass, body.yaw_inertia, body.length, body.width, centre)
+    stiffness = stiffness_of_duration(contact.strike_duration, contact.restitution or 0.0, *vehicle)
     low, high = schema.STIFFNESS_BOUNDS
     if not low <= stiffness <= high:
         allowed = f"the crush stiffness would be {stiffness:.3g} N/m; allowed is {low:g} to {high:g} N/m"
         raise InputError("contact.strike_duration", contact.strike_duration, allowed)
     values = dict(contact) | {"stiffness": stiffness}
-    found = schema.Contact.model_construct(
-        _fields_set=contact.model_fields_set, **values
-    )  # variations follow
-    return scene.model_copy(update={"contact": found})
-
-
-OF_ROLL = ("centre_height", "roll_inertia", "track", "suspension")
+    # The stiffness is not marked as set, so that variations of the scene compute it again.
+    derived = schema.Contact.model_construct(_fields_set=contact.model_fields_set, **values)
+    return scene.model_copy(update={"contact": derived})
 
 
 def _check_tipping(scene: schema.Scene) -> None:
-    """Raise InputError for wheels beside their unit, and for keys of a trailer's roll without [tipping]."""
+    """Validate keys of roll.
+
+    Raises InputError for wheels beside their unit, and for keys of a trailer's roll without [tipping].
+    """
     if scene.tipping is None:
-        _refuse(scene, "this key requires [tipping]; remove it", *_of_trailers(scene, *OF_ROLL))
+        _refuse(scene, "this key requires [tipping]; remove it", *_of_trailers(scene, *ROLL_KEYS))
         return
     tracks = [("tipping.track", scene.tipping.track, scene.vehicle.width)]
     for number, unit in enumerate(scene.trailer):
@@ -300,16 +321,13 @@ def _check_tipping(scene: schema.Scene) -> None:
             raise InputError(key, track, allowed)
 
 
-MOST_TRAILERS = 7
-
-
 def _of_trailers(scene: schema.Scene, *names: str) -> list[str]:
-    """Dotted keys of these names of all trailers."""
+    """Return the dotted keys of these names of all trailers."""
     return [f"trailer.{number}.{name}" for number in range(len(scene.trailer)) for name in names]
 
 
 def _check_trailers(scene: schema.Scene) -> None:
-    """Validate the hinges of a train. Raises InputError."""
+    """Validate the hinges of a train."""
     if len(scene.trailer) > MOST_TRAILERS:
         allowed = f"allowed are at most {MOST_TRAILERS}"
         raise InputError("trailer", Verbatim(f"{len(scene.trailer)} tables"), allowed)
@@ -327,13 +345,14 @@ def _check_trailers(scene: schema.Scene) -> None:
 
 
 def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:
+    """Validate keys of the plate in a whole impact."""
     plate = scene.plate
     if plate is None:
         return
     if not contact.crushes and plate.youngs_modulus is None:
         allowed = "this key is required without contact.stiffness: it defines the contact stiffness"
         raise InputError("plate.youngs_modulus", Missing, allowed)
-    own = any(unit.centre_of_mass or unit.yaw_inertia for unit in scene.units)
-    if plate.lumping == "row-sum" and own:
+    uneven = any(unit.centre_of_mass or unit.yaw_inertia for unit in scene.units)
+    if plate.lumping == "row-sum" and uneven:
         allowed = 'with centre_of_mass or yaw_inertia of a unit allowed is "exact"'
         raise InputError("plate.lumping", plate.lumping, allowed)

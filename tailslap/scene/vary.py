@@ -1,4 +1,4 @@
-"""Variation of scenes.
+"""Vary scenes.
 
 A change is a dotted key with a value in SI, a word, or None to remove the key; `parse_changes` makes changes of the
 texts of the command line. Changes are plain data, as workers need them.
@@ -14,7 +14,7 @@ from typing import Any
 
 from tailslap.errors import InputError
 from tailslap.scene import schema
-from tailslap.scene.validate import validate
+from tailslap.scene.validate import given_at, validate
 
 KEY = r"[^.\s]{1,80}(\.[^.\s]{1,80}){0,3}"
 """A dotted key on the command line, as a regular expression."""
@@ -34,10 +34,13 @@ ALTERNATIVES = {
 Changes = Mapping[str, Any]
 """Values by dotted key, in the order of application; None removes the key or the whole table."""
 
+Tables = dict[str, Any]
+"""Tables of a scene as in its file, with units."""
+
 
 @dataclass(frozen=True)
 class Source:
-    """Source of a scene: its file, its tables, and the keys changed since.
+    """File, tables and changed keys of a scene.
 
     Attributes
     ----------
@@ -50,19 +53,19 @@ class Source:
     """
 
     text: str = ""
-    given: dict[str, Any] = field(default_factory=dict)
+    given: Tables = field(default_factory=dict)
     changed: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, scene: schema.Scene) -> Source:
-        """Source of a scene, in SI."""
+        """Return the source of a scene, in SI."""
         return cls(given=scene.model_dump(exclude_unset=True))
 
 
 def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
-    """Validated scene with these changes, and its source, which notes them. Raises InputError.
+    """Return the validated scene with these changes, and its source.
 
-    To remove a key that the scene does not have is no change.
+    The source notes the changes. The removal of a key that the scene does not have is no change. Raises InputError.
     """
     tables, noted = changed_tables(source.given, changes)
     text = "".join(f"# changed by --set {change}\n" for change in shown(noted))
@@ -70,29 +73,22 @@ def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
 
 
 def varied(scene: schema.Scene, changes: Changes) -> schema.Scene:
-    """Return the validated scene with these changes. Raises InputError."""
+    """Return the validated scene with these changes.
+
+    Raises InputError.
+    """
     return vary(Source.of(scene), changes)[0]
 
 
-def value_at(scene: Any, key: str) -> Any:
-    """Value of a dotted key of a scene, e.g. "trailer.0.mass" in a list of tables."""
+def value_at(scene: object, key: str) -> Any:
+    """Return the value of a dotted key of a scene, like "trailer.0.mass"."""
     for name in key.split("."):
         scene = scene[int(name)] if isinstance(scene, tuple) else getattr(scene, name)
     return scene
 
 
-def given_at(tables: Any, key: str) -> Any:
-    """Value of a dotted key of tables as given; None without it."""
-    for name in key.split("."):
-        if isinstance(tables, list | tuple):
-            tables = dict(enumerate(tables)).get(int(name)) if name.isdecimal() else None
-        else:
-            tables = tables.get(name) if isinstance(tables, Mapping) else None
-    return tables
-
-
-def changed_tables(given: Mapping[str, Any], changes: Changes) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Copy of the tables with the changes applied, and the changes that had an effect.
+def changed_tables(given: Mapping[str, object], changes: Changes) -> tuple[Tables, dict[str, object]]:
+    """Return a changed copy of the tables, and the changes with effect.
 
     A key removes its alternative of ALTERNATIVES.
     """
@@ -104,21 +100,27 @@ def changed_tables(given: Mapping[str, Any], changes: Changes) -> tuple[dict[str
     return tables, noted
 
 
-def parse_changes(texts: Iterable[str], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by key of KEY=VALUE texts, for a scene with these tables. Raises InputError."""
-    found: dict[str, Any] = {}
+def parse_changes(texts: Iterable[str], given: Mapping[str, object]) -> dict[str, object]:
+    """Return values by key of KEY=VALUE texts, for a scene with these tables.
+
+    Raises InputError.
+    """
+    changes: dict[str, object] = {}
     for text in texts:
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not re.fullmatch(KEY, key):
             raise InputError("--set", text, 'allowed is KEY=VALUE, like plate.youngs_modulus="2 TPa"')
-        found.pop(key, None)  # the last one counts, in its place
-        found[key] = parse_value(value) if value else None
-        _demand_effect(found, key, text, given)
-    return found
+        changes.pop(key, None)  # the last value of a key counts, in the order of the texts
+        changes[key] = parse_value(value) if value else None
+        _demand_effect(changes, key, text, given)
+    return changes
 
 
-def _demand_effect(changes: Changes, key: str, text: str, given: Mapping[str, Any]) -> None:
-    """Raise InputError where the last change, given as this text, cannot be applied or removes an absent key."""
+def _demand_effect(changes: Changes, key: str, text: str, given: Mapping[str, object]) -> None:
+    """Raise InputError where the last change has no effect.
+
+    Such a change cannot be applied or removes an absent key. text: of the change.
+    """
     try:
         noted = changed_tables(given, changes)[1]
     except InputError as error:
@@ -128,10 +130,10 @@ def _demand_effect(changes: Changes, key: str, text: str, given: Mapping[str, An
         raise InputError("--set", text, allowed)
 
 
-def parse_value(text: str) -> Any:
-    """TOML value of a text, or the text itself, whose quotes the shell has removed.
+def parse_value(text: str) -> object:
+    """Return the TOML value of a text, or the text itself.
 
-    Text with a comment or a second line is not parsed: TOML would ignore part of it.
+    The shell has removed quotes. Text with a comment or a second line is not parsed: TOML would ignore a part.
     """
     if re.search(r"[#\r\n]", text) or len(text) > MAX_TEXT:
         return text
@@ -144,12 +146,15 @@ def parse_value(text: str) -> Any:
 
 
 def changes_of(source: Source) -> list[str]:
-    """Texts of the keys that were changed since the file was read, with their values now, in the order of the keys."""
+    """Return texts of the keys changed since the file was read.
+
+    They have the present values, in the order of the keys.
+    """
     return [*shown({key: given_at(source.given, key) for key in sorted(source.changed)})]
 
 
-def depth_exceeds(value: Any, most: int) -> bool:
-    """True if tables and lists are nested deeper than `most`."""
+def depth_exceeds(value: object, most: int) -> bool:
+    """Return True if tables and lists are nested deeper than `most`."""
     level = [value]
     for _ in range(most + 1):
         level = [
@@ -162,11 +167,12 @@ def depth_exceeds(value: Any, most: int) -> bool:
 
 
 def shown(changes: Changes) -> tuple[str, ...]:
-    """Texts of the changes, as of --set."""
-    return tuple(f"{key}={_shown(value)}" for key, value in changes.items())
+    """Return the changes as texts of --set."""
+    return tuple(f"{key}={_value_text(value)}" for key, value in changes.items())
 
 
-def _shown(value: Any) -> str:
+def _value_text(value: object) -> str:
+    """Return a value as text of --set, empty for a removed key."""
     if value is None:
         return ""
     if isinstance(value, bool):
@@ -174,8 +180,11 @@ def _shown(value: Any) -> str:
     return str(list(value)) if isinstance(value, tuple) else str(value)
 
 
-def _put(tables: Any, key: str, value: Any) -> bool:
-    """Apply a change, copying the tables that contain it. Returns True if it has an effect."""
+def _put(tables: Any, key: str, value: object) -> bool:
+    """Apply a change, copying the tables that contain it.
+
+    Returns True if it has an effect.
+    """
     *path, last = key.split(".")
     for name in path:
         place = _place(tables, name, key, value)
@@ -194,12 +203,13 @@ def _put(tables: Any, key: str, value: Any) -> bool:
     return True
 
 
-def _lists_tables(value: Any) -> bool:
+def _lists_tables(value: object) -> bool:
+    """Return True for a list of tables."""
     return isinstance(value, list | tuple) and bool(value) and isinstance(value[0], Mapping)
 
 
-def _place(tables: Any, name: str, key: str, value: Any) -> Any:
-    """Name of a key of a table, or number of a table of a list."""
+def _place(tables: object, name: str, key: str, value: object) -> Any:
+    """Return the name of a key of a table, or the number in a list."""
     if not isinstance(tables, list):
         return name
     if not name.isdecimal() or int(name) >= len(tables):

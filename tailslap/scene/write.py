@@ -1,4 +1,4 @@
-"""Scenes as text: the scene of a run, a new scene with every key, and the table of inputs."""
+"""Write scenes as text, a new scene, and the table of inputs."""
 
 import json
 import tomllib
@@ -17,41 +17,7 @@ from tailslap.arguments import checked_arguments
 from tailslap.errors import InputError, place_error
 from tailslap.scene import schema, units, validate, vary
 
-
-def scene_text(source: vary.Source) -> str:
-    """Scene file that reproduces this run: the original file, or all tables where keys were changed."""
-    if not source.changed:
-        return source.text
-    title = source.text.partition("\n")[0]
-    changed = f"# changed: {', '.join(sorted(source.changed))}"
-    return "\n".join([*([title] if title.startswith("#") else []), changed, *_lines(source.given)]) + "\n"
-
-
-def scene_file(tables: Mapping[str, Any], title: str) -> str:
-    """Text of a scene file with a title and these tables; values are numbers in SI."""
-    return "\n".join([f"# {title}", *_lines(tables)]) + "\n"
-
-
-def _lines(tables: Mapping[str, Any]) -> list[str]:
-    lines, below = [], list[str]()
-    for name, value in tables.items():
-        if isinstance(value, Mapping):
-            below += ["", f"[{name}]", *_lines(value)]
-        elif name in schema.LISTED:
-            below += [line for table in value for line in ("", f"[[{name}]]", *_lines(table))]
-        elif value is not None:
-            lines.append(f"{name} = {toml_value(value)}")
-    return lines + below
-
-
-def toml_value(value: Any) -> str:
-    """Value in TOML."""
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(toml_value, value))}]"
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
-
-
-EXAMPLE: Mapping[str, Mapping[str, Any]] = {
+EXAMPLE: Mapping[str, Mapping[str, str | float]] = {
     "vehicle": {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"},
     "impact": {
         "speed": "56 mph",
@@ -64,7 +30,7 @@ EXAMPLE: Mapping[str, Mapping[str, Any]] = {
 }
 """Values of a new scene; all other keys are comments."""
 
-UNIT = {
+ROLL = {
     "centre_height": "1.35 m",
     "roll_inertia": "12000 kg m^2",
     "track": "1.85 m",
@@ -80,18 +46,60 @@ OPTIONAL: Mapping[str, Mapping[str, str]] = {
         "yaw_inertia": "500000 kg m^2",
         "hitch_length": "1.5 m",
     }
-    | UNIT,
+    | ROLL,
     "corner": {"patch_length": "1 m"},
     "contact": {"patch_length": "1 m"},
-    "tipping": UNIT,
+    "tipping": ROLL,
     "wall": {"length": "20 m", "depth": "0.3 m", "height": "32 in"},
 }
-"""Examples in the comments where that of the quantity is none of the key."""
+"""Examples in the comments where that of the quantity does not fit the key."""
+
+
+def scene_text(source: vary.Source) -> str:
+    """Return a scene file that reproduces this run.
+
+    It is the original file, or has all tables where keys were changed.
+    """
+    if not source.changed:
+        return source.text
+    title = source.text.partition("\n")[0]
+    changed = f"# changed: {', '.join(sorted(source.changed))}"
+    return "\n".join([*([title] if title.startswith("#") else []), changed, *_lines(source.given)]) + "\n"
+
+
+def scene_file(tables: Mapping[str, object], title: str) -> str:
+    """Return the text of a scene file with these tables.
+
+    Values are numbers in SI.
+    """
+    return "\n".join([f"# {title}", *_lines(tables)]) + "\n"
+
+
+def _lines(tables: Mapping[str, Any]) -> list[str]:
+    """Return the lines of tables in TOML, values before tables."""
+    lines, below = [], list[str]()
+    for name, value in tables.items():
+        if isinstance(value, Mapping):
+            below += ["", f"[{name}]", *_lines(value)]
+        elif name in schema.LISTED:
+            below += [line for table in value for line in ("", f"[[{name}]]", *_lines(table))]
+        elif value is not None:
+            lines.append(f"{name} = {toml_value(value)}")
+    return lines + below
+
+
+def toml_value(value: object) -> str:
+    """Return a value in TOML."""
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(toml_value, value))}]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
 
 
 @checked_arguments
 def new(name: str) -> Path:
-    """Write NAME.toml in the current folder, a scene with every key, its meaning and an example.
+    """Write NAME.toml in the current folder.
+
+    It is a scene with every key, its meaning and an example.
 
     Parameters
     ----------
@@ -131,31 +139,34 @@ def new(name: str) -> Path:
 
 
 def new_scene(name: str) -> str:
-    """Text of a scene with every key and its meaning; optional keys are comments."""
+    """Return the text of a scene with every key and its meaning.
+
+    Optional keys are comments.
+    """
     lines = [f"# {name}: replace the values; lines that begin with # are optional keys", ""]
     lines.append(f"name = {toml_value(name)}")
-    for key, table in schema.TABLES.items():
-        given = EXAMPLE.get(key, {})
-        header = f"[[{key}]]" if key in schema.LISTED else f"[{key}]"
-        lines += ["", f"{'' if given else '# '}{header}"]
-        shown = OPTIONAL.get(key, {})
-        lines += [
-            _line(name, own, given.get(name), shown.get(name)) for name, own in table.model_fields.items()
-        ]
+    for table, kind in schema.TABLES.items():
+        values, examples = EXAMPLE.get(table, {}), OPTIONAL.get(table, {})
+        header = f"[[{table}]]" if table in schema.LISTED else f"[{table}]"
+        lines += ["", f"{'' if values else '# '}{header}"]
+        lines += [_line(key, f, values.get(key), examples.get(key)) for key, f in kind.model_fields.items()]
     return "\n".join(lines) + "\n"
 
 
-def _line(name: str, field: FieldInfo, given: Any, shown: str | None) -> str:
-    """Line of a key with its value, or with an example as a comment, and its meaning."""
+def _line(name: str, field: FieldInfo, value: str | float | None, comment: str | None) -> str:
+    """Return the line of a key with its value and meaning.
+
+    A key without a value is a comment with an example.
+    """
     default = None if field.is_required() else field.default
-    values = [toml_value(value) for value in (given, shown, default) if value is not None]
-    front = "" if given is not None else "# "
+    values = [toml_value(text) for text in (value, comment, default) if text is not None]
+    front = "" if value is not None else "# "
     line = f"{front}{name} = {(values or [example(field)])[0]}"
     return f"{line:<34}  # {field.description}"
 
 
 def example(field: FieldInfo) -> str:
-    """Example of a value of a key, in TOML."""
+    """Return an example of a value of a key, in TOML."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     for mark in marks:
         if isinstance(mark, units.Quantity):
@@ -169,7 +180,7 @@ def example(field: FieldInfo) -> str:
 
 @dataclass(frozen=True)
 class SceneInput:
-    """Input as used: dotted key, text of the scene, SI value and origin."""
+    """Input of a run, with text, SI value and origin."""
 
     key: str
     given: str
@@ -179,7 +190,7 @@ class SceneInput:
 
 
 def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, ...]:
-    """Rows of all keys that have a value, defaults included."""
+    """Return rows of all keys with a value, defaults included."""
     rows = _rows(scene, source.given, source.changed, "")
     unused = ["corner.", "strike."] if scene.contact else ["verify.mesh"]
     unused += [] if scene.plate else ["verify."]
@@ -194,35 +205,40 @@ def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, 
 
 
 def plain_numbers(source: vary.Source) -> dict[str, str]:
-    """Units other than SI that keys have in the scene's file and that were changed to numbers without a unit."""
-    before, found = tomllib.loads(source.text), {}
+    """Return units of the file by keys changed to plain numbers.
+
+    Keys in SI in the scene's file are not among them.
+    """
+    before, lost_units = tomllib.loads(source.text), {}
     for key in sorted(source.changed):
-        earlier, now = (vary.given_at(tables, key) for tables in (before, source.given))
+        earlier, now = (validate.given_at(tables, key) for tables in (before, source.given))
         match = units.NUMBER.fullmatch(earlier) if isinstance(earlier, str) else None
         if match and match[2] and isinstance(now, int | float) and units.to_si(match[2])[0] != 1.0:
-            found[key] = match[2]
-    return found
+            lost_units[key] = match[2]
+    return lost_units
 
 
 def resolved_inputs(
-    scene: schema.Scene, source: vary.Source, plate: schema.Plate, chosen: Mapping[str, Any] | None = None
+    scene: schema.Scene, source: vary.Source, plate: schema.Plate, chosen: Mapping[str, object] | None = None
 ) -> tuple[SceneInput, ...]:
-    """Rows of `scene_inputs` with the resolved modulus of the plate; chosen: automatically selected values by key."""
+    """Return the rows of `scene_inputs` with the resolved modulus.
+
+    chosen: automatically selected values by key.
+    """
     chosen = chosen or {}
     rows = scene_inputs(scene.model_copy(update={"plate": plate}), source)
     numbers = {key: value for key, value in chosen.items() if isinstance(value, int | float)}
-    origin = "from plate.first_frequency"
-    known = scene.plate is not None and scene.plate.youngs_modulus is not None
     origins = dict.fromkeys(chosen, "automatic")
-    if not known:
-        origins["plate.youngs_modulus"] = origin
+    if scene.plate is None or scene.plate.youngs_modulus is None:
+        origins["plate.youngs_modulus"] = "from plate.first_frequency"
     return tuple(
         replace(row, value=numbers.get(row.key, row.value), origin=origins.get(row.key, row.origin))
         for row in rows
     )
 
 
-def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], prefix: str) -> list[SceneInput]:
+def _rows(table: BaseModel, given: vary.Tables, changed: frozenset[str], prefix: str) -> list[SceneInput]:
+    """Return rows of the values of a table and the tables in it."""
     rows = []
     for name, field in type(table).model_fields.items():
         value, key = getattr(table, name), prefix + name
@@ -234,26 +250,29 @@ def _rows(table: BaseModel, given: dict[str, Any], changed: frozenset[str], pref
                 rows += _rows(unit, tables.get(number, {}), changed, f"{key}.{number}.")
         elif value is not None:
             origin = "--set" if key in changed else "scene" if name in given else "default"
-            shown = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
-            rows.append(SceneInput(key, str(given.get(name, "")), shown, unit_of(field), origin))
+            text = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
+            rows.append(SceneInput(key, str(given.get(name, "")), text, unit_of(field), origin))
     return rows
 
 
 def as_given(source: vary.Source, key: str) -> str:
-    """A quantity of the scene in the unit in which it is given; a plain number in SI, or the units of the reader."""
-    given = vary.given_at(source.given, key)
-    if isinstance(given, str) and (found := units.NUMBER.fullmatch(given)):
-        return f"{float(found[1]):.6g} {found[2]}"
-    return measure(given, unit_at(key), ".6g")
+    """Return the text of a quantity in the unit of the scene.
+
+    A plain number is in SI, or in the units of the reader.
+    """
+    value = validate.given_at(source.given, key)
+    if isinstance(value, str) and (match := units.NUMBER.fullmatch(value)):
+        return f"{float(match[1]):.6g} {match[2]}"
+    return measure(value, unit_at(key), ".6g")
 
 
 def unit_at(key: str) -> str:
-    """SI unit of a dotted key; "" without one."""
+    """Return the SI unit of a dotted key, "" without one."""
     table, *_, name = key.split(".")
     return unit_of(schema.TABLES[table].model_fields[name])
 
 
 def unit_of(field: FieldInfo) -> str:
-    """SI unit of a key, from its annotation; "" without one."""
+    """Return the SI unit of a key from its annotation, "" without one."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     return next((mark.unit for mark in marks if isinstance(mark, units.Quantity)), "")

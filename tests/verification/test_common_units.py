@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tailslap.scene.units import UNITS, Dimension, converted, to_si
+from tailslap.scene.units import UNITS, converted, to_si
 
 # International yard and pound (1959), standard gravity (CGPM 1901), SI prefixes.
 POUND, POUND_FORCE = 0.45359237, 0.45359237 * 9.80665
@@ -54,4 +54,4 @@ def test_an_unknown_name_is_refused_with_those_that_are_known():
 
 
 def test_a_radian_is_a_dimension_of_its_own():
-    assert to_si("rad/s")[1] == Dimension(0, 0, -1, 1)
+    assert to_si("rad/s")[1] == (0, 0, -1, 1)

@@ -18,9 +18,9 @@ import tailslap
 from postprocess.fields import contours, sheet
 from postprocess.svg.scales import viridis
 from postprocess.units import US
+from tailslap.arguments import picture_pixels
 from tailslap.cli import _status
 from tailslap.errors import InputError
-from tailslap.scene.units import picture_pixels
 
 ROOT = Path(__file__).parents[2]
 LENGTH, WIDTH, SLIDE, OMEGA, SPEED = 10.0, 2.438, 9.42, 0.655, (23.27, -3.275)
