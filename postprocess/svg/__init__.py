@@ -1,1 +1,1 @@
-"""Plots as SVG text, written directly: scales with round ticks, marks, and charts made of them."""
+"""Plots as SVG text with scales, ticks, marks and charts."""

@@ -1,9 +1,9 @@
-"""A chart: plots one below the other over one x axis, with legend, ticks at round values, and units in the labels.
+"""Charts of plots one below the other over one x axis.
 
-The text stands by itself as an SVG file, and goes into a page as it is: it has no ids, text stays text, and colours of
-`PALETTE` are classes that a page may change. Beside it stands the table of what is drawn, as CSV: a column for each
-mark that has a label and values, in the order of the marks, and before it where these are, unless the mark before has
-its values there too. `page.js` reads both.
+A chart is SVG text that stands alone as a file and is part of a page as it is: it has no ids, text remains text, and
+colours of `PALETTE` are classes that a page may redefine. A CSV table of the samples accompanies it: one column for
+each mark with a label and values, in the order of the marks, preceded by their places where these differ from the
+mark before. `page.js` reads both.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
 from itertools import zip_longest
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -23,16 +23,25 @@ from postprocess.svg.marks import Level, Mark, Moving, found_ranges
 from postprocess.units import SI, Units
 
 SIZE, SMALL = 12.0, 11.0
-"""Letters of labels, and of all else."""
+"""Sizes of letters in labels, and in all other texts [pixels]."""
 
 FULL, HALF, PART = 1072.0, 520.0, 340.0
-"""Widths of the main chart of a page, and of one of two or three side by side [pixels]."""
+"""Widths of a chart alone, of one of two and of one of three side by side [pixels]."""
+
+HEAD, RIGHT, BARE, LEVEL_ROW = 26.0, 12.0, 4.0, 13.0
+"""Room above a plot, right of the plots, beside a bare axis, and per line of a level's name [pixels]."""
+
+FOOT, ROW, GAP = 36.0, 16.0, 12.0
+"""Room below the last plot, per row of words, and between keys [pixels]."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis: its label with unit, its ends where they are not those of what is drawn, and its own ticks, which may be
-    none."""
+    """Axis with its label and unit.
+
+    low, high: ends, by default those of the data; named: ticks with their texts, which may be none, instead of round
+    ones.
+    """
 
     label: str = ""
     low: float | None = None
@@ -41,27 +50,30 @@ class Axis:
     margin: float = 0.05
     named: tuple[tuple[float, str], ...] | None = None
 
-    def scale(self, found: tuple[float, float]) -> scales.Scale:
-        """A scale for what is drawn, without its places."""
-        low, high = scales.fitted(*found, self.margin, self.is_log)
+    def scale(self, data: tuple[float, float]) -> scales.Scale:
+        """Return the scale of a range, not yet placed."""
+        low, high = scales.fitted(*data, self.margin, self.is_log)
         low = low if self.low is None else self.low
         high = high if self.high is None else self.high
         return scales.Scale(low, high if high != low else low + 1.0, is_log=self.is_log)
 
     @property
     def unit(self) -> str:
-        """Unit in brackets behind the label."""
+        """Unit in brackets after the label."""
         return self.label.partition("[")[2].rstrip("]")
 
     def scaled(self, factor: float, unit: str) -> Axis:
-        """The axis of values so many times as large, in another unit."""
+        """Return the axis with values in another unit."""
         low, high = (None if end is None else factor * end for end in (self.low, self.high))
         named = self.named and tuple((factor * value, text) for value, text in self.named)
         label = self.label.replace(f"[{self.unit}]", f"[{unit}]")
         return replace(self, label=label, low=low, high=high, named=named)
 
     def ticks(self, scale: scales.Scale, room: float) -> list[tuple[float, str]]:
-        """Values and their texts; room: for one of them."""
+        """Return values and their texts.
+
+        room: pixels for one of them.
+        """
         if self.named is not None:
             low, high = sorted((scale.low, scale.high))
             return [(value, text) for value, text in self.named if low <= value <= high]
@@ -71,8 +83,11 @@ class Axis:
 
 @dataclass(frozen=True)
 class Plot:
-    """Marks in a frame, if there are ticks. height: of the frame, None for equal scales of both axes; nearest: along
-    which axes points are near whose values are shown; is_wide: never narrower on pages, for it has words inside."""
+    """Marks in a frame, if there are ticks.
+
+    height: of the frame, None for equal scales of both axes; nearest: axes along which the pointer selects points;
+    is_wide: at least as wide on pages, because it contains words.
+    """
 
     marks: tuple[Mark, ...]
     y: Axis = Axis()
@@ -83,13 +98,9 @@ class Plot:
     is_wide: bool = False
 
 
-HEAD, RIGHT, BARE, LEVEL_ROW = 26.0, 12.0, 4.0, 13.0
-"""Room above a plot, to the right of the plots, beside a bare axis, and of a line of a level's name."""
-
-
 @dataclass(frozen=True)
 class Frame:
-    """A plot with its scales in place, and its ticks."""
+    """Plot with its scales in place, and its ticks."""
 
     plot: Plot
     x: scales.Scale
@@ -98,30 +109,35 @@ class Frame:
 
 
 def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Frame]:
-    """The plots one below the other, from `top` on, over one x axis."""
+    """Place plots one below the other over one x axis.
+
+    top: of the first one.
+    """
     ranges = [found_ranges(plot.marks) for plot in plots]
     scales = [_below_names(plot, plot.y.scale(y)) for plot, (_, y) in zip(plots, ranges, strict=True)]
-    along = x.scale((min(a for (a, _), _ in ranges), max(b for (_, b), _ in ranges)))
+    x_scale = x.scale((min(a for (a, _), _ in ranges), max(b for (_, b), _ in ranges)))
     sized = [
         replace(scale, start=200.0 if plot.height is None else plot.height, end=0.0)
         for scale, plot in zip(scales, plots, strict=True)
     ]
     ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
-    left = 8.0 + max(marks.text_width(text, SMALL) for each in ticks for _, text in each or [(0, "")])
+    start = 8.0 + max(marks.text_width(text, SMALL) for of_plot in ticks for _, text in of_plot or [(0, "")])
     beside = [marks.text_width(line, SMALL) for plot in plots for _, lines in _levels(plot) for line in lines]
-    along = replace(along, start=left, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
+    x_scale = replace(x_scale, start=start, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
     frames = []
     for plot, scale, marked in zip(plots, sized, ticks, strict=True):
-        alike = (along.end - along.start) * abs((scale.high - scale.low) / (along.high - along.low))
-        height = alike if plot.height is None else plot.height
+        equal_height = (x_scale.end - x_scale.start) * abs(
+            (scale.high - scale.low) / (x_scale.high - x_scale.low)
+        )
+        height = equal_height if plot.height is None else plot.height
         top += HEAD if plot.y.label else BARE
-        frames.append(Frame(plot, along, replace(scale, start=top + height, end=top), marked))
+        frames.append(Frame(plot, x_scale, replace(scale, start=top + height, end=top), marked))
         top += height
     return frames
 
 
 def _below_names(plot: Plot, scale: scales.Scale) -> scales.Scale:
-    """A longer scale where spans have names at the top of the plot, so that curves stay below them."""
+    """Extend a scale so that curves stay below the names of spans."""
     rows = max(
         (mark.row + 1 for mark in plot.marks if isinstance(mark, marks.Span) and mark.label), default=0
     )
@@ -132,7 +148,7 @@ def _below_names(plot: Plot, scale: scales.Scale) -> scales.Scale:
 
 
 def drawn(frame: Frame, across: Axis) -> str:
-    """Grid, marks, box and y axis."""
+    """Return grid, marks, box and y axis."""
     x, y, plot = frame.x, frame.y, frame.plot
     width, height = x.end - x.start, y.start - y.end
     box = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{width:.2f}" height="{height:.2f}" fill="none"'
@@ -170,7 +186,7 @@ def _stroked(opening: str, colour: str) -> str:
 
 
 def _levels(plot: Plot) -> list[tuple[Level, list[str]]]:
-    """The levels from below, each with its name, if it has one, and its value."""
+    """Return the levels in rising order with their texts."""
     levels = sorted((mark for mark in plot.marks if isinstance(mark, Level)), key=lambda level: level.value)
     values = [f"{level.value:.4g} {plot.y.unit}".rstrip() for level in levels]
     return [
@@ -180,7 +196,10 @@ def _levels(plot: Plot) -> list[tuple[Level, list[str]]]:
 
 
 def _level_names(frame: Frame) -> str:
-    """Names of levels beside the plot, each at its line, or as near as the others and the plot's ends leave it."""
+    """Return the names of levels beside the plot.
+
+    Each stands at its line, or as near as other names and the ends of the plot allow.
+    """
     levels = _levels(frame.plot)[::-1]
     rooms = [LEVEL_ROW * len(lines) for _, lines in levels]
     places, end = [], frame.y.end - 5.0
@@ -202,14 +221,13 @@ def _level_names(frame: Frame) -> str:
     return "".join(drawn)
 
 
-FOOT, ROW, GAP = 36.0, 16.0, 12.0
-"""Room below the last plot, of a row of words, and between keys."""
-
-
 @dataclass(frozen=True)
 class Chart:
-    """A drawn chart: short name, heading of the group it belongs to, caption, SVG text, width in pixels, table of what
-    is drawn as CSV; and what it was drawn from, to be drawn in other units."""
+    """Drawn chart.
+
+    name: of its file; group: heading over several charts; svg, csv: drawing and table of its samples; width [pixels];
+    plots, x: contents, from which it is drawn again in other units.
+    """
 
     name: str
     group: str
@@ -225,16 +243,16 @@ class Chart:
 
     @property
     def is_legend(self) -> bool:
-        """True if it is the legend of several charts, and shows nothing else."""
+        """True if it contains only a legend."""
         return bool(self.plots) and all(plot.height == 0.0 for plot in self.plots)
 
     @property
     def is_moving(self) -> bool:
-        """True if something in it moves."""
+        """True if the chart is animated."""
         return any(isinstance(mark, Moving) for plot in self.plots for mark in plot.marks)
 
     def in_units(self, units: Units) -> Chart:
-        """Return the chart drawn in other units."""
+        """Return the chart in other units."""
         along, x_unit = units.of(self.x.unit)
         plots = []
         for plot in self.plots:
@@ -255,7 +273,10 @@ def draw_chart(
     width: float = PART,
     units: Units = SI,
 ) -> Chart:
-    """Draw a chart as SVG text of so many pixels' width; units: of the measures in its texts."""
+    """Draw a chart as SVG text.
+
+    width: [pixels]; units: of the measures in its texts.
+    """
     with np.errstate(all="ignore"):
         legend, top = _legend(plots[0], width)
         frames = framed(plots, x, width, top)
@@ -273,7 +294,7 @@ def draw_chart(
 
 
 def _table(x: Axis, frames: Sequence[Frame]) -> str:
-    """The samples of all marks as CSV."""
+    """Return the samples of all marks as CSV."""
     columns: list[list[str]] = []
     where: list[str] = []
     for frame in frames:
@@ -284,40 +305,40 @@ def _table(x: Axis, frames: Sequence[Frame]) -> str:
             label, is_named = frame.plot.y.label, isinstance(at[0], str)
             both = "; ".join(filter(None, (x.label, label))) if is_named else x.label
             heading = mark.label if is_named or not label else f"{mark.label}: {label}"
-            its = [both, *map(_cell, at)]
-            columns += [] if its == where else [its]
+            here = [both, *map(_cell, at)]
+            columns += [] if here == where else [here]
             columns.append([heading, *map(_cell, values)])
-            where = its
+            where = here
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(zip_longest(*columns, fillvalue=""))
     return text.getvalue()
 
 
-def _cell(value: Any) -> str:
+def _cell(value: str | float) -> str:
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
 def draw_legend(
     name: str, caption: str, marks: Sequence[Mark], group: str = "", width: float = PART
 ) -> Chart:
-    """A chart of nothing but the keys of these marks, for several charts that have none."""
+    """Draw the keys of marks as one legend of several charts."""
     bare = Axis(named=())
     return draw_chart(name, caption, (Plot(tuple(marks), bare, 0.0, has_grid=False),), bare, group, width)
 
 
 def _foot(x: Axis) -> float:
-    """Room below the last plot."""
+    """Return the room below the last plot."""
     rows = max((text.count("\n") for _, text in x.named or ()), default=0)
     return BARE + (FOOT - BARE - ROW) * (x.named != ()) + ROW * (bool(x.label) + rows)
 
 
 def _legend(plot: Plot, width: float) -> tuple[str, float]:
-    """The keys of the marks in rows above the first plot, and how much room they take."""
-    shown = {mark.label: mark for mark in plot.marks if mark.label and mark.key()}
-    if not (shown and plot.has_legend):
+    """Return the keys above the first plot, and their height."""
+    labelled_marks = {mark.label: mark for mark in plot.marks if mark.label and mark.key()}
+    if not (labelled_marks and plot.has_legend):
         return "", 0.0
     across, row, keys = 0.0, 0, []
-    for label, mark in shown.items():
+    for label, mark in labelled_marks.items():
         wide = marks.KEY + 6.0 + marks.text_width(label, SMALL)
         if across and across + wide > width:
             across, row = 0.0, row + 1
@@ -330,7 +351,7 @@ def _legend(plot: Plot, width: float) -> tuple[str, float]:
 
 
 def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
-    """Ticks and label below the last plot, lines of the grid in all of them."""
+    """Return ticks and label below the last plot."""
     last = frames[-1]
     ticks = axis.ticks(last.x, 58.0 if axis.named is None else 1.0)
     down = last.y.start + 15.0
@@ -342,6 +363,8 @@ def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
     path = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
     middle = 0.5 * (last.x.start + last.x.end)
     label = marks.words(axis.label, middle, last.y.start + _foot(axis) - 5.0, "middle")
-    shown = f'<g class="ticks">{marks.coloured("".join(texts), "soft")}</g>{marks.coloured(label, "ink")}'
+    texts_and_label = (
+        f'<g class="ticks">{marks.coloured("".join(texts), "soft")}</g>{marks.coloured(label, "ink")}'
+    )
     notches = _stroked(f'<path d="{path}"', "grey")
-    return f'<g class="x-axis">{notches}{shown}</g>'
+    return f'<g class="x-axis">{notches}{texts_and_label}</g>'

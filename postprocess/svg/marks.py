@@ -1,6 +1,6 @@
-"""Marks that a plot shows, each a record that draws itself and the SVG text of marks and charts.
+"""Marks of a plot, and the SVG text of their elements.
 
-A colour is a name of `PALETTE`, which a page may give another colour (`page.css`, where it is dark), or "#rrggbb".
+A colour is a name of `PALETTE`, which pages may redefine (`page.css` does for dark screens), or "#rrggbb".
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
 MEAN_WIDTH = 0.6
-"""Width of a letter, over the size of the font."""
+"""Width of a letter relative to the size of the font."""
 
 _WIDTHS = {
     **dict.fromkeys("0123456789", 0.64),
@@ -43,14 +43,32 @@ _WIDTHS = {
     **dict.fromkeys("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", 0.42),
 }
 
+HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
+
+KEY = 26.0
+"""Width of a key in the legend, gaps included [pixels]."""
+
+DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 3", "5 2 1 2", "4 4", "1 5")
+
+WIDTHS = (3.0, 2.2, 1.7, 1.4)
+
+HOLD = 0.12
+"""Fraction of an animation during which the body rests at its end."""
+
+SMALL_BOX = 9.0
+"""Size below which boxes are drawn without gaps [pixels]."""
+
 
 def labelled(label: str) -> str:
-    """Attribute by which pages know the mark; nothing without a label."""
+    """Return the attribute that names a mark, empty without a label."""
     return f'data-label="{escape(label)}" ' if label else ""
 
 
 def path(places: Floats) -> str:
-    """Path through places, shape (n, 2), broken where they are not finite."""
+    """Return the path through places, shape (n, 2).
+
+    It has gaps where they are not finite.
+    """
     sound = np.isfinite(places).all(axis=-1)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], sound, [False]]).astype(int)))
     pieces = []
@@ -61,82 +79,93 @@ def path(places: Floats) -> str:
 
 
 def coloured(elements: str, colour: str) -> str:
-    """Elements in a colour."""
+    """Return the elements as a group of this colour."""
     name = f'class="{colour}" ' if colour in PALETTE else ""
     return f'<g {name}color="{PALETTE.get(colour, colour)}" fill="currentColor">{elements}</g>'
 
 
 def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12.0, more: str = "") -> str:
-    """A text element; a letter with a subscript, like v_GY, is set as one. No element for no text."""
+    """Return a text element with subscripts, as in v_GY.
+
+    Without text it is empty.
+    """
     if not text:
         return ""
     small = f'\\1<tspan dy="0.22em" font-size="{0.82 * size:g}">\\2</tspan><tspan dy="-0.18em">\u200b</tspan>'
-    shown = SUBSCRIPT.sub(small, escape(text, quote=False))
+    content = SUBSCRIPT.sub(small, escape(text, quote=False))
     place = f'x="{x:.2f}" y="{y:.2f}"' + (f' text-anchor="{anchor}"' if anchor != "start" else "")
-    return f'<text {place} font-size="{size:g}"{more}>{shown}</text>'
+    return f'<text {place} font-size="{size:g}"{more}>{content}</text>'
 
 
 def text_width(text: str, size: float = 12.0) -> float:
-    """Estimate how long a text is, in a wide font such as DejaVu Sans."""
+    """Estimate the length of a text in a wide font."""
     return size * sum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in SI.rendered(text))
 
 
-HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
-
-
 Samples = tuple[Sequence[Any] | Floats, Sequence[Any] | Floats]
-"""Places and values of equal number: numbers, or words."""
-
-KEY = 26.0
-"""Width of a key in the legend: room for a dash and the gaps beside it."""
-
-DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 3", "5 2 1 2", "4 4", "1 5")
-WIDTHS = (3.0, 2.2, 1.7, 1.4)
+"""Places and values, equal in number, as numbers or words."""
 
 
 def look(number: int) -> dict[str, Any]:
-    """Width and dashes of line `number` of a plot. One that is drawn later is thinner or has gaps, and hides none
-    before it; each has dashes of its own, which tell lines apart where colours do not."""
+    """Return width and dashes of line `number` of a plot.
+
+    Later lines are thinner or dashed, so that they hide none drawn before. Dashes differ between lines, so that they
+    can be distinguished without colours.
+    """
     return {"width": WIDTHS[min(number, len(WIDTHS) - 1)], "dashes": DASHES[number % len(DASHES)]}
 
 
 class Mark:
-    """Something drawn in a plot. Its label stands in the legend, if it has a key; ranges are of its finite values."""
+    """Element of a plot.
+
+    Its label stands in the legend if it has a key. Its ranges are those of its finite values.
+    """
 
     label: str
     ACROSS: ClassVar[tuple[str, ...]] = ("x",)
     UP: ClassVar[tuple[str, ...]] = ("y",)
 
     def ranges(self) -> tuple[Range, Range]:
-        """Smallest and largest x and y, of the entries that ACROSS and UP name."""
+        """Return the ranges of x and y.
+
+        They are those of the fields in ACROSS and UP.
+        """
         along, up = ([np.ravel(getattr(self, name)) for name in names] for names in (self.ACROSS, self.UP))
-        x, y = (extent(np.concatenate([np.zeros(0), *each])) for each in (along, up))
+        x, y = (extent(np.concatenate([np.zeros(0), *values])) for values in (along, up))
         return x, y
 
     def scaled(self, along: float, up: float) -> Mark:
-        """Return the mark with x and y times these factors."""
+        """Return the mark with x and y multiplied."""
         changed = {name: along * np.asarray(getattr(self, name)) for name in self.ACROSS}
         changed |= {name: up * np.asarray(getattr(self, name)) for name in self.UP}
         return replace(self, **changed)  # type: ignore[type-var]
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """SVG elements."""
+        """Return the SVG elements."""
         return ""
 
     def samples(self, x: Scale, y: Scale) -> Samples:
-        """Places and values of its points, in the order of those of its first path; none for most marks."""
+        """Return places and values of its points.
+
+        They are in the order of the first path; most marks have none.
+        """
         return (), ()
 
     def key(self) -> str:
-        """SVG of `KEY` by 10 that shows its look in the legend; empty for what is not in it."""
+        """Return its sample in the legend.
+
+        The sample takes `KEY` by 10 pixels; marks outside the legend have none.
+        """
         return ""
 
 
 @dataclass(frozen=True)
 class Line(Mark):
-    """A line through points, shape (n,), with gaps where they are not finite. Its samples are y of each, or `values`,
-    at x, or `at`. width: 0 for points alone; dots: their diameter, over 2; those of points with `at` have it as their
-    title."""
+    """Line through points, shape (n,).
+
+    It has gaps where they are not finite. Its samples are `values`, by default y, at `at`, by default x. A width of 0
+    draws points alone; dots is their radius. Points with `at` have it as their title.
+    """
 
     label: str
     x: Floats
@@ -149,36 +178,39 @@ class Line(Mark):
     at: Sequence[str] = ()
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """A path, and dots at its points where it has any; each dot is a stroke of no length."""
+        """Return a path and its points.
+
+        Points are strokes of zero length.
+        """
         places, sound = self._places(x, y)
         dots = [f"M{a:.2f} {b:.2f}Z" for a, b in places[sound]]
         label, edge = labelled(self.label), path(places) if self.width else "".join(dots)
-        shown = f'<path {label}d="{edge}" fill="none"{self._look() if self.width else self._dots()}/>'
+        elements = f'<path {label}d="{edge}" fill="none"{self._look() if self.width else self._dots()}/>'
         if self.dots and self.at:
             named = zip(dots, compress(self.at, sound), strict=True)
-            shown += "".join(
+            elements += "".join(
                 f'<path d="{dot}"{self._dots()}><title>{escape(at)}</title></path>' for dot, at in named
             )
         elif self.dots and self.width:
-            shown += f'<path d="{"".join(dots)}"{self._dots()}/>'
-        return coloured(shown, self.colour)
+            elements += f'<path d="{"".join(dots)}"{self._dots()}/>'
+        return coloured(elements, self.colour)
 
     def samples(self, x: Scale, y: Scale) -> Samples:
-        """Places and values of the points that are drawn."""
+        """Return places and values of the points that are drawn."""
         _, sound = self._places(x, y)
         at, values = (list(compress(of, sound)) for of in (self.at or self.x, self.values or self.y))
         return at, values
 
     def key(self) -> str:
-        """A piece of the line."""
+        """Return a piece of the line."""
         dot = f'<path d="M{0.5 * KEY:g} 5Z"{self._dots()}/>' if self.dots else ""
         line = f'<path d="M0 5H{KEY:g}"{self._look()}/>' if self.width else ""
         return coloured(line + dot, self.colour)
 
     def _places(self, x: Scale, y: Scale) -> tuple[Floats, list[bool]]:
-        """Places of the points, shape (n, 2), and which of them are finite."""
+        """Return places, shape (n, 2), and which are finite."""
         places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
-        return places, list(np.isfinite(places).all(axis=-1))
+        return places, np.logical_and.reduce(np.isfinite(places), axis=-1).tolist()
 
     def _look(self) -> str:
         dashes = f' stroke-dasharray="{self.dashes}"' if self.dashes else ""
@@ -190,7 +222,7 @@ class Line(Mark):
 
 @dataclass(frozen=True)
 class Level(Mark):
-    """A line across the plot at a value of y, its name beside the plot."""
+    """Horizontal line with its name beside the plot."""
 
     ACROSS = ()
     UP = ("value",)
@@ -199,7 +231,7 @@ class Level(Mark):
     colour: str = "difference"
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """The line; charts set the name, which may have to make room for others."""
+        """Return the line; the chart places its name."""
         height = float(y.at(self.value))
         line = f'<path d="M{x.start:.2f} {height:.2f}H{x.end:.2f}" stroke-dasharray="5 2" '
         return coloured(line + 'stroke="currentColor"/>', self.colour)
@@ -207,7 +239,10 @@ class Level(Mark):
 
 @dataclass(frozen=True)
 class Words(Mark):
-    """A text at a point, shifted by pixels, y downwards; anchor: "start", "middle" or "end"."""
+    """Text at a point, shifted by pixels, y downwards.
+
+    anchor: "start", "middle" or "end".
+    """
 
     label: str
     x: float
@@ -217,14 +252,17 @@ class Words(Mark):
     colour: str = "ink"
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """The text, with an edge that sets it off from lines."""
+        """Return the text with a white edge.
+
+        The edge separates it from lines.
+        """
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
         return coloured(words(self.label, across, down, self.anchor, 11.0, HALO), self.colour)
 
 
 @dataclass(frozen=True)
 class Swatch(Mark):
-    """An entry of the legend alone: a colour, and what it stands for."""
+    """Entry of the legend alone, with its colour and meaning."""
 
     ACROSS = ()
     UP = ()
@@ -232,36 +270,34 @@ class Swatch(Mark):
     colour: str
 
     def key(self) -> str:
-        """A patch of the colour."""
+        """Return a patch of the colour."""
         return patch(self.colour)
 
 
 def key(label: str, colour: str, width: float, dashes: str = "") -> Line:
-    """A line of no points: an entry of the legend alone."""
+    """Return an entry of the legend alone, as a line."""
     return Line(label, np.zeros(0), np.zeros(0), colour, width, dashes)
 
 
 def patch(colour: str, strength: float = 1.0) -> str:
-    """A filled key of the legend."""
+    """Return a filled rectangle for the legend."""
     return coloured(f'<rect width="{KEY:g}" height="10" fill-opacity="{strength:g}"/>', colour)
 
 
 def found_ranges(marks: Sequence[Mark]) -> tuple[Range, Range]:
-    """Ranges of all marks together."""
-    each = np.array([mark.ranges() for mark in marks])
-    (low_x, low_y), (high_x, high_y) = each[:, :, 0].min(axis=0), each[:, :, 1].max(axis=0)
+    """Return the joint ranges of all marks."""
+    ranges = np.array([mark.ranges() for mark in marks])
+    (low_x, low_y), (high_x, high_y) = ranges[:, :, 0].min(axis=0), ranges[:, :, 1].max(axis=0)
     return (float(low_x), float(high_x)), (float(low_y), float(high_y))
-
-
-HOLD = 0.12
-"""Part of an animation in which what moved stays where it ends."""
 
 
 @dataclass(frozen=True)
 class Moving(Mark):
-    """A closed polygon that moves as a rigid body, in a plot of equal scales: corners at even instants, shape
-    (instants, points); seconds: of one run. By CSS alone: it stands still where its reader prefers that, and pages can
-    pause it."""
+    """Closed polygon in rigid motion, in a plot of equal scales.
+
+    x, y: corners at even instants, shape (instants, points); seconds: duration of one run. CSS alone animates it: it
+    stands still for readers who prefer reduced motion, and pages can pause it.
+    """
 
     label: str
     x: Floats
@@ -270,7 +306,10 @@ class Moving(Mark):
     colour: str = "fe"
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """The polygon about its first corner, and keyframes of that corner's place and of the angle."""
+        """Return the polygon and its keyframes.
+
+        They hold position of the first corner and rotation.
+        """
         across, down = x.at(self.x), y.at(self.y)
         angle = np.unwrap(np.arctan2(down[:, 1] - down[:, 0], across[:, 1] - across[:, 0]))
         turns = [
@@ -290,13 +329,12 @@ class Moving(Mark):
         return f"<style>{style}</style>{coloured(shape, self.colour)}"
 
 
-SMALL_BOX = 9.0
-"""Pixels of a box."""
-
-
 @dataclass(frozen=True)
 class Layer(Mark):
-    """Area between two lines over the same x, shape (n,); the value shown on pages is their distance."""
+    """Area between two lines over the same x, shape (n,).
+
+    Pages show the distance of the lines.
+    """
 
     UP = ("low", "high")
     label: str
@@ -307,7 +345,7 @@ class Layer(Mark):
     strength: float = 0.7
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """The upper line forth, the lower line back."""
+        """Return a closed path along both lines."""
         along = x.at(self.x)
         forth = np.stack([along, y.at(self.high)], axis=-1)
         back = np.stack([along, y.at(self.low)], axis=-1)[::-1]
@@ -317,18 +355,21 @@ class Layer(Mark):
         )
 
     def samples(self, x: Scale, y: Scale) -> Samples:
-        """Distances of the two lines."""
+        """Return the distances of the two lines."""
         return self.x, self.high - self.low
 
     def key(self) -> str:
-        """A patch of it."""
+        """Return a patch of its colour."""
         return patch(self.colour, self.strength)
 
 
 @dataclass(frozen=True)
 class Boxes(Mark):
-    """Bars and cells: boxes between two values of x and two of y, shape (n, 2) each, all of one colour or each of its
-    own. Pages show the value of each, and where it is; strength: how much covers what is behind."""
+    """Bars or cells between two values of x and of y.
+
+    x, y: shape (n, 2). Boxes have one colour, or one each. Pages show `values` at `at`, by default the middle.
+    strength: opacity.
+    """
 
     label: str
     x: Floats
@@ -339,37 +380,43 @@ class Boxes(Mark):
     strength: float = 1.0
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """A path a colour, with a gap between boxes that are not small, and an unseen one through the centres."""
-        left, right = np.sort(x.at(self.x)).T
+        """Return one path for each colour.
+
+        Boxes that are not small have gaps. Values require an invisible path through the centres.
+        """
+        start, end = np.sort(x.at(self.x)).T
         top, bottom = np.sort(y.at(self.y)).T
-        is_small = bool((np.minimum(right - left, bottom - top) < SMALL_BOX).any())
+        is_small = bool((np.minimum(end - start, bottom - top) < SMALL_BOX).any())
         gap = 0.0 if is_small else 0.4
-        edges = zip(left + gap, top + gap, right - gap, bottom - gap, strict=True)
+        edges = zip(start + gap, top + gap, end - gap, bottom - gap, strict=True)
         look = f' fill-opacity="{self.strength:g}"' + is_small * ' shape-rendering="crispEdges"'
         drawn = ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges]
         colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
-        shown = ""
+        elements = ""
         for colour in dict.fromkeys(colours):
-            path = "".join(compress(drawn, [each == colour for each in colours]))
-            shown += coloured(f'<path d="{path}"{look}/>', colour)
+            path = "".join(compress(drawn, [own_colour == colour for own_colour in colours]))
+            elements += coloured(f'<path d="{path}"{look}/>', colour)
         if not self.values:
-            return shown
-        centres = zip(0.5 * (left + right), 0.5 * (top + bottom), strict=True)
-        unseen = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
-        return f'<g>{shown}<path {labelled(self.label)}d="{unseen}"/></g>'
+            return elements
+        centres = zip(0.5 * (start + end), 0.5 * (top + bottom), strict=True)
+        invisible = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
+        return f'<g>{elements}<path {labelled(self.label)}d="{invisible}"/></g>'
 
     def samples(self, x: Scale, y: Scale) -> Samples:
-        """The values of the boxes, at `at` or their middle."""
+        """Return the values of the boxes and their places."""
         return self.at or np.mean(self.x, axis=-1), self.values
 
     def key(self) -> str:
-        """A patch, if it has one colour."""
+        """Return a patch if all boxes have one colour."""
         return patch(self.colour, self.strength) if isinstance(self.colour, str) else ""
 
 
 @dataclass(frozen=True)
 class Span(Mark):
-    """A range of x shaded from top to bottom, or a dashed line where it has no width; named at its top, in a row."""
+    """Shaded range of x, or a dashed line without width.
+
+    Its name stands at the top of the plot; row: of the name.
+    """
 
     ACROSS = ("start", "end")
     UP = ()
@@ -380,20 +427,23 @@ class Span(Mark):
     row: int = 0
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """The band, and the name at its top."""
-        left, right = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
+        """Return the band or line with its name."""
+        start, end = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
         if self.start == self.end:
-            line = f'<path d="M{left:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
-            name = words(self.label, left + 3.0, y.end + 11.0, size=11.0)
+            line = f'<path d="M{start:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
+            name = words(self.label, start + 3.0, y.end + 11.0, size=11.0)
             return coloured(line + name, self.colour)
-        box = f"M{left:.2f} {y.end:.2f}H{right:.2f}V{y.start:.2f}H{left:.2f}Z"
-        name = words(self.label, 0.5 * (left + right), y.end + 11.0 * (1 + self.row), "middle", 11.0)
+        box = f"M{start:.2f} {y.end:.2f}H{end:.2f}V{y.start:.2f}H{start:.2f}Z"
+        name = words(self.label, 0.5 * (start + end), y.end + 11.0 * (1 + self.row), "middle", 11.0)
         return coloured(f'<path d="{box}" fill-opacity="0.1"/>{name}', self.colour)
 
 
 @dataclass(frozen=True)
 class Outline(Mark):
-    """A closed polygon through points, shape (n,), its area faintly filled; a label is in the table, not the legend."""
+    """Closed polygon, faintly filled.
+
+    x, y: shape (n,). Its label is in the table, not in the legend.
+    """
 
     x: Floats
     y: Floats
@@ -403,11 +453,11 @@ class Outline(Mark):
     label: str = ""
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """A closed path."""
+        """Return a closed path."""
         edge = labelled(self.label) + f'd="{path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))}Z"'
         look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
         return coloured(f"<path {edge} {look}/>", self.colour)
 
     def samples(self, x: Scale, y: Scale) -> Samples:
-        """Its corners."""
+        """Return the corners."""
         return self.x, self.y

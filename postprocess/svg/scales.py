@@ -1,11 +1,13 @@
-"""Scales: from values to places along an axis, with ticks at round values, or to colours of the map viridis."""
+"""Scales of axes with ticks at round values, and scales of colours.
+
+A scale maps values to places along an axis, or to colours of the map viridis.
+"""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,22 +18,48 @@ Floats = NDArray[np.float64]
 Range = tuple[float, float]
 
 NOTHING: Range = (np.inf, -np.inf)
+"""Range of no values."""
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+SMALLEST, LARGEST = 1e-4, 1e6
+"""Linear axes write values outside these limits as powers of ten."""
+
+KNOTS = """
+    440154 46075a 470d60 471365 48186a 481d6f 482374 482878 472d7b 46327e 453781 443b84 424086
+    404588 3e4989 3d4e8a 3b528b 39568c 375b8d 355f8d 33638d 31678e 2f6b8e 2e6f8e 2c728e 2a768e
+    297a8e 277e8e 26828e 25858e 23898e 228d8d 21918c 1f948c 1f988b 1e9c89 1fa088 20a386 22a785
+    25ab82 28ae80 2db27d 32b67a 38b977 3fbc73 46c06f 4ec36b 56c667 5ec962 67cc5c 70cf57 7ad151
+    84d44b 8ed645 98d83e a2da37 addc30 b8de29 c2df23 cde11d d8e219 e2e418 ece51b f6e620 fde725
+"""
+"""Every fourth of the 256 colours of viridis, and the last.
+
+Source: van der Walt and Smith (2015), dedicated to the public domain.
+"""
+
+COUNT = 65
+"""Colours of a scale."""
+
+UNIFORM = 1e-3
+"""Smallest range of a scale of colours, over the size of the values; a smaller one would exaggerate differences."""
 
 
 def extent(values: Floats) -> Range:
-    """Smallest and largest finite value; `NOTHING` without any."""
+    """Return the smallest and largest finite value.
+
+    It is `NOTHING` without any.
+    """
     finite = values[np.isfinite(values)]
     return (float(finite.min()), float(finite.max())) if finite.size else NOTHING
 
 
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-SMALLEST, LARGEST = 1e-4, 1e6
-"""Values of a linear axis outside these are written as powers of ten."""
-
-
 @dataclass(frozen=True)
 class Scale:
-    """Values from `low` to `high` on places from `start` to `end`; is_log: by their logarithms, low > 0."""
+    """Map from values to places.
+
+    Values lie between `low` and `high`, places between `start` and `end`. A logarithmic scale, is_log, requires low >
+    0.
+    """
 
     low: float
     high: float
@@ -39,17 +67,20 @@ class Scale:
     end: float = 1.0
     is_log: bool = False
 
-    def at(self, values: ArrayLike) -> Any:
-        """Places of values, of their shape."""
-        low, high, given = (self._measure(each) for each in (self.low, self.high, values))
-        return self.start + (given - low) * ((self.end - self.start) / (high - low))
+    def at(self, values: ArrayLike) -> Floats:
+        """Return the places of values."""
+        low, high, sizes = (self._measure(end) for end in (self.low, self.high, values))
+        return self.start + (sizes - low) * ((self.end - self.start) / (high - low))
 
     def _measure(self, values: ArrayLike) -> Floats:
-        given = np.asarray(values, float)
-        return np.log10(given) if self.is_log else given
+        numbers = np.asarray(values, float)
+        return np.log10(numbers) if self.is_log else numbers
 
     def ticks(self, most: int) -> list[float]:
-        """Round values in range, about `most`; of a logarithmic axis powers of ten, between few also 2 and 5."""
+        """Return about `most` round values within the range.
+
+        On a logarithmic axis they are powers of ten, and 2 and 5 times these where there are few.
+        """
         find = log_ticks if self.is_log else round_ticks
         low, high = sorted((self.low, self.high))
         tried = (find(low, high, most + more) for more in range(4))
@@ -57,7 +88,10 @@ class Scale:
 
 
 def round_step(span: float, most: int) -> float:
-    """The smallest of 1, 2 and 5 times a power of ten that parts a span into at most `most` steps."""
+    """Return the smallest round step of a scale.
+
+    It divides the span into at most `most` steps, and is 1, 2 or 5 times a power of ten.
+    """
     size = 10.0 ** math.floor(math.log10(span / most))
     return next(
         factor * size for factor in (1.0, 2.0, 5.0, 10.0) if span / (factor * size) <= most * (1.0 + 1e-9)
@@ -65,28 +99,34 @@ def round_step(span: float, most: int) -> float:
 
 
 def round_ticks(low: float, high: float, most: int) -> list[float]:
-    """Multiples of a round step between low and high."""
+    """Return the multiples of a round step between low and high."""
     step = round_step(high - low, most)
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
     return [float(f"{number * step:.12g}") for number in range(first, last + 1)]
 
 
 def log_ticks(low: float, high: float, most: int) -> list[float]:
-    """Powers of ten between low and high; with 2 and 5 times these where that is not too many, or leaves one; else
-    round values."""
+    """Return powers of ten between low and high.
+
+    Values of 2 and 5 times these are added where they are not too many, or a single power lies in the range. Ranges
+    without two of all these have ticks at round steps.
+    """
     first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
     every = max(1, math.ceil((last - first) / most))
     tens = [10.0**power for power in range(first // every * every, last + 1, every)]
     more = [factor * ten for ten in tens for factor in (1.0, 2.0, 5.0)]
-    for found in [more] if 3 * (last - first) <= most else [tens, more]:
-        inside = [value for value in found if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
+    for candidates in [more] if 3 * (last - first) <= most else [tens, more]:
+        inside = [value for value in candidates if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
         if len(inside) > 1:
             return inside
     return round_ticks(low, high, most)
 
 
 def tick_texts(ticks: list[float], is_log: bool = False) -> list[str]:
-    """Ticks as people read them: alike in decimals, with a true minus, and powers of ten as such."""
+    """Format ticks with equal decimals.
+
+    The minus sign is a true one; very large and very small ticks are powers of ten.
+    """
     sizes = [abs(tick) for tick in ticks if tick]
     if is_log or (sizes and (max(sizes) >= LARGEST or max(sizes) < SMALLEST)):
         return [power_text(tick) for tick in ticks]
@@ -96,7 +136,10 @@ def tick_texts(ticks: list[float], is_log: bool = False) -> list[str]:
 
 
 def power_text(value: float) -> str:
-    """A value with a power of ten: 10⁻³, 2×10⁵; plain between a thousandth and a thousand."""
+    """Format a value as a power of ten, like 10⁻³ or 2×10⁵.
+
+    Values from a thousandth to ten thousand are written plainly.
+    """
     if value == 0.0 or SMALLEST * 9.99 < abs(value) < 1e4:
         return f"{value:g}".replace("-", "−")
     digits, power = f"{value:.3g}".split("e") if "e" in f"{value:.3g}" else f"{value:.2e}".split("e")
@@ -106,7 +149,10 @@ def power_text(value: float) -> str:
 
 
 def fitted(low: float, high: float, margin: float = 0.05, is_log: bool = False) -> tuple[float, float]:
-    """A range a little wider than that of the values; one of a single value is widened about it."""
+    """Return a range slightly wider than the values.
+
+    A single value is widened on both sides.
+    """
     if not (math.isfinite(low) and math.isfinite(high)):
         return (0.1, 1.0) if is_log else (0.0, 1.0)
     if is_log:
@@ -117,34 +163,20 @@ def fitted(low: float, high: float, margin: float = 0.05, is_log: bool = False) 
     return low - more, high + more
 
 
-KNOTS = """
-    440154 46075a 470d60 471365 48186a 481d6f 482374 482878 472d7b 46327e 453781 443b84 424086
-    404588 3e4989 3d4e8a 3b528b 39568c 375b8d 355f8d 33638d 31678e 2f6b8e 2e6f8e 2c728e 2a768e
-    297a8e 277e8e 26828e 25858e 23898e 228d8d 21918c 1f948c 1f988b 1e9c89 1fa088 20a386 22a785
-    25ab82 28ae80 2db27d 32b67a 38b977 3fbc73 46c06f 4ec36b 56c667 5ec962 67cc5c 70cf57 7ad151
-    84d44b 8ed645 98d83e a2da37 addc30 b8de29 c2df23 cde11d d8e219 e2e418 ece51b f6e620 fde725
-"""
-"""Every fourth of its 256 colours and the last, by van der Walt and Smith (2015), dedicated to the public domain."""
-
-
 def viridis(count: int) -> Floats:
-    """So many colours of the map viridis from end to end, red, green and blue from 0 to 1, shape (count, 3)."""
+    """Return equally spaced colours of viridis.
+
+    Shape (count, 3): red, green and blue from 0 to 1.
+    """
     knots = np.array([[int(knot[i : i + 2], 16) for i in (0, 2, 4)] for knot in KNOTS.split()]) / 255.0
     numbers = np.minimum(4 * np.arange(len(knots)), 255)
-    asked = np.minimum(np.floor(256.0 * np.linspace(0.0, 1.0, count)), 255.0)
-    return np.column_stack([np.interp(asked, numbers, part) for part in knots.T])
-
-
-COUNT = 65
-"""Colours of a scale."""
-
-UNIFORM = 1e-3
-"""Range of values, over their size, that has all colours at least: less would make much of next to nothing."""
+    places = np.minimum(np.floor(256.0 * np.linspace(0.0, 1.0, count)), 255.0)
+    return np.column_stack([np.interp(places, numbers, part) for part in knots.T])
 
 
 @dataclass(frozen=True)
 class Shades:
-    """Colours of values between two ends; is_log: by their logarithms."""
+    """Colours of values between two ends, with is_log by their logarithms."""
 
     low: float
     high: float
@@ -152,7 +184,10 @@ class Shades:
 
     @classmethod
     def of(cls, values: Floats, is_log: bool = False) -> Shades:
-        """Shades of the finite values, one at least."""
+        """Return the shades of values.
+
+        At least one must be finite.
+        """
         low, high = extent(values)
         if is_log:
             return cls(low, high if high > low else 10.0 * low, True)
@@ -160,21 +195,24 @@ class Shades:
         return cls(low - more, high + more)
 
     def colours(self, values: Floats) -> list[str]:
-        """Colours of finite values, as "#rrggbb"."""
+        """Return the colours of finite values as "#rrggbb"."""
         fraction = np.clip(Scale(self.low, self.high, 0.0, 1.0, self.is_log).at(values), 0.0, 1.0)
-        table = [f"#{bytes(each).hex()}" for each in np.rint(255.0 * viridis(COUNT)).astype(np.uint8)]
+        table = [f"#{bytes(colour).hex()}" for colour in np.rint(255.0 * viridis(COUNT)).astype(np.uint8)]
         return [table[number] for number in np.rint((COUNT - 1) * fraction).astype(int)]
 
     def keys(self, unit: str) -> list[tuple[str, str]]:
-        """Round values for the legend, in this unit, and their colours."""
+        """Return round values and their colours for the legend."""
         ticks = Scale(self.low, self.high, is_log=self.is_log).ticks(6)
         texts = [measure(tick, unit, "g") for tick in ticks] if unit else tick_texts(ticks, self.is_log)
         return list(zip(texts, self.colours(np.array(ticks)), strict=True))
 
 
 def cells_about(values: Floats, is_log: bool) -> Floats:
-    """Ends of the cell about each value, half-way to its neighbours, by ratios if is_log: shape (n, 2) for values of
-    shape (n,), two different ones at least. No cell reaches below zero where no value does."""
+    """Return the ends of the cell about each value.
+
+    values: shape (n,), at least two of them different; ends: shape (n, 2). A cell ends midway between neighbours,
+    with is_log at their geometric mean. No cell extends below zero unless a value does.
+    """
     centres, place = np.unique(np.log(values) if is_log else values, return_inverse=True)
     middle = 0.5 * (centres[1:] + centres[:-1])
     edges = np.concatenate([[2.0 * centres[0] - middle[0]], middle, [2.0 * centres[-1] - middle[-1]]])
