@@ -1,1 +1,1 @@
-"""Figures of pages as SVG text (`svg`); plots of results in Python and animations by matplotlib."""
+"""Figures of pages as charts of marks."""

@@ -1,7 +1,10 @@
-"""Histories as line plots: FE over rigid on a run's page, several origins over one another on pages and in Python.
+"""Histories as line plots.
 
-On pages a history is thinned to the smallest and the largest value of each of 200 stretches of it: peaks survive.
+FE over rigid body on the page of a run, several origins over one another on pages and in Python. Pages show the
+smallest and the largest value in each of 200 parts of a history, which preserves peaks.
 """
+
+from __future__ import annotations
 
 import io
 import math
@@ -9,27 +12,83 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.svg import chart, marks, scales
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 History = Mapping[str, scales.Floats]
 
 STRETCHES, FEW = 200, 110
-"""Stretches of the main chart of a page, and of one of half its width or less."""
+"""Parts of the main chart of a page, and of one of half its width or less."""
 
 COLOURS = ("fe", "red", "green", "violet")
 TIME = chart.Axis("t [s]", margin=0.0)
 MAIN = "v_gy"
-"""The column whose chart takes the width of the page: it sets the force of the tail-slap."""
+"""Column whose chart has the width of the page; it determines the force of the tail-slap."""
+
+
+COMPARED = (
+    ("v_gy", "v_GY", "m/s", "Motion", "Velocity of G across the wall, negative towards it"),
+    ("v_gx", "v_GX", "m/s", "Motion", "Velocity of G along the wall"),
+    ("theta", "θ", "rad", "Motion", "Angle θ between the side PE and the wall"),
+    ("omega", "ω", "rad/s", "Motion", "Angular velocity ω, positive where it closes the angle"),
+    ("slide", "s", "m", "Motion", "Slide of the corner P along the wall"),
+    ("reaction_normal", "N", "N", "Reaction", "Wall reaction on the vehicle, below zero a pull"),
+    ("reaction_tangential", "R", "N", "Reaction", "Friction force on the vehicle along the wall"),
+)
+"""Columns compared with the rigid body: name, symbol, unit, group and caption."""
+
+EXCHANGED = (("kinetic_energy", "kinetic, change"), ("friction_work", "work of friction"))
+STORED = (
+    ("strain_energy", "strain"),
+    ("contact_energy", "spring"),
+    ("vibration_energy", "vibration"),
+    ("damping_work", "damping"),
+)
+ERROR = (("energy_error", "error"),)
+ENERGIES = (
+    ("energy_exchanged", EXCHANGED, "Change of kinetic energy, and work of friction"),
+    ("energy_stored", STORED, "Strain, contact spring and vibration of the plate, and the work of damping"),
+    ("energy_error", ERROR, "Energy-balance error"),
+)
+"""Plots of energies: name, columns with their labels, and caption."""
+
+ORIGINS = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")
+"""Colours of curves of several origins in order."""
+
+DASHES: tuple[str | tuple[int, tuple[float, ...]], ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
+
+WIDTH, HEIGHT = 6.4, 2.5
+"""Size of a panel that matplotlib draws [inches]."""
+
+STYLE: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "font.family": ["DejaVu Sans"],
+    "font.size": 9.0,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-6, 9),
+    "axes.unicode_minus": True,
+    "axes.grid": True,
+    "grid.color": "#e3e6ea",
+    "grid.linewidth": 0.6,
+    "axes.edgecolor": "#8a929b",
+    "axes.axisbelow": True,
+    "axes.xmargin": 0.0,
+}
 
 
 class Panel(NamedTuple):
-    """A plot: short name, columns with their labels, axis symbol and unit, group and caption; from_start: of what
-    changes since the start."""
+    """Plot of one or more columns.
+
+    name: of its file; columns: with their labels; symbol, unit: of the axis; from_start: whether changes since the
+    start are drawn.
+    """
 
     name: str
     columns: tuple[tuple[str, str], ...]
@@ -40,51 +99,27 @@ class Panel(NamedTuple):
     from_start: bool = False
 
 
-COMPARED = tuple(
-    Panel(name, ((name, "FE"),), symbol, unit, group, caption)
-    for name, symbol, unit, group, caption in (
-        ("v_gy", "v_GY", "m/s", "Motion", "Velocity of G across the wall, negative towards it"),
-        ("v_gx", "v_GX", "m/s", "Motion", "Velocity of G along the wall"),
-        ("theta", "θ", "rad", "Motion", "Angle θ between the side PE and the wall"),
-        ("omega", "ω", "rad/s", "Motion", "Angular velocity ω, positive where it closes the angle"),
-        ("slide", "s", "m", "Motion", "Slide of the corner P along the wall"),
-        ("reaction_normal", "N", "N", "Reaction", "Wall reaction on the vehicle, below zero a pull"),
-        ("reaction_tangential", "R", "N", "Reaction", "Friction force on the vehicle along the wall"),
-    )
-)
-EXCHANGED = (("kinetic_energy", "kinetic, change"), ("friction_work", "work of friction"))
-STORED = (
-    ("strain_energy", "strain"),
-    ("contact_energy", "spring"),
-    ("vibration_energy", "vibration"),
-    ("damping_work", "damping"),
-)
-ERROR = (("energy_error", "error"),)
-ENERGIES = tuple(
-    Panel(name, columns, "energy", "J", "Energy", caption, columns is EXCHANGED)
-    for name, columns, caption in (
-        ("energy_exchanged", EXCHANGED, "Change of kinetic energy, and work of friction"),
-        (
-            "energy_stored",
-            STORED,
-            "Strain, contact spring and vibration of the plate, and the work of damping",
-        ),
-        ("energy_error", ERROR, "Energy-balance error"),
-    )
-)
-
-
 def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) -> tuple[chart.Chart, ...]:
-    """The plots of all known columns that the FE history has: motion first, then reaction, then energy.
+    """Draw the columns of an FE history over the rigid body.
 
-    fe, rigid: column name -> values of shape (n,), SI, each with its instants "t" [s]; the rigid ones are
-    interpolated to the instants of the FE run. A compared column that `rigid` lacks is not drawn.
-    more: plots beside these.
+    Motion comes first, then reaction, then energy. fe, rigid: values of shape (n,) by column, SI, each with its
+    instants "t" [s]; the rigid ones are interpolated. Columns that one of them does not have are omitted. more:
+    further plots.
     """
     both = {*fe} & {*rigid}
-    compared = [_draw_compared(panel, fe, rigid) for panel in COMPARED if panel.name in both]
-    energies = [_draw_columns(panel, fe) for panel in (*ENERGIES, *more) if {*fe} & {*dict(panel.columns)}]
-    return (*compared, *energies)
+    compared = [_draw_compared(panel, fe, rigid) for panel in compared_panels() if panel.name in both]
+    energies = [
+        Panel(name, columns, "energy", "J", "Energy", caption, columns is EXCHANGED)
+        for name, columns, caption in ENERGIES
+    ]
+    plots = [_draw_columns(panel, fe) for panel in (*energies, *more) if {*fe} & {*dict(panel.columns)}]
+    return (*compared, *plots)
+
+
+def compared_panels() -> Iterator[Panel]:
+    """Yield the plots that compare columns with the rigid body."""
+    for name, symbol, unit, group, caption in COMPARED:
+        yield Panel(name, ((name, "FE"),), symbol, unit, group, caption)
 
 
 def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
@@ -92,28 +127,28 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
     with np.errstate(all="ignore"):
         exact = np.interp(t, rigid["t"], rigid[panel.name])
         apart = values - exact
-    own, is_main = 3 if panel.unit == "N" else 0, panel.name == MAIN
+    unit_power, is_main = 3 if panel.unit == "N" else 0, panel.name == MAIN
     power = power_of_ten(np.degrees(apart) if panel.unit == "rad" else apart)  # readable in degrees as well
     rows = extremes(apart, STRETCHES if is_main else FEW)  # the exact motion is smooth
-    rigid_line = marks.Line("rigid, exact", t[rows], exact[rows] * 10.0**-own, "rigid", 4.0)
-    lines = rigid_line, marks.Line("FE", t[rows], values[rows] * 10.0**-own)
+    rigid_line = marks.Line("rigid, exact", t[rows], exact[rows] * 10.0**-unit_power, "rigid", 4.0)
+    lines = rigid_line, marks.Line("FE", t[rows], values[rows] * 10.0**-unit_power)
     difference = marks.Line("FE − rigid", t[rows], apart[rows] * 10.0**-power, "difference", 1.1)
     high, wide = (220.0, chart.FULL) if is_main else (130.0, chart.HALF)
     plots = (
-        chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, own)}]"), high),
+        chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, unit_power)}]"), high),
         chart.Plot((difference,), chart.Axis(f"FE − rigid [{unit_with_power(panel.unit, power)}]"), 66.0),
     )
     return chart.draw_chart(panel.name, panel.caption, plots, TIME, panel.group, wide)
 
 
 def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
-    found = {label: fe[name] for name, label in panel.columns if name in fe}
+    curves = {label: fe[name] for name, label in panel.columns if name in fe}
     if panel.from_start:
-        found = {label: values - values[0] for label, values in found.items()}
-    power = power_of_ten(np.concatenate([*found.values()]))
+        curves = {label: values - values[0] for label, values in curves.items()}
+    power = power_of_ten(np.concatenate([*curves.values()]))
     lines = tuple(
         marks.Line(label, *thinned(fe["t"], values * 10.0**-power, FEW), colour, **marks.look(number))
-        for number, ((label, values), colour) in enumerate(zip(found.items(), COLOURS, strict=False))
+        for number, ((label, values), colour) in enumerate(zip(curves.items(), COLOURS, strict=False))
     )
     axis = chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
     height = 216.0 - (18.0 if len(lines) > 1 else 0.0)
@@ -123,13 +158,16 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
 def thinned(
     t: scales.Floats, values: scales.Floats, stretches: int = STRETCHES
 ) -> tuple[scales.Floats, scales.Floats]:
-    """Times and values, shape (k,), of the rows of `extremes`."""
+    """Return times and values of the rows of `extremes`, shape (k,)."""
     rows = extremes(values, stretches)
     return t[rows], values[rows]
 
 
 def extremes(values: scales.Floats, stretches: int = STRETCHES) -> NDArray[np.intp]:
-    """Rows of both ends, and of the smallest and largest value of each stretch: 2 * stretches + 2 at most."""
+    """Return the rows of smallest and largest values in each part.
+
+    With both ends they are 2 * stretches + 2 at most.
+    """
     count = len(values)
     if count <= 2 * stretches:
         return np.arange(count)
@@ -141,37 +179,37 @@ def extremes(values: scales.Floats, stretches: int = STRETCHES) -> NDArray[np.in
 
 
 def power_of_ten(values: scales.Floats) -> int:
-    """Exponent, a multiple of three, that leaves the largest magnitude between 1 and 1000; 0 for zeros."""
+    """Return the exponent of a unit that suits the values.
+
+    A multiple of three with which the largest magnitude lies between 1 and 1000; 0 for zeros.
+    """
     size = float(np.max(np.abs(values), initial=0.0))
     return 3 * math.floor(math.log10(size) / 3) if 1e-250 < size < math.inf else 0
 
 
 def unit_with_power(unit: str, power: int) -> str:
-    """A unit with a power of ten before it, or where it has one, with its prefix."""
+    """Return a unit with a power of ten or a prefix."""
     if power == 3 and unit in ("N", "J"):
         return "k" + unit
     return f"10{str(power).translate(scales.SUPERSCRIPTS)} {unit}" if power else unit
 
 
 class Curve(NamedTuple):
-    """A history of some origin: its label, instants [s] and values, shape (instants,) each."""
+    """History of one origin.
+
+    t [s] and values, shape (instants,) each.
+    """
 
     label: str
     t: scales.Floats
     values: scales.Floats
 
 
-ORIGINS = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")
-"""Colours of curves of several origins, in order."""
-
-DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
-WIDTH, HEIGHT = 6.4, 2.5
-"""Size of a panel that matplotlib draws [inches]."""
-
-
 def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str, width: float) -> chart.Chart:
-    """Curves over one another as SVG for a page; name: of its file, heading: of their axis, with unit; width: of the
-    chart [pixels]."""
+    """Draw curves over one another as SVG for a page.
+
+    name: of its file, heading: of their axis, with unit; width: of the chart [pixels].
+    """
     lines = tuple(
         marks.Line(
             curve.label, *thinned(curve.t, curve.values), ORIGINS[number % len(ORIGINS)], **marks.look(number)
@@ -183,15 +221,15 @@ def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str,
 
 @dataclass(frozen=True)
 class HistoryPlot:
-    """Panels of curves, drawn.
+    """Panels of curves, drawn by matplotlib.
 
     Attributes
     ----------
     figure : matplotlib.figure.Figure
-        To be changed at will.
+        For further changes.
     """
 
-    figure: Any
+    figure: Figure
 
     def save(self, path: str | Path) -> Path:
         """Write the plot.
@@ -199,7 +237,7 @@ class HistoryPlot:
         Parameters
         ----------
         path : str or Path
-            Its ending is the format: .png, .svg or .pdf.
+            The ending selects the format, .png, .svg or .pdf.
 
         Returns
         -------
@@ -219,9 +257,10 @@ class HistoryPlot:
 
 
 def plot_overlays(panels: Mapping[str, Sequence[Curve]], over: str = TIME.label) -> HistoryPlot:
-    """All panels, by their headings with units, in one figure, one below the other, with a common axis.
+    """Plot panels one below the other over a common axis.
 
-    over: label of that axis; over anything but time the rows are points, in any order.
+    panels: curves by heading, with unit; over: label of the axis; over anything but time the rows are points in any
+    order.
     """
     points = {"marker": "o", "ms": 4.0, "ls": "none"} if over != TIME.label else {}
     with style():
@@ -242,25 +281,9 @@ def plot_overlays(panels: Mapping[str, Sequence[Curve]], over: str = TIME.label)
     return HistoryPlot(figure)
 
 
-STYLE: dict[Any, Any] = {
-    "svg.fonttype": "none",
-    "font.family": ["DejaVu Sans"],
-    "font.size": 9.0,
-    "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-6, 9),
-    "axes.unicode_minus": True,
-    "axes.grid": True,
-    "grid.color": "#e3e6ea",
-    "grid.linewidth": 0.6,
-    "axes.edgecolor": "#8a929b",
-    "axes.axisbelow": True,
-    "axes.xmargin": 0.0,
-}
-
-
 @contextmanager
 def style() -> Iterator[None]:
-    """The style of all figures that matplotlib draws, whatever the user's own settings are."""
+    """Set the style of all figures of matplotlib, whatever the user's settings."""
     from matplotlib import rc_context, rcdefaults, rcParams
 
     with rc_context():

@@ -1,4 +1,7 @@
-"""Charts of plates: verdicts over pairs of axes as small maps, and mode shapes over the plate at rest."""
+"""Charts of plates.
+
+Verdicts over pairs of axes as small maps, and mode shapes.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,22 +15,35 @@ from postprocess.svg.scales import Floats, cells_about
 from postprocess.units import measure
 
 VERDICTS = {"right": "green", "flexible": "steel", "refused": "grid"}
+"""Colours of the verdicts."""
 VERDICTS |= {"caught": "rigid", "unjudged": "grey", "wrong": "red"}
 """Colours of the verdicts; all else is an error."""
 
 MAP_WIDTH, HEIGHT, TICKS = 252.0, 190.0, 5
 
+REACH = 0.3
+"""Largest displacement in the drawing over the width of the plate."""
+
+MAX_EDGES = 3000
+"""Largest number of edges drawn; of finer meshes the outline alone, which keeps pages small."""
+
 
 @dataclass(frozen=True)
 class MapAxis:
-    """Label of an axis and the values along it: evenly spaced, at even ratios, or 0 and then even ratios."""
+    """Axis of a map with its label and values.
+
+    Values are evenly spaced, at even ratios, or 0 and then at even ratios.
+    """
 
     label: str
     values: Sequence[float]
 
     @property
     def is_even(self) -> bool:
-        """True if the values have even steps; two values have, unless a decade or more lies between them."""
+        """True if the values have even steps.
+
+        Two values have, unless a decade or more lies between them.
+        """
         steps = np.diff(self.values)
         if len(self.values) == 2:
             return bool(self.values[0] == 0.0 or self.values[1] < 10.0 * self.values[0])
@@ -35,7 +51,10 @@ class MapAxis:
 
     @property
     def places(self) -> Floats:
-        """The values on the axis' own scale; on one of ratios 0 lies one of them below the next value."""
+        """Places of the values on the scale of the axis.
+
+        On a logarithmic one 0 lies one ratio below the next value.
+        """
         places = np.array(self.values, float)
         if not self.is_even and places[0] == 0.0:
             places[0] = places[1] ** 2 / places[2]
@@ -43,21 +62,24 @@ class MapAxis:
 
     @property
     def axis(self) -> chart.Axis:
-        """Its axis, with ticks at round values."""
+        """Axis with ticks at round values."""
         cells = cells_about(self.places, not self.is_even)
         low, high = float(cells.min()), float(cells.max())
         ticks = scales.Scale(low, high, is_log=not self.is_even).ticks(TICKS)
         named = list(zip(ticks, scales.tick_texts(ticks, not self.is_even), strict=True))
         if self.places[0] != self.values[0]:
             first = float(self.places[0])
-            named = [(first, "0"), *(each for each in named if each[0] > 2.0 * first)]
+            named = [(first, "0"), *(tick for tick in named if tick[0] > 2.0 * first)]
         return chart.Axis(self.label, low, high, not self.is_even, named=tuple(named))
 
 
 def draw_map(
     name: str, across: MapAxis, up: MapAxis, verdicts: Sequence[Sequence[str]], caption: str
 ) -> chart.Chart:
-    """Cells of equal size, verdicts[row][column]: rows go up, columns across; pages show the values of each."""
+    """Draw verdicts as cells of equal size.
+
+    verdicts[row][column]: rows go up, columns across; pages show the values of each.
+    """
     x, y = (places.ravel() for places in np.meshgrid(across.places, up.places))
     kinds = [kind for row in verdicts for kind in row]
     at = [f"{_rounded(a)}; {_rounded(b)}" for b in up.values for a in across.values]
@@ -79,16 +101,13 @@ def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:
 
 Integers = NDArray[np.integer]
 
-REACH = 0.3
-"""Largest displacement as drawn, over the plate's width."""
-
-MAX_EDGES = 3000
-"""A finer mesh is drawn by its outline alone: the page stays small."""
-
 
 def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape: Floats) -> chart.Chart:
-    """One mode: positions [m] and displacements of largest length one, shape (nodes, 2); cells (elements, corners).
-    Pages show the length of the displacement on the outline."""
+    """Draw one mode over the plate at rest.
+
+    positions [m] and displacements, of largest length one, shape (nodes, 2); cells (elements, corners). Pages show
+    the length of the displacement on the outline.
+    """
     edges, outline = mesh_edges(cells)
     reach = REACH * np.ptp(positions, axis=0).min()
     deformed, sizes = positions + reach * shape, np.linalg.norm(shape, axis=1)
@@ -106,20 +125,23 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
             at=[f"{measure(x, 'm', '.3g')}; {measure(y, 'm', '.3g')}" for x, y in positions[nodes]],
         ),
     )
-    (left, low), (right, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
-    x, y = chart.Axis(low=left, high=right, named=()), chart.Axis(low=low, high=high, named=())
+    (start, low), (end, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
+    x, y = chart.Axis(low=start, high=end, named=()), chart.Axis(low=low, high=high, named=())
     plot = chart.Plot(boxes, y, None, nearest="xy", has_grid=False, has_legend=False)
     return chart.draw_chart(name, caption, (plot,), x, "Shapes")
 
 
 def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Line:
-    """Straight lines between pairs of places."""
+    """Return straight lines between pairs of places."""
     ends = np.pad(places[pairs], ((0, 0), (0, 1), (0, 0)), constant_values=np.nan)
     return Line("", ends[..., 0].ravel(), ends[..., 1].ravel(), colour, width)
 
 
 def mesh_edges(cells: Integers) -> tuple[Integers, Integers]:
-    """Edges inside the mesh and on its outline, as pairs of nodes: shape (edges, 2) each."""
+    """Return the edges inside a mesh and on its outline.
+
+    Pairs of nodes, shape (edges, 2) each.
+    """
     sides = [np.stack([cells[:, i], np.roll(cells, -1, 1)[:, i]], 1) for i in range(cells.shape[1])]
     pairs = np.concatenate(sides)
     edges, times = np.unique(np.sort(pairs, axis=1), axis=0, return_counts=True)

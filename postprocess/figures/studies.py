@@ -1,7 +1,7 @@
-"""Charts of studies: bars and bands in named rows, one below the other, histogram, one input at a time.
+"""Charts of studies.
 
-On logarithmic axes: error against run time, a line for each method; sizes over the first frequency of a plate, stiff
-plates on the left.
+Bars and bands in named rows, histogram, one input at a time. On logarithmic axes: error over run time, one line per
+method; sizes over the first frequency of a plate, stiff plates on the left.
 """
 
 import math
@@ -17,69 +17,87 @@ from postprocess.svg.marks import Boxes, Level, Line, Mark, Span, Words, key, lo
 from postprocess.svg.scales import Floats, Range, Scale
 from postprocess.units import measure
 
-# Of the indices: name, label, place in a row, colour.
+# Indices: name, label, place in a row, colour.
 INDICES = (("first_order", "alone", 0.19, "fe"), ("total", "with interactions", -0.19, "steel"))
 
-# Words and colour of each.
+# Label and colour of each strike.
 STRIKES = {1: ("first strike", "fe"), 2: ("second strike", "rigid")}
 
 ORIGINS = {False: ("measured", "green"), True: ("projected by the authors", "violet")}
 
+LINE, RINGS, DOTS = "line", "rings", "dots"
+
+COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
+"""Colours of lines in order."""
+
+PRECISION_HEIGHT = 460.0
+"""Height of the work-precision diagram [pixels]."""
+
 
 class InputPanel(NamedTuple):
-    """Both strikes against one input, its values and the scene's own as shown.
+    """Results of both strikes against one input.
 
-    lines: label of the axis -> strike -> name of the quantity -> values, shape (n,).
+    values: of the input; nominal: that of the scene; lines: label of the axis -> strike -> name of the quantity ->
+    values, shape (n,).
     """
 
     name: str
     label: str
     values: Floats
-    own: float
+    nominal: float
     logarithmic: bool
     lines: Mapping[str, Mapping[int, Mapping[str, Floats]]]
 
 
 class BandBar(NamedTuple):
-    """A spread: label, strike, 5, 50 and 95 %, and the scene's own value; dots: what was measured, by row, and whether
-    it was projected."""
+    """Spread of a quantity over samples.
+
+    ends: 5, 50 and 95 %; nominal: value of the scene; dots: measured values with their row and whether they were
+    projected.
+    """
 
     label: str
     strike: int
     ends: tuple[float, float, float]
-    own: float
+    nominal: float
     dots: Sequence[tuple[str, float, bool]] = ()
 
 
 def _row_plot(names: Sequence[str], marks: Sequence[Mark], row: float) -> chart.Plot:
-    """A plot of rows with these names, the first on top, whose heights are those of `_heights`; row: pixels of one."""
+    """Return a plot of named rows, the first on top.
+
+    row: height of one [pixels].
+    """
     named = tuple(zip(_heights(names).tolist(), names, strict=True))
     axis = chart.Axis("", -0.6, len(names) - 0.4, named=named)
     return chart.Plot(tuple(marks), axis, row * len(names) + 8.0, nearest="y", has_grid=False)
 
 
 def _heights(names: Sequence[str]) -> Floats:
-    """Heights of the rows, shape (n,)."""
+    """Return the heights of the rows, shape (n,)."""
     return np.arange(len(names), dtype=float)[::-1]
 
 
 def _across(rows: Floats) -> Floats:
-    """Lower and upper edges of bars about these heights, shape (n, 2)."""
+    """Return the edges of bars about these heights, shape (n, 2)."""
     return rows[:, None] + 0.18 * np.array([-1.0, 1.0])
 
 
 def draw_histogram(
     edges: Floats, counts: Floats, percentiles: Sequence[tuple[int, float]], scene_value: float
 ) -> chart.Chart:
-    """The distribution of the peak force, in kN: counts between edges [N], percentiles and the scene's own value."""
+    """Draw the distribution of the peak force in kN.
+
+    counts between edges [N], percentiles, and the value of the scene.
+    """
     caption = "Peak force of the combinations: fraction of them in each bar"
-    fraction, own, top = 100.0 * counts / counts.sum(), np.full(2, scene_value / 1e3), 1.12
+    fraction, scene_kn, top = 100.0 * counts / counts.sum(), np.full(2, scene_value / 1e3), 1.12
     across = np.stack([edges[:-1], edges[1:]], axis=-1) / 1e3
     up, ends = np.stack([0.0 * fraction, fraction], axis=-1), np.array([0.0, top * float(fraction.max())])
     marks: list[Mark] = [
         Boxes("fraction", across, up, "steel", fraction.tolist(), strength=0.6),
         *(Span(f"{percent} %", force / 1e3, force / 1e3, "fe") for percent, force in percentiles),
-        Line("", own, ends, "rigid", 2.0),
+        Line("", scene_kn, ends, "rigid", 2.0),
         key("the scene's own values", "rigid", 2.0),
     ]
     plot = chart.Plot(tuple(marks), chart.Axis("fraction [%]", *ends.tolist()), 220.0)
@@ -88,9 +106,10 @@ def draw_histogram(
 
 
 def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak force") -> chart.Chart:
-    """Bars of the first-order and total indices of inputs, the first on top, with their intervals.
+    """Draw first-order and total indices of inputs as bars.
 
-    inputs: rows with `key`, `first_order`, `total`, and their intervals, `first_order_interval` and `total_interval`.
+    inputs: rows with `key`, `first_order`, `total`, and their intervals, `first_order_interval` and `total_interval`;
+    the first is on top.
     """
     caption = f"Fraction of the variance of {of} due to each input, with its 95 % interval"
     names, marks = [row["key"] for row in inputs], list[Mark]()
@@ -107,17 +126,23 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
 
 
 def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]:
-    """A chart an input, with a plot for each kind of quantity, and before them one of what their lines are."""
+    """Draw a chart of each input, preceded by their legend.
+
+    A chart has a plot for each kind of quantity.
+    """
     first = next(iter(panels[0].lines.values()))
     lines = [replace(line, x=np.zeros(0), y=np.zeros(0)) for line in _lines(panels[0].values, first)]
     keys = [*lines, key("the scene's own", "grey", 1.0, "2 2")]
     words = "Key of the lines; impulse and duration are drawn as the first peak of their strike"
     drawn = [chart.draw_legend("inputs-legend", words, keys)]
     for panel in panels:
-        own = Span("", panel.own, panel.own, "grey")
+        scene_line = Span("", panel.nominal, panel.nominal, "grey")
         plots = [
             chart.Plot(
-                (*_lines(panel.values, strikes), own), chart.Axis(label, low=0.0), 110.0, has_legend=False
+                (*_lines(panel.values, strikes), scene_line),
+                chart.Axis(label, low=0.0),
+                110.0,
+                has_legend=False,
             )
             for label, strikes in panel.lines.items()
         ]
@@ -138,7 +163,10 @@ def _lines(x: Floats, strikes: Mapping[int, Mapping[str, Floats]]) -> list[Line]
 
 
 def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
-    """A bar from 5 to 95 % a peak, its median, the scene's own value, and measured forces as dots with their row."""
+    """Draw the spread of peaks as bars from 5 to 95 %.
+
+    With their medians, the values of the scene, and measured forces as dots.
+    """
     caption = (
         "Peak lateral force: 5 to 95 %, median (stroke) and the scene's own value (dot); rows of the paper"
     )
@@ -156,7 +184,7 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
         marks += [
             Boxes(name, ends, _across(rows), colour, said, [bar.label for bar in of], 0.4),
             Line("", np.repeat(middle, 3), strokes.ravel(), colour, 2.2),
-            Line("", np.array([bar.own for bar in of]), rows, colour, 0.0, dots=3.6),
+            Line("", np.array([bar.nominal for bar in of]), rows, colour, 0.0, dots=3.6),
         ]
     for projected, (name, colour) in ORIGINS.items():
         dots = [
@@ -173,7 +201,10 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
 
 
 def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> list[Mark]:
-    """Dots below the bars, each with its row's letter; letters stand above and below in turns."""
+    """Return dots below the bars, with the letters of their rows.
+
+    Letters stand above and below in turns.
+    """
     x, y = (np.array(values) for values in list(zip(*dots, strict=True))[:2])
     said, at = [measure(force, "kN", ".0f") for force, _, _ in dots], [f"row {row}" for _, _, row in dots]
     letters = [
@@ -183,21 +214,17 @@ def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> l
     return [Line(name, x, y, colour, 0.0, dots=3.4, values=said, at=at), *letters]
 
 
-LINE, RINGS, DOTS = "line", "rings", "dots"
-COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
-
-
 class Series(NamedTuple):
-    """A line: times [s] and errors in their order, which passed their checks, and what each point is, like its mesh."""
+    """Line of one method.
+
+    Times [s] and errors in order, whether checks passed, and names of the points, for example their meshes.
+    """
 
     label: str
     times: Sequence[float]
     errors: Sequence[float]
     passed: Sequence[bool]
     points: Sequence[str] = ()
-
-
-PRECISION_HEIGHT = 460.0
 
 
 def draw_precision(
@@ -208,31 +235,32 @@ def draw_precision(
     front: tuple[str, Sequence[tuple[float, float]]],
     floor: tuple[str, float],
 ) -> list[chart.Chart]:
-    """Work-precision diagram: a line for each method, its name at its end; none without points.
+    """Draw a work-precision diagram, with a line for each method.
 
-    front: label, times and errors of the Pareto front, quick to slow; floor: label, and error of the reference.
+    Without points there is none. front: label, times and errors of the Pareto front, quick to slow; floor: label and
+    error of the reference.
     """
-    shown = [each for each in series if len(each.times)]
-    if not shown:
+    drawn_series = [method for method in series if len(method.times)]
+    if not drawn_series:
         return []
-    known = [floor[1]] if math.isfinite(floor[1]) and floor[1] > 0.0 else []
-    x = _decades([time for each in shown for time in each.times])
-    y = _decades([error for each in shown for error in each.errors] + known)
+    reference = [floor[1]] if math.isfinite(floor[1]) and floor[1] > 0.0 else []
+    x = _decades([time for method in drawn_series for time in method.times])
+    y = _decades([error for method in drawn_series for error in method.errors] + reference)
     marks: list[Mark] = []
-    if known:
-        marks.append(Line(floor[0], np.array(x), np.array(2 * known), "soft", 1.2, "1 3"))
+    if reference:
+        marks.append(Line(floor[0], np.array(x), np.array(2 * reference), "soft", 1.2, "1 3"))
     if front[1]:
         marks.append(_steps(*front, x[1]))
-    for number, (each, colour) in enumerate(zip(shown, cycle(COLOURS), strict=False)):
-        times, errors, failed = np.array(each.times), np.array(each.errors), ~np.array(each.passed)
+    for number, (method, colour) in enumerate(zip(drawn_series, cycle(COLOURS), strict=False)):
+        times, errors, failed = np.array(method.times), np.array(method.errors), ~np.array(method.passed)
         marks.append(
-            Line(each.label, times, errors, colour, 1.5, look(number)["dashes"], 3.0, at=each.points)
+            Line(method.label, times, errors, colour, 1.5, look(number)["dashes"], 3.0, at=method.points)
         )
         if failed.any():
             marks.append(Line("failed a check", times[failed], errors[failed], "red", 0.0, dots=3.0))
     across = chart.Axis("time to solution, set-up included [s]", *x, is_log=True)
     plot = chart.Plot(
-        (*marks, *_end_names(shown, x, y)),
+        (*marks, *_end_names(drawn_series, x, y)),
         chart.Axis(error_label, *y, is_log=True),
         PRECISION_HEIGHT,
         nearest="xy",
@@ -242,48 +270,58 @@ def draw_precision(
 
 
 def _end_names(series: Sequence[Series], x: Range, y: Range) -> list[Words]:
-    """The name of each line to the right of its last point, or to the left near the edge, as high as others allow."""
+    """Return the names of lines beside their last points.
+
+    Names near the right edge stand on the left; all are shifted until none overlap.
+    """
     across = Scale(*x, 0.0, chart.FULL - 70.0, is_log=True)
     up, names = Scale(*y, PRECISION_HEIGHT, 0.0, is_log=True), []
-    taken: list[tuple[float, float, float]] = []
-    for each, colour in zip(series, cycle(COLOURS), strict=False):
-        end, height = float(across.at(each.times[-1])), float(up.at(each.errors[-1]))
-        wide, is_left = text_width(each.label, 11.0) + 14.0, False
+    occupied: list[tuple[float, float, float]] = []
+    for method, colour in zip(series, cycle(COLOURS), strict=False):
+        end, height = float(across.at(method.times[-1])), float(up.at(method.errors[-1]))
+        wide, is_left = text_width(method.label, 11.0) + 14.0, False
         if end + wide > across.end:
             end, is_left = end - wide, True
         for shift in (sign * 12.0 * step for step in range(1 * is_left, 20) for sign in (-1.0, 1.0)):
             at = height + shift
             if 8.0 < at < PRECISION_HEIGHT and all(
-                end + wide < left or right < end or abs(at - other) > 12.0 for left, right, other in taken
+                end + wide < start or stop < end or abs(at - other) > 12.0 for start, stop, other in occupied
             ):
                 break
-        taken.append((end, end + wide, at))
+        occupied.append((end, end + wide, at))
         place = (-8.0, shift + 3.5) if is_left else (8.0, shift + 3.5)
         names.append(
-            Words(each.label, each.times[-1], each.errors[-1], place, "end" if is_left else "start", colour)
+            Words(
+                method.label,
+                method.times[-1],
+                method.errors[-1],
+                place,
+                "end" if is_left else "start",
+                colour,
+            )
         )
     return names
 
 
 def _decades(values: Sequence[float]) -> tuple[float, float]:
-    """Powers of ten that hold all values."""
+    """Return the powers of ten that enclose all values."""
     logs: Floats = np.log10(values)
     low, high = math.floor(logs.min()), math.ceil(logs.max())
     return 10.0**low, 10.0 ** max(high, low + 1)
 
 
 def _steps(label: str, front: Sequence[tuple[float, float]], end: float) -> Line:
-    """Steps down the front and on to the right edge."""
+    """Return the front as steps, continued to the right edge."""
     times, errors = np.array(front).T
     x, y = np.repeat(np.append(times, end), 2)[1:], np.repeat(np.append(errors, errors[-1]), 2)[:-1]
     return Line(label, x, y, "grid", 6.0)
 
 
 class SweepLine(NamedTuple):
-    """A quantity's size at each frequency, and its error, drawn thin and dashed, where it has one.
+    """Size of a quantity at each frequency.
 
-    NaN is not drawn. form: LINE with marks; RINGS around the marks of a line that follows; DOTS for what is no
-    measurement. passed: which of its runs did, where that is not what the axis says.
+    errors: drawn thin and dashed; NaN is not drawn. form: LINE with marks; RINGS around the marks of another line;
+    DOTS for estimates. passed: outcome of its runs, where it differs from that of the axis.
     """
 
     label: str
@@ -294,11 +332,14 @@ class SweepLine(NamedTuple):
 
 
 class SweepAxis(NamedTuple):
-    """First frequencies [Hz] from stiff to soft, which of the runs passed, and the scene's own frequency."""
+    """First frequencies [Hz] from stiff to soft.
+
+    passed: outcome of the runs; nominal: frequency of the scene.
+    """
 
     frequencies: Sequence[float]
     passed: Sequence[bool]
-    own: float
+    nominal: float
 
 
 def draw_sweep(
@@ -310,8 +351,11 @@ def draw_sweep(
     levels: Sequence[float],
     width: float = chart.HALF,
 ) -> chart.Chart:
-    """The lines, in per cent, and levels, sizes that are marked; red where a run failed its checks, plates that failed
-    shaded half-way to their neighbours."""
+    """Draw lines over the first frequency, in per cent.
+
+    levels: sizes marked by lines. Runs that failed a check are red, and their plates are shaded up to the midpoints
+    to their neighbours.
+    """
     frequencies = np.array(axis.frequencies)
     half = np.sqrt(frequencies[0] / frequencies[1])
     failed = frequencies[~np.array(axis.passed)]
@@ -320,8 +364,8 @@ def draw_sweep(
         for number, frequency in enumerate(failed)
     ]
     marks += [Level("", 100.0 * level, "grey") for level in levels]
-    if frequencies[-1] <= axis.own <= frequencies[0]:
-        marks.append(Span("the scene's plate", axis.own, axis.own, "ink"))
+    if frequencies[-1] <= axis.nominal <= frequencies[0]:
+        marks.append(Span("the scene's plate", axis.nominal, axis.nominal, "ink"))
     for number, (line, colour) in enumerate(zip(lines, cycle(COLOURS), strict=False)):
         marks += _sweep_marks(axis, line, colour, number)
     marks += [key("numerical error", "soft", 0.7, "4 2")] if any(line.errors for line in lines) else []
@@ -348,9 +392,9 @@ def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str, number: int) -> 
 
 
 def _per_cent(values: Sequence[float]) -> Floats:
-    """The values that a logarithmic axis can show, in per cent, NaN for the others."""
-    found = 100.0 * np.array(values, dtype=float)
-    return np.where(np.isfinite(found) & (found > 0.0), found, np.nan)
+    """Return positive values in per cent, NaN for others."""
+    percentages = 100.0 * np.array(values, dtype=float)
+    return np.where(np.isfinite(percentages) & (percentages > 0.0), percentages, np.nan)
 
 
 def draw_plates(
@@ -358,18 +402,19 @@ def draw_plates(
     passed: Sequence[bool],
     panels: Mapping[str, Mapping[int, tuple[Sequence[float], float]]],
 ) -> chart.Chart:
-    """A plot a quantity; dashed lines: the rigid vehicle; red: plates that are not to be relied on.
+    """Draw one plot for each quantity over the first frequency.
 
-    panels: by label of the axis, for each strike its values over the frequencies, and the rigid vehicle's.
+    Dashed lines are the rigid vehicle, red points are plates whose results are unreliable. panels: by label of the
+    axis, values of each strike over the frequencies, and the value of the rigid vehicle.
     """
     f, good, plots = np.array(frequencies), np.array(passed), []
     for label, strikes in panels.items():
         marks: list[Mark] = []
         for strike, (values, rigid) in strikes.items():
-            shown, (name, colour) = np.array(values, dtype=float), STRIKES[strike]
-            marks.append(Line(name, f, np.where(good, shown, np.nan), colour, dots=2.6))
+            sizes, (name, colour) = np.array(values, dtype=float), STRIKES[strike]
+            marks.append(Line(name, f, np.where(good, sizes, np.nan), colour, dots=2.6))
             marks.append(Line("", f, np.full(f.shape, rigid), colour, 1.0, "5 3"))
-            bad = Line("not to be relied on", f[~good], shown[~good], "red", 0.0, dots=2.6)
+            bad = Line("not to be relied on", f[~good], sizes[~good], "red", 0.0, dots=2.6)
             marks += [] if good.all() else [bad]
         plots.append(chart.Plot(tuple(marks), chart.Axis(label, low=0.0), 120.0))
     caption = "Both strikes against the plate's first frequency; dashed: the rigid vehicle"

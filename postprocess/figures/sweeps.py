@@ -1,6 +1,7 @@
-"""Charts of a sweep: results against a key, maps over two keys, and all keys side by side.
+"""Charts of a sweep.
 
-The rigid solution of each row stands beside its FE result. A row without a result is left out of the curves.
+Results against a key, maps over two keys, and all keys as parallel scales. The rigid solution of each row is drawn
+beside its FE result. Curves omit rows without a result.
 """
 
 import re
@@ -21,14 +22,17 @@ Values = NDArray[Any]
 
 STATUS_COLOURS = {"passed": "green", "failed": "red", "refused": "grey", "error": "ink"}
 MAX_DRAWN = 1500
-"""Rows above which not all are drawn, or shown on pages: both would be too large."""
+"""Largest number of rows drawn, or shown on pages, which limits their size."""
 TICKS = 4
 """Ticks of a scale."""
 
 
 @dataclass(frozen=True)
 class Varied:
-    """A key that varies: its values by row, numbers [unit] or words, and whether they are in equal ratios."""
+    """Key that varies.
+
+    values: by row, numbers [unit] or words; logarithmic: whether they have equal ratios.
+    """
 
     key: str
     unit: str
@@ -42,14 +46,17 @@ class Varied:
 
     @property
     def label(self) -> str:
-        """The key with its unit."""
+        """Key with its unit."""
         return f"{self.key} [{self.unit}]" if self.unit else self.key
 
 
 @dataclass(frozen=True)
 class SweepRows:
-    """All rows: keys, statuses and, by the names of what is compared, both solutions and their differences; those of
-    the rigid vehicle alone have neither FE values nor differences."""
+    """All rows of a sweep.
+
+    Keys, statuses, both solutions and their differences by quantity. Sweeps of the rigid vehicle alone have neither
+    FE values nor differences.
+    """
 
     varied: tuple[Varied, ...]
     status: Values
@@ -60,21 +67,27 @@ class SweepRows:
 
     @property
     def worst(self) -> Values:
-        """Largest of the differences, shape (rows,); NaN where there are none."""
+        """Largest of the differences, shape (rows,).
+
+        It is NaN without any.
+        """
         if not self.difference:
             return np.full(self.status.shape, np.nan)
         return np.asarray(np.max(np.abs([self.difference[key] for key in self.compared.quantities]), axis=0))
 
     @property
     def best(self) -> Mapping[str, Values]:
-        """Values of the best of the models: FE, or the rigid vehicle where it is alone."""
+        """Values of FE, or of the rigid vehicle if it is alone."""
         return self.fe or self.rigid
 
 
 def draw_sweep(rows: SweepRows) -> tuple[Chart, ...]:
-    """All plots that these rows allow: of keys that are numbers, those against each; two make maps, three parallels."""
-    known = rows.worst if rows.fe else rows.rigid[rows.compared.mapped]
-    if not np.isfinite(known).any():
+    """Draw all charts that these rows allow.
+
+    Results against each numerical key, maps of two keys, parallel scales of three or more.
+    """
+    results = rows.worst if rows.fe else rows.rigid[rows.compared.mapped]
+    if not np.isfinite(results).any():
         return ()
     numbers = [item for item in rows.varied if item.numeric]
     charts = [chart for item in numbers for chart in draw_against(rows, item)]
@@ -86,7 +99,10 @@ def draw_sweep(rows: SweepRows) -> tuple[Chart, ...]:
 
 
 def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
-    """Each result, the main one first, and the largest difference, against one key; lines where it is the only one."""
+    """Draw results and the largest difference against one key.
+
+    The main result comes first. Points are connected if the key is the only one.
+    """
     order = _drawn_rows(rows, item)
     x, group = item.values[order], f"Against {item.key}"
     lowest, room = float(x.min()), 0.03 * float(np.ptp(x))
@@ -126,7 +142,10 @@ def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
 
 
 def _drawn_rows(rows: SweepRows, item: Varied) -> Values:
-    """Numbers of the rows in order of the key; of very many those that failed a check, and others at even steps."""
+    """Return the rows to draw in order of the key.
+
+    Of very many those that failed a check, and others at even steps.
+    """
     order = np.argsort(item.values, kind="stable")
     every = -(-len(order) // MAX_DRAWN)
     failed = np.flatnonzero(rows.status[order] == "failed")[:MAX_DRAWN]
@@ -134,7 +153,7 @@ def _drawn_rows(rows: SweepRows, item: Varied) -> Values:
 
 
 def _marks_against(rows: SweepRows, key: str, order: Values, x: Values) -> list[Line]:
-    """The rigid vehicle, FE over it, and what failed over both."""
+    """Return the rigid vehicle, FE above it, and failed runs on top."""
     alone = len(rows.varied) == 1
     marks = [Line("rigid, exact", x, rows.rigid[key][order], "rigid", 3.0 * alone, dots=3.2)]
     if rows.fe:
@@ -146,10 +165,10 @@ def _marks_against(rows: SweepRows, key: str, order: Values, x: Values) -> list[
 
 
 def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> list[Chart]:
-    """One of the results, the largest difference and the status over two keys; without the second, of one model."""
-    shown, model = rows.compared.quantities[rows.compared.mapped], "FE" if rows.fe else "the rigid vehicle"
-    title = f"{shown.title} by {model}"
-    maps = [_draw_map("result", title, *_shaded(rows.best[shown.key], shown.unit), across, up)]
+    """Draw a result, the largest difference and the status over two keys."""
+    quantity, model = rows.compared.quantities[rows.compared.mapped], "FE" if rows.fe else "the rigid vehicle"
+    title = f"{quantity.title} by {model}"
+    maps = [_draw_map("result", title, *_shaded(rows.best[quantity.key], quantity.unit), across, up)]
     if rows.fe:
         worst = np.where(rows.worst > 0.0, rows.worst, np.nan)
         title = "Largest difference FE/rigid - 1"
@@ -161,34 +180,40 @@ def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> list[Chart]:
 
 
 def _shaded(values: Values, unit: str, is_log: bool = False) -> tuple[Values, Values, Sequence[Swatch]]:
-    """Colours of the values, "" where there is none, words, and keys."""
-    known, colours = np.isfinite(values), np.full(values.shape, "", dtype=object)
-    if not known.any():
+    """Return colours of values, their texts, and the legend.
+
+    Values that are not finite have empty texts.
+    """
+    finite, colours = np.isfinite(values), np.full(values.shape, "", dtype=object)
+    if not finite.any():
         return colours, colours, []
     shades = Shades.of(values, is_log)
-    colours[known] = shades.colours(values[known])
+    colours[finite] = shades.colours(values[finite])
     said = np.array([measure(value, unit, ".5g", named=bool(unit)) for value in values], dtype=object)
-    return colours, said, [Swatch(*each) for each in shades.keys(unit)]
+    return colours, said, [Swatch(*colour_key) for colour_key in shades.keys(unit)]
 
 
 def _draw_map(
     name: str, title: str, colours: Values, said: Values, keys: Sequence[Swatch], across: Varied, up: Varied
 ) -> Chart:
-    """Cells of a complete grid in these colours, or small boxes; the keys stand above."""
-    x, y, shown = across.values, up.values, colours != ""
+    """Draw cells of a complete grid, or small boxes."""
+    x, y, coloured = across.values, up.values, colours != ""
     counts = np.unique(x).size, np.unique(y).size
     is_grid = counts[0] * counts[1] == x.size and min(counts) > 1
-    places = [f"{a:.4g}; {b:.4g}" for a, b in zip(x[shown], y[shown], strict=True)]
-    texts, at = (said[shown].tolist(), places) if shown.sum() <= MAX_DRAWN else ((), ())
-    left, low = (_ends(item, is_grid)[shown] for item in (across, up))
-    cells = Boxes(title, left, low, colours[shown].tolist(), texts, at)
+    places = [f"{a:.4g}; {b:.4g}" for a, b in zip(x[coloured], y[coloured], strict=True)]
+    texts, at = (said[coloured].tolist(), places) if coloured.sum() <= MAX_DRAWN else ((), ())
+    ends_x, ends_y = (_ends(item, is_grid)[coloured] for item in (across, up))
+    cells = Boxes(title, ends_x, ends_y, colours[coloured].tolist(), texts, at)
     along, upwards = (Axis(item.label, is_log=item.logarithmic, margin=0.0) for item in (across, up))
     plot = Plot((*keys, cells), upwards, 230.0, nearest="xy", has_grid=False)
     return draw_chart(f"map-{name}", title, (plot,), along, "Maps")
 
 
 def _ends(item: Varied, is_grid: bool) -> Values:
-    """Ends of the cell about each value, or where runs make no grid, of a box of a fortieth of the range."""
+    """Return the ends of the cell about each value.
+
+    Runs that make no grid have boxes of a fortieth of the range.
+    """
     if is_grid:
         return cells_about(item.values, item.logarithmic)
     values = np.log(item.values) if item.logarithmic else item.values
@@ -197,7 +222,10 @@ def _ends(item: Varied, is_grid: bool) -> Values:
 
 
 class Scaled(NamedTuple):
-    """One of several scales side by side: label, the rows' values and heights from 0 to 1, ticks with their heights."""
+    """One of several parallel scales.
+
+    Values of the rows, their heights from 0 to 1, and ticks with their heights.
+    """
 
     label: str
     values: Values
@@ -206,23 +234,26 @@ class Scaled(NamedTuple):
 
 
 def scaled(label: str, values: Values, is_log: bool) -> Scaled:
-    """A scale from the smallest to the largest of numbers, or with a place for each word."""
+    """Return the scale of numbers, or of words at even heights."""
     if not np.issubdtype(values.dtype, np.number):
         names = list(dict.fromkeys(values.tolist()))
         places = {word: (i + 0.5) / len(names) for i, word in enumerate(names)}
         heights = np.array([places[word] for word in values])
         return Scaled(label, values, heights, [(place, word) for word, place in places.items()])
-    known = np.unique(values[np.isfinite(values)]).astype(float)
-    if known.size < 2:
-        return Scaled(label, values, 0.5 + 0.0 * values, [(0.5, power_text(value)) for value in known])
-    scale = Scale(float(known[0]), float(known[-1]), is_log=is_log)
+    numbers = np.unique(values[np.isfinite(values)]).astype(float)
+    if numbers.size < 2:
+        return Scaled(label, values, 0.5 + 0.0 * values, [(0.5, power_text(value)) for value in numbers])
+    scale = Scale(float(numbers[0]), float(numbers[-1]), is_log=is_log)
     ticks = [(float(scale.at(tick)), power_text(tick)) for tick in scale.ticks(TICKS)]
     return Scaled(label, values, np.asarray(scale.at(values)), ticks)
 
 
 def draw_parallels(rows: SweepRows) -> Chart:
-    """Each row a line across its inputs, its FE results and its largest difference, which colours it; red where it
-    failed. Just before the last scale stands, below the lines, the rigid solution."""
+    """Draw each row as a line across parallel scales.
+
+    The scales are its inputs, its FE results and its largest difference, which colours it; failed rows are red. The
+    rigid solution is drawn below these lines.
+    """
     caption = (
         "Each line is a row: its inputs, FE results, and the largest difference from the rigid solution of the same "
         "row, which colours the line (dark: small); red: a check failed. Behind it, in orange, that rigid solution"
@@ -240,11 +271,11 @@ def draw_parallels(rows: SweepRows) -> Chart:
     scales = [*inputs, *results, last]
     heights = np.array([scale.heights for scale in scales])
     chosen = _drawn_rows(rows, rows.varied[0])
-    shown = chosen[np.isfinite(heights[:, chosen]).all(axis=0)]
-    lines = _lines(heights[:, shown], rows.status[shown] == "failed")
+    complete = chosen[np.isfinite(heights[:, chosen]).all(axis=0)]
+    lines = _lines(heights[:, complete], rows.status[complete] == "failed")
     if rows.fe:
         places = np.arange(len(inputs), len(scales) - 1)
-        lines.insert(0, _across(places, np.array(rigid)[:, shown], "rigid", 2.2))
+        lines.insert(0, _across(places, np.array(rigid)[:, complete], "rigid", 2.2))
     axes: list[Mark] = []
     for place, scale in enumerate(scales):
         axes.append(Line("", np.full(2, float(place)), np.array([0.0, 1.0]), "grey", 0.8))
@@ -252,27 +283,30 @@ def draw_parallels(rows: SweepRows) -> Chart:
     labels = [scale.label.replace(".", ".\n").replace(" [", "\n[") for scale in scales]
     x = Axis(low=-0.15, high=len(scales) - 0.4, named=tuple(enumerate(labels)))
     y = Axis(low=-0.04, high=1.04, named=())
-    marks = (*lines, *axes, _points(scales, shown))
+    marks = (*lines, *axes, _points(scales, complete))
     plot = Plot(marks, y, 330.0, nearest="xy", has_grid=False, has_legend=False)
     return draw_chart("parallels", caption, (plot,), x, "All keys side by side", FULL)
 
 
 def _lines(heights: Values, failed: Values) -> list[Mark]:
-    """The rows' lines, shape of heights (scales, rows), in the colour of their place on the last scale."""
+    """Return the lines of rows in the colour of their last value.
+
+    heights: shape (scales, rows).
+    """
     colours = np.where(failed, "red", Shades(0.0, 1.0).colours(heights[-1]))
     places = np.arange(len(heights))
     return [_across(places, heights[:, colours == one], one, 0.9) for one in dict.fromkeys(colours.tolist())]
 
 
 def _across(places: Values, heights: Values, colour: str, width: float) -> Line:
-    """Lines through heights, shape (places, rows), one after the other."""
+    """Return lines through heights, shape (places, rows)."""
     gap = np.full((1, heights.shape[1]), np.nan)
     x = np.tile(np.append(places, np.nan), heights.shape[1])
     return Line("", x, np.concatenate([heights, gap]).T.ravel(), colour, width)
 
 
 def _points(scales: Sequence[Scaled], shown: Values) -> Line:
-    """Values that pages show of each row where it meets a scale."""
+    """Return the values that pages show where rows meet a scale."""
     places, heights, said, at = [], [], [], []
     for place, scale in enumerate(scales):
         places += [float(place)] * len(shown)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from html import escape
 from itertools import compress, pairwise
-from typing import Any, ClassVar
+from typing import ClassVar, TypedDict
 
 import numpy as np
 
@@ -102,11 +102,19 @@ def text_width(text: str, size: float = 12.0) -> float:
     return size * sum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in SI.rendered(text))
 
 
-Samples = tuple[Sequence[Any] | Floats, Sequence[Any] | Floats]
+Cells = Sequence[str] | Sequence[float] | Floats
+Samples = tuple[Cells, Cells]
 """Places and values, equal in number, as numbers or words."""
 
 
-def look(number: int) -> dict[str, Any]:
+class Look(TypedDict):
+    """Width and dashes of a line."""
+
+    width: float
+    dashes: str
+
+
+def look(number: int) -> Look:
     """Return width and dashes of line `number` of a plot.
 
     Later lines are thinner or dashed, so that they hide none drawn before. Dashes differ between lines, so that they
@@ -174,7 +182,7 @@ class Line(Mark):
     width: float = 1.4
     dashes: str = ""
     dots: float = 0.0
-    values: Sequence[Any] = ()
+    values: Sequence[str] | Sequence[float] = ()
     at: Sequence[str] = ()
 
     def draw(self, x: Scale, y: Scale) -> str:
@@ -262,7 +270,10 @@ class Words(Mark):
 
 @dataclass(frozen=True)
 class Swatch(Mark):
-    """Entry of the legend alone, with its colour and meaning."""
+    """Entry of the legend alone.
+
+    label: meaning of the colour.
+    """
 
     ACROSS = ()
     UP = ()
@@ -375,7 +386,7 @@ class Boxes(Mark):
     x: Floats
     y: Floats
     colour: str | Sequence[str] = "steel"
-    values: Sequence[Any] = ()
+    values: Sequence[str] | Sequence[float] = ()
     at: Sequence[str] = ()
     strength: float = 1.0
 
@@ -461,3 +472,13 @@ class Outline(Mark):
     def samples(self, x: Scale, y: Scale) -> Samples:
         """Return the corners."""
         return self.x, self.y
+
+
+def area(points: Floats, colour: str, fill: float = 0.04) -> Outline:
+    """Return the polygon through points, shape (n, 2)."""
+    return Outline(points[:, 0], points[:, 1], colour, fill=fill)
+
+
+def dot(point: Floats, colour: str, size: float) -> Line:
+    """Return a point, shape (2,), as a dot of this radius [pixels]."""
+    return Line("", point[:1], point[1:], colour, 0.0, dots=size)

@@ -9,7 +9,7 @@ import numpy as np
 
 import tailslap
 from postprocess.comparison.quantities import COVERED, LIMITS, QUANTITIES, Beside, beside
-from postprocess.figures.histories import COMPARED, Curve, draw_overlay
+from postprocess.figures.histories import Curve, compared_panels, draw_overlay
 from postprocess.report.page import Column, Headline, Page, Section, Table, columns
 from postprocess.report.report import Report
 from postprocess.svg.chart import FULL, PART, Chart
@@ -40,7 +40,7 @@ METRICS = (
     Column("covered", "Time", form=lambda part: f"{100.0 * part:.0f}"),
     Column("within", "Within", form=lambda within: "yes" if within else "NO"),
 )
-WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
+WORDS = {panel.name: (panel.symbol, panel.caption) for panel in compared_panels()} | {
     "x_g": ("x_G", "Position of the centre of mass along the wall"),
     "y_g": ("y_G", "Distance of the centre of mass from the wall"),
     "force_normal": ("force", "Normal force of the wall on the vehicle"),

@@ -13,7 +13,7 @@ import numpy as np
 
 import tailslap
 from postprocess.comparison.quantities import QUANTITIES, ComparedQuantity
-from postprocess.figures.histories import COMPARED, TIME, History, thinned
+from postprocess.figures.histories import TIME, History, compared_panels, thinned
 from postprocess.report.page import Column, Form, Headline, Page, Section, Table, columns, pairs
 from postprocess.report.report import Report
 from postprocess.svg import chart, marks
@@ -207,7 +207,7 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
 
 def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Chart:
     """One of Figures 10 to 14: motions as lines, printed points as markers."""
-    panel = next(panel for panel in COMPARED if panel.name == name)
+    panel = next(panel for panel in compared_panels() if panel.name == name)
     lines: list[tuple[str, Any]] = [(label, thinned(its["t"], its[name])) for label, its in courses.items()]
     points = [(label, np.transpose(its)) for label, its in tables.marks(name).items() if its]
     looks = [*zip(lines, MOTION_LOOKS, strict=False), *zip(points, MARK_LOOKS, strict=False)]

@@ -349,7 +349,10 @@ def test_without_a_folder_a_sweep_writes_nothing(tmp_path, monkeypatch):
     assert tailslap.load("saved").history.attrs["units"] == found.history.attrs["units"]
     (axes,) = found.plot("fe.v_gy").figure.axes
     assert (axes.get_ylabel(), found.history.attrs["units"]["rigid.peak_force"]) == ("fe.v_gy [m/s]", "N")
-    assert (axes.get_xlabel(), list(axes.lines[0].get_xdata())) == ("corner.friction", [0.2, 0.3, 0.47])
+    assert (axes.get_xlabel(), np.asarray(axes.lines[0].get_xdata()).tolist()) == (
+        "corner.friction",
+        [0.2, 0.3, 0.47],
+    )
 
 
 def test_without_a_folder_a_study_writes_nothing(tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from postprocess.figures import impact
+from postprocess.figures import animation, impact, positions
 from postprocess.svg.marks import Words
 
 T = np.linspace(0.0, 0.5, 5001)
@@ -40,7 +40,7 @@ def test_outlines_of_a_rigid_vehicle():
     heading = np.array([math.cos(theta), -math.sin(theta)])
     left = np.array([math.sin(theta), math.cos(theta)])
     x, y = 3.0 * np.array([1.0, 0.0]) - centre * heading + 0.5 * width * left
-    (outline,) = impact.vehicle_outlines(
+    (outline,) = positions.vehicle_outlines(
         np.array([x]), np.array([y]), np.array([theta]), length, width, centre
     )
     np.testing.assert_allclose(outline[0], (3.0, 0.0), atol=1e-12)
@@ -51,16 +51,16 @@ def test_outlines_of_a_rigid_vehicle():
 
 def test_positions_name_instants_and_strikes():
     x, y, theta = np.array([0.0, 2.0, 5.0]), np.array([2.4, 1.5, 1.2]), np.array([0.26, 0.1, 0.0])
-    outlines = impact.vehicle_outlines(x, y, theta, 10.0, 2.4, 5.0)
-    curve = impact.draw_positions(outlines, (0.0, 0.1, 0.25), STRIKES)
+    outlines = positions.vehicle_outlines(x, y, theta, 10.0, 2.4, 5.0)
+    curve = positions.draw_positions(outlines, (0.0, 0.1, 0.25), STRIKES)
     shown = {"0.00 s", "0.10 s", "0.25 s", "front 0.000 to 0.080 s", "rear 0.290 to 0.360 s"}
     assert shown <= set(texts(curve.svg))
 
 
 def test_positions_keep_their_scale():
     """A metre along the wall is as long as a metre across: the outline's sides in the figure."""
-    outlines = impact.vehicle_outlines(np.array([0.0]), np.array([2.4]), np.array([0.3]), 10.0, 2.5, 5.0)
-    corners = points(impact.draw_positions(outlines, (0.0,)).svg, "fe")[:4]
+    outlines = positions.vehicle_outlines(np.array([0.0]), np.array([2.4]), np.array([0.3]), 10.0, 2.5, 5.0)
+    corners = points(positions.draw_positions(outlines, (0.0,)).svg, "fe")[:4]
     sides = np.hypot(*np.diff(corners, axis=0).T)
     assert sides[0] / sides[1] == pytest.approx(4.0, rel=1e-4)
 
@@ -68,11 +68,11 @@ def test_positions_keep_their_scale():
 def test_what_moves_ends_where_the_last_outline_is():
     """Turned by 0.3 rad about its first corner and moved by 4 m in 0.5 s; by CSS, which its reader can switch off."""
     t, x = np.linspace(0.0, 0.5, 200), np.linspace(0.0, 4.0, 200)
-    every = impact.vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
-    chart = impact.draw_positions(every[[0, -1]], t[[0, -1]].tolist(), motion=(t, every))
+    every = positions.vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
+    chart = positions.draw_positions(every[[0, -1]], t[[0, -1]].tolist(), motion=(t, every))
     place = r"translate\(([-\d.]+)px,([-\d.]+)px\) rotate\(([-\d.]+)rad\)"
     frames = np.array(re.findall(rf"[\d.]+%\{{transform:{place}\}}", chart.svg), float)
-    assert len(frames) == impact.MAX_POSES + 1
+    assert len(frames) == positions.MAX_POSES + 1
     assert frames[0, 2] == 0.0
     assert frames[-1, 2] == pytest.approx(-0.3, abs=1e-3), (
         "the front comes away from the wall: y points down here"
@@ -84,16 +84,16 @@ def test_what_moves_ends_where_the_last_outline_is():
     expected = np.array([corner.split() for corner in last.split("L")], float) @ [1.0, 1.0j]
     np.testing.assert_allclose(moved, expected, atol=0.1)
     assert "prefers-reduced-motion:reduce){.moving{animation:none}}" in chart.svg
-    assert f"animation:motion {impact.SLOWER * 0.5 / 0.88:.3g}s linear infinite" in chart.svg
+    assert f"animation:motion {positions.SLOWER * 0.5 / 0.88:.3g}s linear infinite" in chart.svg
     assert chart.is_moving
-    assert not impact.draw_positions(every[[0, -1]], t[[0, -1]].tolist()).is_moving
+    assert not positions.draw_positions(every[[0, -1]], t[[0, -1]].tolist()).is_moving
 
 
 def test_instants_of_close_positions_stand_in_two_rows():
     """At 10, 10.2, 10.4 and 13 m the second is raised, the third has no room and the fourth is alone."""
     square = np.array([(0.0, 0.0), (-9.0, 0.0), (-9.0, 2.0), (0.0, 2.0)])
     outlines = np.stack([square + np.array([x, 0.0]) for x in (10.0, 10.2, 10.4, 13.0)])
-    chart = impact.draw_positions(outlines, (0.0, 0.1, 0.2, 0.3))
+    chart = positions.draw_positions(outlines, (0.0, 0.1, 0.2, 0.3))
     words = [mark for mark in chart.plots[0].marks if isinstance(mark, Words)]
     assert [(word.label, word.shift[1]) for word in words] == [
         ("0.00 s", -3.0), ("0.10 s", -13.0), ("0.30 s", -3.0),
@@ -162,14 +162,14 @@ def test_contact_of_one_instant_is_seen():
     assert len(svg) < len(plain.svg) + 1500
 
 
-@pytest.mark.parametrize(("instants", "frames"), [(7, 7), (impact.MAX_FRAMES + 30, impact.MAX_FRAMES)])
+@pytest.mark.parametrize(("instants", "frames"), [(7, 7), (animation.MAX_FRAMES + 30, animation.MAX_FRAMES)])
 def test_animation(tmp_path, instants, frames):
     """As many frames as instants, at most MAX_FRAMES; about ten times slower than the impact; the vehicle moves."""
     from PIL import Image
 
     t = np.linspace(0.0, 0.3, instants)
-    outlines = impact.vehicle_outlines(25.0 * t, 2.5 - t, 0.26 - t / 2.0, 10.0, 2.4, 5.0)
-    path = impact.write_animation(tmp_path / "impact.gif", t, outlines, 1e5 * np.sin(10.0 * t))
+    outlines = positions.vehicle_outlines(25.0 * t, 2.5 - t, 0.26 - t / 2.0, 10.0, 2.4, 5.0)
+    path = animation.write_animation(tmp_path / "impact.gif", t, outlines, 1e5 * np.sin(10.0 * t))
     assert path == tmp_path / "impact.gif"
     with Image.open(path) as film:
         assert getattr(film, "n_frames", 1) == frames

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from postprocess.figures.impact import draw_positions, vehicle_outlines
+from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Plot, draw_chart
 from postprocess.svg.marks import Line, look

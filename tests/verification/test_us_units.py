@@ -10,7 +10,7 @@ import pytest
 
 import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
-from postprocess.figures.impact import write_animation
+from postprocess.figures.animation import write_animation
 from postprocess.report.page import Column, Headline, Page, Section, Table
 from postprocess.report.report import Report, in_units
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart

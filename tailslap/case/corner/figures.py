@@ -9,8 +9,8 @@ import numpy as np
 from fem.explicit.columns import COLUMNS
 from fem.plate.discretisation import nodal_spin
 from postprocess.fields import contours
-from postprocess.figures import impact
 from postprocess.figures.histories import Panel, draw_histories
+from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.report.page import Picture, Section
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
@@ -57,9 +57,9 @@ def positions(outcome: CornerOutcome) -> list[Chart]:
     ahead, aside = 0.5 * vehicle.length, 0.5 * vehicle.width
     x = slide - ahead * np.cos(theta) + aside * np.sin(theta)
     y = ahead * np.sin(theta) + aside * np.cos(theta)
-    every = impact.vehicle_outlines(x, y, theta, vehicle.length, vehicle.width, ahead)
+    every = vehicle_outlines(x, y, theta, vehicle.length, vehicle.width, ahead)
     shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
-    return [impact.draw_positions(every[shown], t[shown], motion=(t, every))]
+    return [draw_positions(every[shown], t[shown], motion=(t, every))]
 
 
 def draw_pictures(

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from postprocess.figures import impact
-from postprocess.figures.impact import StrikeMark, write_animation
+from postprocess.figures.animation import SIZE, write_animation
+from postprocess.figures.impact import StrikeMark
+from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.svg.chart import FULL, Chart
 from postprocess.units import SI, Units
 from solver.impact import ImpactVehicle, corner_name
@@ -49,7 +51,7 @@ def outlines(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicle]) ->
     units = answers.places(answer.history, vehicles)
     right, left = list[np.ndarray](), list[np.ndarray]()
     for k, place in enumerate(units, 1):
-        each = impact.vehicle_outlines(*place)
+        each = vehicle_outlines(*place)
         ahead, behind = 0.5 * (each[:, 0] + each[:, 3]), 0.5 * (each[:, 1] + each[:, 2])
         for side, ends in ((right, (0, 1)), (left, (3, 2))):
             side += [] if k == 1 else [ahead]
@@ -64,7 +66,7 @@ def position_strip(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicl
     if answer.units > 1:
         shown = np.unique(np.searchsorted(t, [*(strike.start for strike in answer.strikes), t[-1]]))
     every = outlines(answer, vehicles)
-    return impact.draw_positions(every[shown], t[shown], marks(answer), motion=(t, every))
+    return draw_positions(every[shown], t[shown], marks(answer), motion=(t, every))
 
 
 def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
@@ -152,5 +154,5 @@ def animation(
             outlines(outcome.fe, outcome.fe_plan.case.motion.vehicles),
             h["force_normal"],
             units=units,
-            size=size or impact.SIZE,
+            size=size or SIZE,
         )
