@@ -1,1 +1,4 @@
-"""Two motions set side by side: differences, error measures, orders of convergence."""
+"""Comparison of two solutions.
+
+Differences, error measures, orders of convergence.
+"""

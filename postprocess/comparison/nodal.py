@@ -1,4 +1,6 @@
-"""Histories of the nodes of another program, and the motion of the centre of mass that follows from them.
+"""Nodal histories of other programs.
+
+The motion of the centre of mass follows from them.
 
 Files that are read, in SI:
 
@@ -8,7 +10,7 @@ Files that are read, in SI:
 - OpenRadioss: `th_to_csv` makes a CSV file of its time histories, with DX, DY, VX and VY of each node by /TH/NODE and
   /TH/TITLE.
 
-Positions and masses of the nodes stand in `nodes.csv` beside it, with the columns node, x, y [m] and mass [kg]; Z is
+Positions and masses of the nodes are in `nodes.csv` beside it, with the columns node, x, y [m] and mass [kg]; Z is
 not considered.
 """
 
@@ -28,18 +30,18 @@ Blocks = dict[float, dict[int, list[float]]]
 """Values along X and Y by instant and node."""
 
 LARGEST = 1e30
-"""Size of a number in a file: its square is a number, too."""
+"""Largest number in a file; its square does not overflow."""
 
 ALLOWED = f"allowed are numbers of at most {LARGEST:g}"
 NODES = "nodes.csv"
 MAX_HEAD = 4_000_000
-"""Characters in which the heading of a file is looked for; a legend of LS-DYNA names all nodes."""
+"""Characters searched for the heading of a file; a legend of LS-DYNA lists all nodes."""
 
 INSTANT = re.compile(r"n o d a l   p r i n t   o u t.*\( at time\s+(\S+)\s*\)")
 STEP_TIME = re.compile(r"Frame:.*Step Time =\s*(\S+)")
 FIELDS = ("U.U1", "U.U2", "V.V1", "V.V2")
 NODE_COLUMN = re.compile(r".*?\s{2,}(\d+)\s.*\b(DX|DY|VX|VY)\s*")
-"""Title of the group and number of the node, both filled up with blanks, and quantity."""
+"""Title of the group and number of the node, both padded with blanks, and quantity."""
 
 MAX_TITLE = 1000
 """Characters of such a title."""
@@ -68,7 +70,10 @@ class NodalHistory:
 
 
 def number(cell: str) -> float:
-    """Return the number in a cell. Raises ValueError for a word, an infinite one, NaN, and one above `LARGEST`."""
+    """Return the number in a cell.
+
+    Raises ValueError for words, NaN, and sizes above `LARGEST`.
+    """
     try:
         value = float(cell.replace("_", " "))  # Python reads 1_0 as ten
     except ValueError:
@@ -79,7 +84,10 @@ def number(cell: str) -> float:
 
 
 def _numbers(cells: Sequence[str], line: int) -> list[float]:
-    """Return the numbers of a line. Raises ValueError with the line."""
+    """Return the numbers of a line.
+
+    Raises ValueError with the line.
+    """
     try:
         return [number(cell) for cell in cells]
     except ValueError as error:
@@ -87,9 +95,9 @@ def _numbers(cells: Sequence[str], line: int) -> list[float]:
 
 
 def read_calculix(path: Path) -> NodalHistory:
-    """Read displacements and velocities of the nodes from a file `.dat` of CalculiX.
+    """Read nodal displacements and velocities from a file `.dat` of CalculiX.
 
-    Raises OSError, and ValueError for a file that is cut short, or without one of the two.
+    Raises OSError, and ValueError for a truncated file, or one without displacements or velocities.
     """
     blocks: dict[str, Blocks] = {"displacements": {}, "velocities": {}}
     block: dict[int, list[float]] | None = None
@@ -116,9 +124,9 @@ def read_calculix(path: Path) -> NodalHistory:
 
 
 def read_nodout(path: Path) -> NodalHistory:
-    """Read displacements and velocities of the nodes from a file `nodout` of LS-DYNA.
+    """Read nodal displacements and velocities from a file `nodout` of LS-DYNA.
 
-    Raises OSError, and ValueError for a file that is cut short.
+    Raises OSError, and ValueError for a truncated file.
     """
     displacements, velocities = Blocks(), Blocks()
     t, length, inside = 0.0, 0, False
@@ -139,9 +147,10 @@ def read_nodout(path: Path) -> NodalHistory:
 
 
 def read_field_report(path: Path) -> NodalHistory:
-    """Read displacements and velocities of the nodes from field output reports of ABAQUS, one frame after the other.
+    """Read nodal displacements and velocities from field reports of ABAQUS.
 
-    Raises OSError, and ValueError for a file that is cut short, without U and V, or with several steps.
+    Frames follow each other. Raises OSError, and ValueError for a truncated file, one without U and V, or with
+    several steps.
     """
     displacements, velocities = Blocks(), Blocks()
     names: list[str] = []
@@ -172,19 +181,20 @@ def read_field_report(path: Path) -> NodalHistory:
 
 
 def read_radioss(path: Path) -> NodalHistory:
-    """Read displacements and velocities of the nodes from a CSV file that `th_to_csv` of OpenRadioss has made.
+    """Read nodal displacements and velocities from a CSV file of OpenRadioss.
 
-    Raises OSError, and ValueError for a file that is cut short, or a node without one of the four columns.
+    `th_to_csv` makes it. Raises OSError, and ValueError for a truncated file, or a node without one of the four
+    columns.
     """
     with open(path, encoding="utf-8", errors="replace", newline="") as file:
         header, *rows = csv.reader(file)
     columns: dict[int, dict[str, int]] = {}
     for k, name in enumerate(header):
-        if found := NODE_COLUMN.fullmatch(name[-MAX_TITLE:]):
-            columns.setdefault(int(found[1]), {})[found[2]] = k
+        if match := NODE_COLUMN.fullmatch(name[-MAX_TITLE:]):
+            columns.setdefault(int(match[1]), {})[match[2]] = k
     displacements, velocities = Blocks(), Blocks()
-    for node, its in columns.items():
-        if missing := [name for name in ("DX", "DY", "VX", "VY") if name not in its]:
+    for node, indices in columns.items():
+        if missing := [name for name in ("DX", "DY", "VX", "VY") if name not in indices]:
             raise ValueError(f"columns of node {node} are missing: {', '.join(missing)}")
     least = len(list(filter(None, header)))
     for place, row in enumerate(rows, 2):
@@ -195,14 +205,20 @@ def read_radioss(path: Path) -> NodalHistory:
             if t in velocities:
                 raise ValueError(f"line {place}: {t:g} s is there twice; allowed is one row an instant")
             displacements[t], velocities[t] = (
-                {node: _numbers([row[its[x]], row[its[y]]], place) for node, its in columns.items()}
+                {
+                    node: _numbers([row[indices[x]], row[indices[y]]], place)
+                    for node, indices in columns.items()
+                }
                 for x, y in (("DX", "DY"), ("VX", "VY"))
             )
     return _stacked(displacements, velocities)
 
 
 def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
-    """Reader of a file of nodes by its name or heading; None for others, and for what is no regular file."""
+    """Return the reader of a nodal file by its name or heading.
+
+    None for other files, and for paths that are no regular files.
+    """
     if path.suffix == ".dat" or not path.is_file():
         return read_calculix if path.suffix == ".dat" else None
     with open(path, encoding="ascii", errors="replace") as file:
@@ -218,14 +234,20 @@ def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
-    """Lines of a text file with their numbers, without the blanks at their ends."""
+    """Yield the lines of a text file with their numbers.
+
+    Blanks at their ends are removed.
+    """
     with open(path, encoding="ascii", errors="replace") as lines:
         for number, line in enumerate(lines, 1):
             yield number, line.rstrip()
 
 
 def _stacked(displacements: Blocks, velocities: Blocks) -> NodalHistory:
-    """Arrays of blocks by time and node. Raises ValueError where nodes are missing at an instant."""
+    """Return blocks by time and node as arrays.
+
+    Raises ValueError where nodes are missing at an instant.
+    """
     times, numbers = sorted(velocities), sorted(next(iter(displacements.values()), ()))
     if not numbers:
         raise ValueError("it has no displacements and velocities of nodes")
@@ -240,9 +262,10 @@ def _stacked(displacements: Blocks, velocities: Blocks) -> NodalHistory:
 
 
 def read_nodes(path: Path) -> tuple[NDArray[np.int64], Floats, Floats]:
-    """Read numbers, positions [m], shape (nodes, 2), and masses [kg] of the nodes, in rising order.
+    """Read numbers, positions and masses of the nodes.
 
-    Raises OSError, and ValueError for a file without the columns node, x, y and mass.
+    In rising order; positions [m], shape (nodes, 2), masses [kg]. Raises OSError, and ValueError for a file without
+    the columns node, x, y and mass.
     """
     with open(path, encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -263,7 +286,7 @@ def read_nodes(path: Path) -> tuple[NDArray[np.int64], Floats, Floats]:
 def centre_of_mass_history(
     nodes: Floats, masses: Floats, times: Floats, displacements: Floats, velocities: Floats
 ) -> dict[str, Floats]:
-    """Compute the motion of the centre of mass of nodes in the plane.
+    """Return the planar motion of the centre of mass of nodes.
 
     Parameters
     ----------
@@ -303,15 +326,16 @@ def centre_of_mass_history(
 
 
 def read_centre_of_mass(path: Path) -> dict[str, Floats]:
-    """Read a file of nodes, with `nodes.csv` beside it, as columns of `centre_of_mass_history`.
+    """Read a nodal file as columns of `centre_of_mass_history`.
 
-    Raises OSError, and ValueError for damaged files and for nodes that are missing in one of the two.
+    It requires `nodes.csv` beside it. Raises OSError, and ValueError for damaged files and for nodes that are missing
+    in one of the two.
     """
     if not path.with_name(NODES).is_file():
         raise ValueError(f"positions and masses of its nodes, in {NODES} beside it, are missing")
     numbers, nodes, masses = read_nodes(path.with_name(NODES))
-    found = (reader_of(path) or read_calculix)(path)
-    if missing := sorted(set(numbers.tolist()) ^ set(found.numbers.tolist())):
-        shown = ", ".join(map(str, missing[:5])) + (", ..." if missing[5:] else "")
-        raise ValueError(f"nodes that are in one of {path.name} and {NODES} only: {shown}")
-    return centre_of_mass_history(nodes, masses, found.t, found.displacements, found.velocities)
+    history = (reader_of(path) or read_calculix)(path)
+    if missing := sorted(set(numbers.tolist()) ^ set(history.numbers.tolist())):
+        listed = ", ".join(map(str, missing[:5])) + (", ..." if missing[5:] else "")
+        raise ValueError(f"nodes that are in one of {path.name} and {NODES} only: {listed}")
+    return centre_of_mass_history(nodes, masses, history.t, history.displacements, history.velocities)

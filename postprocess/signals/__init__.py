@@ -1,1 +1,4 @@
-"""Measures of roadside engineers: filtered forces, peaks, durations, design forces, occupant risk."""
+"""Signals of crash tests.
+
+Filters, durations of strikes, design forces and occupant risk.
+"""

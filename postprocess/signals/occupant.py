@@ -1,16 +1,18 @@
-"""Occupant risk of a planar motion is ASI, THIV and PHD of EN 1317-1, OIV and ORA of MASH.
+"""Occupant risk of a planar motion.
 
-ASI: the largest value of sqrt((ax / 12 g)^2 + (ay / 9 g)^2 + (az / 10 g)^2), of 50 ms means (EN 1317-1:1998), or, after
-CFC 180, of accelerations through a four-pole phaseless Butterworth filter of 13 Hz (EN 1317-1:2010; taken as 3 dB down
-forward and backward together). THIV: speed of a free head relative to the inside that it meets; PHD: from then on
-the largest 10 ms mean of the resultant acceleration. OIV: velocities of a free occupant relative to the vehicle where
-the first of the two flail distances is used up; ORA: from then on the largest 10 ms mean along each axis.
+ASI, THIV and PHD of EN 1317-1, OIV and ORA of MASH. ASI: the largest value of sqrt((ax / 12 g)^2 + (ay / 9 g)^2 + (az
+/ 10 g)^2), of 50 ms means (EN 1317-1:1998), or, after CFC 180, of accelerations through a four-pole phaseless
+Butterworth filter of 13 Hz (EN 1317-1:2010; taken as 3 dB down forward and backward together). THIV: speed of a free
+head relative to the interior at contact; PHD: from then on the largest 10 ms mean of the resultant acceleration. OIV:
+velocities of a free occupant relative to the vehicle when the first of the two flail distances is reached; ORA: from
+then on the largest 10 ms mean along each axis.
 
-An occupant, or a head, free in the vehicle, flies until the interior stops it. The vehicle's axes are x ahead and y to
-the left; yaw turns counter-clockwise. Accelerations are taken as linear between their instants and integrated exactly.
+An occupant, or a head, is free in the vehicle until the interior stops it. The vehicle's axes are x forward and y to
+the left; yaw is positive counter-clockwise. Accelerations are taken as linear between their instants and integrated
+exactly.
 
-Sources: EN 1317-1; AASHTO, Manual for Assessing Safety Hardware, by way of the manuals of
-NI DIAdem (ChnASICalc, ChnTHIVCalc, ChnOIVCalc) and Oasys T/HIS (THIV and PHD).
+Sources: EN 1317-1; AASHTO, Manual for Assessing Safety Hardware, as in the manuals of NI DIAdem (ChnASICalc,
+ChnTHIVCalc, ChnOIVCalc) and Oasys T/HIS (THIV and PHD).
 """
 
 import math
@@ -22,14 +24,29 @@ from numpy.polynomial import Polynomial
 from postprocess.signals.filters import Floats, cfc_filter, low_pass, moving_mean
 
 AHEAD, ASIDE = 0.6, 0.3
-"""Free distances [m]: to the dashboard, to either side."""
+"""Flail distances to the dashboard and to either side [m]."""
+
+GRAVITY = 9.80665
+"""[m/s^2]"""
+
+RIDEDOWN = 0.01
+"""Width of the means after contact [s]."""
+
+PLANAR = "planar: without vertical acceleration, roll and pitch a lower bound"
+
+AXES = "planar; without yaw"
+
+HEAD = "planar; head above the centre of mass, not in a seat"
+
+LIMITS = "limits not given"
 
 
 @dataclass(frozen=True)
 class VehicleMotion:
-    """Motion of the centre of mass in the plane from first touch; arrays of shape (n,).
+    """Planar motion of the centre of mass from first touch.
 
-    t: even instants [s]; ax, ay: acceleration along the vehicle's own axes [m/s^2]; yaw_rate [rad/s]; yaw [rad].
+    Arrays of shape (n,). t: even instants [s]; ax, ay: acceleration along the vehicle's axes [m/s^2]; yaw_rate
+    [rad/s]; yaw [rad].
     """
 
     t: Floats
@@ -55,7 +72,10 @@ class VehicleMotion:
 
 @dataclass(frozen=True)
 class FlightEnd:
-    """End of a free flight: instant [s], velocity relative to the vehicle [m/s], forward and to the left."""
+    """End of a free flight.
+
+    Instant [s]; velocity relative to the vehicle [m/s], forward and to the left.
+    """
 
     time: float
     forward: float
@@ -63,21 +83,25 @@ class FlightEnd:
 
     @property
     def speed(self) -> float:
-        """Resultant [m/s]."""
+        """Resultant velocity [m/s]."""
         return math.hypot(self.forward, self.sideways)
 
 
 def occupant_contact(motion: VehicleMotion) -> FlightEnd | None:
-    """Flail space: both axes by themselves, the vehicle's turning left out; None if neither distance is used up."""
+    """Return the end of a flight in the flail space.
+
+    Both axes are independent, and yaw is neglected. None if neither distance is reached.
+    """
     speeds = [_integral(motion.t, -values) for values in (motion.ax, motion.ay)]
     displacements = [_integral_of_linear(motion.t, -values) for values in (motion.ax, motion.ay)]
     return _first_contact(motion.t, displacements, speeds)
 
 
 def head_contact(motion: VehicleMotion, ahead: float = 0.0) -> FlightEnd | None:
-    """Free head, in the plane: straight on as the vehicle turns about it; None if it touches nothing.
+    """Return the end of the planar flight of a free head.
 
-    ahead: how far in front of the centre of mass it sits [m].
+    The velocity of the head is constant while the vehicle rotates. None without contact. ahead: distance in front of
+    the centre of mass [m].
     """
     t, turned = motion.t - motion.t[0], motion.yaw - motion.yaw[0]
     cos, sin = np.cos(turned), np.sin(turned)
@@ -92,15 +116,16 @@ def head_contact(motion: VehicleMotion, ahead: float = 0.0) -> FlightEnd | None:
 
 
 def _first_contact(t: Floats, displacements: list[Floats], speeds: list[Floats]) -> FlightEnd | None:
-    """The first instant at which a way reaches its distance, by cubics through displacements and speeds."""
+    """Return the first instant at which a displacement reaches its distance.
+
+    Displacements are interpolated by cubics.
+    """
     reached = (displacements[0] >= AHEAD) | (np.abs(displacements[1]) >= ASIDE)
     if not reached.any():
         return None
     k = int(reached.argmax()) - 1
     step = t[k + 1] - t[k]
-    cubics = [
-        _cubic(*way[k : k + 2], *step * v[k : k + 2]) for way, v in zip(displacements, speeds, strict=True)
-    ]
+    cubics = [_cubic(*x[k : k + 2], *step * v[k : k + 2]) for x, v in zip(displacements, speeds, strict=True)]
     low, high = 0.0, 1.0
     for _ in range(53):  # bisection, to the last digit
         middle = 0.5 * (low + high)
@@ -110,38 +135,29 @@ def _first_contact(t: Floats, displacements: list[Floats], speeds: list[Floats])
 
 
 def _cubic(start: float, end: float, rate: float, last_rate: float) -> Polynomial:
-    """The cubic on (0, 1) with these values and derivatives at its ends."""
+    """Return the cubic on (0, 1) by values and derivatives at the ends."""
     rise = end - start
     return Polynomial([start, rate, 3.0 * rise - 2.0 * rate - last_rate, rate + last_rate - 2.0 * rise])
 
 
 def _integral(t: Floats, values: Floats) -> Floats:
-    """From the first instant, values linear in between."""
+    """Integrate piecewise linear values from the first instant."""
     return np.concatenate(([0.0], np.cumsum(0.5 * np.diff(t) * (values[1:] + values[:-1]))))
 
 
 def _integral_of_linear(t: Floats, values: Floats) -> Floats:
-    """The integral of `_integral`, exact as well."""
+    """Integrate the result of `_integral`, exactly."""
     steps = np.diff(t)
-    gained = steps * _integral(t, values)[:-1] + steps**2 * (2.0 * values[:-1] + values[1:]) / 6.0
-    return np.concatenate(([0.0], np.cumsum(gained)))
-
-
-GRAVITY = 9.80665
-"""[m/s^2]"""
-
-RIDEDOWN = 0.01
-"""Width of the means after contact [s]."""
-
-PLANAR = "planar: without vertical acceleration, roll and pitch a lower bound"
-AXES = "planar; without yaw"
-HEAD = "planar; head above the centre of mass, not in a seat"
-LIMITS = "limits not given"
+    increments = steps * _integral(t, values)[:-1] + steps**2 * (2.0 * values[:-1] + values[1:]) / 6.0
+    return np.concatenate(([0.0], np.cumsum(increments)))
 
 
 @dataclass(frozen=True)
 class RiskMeasure:
-    """A measure: value in its unit, None where the flight does not end; instant [s]; what it lacks; limits."""
+    """Measure of occupant risk.
+
+    value: in its unit, None if the flight does not end; time: instant [s]; `lacks`: restrictions; limits.
+    """
 
     name: str
     value: float | None
@@ -152,25 +168,31 @@ class RiskMeasure:
 
 
 def occupant_risk(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
-    """All measures. ValueError for a motion sampled below 1800 Hz, or shorter than 77 ms (a period of 13 Hz)."""
+    """Return all measures of occupant risk.
+
+    ValueError for a motion sampled below 1800 Hz, or shorter than 77 ms (a period of 13 Hz).
+    """
     return (*severity_indices(motion), *head_measures(motion), *flail_measures(motion))
 
 
 def severity_indices(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
-    """ASI after both editions. Before first touch there is no acceleration."""
+    """Return ASI after both editions.
+
+    Before first touch there is no acceleration.
+    """
     interval = motion.interval
     both = (motion.ax, 12.0), (motion.ay, 9.0)
     axes = [np.concatenate(([0.0], a / (limit * GRAVITY))) for a, limit in both]
     means = [moving_mean(a, interval, 0.05) for a in axes]
     filtered = [low_pass(cfc_filter(a, interval, 180), interval, 13.0) for a in axes]
     return tuple(
-        _largest(f"ASI {edition}", "-", PLANAR, motion.t, np.hypot(*found)[1:])
-        for edition, found in (("1998, 50 ms mean", means), ("2010, 13 Hz", filtered))
+        _largest(f"ASI {edition}", "-", PLANAR, motion.t, np.hypot(*components)[1:])
+        for edition, components in (("1998, 50 ms mean", means), ("2010, 13 Hz", filtered))
     )
 
 
 def head_measures(motion: VehicleMotion) -> tuple[RiskMeasure, RiskMeasure]:
-    """THIV [m/s] and PHD [g]."""
+    """Return THIV [m/s] and PHD [g]."""
     contact = head_contact(motion)
     time, speed = (contact.time, contact.speed) if contact else (None, None)
     resultant = np.hypot(motion.ax, motion.ay)
@@ -178,7 +200,7 @@ def head_measures(motion: VehicleMotion) -> tuple[RiskMeasure, RiskMeasure]:
 
 
 def flail_measures(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
-    """OIV [m/s] and ORA [g], each longitudinal and lateral, without sign."""
+    """Return OIV [m/s] and ORA [g] along both axes, without sign."""
     contact = occupant_contact(motion)
     time, speeds = (contact.time, (contact.forward, contact.sideways)) if contact else (None, (None, None))
     axes = (("longitudinal", speeds[0], motion.ax), ("lateral", speeds[1], motion.ay))
@@ -191,7 +213,10 @@ def flail_measures(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
 def _after(
     name: str, lacks: str, motion: VehicleMotion, contact: FlightEnd | None, values: Floats
 ) -> RiskMeasure:
-    """The largest 10 ms mean [g] that begins after the contact and ends within the history."""
+    """Return the largest 10 ms mean [g] after the contact.
+
+    Means end within the history.
+    """
     t, half = motion.t, 0.5 * RIDEDOWN
     means = np.abs(moving_mean(values, motion.interval, RIDEDOWN)) / GRAVITY
     later = np.zeros(t.size, bool) if contact is None else (t >= contact.time + half) & (t <= t[-1] - half)

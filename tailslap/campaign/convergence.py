@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from postprocess.comparison import quantities
+from postprocess.comparison import grid_convergence, quantities
 from postprocess.comparison.quantities import KEYS
 from tailslap.scene.schema import Scene
 
@@ -62,14 +62,16 @@ def halved(records: list[Record]) -> bool:
     return all(earlier and abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
 
 
-def grids_of(records: Iterable[Record], names: Sequence[str] = KEYS) -> dict[str, quantities.GridConvergence]:
+def grids_of(
+    records: Iterable[Record], names: Sequence[str] = KEYS
+) -> dict[str, grid_convergence.GridConvergence]:
     """Grid convergence of each quantity over the three finest, each half the one before; empty for fewer."""
     values = [record["values"] for record in finite(records)][-3:]
     if len(values) < 3:
         return {}
     coarse, medium, fine = values
     three = {name: (fine[name], medium[name], coarse[name]) for name in names}
-    return {name: quantities.grid_convergence(values, (2.0, 2.0)) for name, values in three.items()}
+    return {name: grid_convergence.grid_convergence(values, (2.0, 2.0)) for name, values in three.items()}
 
 
 def limit_of(records: Iterable[Record], names: Sequence[str] = KEYS) -> Limit:
@@ -77,10 +79,17 @@ def limit_of(records: Iterable[Record], names: Sequence[str] = KEYS) -> Limit:
     values, known = dict.fromkeys(names, math.nan), [MIN_KNOWN]
     grids = grids_of(records, names)
     for name, grid in grids.items():
-        fine, change, safety = grid.values[0], grid.values[0] - grid.values[1], quantities.CAUTIOUS_FACTOR
+        fine, change, safety = (
+            grid.values[0],
+            grid.values[0] - grid.values[1],
+            grid_convergence.CAUTIOUS_FACTOR,
+        )
         values[name] = fine
         if grid.behaviour == "converging":
-            change, safety = change / (2.0 ** min(grid.order, MAX_ORDER) - 1.0), quantities.SAFETY_FACTOR
+            change, safety = (
+                change / (2.0 ** min(grid.order, MAX_ORDER) - 1.0),
+                grid_convergence.SAFETY_FACTOR,
+            )
             values[name] = fine + change
         known.append(safety * abs(change / fine))
     return Limit(values, max(known) if grids else math.nan)
@@ -88,7 +97,7 @@ def limit_of(records: Iterable[Record], names: Sequence[str] = KEYS) -> Limit:
 
 def convergence_index(fine: float, medium: float, coarse: float) -> float:
     """Grid convergence index of the fine mesh; an observed order above that of the elements is luck, and not used."""
-    found = quantities.grid_convergence((fine, medium, coarse), (2.0, 2.0))
+    found = grid_convergence.grid_convergence((fine, medium, coarse), (2.0, 2.0))
     if found.behaviour != "converging" or found.order <= MAX_ORDER:
         return found.gci_fine
-    return quantities.SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)
+    return grid_convergence.SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)

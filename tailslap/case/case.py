@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 import numpy as np
 
 from postprocess.comparison.quantities import Compared
-from postprocess.signals.filters import design_forces
+from postprocess.signals.design_forces import design_forces
 from postprocess.units import SI, Units, force, measure, percent_up, shown
 from tailslap.case import cost, model
 from tailslap.case.model import Decision

@@ -15,7 +15,7 @@ from fem.start import start_kinds
 from postprocess import units
 from postprocess.fields import series
 from postprocess.report.page import Column, Headline, Page, Section, Table, columns, pairs
-from postprocess.signals.filters import DesignForce, design_forces
+from postprocess.signals.design_forces import DesignForce, design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost
 from tailslap.case.case import LABEL, Case, Check, FePlan, Outcome, as_read

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.quantities import COVERED, LIMITS, QUANTITIES, Beside, beside
+from postprocess.comparison.metrics import COVERED, LIMITS, Beside, beside
+from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.histories import Curve, compared_panels, draw_overlay
 from postprocess.report.page import Column, Headline, Page, Section, Table, columns
 from postprocess.report.report import Report
@@ -51,8 +52,8 @@ WORDS = {panel.name: (panel.symbol, panel.caption) for panel in compared_panels(
 NOTE = (
     "M, P, C: Sprague-Geers magnitude, phase and comprehensive metrics. Mean, standard deviation (SD) and largest "
     "value of the differences, relative to the peak of the reference, as in NCHRP W179. Limits: "
-    f"{100 * LIMITS.magnitude:.0f} % for M, P and C, {100 * LIMITS.mean_residual:.0f} % for the mean, "
-    f"{100 * LIMITS.deviation:.0f} % for SD. Time: compared part of the time of the reference, at least "
+    f"{100 * LIMITS['magnitude']:.0f} % for M, P and C, {100 * LIMITS['mean_residual']:.0f} % for the mean, "
+    f"{100 * LIMITS['deviation']:.0f} % for SD. Time: compared part of the time of the reference, at least "
     f"{100 * COVERED:.0f} %."
 )
 
@@ -157,7 +158,7 @@ def _remarks(item: Item, reference: Item, compared: Sequence[Beside], left: Sequ
         yield f"{item.label}: {names} compared for {covered:g} % of the {t[-1] - t[0]:.4g} s of {reference.label}."
     for each in compared:
         size, at = abs(each.largest[0]), each.largest[1]
-        if each.metrics.within and size > LIMITS.deviation:
+        if each.metrics.within and size > LIMITS["deviation"]:
             yield (
                 f"{item.label}: {each.name} differs by {100.0 * size:.0f} % of the peak at {at:.4g} s; the metrics, "
                 "means over time, are within their limits."
@@ -182,7 +183,7 @@ def compare_report(found: Comparison) -> Report:
         "version": tailslap.__version__,
         "reference": found.reference.label,
         "passed": found.within,
-        "limits": asdict(LIMITS),
+        "limits": LIMITS,
         "compared": compared,
         "notes": list(found.notes),
     }

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.quantities import COVERED, LIMITS, weighted_metrics
+from postprocess.comparison.metrics import COVERED, LIMITS, weighted_metrics
 from postprocess.report.page import Column, Headline, Page, Section, Table, columns, page_text, pairs
 from postprocess.report.report import Report
 from postprocess.units import percent
@@ -234,9 +234,8 @@ def _metrics_table(found: Comparison, weighted: dict[str, dict[str, Any]]) -> Ta
                 | weighted[label]
             )
     heads = (*METRICS[:2], Column("weight", "Weight", form=".3f"), *METRICS[2:])
-    limits = (
-        f"{100 * LIMITS.magnitude:.0f}, {100 * LIMITS.mean_residual:.0f} and {100 * LIMITS.deviation:.0f} %"
-    )
+    sizes = (100 * LIMITS[name] for name in ("magnitude", "mean_residual", "deviation"))
+    limits = "{:.0f}, {:.0f} and {:.0f} %".format(*sizes)
     note = (
         f"In %; limits {limits} for Sprague-Geers M, P and C, mean and standard deviation of the residuals. Weight: "
         "largest change of momentum of the channel in the reference (angular velocity: over the radius of gyration); "

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import tailslap
-from postprocess.comparison import quantities
+from postprocess.comparison import grid_convergence, metrics
 from postprocess.comparison.quantities import PAPER_TABLE_3, comparison_rows, relative_difference
 from tailslap import InputError, cli
 from tailslap.comparing import source
@@ -48,8 +48,8 @@ def their_file(path, result, head, factor=1.0):
 def test_metrics_of_a_scaled_and_of_a_late_history():
     """Twice as large: M = 1, P = 0, C = 1. Late by a hundredth of a turn: M = 0, P = 0.02."""
     reference = {"t": T, "v": np.sin(2.0 * np.pi * T)}
-    twice = quantities.beside("v", {"t": T, "v": 2.0 * reference["v"]}, reference)
-    late = quantities.beside("v", {"t": T, "v": np.sin(2.0 * np.pi * (T - 0.01))}, reference)
+    twice = metrics.beside("v", {"t": T, "v": 2.0 * reference["v"]}, reference)
+    late = metrics.beside("v", {"t": T, "v": np.sin(2.0 * np.pi * (T - 0.01))}, reference)
     assert twice is not None
     assert late is not None
     assert twice.metrics.magnitude == pytest.approx(1.0, abs=1e-12)
@@ -62,7 +62,7 @@ def test_metrics_of_a_scaled_and_of_a_late_history():
 
 def test_residuals_of_a_shifted_history():
     reference = {"t": T, "v": 4.0 - T}
-    found = quantities.beside("v", {"t": T, "v": reference["v"] + 0.4}, reference)
+    found = metrics.beside("v", {"t": T, "v": reference["v"] + 0.4}, reference)
     assert found is not None
     assert found.metrics.mean_residual == pytest.approx(0.1)
     assert found.metrics.deviation == pytest.approx(0.0, abs=1e-12)
@@ -72,18 +72,18 @@ def test_residuals_of_a_shifted_history():
 
 def test_only_the_common_time_counts():
     reference = {"t": T, "v": T}
-    found = quantities.beside("v", {"t": T[200:500:3] + 1e-5, "v": T[200:500:3] + 1e-5}, reference)
+    found = metrics.beside("v", {"t": T[200:500:3] + 1e-5, "v": T[200:500:3] + 1e-5}, reference)
     assert found is not None
     assert (found.t[0], found.t[-1]) == (T[200] + 1e-5, T[497] + 1e-5)
     assert found.covered == pytest.approx(0.297, rel=1e-10)
     assert not found.within  # less than half of the reference's time
     np.testing.assert_allclose(found.value, found.reference, atol=1e-12)
-    assert quantities.beside("v", {"t": T + 2.0, "v": T}, reference) is None
+    assert metrics.beside("v", {"t": T + 2.0, "v": T}, reference) is None
 
 
 def test_rows_that_are_not_finite_are_left_out():
     values = np.where(T > 0.5, np.nan, T)
-    found = quantities.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
+    found = metrics.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
     assert found is not None
     assert found.t[-1] == 0.5
     assert found.covered == pytest.approx(0.5, rel=1e-12)
@@ -94,7 +94,7 @@ def test_a_gap_is_not_interpolated():
     wild = {"t": T, "v": np.where((T > 0.25) & (T < 0.625), 50.0, T)}
     rows = T[(T <= 0.25) | (T >= 0.625)]
     part = {"t": rows, "v": rows}
-    for found in (quantities.beside("v", part, wild), quantities.beside("v", wild, part)):
+    for found in (metrics.beside("v", part, wild), metrics.beside("v", wild, part)):
         assert found is not None
         assert found.gaps == ((0.25, 0.625),)
         assert found.covered == pytest.approx(0.625, rel=1e-12)
@@ -104,7 +104,7 @@ def test_a_gap_is_not_interpolated():
 
 def test_a_gap_of_missing_values_is_one_too():
     values = np.where((T > 0.25) & (T < 0.625), np.nan, T)
-    found = quantities.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
+    found = metrics.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
     assert found is not None
     assert found.gaps == ((0.25, 0.625),)
 
@@ -114,7 +114,7 @@ def test_even_and_dense_rows_have_no_gaps():
     coarse = np.linspace(0.0, 1.0, 5)
     crowded = np.unique(np.r_[np.linspace(0.0, 1.0, 26), np.linspace(0.5, 0.6, 1001)])
     for t in (coarse, crowded):
-        found = quantities.beside("v", {"t": t, "v": t}, {"t": T, "v": T})
+        found = metrics.beside("v", {"t": t, "v": t}, {"t": T, "v": T})
         assert found is not None
         assert (found.gaps, found.covered) == ((), 1.0)
 
@@ -123,7 +123,7 @@ def test_rows_of_the_finer_history_count_too():
     """Between two rows of the reference, whose value is 2, a peak of 1 over a width of 0.002: area 0.001."""
     reference = {"t": np.linspace(0.0, 1.0, 11), "v": np.full(11, 2.0)}
     value = 2.0 + (np.arange(T.size) == 250)
-    found = quantities.beside("v", {"t": T, "v": value}, reference)
+    found = metrics.beside("v", {"t": T, "v": value}, reference)
     assert found is not None
     assert found.metrics.mean_residual == pytest.approx(0.0005, rel=1e-10)
     assert found.largest == (pytest.approx(0.5, rel=1e-12), T[250])
@@ -489,7 +489,7 @@ PERIODS = np.linspace(0.0, 6.0 * np.pi, 3001)
 @pytest.mark.parametrize("factor", [0.3, 1.0, 1.0 + 1e-9, 2.5])
 def test_a_scaled_signal_differs_in_magnitude_alone(factor):
     signal = np.exp(-0.1 * PERIODS) * np.cos(PERIODS)
-    found = quantities.compare_histories(PERIODS, factor * signal, signal)
+    found = metrics.compare_histories(PERIODS, factor * signal, signal)
     assert found.magnitude == pytest.approx(factor - 1.0, abs=1e-14)
     assert found.phase == pytest.approx(0.0, abs=1e-14)
     assert found.combined == pytest.approx(abs(factor - 1.0), abs=1e-14)
@@ -497,27 +497,27 @@ def test_a_scaled_signal_differs_in_magnitude_alone(factor):
 
 @pytest.mark.parametrize("shift", [1e-9, 1e-3, 0.5, 2.0, math.pi])
 def test_a_sine_with_a_phase_shift(shift):
-    found = quantities.compare_histories(PERIODS, np.sin(PERIODS - shift), np.sin(PERIODS))
+    found = metrics.compare_histories(PERIODS, np.sin(PERIODS - shift), np.sin(PERIODS))
     assert found.phase == pytest.approx(shift / math.pi, rel=1e-6, abs=1e-15)
     assert found.magnitude == pytest.approx(0.0, abs=1e-13)
 
 
 def test_magnitude_and_phase_combine_as_the_sides_of_a_right_angle():
-    found = quantities.compare_histories(PERIODS, 1.3 * np.sin(PERIODS - 0.4 * math.pi), np.sin(PERIODS))
+    found = metrics.compare_histories(PERIODS, 1.3 * np.sin(PERIODS - 0.4 * math.pi), np.sin(PERIODS))
     assert found.combined == pytest.approx(0.5, abs=1e-12)
 
 
 def test_a_constant_offset_is_all_mean_and_no_deviation():
     """Over the peak of the reference, whatever its sign; and signed."""
     reference = -4.0 - np.sin(PERIODS)
-    found = quantities.compare_histories(PERIODS, reference - 0.25, reference)
+    found = metrics.compare_histories(PERIODS, reference - 0.25, reference)
     assert found.mean_residual == pytest.approx(-0.05, abs=1e-14)
     assert found.deviation == pytest.approx(0.0, abs=1e-14)
 
 
 def test_a_wave_on_top_is_all_deviation():
     reference = 2.0 + 0.0 * PERIODS
-    found = quantities.compare_histories(PERIODS, reference + 0.6 * np.sin(PERIODS), reference)
+    found = metrics.compare_histories(PERIODS, reference + 0.6 * np.sin(PERIODS), reference)
     assert found.mean_residual == pytest.approx(0.0, abs=1e-14)
     assert found.deviation == pytest.approx(0.3 / math.sqrt(2.0), abs=1e-12)
 
@@ -526,9 +526,9 @@ def test_it_is_time_that_counts_and_not_rows():
     """Rows crowd where the two differ: the mean over time is that of the trapezoids, -0.07, not that of the rows."""
     instants = np.array([0.0, 0.01, 0.02, 0.03, 0.04, 0.1, 0.9, 1.0])
     residual = np.where(instants < 0.05, -1.0, 0.0)
-    found = quantities.compare_histories(instants, 10.0 + 10.0 * residual, np.full(8, 10.0))
+    found = metrics.compare_histories(instants, 10.0 + 10.0 * residual, np.full(8, 10.0))
     assert found.mean_residual == pytest.approx(-(0.04 + 0.5 * 0.06), abs=1e-15)
-    later = quantities.compare_histories(7.0 + 3.0 * instants, 10.0 + 10.0 * residual, np.full(8, 10.0))
+    later = metrics.compare_histories(7.0 + 3.0 * instants, 10.0 + 10.0 * residual, np.full(8, 10.0))
     for name in ("magnitude", "phase", "mean_residual", "deviation"):
         assert getattr(later, name) == pytest.approx(getattr(found, name), abs=1e-13)
 
@@ -540,7 +540,7 @@ def test_the_trapezoidal_rule_converges_in_second_order():
     errors = []
     for rows in (20, 40, 80):
         t = np.linspace(0.0, 1.0, rows + 1)
-        found = quantities.compare_histories(t, np.exp(t), np.ones_like(t))
+        found = metrics.compare_histories(t, np.exp(t), np.ones_like(t))
         errors.append([abs(found.magnitude - exact[0]), abs(found.phase - exact[1])])
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     np.testing.assert_allclose(orders, 2.0, atol=0.01)
@@ -551,21 +551,21 @@ def test_the_trapezoidal_rule_converges_in_second_order():
 def test_numbers_that_are_not_finite_give_none_that_could_pass(value):
     history = np.sin(PERIODS)
     history[7] = value
-    found = quantities.compare_histories(PERIODS, history, np.sin(PERIODS))
+    found = metrics.compare_histories(PERIODS, history, np.sin(PERIODS))
     assert all(math.isnan(x) for x in vars(found).values())
 
 
 def test_nothing_to_compare_gives_none():
     for rows in (0, 1):
         few = np.ones(rows)
-        assert all(math.isnan(x) for x in vars(quantities.compare_histories(few, few, few)).values())
-    zero = quantities.compare_histories(PERIODS, np.sin(PERIODS), 0.0 * PERIODS)
+        assert all(math.isnan(x) for x in vars(metrics.compare_histories(few, few, few)).values())
+    zero = metrics.compare_histories(PERIODS, np.sin(PERIODS), 0.0 * PERIODS)
     assert all(math.isnan(x) for x in vars(zero).values())
 
 
 def test_published_example():
     """NPARC Alliance, "Examining Spatial (Grid) Convergence": p = 1.786170, 0.97130, GCI 0.103083 and 0.356249 %."""
-    found = quantities.grid_convergence((0.97050, 0.96854, 0.96178), (2.0, 2.0))
+    found = grid_convergence.grid_convergence((0.97050, 0.96854, 0.96178), (2.0, 2.0))
     assert found.order == pytest.approx(1.786170, abs=5e-7)
     assert found.extrapolated == pytest.approx(0.97130, abs=5e-6)
     assert 100.0 * found.gci_fine == pytest.approx(0.103083, abs=5e-7)
@@ -578,7 +578,7 @@ def test_published_example():
 def test_power_law_is_found_exactly(order, ratios):
     sizes = (1.0, ratios[0], ratios[0] * ratios[1])
     values = tuple(5.0 - 0.01 * size**order for size in sizes)
-    found = quantities.grid_convergence(values, ratios)
+    found = grid_convergence.grid_convergence(values, ratios)
     assert found.order == pytest.approx(order, rel=1e-9)
     assert found.extrapolated == pytest.approx(5.0, rel=1e-12)
     assert found.error == pytest.approx(0.01 / 4.99, rel=1e-9)
@@ -591,16 +591,16 @@ def test_power_law_is_found_exactly(order, ratios):
     ((3.9, 3.6, 3.29), "slow"),  # a logarithm: it grows by the same with every halving
 ])  # fmt: skip
 def test_values_that_do_not_converge_are_not_extrapolated(values, behaviour):
-    found = quantities.grid_convergence(values, (2.0, 2.0))
+    found = grid_convergence.grid_convergence(values, (2.0, 2.0))
     assert (found.behaviour, found.extrapolated) == (behaviour, values[0])
     if behaviour != "settled":
         assert found.gci_fine == pytest.approx(3.0 * abs(values[0] - values[1]) / values[0])
 
 
 def test_no_order_for_a_quotient_that_no_power_law_has():
-    assert quantities.observed_order(0.1, (1.5, 2.2)) == -math.inf
+    assert grid_convergence.observed_order(0.1, (1.5, 2.2)) == -math.inf
 
 
 def test_ratios_must_be_above_one():
     with pytest.raises(ValueError, match="above 1"):
-        quantities.grid_convergence((1.0, 2.0, 3.0), (1.0, 2.0))
+        grid_convergence.grid_convergence((1.0, 2.0, 3.0), (1.0, 2.0))

@@ -5,7 +5,8 @@ import math
 
 import pytest
 
-from postprocess.comparison.quantities import grid_convergence, largest_relative
+from postprocess.comparison.grid_convergence import grid_convergence
+from postprocess.comparison.quantities import largest_relative
 from postprocess.report.report import write_report
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase

@@ -10,17 +10,16 @@ import pytest
 
 from postprocess.signals import filters
 from postprocess.signals import occupant as risk
+from postprocess.signals.design_forces import LRFD, design_forces
 from postprocess.signals.filters import (
     CLASSES,
-    LRFD,
     cfc_filter,
-    design_forces,
     force_curves,
     force_peaks,
     low_pass,
     moving_mean,
-    second_strike,
 )
+from postprocess.signals.strike_duration import second_strike
 
 FILTERS: dict[str, Callable[..., Any]] = {
     **{f"CFC {c}": partial(cfc_filter, frequency_class=c) for c in CLASSES},

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tailslap
-from postprocess.comparison.quantities import Metrics, weighted_metrics
+from postprocess.comparison.metrics import Metrics, weighted_metrics
 from tailslap import cli
 from tailslap.comparing import validation
 from tailslap.comparing.report import compare_items

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.laws.friction import FRICTION_LAWS, FrictionLaw
-from postprocess.comparison.quantities import Metrics, compare_histories
+from postprocess.comparison.metrics import Metrics, compare_histories
 from tailslap.case.case import Outcome, energy_surplus
 from tailslap.case.corner.error import Companion, NumericalError, friction_by_ringing, numerical_error
 from tailslap.case.corner.plan import CornerPlan

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.signals import filters, occupant
+from postprocess.signals import filters, occupant, strike_duration
 from solver.impact import CORNERS, ImpactMotion, ImpactVehicle, Strike, corner_name, strikes_of
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
@@ -102,7 +102,7 @@ class ImpactAnswer:
         found = {}
         for name in ("mean_50ms", "cfc60", "cutoff_60hz"):
             try:
-                strike = filters.second_strike(self.lateral[name], self.interval)
+                strike = strike_duration.second_strike(self.lateral[name], self.interval)
             except ValueError:
                 continue
             if self.cut and strike.end + self.interval >= self.history["t"][-1]:

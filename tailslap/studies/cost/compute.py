@@ -22,6 +22,7 @@ from fem.run.corner import Stepper, simulate
 from fem.run.impact import compile_impact_loop
 from fem.start.inertia_relief import RigidStart
 from postprocess.comparison import quantities
+from postprocess.comparison.grid_convergence import GridConvergence
 from postprocess.comparison.quantities import KEYS
 from solver import integrate_odes, plane_motion
 from tailslap import errors, modal_analysis, studies
@@ -104,7 +105,7 @@ class CostResult(NamedTuple):
     limit: Limit
     seconds: float = 0.0
     mesh_limit: Limit = NO_LIMIT
-    convergence: Mapping[str, Mapping[str, quantities.GridConvergence]] = {}
+    convergence: Mapping[str, Mapping[str, GridConvergence]] = {}
     soft: tuple[str, ...] = ()
     flexibility: float = math.nan
     patch: float = math.nan

@@ -1,0 +1,82 @@
+"""Design forces of railings by test level."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from postprocess.units import FOOT, KIP
+
+AASHTO = "AASHTO LRFD Bridge Design Specifications, Table A13.2-1; later editions not checked"
+
+LRFD = {
+    "TL-1": (13.5, 4.5, 4.0),
+    "TL-2": (27.0, 9.0, 4.0),
+    "TL-3": (54.0, 18.0, 4.0),
+    "TL-4": (54.0, 18.0, 3.5),
+    "TL-5": (124.0, 41.0, 8.0),
+    "TL-6": (175.0, 58.0, 8.0),
+}
+"""AASHTO's transverse and longitudinal forces [kip], and their length [ft], by test level."""
+
+TTI = (
+    "Sheikh, Bligh and Menges, Determination of minimum height and lateral design load for MASH test level 4 "
+    "bridge rails, Texas Transportation Institute, Report 9-1002-5 (2011)"
+)
+
+UNCONFIRMED = "attributed to NCHRP Project 22-20(2); not verified against the project report"
+
+
+TALLER = {
+    "TL-4": (
+        ("MASH, TTI", 80.0, TTI),  # for rails of 36 in. or higher
+        ("MASH, 4.5 g", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
+    ),
+    "TL-5": (
+        ("42 in wall", 160.0, UNCONFIRMED),
+        ("Manitoba, 1250 mm wall", 845e3 / KIP, "Design of the Manitoba tall wall, tac-atc.ca"),
+        ("taller wall", 262.0, UNCONFIRMED),
+    ),
+    "TL-6": (("MwRSF, 62 in wall", 300.0, "MASH TL-6 evaluation, rosap.ntl.bts.gov/view/dot/77847"),),
+}
+"""Further forces by test level: name, force [kip] and source."""
+
+
+@dataclass(frozen=True)
+class DesignForce:
+    """Transverse force on a railing and its source.
+
+    kip: as published [kip]; longitudinal: force along the rail [kip]; length: of rail over which both act [ft]; None:
+    not published.
+    """
+
+    name: str
+    kip: float
+    source: str
+    longitudinal: float | None = None
+    length: float | None = None
+
+    @property
+    def force(self) -> float:
+        """Transverse force [N]."""
+        return self.kip * KIP
+
+    @property
+    def longitudinal_force(self) -> float | None:
+        """Force along the rail [N]."""
+        return None if self.longitudinal is None else self.longitudinal * KIP
+
+    @property
+    def length_m(self) -> float | None:
+        """Length over which the forces act [m]."""
+        return None if self.length is None else self.length * FOOT
+
+
+def design_forces(test_level: str) -> Sequence[DesignForce]:
+    """Return the design forces of a test level, AASHTO's first.
+
+    test_level: "TL-1" to "TL-6", otherwise ValueError.
+    """
+    if test_level not in LRFD:
+        raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LRFD)}")
+    transverse, *along = LRFD[test_level]
+    first = DesignForce("AASHTO LRFD", transverse, AASHTO, *along)
+    return (first, *(DesignForce(*row) for row in TALLER.get(test_level, ())))
