@@ -20,8 +20,8 @@ from fem.model.impact_model import build_impact_model
 from fem.plate.properties import ContactProperties, PlateProperties, StepProperties, UnitProperties
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
-from postprocess.report.page import pairs
-from postprocess.report.report import printed
+from postprocess.report.tables import pairs
+from postprocess.report.terminal import printed
 from solver.impact import solve_impact
 from solver.impact.solve import MANY
 from tailslap.case.impact.answers import COMPARED

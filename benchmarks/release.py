@@ -22,8 +22,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import tailslap
-from postprocess.report.page import Column, Headline, Page, Section, Table
-from postprocess.report.report import Report, write_report
+from postprocess.report.command_report import Report, write_report
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Table
 from tailslap.files.folder import result_folder
 from tailslap.files.manifest import Origin
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postprocess.report.page import pairs
-from postprocess.report.report import printed
+from postprocess.report.tables import pairs
+from postprocess.report.terminal import printed
 from tailslap.case.impact import answers, error
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene

@@ -1,6 +1,6 @@
-"""Presentation of a run's numbers: comparison, tables on disk, pictures, curves, report.
+"""Presentation of results.
 
-Nothing here knows how the numbers were computed or how a scene is written: every function takes plain NumPy
-arrays, mappings and the frozen records defined here. SI units throughout. The picture, plot and template
-libraries are imported inside the functions that need them: importing a module is cheap.
+Comparison, signals, fields, figures, tables and reports. Nothing here depends on how the numbers were computed or how
+a scene is written: functions take plain NumPy arrays, mappings and the frozen records defined here, in SI units.
+Libraries for pictures, plots and templates are imported inside functions, so that importing a module is fast.
 """

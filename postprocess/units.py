@@ -1,11 +1,13 @@
-"""Numbers and units for people: SI as engineers write it, or US customary ones; files stay in SI."""
+"""Systems of units, and numbers as text.
+
+SI as engineers write it, or US customary units; files remain in SI.
+"""
 
 import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any
 
 OPEN, SEPARATOR, CLOSE = "\x02", "\x1f", "\x03"
 MEASURE = re.compile(f"{OPEN}([^{SEPARATOR}]*){SEPARATOR}([^{SEPARATOR}]*){SEPARATOR}([^{CLOSE}]*){CLOSE}")
@@ -18,45 +20,54 @@ POWER = re.compile(r"^(10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+) (.*)$")
 
 
 def measure(value: float, unit: str, form: str = ".4g", named: bool = True) -> str:
-    """Text of a value, to stand in a sentence, which `Units.rendered` shows in the units of its reader.
+    """Return a value as text that `Units.rendered` converts to the reader's units.
 
     Parameters
     ----------
     value : float
         In `unit`.
     unit : str
-        Unit in which SI shows it, like "kN"; of "N", "N s", "J" and "rad" SI shows "kN", "kN s", "kJ" and "deg".
+        Unit of the value, like "kN". SI shows "N", "N s", "J" and "rad" as "kN", "kN s", "kJ" and "deg".
     form : str
-        Format specification in SI; other units have as many digits, but three at least.
+        Format specification in SI; other units have equally many digits, at least three.
     named : bool
-        Whether the unit stands behind the number; False for all but the last of a list.
+        Whether the unit follows the number; in lists True for the last alone.
     """
     return f"{OPEN}{float(value)!r}{SEPARATOR}{unit if named else '!' + unit}{SEPARATOR}{form}{CLOSE}"
 
 
 @dataclass(frozen=True)
 class Units:
-    """A name, and by unit how many of another one it is, and what that is called."""
+    """System of units.
+
+    conversions: by unit, its size in another unit, and the name of that.
+    """
 
     name: str
-    others: Mapping[str, tuple[float, str]]
+    conversions: Mapping[str, tuple[float, str]]
 
     def of(self, unit: str) -> tuple[float, str]:
-        """Factor and unit to show a value in; a unit with a power of ten loses it where it is another one."""
-        if unit in self.others:
-            return self.others[unit]
+        """Return factor and unit in which a value is shown.
+
+        A power of ten before the unit is kept.
+        """
+        if unit in self.conversions:
+            return self.conversions[unit]
         power = POWER.match(unit)
-        if power and power[2] in self.others:
-            factor, name = self.others[power[2]]
+        if power and power[2] in self.conversions:
+            factor, name = self.conversions[power[2]]
             return factor, f"{power[1]} {name}"
         return 1.0, unit
 
     def rendered(self, text: str, gap: str = " ") -> str:
-        """Return a text with its measures in these units; gap: between number and unit."""
-        return MEASURE.sub(lambda found: self._measure(found, gap), text) if OPEN in text else text
+        """Return a text with its measures in these units.
 
-    def _measure(self, found: re.Match[str], gap: str) -> str:
-        value, unit, form = float(found[1]), found[2].removeprefix("!"), found[3]
+        gap: between number and unit.
+        """
+        return MEASURE.sub(lambda match: self._measure(match, gap), text) if OPEN in text else text
+
+    def _measure(self, match: re.Match[str], gap: str) -> str:
+        value, unit, form = float(match[1]), match[2].removeprefix("!"), match[3]
         factor, name = SI.of(unit)
         text = format(factor * value, form)
         factor_here, name_here = self.of(unit)
@@ -64,7 +75,7 @@ class Units:
             digits = len(re.sub(r"\D", "", text.split("e")[0]).lstrip("0"))
             text = f"{factor_here * value:.{max(3, digits)}g}"
             text = f"{float(text):.0f}" if "e+" in text else text
-        return text if found[2].startswith("!") else f"{text}{gap}{name_here}"
+        return text if match[2].startswith("!") else f"{text}{gap}{name_here}"
 
 
 SI = Units(
@@ -95,17 +106,24 @@ US = Units(
     },
 )
 SYSTEMS = {units.name: units for units in (SI, US)}
+"""Systems of units by name."""
 
 
-def shown(value: Any, form: str) -> str:
-    """A value by its format specification; words, None, truth and what is not finite in words."""
+def shown(value: float | str | None, form: str) -> str:
+    """Format a value, or describe it in words.
+
+    Words, None, truth values and values that are not finite have no format.
+    """
     if isinstance(value, bool | str) or value is None or not math.isfinite(value):
         return number(value)
     return format(value + 0, form).rstrip(".")  # the sum has no negative zero
 
 
 def known(form: str, negligible: float = 0.0) -> Callable[[float], str]:
-    """A form of numbers that shows a dash for one that is not finite, 0 for one below what is negligible."""
+    """Return a format with a dash for unknown values.
+
+    Values that are not finite are unknown. Values below `negligible` are shown as 0.
+    """
 
     def text(value: float) -> str:
         if not math.isfinite(value):
@@ -116,7 +134,10 @@ def known(form: str, negligible: float = 0.0) -> Callable[[float], str]:
 
 
 def number(value: object, digits: int = 7) -> str:
-    """A number with so many significant digits at most; words as they are, a dash for None."""
+    """Format a number with at most `digits` significant digits.
+
+    Words remain unchanged, and None is a dash.
+    """
     if value is None:
         return "–"
     if isinstance(value, bool):
@@ -129,7 +150,10 @@ def number(value: object, digits: int = 7) -> str:
 
 
 def percent(fraction: float | None, decimals: int = 2) -> str:
-    """A relative difference with its sign, or with none where it rounds to zero."""
+    """Format a relative difference with its sign.
+
+    Where it rounds to zero it has none.
+    """
     if fraction is None or not math.isfinite(fraction):
         return number(fraction)
     text = f"{100.0 * fraction:+.{decimals}f}"
@@ -137,13 +161,19 @@ def percent(fraction: float | None, decimals: int = 2) -> str:
 
 
 def rounded_up(value: float) -> float:
-    """The least number of two digits that is not below a positive value, but for rounding errors."""
+    """Round a positive value up to two digits.
+
+    Rounding errors of the value are ignored.
+    """
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return math.ceil(value / unit * (1.0 - 1e-9)) * unit
 
 
 def percent_up(fraction: float) -> str:
-    """Bound of a relative error in per cent, rounded up to two digits; "unknown" where it is not finite."""
+    """Format the bound of a relative error in per cent, rounded up.
+
+    Two digits; "unknown" where it is not finite.
+    """
     if not math.isfinite(fraction):
         return "unknown"
     text = f"{100.0 * rounded_up(abs(fraction)):.2g}" if fraction else "0"
@@ -151,17 +181,20 @@ def percent_up(fraction: float) -> str:
 
 
 def force(newtons: float) -> str:
-    """Measure of a force with three digits at least."""
+    """Return the measure of a force with at least three digits."""
     return measure(newtons, "N", ".0f" if abs(newtons) >= 1e5 else ".3g")
 
 
 def grouped(count: int) -> str:
-    """A whole number with its thousands set apart."""
+    """Format an integer with separated thousands."""
     return f"{count:,}".replace(",", " ")
 
 
 def duration(seconds: float) -> str:
-    """A time in the unit that suits it; a dash for 0, which was not measured."""
+    """Format a time in a suitable unit.
+
+    A time of 0 was not measured and is a dash.
+    """
     if not seconds:
         return "–"
     if seconds < 1e-3:

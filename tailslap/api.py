@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from postprocess.report import page
-from postprocess.report.report import labelled_text, opened, write_report
+from postprocess.report import data_files
+from postprocess.report.command_report import write_report
+from postprocess.report.terminal import labelled_text, opened
 from postprocess.units import SYSTEMS
 from tailslap import result
 from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
@@ -99,7 +100,7 @@ def run(
     outcome = case.run(tolerance)
     found, columns = outcome.run, case.histories(outcome)
     return result.of_run(
-        page.plain(case.summary(outcome, True)),
+        data_files.plain(case.summary(outcome, True)),
         {label: load.history(columns[name]) for label, name in load.FILES.items()},
         result.filled_by(
             lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units], size)
@@ -146,11 +147,11 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
 
     case = _case(scene, changes)
     headline, columns = case.headline(), case.rigid_history()
-    summary = page.plain({**vars(headline), **case.rigid_numbers()})
+    summary = data_files.plain({**vars(headline), **case.rigid_numbers()})
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
-        page.write_summary(folder / "summary.json", summary)
-        page.write_history(folder / "rigid.csv", columns)
+        data_files.write_summary(folder / "summary.json", summary)
+        data_files.write_history(folder / "rigid.csv", columns)
 
     return result.Result(
         "rigid",
@@ -204,7 +205,9 @@ def check(
     case = _case(scene, changes)
     headline, lines = case.check_text(allow_large)
     found = labelled_text([SYSTEMS[units].rendered(line) for line in lines], LABEL)
-    summary = page.plain({**vars(headline), "scene": case.scene.name, "valid": True, **as_numbers(lines)})
+    summary = data_files.plain(
+        {**vars(headline), "scene": case.scene.name, "valid": True, **as_numbers(lines)}
+    )
     text = f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{found}"
     return result.Result("check", case.scene.name, summary, text=text)
 
@@ -259,7 +262,7 @@ def modal(
 
     fe_plan = _corner_plan(scene, changes, allow_large)
     found = modal_analysis.modal_run(fe_plan, modes, tolerance, steps)
-    summary = page.plain(modal_analysis.modal_numbers(fe_plan, found))
+    summary = data_files.plain(modal_analysis.modal_numbers(fe_plan, found))
     return result.Result(
         "modal",
         summary["scene"],

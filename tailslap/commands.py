@@ -24,7 +24,7 @@ from tailslap.scene.vary import Source, changes_of
 from tailslap.studies.study import Study, prepared
 
 if TYPE_CHECKING:
-    from postprocess.report.report import Report
+    from postprocess.report.command_report import Report
     from tailslap.result import Fill
 
 DONE, CHECK_FAILED = 0, 1
@@ -87,7 +87,7 @@ def deliver(
 
 def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") -> int:
     """Print the report, or its summary as JSON. Returns 1 if a check failed."""
-    from postprocess.report.report import PAGE, report_text
+    from postprocess.report.command_report import PAGE, report_text
 
     assert report is not None
     options.tell(report.numbers, report_text(report, place, page or PAGE), as_json)
@@ -414,12 +414,12 @@ def modal(case: Case, as_json: bool, **given: Any) -> int:
 @options.with_options(options.JSON, options.QUIET)
 def scenes(as_json: bool) -> int:
     """List the scenes of the program."""
-    from postprocess.report import report
+    from postprocess.report import terminal
 
     shipped = tailslap.scenes()
     width = max(map(len, shipped))
     lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
-    return options.tell(shipped, report.labelled_text(lines, width + 2), as_json)
+    return options.tell(shipped, terminal.labelled_text(lines, width + 2), as_json)
 
 
 @commands.command()

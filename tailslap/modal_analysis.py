@@ -18,8 +18,10 @@ from fem.plate import elastic
 from fem.start.inertia_relief import relieved_fields
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
 from postprocess.figures.plates import draw_mode
-from postprocess.report.page import Column, Headline, Section, Table, columns
-from postprocess.report.report import Report, printed, shown_in
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table, columns
+from postprocess.report.terminal import part_in_units, printed
 from postprocess.units import SYSTEMS, measure, percent, percent_up
 from tailslap import progress
 from tailslap.case.case import MOST_ELEMENTS, Case, Check, failed_sentence, unreliable
@@ -216,7 +218,7 @@ def modal_text(fe_plan: CornerPlan, run: ModalRun, units: str = "si") -> str:
         f"Cost:   {run.steps} steps in {1e3 * run.integration_s:.2f} ms, set-up {1e3 * run.setup_s:.1f} ms, "
         f"error estimate {1e3 * run.estimate_s:.2f} ms",
     )
-    return printed(parts if units == "si" else [shown_in(part, SYSTEMS[units]) for part in parts])
+    return printed(parts if units == "si" else [part_in_units(part, SYSTEMS[units]) for part in parts])
 
 
 def modal_headline(fe_plan: CornerPlan, run: ModalRun) -> Headline:

@@ -105,9 +105,9 @@ def complete_key(context: click.Context, parameter: click.Parameter, typed: str)
 
 def tell(numbers: Mapping[str, Any], text: str, as_json: bool) -> int:
     """Print the numbers as JSON, or the text. Returns the exit status of success."""
-    from postprocess.report import page
+    from postprocess.report import data_files
 
-    click.echo(page.summary_text(numbers) if as_json else text)
+    click.echo(data_files.summary_text(numbers) if as_json else text)
     return 0
 
 

@@ -17,8 +17,11 @@ import numpy as np
 
 from postprocess.comparison import quantities
 from postprocess.figures.histories import Curve, HistoryPlot, plot_overlays
-from postprocess.report.page import Headline, Table, plain
-from postprocess.report.report import PAGE, Report, in_units, opened, write_report
+from postprocess.report.command_report import PAGE, Report, write_report
+from postprocess.report.data_files import plain
+from postprocess.report.page import Headline
+from postprocess.report.tables import Table
+from postprocess.report.terminal import opened
 from postprocess.units import SI, SYSTEMS
 from tailslap.arguments import checked_arguments
 from tailslap.errors import InputError, Missing, Verbatim, one_of
@@ -66,7 +69,7 @@ def filled_by(make: Callable[[Path, bool, str], Report], page: str = PAGE) -> Fi
         report = make(place, pictures, units)
 
         if units != "si":
-            report = in_units(report, SYSTEMS[units])
+            report = report.in_units(SYSTEMS[units])
         write_report(report, place, page)
         return report
 

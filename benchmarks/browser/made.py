@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from postprocess.report.report import PAGE
+from postprocess.report.command_report import PAGE
 
 RUN, IMPACT, MESH = "run mash-tl4-sut", "impact-mash-tl4-sut", "--set plate.elements=[8,4]"
 FLUTTER = "--set impact.friction=0.8 --set corner.penalty_scale=3 --set damping.kind=none"

@@ -1,14 +1,16 @@
-"""Contour pictures of fields on the plate where it is, above the wall: PNG files of one or many instants, and GIF.
+"""Contour pictures of fields on the plate above the wall.
 
-The view takes in the plate at all its instants, and as much of the wall as fits beside it; a field has one scale of
-colours for all of them, so that what is seen to change has changed.
+PNG files of one or many instants, and GIF. The view includes the plate at all its instants, and the adjacent part of
+the wall. A field has one scale of colours for all instants, so that visible changes are real.
 """
+
+from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,13 +20,19 @@ from postprocess.fields.sheet import SIZE, WIDENING, ColourScale, Floats, Mesh, 
 from postprocess.figures.histories import power_of_ten
 from postprocess.units import SI, Units
 
+if TYPE_CHECKING:
+    from PIL import Image
+
 FRAME_MS, GIF_SIZE, GIF_COLOURS = 120, (960, 420), 64
 
 
 @dataclass(frozen=True)
 class ContourField:
-    """A field: part of the file name ("v_gx"), text of the title, unit, values in that unit, "nodal" or "element", and
-    value of the centre of mass, that of the field there where it is left out."""
+    """Field to be drawn.
+
+    name: in file names ("v_gx"); title, unit; values in that unit, "nodal" or "element"; of_centre: value of the
+    centre of mass, by default that of the field there.
+    """
 
     name: str
     title: str
@@ -36,10 +44,10 @@ class ContourField:
 
 @dataclass(frozen=True)
 class Situation:
-    """Geometry and texts that all pictures of one instant share.
+    """Geometry and texts of all pictures of one instant.
 
-    plate: deformed nodes [m] and elements; wall: the same, the line Y = 0 without one; corner and centroid: the points
-    P and G [m] to mark; time: of the strike [s].
+    plate: deformed nodes [m] and elements; wall: the same, None for the line Y = 0; corner, centroid: points P and G
+    [m] to be marked; time: of the strike [s].
     """
 
     plate: Mesh
@@ -57,7 +65,10 @@ def draw_contours(
     units: Units = SI,
     size: Size = SIZE,
 ) -> list[Path]:
-    """Write `contour_NAME.png` for each field into out_dir, with what it says in these units; returns the paths."""
+    """Draw each field as `contour_NAME.png` and return the paths.
+
+    units: of the texts; size: [pixels].
+    """
     length, length_unit = units.of("m")
     (points, cells), wall = situation.plate, situation.wall
     points, paths = length * points, []
@@ -66,8 +77,8 @@ def draw_contours(
         sheet.draw_wall(None if wall is None else (length * wall[0], wall[1]), length_unit)
         sheet.write_at_edge(",  ".join([situation.scene, *moment]), (-24, -50))
         marks = {"P": situation.corner, "G": situation.centroid}
-        given = {name: length * np.asarray(at) for name, at in marks.items() if at is not None}
-        beside = {name: sheet.draw_dot(at) for name, at in given.items()}
+        marked = {name: length * np.asarray(at) for name, at in marks.items() if at is not None}
+        beside = {name: sheet.draw_dot(at) for name, at in marked.items()}
         if "P" in beside:
             sheet.write("P", beside["P"])
         sheet.keep()
@@ -86,13 +97,16 @@ def draw_contours(
 
 
 def field_title(name: str) -> str:
-    """Name of a field of `SCALARS` in words, its component behind it."""
+    """Return the title of a field of `SCALARS`, followed by its component."""
     words = name.replace("_", " ").replace("stress von mises", "von Mises stress")
     return words[0].upper() + (f"{words[1:-1]}{words[-1].upper()}" if name in COMPONENTS else words[1:])
 
 
 def shown_unit(field: ContourField, units: Units) -> tuple[float, str]:
-    """Factor and unit in which a field is shown; of stresses that with the prefix that suits the largest."""
+    """Return factor and unit in which a field is shown.
+
+    Stresses have the prefix that suits the largest.
+    """
     factor, unit = units.of(field.unit)
     power = power_of_ten(field.values)
     if unit != "Pa" or not 3 <= power <= 9:
@@ -110,10 +124,10 @@ def draw_instants(
     size: Size = SIZE,
     follow: Callable[[], object] = lambda: None,
 ) -> list[Path]:
-    """Write NAME_0000.png and so on.
+    """Draw instants as NAME_0000.png and so on, and return the paths.
 
-    name: of `SCALARS`; magnify: factor on the elastic deformation; instants: by number, all without; units: of what is
-    shown; size: of a picture [pixels]; follow: called after each picture.
+    name: of `SCALARS`; magnify: factor of the elastic deformation; instants: numbers, by default all; units: of the
+    texts; size: of a picture [pixels]; follow: called after each picture.
     """
     chosen = range(len(series.t)) if instants is None else [k % len(series.t) for k in instants]
     paths = [folder / f"{name}_{k:04d}.png" for k in chosen]
@@ -132,13 +146,16 @@ def animate(
     size: Size = GIF_SIZE,
     follow: Callable[[], object] = lambda: None,
 ) -> Path:
-    """Write all instants as a GIF that repeats; follow: called after each."""
+    """Write all instants as a repeating GIF.
+
+    follow: called after each instant.
+    """
     pictures = []
     for frame in frames(series, name, magnify, range(len(series.t)), units, size):
         pictures.append(frame.quantize(GIF_COLOURS))
         follow()
-    first, *others = pictures
-    first.save(path, save_all=True, append_images=others, duration=FRAME_MS, loop=0)
+    first, *further = pictures
+    first.save(path, save_all=True, append_images=further, duration=FRAME_MS, loop=0)
     return path
 
 
@@ -149,8 +166,11 @@ def frames(
     instants: Sequence[int],
     units: Units,
     size: Size = SIZE,
-) -> Iterator[Any]:
-    """Draw the chosen instants, by number, of a field of `SCALARS`, one after the other, as images of Pillow."""
+) -> Iterator[Image.Image]:
+    """Yield the chosen instants of a field as images of Pillow.
+
+    name: of `SCALARS`; instants: numbers.
+    """
     where: Literal["nodal", "element"] = "element" if name in ELEMENTS else "nodal"
     whole = ContourField(name, field_title(name), UNITS[name], series.scalar(name), where)
     (factor, unit), (length, length_unit) = shown_unit(whole, units), units.of("m")
@@ -167,19 +187,25 @@ def frames(
             yield sheet.image()
 
 
-def save(image: Any, path: Path) -> None:
-    """Write a PNG of 256 colours, which has less than half the size; those of bands are exact."""
+def save(image: Image.Image, path: Path) -> None:
+    """Write a PNG of 256 colours, which halves its size.
+
+    The colours of bands are exact.
+    """
     image.quantize(256).save(path, optimize=True)
 
 
 def draw_field(sheet: Sheet, plate: Mesh, field: ContourField, scale: ColourScale) -> None:
-    """Draw a field with its name and range."""
+    """Draw a field with its title and range."""
     sheet.draw_values(plate, field.values, field.where, scale)
     sheet.write_title(f"{field.title} [{field.unit}]", range_note(field, scale))
 
 
 def range_note(field: ContourField, scale: ColourScale) -> str:
-    """The line under the title: smallest and largest value, or that the field as good as does not vary."""
+    """Return the line below the title with the range of a field.
+
+    It states whether the field is almost uniform.
+    """
     low, high = float(np.min(field.values)), float(np.max(field.values))
     if scale.uniform:
         spread = (high - low) / (max(abs(low), abs(high)) or 1.0)
@@ -193,7 +219,10 @@ def range_note(field: ContourField, scale: ColourScale) -> str:
 
 
 def value_at(points: Floats, values: Floats, place: ArrayLike) -> float:
-    """A nodal field at a point: the mean of the nodes nearest to it, by the inverse of their distance."""
+    """Return a nodal field at a point.
+
+    The mean of the nearest nodes, weighted by the inverse of their distance.
+    """
     far = np.hypot(*(points - np.asarray(place, float)).T)
     near = np.argsort(far)[:4]
     weights = 1.0 / np.maximum(far[near], 1e-6 * (far.max() or 1.0))

@@ -1,8 +1,10 @@
-"""A sheet: the plate and its wall above a ruler, drawn off the screen, with texts set as in tables.
+"""Off-screen drawing of the plate and its wall above a ruler.
 
-PyVista draws surfaces and lines, without an X server, in a world whose unit is the pixel; Pillow writes on what it
-drew. Nothing is lit, so a pixel inside an element has exactly the colour of its band on the scale.
+PyVista draws surfaces and lines, without an X server, in a world whose unit is the pixel; Pillow adds the texts.
+There is no lighting, so a pixel inside an element has exactly the colour of its band on the scale.
 """
+
+from __future__ import annotations
 
 import ctypes
 import math
@@ -11,41 +13,43 @@ import sys
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from types import ModuleType
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from postprocess.report.page import printed_numbers
-from postprocess.svg.marks import SUBSCRIPT
+from postprocess.fields.lettering import Lettering, write_words
 from postprocess.svg.scales import round_step, round_ticks, tick_texts
 
+if TYPE_CHECKING:
+    import pyvista
+    from PIL import Image
+
 SIZE = (1600, 700)
-"""Pixels of a picture. In one of another size letters, lines and margins are in proportion."""
+"""Size of a picture; letters, lines and margins scale with it [pixels]."""
 
 SIDE, TOP, BOTTOM = 70, 190, 120
-"""Pixels around the plate: for the rulers, for title and scale, for the wall."""
+"""Margins for the rulers, for title and scale, and for the wall [pixels]."""
 
 BAR = (0.12, 0.88, 160, 137)
-"""Ends of the bar of colours, over the width, and pixels from the top to its lower and upper edge."""
+"""Ends of the bar of colours, over the width, and its lower and upper edge from the top [pixels]."""
 
 TITLE, TEXT, NOTE = 34, 26, 23
-"""Letters [pixels]; in a picture 16 cm wide in print 26 pixels are 7 points."""
+"""Sizes of letters; 26 pixels are 7 points in a print 16 cm wide [pixels]."""
 
 INK, WALL, HATCH = "#1b1f24", "#e9ebee", "#8d959e"
 HATCH_STEP = 26
-"""Pixels between the lines that tell the wall from the vehicle."""
+"""Distance of the hatching lines of the wall [pixels]."""
 
 STEPS = 7
-"""Steps between labels of the scale, at most."""
+"""Largest number of steps between labels of the scale."""
 
 UNIFORM, WIDENING = 1e-4, 1e-2
-"""Variation, over a field's size, up to which it is drawn as uniform, and the range that it is then shown in."""
+"""Variation over the size of a field up to which it is uniform, and the range shown for it."""
 
 Floats = NDArray[np.float64]
-Mesh = tuple[Floats, NDArray[Any]]
+Mesh = tuple[Floats, NDArray[np.integer]]
 """Points, shape (n, 2), and elements, shape (e, k)."""
 
 Size = tuple[int, int]
@@ -53,23 +57,29 @@ Size = tuple[int, int]
 
 
 class View(NamedTuple):
-    """Pixel of X = Y = 0, from the lower left corner of the picture, and length of a pixel."""
+    """Transformation from places to pixels.
+
+    origin: pixel of X = Y = 0, from the lower left corner; length: of a pixel.
+    """
 
     origin: tuple[float, float]
     length: float
 
     def pixel(self, places: ArrayLike) -> Floats:
-        """Pixels of places, shape (..., 2)."""
+        """Return the pixels of places, shape (..., 2)."""
         return np.asarray(self.origin) + np.asarray(places, float) / self.length
 
 
 def proportion(size: Size) -> float:
-    """Letters, lines and margins of a picture of this size over those of `SIZE`."""
+    """Return the scale of letters, lines and margins for this size."""
     return min(size[0] / SIZE[0], size[1] / SIZE[1])
 
 
 def view_of_plate(points: Floats, size: Size = SIZE) -> View:
-    """The view in which the plate (points (n, 2)) and the wall line below it fill the picture."""
+    """Return the view that fits plate and wall line into the picture.
+
+    points: shape (n, 2).
+    """
     low, high = points.min(axis=0), points.max(axis=0)
     low[1] = min(low[1], 0.0)
     margins = proportion(size) * np.array([[SIDE, BOTTOM], [SIDE, TOP]])
@@ -80,13 +90,19 @@ def view_of_plate(points: Floats, size: Size = SIZE) -> View:
 
 
 def round_between(low: float, high: float, most: int) -> list[float]:
-    """About `most` round numbers, multiples of 1, 2 or 5 times a power of ten, between low and high."""
+    """Return about `most` round numbers between low and high.
+
+    They are multiples of 1, 2 or 5 times a power of ten.
+    """
     return round_ticks(low, high, most) if low < high else []
 
 
 @dataclass(frozen=True)
 class ColourScale:
-    """Ends of the colour range, its labels, low to high, and whether the field is as good as uniform."""
+    """Range of colours with its labels, low to high.
+
+    uniform: whether the field is almost constant.
+    """
 
     low: float
     high: float
@@ -95,15 +111,18 @@ class ColourScale:
 
     @property
     def bands(self) -> int:
-        """Number of colours: two between labels; one about the value of a uniform field."""
+        """Number of colours, two between labels.
+
+        A uniform field has five.
+        """
         return 5 if self.uniform else 2 * (len(self.labels) - 1)
 
 
 def colour_scale(values: Floats) -> ColourScale:
-    """The scale for values of any shape, with labels at round values.
+    """Return the scale for values of any shape, with round labels.
 
-    A field that varies by less than 1e-4 of its size would make a drama of next to nothing. Its range is widened to
-    1e-2 of its size about the mean (1e-2 of the unit for zero), so that it is drawn in one colour.
+    The range of a field that varies by less than 1e-4 of its size is widened to 1e-2 of its size about the mean (1e-2
+    of the unit for zero), so that it has one colour and tiny variations are not exaggerated.
     """
     if not np.all(np.isfinite(values)):
         raise ValueError("a contour field has values that are not finite")
@@ -121,7 +140,10 @@ def colour_scale(values: Floats) -> ColourScale:
 
 
 def _labels(low: float, high: float, steps: int) -> list[str]:
-    """Texts of even values: neighbours differ, the largest has two digits, minus is true, and zero has no sign."""
+    """Return the texts of even values.
+
+    Neighbours differ, the largest has two digits, the minus sign is a true one, and zero has no sign.
+    """
     size = max(abs(low), abs(high))
     power = math.floor(math.log10(size))
     decimals = max(-math.floor(math.log10((high - low) / steps * (1.0 + 1e-9))), 1 - power)
@@ -131,7 +153,10 @@ def _labels(low: float, high: float, steps: int) -> list[str]:
 
 
 def choose_window() -> None:
-    """Without a display, has VTK open an EGL window at once; raises where there is no EGL library."""
+    """Select an EGL window for VTK without a display.
+
+    Raises RuntimeError without an EGL library.
+    """
     if sys.platform != "linux" or os.environ.get("DISPLAY"):
         return
     try:
@@ -145,16 +170,19 @@ def choose_window() -> None:
 
 @cache
 def load_pyvista() -> Any:
-    """PyVista. It imports pyplot for charts of its own, which takes 0.1 s: here it gets it when it first uses it."""
+    """Import PyVista.
+
+    Its import of pyplot, which takes 0.1 s, is deferred to the first use.
+    """
     name = "matplotlib.pyplot"
     if name in sys.modules:
         return import_module("pyvista")
     later = ModuleType(name)
 
-    def attribute(asked: str) -> Any:
-        if sys.modules.get(name) is later:  # asked by the import itself, as hooks of notebooks do
+    def attribute(key: str) -> Any:
+        if sys.modules.get(name) is later:  # hooks of notebooks ask during the import
             del sys.modules[name]
-        return getattr(import_module(name), asked)
+        return getattr(import_module(name), key)
 
     later.__getattr__ = attribute  # type: ignore[method-assign]
     sys.modules[name] = later
@@ -166,57 +194,11 @@ def load_pyvista() -> Any:
     return sys.modules["pyvista"]
 
 
-@cache
-def font(size: int, is_bold: bool) -> Any:
-    """DejaVu, which has Greek letters and arrows, as matplotlib brings it."""
-    import matplotlib as mpl
-    from PIL import ImageFont
-
-    name = "DejaVuSans-Bold.ttf" if is_bold else "DejaVuSans.ttf"
-    return ImageFont.truetype(str(Path(mpl.get_data_path()) / "fonts" / "ttf" / name), size)
-
-
-class Lettering(NamedTuple):
-    """A text at a pixel from the lower left corner: where it starts or ends, or its middle, and its base line."""
-
-    text: str
-    pixel: tuple[float, float]
-    size: float
-    justify: str
-    is_bold: bool
-    ground: float
-
-
-def typeset(text: str) -> list[tuple[str, bool]]:
-    """Pieces of a text set as in tables, with a true minus and powers of ten, and which of them are indices."""
-    parts = SUBSCRIPT.split(printed_numbers(text))
-    return [(part, number % 3 == 2) for number, part in enumerate(parts) if part]
-
-
-def write_words(image: Any, words: Lettering) -> None:
-    """Write a text into an image of Pillow."""
-    from PIL import ImageDraw
-
-    pieces = []
-    for piece, is_index in typeset(words.text):
-        its = font(round((0.72 if is_index else 1.0) * words.size), words.is_bold)
-        pieces.append((piece, its, 0.2 * words.size * is_index, its.getlength(piece)))
-    wide = sum(length for *_, length in pieces)
-    x = words.pixel[0] - {"left": 0.0, "center": 0.5, "right": 1.0}[words.justify] * wide
-    y = image.height - words.pixel[1]
-    canvas = ImageDraw.Draw(image, "RGBA")
-    if words.ground:
-        edge = 0.2 * words.size
-        box = (x - edge, y - words.size, x + wide + edge, y + 0.3 * words.size)
-        canvas.rectangle(box, fill=(255, 255, 255, round(255 * words.ground)))
-    for piece, its, lowered, length in pieces:
-        canvas.text((x, y + lowered), piece, INK, its, anchor="ls")
-        x += length
-
-
 class Sheet:
-    """An off-screen plotter of the plate at some instants (points (n, 2)): what is kept stays, a field and what is
-    drawn after it go with the next field."""
+    """Off-screen plotter of the plate at several instants, points (n, 2).
+
+    What `keep` fixes remains; a field, and what is drawn after it, is replaced by the next field.
+    """
 
     def __init__(self, points: Floats, size: Size = SIZE) -> None:
         choose_window()
@@ -236,17 +218,17 @@ class Sheet:
         self.words: list[Lettering] = []
 
     def close(self) -> None:
-        """Give the window back."""
+        """Close the window."""
         self.plotter.close()
 
     def keep(self) -> None:
-        """Let what is drawn so far stay."""
+        """Fix what is drawn so far."""
         self.passing.clear()
         self.kept_words += self.words
         self.words.clear()
 
-    def image(self) -> Any:
-        """The picture as it is now, an image of Pillow."""
+    def image(self) -> Image.Image:
+        """Return the current picture as an image of Pillow."""
         from PIL import Image
 
         self.plotter.render()
@@ -256,16 +238,19 @@ class Sheet:
         return image
 
     def draw_wall(self, wall: Mesh | None, unit: str) -> None:
-        """Draw the wall, hatched, or its line, with a ruler along it and one beside the plate."""
+        """Draw the hatched wall, or its line, with rulers.
+
+        One ruler is along the wall, one beside the plate.
+        """
         dot, (origin_x, zero), length = self.dot, *self.view
-        (left, right), caption = (0.0, float(self.size[0])), "wall line, Y = 0"
+        (start, end), caption = (0.0, float(self.size[0])), "wall line, Y = 0"
         if wall is not None:
             places, caption = self.view.pixel(wall[0]), "rigid wall, Y ≤ 0"
-            left, right = max(left, places[:, 0].min()), min(right, places[:, 0].max())
-            self._hatch(left, right, max(0.0, places[:, 1].min()), zero)
+            start, end = max(start, places[:, 0].min()), min(end, places[:, 0].max())
+            self._hatch(start, end, max(0.0, places[:, 1].min()), zero)
         (beside, _), (_, top) = self.view.pixel(self.ends)
-        lines = [[(left, zero), (right, zero)]]
-        low, high = (length * (end - origin_x) for end in (left + 30.0 * dot, right - 30.0 * dot))
+        lines = [[(start, zero), (end, zero)]]
+        low, high = (length * (end - origin_x) for end in (start + 30.0 * dot, end - 30.0 * dot))
         along = round_between(low, high, 12)
         for x, text in zip(along, tick_texts(along), strict=True):
             column = origin_x + x / length
@@ -281,21 +266,26 @@ class Sheet:
         self.write_at_edge(caption, (24, 24), ground=0.8)
         self.write_at_edge(f"X [{unit}], driving direction →", (-24, 24), ground=0.8)
 
-    def _hatch(self, left: float, right: float, bottom: float, top: float) -> None:
-        """Fill a box of pixels with lines at 45 degrees on a pale ground; none where it is out of sight."""
-        if left >= right or bottom >= top:
+    def _hatch(self, start: float, end: float, bottom: float, top: float) -> None:
+        """Fill a box of pixels with lines at 45 degrees.
+
+        It is empty outside the picture.
+        """
+        if start >= end or bottom >= top:
             return
-        box = np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+        box = np.array([(start, bottom), (end, bottom), (end, top), (start, top)])
         self._surface((box, np.arange(4)[None, :]), -2.0, color=WALL)
-        starts = np.arange(left - (top - bottom), right, HATCH_STEP * self.dot)
-        ends = np.clip(np.stack([starts, starts + top - bottom], axis=-1), left, right)
+        starts = np.arange(start - (top - bottom), end, HATCH_STEP * self.dot)
+        ends = np.clip(np.stack([starts, starts + top - bottom], axis=-1), start, end)
         self._lines(np.stack([ends, bottom + ends - starts[:, None]], axis=-1), -1.0, HATCH, 1.5 * self.dot)
 
     def draw_values(
         self, plate: Mesh, values: Floats, where: Literal["nodal", "element"], scale: ColourScale
     ) -> None:
-        """Draw nodal values in bands, or a value an element, with mesh lines and scale, in the place of those drawn
-        before. ValueError for another number of values."""
+        """Draw nodal or element values with mesh lines and scale.
+
+        They replace the values drawn before. ValueError for another number of values.
+        """
         while self.passing:
             self.plotter.remove_actor(self.passing.pop(), reset_camera=False, render=False)
         self.words.clear()
@@ -306,25 +296,28 @@ class Sheet:
         style = {"cmap": "viridis", "n_colors": scale.bands, "clim": (scale.low, scale.high)}
         style |= {"interpolate_before_map": True, "show_scalar_bar": False}
         edges = {"show_edges": True, "edge_color": "black", "edge_opacity": 0.35, "line_width": self.dot}
-        shown = {"scalars": values, "preference": preference, **style, **edges}
-        self._surface((self.view.pixel(points), cells), 0.0, **shown)
+        options = {"scalars": values, "preference": preference, **style, **edges}
+        self._surface((self.view.pixel(points), cells), 0.0, **options)
         (wide, high), dot = self.size, self.dot
-        left, right, bottom, top = BAR[0] * wide, BAR[1] * wide, high - BAR[2] * dot, high - BAR[3] * dot
-        places = np.linspace(left, right, scale.bands + 1)
+        start, end, bottom, top = BAR[0] * wide, BAR[1] * wide, high - BAR[2] * dot, high - BAR[3] * dot
+        places = np.linspace(start, end, scale.bands + 1)
         strip = np.column_stack([np.repeat(places, 2), np.tile([bottom, top], scale.bands + 1)])
-        quads = 2 * np.arange(scale.bands)[:, None] + [0, 2, 3, 1]
+        quads = 2 * np.arange(scale.bands)[:, None] + np.array([0, 2, 3, 1])
         middles = np.linspace(scale.low, scale.high, 2 * scale.bands + 1)[1::2]
         self._surface((strip, quads), 0.0, scalars=middles, preference="cell", **style)
-        for k, place in enumerate(np.linspace(left, right, len(scale.labels))):
+        for k, place in enumerate(np.linspace(start, end, len(scale.labels))):
             self.write(scale.labels[k], (place, top + 10 * dot), justify="center")
 
     def write_title(self, title: str, note: str) -> None:
-        """Write what is shown into the upper left corner."""
+        """Write title and note into the upper left corner."""
         self.write_at_edge(title, (24, -50), TITLE, bold=True)
         self.write_at_edge(note, (24, -88), NOTE)
 
     def draw_dot(self, place: ArrayLike) -> tuple[float, float]:
-        """Draw a dot at a point; returns the pixel where a text beside it starts."""
+        """Draw a dot at a point.
+
+        Returns the pixel where a text beside it starts.
+        """
         x, y = self.view.pixel(place)
         angles = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
         circle, disc = np.column_stack([np.cos(angles), np.sin(angles)]), np.arange(32)[None, :]
@@ -342,18 +335,32 @@ class Sheet:
         bold: bool = False,
         ground: float = 0.0,
     ) -> None:
-        """Write a text of this size [pixels of `SIZE`] that starts, ends ("right") or is centred at a pixel of its base
-        line; ground: opacity of the white behind it."""
+        """Write a text at a pixel of its base line.
+
+        size: [pixels of `SIZE`]; justify: "left", "center" or "right" of the pixel; ground: opacity of the white
+        behind it.
+        """
         self.words.append(Lettering(text, pixel, size * self.dot, justify, bold, ground))
 
-    def write_at_edge(self, text: str, away: tuple[float, float], size: int = TEXT, **more: Any) -> None:
-        """Write a text so many pixels of `SIZE` away from the left and lower edge; negative ones are counted from the
-        right, where the text then ends, and from the top."""
+    def write_at_edge(
+        self,
+        text: str,
+        away: tuple[float, float],
+        size: int = TEXT,
+        *,
+        bold: bool = False,
+        ground: float = 0.0,
+    ) -> None:
+        """Write a text at a distance from two edges [pixels of `SIZE`].
+
+        Distances are from the left and lower edge, negative ones from the right, where the text ends, and from the
+        top.
+        """
         x, y = (
             self.dot * part + (extent if part < 0 else 0)
             for part, extent in zip(away, self.size, strict=True)
         )
-        self.write(text, (x, y), size, "right" if away[0] < 0 else "left", **more)
+        self.write(text, (x, y), size, "right" if away[0] < 0 else "left", bold=bold, ground=ground)
 
     def _lines(self, ends: Floats, height: float, colour: str, width: float) -> None:
         """Draw lines between pairs of pixels, shape (n, 2, 2)."""
@@ -365,6 +372,6 @@ class Sheet:
         points = np.column_stack([mesh[0], np.full(len(mesh[0]), height)])
         self._add(load_pyvista().PolyData.from_regular_faces(points, mesh[1]), **style)
 
-    def _add(self, data: Any, **style: Any) -> None:
-        given = {"lighting": False, "reset_camera": False, "render": False, "pickable": False, **style}
-        self.passing.append(self.plotter.add_mesh(data, **given))
+    def _add(self, data: pyvista.PolyData, **style: Any) -> None:
+        options = {"lighting": False, "reset_camera": False, "render": False, "pickable": False, **style}
+        self.passing.append(self.plotter.add_mesh(data, **options))

@@ -1,1 +1,4 @@
-"""Reports: tables declared once, the page, and the files and terminal text of a command."""
+"""Reports of commands.
+
+Tables that are declared once, pages, files and terminal text.
+"""

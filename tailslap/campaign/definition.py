@@ -25,7 +25,7 @@ import numpy as np
 import tailslap
 from fem import lazy
 from postprocess.comparison.quantities import TAIL_SLAP, Compared
-from postprocess.report import page
+from postprocess.report import data_files
 from tailslap.campaign import engine, records
 from tailslap.case import case_of, kind_of
 from tailslap.case.cost import demand_affordable
@@ -36,7 +36,7 @@ from tailslap.scene import read, schema, validate, vary, write
 if TYPE_CHECKING:
     import pyarrow as pa
 
-    from postprocess.report.report import Report
+    from postprocess.report.command_report import Report
 
 
 ALLOWED = (
@@ -358,7 +358,7 @@ def write_table(folder: Path, definition: Definition, rows: records.Records) -> 
     import pyarrow.parquet as pq
 
     schema = table_schema(definition, sorted(name for name in rows.columns if name.startswith("check.")))
-    path, found = folder / TABLE, map(page.plain, rows.in_order())
+    path, found = folder / TABLE, map(data_files.plain, rows.in_order())
     with pq.ParquetWriter(path, schema, compression="zstd") as writer:
         while chunk := list(itertools.islice(found, CHUNK)):
             writer.write_table(pa.Table.from_pylist(chunk, schema=schema))

@@ -12,8 +12,10 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
-from postprocess.report.page import Column, Headline, Page, Section, Table, columns
-from postprocess.report.report import Report, in_units, opened, place_line, write_report
+from postprocess.report.command_report import Report, write_report
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Table, columns
+from postprocess.report.terminal import opened, place_line
 from postprocess.svg.chart import Chart
 from postprocess.units import SYSTEMS, Units, force, measure, percent_up
 from tailslap.campaign import definition as sweeps
@@ -62,7 +64,7 @@ def write_sweep(sweep: sweeps.FinishedSweep, folder: Path, units: str = "si") ->
     opening, drawing = headline(sweep, rows, case, forces), (case.drawing(),) if case else ()
     page = sweep_page(sweep, rows, reasons, opening, drawing)
     tables = (replace(table, title=part.title) for part in page.sections[1:3] for table in part.tables)
-    found = in_units(Report(page, summary(sweep, rows), tuple(tables)), SYSTEMS[units])
+    found = Report(page, summary(sweep, rows), tuple(tables)).in_units(SYSTEMS[units])
     write_report(found, folder)
     return found
 

@@ -29,8 +29,8 @@ from tailslap.scene.vary import Changes, Source, vary
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
+    from postprocess.report.command_report import Report
     from postprocess.report.page import Headline
-    from postprocess.report.report import Report
     from postprocess.svg.chart import Chart
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures.impact import StrikeMark, draw_forces
-from postprocess.report.page import Table
+from postprocess.report.tables import Table
 from postprocess.signals.filters import force_curves
 from postprocess.svg.chart import FULL, Chart
 from tailslap.case.case import Case

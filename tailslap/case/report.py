@@ -14,7 +14,8 @@ import tailslap
 from fem.start import start_kinds
 from postprocess import units
 from postprocess.fields import series
-from postprocess.report.page import Column, Headline, Page, Section, Table, columns, pairs
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.signals.design_forces import DesignForce, design_forces
 from postprocess.units import duration, number
 from tailslap.case import cost

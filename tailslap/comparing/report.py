@@ -11,8 +11,9 @@ import tailslap
 from postprocess.comparison.metrics import COVERED, LIMITS, Beside, beside
 from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.histories import Curve, compared_panels, draw_overlay
-from postprocess.report.page import Column, Headline, Page, Section, Table, columns
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Table, columns
 from postprocess.svg.chart import FULL, PART, Chart
 from postprocess.units import SI, percent
 from tailslap.case.report import footer

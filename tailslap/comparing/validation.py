@@ -16,8 +16,9 @@ import numpy as np
 
 import tailslap
 from postprocess.comparison.metrics import COVERED, LIMITS, weighted_metrics
-from postprocess.report.page import Column, Headline, Page, Section, Table, columns, page_text, pairs
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Page, Section, page_text
+from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.units import percent
 from tailslap.case.report import footer
 from tailslap.comparing.report import METRICS, WORDS, Comparison

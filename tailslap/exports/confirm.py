@@ -24,8 +24,9 @@ import numpy as np
 import tailslap
 from postprocess.comparison.nodal import read_centre_of_mass
 from postprocess.comparison.quantities import QUANTITIES, relative_difference
-from postprocess.report.page import Column, Headline, Section, Table, columns
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table, columns
 from postprocess.units import percent, percent_up
 from tailslap.case.report import study_page
 from tailslap.comparing.report import compare_items, compare_report

@@ -14,7 +14,7 @@ import numpy as np
 
 import tailslap
 from postprocess.comparison.nodal import NODES
-from postprocess.report.page import write_history
+from postprocess.report.data_files import write_history
 from tailslap.errors import InputError, typed_command
 from tailslap.scene.vary import shown
 

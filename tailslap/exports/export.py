@@ -80,7 +80,7 @@ def export(
     >>> tailslap.export(result, "vtkhdf", "results/paraview")  # doctest: +SKIP
     PosixPath('results/paraview/fields.vtkhdf')
     """
-    from postprocess.fields import contours, series
+    from postprocess.fields import contours, formats, series
     from tailslap.files.folder import default_place, result_folder
     from tailslap.files.manifest import Origin
 
@@ -120,7 +120,7 @@ def export(
                         file = unfinished / f"{name}.gif"
                         contours.animate(file, fields, name, magnify, size=chosen, **shown)
         else:
-            getattr(series, f"write_{to}")(unfinished / FIRST[to], fields)
+            getattr(formats, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
 
 
@@ -153,13 +153,13 @@ def _units(to: str, units: str) -> Units:
 
 
 def _write_tables(found: Result, to: str, folder: Path) -> None:
-    from postprocess.fields import series
+    from postprocess.fields import formats
 
-    write, names = getattr(series, f"write_{to}"), {FE: "history", RIGID: "rigid"}
+    write, names = getattr(formats, f"write_{to}"), {FE: "history", RIGID: "rigid"}
     if not found.histories:
         raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed are runs and sweeps")
     for label, columns in found.histories.items():
         write(folder / f"{names.get(label, label)}.{to}", (columns, columns.units))
     if found.make_fields is not None:
-        for name, table in series.field_tables(found.fields).items():
+        for name, table in formats.field_tables(found.fields).items():
             write(folder / f"{name}.{to}", table)

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
-from postprocess.report import page
 from tailslap import errors, result
 from tailslap.arguments import checked_arguments
 from tailslap.files import folder, manifest
@@ -185,11 +185,23 @@ def load(folder: str | os.PathLike[str], *, force: bool = False) -> result.Resul
         return _loaded(again)  # a command has replaced the result meanwhile
 
 
+def read_history(content: bytes) -> dict[str, NDArray[np.float64]]:
+    """Return the columns of a history file by name, shape (n,)."""
+    header, _, body = content.decode().partition("\n")
+    names = header.split(",")
+    if len({*names}) < len(names) or any(name != name.strip() or not name for name in names):
+        raise ValueError("its first line has no column names")
+    rows = [line.split(",") for line in body.splitlines()]
+    table = np.array([[entry or "nan" for entry in row] for row in rows], dtype=np.float64)
+    table = table.reshape(-1, len(names))
+    return {name: np.ascontiguousarray(table[:, column]) for column, name in enumerate(names)}
+
+
 def _loaded(stored: Stored) -> result.Result:
     from postprocess.fields import series
 
     tables = {
-        label: stored.read(name, lambda file: page.read_history(file.read())) for label, name in FILES.items()
+        label: stored.read(name, lambda file: read_history(file.read())) for label, name in FILES.items()
     }
     histories = {label: history(columns) for label, columns in tables.items() if columns is not None}
     if (rows := stored.read(SWEEP, read_columns)) is not None:

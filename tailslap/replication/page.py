@@ -14,8 +14,9 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import QUANTITIES, ComparedQuantity
 from postprocess.figures.histories import TIME, History, compared_panels, thinned
-from postprocess.report.page import Column, Form, Headline, Page, Section, Table, columns, pairs
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Form, Table, columns, pairs
 from postprocess.svg import chart, marks
 from postprocess.units import percent, percent_up
 from tailslap import progress

@@ -20,7 +20,7 @@ from tailslap.scene.read import read_scene
 from tailslap.scene.vary import changes_of, shown
 
 if TYPE_CHECKING:
-    from postprocess.report.report import Report
+    from postprocess.report.command_report import Report
 
 
 def later(name: str) -> Callable[..., Any]:

@@ -7,7 +7,7 @@ import pytest
 
 from postprocess.comparison.grid_convergence import grid_convergence
 from postprocess.comparison.quantities import largest_relative
-from postprocess.report.report import write_report
+from postprocess.report.command_report import write_report
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.cli import _status

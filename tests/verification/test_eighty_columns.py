@@ -10,8 +10,8 @@ import tomllib
 import click
 import pytest
 
-from postprocess.report.page import Column, Table
-from postprocess.report.report import labelled, printed, table_lines
+from postprocess.report.tables import Column, Table
+from postprocess.report.terminal import labelled, printed, table_lines
 from tailslap import cli, errors
 from tailslap.scene import read, schema, write
 from tailslap.scene.schema import Scene, SceneTable
@@ -105,7 +105,7 @@ def test_labels_hang(monkeypatch):
 
 
 def test_paths_are_not_broken(monkeypatch):
-    from postprocess.report.report import place_line
+    from postprocess.report.terminal import place_line
 
     monkeypatch.setenv("COLUMNS", "40")
     path = "/a folder/" + "x" * 60

@@ -15,7 +15,7 @@ from fem import COLUMNS, CONSTRAINTS, ELEMENT_KINDS, FRICTION_LAWS, LUMPINGS, MA
 from fem.machine_code.folder import cache_folder
 from fem.registry import Registry
 from fem.start.inertia_relief import statics
-from postprocess.report.report import write_report
+from postprocess.report.command_report import write_report
 from solver import REACTIONS
 from tailslap.case.corner import case, report
 from tailslap.case.corner.checks import CHECKS

@@ -14,7 +14,7 @@ import pytest
 from test_levels import SWEEP
 
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
-from postprocess.report.report import report_text, write_report
+from postprocess.report.command_report import report_text, write_report
 from solver.impact import Strike
 from tailslap import cli, commands
 from tailslap.campaign import levels

@@ -10,7 +10,7 @@ import pytest
 
 import tailslap
 from postprocess.figures.set_up import SCHEME, SYMBOLS, Unit, draw_set_up
-from postprocess.report.report import in_units, opened
+from postprocess.report.terminal import opened
 from postprocess.svg.marks import Outline, Words
 from postprocess.units import KIP, SI, US, force, percent_up
 from tailslap import cli
@@ -220,7 +220,7 @@ def test_python_and_terminal_open_alike(capsys):
 
 def test_pages_are_in_the_units_of_their_reader(outcome):
     made = corner.corner_report(outcome("mash-tl4-sut"), pictures=False)
-    page = in_units(made, US).page
+    page = made.in_units(US).page
     assert "147 kip" in page.headline.answer
     assert "9979 kg vehicle at 56 mph" in page.headline.title
     assert f"{9.4909 / 0.3048:.3g}" in next(chart.svg for chart in page.charts if chart.name == "set-up")

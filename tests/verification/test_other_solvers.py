@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from postprocess.comparison.nodal import centre_of_mass_history, read_calculix, read_nodes
-from postprocess.report.page import read_history
 from tailslap import cli
+from tailslap.files.load import read_history
 from tailslap.scene.read import shipped_scenes
 
 FRICTIONLESS = "corner.reaction=none"

@@ -15,9 +15,10 @@ import pytest
 from test_command_line import imported
 from test_postprocess_report import Parsed
 
-from postprocess.report.page import Column, Table, glued, prose
+from postprocess.report.prose import glued, prose
 from postprocess.report.provenance import CRATE
-from postprocess.report.report import printed
+from postprocess.report.tables import Column, Table
+from postprocess.report.terminal import printed
 from postprocess.units import percent
 from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact

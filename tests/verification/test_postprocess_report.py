@@ -19,24 +19,17 @@ import numpy as np
 import pytest
 
 from postprocess.report import page as pages
-from postprocess.report.page import (
-    Column,
-    Table,
-    columns,
-    listed,
-    pairs,
-    read_history,
-    text_table,
-    write_history,
-    write_summary,
-)
-from postprocess.report.report import Report, report_text, write_report, write_table
+from postprocess.report import prose
+from postprocess.report.command_report import Report, report_text, write_report
+from postprocess.report.data_files import write_history, write_summary, write_table
+from postprocess.report.tables import Column, Table, columns, listed, pairs, text_table
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.marks import PALETTE, Line, Swatch
 from postprocess.units import duration, grouped, known, number, percent_up, shown
 from tailslap.case.corner.report import corner_report, diagnosis, prediction
 from tailslap.case.report import DESIGN
 from tailslap.cli import _status
+from tailslap.files.load import read_history
 
 SCENE = 'name = "a<b>&c"  # </pre><script>alert(1)</script>\nwidth = "2438 mm"\n'
 
@@ -244,7 +237,7 @@ def test_the_page_of_a_run_holds_its_numbers(outcome, tmp_path):
     made = outcome("paper-table-3")
     page = run_page(made, tmp_path)
     assert f"agree within {percent_up(max(map(abs, made.difference.values())))};" in page.text.replace(
-        pages.NO_BREAK, " "
+        prose.NO_BREAK, " "
     )
     assert "Failed" not in page.text
     for check in made.checks:
@@ -279,12 +272,12 @@ def test_a_failed_run_says_so(outcome, tmp_path):
     assert ("body", "class", "failed") in page.attributes, "whose numbers are grey"
     assert ".failed section:not(:first-child) .strong { color: var(--soft)" in page.inside("style")
     assert f"Failed: {first.name} not a number (limit {first.limit:.3g}). Remedy: " in page.text.replace(
-        pages.NO_BREAK, " "
+        prose.NO_BREAK, " "
     )
     assert "Failed checks and remedies" in page.text
     for said in (*first.advice.split("; "), *diagnosis(made)):
-        plain = re.sub("<[^>]+>", "", html.unescape(str(pages.prose(said))))
-        assert plain.replace(pages.NO_BREAK, " ") in page.text
+        plain = re.sub("<[^>]+>", "", html.unescape(str(prose.prose(said))))
+        assert plain.replace(prose.NO_BREAK, " ") in page.text
     assert "not a number" in page.text
     assert "Paper, ABAQUS" not in page.text
 
@@ -304,7 +297,7 @@ def whole(name):
 
 
 def test_a_unit_in_brackets_stays_in_one_piece():
-    assert pages.glued("peak impulse [10⁻³ kN s] of it") == "peak impulse [10⁻³\xa0kN\xa0s] of it"
+    assert prose.glued("peak impulse [10⁻³ kN s] of it") == "peak impulse [10⁻³\xa0kN\xa0s] of it"
 
 
 def test_zero_has_no_sign():
@@ -329,7 +322,7 @@ IN_PRINT = [
 
 @pytest.mark.parametrize(("text", "expected"), IN_PRINT)
 def test_numbers_are_set_as_in_print(text, expected):
-    assert str(pages.prose(text)).replace(pages.NO_BREAK, " ") == expected
+    assert str(prose.prose(text)).replace(prose.NO_BREAK, " ") == expected
 
 
 def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
@@ -391,7 +384,7 @@ SIGNED = [
 
 @pytest.mark.parametrize(("written", "printed"), SIGNED)
 def test_numbers_in_print_keep_their_sign(written, printed):
-    assert pages.printed_numbers(written) == printed
+    assert prose.printed_numbers(written) == printed
 
 
 TEMPLATES = Path(__file__).parents[2] / "postprocess" / "templates"

@@ -20,8 +20,8 @@ from typing import Any
 import pytest
 from test_sweep_run import alive, children
 
+from postprocess.report.command_report import report_text, write_report
 from postprocess.report.provenance import CRATE
-from postprocess.report.report import report_text, write_report
 from tailslap import progress
 from tailslap.campaign import draws
 from tailslap.campaign.engine import run_parts

@@ -9,8 +9,9 @@ import click
 import pytest
 
 import tailslap.studies
-from postprocess.report.page import Column, Headline, Page, Section, Table
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Table
 from tailslap import cli, studies
 from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.studies.study import Study

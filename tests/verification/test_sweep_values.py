@@ -15,8 +15,8 @@ import pytest
 
 from postprocess.comparison.quantities import TAIL_SLAP
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
+from postprocess.report.command_report import Report
 from postprocess.report.page import write_page
-from postprocess.report.report import Report
 from postprocess.svg.chart import FULL, PART
 from postprocess.units import SI
 from tailslap.campaign import engine, report

@@ -17,8 +17,9 @@ import pytest
 import sobol_coverage as benchmark
 from scipy import stats
 
+from postprocess.report.command_report import write_report
 from postprocess.report.provenance import CRATE
-from postprocess.report.report import printed, write_report
+from postprocess.report.terminal import printed
 from postprocess.signals.filters import moving_mean
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
 from tailslap import cli, errors, studies

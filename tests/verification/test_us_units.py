@@ -11,8 +11,9 @@ import pytest
 import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import write_animation
-from postprocess.report.page import Column, Headline, Page, Section, Table
-from postprocess.report.report import Report, in_units
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Table
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
 from postprocess.units import SI, US, measure
@@ -135,7 +136,7 @@ def test_a_report_is_in_american_units_everywhere():
     table = Table(columns, [{"a": two, "b": 445e3, "c": "2 m"}], f"of {two}", (two,))
     section = Section(two, two, (chart,), (table,), (two,))
     page = Page("", Headline("", two), (section,), "SI units; x along")
-    shown = in_units(Report(page, {}, (two, table)), US)
+    shown = Report(page, {}, (two, table)).in_units(US)
     (part,) = shown.page.sections
     (made,), (figure,) = part.tables, part.figures
     assert {shown.page.headline.answer, part.title, part.lead, *part.sentences, *made.notes} == {"6.56 ft"}
@@ -147,8 +148,8 @@ def test_a_report_is_in_american_units_everywhere():
     assert figure.csv.splitlines() == ["x [kip]; y [kip],100 kip", "6.56 ft,100 kip", "9.84 ft,100 kip"]
     assert "kN" not in figure.svg + figure.csv
     assert shown.page.footer == "US units, files in SI; x along"
-    assert in_units(Report(page, {}, ()), SI).page.headline.answer == SI.rendered(two) == "2 m"
-    assert in_units(Report(page, {}, ()), SI).page.footer == page.footer
+    assert Report(page, {}, ()).in_units(SI).page.headline.answer == SI.rendered(two) == "2 m"
+    assert Report(page, {}, ()).in_units(SI).page.footer == page.footer
 
 
 def test_records_that_name_their_unit_are_in_american_units():

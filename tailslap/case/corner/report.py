@@ -11,9 +11,10 @@ from fem.laws import constraints, friction, materials
 from fem.plate import kinds
 from fem.start import start_kinds
 from postprocess.comparison import quantities
-from postprocess.report import page
-from postprocess.report.page import Column, Headline, Section, Table
-from postprocess.report.report import Report
+from postprocess.report import tables
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table
 from postprocess.units import SI, Units, measure, percent_up
 from tailslap.case import report
 from tailslap.case.case import failed_names, failed_sentence, unreliable
@@ -144,7 +145,7 @@ def sections(outcome: CornerOutcome) -> list[Section]:
     stages = []
     for key, title in titles.items():
         numbers = [(*rigid.LABELS[name], value) for name, value in (answer[key] or {}).items()]
-        stages.append(page.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
+        stages.append(tables.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
     return [
         Section("Peak lateral force", tables=_forces(outcome)),
         Section("At the tail-slap", tables=[comparison(outcome)]),

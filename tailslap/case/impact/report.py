@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.report import page
-from postprocess.report.page import Column, Headline, Section, Table
-from postprocess.report.report import Report
+from postprocess.report import tables
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
 from postprocess.units import SI, Units, measure, percent_up
 from tailslap.case import report
@@ -261,7 +262,7 @@ def _wall(outcome: run.ImpactOutcome) -> list[Table]:
         ("contact force, 50 ms mean", found["contact_mean_50ms"], "N"),
         ("force of the foundation, largest", found["foundation_force"], "N"),
     ]
-    return [page.pairs(rows, notes=(WALL_NOTE,))]
+    return [tables.pairs(rows, notes=(WALL_NOTE,))]
 
 
 def _paper(outcome: run.ImpactOutcome) -> list[Table]:
@@ -281,7 +282,7 @@ def _paper(outcome: run.ImpactOutcome) -> list[Table]:
         rows.append((read, beside["computed_peak_force"], "N"))
     rows.append(("50 ms mean, computed", rigid.peaks["mean_50ms"], "N"))
     note = "Stages 1 to 3 assume a uniform rectangle."
-    return [page.pairs(rows, notes=(note,))]
+    return [tables.pairs(rows, notes=(note,))]
 
 
 def _statements(outcome: run.ImpactOutcome) -> list[str]:

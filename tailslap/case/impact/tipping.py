@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from postprocess.report.page import Column, Section, Table, columns
+from postprocess.report.page import Section
+from postprocess.report.tables import Column, Table, columns
 from postprocess.units import SYSTEMS, measure
 from solver import tipping
 from solver.impact import ImpactVehicle

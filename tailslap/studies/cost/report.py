@@ -7,8 +7,9 @@ import numpy as np
 
 from postprocess.comparison.quantities import QUANTITIES
 from postprocess.figures.studies import Series, draw_precision
-from postprocess.report.page import Column, Headline, Section, Table, columns, listed
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table, columns, listed
 from postprocess.svg.chart import Chart
 from postprocess.svg.scales import power_text
 from postprocess.units import duration, known, measure, percent_up

@@ -6,8 +6,9 @@ from typing import Any
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
 from postprocess.figures.studies import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
-from postprocess.report.page import Column, Headline, Section, Table, columns, listed
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table, columns, listed
 from postprocess.svg.chart import FULL, HALF, Chart
 from postprocess.units import known, measure, percent
 from tailslap.campaign.levels import hertz

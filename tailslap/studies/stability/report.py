@@ -9,8 +9,9 @@ from operator import itemgetter
 from typing import Any
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
-from postprocess.report.page import Column, Headline, Section, Table, columns, text_table
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table, columns, text_table
 from postprocess.svg.chart import Chart
 from postprocess.units import known
 from tailslap.case.case import advice

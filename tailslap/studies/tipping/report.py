@@ -5,8 +5,9 @@ from typing import Any
 
 from postprocess.figures import studies
 from postprocess.figures import tipping as figures
-from postprocess.report.page import Column, Headline, Section, Table
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table
 from postprocess.units import grouped, measure, percent_up
 from tailslap.campaign import sampling
 from tailslap.case.impact.tipping import LIMIT_COLUMNS, LIMITS

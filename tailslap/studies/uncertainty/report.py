@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from postprocess.figures import studies as figures
-from postprocess.report.page import Column, Headline, Section, Table, columns, pairs
-from postprocess.report.report import Report
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.units import force, grouped
 from tailslap.campaign.sampling import GROUPS, PERCENTILES, SEED, points_in_words
 from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
