@@ -1,7 +1,7 @@
-"""Meshes by gmsh, handed on as `meshio.Mesh` with every physical group named.
+"""Meshes by gmsh, as `meshio.Mesh` with named physical groups.
 
-The plate is meshed in its body frame: corner P at the origin, the side PE along -X, the body in Y >= 0, so
-that the mesh as it stands is the plate at the tail-slap. Importing this package loads neither gmsh nor meshio.
+The plate is meshed in its body frame: corner P at the origin, the side PE along -X, the body in Y >= 0, so that the
+mesh itself is the plate at the tail-slap. Importing this package loads neither gmsh nor meshio.
 """
 
 from meshes.rectangle import distorted, plate_mesh, wall_mesh, write_mesh

@@ -1,6 +1,7 @@
-"""Rectangles of transfinite quadrilaterals with named groups: the plate PEHK in its body frame and the rigid wall.
+"""Rectangles of transfinite quadrilaterals with named groups.
 
-Sessions of gmsh print nothing, work in any thread and are always closed. Meshes are written for other programs.
+The plate PEHK in its body frame, and the rigid wall. Sessions of gmsh print nothing, work in any thread and are
+always closed. Meshes can be written for other programs.
 """
 
 from __future__ import annotations
@@ -14,20 +15,36 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     import meshio
 
 
-# gmsh keeps one global state a process, so two threads must not be in it at once.
+Floats = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+# gmsh has one global state per process, so that one thread at a time may use it.
 _LOCK = threading.Lock()
+
+FORMATS = {".msh": "gmsh", ".vtu": "vtu"}
+"""File endings that can be written, with meshio's names of the formats."""
+
+CELL_TYPES = {1: "line", 2: "triangle", 3: "quad", 15: "vertex"}
+"""Element types of gmsh in a transfinite rectangle, with meshio's names."""
+
+SEED = 7
+"""Seed of random displacements."""
 
 
 def _restore_handlers() -> None:
-    """Set Python's signal handlers again: libraries within gmsh leave the default ones behind."""
+    """Restore Python's signal handlers.
+
+    Libraries within gmsh replace them by the default ones.
+    """
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
         handler = signal.getsignal(number)
-        if handler == signal.SIG_IGN:  # in any thread: a write to what is closed is to raise, not to kill
+        if handler == signal.SIG_IGN:  # in any thread: writes to closed files must raise
             ctypes.CDLL(None).signal(int(number), ctypes.c_void_p(1))
         elif callable(handler) and threading.current_thread() is threading.main_thread():
             signal.signal(number, handler)
@@ -35,9 +52,10 @@ def _restore_handlers() -> None:
 
 @contextmanager
 def gmsh_model(name: str) -> Iterator[Any]:
-    """Yield the gmsh module with an empty model of this name, and close what was opened, also after an error.
+    """Yield gmsh with an empty model of this name.
 
-    A session that the calling program has open already is used and left open; only our model is removed.
+    A session that this function opened is closed, also after an error. A session of the calling program is used and
+    remains open; only the new model is removed.
     """
     try:
         import gmsh
@@ -63,12 +81,10 @@ def gmsh_model(name: str) -> Iterator[Any]:
                 gmsh.option.setNumber("General.Terminal", terminal)
 
 
-FORMATS = {".msh": "gmsh", ".vtu": "vtu"}
-"""File endings that can be written, with the name meshio gives the format."""
-
-
 def write_mesh(mesh: meshio.Mesh, path: Path) -> None:
-    """Write a mesh with its groups: as physical tags with names (.msh), or as the integer cell array `group` (.vtu).
+    """Write a mesh with its groups.
+
+    As physical tags with names (.msh), or as the integer cell array `group` (.vtu).
 
     Parameters
     ----------
@@ -103,16 +119,15 @@ def write_mesh(mesh: meshio.Mesh, path: Path) -> None:
     tagged.write(path, file_format=FORMATS[path.suffix])
 
 
-def _dimension_and_tag(mesh: meshio.Mesh) -> np.ndarray:
-    """Entity that owns each node, the one of lowest dimension, as Gmsh 4.1 wants it; shape (nodes, 2)."""
+def _dimension_and_tag(mesh: meshio.Mesh) -> Indices:
+    """Return the entity that owns each node, shape (nodes, 2).
+
+    It is the one of lowest dimension, as Gmsh 4.1 requires.
+    """
     owner = np.zeros((len(mesh.points), 2), dtype=np.int64)
     for number, block in sorted(enumerate(mesh.cells, start=1), key=lambda item: -item[1].dim):
         owner[np.unique(block.data)] = block.dim, number
     return owner
-
-
-CELL_TYPES = {1: "line", 2: "triangle", 3: "quad", 15: "vertex"}
-"""gmsh element types that a transfinite rectangle has, with meshio's names."""
 
 
 def rectangle_mesh(
@@ -123,14 +138,14 @@ def rectangle_mesh(
     corners: tuple[str, str, str, str],
     sides: tuple[str, str, str, str],
     cells: str = "quad",
-    columns: np.ndarray | None = None,
+    columns: Floats | None = None,
 ) -> meshio.Mesh:
-    """Mesh a rectangle [m] with `elements` quadrilaterals along X and Y, or twice as many triangles.
+    """Mesh a rectangle by quadrilaterals or triangles.
 
-    cells: "quad" or "triangle". columns: X of the columns of nodes from the origin [m]; evenly spaced if left out.
-
-    `corners` and `sides` name the physical groups counter-clockwise, from the lower left corner and the
-    lower side; `name` is the surface's. An empty name leaves that group out.
+    origin, size [m]; elements: quadrilaterals along X and Y; cells: "quad" or "triangle", which are twice as many;
+    columns: X of the columns of nodes from the origin [m], by default evenly spaced. `corners` and `sides` name the
+    physical groups counter-clockwise, from the lower left corner and the lower side; `name` is the surface's. Groups
+    without a name are omitted.
     """
     with gmsh_model(name) as gmsh:
         points, curves, surface = _geometry(gmsh.model.geo, origin, size, elements)
@@ -147,7 +162,10 @@ def rectangle_mesh(
 
 
 def _row_by_row(mesh: meshio.Mesh) -> meshio.Mesh:
-    """The mesh with nodes numbered along X and then along Y, cells in the order of their nodes."""
+    """Return the mesh numbered along X and then along Y.
+
+    Cells are in the order of their nodes.
+    """
     import meshio
 
     order = np.lexsort((mesh.points[:, 0], mesh.points[:, 1]))
@@ -157,8 +175,17 @@ def _row_by_row(mesh: meshio.Mesh) -> meshio.Mesh:
     return meshio.Mesh(mesh.points[order], cells, cell_sets=mesh.cell_sets)
 
 
-def _on_lattice(points: Any, origin: Any, size: Any, elements: Any, columns: Any) -> Any:
-    """Move each node to its lattice point: gmsh's transfinite nodes are 1e-11 of the size beside it."""
+def _on_lattice(
+    points: Floats,
+    origin: tuple[float, float],
+    size: tuple[float, float],
+    elements: tuple[int, int],
+    columns: Floats | None,
+) -> Floats:
+    """Return the lattice point of each node.
+
+    Transfinite nodes of gmsh deviate by 1e-11 of the size.
+    """
     spacing = np.divide(size, elements)
     numbers = np.rint((points - origin) / spacing)
     places = origin + numbers * spacing
@@ -167,24 +194,24 @@ def _on_lattice(points: Any, origin: Any, size: Any, elements: Any, columns: Any
     return places
 
 
-def columns_through(length: float, count: int, places: Sequence[float]) -> np.ndarray:
-    """Columns of nodes [m], from 0 to the length, each place [m] on the one nearest to it; shape (count + 1,).
+def columns_through(length: float, count: int, places: Sequence[float]) -> Floats:
+    """Return columns of nodes, each place on the nearest one.
 
-    Between places they are evenly spaced. A place without one, where elements would be less than half as long as the
-    mean, stays between columns.
+    Columns [m] from 0 to the length, shape (count + 1,), evenly spaced between places. A place where elements would
+    be less than half as long as the mean remains between columns.
     """
-    kept, spacing = [(0, 0.0)], length / count
+    fixed, spacing = [(0, 0.0)], length / count
     for place in sorted(places):
-        number, (before, start) = round(place / spacing), kept[-1]
+        number, (before, start) = round(place / spacing), fixed[-1]
         if before < number < count and place - start >= 0.5 * spacing * (number - before):
-            kept.append((number, place))
-    numbers, stations = zip(*kept, (count, length), strict=True)
+            fixed.append((number, place))
+    numbers, stations = zip(*fixed, (count, length), strict=True)
     return np.interp(np.arange(count + 1), numbers, stations)
 
 
 def _geometry(
     geo: Any, origin: tuple[float, float], size: tuple[float, float], elements: tuple[int, int]
-) -> Any:
+) -> tuple[list[int], list[int], int]:
     (x, y), (width, height) = origin, size
     places = (x, y), (x + width, y), (x + width, y + height), (x, y + height)
     points = [geo.addPoint(*place, 0.0) for place in places]
@@ -196,14 +223,14 @@ def _geometry(
     return points, curves, surface
 
 
-def _groups(gmsh: Any, dimension: int, tags: list[int], names: Any) -> None:
+def _groups(gmsh: Any, dimension: int, tags: list[int], names: Sequence[str]) -> None:
     for tag, name in zip(tags, names, strict=True):
         if name:
             gmsh.model.addPhysicalGroup(dimension, [tag], name=name)
 
 
 def _to_meshio(gmsh: Any) -> meshio.Mesh:
-    """Copy nodes, cells and physical groups of the current gmsh model, without a file between."""
+    """Return nodes, cells and physical groups of the current gmsh model."""
     import meshio
 
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
@@ -219,8 +246,11 @@ def _to_meshio(gmsh: Any) -> meshio.Mesh:
     return meshio.Mesh(coordinates.reshape(-1, 3), cells, cell_sets=_cell_sets(names, cells))
 
 
-def _cell_sets(names: list[str], cells: list[tuple[str, Any]]) -> dict[str, list[Any]]:
-    """Each named group is one block of cells: all cells of that block, none of the others."""
+def _cell_sets(names: list[str], cells: list[tuple[str, Indices]]) -> dict[str, list[Indices]]:
+    """Return each group as one block of cells.
+
+    A group contains all cells of its block, and none of the others.
+    """
     none = np.empty(0, dtype=np.int64)
     blocks = [np.arange(len(block)) for _, block in cells]
     return {name: [b if i == j else none for j, b in enumerate(blocks)] for i, name in enumerate(names)}
@@ -233,7 +263,7 @@ def plate_mesh(
     cells: str = "quad",
     hinges: Sequence[float] = (),
 ) -> meshio.Mesh:
-    """Mesh the plate with quadrilaterals, or triangles, in rows along its length.
+    """Mesh the plate in rows along its length.
 
     Parameters
     ----------
@@ -245,7 +275,7 @@ def plate_mesh(
     cells : {"quad", "triangle"}
         With "triangle" each quadrilateral is cut in two.
     hinges : sequence of float
-        Distances behind the front [m] onto which the nearest column of nodes is moved.
+        Distances behind the front of the nearest columns of nodes [m].
 
     Returns
     -------
@@ -267,7 +297,9 @@ def plate_mesh(
 
 
 def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, int]) -> meshio.Mesh:
-    """Mesh the wall with quadrilaterals; its face is Y = 0.
+    """Mesh the wall with quadrilaterals.
+
+    Its face is Y = 0.
 
     Parameters
     ----------
@@ -294,13 +326,12 @@ def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, in
     )
 
 
-SEED = 7
-
-
 def distorted(
     mesh: meshio.Mesh, fraction: float, elements: tuple[int, int], hinged: bool = False
 ) -> meshio.Mesh:
-    """A copy with the nodes inside the plate moved at random, equally every time.
+    """Return a copy with random displacements of inner nodes.
+
+    They are the same in every call.
 
     Parameters
     ----------
@@ -309,9 +340,9 @@ def distorted(
     fraction : float
         Largest displacement of a node, as a fraction of an element's length and width [-].
     elements : tuple of int
-        Along and across, as the mesh was made with.
+        Along and across the mesh.
     hinged : bool
-        Whether nodes on the middle line, or those nearest to it, stay where they are.
+        Whether nodes on the middle line, or those nearest to it, are not displaced.
 
     Returns
     -------

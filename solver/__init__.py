@@ -1,12 +1,14 @@
-"""The rigid-body theory of a vehicle that strikes a wall: impulse, sliding rotation, tail-slap.
+"""Rigid-body theory of a vehicle that strikes a wall.
 
-B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307; equation numbers are the paper's.
-SI units and radians. NumPy alone is imported; `integrate_odes` imports SciPy when it is called.
+Impulse, sliding rotation and tail-slap after B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307; equation
+numbers are the paper's. SI units and radians. NumPy alone is imported; `integrate_odes` imports SciPy when it is
+called.
 """
 
+from solver.body import REACTIONS, MotionState, RectangularBody
+from solver.conditions import RigidBodyError
 from solver.motion import PlaneMotion, plane_motion, tail_slap
 from solver.odes import OdeMotion, integrate_odes
-from solver.rules import REACTIONS, MotionState, RectangularBody, RigidBodyError
 from solver.stage_1 import CONVENTIONS, ImpulseResult, corner_impulse
 from solver.stage_3 import (
     OlsonForce,

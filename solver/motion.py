@@ -1,5 +1,7 @@
-"""Stage 2 over time, exactly (Eqs 57-71): the corner slides along the wall, and the body turns until its side
-strikes."""
+"""Stage 2 over time, exactly (Eqs 57-71).
+
+The corner slides along the wall, and the body rotates until its side strikes.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver import rules, stage_2
-from solver.rules import Array, Gate, MotionState, Number, RectangularBody, number
+from solver.body import MotionState, RectangularBody
+from solver.conditions import Array, Gate, Number, number
 from solver.stage_2 import Clock, Path, Start
 
-OVERRUN = 0.01  # how far past the strike a motion can be followed, as a fraction of the time to it
+OVERRUN = 0.01  # extension of a motion after the strike, relative to the time of the strike
 
 
 def tail_slap(
@@ -27,7 +30,9 @@ def tail_slap(
     *,
     invalid: str = "raise",
 ) -> MotionState[Any]:
-    """The state at the tail-slap, where the side lies along the wall; arguments broadcast.
+    """Return the state at the tail-slap.
+
+    The side then lies along the wall; arguments broadcast.
 
     Parameters
     ----------
@@ -76,7 +81,9 @@ def plane_motion(
     friction: float,
     reaction: str = "drag",
 ) -> PlaneMotion:
-    """One motion, from the start of Stage 2 to the tail-slap and a little beyond.
+    """Return one motion from the start of Stage 2.
+
+    It extends slightly beyond the tail-slap.
 
     Parameters
     ----------
@@ -96,7 +103,7 @@ def plane_motion(
     Returns
     -------
     PlaneMotion
-        Gives the state at any instant.
+        Its `at` returns the state at any instant.
 
     Raises
     ------
@@ -113,7 +120,7 @@ def plane_motion(
 
 @dataclass(frozen=True)
 class PlaneMotion:
-    """One motion of Stage 2; made by `plane_motion`.
+    """One motion of Stage 2, from `plane_motion`.
 
     Attributes
     ----------
@@ -134,11 +141,16 @@ class PlaneMotion:
 
     @property
     def latest(self) -> float:
-        """The last instant that `at` takes [s]: 1.01 strike.t, or less where phi reaches 0."""
+        """Last admissible instant [s].
+
+        It is 1.01 strike.t, or less where phi reaches 0.
+        """
         return min((1.0 + OVERRUN) * self.strike.t, float(self._clock.tau[0]) / self.start.omega_0)
 
     def at(self, times: ArrayLike) -> MotionState[Array]:
-        """The states at given instants; theta < 0 past the strike.
+        """Return the states at these instants.
+
+        After the strike theta < 0.
 
         Parameters
         ----------
@@ -167,7 +179,10 @@ class PlaneMotion:
 
     @cached_property
     def _clock(self) -> Clock:
-        """The clock down to an angle that is not reached before `latest`, if the equations hold down to it."""
+        """Clock down to an angle that is not reached before `latest`.
+
+        It ends at 0 if the equations do not hold below.
+        """
         gamma, theta_0, mu = self.start.path
         below = -min(2.0 * OVERRUN * self.strike.t * self.strike.omega, gamma)
         safe = mu >= 0.0 or stage_2.least_denominator(gamma + below, gamma + theta_0, -mu) > 0.0

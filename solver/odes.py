@@ -1,8 +1,9 @@
-"""Stage 2 by numerical integration of the paper's own equations, as a check of the exact solution (Eqs 57-71).
+"""Stage 2 by numerical integration of the paper's equations (Eqs 57-71).
 
-The integration shares no formula with that solution (`stage_2`): Eqs 66-71 are written as printed, in L, B, theta,
-mu_k, r_PG and gamma; their signs follow from Eqs 57 and 60-64. They hold for friction that opposes the sliding while
-the wall pulls ("drag"); "none" is mu_k = 0, and "signed", where the force turns with the wall's, -mu_k.
+It verifies the exact solution (`stage_2`), with which it has no formula in common: Eqs 66-71 are written as printed,
+in L, B, theta, mu_k, r_PG and gamma; their signs follow from Eqs 57 and 60-64. They hold for friction that opposes
+the sliding while the wall pulls ("drag"); "none" is mu_k = 0, and "signed", where the force has the sign of the
+wall's force, -mu_k.
 """
 
 # ruff: noqa: N806 (the paper's symbols)
@@ -15,13 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from solver import rules, stage_2
-from solver.rules import Array, Gate, MotionState, RectangularBody, RigidBodyError, number
+from solver.body import MotionState, RectangularBody
+from solver.conditions import Array, Gate, RigidBodyError, number, refusal
 
-_LONGEST = 1e3  # integration gives up after so many times theta_0/omega_0; friction slows omega to a sixth
+_LONGEST = 1e3  # limit of time over theta_0/omega_0; friction slows omega to a sixth
 
 
 class _Equations(NamedTuple):
-    """The parameters of Eqs 66-71; the unknowns are y = (v_P, omega, theta, s, work of friction)."""
+    """Parameters of Eqs 66-71.
+
+    The unknowns are y = (v_P, omega, theta, s, work of friction).
+    """
 
     L: float
     B: float
@@ -29,14 +34,14 @@ class _Equations(NamedTuple):
     mu_k: float  # with the sign of its reaction model
 
     def denominator(self, theta: Any, mu_k: float) -> Any:
-        """The denominator of Eqs 66 and 67 [m^2]."""
+        """Return the denominator of Eqs 66 and 67 [m^2]."""
         L, B, _, _ = self
         r_PG, gamma = np.sqrt(L**2 + B**2) / 2, np.arctan(B / L)
         arm = L * np.sin(theta) + B * np.cos(theta)
         return 4 * B**2 + 4 * L**2 - 3 * arm * (arm - 2 * mu_k * r_PG * np.cos(theta + gamma))
 
     def accelerations(self, omega: Any, theta: Any) -> tuple[Any, Any]:
-        """d(v_P)/dt and d(omega)/dt, Eqs 66 and 67."""
+        """Return d(v_P)/dt and d(omega)/dt (Eqs 66 and 67)."""
         L, B, _, mu_k = self
         r_PG, gamma = np.sqrt(L**2 + B**2) / 2, np.arctan(B / L)
         arm = L * np.sin(theta) + B * np.cos(theta)
@@ -45,7 +50,10 @@ class _Equations(NamedTuple):
         return 2 * omega**2 * (L**2 + B**2) * bracket / below, 3 * omega**2 * arm * bracket / below
 
     def forces(self, omega: Any, theta: Any) -> tuple[Any, Any]:
-        """R_f and R_n on the vehicle: R_n is m times the derivative of Eq 71, R_f the friction of Eq 57."""
+        """Return R_f and R_n on the vehicle.
+
+        R_n is m times the derivative of Eq 71, R_f the friction of Eq 57.
+        """
         L, B, m, mu_k = self
         r_PG, gamma = np.sqrt(L**2 + B**2) / 2, np.arctan(B / L)
         omega_dot = self.accelerations(omega, theta)[1]
@@ -53,13 +61,13 @@ class _Equations(NamedTuple):
         return mu_k * R_n, R_n
 
     def rates(self, t: float, y: Array) -> Array:
-        """Eqs 66-69, and the power of R_f."""
+        """Return Eqs 66-69, and the power of R_f."""
         v_P, omega, theta = y[:3]
         v_P_dot, omega_dot = self.accelerations(omega, theta)
         return np.array([v_P_dot, omega_dot, -omega, v_P, self.forces(omega, theta)[0] * v_P])
 
     def state(self, t: Any, y: Any) -> MotionState[Any]:
-        """Eqs 70 and 71, and the kinetic energy with Eq 26."""
+        """Return Eqs 70 and 71, and the kinetic energy with Eq 26."""
         L, B, m, _ = self
         v_P, omega, theta, s, work = y
         r_PG, gamma = np.sqrt(L**2 + B**2) / 2, np.arctan(B / L)
@@ -71,7 +79,7 @@ class _Equations(NamedTuple):
 
 @dataclass(frozen=True)
 class OdeMotion:
-    """One motion of Stage 2, integrated; made by `integrate_odes`.
+    """One integrated motion of Stage 2, from `integrate_odes`.
 
     Attributes
     ----------
@@ -84,7 +92,9 @@ class OdeMotion:
     _dense: Callable[[Array], Array] = field(repr=False)
 
     def at(self, times: ArrayLike) -> MotionState[Array]:
-        """The states at given instants, from the method's dense output, which is less accurate than its steps.
+        """Return the states at these instants.
+
+        They are from the method's dense output, which is less accurate than its steps.
 
         Parameters
         ----------
@@ -118,7 +128,9 @@ def integrate_odes(
     rtol: float = 1e-12,
     atol: float = 1e-14,
 ) -> OdeMotion:
-    """Stage 2 by SciPy's `solve_ivp`, from its start to the tail-slap.
+    """Integrate Stage 2 by SciPy's `solve_ivp`.
+
+    From its start to the tail-slap.
 
     Parameters
     ----------
@@ -139,12 +151,12 @@ def integrate_odes(
     rtol : float
         Relative tolerance [-].
     atol : float
-        Absolute tolerance [SI], for v_P, omega, theta, s and the work of friction alike.
+        Absolute tolerance [SI], for v_P, omega, theta, s and the work of friction.
 
     Returns
     -------
     OdeMotion
-        Gives the state at any instant up to the strike.
+        Its `at` returns the state at any instant up to the strike.
 
     Raises
     ------
@@ -179,7 +191,10 @@ def integrate_odes(
 
 @dataclass(frozen=True)
 class _Event:
-    """Event of `solve_ivp` that ends the integration where its value falls through 0."""
+    """Event of `solve_ivp` that ends the integration.
+
+    Its value then falls through 0.
+    """
 
     value: Callable[[float, Array], Any]
     terminal: bool = True
@@ -190,7 +205,10 @@ class _Event:
 
 
 def _events(equations: _Equations) -> tuple[_Event, _Event, _Event]:
-    """The strike; the corner's stop, where there is friction; the end of uniqueness, or of the solution."""
+    """Return the events that end the integration.
+
+    The strike; the corner's stop, with friction; the end of uniqueness, or of the solution.
+    """
     mu_k = equations.mu_k
     return (
         _Event(lambda t, y: y[2]),
@@ -200,15 +218,15 @@ def _events(equations: _Equations) -> tuple[_Event, _Event, _Event]:
 
 
 def _demand_strike(run: Any, corner_speed: float, friction: float) -> None:
-    """Raise RigidBodyError unless the integration has ended with the strike."""
+    """Raise RigidBodyError unless the integration ended with the strike."""
     if run.t_events[0].size:
         return
     if run.t_events[1].size:
         angle, time = run.y_events[1][0][2], run.t_events[1][0]
-        raise rules.refusal(rules.STOP, corner_speed, angle=angle, time=time)
-    if run.t_events[2].size or friction > 4.0 / 3.0:  # or the steps became too short on the way there
+        raise refusal(rules.STOP, corner_speed, angle=angle, time=time)
+    if run.t_events[2].size or friction > 4.0 / 3.0:  # or the steps became too short before that
         raise _ambiguous(friction, run.y[2, -1])
-    raise rules.refusal(rules.GROWTH, friction)
+    raise refusal(rules.GROWTH, friction)
 
 
 def _ambiguous(friction: float, theta: float) -> RigidBodyError:

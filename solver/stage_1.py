@@ -1,17 +1,19 @@
-"""Stage 1: the impulse at the front corner (Eqs 6-33)."""
+"""Stage 1 (Eqs 6-33), the impulse at the front corner."""
 
 import math
 from dataclasses import dataclass
 from typing import Any, Generic
 
 from solver import rules
+from solver.body import RectangularBody
+from solver.conditions import Gate, Number, V, choose, functions, number
 
 CONVENTIONS = ("paper", "newton")
 
 
 @dataclass(frozen=True)
-class ImpulseResult(Generic[rules.V]):
-    """The state after the impulse: floats, or arrays of the inputs' common shape.
+class ImpulseResult(Generic[V]):
+    """State after the impulse, as floats or arrays of one shape.
 
     Attributes
     ----------
@@ -27,25 +29,24 @@ class ImpulseResult(Generic[rules.V]):
     .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307.
     """
 
-    omega: rules.V
-    corner_speed: rules.V
-    impulse: rules.V
+    omega: V
+    corner_speed: V
+    impulse: V
 
 
 def corner_impulse(
-    body: rules.RectangularBody[Any],
-    speed: rules.Number,
-    angle: rules.Number,
-    friction: rules.Number,
-    restitution: rules.Number,
+    body: RectangularBody[Any],
+    speed: Number,
+    angle: Number,
+    friction: Number,
+    restitution: Number,
     convention: str = "paper",
     *,
     invalid: str = "raise",
 ) -> ImpulseResult[Any]:
-    """Velocities after the front corner has struck the wall (Stage 1); arguments broadcast.
+    """Return the velocities after the front corner has struck the wall.
 
-    The friction impulse is mu times the normal one, which holds while the corner slides forwards all the
-    time; a corner_speed below 0 says that it did not, and Stage 2 with friction will refuse it.
+    Arguments broadcast.
 
     Parameters
     ----------
@@ -81,17 +82,17 @@ def corner_impulse(
     ----------
     .. [1] Chuong and Malla, Infrastructures 2025, 10(11), 307, Eqs 6-33.
     """
-    rules.choose("convention", convention, CONVENTIONS)
-    v_0, theta = rules.number("speed", speed), rules.number("angle", angle)
-    mu, e = rules.number("friction", friction), rules.number("restitution", restitution)
-    gate, gamma = rules.Gate(invalid), body.corner_angle
+    choose("convention", convention, CONVENTIONS)
+    v_0, theta = number("speed", speed), number("angle", angle)
+    mu, e = number("friction", friction), number("restitution", restitution)
+    gate, gamma = Gate(invalid), body.corner_angle
     gate.positive(rules.SPEED, v_0)
     open_ = (theta > 0.0) & (theta + gamma < math.pi / 2.0)
     gate.demand(rules.ANGLE, open_, theta, most=math.pi / 2.0 - gamma)
     gate.not_negative(rules.FRICTION, mu)
     gate.demand(rules.RESTITUTION, (e >= 0.0) & (e <= 1.0), e)
     v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
-    phi, f = theta + gamma, rules.functions(theta + gamma, mu)
+    phi, f = theta + gamma, functions(theta + gamma, mu)
     limit = f.cos(phi) / f.sin(phi)
     gate.demand(rules.TURNING, mu < limit, mu, phi=phi, limit=limit)  # beta > phi
     v_0, theta, mu, e = gate.safe(v_0, theta, mu, e)
@@ -99,10 +100,13 @@ def corner_impulse(
     return gate.filled(result)
 
 
-def _solve(body: rules.RectangularBody[Any], v_0: Any, theta: Any, mu: Any, k: Any) -> ImpulseResult[Any]:
-    """Eqs 31-33; as tan(beta) = 1/mu, cos(beta) is mu sin(beta), sin(beta - phi) is (c - mu s) sin(beta)."""
+def _solve(body: RectangularBody[Any], v_0: Any, theta: Any, mu: Any, k: Any) -> ImpulseResult[Any]:
+    """Solve Eqs 31-33.
+
+    As tan(beta) = 1/mu, cos(beta) is mu sin(beta), and sin(beta - phi) is (c - mu s) sin(beta).
+    """
     phi, r, m = theta + body.corner_angle, body.corner_radius, body.mass
-    f = rules.functions(phi, v_0, mu, k, m)
+    f = functions(phi, v_0, mu, k, m)
     s, c = f.sin(phi), f.cos(phi)
     normal = k * v_0 * f.sin(theta) / (1.0 + 3.0 * c * (c - mu * s))  # F sin(beta)/m: Eqs 31 and 32
     omega = 3.0 * (c - mu * s) * normal / r  # Eq 30, where B^2 + L^2 = 4 r^2

@@ -1,12 +1,18 @@
-"""Stage 2 in closed form: the state at an angle, the time at which it is reached, and where there is an answer.
+"""Stage 2 in closed form.
 
-With S = sin(phi), C = cos(phi), phi = theta + gamma, and mu the friction coefficient with the sign of its
-reaction model (+ drag, 0 none, - signed), Eqs 57 and 60 say along the path
+The state at an angle, the time at which it is reached, and the conditions for a solution. With S = sin(phi), C =
+cos(phi), phi = theta + gamma, and mu the friction coefficient with the sign of its reaction model (+ drag, 0 none, -
+signed), Eqs 57 and 60 require along the path
+
     d(omega)/omega = 3 S (C + mu S)/D d(phi),   D = 1 + 3 C^2 + 3 mu S C,
+
 and as D' = -6 S C + 3 mu (C^2 - S^2), the right-hand side is -dD/(2 D) + (3 mu/2) d(phi)/D:
+
     omega/omega_0 = sqrt(D_0/D) exp((3 mu/2) J),   J = integral of d(phi)/D from phi_0 to phi.
-The reaction's components keep the ratio R = mu N, so that v_GX - mu v_GY is constant; one more integration
-makes X_G - mu Y_G linear in time. Only the time itself is left as an integral, in units of 1/omega_0:
+
+The reaction's components keep the ratio R = mu N, so that v_GX - mu v_GY is constant; a second integration makes X_G
+- mu Y_G linear in time. Only the time itself remains an integral, in units of 1/omega_0:
+
     tau = omega_0 t = integral of omega_0/omega d(theta) from theta to theta_0.
 """
 
@@ -17,23 +23,32 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from solver import rules
-from solver.rules import Array, Gate, MotionState, Number, RectangularBody, functions, number
+from solver.body import REACTIONS, MotionState, RectangularBody
+from solver.conditions import Array, Gate, Number, RigidBodyError, choose, functions, holds, number, refusal
 
 MU_SIGN = {"drag": 1.0, "none": 0.0, "signed": -1.0}  # of the coefficient in Eqs 66-67
-COARSE, FINE = 12, 20  # Gauss points; the answer is the fine rule's, its distance to the coarse one the check
-TOLERANCE = 1e-13  # on that distance, relative; the fine rule's own error is far below
+COARSE, FINE = (
+    12,
+    20,
+)  # Gauss points; the result is the fine rule's, its distance from the coarse one the check
+TOLERANCE = 1e-13  # of that distance, relative; the error of the fine rule is far smaller
 BISECTIONS = 24
 POINTS = 32  # of a panel of the clock
 TAIL = 1e-14  # largest admissible last coefficients of a panel, relative
 PANELS = 1024
-CLOSE = 1e-14  # Newton's method takes its last step from here; the step squares the rest
-CRITICAL_FRICTION = 4.0 / 3.0  # 1 + 3 C^2 - 3 mu S C can vanish from here on
+CLOSE = 1e-14  # residual of Newton's method before its last step, which squares it
+CRITICAL_FRICTION = 4.0 / 3.0  # smallest friction at which 1 + 3 C^2 - 3 mu S C can vanish
 FASTEST = 1e100  # growth of omega up to which every product stays within double precision
-SMALLEST_D = 1e-4  # at an end of the path; D rounds by a few 1e-16, and omega by the same part of it
+SMALLEST_D = (
+    1e-4  # at an end of the path; D has rounding errors of a few 1e-16, and omega equal relative ones
+)
 
 
 class Path(NamedTuple):
-    """Parameters of the course of the angle; floats or arrays. Angles [rad], mu with its model's sign."""
+    """Parameters of the angle's course, as floats or arrays.
+
+    Angles [rad]; mu has the sign of its model.
+    """
 
     gamma: Any
     theta_0: Any
@@ -41,7 +56,10 @@ class Path(NamedTuple):
 
 
 class Start(NamedTuple):
-    """The state Stage 2 starts from, and its body; floats or arrays. SI, signs as in MotionState."""
+    """State at the start of Stage 2, and the body.
+
+    Floats or arrays in SI, signs as in MotionState.
+    """
 
     path: Path
     mass: Any
@@ -51,12 +69,15 @@ class Start(NamedTuple):
 
 
 def denominator(s: Any, c: Any, mu: Any) -> Any:
-    """D at the angle phi whose sine and cosine are s and c: that of Eqs 66-67 over 4 r^2."""
+    """Return D at the angle phi with sine s and cosine c.
+
+    It is the denominator of Eqs 66-67 over 4 r^2.
+    """
     return 1.0 + 3.0 * c * (c + mu * s)
 
 
 def slowness(path: Path, theta: Any) -> Any:
-    """omega_0/omega at the angles theta [rad]."""
+    """Return omega_0/omega at the angles theta [rad]."""
     return _slowness(path.mu, *_course(path, theta))
 
 
@@ -66,10 +87,10 @@ def _slowness(mu: Any, d_ratio: Any, j: Any) -> Any:
 
 
 def _course(path: Path, theta: Any) -> tuple[Any, Any]:
-    """D/D_0 and J at theta.
+    """Return D/D_0 and J at theta.
 
-    J = (2/k) [atan((2 tan(phi) + p)/k) - atan((2 tan(phi_0) + p)/k)], p = 3 mu, k^2 = 16 - p^2, but as one
-    angle, which has no tan to run away and no branch to lose; past |mu| = 4/3, k is imaginary.
+    J = (2/k) [atan((2 tan(phi) + p)/k) - atan((2 tan(phi_0) + p)/k)], p = 3 mu, k^2 = 16 - p^2, but as one angle,
+    which avoids the pole of the tangent and the branches of its inverse; beyond |mu| = 4/3, k is imaginary.
     """
     gamma, theta_0, mu = path
     f_0, f = functions(gamma, theta_0, mu), functions(theta, gamma, theta_0, mu)
@@ -92,7 +113,10 @@ def _arc(f: Any, opposite: Any, adjacent: Any, hyperbolic: Any) -> Any:
 
 
 def state(start: Start, theta: Number, t: Number) -> MotionState[Any]:
-    """The exact state at the angle theta [rad], which is reached at the time t [s]."""
+    """Return the exact state at an angle.
+
+    theta: angle [rad]; t: time at which it is reached [s].
+    """
     (gamma, theta_0, mu), m, r, omega_0, v_p0 = start
     f_0, f = functions(gamma, theta_0), functions(theta, gamma)
     phi_0, phi = gamma + theta_0, gamma + theta
@@ -115,10 +139,13 @@ def state(start: Start, theta: Number, t: Number) -> MotionState[Any]:
 
 
 def scaled_time(path: Path) -> Any:
-    """tau at theta = 0; NaN where it cannot be had to TOLERANCE. Floats, or arrays of one shape."""
+    """Return tau at theta = 0.
+
+    Floats, or arrays of one shape; NaN where TOLERANCE is not reached.
+    """
     fine, coarse = _panel(path, 0.0 * path.theta_0, path.theta_0)
-    done = abs(fine - coarse) <= TOLERANCE * fine
-    if rules.holds(done):
+    converged = abs(fine - coarse) <= TOLERANCE * fine
+    if holds(converged):
         return fine
     arrays = Path(*(np.ravel(value) for value in path))
     tau = _bisected(arrays, np.ravel(fine)).reshape(np.shape(fine))
@@ -127,7 +154,10 @@ def scaled_time(path: Path) -> Any:
 
 @cache
 def _quadrature() -> tuple[Array, Array]:
-    """Nodes of both rules in (0, 1), and a column of weights for each."""
+    """Return nodes of both rules in (0, 1), and their weights.
+
+    Weights have a column for each rule.
+    """
     (x_f, w_f), (x_c, w_c) = (np.polynomial.legendre.leggauss(n) for n in (FINE, COARSE))
     weights = np.zeros((FINE + COARSE, 2))
     weights[:FINE, 0], weights[FINE:, 1] = w_f / 2.0, w_c / 2.0
@@ -135,7 +165,7 @@ def _quadrature() -> tuple[Array, Array]:
 
 
 def _panel(path: Path, lower: Any, upper: Any) -> tuple[Any, Any]:
-    """The integral from lower to upper by both rules, without a loop over rows."""
+    """Integrate from lower to upper by both rules, for all rows."""
     nodes, weights = _quadrature()
     if isinstance(lower, float):
         fine, coarse = (slowness(path, lower + (upper - lower) * nodes) @ weights).tolist()
@@ -146,7 +176,10 @@ def _panel(path: Path, lower: Any, upper: Any) -> tuple[Any, Any]:
 
 
 def _bisected(path: Path, scale: Array) -> Array:
-    """The integral of each row, its panels halved until both rules agree; scale: a first estimate."""
+    """Integrate each row, halving panels until both rules agree.
+
+    scale: a first estimate.
+    """
     total, rows = np.zeros(scale.size), np.arange(scale.size)
     lower, upper = np.zeros(scale.size), path.theta_0
     for _ in range(BISECTIONS):
@@ -163,15 +196,15 @@ def _bisected(path: Path, scale: Array) -> Array:
 
 
 class Clock(NamedTuple):
-    """tau(theta) of one motion as Legendre series on equal panels, and its inverse."""
+    """tau(theta) of one motion as Legendre series, and its inverse."""
 
     path: Path
     edges: Array  # of the panels, ascending [rad]
     tau: Array  # at the edges, descending
-    series: Array  # of tau within each panel, less its value at the upper edge; a column each
+    series: Array  # of tau within each panel, minus its value at the upper edge; one column per panel
 
     def read(self, theta: Array) -> Array:
-        """tau at the angles theta [rad]."""
+        """Return tau at the angles theta [rad]."""
         panel = np.clip(np.searchsorted(self.edges, theta, side="right") - 1, 0, self.edges.size - 2)
         lower, upper = self.edges[panel], self.edges[panel + 1]
         x = (2.0 * theta - lower - upper) / (upper - lower)
@@ -179,28 +212,35 @@ class Clock(NamedTuple):
         return self.tau[panel + 1] + np.asarray(series)
 
     def angle(self, tau: Array) -> Array:
-        """The angles [rad] at the times tau, by Newton's method to rounding."""
+        """Return the angles [rad] at the times tau.
+
+        By Newton's method to rounding.
+        """
         theta = np.interp(tau, self.tau[::-1], self.edges[::-1])
         for _ in range(50):
             late = self.read(theta) - tau
             theta = np.clip(theta + late / slowness(self.path, theta), self.edges[0], self.edges[-1])
             if np.all(abs(late) <= CLOSE * self.tau[0]):  # before the step just taken
                 return theta
-        raise rules.refusal(rules.GROWTH, abs(self.path.mu))
+        raise refusal(rules.GROWTH, abs(self.path.mu))
 
 
 @cache
 def _projection() -> tuple[Array, Array]:
-    """POINTS nodes in (-1, 1), and the matrix that makes Legendre coefficients of values there."""
+    """Return nodes in (-1, 1) and the matrix of Legendre coefficients.
+
+    The matrix multiplies values at the POINTS nodes.
+    """
     x, w = np.polynomial.legendre.leggauss(POINTS)
     values = np.polynomial.legendre.legvander(x, POINTS - 1)
     return x, (np.arange(POINTS) + 0.5)[:, None] * (values * w[:, None]).T
 
 
 def clock(path: Path, lowest: float) -> Clock:
-    """The clock of one motion (floats) from theta_0 down to the angle lowest [rad].
+    """Return the clock of one motion from theta_0 down to an angle.
 
-    Doubles the panels until the last coefficients of each are rounding; raises RigidBodyError if none do.
+    lowest: that angle [rad]. The panels are doubled until the last coefficients of each are rounding errors; raises
+    RigidBodyError if none suffice.
     """
     (x, transform), panels = _projection(), 1
     while panels <= PANELS:
@@ -212,11 +252,11 @@ def clock(path: Path, lowest: float) -> Clock:
             across = 2.0 * half * series[0]
             return Clock(path, edges, np.append(np.cumsum(across[::-1])[::-1], 0.0), integral)
         panels *= 2
-    raise rules.refusal(rules.GROWTH, abs(path.mu))
+    raise refusal(rules.GROWTH, abs(path.mu))
 
 
 def admit_inputs(gate: Gate, start: Start, friction: Any, reaction: str) -> None:
-    """The conditions on each input alone."""
+    """Check each input."""
     (gamma, theta_0, _), omega, v_p = start.path, start.omega_0, start.v_p0
     most = math.pi / 2.0 - gamma
     gate.positive(rules.OMEGA, omega)
@@ -227,8 +267,8 @@ def admit_inputs(gate: Gate, start: Start, friction: Any, reaction: str) -> None
 
 
 def admit_path(gate: Gate, path: Path, friction: Any, reaction: str) -> None:
-    """The condition for one solution, and not two or none, all along the path."""
-    if reaction == "none" or rules.holds(friction < CRITICAL_FRICTION):
+    """Check that the solution is unique along the path."""
+    if reaction == "none" or holds(friction < CRITICAL_FRICTION):
         return
     phi, phi_0 = path.gamma, path.gamma + path.theta_0
     least, limit = least_denominator(phi, phi_0, friction), largest_friction(phi, phi_0)
@@ -237,7 +277,10 @@ def admit_path(gate: Gate, path: Path, friction: Any, reaction: str) -> None:
 
 
 def admit_growth(gate: Gate, path: Path, friction: Any) -> None:
-    """The conditions for omega to be known and within reach; only friction that pushes on can break them."""
+    """Check that omega is accurate and in range.
+
+    Only friction that accelerates the corner can violate it.
+    """
     ends = (path.gamma, path.gamma + path.theta_0)
     f = functions(*path)
     least = f.minimum(*(denominator(f.sin(phi), f.cos(phi), path.mu) for phi in ends))
@@ -246,30 +289,39 @@ def admit_growth(gate: Gate, path: Path, friction: Any) -> None:
 
 
 def admit_strike(gate: Gate, start: Start, strike: MotionState[Any]) -> None:
-    """The conditions on the answer: it is a number, and the corner slid forwards all the way."""
+    """Check that the result is finite and the corner slid forwards."""
     finite, mu = functions(strike.t).isfinite, start.path.mu
     gate.demand(rules.GROWTH, strike.t == strike.t, abs(mu))
     gate.demand(rules.RANGE, finite(strike.kinetic_energy) & finite(strike.slide), start.omega_0)
     sliding = (mu == 0.0) | (strike.v_p >= 0.0)
-    details = {} if gate.fill or rules.holds(sliding) else _stop(start, sliding)
+    details = {} if gate.fill or holds(sliding) else _stop(start, sliding)
     gate.demand(rules.STOP, sliding, start.v_p0, **details)
 
 
 def least_denominator(phi: Any, phi_0: Any, friction: Any) -> Any:
-    """The least 1 + 3 C^2 - 3 mu S C from phi to phi_0 [rad]: it falls to tan(2 phi) = -mu, then rises."""
+    """Return the least denominator on the path.
+
+    1 + 3 C^2 - 3 mu S C falls from phi to tan(2 phi) = -mu, then rises to phi_0 [rad].
+    """
     f = functions(phi, phi_0, friction)
     lowest = f.minimum(f.maximum(math.pi / 2.0 - f.atan2(friction, 1.0) / 2.0, phi), phi_0)
     return denominator(f.sin(lowest), f.cos(lowest), -friction)
 
 
 def largest_friction(phi: Any, phi_0: Any) -> Any:
-    """The friction at which that is 0: the least (T^2 + 4)/(3 T) for T = tan between phi and phi_0."""
+    """Return the friction at which the least denominator is 0.
+
+    It is the least (T^2 + 4)/(3 T) for T = tan between phi and phi_0.
+    """
     tangent = np.clip(2.0, np.tan(phi), np.tan(phi_0))
     return (tangent + 4.0 / tangent) / 3.0
 
 
 def _stop(start: Start, sliding: Any) -> dict[str, float]:
-    """Angle and time at which the first such corner stops; v_P has one zero, for it rises before it falls."""
+    """Return angle and time at which the first such corner stops.
+
+    v_P has one zero, because it rises before it falls.
+    """
     first = int(np.argmin(np.ravel(sliding)))
     gamma, theta_0, mu, *rest = (np.ravel(value)[first].item() for value in (*start.path, *start[1:]))
     one = Start(Path(gamma, theta_0, mu), *rest)
@@ -284,11 +336,11 @@ def _stop(start: Start, sliding: Any) -> dict[str, float]:
 def gather(
     body: RectangularBody[Any], angle: Any, omega: Any, corner_speed: Any, friction: Any, reaction: str
 ) -> tuple[Start, Any]:
-    """The start, and the friction coefficient without its model's sign."""
-    sign = MU_SIGN[rules.choose("reaction", reaction, rules.REACTIONS)]
+    """Return the start and the unsigned friction coefficient."""
+    sign = MU_SIGN[choose("reaction", reaction, REACTIONS)]
     mu = number("friction", friction)
-    given = number("angle", angle), number("omega", omega), number("corner_speed", corner_speed)
-    values: Any = (body.corner_angle, given[0], sign * mu, body.mass, body.corner_radius, *given[1:], mu)
+    inputs = number("angle", angle), number("omega", omega), number("corner_speed", corner_speed)
+    values: Any = (body.corner_angle, inputs[0], sign * mu, body.mass, body.corner_radius, *inputs[1:], mu)
     if not all(isinstance(value, float) for value in values):
         values = np.broadcast_arrays(*values)
     return Start(Path(*values[:3]), *values[3:7]), values[7]
@@ -297,9 +349,12 @@ def gather(
 def gather_one(
     body: RectangularBody[float], angle: Any, omega: Any, corner_speed: Any, friction: Any, reaction: str
 ) -> tuple[Start, float]:
-    """The start of one motion, and its friction coefficient; raises RigidBodyError for arrays."""
+    """Return start and friction coefficient of one motion.
+
+    Raises RigidBodyError for arrays.
+    """
     start, mu = gather(body, angle, omega, corner_speed, friction, reaction)
     if not isinstance(mu, float):
         allowed = "(), numbers; `tail_slap` takes arrays"
-        raise rules.RigidBodyError("shape", mu.shape, "this is one motion", allowed)
+        raise RigidBodyError("shape", mu.shape, "this is one motion", allowed)
     return start, mu

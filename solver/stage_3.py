@@ -1,7 +1,8 @@
-"""Stage 3: the lateral force of the tail-slap (Eqs 72-73), and three earlier estimates of it (section 2.1, Eqs 1-5).
+"""Stage 3, the lateral force of the tail-slap.
 
-The earlier methods stop the centre of mass within the distance it has to go until the vehicle is parallel to the wall,
-and leave rotation and friction out. Arguments broadcast; forces push the wall outwards, and are positive.
+After Eqs 72-73, with three earlier estimates (section 2.1, Eqs 1-5). The earlier methods stop the centre of mass
+within its distance from the position parallel to the wall, and neglect rotation and friction. Arguments broadcast;
+forces push the wall outwards, and are positive.
 """
 
 import math
@@ -9,12 +10,14 @@ from dataclasses import dataclass
 from typing import Any, Generic
 
 from solver import rules
-from solver.rules import Gate, Number, V, functions, number
+from solver.conditions import Gate, Number, V, functions, number
+
+STANDARD_GRAVITY = 9.80665  # m/s^2
 
 
 @dataclass(frozen=True)
 class StrikeForce(Generic[V]):
-    """Lateral force of the tail-slap: floats, or arrays of one shape.
+    """Lateral force of the tail-slap, as floats or arrays.
 
     Attributes
     ----------
@@ -36,7 +39,9 @@ class StrikeForce(Generic[V]):
 
 
 def strike_force(mass: Number, lateral_speed: Number, duration: Number) -> StrikeForce[Any]:
-    """Impulse and peak force of the strike that stops the lateral motion (Stage 3); arguments broadcast.
+    """Return impulse and peak force of the tail-slap.
+
+    The strike stops the lateral motion (Stage 3); arguments broadcast.
 
     Parameters
     ----------
@@ -70,12 +75,9 @@ def strike_force(mass: Number, lateral_speed: Number, duration: Number) -> Strik
     return StrikeForce(impulse + 0.0 * dt, dt + 0.0 * peak, peak)
 
 
-STANDARD_GRAVITY = 9.80665  # m/s^2
-
-
 @dataclass(frozen=True)
 class OlsonForce(Generic[V]):
-    """Olson's estimate: floats, or arrays of one shape.
+    """Olson's estimate, as floats or arrays of one shape.
 
     Attributes
     ----------
@@ -101,7 +103,7 @@ class OlsonForce(Generic[V]):
 
 @dataclass(frozen=True)
 class RitterForce(Generic[V]):
-    """Ritter's estimate: floats, or arrays of one shape.
+    """Ritter's estimate, as floats or arrays of one shape.
 
     Attributes
     ----------
@@ -131,7 +133,9 @@ def olson_force(
     deflection: Number = 0.0,
     gravity: Number = STANDARD_GRAVITY,
 ) -> OlsonForce[Any]:
-    """Average lateral force by Olson's method; arguments broadcast.
+    """Return the average lateral force by Olson's method.
+
+    Arguments broadcast.
 
     Parameters
     ----------
@@ -188,7 +192,9 @@ def olson_force(
 
 
 def hirsch_force(average_force: Number) -> Any:
-    """Peak lateral force of a linear spring, pi/2 times its average (Hirsch).
+    """Return the peak lateral force of a linear spring.
+
+    It is pi/2 times the average force (Hirsch).
 
     Parameters
     ----------
@@ -222,7 +228,9 @@ def ritter_force(
     half_width: Number,
     deflection: Number = 0.0,
 ) -> RitterForce[Any]:
-    """Peak lateral force by Ritter's method: elastic rebound over a triangular pulse of twice Olson's time.
+    """Return the peak lateral force by Ritter's method.
+
+    Elastic rebound over a triangular pulse of twice Olson's time.
 
     Parameters
     ----------

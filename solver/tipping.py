@@ -1,14 +1,16 @@
-"""Roll of a vehicle that strikes a wall lower than its centre of mass: heave and roll on wheels that lift.
+"""Roll of a vehicle over a low wall.
 
-A rigid body in the plane across the wall: its centre of mass at the height z, its roll phi positive towards the wall.
+The wall is lower than the centre of mass. A rigid body in the plane across the wall: its centre of mass at the height z, its roll phi positive towards the wall.
 Wheels are points of the body, half the track to either side of the centre line and on the ground at rest, each over a
-spring of the ground that only pushes; lever a of each about the centre of mass, height y above the ground at rest:
+unilateral spring of the ground; lever a of each about the centre of mass, height y above the ground at rest:
+
     load        N = k max(m g/2k - y, 0) max(1 - c y', 0), damped in proportion to the load (Hunt and Crossley 1975)
     friction    T of the wall's face, up on a side that slides down; Coulomb's in the direction of sliding
     heave       m z'' = N_near + N_far - m g + T
     roll        I phi'' = F (z - h) + N_near a_near + N_far a_far - T d
-F is the wall's force, horizontal at its top, h, as a planar impact gives it; the wheels slide freely across the wall.
-The step moves half a step, takes the forces there, and moves half a step on: of second order, and for springs alone
+
+F is the wall's force, horizontal at its top, h, from a planar impact; the wheels slide freely across the wall.
+Positions advance by half a step before and half a step after the forces: of second order, and for springs alone
 symplectic. SI units and radians.
 
 References
@@ -23,40 +25,49 @@ import numpy as np
 
 from fem.machine_code.compiled import OnCompile, compile_once, compiled, ignore_compiling
 from solver import rules
-from solver.rules import Array, Gate, Number, number
+from solver.conditions import Array, Gate, Number, number, one
 
 GRAVITY = 9.80665
 """Standard gravity [m/s^2]."""
 
 DAMPING_RATIO = 0.15
-"""Damping of the suspension in heave, to critical: assumed."""
+"""Assumed damping of the suspension in heave, relative to critical."""
 
 TIPPED = 0.5 * math.pi
-"""Largest roll of a vehicle that tips: it is not followed down [rad]."""
+"""Largest roll of a vehicle that tips; its fall is not computed [rad]."""
 
 ONE, MANY, VERDICTS = 4e-3, 2e-2, 4e-2
-"""Step of one roll, of many, and of many limits of height, over the radian of the fastest oscillation on the springs:
-these move the limits by less than `RESOLUTION`."""
+"""Step of one roll, of many, and of many limits of height, times the rate of the fastest oscillation [rad].
+
+With them the limits change by less than `RESOLUTION`.
+"""
 
 TOLERANCE, HALVINGS = 1e-5, 4
-"""Largest change of one largest roll with half the step, and how often the step is halved for it."""
+"""Largest change of one largest roll with half the step, and number of halvings."""
 
 FREE, MOST_STEPS = 10.0, 30_000_000
-"""Time that a roll may take after the force [s], and steps that it may take in all."""
+"""Longest duration of a roll after the force [s], and largest number of steps."""
 
 FINE, COARSE, RESOLUTION, FAR_ABOVE = 0.02, 0.1, 1e-3, 5.0
-"""Levers, centre of mass over wall, are tried in steps of the first for one vehicle, of the second for many, and
-bisected down to the third [m]; the largest that is tried for a centre, over the track."""
+"""Scan of levers, centre of mass over wall.
+
+Steps for one vehicle and for many, resolution of the bisection [m], and largest lever of a centre over the track.
+"""
 
 AT_REST = (0.0, 0.0, 0.0, 0.0)
 
 MASS, CENTRE, INERTIA, TRACK, SPRING, DAMPING, WIDTH, FRICTION, SPEED, WALL = range(10)
-"""Columns of a body in the compiled code: as of `RollingVehicle`, but damping is the load's per speed [s/m]; wall's
-height."""
+"""Columns of a body in the compiled code.
+
+As in `RollingVehicle`, but damping is that of the load per speed [s/m]; height of the wall.
+"""
 
 ROW = ("height", "roll", "v_z", "rate", "load_near", "load_far", "wall_work", "friction_work", "damping_work")
-"""Columns of a row: centre of mass [m], rad, m/s, rad/s, loads of the wheels of the wall's side and of the far side at
-the latest half step [N], works on the body [J]."""
+"""Columns of a row.
+
+Centre of mass [m], rad, m/s, rad/s, wheel loads of the near and the far side of the wall at the latest half step [N],
+works on the body [J].
+"""
 
 LARGEST, LOWEST, HIGHEST = range(3)
 """Answers: largest roll, lowest wall, highest centre of mass."""
@@ -64,7 +75,7 @@ LARGEST, LOWEST, HIGHEST = range(3)
 
 @dataclass(frozen=True)
 class RollingVehicle:
-    """Vehicles that roll: floats, or arrays that broadcast with each other.
+    """Vehicles that roll, as floats or arrays that broadcast.
 
     Parameters
     ----------
@@ -113,7 +124,7 @@ class RollingVehicle:
 
 @dataclass(frozen=True)
 class RollMotion:
-    """One roll; made by `solve_roll`.
+    """One roll, from `solve_roll`.
 
     Attributes
     ----------
@@ -140,35 +151,43 @@ class RollMotion:
     error: float
 
     def lifted(self) -> list[tuple[str, float, float]]:
-        """Times with wheels off the ground: their side, "near" or "far", start and end [s], in order of time."""
-        found = []
+        """Return the intervals with wheels off the ground, in order.
+
+        Side, "near" or "far", start and end [s].
+        """
+        intervals = []
         for side in ("near", "far"):
             load = self.rows[:, ROW.index(f"load_{side}")]
             edges = np.flatnonzero(np.diff(np.concatenate([[0], load <= 0.0, [0]]))).reshape(-1, 2)
-            found += [(side, self.interval * first, self.interval * last) for first, last in edges.tolist()]
-        return sorted(found, key=lambda each: each[1])
+            intervals += [
+                (side, self.interval * first, self.interval * last) for first, last in edges.tolist()
+            ]
+        return sorted(intervals, key=lambda entry: entry[1])
 
 
 @compiled
-def answer(bodies, force, interval, parts, start, asked, scan, rows, found):
-    """Write what is asked for of each body into `found`, shape (n, 2): its value, and how many rows were written.
+def answer(bodies, force, interval, parts, start, question, scan, rows, outcome):
+    """Compute the answer of each body.
 
-    bodies, shape (n, 10); force, shape (n or 1, intervals); parts, shape (n,): steps of an interval; start: height over
-    that at rest, roll, and their rates.
+    outcome, shape (n, 2): value, and number of rows written; bodies, shape (n, 10); force, shape (n or 1, intervals);
+    parts, shape (n,): steps of an interval; start: height over that at rest, roll, and their rates.
     """
     for i in range(bodies.shape[0]):
         body, push = bodies[i], force[i if force.shape[0] > 1 else 0]
-        if asked == LARGEST:
-            found[i, 0], found[i, 1] = _follow(body, push, interval, parts[i], start, False, rows)
-        elif asked == LOWEST:
-            found[i, 0] = body[CENTRE] - _largest_lever(body, push, interval, parts[i], start, WALL, scan)
+        if question == LARGEST:
+            outcome[i, 0], outcome[i, 1] = _follow(body, push, interval, parts[i], start, False, rows)
+        elif question == LOWEST:
+            outcome[i, 0] = body[CENTRE] - _largest_lever(body, push, interval, parts[i], start, WALL, scan)
         else:
-            found[i, 0] = body[WALL] + _largest_lever(body, push, interval, parts[i], start, CENTRE, scan)
+            outcome[i, 0] = body[WALL] + _largest_lever(body, push, interval, parts[i], start, CENTRE, scan)
 
 
 @compiled
 def _largest_lever(body, push, interval, parts, start, varied, scan):
-    """The lever, centre of mass over wall, up to which the body holds [m]: by a lower wall or a higher centre."""
+    """Return the largest lever of a body that does not tip [m].
+
+    Lever: centre of mass over wall, varied by a lower wall or a higher centre.
+    """
     held, tipping, centre, wall = 0.0, np.inf, body[CENTRE], body[WALL]
     most = centre if varied == WALL else FAR_ABOVE * body[TRACK]
     while tipping - held > RESOLUTION:
@@ -186,10 +205,13 @@ def _largest_lever(body, push, interval, parts, start, varied, scan):
 
 @compiled
 def _follow(body, push, interval, parts, start, is_verdict, rows):
-    """Follow a body to its verdict, or to its largest roll and back on its wheels: returns the largest roll [rad],
-    `TIPPED` where it tips, and the number of rows written."""
+    """Integrate a body to its verdict or its return.
+
+    Returns the largest roll [rad], `TIPPED` where it tips, and the number of rows written. Without a verdict it ends
+    when the body stands on its wheels again.
+    """
     h, weight, half = interval / parts, body[MASS] * GRAVITY, 0.5 * body[TRACK]
-    z, roll, v, w, gained_v, gained_w = body[CENTRE] + start[0], start[1], start[2], start[3], 0.0, 0.0
+    z, roll, v, w, rate_v, rate_w = body[CENTRE] + start[0], start[1], start[2], start[3], 0.0, 0.0
     largest, rising, turned, wall_work, friction_work, damping_work = 0.0, False, False, 0.0, 0.0, 0.0
     last, near, far = push.size, 0.5 * weight, 0.5 * weight
     while last > 0 and push[last - 1] == 0.0:
@@ -210,18 +232,18 @@ def _follow(body, push, interval, parts, start, is_verdict, rows):
             s, c = np.sin(roll), np.cos(roll)
             if body[CENTRE] * s > half * c and w > 0.0:
                 return TIPPED, k + 1
-            mean_v, mean_w, lever = v + 0.5 * h * gained_v, w + 0.5 * h * gained_w, z - body[WALL]
+            mean_v, mean_w, lever = v + 0.5 * h * rate_v, w + 0.5 * h * rate_w, z - body[WALL]
             near, near_arm, near_spring = _wheels(body, -half, z, s, c, mean_v, mean_w)
             far, far_arm, far_spring = _wheels(body, half, z, s, c, mean_v, mean_w)
-            gained_v = (near + far) / body[MASS] - GRAVITY
-            gained_w = (force * lever + near * near_arm + far * far_arm) / body[INERTIA]
+            rate_v = (near + far) / body[MASS] - GRAVITY
+            rate_w = (force * lever + near * near_arm + far * far_arm) / body[INERTIA]
             drag, arm = 0.0, 0.0
             if body[FRICTION] > 0.0 and force > 0.0:
                 arm = -(0.5 * body[WIDTH] - lever * s) / c
-                drag = _drag(body, force, arm, v, w, gained_v, gained_w, h)
-                gained_v, gained_w = gained_v + drag / body[MASS], gained_w + drag * arm / body[INERTIA]
-            mean_v, mean_w = v + 0.5 * h * gained_v, w + 0.5 * h * gained_w
-            v, w = v + h * gained_v, w + h * gained_w
+                drag = _drag(body, force, arm, v, w, rate_v, rate_w, h)
+                rate_v, rate_w = rate_v + drag / body[MASS], rate_w + drag * arm / body[INERTIA]
+            mean_v, mean_w = v + 0.5 * h * rate_v, w + 0.5 * h * rate_w
+            v, w = v + h * rate_v, w + h * rate_w
             z, roll = z + 0.5 * h * v, roll + 0.5 * h * w
             largest = max(largest, roll)
             wall_work += h * force * lever * mean_w
@@ -233,7 +255,10 @@ def _follow(body, push, interval, parts, start, is_verdict, rows):
 
 @compiled
 def _wheels(body, side, z, s, c, v, w):
-    """Load of the wheels of a side [N], so far from the middle, their lever [m], and the load of the spring alone."""
+    """Return load and lever of the wheels of a side.
+
+    side: distance from the centre line; the third value is the load of the spring alone [N].
+    """
     arm = side * c + body[CENTRE] * s
     depth = 0.5 * body[MASS] * GRAVITY / body[SPRING] - (z + side * s - body[CENTRE] * c)
     spring = body[SPRING] * max(depth, 0.0)
@@ -241,10 +266,13 @@ def _wheels(body, side, z, s, c, v, w):
 
 
 @compiled
-def _drag(body, force, arm, v, w, gained_v, gained_w, h):
-    """Friction of the wall's face upwards [N]: what would stop the side by the end of the step, cut to the part of
-    Coulomb's friction that is due to the mean sliding up or down in the step, its own change of that included."""
-    slip, gain = v + arm * w, h * (gained_v + arm * gained_w)
+def _drag(body, force, arm, v, w, rate_v, rate_w, h):
+    """Return the friction of the wall's face, upwards [N].
+
+    It would stop the side by the end of the step, but is limited to the component of Coulomb's friction along the
+    mean sliding up or down in the step, including the change of that by the friction.
+    """
+    slip, gain = v + arm * w, h * (rate_v + arm * rate_w)
     lightness = h * (1.0 / body[MASS] + arm * arm / body[INERTIA])
     mean = abs(slip + 0.5 * gain)
     sliding = np.hypot(mean, body[SPEED])
@@ -254,8 +282,10 @@ def _drag(body, force, arm, v, w, gained_v, gained_w, h):
 
 @compiled
 def _energy(body, z, roll, v, w):
-    """Kinetic energy, and that of gravity and springs [J]; beyond m g times the distance of wheels and centre of mass
-    the body can tip."""
+    """Return kinetic energy, and that of gravity and springs [J].
+
+    Above m g times the distance of wheels and centre of mass the body can tip.
+    """
     total = 0.5 * (body[MASS] * v * v + body[INERTIA] * w * w) + body[MASS] * GRAVITY * z
     for side in (-0.5, 0.5):
         spring = _wheels(body, side * body[TRACK], z, np.sin(roll), np.cos(roll), 0.0, 0.0)[2]
@@ -264,7 +294,10 @@ def _energy(body, z, roll, v, w):
 
 
 def _bodies(vehicle: RollingVehicle, wall_height: Number) -> tuple[Array, tuple[int, ...]]:
-    """Columns of the compiled code, shape (n, 10), and the common shape of what they are made of."""
+    """Return the columns of the compiled code and the common shape.
+
+    Columns: shape (n, 10).
+    """
     wall = number("wall_height", wall_height)
     Gate().positive(rules.ROLLING["wall_height"], wall)
     columns = np.broadcast_arrays(*(getattr(vehicle, field.name) for field in fields(vehicle)), wall)
@@ -275,7 +308,10 @@ def _bodies(vehicle: RollingVehicle, wall_height: Number) -> tuple[Array, tuple[
 
 
 def _parts(bodies: Array, interval: float, intervals: int, phase: float, step: float | None = None) -> Array:
-    """Steps of an interval, shape (n,): as given, or by the fastest oscillation that the springs may make."""
+    """Return the steps of an interval, shape (n,).
+
+    From the step, or from the fastest oscillation on the springs.
+    """
     reach2 = bodies[:, CENTRE] ** 2 + 0.25 * bodies[:, TRACK] ** 2
     rate = np.sqrt(2.0 * bodies[:, SPRING] * (1.0 / bodies[:, MASS] + reach2 / bodies[:, INERTIA]))
     parts = np.ceil(
@@ -287,19 +323,21 @@ def _parts(bodies: Array, interval: float, intervals: int, phase: float, step: f
 
 
 def _answered(
-    vehicle: RollingVehicle, wall_height: Number, force: Array, interval: float, asked: int
+    vehicle: RollingVehicle, wall_height: Number, force: Array, interval: float, question: int
 ) -> Array:
-    """Answers for each vehicle, in their common shape."""
+    """Return the answers for each vehicle, in their common shape."""
     bodies, shape = _bodies(vehicle, wall_height)
     push = np.ascontiguousarray(np.atleast_2d(force), dtype=float)
-    scan, phase = (FINE, MANY) if len(bodies) == 1 else (COARSE, MANY if asked == LARGEST else VERDICTS)
-    found, parts = np.empty((len(bodies), 2)), _parts(bodies, interval, push.shape[1], phase)
-    answer(bodies, push, interval, parts, AT_REST, asked, scan, np.zeros((0, len(ROW))), found)
-    return found[:, 0].reshape(shape)
+    scan, phase = (FINE, MANY) if len(bodies) == 1 else (COARSE, MANY if question == LARGEST else VERDICTS)
+    outcome, parts = np.empty((len(bodies), 2)), _parts(bodies, interval, push.shape[1], phase)
+    answer(bodies, push, interval, parts, AT_REST, question, scan, np.zeros((0, len(ROW))), outcome)
+    return outcome[:, 0].reshape(shape)
 
 
 def largest_rolls(vehicle: RollingVehicle, wall_height: Number, force: Array, interval: float) -> Array:
-    """Largest rolls of one vehicle or many; its values and the wall's height broadcast.
+    """Return the largest rolls of one vehicle or many.
+
+    Values of vehicles and the wall's height broadcast.
 
     Parameters
     ----------
@@ -326,18 +364,18 @@ def largest_rolls(vehicle: RollingVehicle, wall_height: Number, force: Array, in
 
 
 def lowest_walls(vehicle: RollingVehicle, force: Array, interval: float) -> Array:
-    """Heights of the lowest walls that hold, as all above them do, to `RESOLUTION`; 0 where any wall does [m].
+    """Return the heights of the lowest walls that prevent tipping [m].
 
-    Arguments are those of `largest_rolls`.
+    To `RESOLUTION`, 0 where any wall does; all higher walls prevent it, too. Arguments are those of `largest_rolls`.
     """
     return _answered(vehicle, 1.0, force, interval, LOWEST)
 
 
 def highest_centres(vehicle: RollingVehicle, wall_height: Number, force: Array, interval: float) -> Array:
-    """Heights of the highest centres of mass that a wall holds, as all below them, to `RESOLUTION` [m].
+    """Return the heights of the highest centres of mass without tipping [m].
 
-    Arguments are those of `largest_rolls`; the vehicle's own centre does not count. At most `FAR_ABOVE` tracks above
-    the wall.
+    To `RESOLUTION`; no lower centre tips. Arguments are those of `largest_rolls`; the vehicle's centre is ignored. At
+    most `FAR_ABOVE` tracks above the wall.
     """
     return _answered(vehicle, wall_height, force, interval, HIGHEST)
 
@@ -351,7 +389,9 @@ def solve_roll(
     start: tuple[float, float, float, float] = AT_REST,
     on_compile: OnCompile = ignore_compiling,
 ) -> RollMotion:
-    """One roll with its motion; its error is stated from a run at twice the step.
+    """Compute one roll with its motion.
+
+    Its error follows from a run with twice the step.
 
     Parameters
     ----------
@@ -381,15 +421,15 @@ def solve_roll(
     RigidBodyError
         As `largest_rolls`.
     """
-    bodies, _ = _bodies(vehicle, rules.one("wall_height", wall_height))
+    bodies, _ = _bodies(vehicle, one("wall_height", wall_height))
     push = np.ascontiguousarray(force, dtype=float)[None]
     parts = _parts(bodies, interval, push.size, ONE, step)
-    rows, found = np.empty((push.size + int(FREE / interval) + 1, len(ROW))), np.empty((1, 2))
+    rows, outcome = np.empty((push.size + int(FREE / interval) + 1, len(ROW))), np.empty((1, 2))
 
     def run(parts: Array) -> tuple[float, int]:
-        given = bodies, push, interval, parts, start, LARGEST, FINE, rows, found
-        compile_once(lambda: answer(*given), answer, *given, on_compile=on_compile)
-        return float(found[0, 0]), int(found[0, 1])
+        arguments = bodies, push, interval, parts, start, LARGEST, FINE, rows, outcome
+        compile_once(lambda: answer(*arguments), answer, *arguments, on_compile=on_compile)
+        return float(outcome[0, 0]), int(outcome[0, 1])
 
     coarse, _ = run(np.maximum(parts // 2, 1))
     for _ in range(1 if step else HALVINGS + 1):

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem.machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
+from solver.conditions import Array, Gate, Number, RigidBodyError, number, positive
 from solver.impact import train as vehicles
 from solver.impact.step import SUMS, UNIT
 from solver.impact.strikes import Strike, corner_name, strikes_of_rows
 from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, Train, WallContact, train_of
 from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
-from solver.rules import Array, Gate, Number, RigidBodyError, number
 
 MANY = 4e-3
 """Error by which the step of many impacts at once is chosen."""
@@ -227,7 +227,7 @@ def solve_impact(
     """
     for value in (end, after_second, longest, step):
         if value is not None:
-            rules.positive(rules.END, value)
+            positive(rules.END, value)
     units, contacts = [vehicle, *(t.vehicle for t in trailers)], [contact, *(t.contact for t in trailers)]
     train = train_of(units, contacts, [(each.hitch, each.kingpin) for each in trailers])
     start = vehicles.lined_up(astuple(state), vehicles.distances(vehicle, trailers))

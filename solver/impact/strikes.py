@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from solver.conditions import Array
 from solver.impact.step import LIGHT, over_from
 from solver.impact.train import CORNERS
-from solver.rules import Array
 
 
 @dataclass(frozen=True)

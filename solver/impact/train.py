@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import rules
-from solver.rules import Array, Gate, Number
+from solver.conditions import Array, Gate, Number, functions, one, positive, within
 
 CORNERS = ("front", "rear", "front far side", "rear far side")
 HALVES = ((0, 1), (1, 0), (2, 3), (3, 2), (0, 2), (2, 0), (1, 3), (3, 1))
@@ -156,9 +156,9 @@ class ImpactVehicle:
     yaw_inertia: float | None = None
 
     def __post_init__(self) -> None:
-        length, width, mass = (rules.one(key, getattr(self, key)) for key in ("length", "width", "mass"))
-        centre = rules.one("centre_of_mass", self.front_distance)
-        inertia = rules.one("yaw_inertia", self.inertia)
+        length, width, mass = (one(key, getattr(self, key)) for key in ("length", "width", "mass"))
+        centre = one("centre_of_mass", self.front_distance)
+        inertia = one("yaw_inertia", self.inertia)
         demand_body(length, width, mass, centre, inertia, self.yaw_inertia is not None)
 
     @property
@@ -209,7 +209,7 @@ class ImpactState:
 
     def __post_init__(self) -> None:
         for value in astuple(self):
-            Gate().demand(rules.STATE, math.isfinite(rules.one("state", value)), value)
+            Gate().demand(rules.STATE, math.isfinite(one("state", value)), value)
 
 
 @dataclass(frozen=True)
@@ -260,8 +260,8 @@ def first_touch(
     RigidBodyError
         Unless 0 < angle < pi/2 and the speed is positive and finite.
     """
-    theta = rules.within(rules.TOUCH_ANGLE, angle, 0.0, math.pi / 2.0)
-    v = rules.positive(rules.SPEED, speed)
+    theta = within(rules.TOUCH_ANGLE, angle, 0.0, math.pi / 2.0)
+    v = positive(rules.SPEED, speed)
     state = touching(vehicle.front_distance, vehicle.width, theta, v)
     if trailers:
         units = vehicle, *(each.vehicle for each in trailers)
@@ -310,7 +310,7 @@ def corner_depths(places: Array, y_g: Any, theta: Any) -> Array:
 
 def touching(centre: Number, width: Number, theta: Number, speed: Number) -> tuple[Any, ...]:
     """The state at first touch, in the order of `step.UNIT`, of one vehicle or of many."""
-    f, b = rules.functions(theta), width / 2.0
+    f, b = functions(theta), width / 2.0
     s, c = f.sin(theta), f.cos(theta)
     return b * s - centre * c, centre * s + b * c, theta, speed * c, -speed * s, 0.0 * speed
 
@@ -345,7 +345,7 @@ class CrushLaw:
 
     def __post_init__(self) -> None:
         names = ("stiffness", "initial_force", "restitution")
-        demand_law(*(rules.one(name, getattr(self, name)) for name in names))
+        demand_law(*(one(name, getattr(self, name)) for name in names))
 
 
 @dataclass(frozen=True)
@@ -375,7 +375,7 @@ class WallContact:
     side_points: int = SIDE_POINTS
 
     def __post_init__(self) -> None:
-        friction = rules.one("friction", self.friction)
+        friction = one("friction", self.friction)
         Gate().not_negative(rules.FRICTION, friction)
         Gate().demand(rules.POINTS, self.side_points >= 1, self.side_points)
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
+from solver.conditions import Array, RigidBodyError
 from solver.impact.step import SHORTEST, STRIKE, advance, columns, workspace
 from solver.impact.train import Train
-from solver.rules import Array, RigidBodyError
 
 TOLERANCE = 1e-5
 """Error of peaks, impulses and spin of one impact by which the step is chosen."""

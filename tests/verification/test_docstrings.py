@@ -177,7 +177,7 @@ def test_public_docstring_is_complete(name):
 def test_rigid_theory_and_meshes_are_public():
     assert {
         "solver.motion.tail_slap",
-        "solver.rules.RectangularBody",
+        "solver.body.RectangularBody",
         "meshes.rectangle.plate_mesh",
     } <= PUBLIC.keys()
 

@@ -1,0 +1,181 @@
+"""Conversion and checks of inputs, and the error that rejects them.
+
+One scalar solution must take microseconds, and 100 000 of them must be one call. Formulas are therefore written once,
+for floats and arrays, with the functions of `functions(...)`: those of `math` for floats, of NumPy for arrays.
+"""
+
+import math
+from dataclasses import fields
+from types import SimpleNamespace
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+Number = float | Array
+
+V = TypeVar("V", bound=Number)
+
+_SCALAR = SimpleNamespace(
+    **vars(math), maximum=max, minimum=min, where=lambda condition, yes, no: yes if condition else no
+)
+
+
+class RigidBodyError(ValueError):
+    """Input for which the rigid-body equations have no solution.
+
+    `str()` is a sentence made of all attributes.
+
+    Attributes
+    ----------
+    key : str
+        Name of the input to change.
+    given : object
+        Its value.
+    why : str
+        Reason why the value is invalid.
+    allowed : str
+        Allowed values.
+    """
+
+    def __init__(self, key: str, given: Any, why: str, allowed: str) -> None:
+        super().__init__(key, given, why, allowed)
+        self.key, self.given, self.why, self.allowed = key, given, why, allowed
+
+    def __str__(self) -> str:
+        return f"{self.key} is {self.given}, but {self.why}; allowed: {self.allowed}."
+
+
+class Rule(NamedTuple):
+    """Condition on an input.
+
+    why, allowed: templates for the details of the row that violates it.
+    """
+
+    key: str
+    why: str
+    allowed: str
+
+
+def choose(key: str, given: str, options: tuple[str, ...]) -> str:
+    """Return an option if it exists, otherwise raise RigidBodyError."""
+    if given in options:
+        return given
+    names = ", ".join(f'"{option}"' for option in options)
+    raise RigidBodyError(key, repr(given), "this option does not exist", f"one of {names}")
+
+
+def holds(met: Any) -> bool:
+    """Return True if a condition is met throughout.
+
+    met: a bool or an array of them.
+    """
+    return met is True or (met is not False and bool(np.all(met)))
+
+
+class Gate:
+    """Checks of conditions on inputs.
+
+    Each condition is a bool or an array of bools. With invalid="raise" the first violated condition raises
+    RigidBodyError for the first row that violates it. With invalid="nan" the rows are recorded in `ok`, and `filled`
+    sets them to NaN.
+    """
+
+    def __init__(self, invalid: str = "raise") -> None:
+        self.fill = choose("invalid", invalid, ("raise", "nan")) == "nan"
+        self.ok: Any = True
+
+    def demand(self, rule: Rule, met: Any, given: Any, **details: Any) -> None:
+        """Require that a condition holds for a value."""
+        if holds(met):
+            return
+        if not self.fill:
+            raise refusal(rule, given, met, **details)
+        self.ok = self.ok & met
+
+    def positive(self, rule: Rule, value: Any) -> None:
+        """Require that a value is positive and finite."""
+        self.demand(rule, (value > 0.0) & (value < math.inf), value)
+
+    def not_negative(self, rule: Rule, value: Any) -> None:
+        """Require that a value is 0 or more, and finite."""
+        self.demand(rule, (value >= 0.0) & (value < math.inf), value)
+
+    def safe(self, *values: Any) -> tuple[Any, ...]:
+        """Return values with a placeholder in invalid rows."""
+        return values if self.ok is True else tuple(np.where(self.ok, value, 0.5)[()] for value in values)
+
+    def filled(self, record: Any) -> Any:
+        """Return a record with NaN in invalid rows."""
+        if self.ok is True:
+            return record
+        values = (getattr(record, field.name) for field in fields(record))
+        return type(record)(*(np.where(self.ok, value, np.nan)[()] for value in values))
+
+
+def refusal(rule: Rule, given: Any, met: Any = False, **details: Any) -> RigidBodyError:
+    """Return the error of a rule.
+
+    It names the first value that violates it.
+    """
+    met, value_array, *arrays = np.broadcast_arrays(met, given, *details.values())
+    index = tuple(int(i) for i in np.argwhere(~met)[0])
+    value = value_array[index].item()
+    values = {name: array[index] for name, array in zip(details, arrays, strict=True)}
+    why = rule.why.format(**values) if np.isfinite(value) else "it is not a finite number"
+    place = f" at index {index if len(index) > 1 else index[0]}" if index else ""
+    return RigidBodyError(rule.key, f"{value:.10g}{place}", why, rule.allowed.format(**values))
+
+
+def functions(*values: Any) -> Any:
+    """Return `math` if all values are floats, otherwise NumPy."""
+    for value in values:
+        if not isinstance(value, float):
+            return np
+    return _SCALAR
+
+
+def number(key: str, value: ArrayLike) -> Any:
+    """Return a value as a float, or an array of floats.
+
+    Raises RigidBodyError under the name `key`.
+    """
+    if type(value) is float:
+        return value
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        allowed = "a number, or an array of numbers"
+        raise RigidBodyError(key, repr(value), "it is not a number", allowed) from error
+    return array if array.ndim else array.item()
+
+
+def one(key: str, value: Any) -> float:
+    """Return a value as a float.
+
+    Raises RigidBodyError for arrays.
+    """
+    scalar = number(key, value)
+    if not isinstance(scalar, float):
+        raise RigidBodyError(key, f"of shape {scalar.shape}", "it is an array", "a number")
+    return scalar
+
+
+def within(rule: Rule, value: Any, least: float, most: float, **details: Any) -> float:
+    """Return a value as a float between the bounds, exclusive.
+
+    Raises RigidBodyError by the rule.
+    """
+    scalar = one(rule.key, value)
+    Gate().demand(rule, least < scalar < most, scalar, **details)
+    return scalar
+
+
+def positive(rule: Rule, value: Any) -> float:
+    """Return a value as a positive, finite float.
+
+    Raises RigidBodyError by the rule.
+    """
+    return within(rule, value, 0.0, math.inf)
