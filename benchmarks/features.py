@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.explicit.internal_force import Scratch, scratch_for
-from fem.explicit.point_force import (
+from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
     at_slot,
     balance,

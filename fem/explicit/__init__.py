@@ -1,7 +1,7 @@
-"""Time: central differences, compiled, and what is recorded of them.
+"""Central differences in time, compiled, and the histories of their states.
 
-`internal_force` goes through the elements in SIMD blocks, quadrature point by quadrature point (`point_force`), and
-has the damping that leaves rigid motion alone; `time_loop` is the step, `impact_loop` that of a whole impact,
-`parallel` the same on several threads. `measures` reads a state, once or for many rows, and `columns`
-registers what the histories have of it.
+`time_loop` is the step, `impact_loop` that of a whole impact, `parallel` the step on several threads.
+`internal_force` passes through the elements in SIMD blocks (`simd_blocks`), one quadrature point at a time
+(`point_force`). `elastic_damping` is the damping that does not affect rigid motion. `measures` evaluates a state, and
+`columns` registers the columns of the histories.
 """

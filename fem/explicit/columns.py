@@ -1,9 +1,11 @@
-"""Columns of the histories: name, SI unit, meaning. Each is one object; adding one is adding it
-here, or in any file that registers it.
+"""Columns of the histories with their units and meanings.
 
-The compiled record of an instant has a field for each of the program's own columns; what other columns need is worked
-out from that record and the state, in Python, once a recorded row.
+The compiled record of an instant has a field for each of the program's own columns. Other columns are registered as
+one object each, here or in any file outside; their values are computed in Python from that record and the state, once
+per recorded row.
 """
+
+from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,80 +13,8 @@ from typing import Any, NamedTuple
 
 from fem.registry import Registry
 
-
-class Measures(NamedTuple):
-    """The compiled record of an instant.
-
-    Attributes
-    ----------
-    theta, omega : float
-        Angle between side and wall [rad], and spin [rad/s], positive where it closes the angle.
-    v_gx, v_gy : float
-        Velocity of the centre of mass [m/s].
-    slide, v_p : float
-        Place [m] and speed [m/s] of the corner along the wall.
-    reaction_normal, reaction_tangential : float
-        Of the wall on the plate [N].
-    kinetic_energy, strain_energy, contact_energy, hourglass_energy : float
-        What the model holds [J].
-    friction_work, damping_work : float
-        Done on the plate since the start [J].
-    vibration_energy : float
-        Kinetic energy that is not rigid motion's [J].
-    normal_impulse, normal_impulse_magnitude : float
-        Of the normal reaction, and of its magnitude [N s]: they part where the reaction rings through zero.
-    gap : float
-        Distance of the corner from the wall's line [m].
-    """
-
-    theta: float
-    omega: float
-    v_gx: float
-    v_gy: float
-    slide: float
-    v_p: float
-    reaction_normal: float
-    reaction_tangential: float
-    kinetic_energy: float
-    strain_energy: float
-    contact_energy: float
-    friction_work: float
-    damping_work: float
-    vibration_energy: float
-    normal_impulse: float
-    normal_impulse_magnitude: float
-    gap: float
-    hourglass_energy: float
-
-
-@dataclass(frozen=True)
-class HistoryColumn:
-    """A column of the history.
-
-    Attributes
-    ----------
-    name : str
-        In `history.csv`.
-    unit : str
-        SI.
-    value : callable or None
-        (measures, state, model) -> number; None for the record's own field of that name.
-    symbol, caption : str
-        Of its plot; without a symbol it has none of its own.
-    meaning : str
-        In words, for the reference.
-    """
-
-    name: str
-    unit: str
-    value: Callable[[Measures, Any, Any], float] | None = None
-    symbol: str = ""
-    caption: str = ""
-    meaning: str = ""
-
-
 COLUMNS: Registry[HistoryColumn] = Registry("column")
-"""Columns by name, in the order of the history; the record's own come first."""
+"""Columns by name in the order of the history, those of the record first."""
 
 _MEANINGS = {
     "t": ("s", "time since first contact"),
@@ -128,9 +58,6 @@ _MEANINGS = {
 }
 """Units and meanings of the built-in columns."""
 
-for _name in Measures._fields:
-    COLUMNS.register(HistoryColumn(_name, _MEANINGS[_name][0], meaning=_MEANINGS[_name][1]))
-
 _ON_IMPACT = {
     "contact_energy": "recoverable energy of the contact",
     "normal_impulse": "impulse of the normal force on the plate since the start",
@@ -142,6 +69,82 @@ hourglass_energy contact_energy crush_energy friction_work damping_work vibratio
 tangential_impulse moment_impulse angular_momentum wall_energy wall_deflection wall_deflection_place
 foundation_impulse force_foundation"""
 
+
+class Measures(NamedTuple):
+    """Measures of the constrained plate at an instant.
+
+    Attributes
+    ----------
+    theta, omega : float
+        Angle between side and wall [rad], and spin [rad/s], positive where it closes the angle.
+    v_gx, v_gy : float
+        Velocity of the centre of mass [m/s].
+    slide, v_p : float
+        Place [m] and speed [m/s] of the corner along the wall.
+    reaction_normal, reaction_tangential : float
+        Of the wall on the plate [N].
+    kinetic_energy, strain_energy, contact_energy, hourglass_energy : float
+        Energies of the model [J].
+    friction_work, damping_work : float
+        Work on the plate since the start [J].
+    vibration_energy : float
+        Kinetic energy of the deviation from rigid motion [J].
+    normal_impulse, normal_impulse_magnitude : float
+        Of the normal reaction, and of its magnitude [N s]. They differ where the reaction oscillates through zero.
+    gap : float
+        Distance of the corner from the wall's line [m].
+    """
+
+    theta: float
+    omega: float
+    v_gx: float
+    v_gy: float
+    slide: float
+    v_p: float
+    reaction_normal: float
+    reaction_tangential: float
+    kinetic_energy: float
+    strain_energy: float
+    contact_energy: float
+    friction_work: float
+    damping_work: float
+    vibration_energy: float
+    normal_impulse: float
+    normal_impulse_magnitude: float
+    gap: float
+    hourglass_energy: float
+
+
+@dataclass(frozen=True)
+class HistoryColumn:
+    """A column of the history.
+
+    Attributes
+    ----------
+    name : str
+        In `history.csv`.
+    unit : str
+        SI.
+    value : callable or None
+        (measures, state, model) -> number; None for the record's own field of that name.
+    symbol, caption : str
+        Of its plot; a column without a symbol has none of its own.
+    meaning : str
+        In words, for the reference.
+    """
+
+    name: str
+    unit: str
+    value: Callable[[Measures, Any, Any], float] | None = None
+    symbol: str = ""
+    caption: str = ""
+    meaning: str = ""
+
+
+for _name in Measures._fields:
+    COLUMNS.register(HistoryColumn(_name, _MEANINGS[_name][0], meaning=_MEANINGS[_name][1]))
+
+
 IMPACT_COLUMNS: dict[str, HistoryColumn] = {
     name: HistoryColumn(name, _MEANINGS[name][0], meaning=_ON_IMPACT.get(name, _MEANINGS[name][1]))
     for name in _IMPACT_NAMES.split()
@@ -150,6 +153,9 @@ IMPACT_COLUMNS: dict[str, HistoryColumn] = {
 
 
 def row_of(measures: Measures, state: Any, model: Any) -> tuple[float, ...]:
-    """Values of all columns: the record, then what other columns make of it."""
-    others = [column.value for column in COLUMNS.values() if column.value is not None]
-    return (*measures, *(float(value(measures, state, model)) for value in others))
+    """Return the values of all columns at an instant.
+
+    Those of the record come first.
+    """
+    functions = [column.value for column in COLUMNS.values() if column.value is not None]
+    return (*measures, *(float(function(measures, state, model)) for function in functions))

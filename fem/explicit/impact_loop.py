@@ -1,15 +1,22 @@
-"""The time loop of a whole impact: the step of `time_loop`, with a wall that only pushes in place of the corner."""
+"""Time loop of a whole impact.
 
-from typing import Any, NamedTuple
+The step is that of `time_loop`, with unilateral contact in place of the constrained corner.
+"""
+
+from typing import NamedTuple
 
 import numpy as np
 
+from fem.explicit.elastic_damping import ElasticDamping
+from fem.explicit.internal_force import Viscosity
 from fem.explicit.measures import elastic_energies, motion, plate_forces
-from fem.explicit.time_loop import advance, react
-from fem.laws.hinges import add_impulses, describe_units, join
+from fem.explicit.time_loop import add_reaction, advance
+from fem.laws.hinges import Hinges, HingeState, add_impulses, describe_units, join
 from fem.laws.wall_contact import (
     BoundaryContact,
     ContactState,
+    ElasticWall,
+    WallMotion,
     add_contact,
     approach,
     held_by,
@@ -20,31 +27,35 @@ from fem.laws.wall_contact import (
     tilted,
 )
 from fem.machine_code.compiled import compiled, implements
-from fem.plate.discretisation import ElementTable
+from fem.plate.discretisation import ElementTable, Hourglass
 
 
-class ImpactLoop(NamedTuple):
-    """Everything that stays as it is during a run; as `LoopParameters`, with contact in place of the corner."""
+class ImpactLoopParameters(NamedTuple):
+    """Constants of a run of a whole impact.
+
+    As `LoopParameters`, with contact in place of the corner. span: distance [m] in which the origin follows the plate
+    along the wall. wall: an `ElasticWall`, None for a rigid wall. hinges: `Hinges` of a train, None for one plate.
+    """
 
     table: ElementTable
-    material: Any
+    material: tuple[float, ...]
     mass: np.ndarray
     contact: BoundaryContact
-    viscosity: Any
-    hourglass: Any
-    elastic_damping: Any
+    viscosity: Viscosity | None
+    hourglass: Hourglass | None
+    elastic_damping: ElasticDamping | None
     time_step: float
-    span: float  # [m], by which the origin follows the plate along the wall
-    wall: Any  # ElasticWall; None for a rigid one
-    hinges: Any = None  # Hinges of a train; None for one plate
+    span: float
+    wall: ElasticWall | None
+    hinges: Hinges | None = None
 
 
 class ImpactLoopState(NamedTuple):
-    """State of the loop of a whole impact: the plate's motion, and sums so far.
+    """State of the loop of a whole impact.
 
-    positions, velocities, origin: as in `State`. sums, shape (3,): friction work and damping work done on the plate
-    [J]; moment of the wall's impulse about the wall's frame [N m s]. contact: of each contact point. wall: a
-    `WallMotion`; None for a rigid one. hinges: a `HingeState`; None for one plate.
+    positions, velocities, origin: as in `State`. sums, shape (3,): friction work and damping work on the plate [J];
+    moment of the wall's impulse about the wall's frame [N m s]. contact: of each contact point. wall: a `WallMotion`,
+    None for a rigid wall. hinges: a `HingeState`, None for one plate.
     """
 
     positions: np.ndarray
@@ -52,12 +63,14 @@ class ImpactLoopState(NamedTuple):
     sums: np.ndarray
     origin: np.ndarray
     contact: ContactState
-    wall: Any
-    hinges: Any = None
+    wall: WallMotion | None
+    hinges: HingeState | None = None
 
 
 class ImpactMeasures(NamedTuple):
-    """The compiled record of an instant; a train's is that of all its plates.
+    """Measures of a whole impact at an instant.
+
+    Those of a train are of all its plates.
 
     Attributes
     ----------
@@ -70,19 +83,19 @@ class ImpactMeasures(NamedTuple):
     kinetic_energy, strain_energy, hourglass_energy : float
         Energies of the plate [J].
     contact_energy, crush_energy : float
-        Energy that contact will return, and energy that crush has taken for good [J].
+        Recoverable energy of the contact, and energy dissipated by crush [J].
     friction_work, damping_work : float
-        Done on the plate since the start [J].
+        Work on the plate since the start [J].
     vibration_energy : float
-        Kinetic energy that is not rigid motion's [J].
+        Kinetic energy of the deviation from rigid motion [J].
     normal_impulse, tangential_impulse, moment_impulse : float
         Of the wall on the plate since the start [N s], and about the wall's frame [N m s].
     angular_momentum : float
         Of the plate about the wall's frame [kg m^2/s].
     wall_energy : float
-        Kinetic and elastic, of the wall and its foundation [J]; with all below, 0 for a rigid wall.
+        Kinetic and elastic energy of the wall and its foundation [J]; 0 for a rigid wall, as are all below.
     wall_deflection, wall_deflection_place : float
-        The largest of the wall's face [m], and where along the wall it is [m].
+        The largest deflection of the wall's face [m], and its place along the wall [m].
     foundation_impulse : float
         Of the foundation on the wall since the start, towards the plate [N s].
     """
@@ -112,9 +125,12 @@ class ImpactMeasures(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Arrays for the records, a row an instant: values, shape (rows, fields of `ImpactMeasures`); normal and tangential
-    impulse [N s], depth behind the face and place along the wall [m] of each contact point, each of shape (rows,
-    points); units, shape (rows, columns): of the plates and hinges of a train, see `fem.laws.hinges`."""
+    """Arrays that are filled with one row per instant.
+
+    values, shape (rows, fields of `ImpactMeasures`). normal and tangential impulse [N s], depth behind the face and
+    place along the wall [m] of each contact point, shape (rows, points) each. units, shape (rows, columns): of the
+    plates and hinges of a train, see `fem.laws.hinges`.
+    """
 
     values: np.ndarray
     normal: np.ndarray
@@ -124,59 +140,72 @@ class Rows(NamedTuple):
     units: np.ndarray
 
 
-@implements(react, ImpactLoop, merged=True)
-def _react_by_contact(loop, state, lost, force):
-    add_contact(loop, state, state.contact, state.wall, force)
-    join(loop.hinges, state.hinges, state.positions, state.velocities, loop.mass, loop.time_step, force)
-    add_impulses(loop.hinges, state.hinges, loop.time_step)
-    state.sums[1] -= loop.time_step * lost
-    return state.positions[0, loop.contact.nodes[0]]
+@implements(add_reaction, ImpactLoopParameters, merged=True)
+def _add_contact_reaction(parameters, state, damping_power, force):
+    """Add the forces of contact and of hinges."""
+    hinges, mass, time_step = parameters.hinges, parameters.mass, parameters.time_step
+    add_contact(parameters, state, state.contact, state.wall, force)
+    join(hinges, state.hinges, state.positions, state.velocities, mass, time_step, force)
+    add_impulses(hinges, state.hinges, time_step)
+    state.sums[1] -= time_step * damping_power
+    return state.positions[0, parameters.contact.nodes[0]]
 
 
 @compiled
-def advance_and_record(state, stride, loop, viscosity, hourglass, reference, force, scratch, rows):
-    """Advance the state in place, and record every `stride` steps until the rows are full."""
+def advance_and_record(state, stride, parameters, viscosity, hourglass, reference, force, scratch, rows):
+    """Advance the state in place and record each row.
+
+    stride: steps between rows.
+    """
     for row in range(rows.values.shape[0]):
-        advance(state, stride, loop, viscosity, hourglass, force, scratch)
-        measures = record(state, loop, viscosity, hourglass, reference, force, scratch, rows, row)
+        advance(state, stride, parameters, viscosity, hourglass, force, scratch)
+        measures = record(state, parameters, viscosity, hourglass, reference, force, scratch, rows, row)
         for k in range(len(measures)):
             rows.values[row, k] = measures[k]
 
 
 @compiled
-def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, row):
-    """The `ImpactMeasures` of the state at its instant, and the row of its contact points; the state stays as it is."""
-    positions, velocities, half = state.positions, state.velocities, 0.5 * loop.time_step
-    damping_power = plate_forces(state, loop, viscosity, hourglass, force, scratch)
-    contact, kept, wall, moving = loop.contact, state.contact, loop.wall, state.wall
+def record(state, parameters, viscosity, hourglass, reference, force, scratch, rows, row):
+    """Return the `ImpactMeasures` of a state, which is left unchanged.
+
+    Fills the given row of all arrays of `rows`.
+    """
+    positions, velocities, half_step = state.positions, state.velocities, 0.5 * parameters.time_step
+    damping_power = plate_forces(state, parameters, viscosity, hourglass, force, scratch)
+    contact, contact_state, wall, wall_motion = parameters.contact, state.contact, parameters.wall, state.wall
     origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]
-    normals = tangentials = stored = lost = 0.0
-    push_back(loop, state, kept, moving, force)
-    hinged = state.hinges
-    join(loop.hinges, hinged, positions, velocities, loop.mass, loop.time_step, force)
+    normals = tangentials = stored = crushed = 0.0
+    push_back(parameters, state, contact_state, wall_motion, force)
+    hinges, hinge_state, mass, time_step = (
+        parameters.hinges,
+        state.hinges,
+        parameters.mass,
+        parameters.time_step,
+    )
+    join(hinges, hinge_state, positions, velocities, mass, time_step, force)
     units = rows.units[row]
-    describe_units(loop.hinges, hinged, state, force, loop.mass, loop.time_step, reference, units)
+    describe_units(hinges, hinge_state, state, force, mass, time_step, reference, units)
     for i in range(contact.mobility.size):
-        normal, tangential = kept.pushing[i], kept.sliding[i]
-        face, depth, opening, slip = approach(loop, state, i)
+        normal, tangential = contact_state.pushing[i], contact_state.sliding[i]
+        face, depth, opening, slip = approach(parameters, state, i)
         x, y = origin + point_mean(positions[0], contact, i), point_mean(positions[1], contact, i)
-        deepest = max(kept.deepest[i], depth)
-        before = depth + loop.time_step * opening
+        deepest = max(contact_state.deepest[i], depth)
+        before = depth + time_step * opening
         stored += stored_energy(contact.law, i, before, depth, deepest, normal)
-        lost += lost_energy(contact.law, i, deepest)
-        friction += half * (tangential + tilted(wall, face, normal)) * slip
-        moment += half * (x * normal - y * tangential)
-        rows.normal[row, i] = kept.normal[i] + half * normal
-        rows.tangential[row, i] = kept.tangential[i] + half * tangential
+        crushed += lost_energy(contact.law, i, deepest)
+        friction += half_step * (tangential + tilted(wall, face, normal)) * slip
+        moment += half_step * (x * normal - y * tangential)
+        rows.normal[row, i] = contact_state.normal[i] + half_step * normal
+        rows.tangential[row, i] = contact_state.tangential[i] + half_step * tangential
         rows.depth[row, i] = depth
         rows.place[row, i] = x
         normals += rows.normal[row, i]
         tangentials += rows.tangential[row, i]
     theta, omega, v_x, v_y, kinetic, vibration, c_x, c_y = motion(
-        positions, velocities, force, loop.mass, loop.time_step, reference
+        positions, velocities, force, mass, time_step, reference
     )
-    wall_energy, deflection, place, foundation = held_by(wall, moving, half)
-    strain_energy, hourglass_energy = elastic_energies(positions, loop, hourglass)
+    wall_energy, deflection, place, foundation = held_by(wall, wall_motion, half_step)
+    strain_energy, hourglass_energy = elastic_energies(positions, parameters, hourglass)
     return ImpactMeasures(
         x_g=origin + c_x,
         y_g=c_y,
@@ -188,14 +217,14 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
         strain_energy=strain_energy,
         hourglass_energy=hourglass_energy,
         contact_energy=stored,
-        crush_energy=lost,
+        crush_energy=crushed,
         friction_work=friction,
-        damping_work=state.sums[1] + half * damping_power,
+        damping_work=state.sums[1] + half_step * damping_power,
         vibration_energy=vibration,
         normal_impulse=normals,
         tangential_impulse=tangentials,
         moment_impulse=moment,
-        angular_momentum=_angular_momentum(positions, velocities, force, loop, origin),
+        angular_momentum=_angular_momentum(positions, velocities, force, parameters, origin),
         wall_energy=wall_energy,
         wall_deflection=deflection,
         wall_deflection_place=place,
@@ -204,8 +233,12 @@ def record(state, loop, viscosity, hourglass, reference, force, scratch, rows, r
 
 
 @compiled
-def _angular_momentum(positions, velocities, force, loop, origin):
-    mass, half, total = loop.mass, 0.5 * loop.time_step, 0.0
+def _angular_momentum(positions, velocities, force, parameters, origin):
+    """Return the plate's angular momentum [kg m^2/s].
+
+    It is about the origin of the wall's frame.
+    """
+    mass, half, total = parameters.mass, 0.5 * parameters.time_step, 0.0
     for i in range(mass.size):
         u_x = velocities[0, i] + half * force[0, i] / mass[i]
         u_y = velocities[1, i] + half * force[1, i] / mass[i]

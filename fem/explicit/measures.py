@@ -1,14 +1,15 @@
-"""Measures of the plate at an instant, momenta, rotation, reactions, energies, and rows of them; compiled.
+"""Momenta, rotation, reactions and energies of the plate at an instant, compiled.
 
-Velocities at instant n are the mean of those half a step before and after; with the kinetic energy as
-m v_before . v_after / 2 and works by the trapezoidal rule, central differences keep the energy of a linear model
-to rounding, so that what the energy balance shows is the model's error and not the bookkeeping's.
+Velocities at instant n are the mean of those half a step before and after. With a kinetic energy of m v_before .
+v_after / 2 and works by the trapezoidal rule, central differences conserve the energy of a linear model to rounding.
+The energy balance then shows errors of the model, not of the bookkeeping.
 """
 
 import math
 
 from fem.explicit.columns import Measures
-from fem.explicit.internal_force import damp, subtract_internal_forces
+from fem.explicit.elastic_damping import damp
+from fem.explicit.internal_force import subtract_internal_forces
 from fem.explicit.time_loop import advance
 from fem.laws.constraints import add_corner_reaction, constraint_energy, weighted
 from fem.laws.materials import deformation_gradient, energy_density, green_strain
@@ -16,56 +17,69 @@ from fem.machine_code.compiled import compiled
 
 
 @compiled
-def plate_forces(state, loop, viscosity, hourglass, force, scratch):
-    """Put the forces of the plate itself [N] into `force`; returns the power [W] of the elastic damping."""
-    positions, velocities = state.positions, state.velocities
+def plate_forces(state, parameters, viscosity, hourglass, force, scratch):
+    """Put the forces of the plate [N], without reactions, into `force`.
+
+    Returns the power [W] of the elastic damping.
+    """
+    positions, velocities, table = state.positions, state.velocities, parameters.table
+    damping, mass, time_step = parameters.elastic_damping, parameters.mass, parameters.time_step
     force[:] = 0.0
     subtract_internal_forces(
-        positions, velocities, viscosity, hourglass, force, loop.table, loop.material, scratch
+        positions, velocities, viscosity, hourglass, force, table, parameters.material, scratch
     )
-    return damp(loop.elastic_damping, positions, velocities, loop.mass, loop.time_step, scratch.motion, force)
+    return damp(damping, positions, velocities, mass, time_step, scratch.motion, force)
 
 
 @compiled
-def all_forces(state, loop, viscosity, hourglass, force, scratch):
-    """Put all forces [N] into `force`; returns the normal and the tangential reaction [N], the corner's slip speed half
-    a step back and ahead [m/s], and the power [W] of the elastic damping with the velocities half a step back."""
-    power = plate_forces(state, loop, viscosity, hourglass, force, scratch)
+def all_forces(state, parameters, viscosity, hourglass, force, scratch):
+    """Put all forces [N] into `force` and return the reactions.
+
+    Returns the normal and the tangential reaction [N], the slip speed of the corner half a step back and ahead [m/s],
+    and the power [W] of the elastic damping at the velocities half a step back.
+    """
+    power = plate_forces(state, parameters, viscosity, hourglass, force, scratch)
+    corner, friction, mass, time_step = (
+        parameters.corner,
+        parameters.friction,
+        parameters.mass,
+        parameters.time_step,
+    )
     normal, tangential, slip, later_slip, _ = add_corner_reaction(
-        state.positions, state.velocities, loop.mass, loop.time_step, loop.corner, loop.friction, force
+        state.positions, state.velocities, mass, time_step, corner, friction, force
     )
     return normal, tangential, slip, later_slip, power
 
 
 @compiled
-def measure(state, loop, viscosity, hourglass, reference, force, scratch):
-    """The `Measures` of the state at its instant; the state is left as it is.
+def measure(state, parameters, viscosity, hourglass, reference, force, scratch):
+    """Return the `Measures` of a state, which is left unchanged.
 
-    reference: positions in the body frame [m], shape (2, nodes); the plate's angle is that of the rigid
-    rotation that carries them onto the positions with the least mass-weighted square of distance.
+    reference: positions in the body frame [m], shape (2, nodes). The plate's angle is that of the rigid rotation that
+    carries them onto the positions with the least mass-weighted square of distance.
     """
     positions, velocities, sums, origin = state
-    half = 0.5 * loop.time_step
+    half = 0.5 * parameters.time_step
     normal, tangential, slip, later_slip, damping_power = all_forces(
-        state, loop, viscosity, hourglass, force, scratch
+        state, parameters, viscosity, hourglass, force, scratch
     )
     theta, omega, v_x, v_y, kinetic, vibration, _, _ = motion(
-        positions, velocities, force, loop.mass, loop.time_step, reference
+        positions, velocities, force, parameters.mass, parameters.time_step, reference
     )
-    gap = weighted(positions[1], loop.corner)
-    strain_energy, hourglass_energy = elastic_energies(positions, loop, hourglass)
+    gap = weighted(positions[1], parameters.corner)
+    strain_energy, hourglass_energy = elastic_energies(positions, parameters, hourglass)
     return Measures(
         theta=theta,
         omega=omega,
         v_gx=v_x,
         v_gy=v_y,
-        slide=origin[0] + weighted(positions[0], loop.corner),
+        slide=origin[0] + weighted(positions[0], parameters.corner),
         v_p=0.5 * (slip + later_slip),
         reaction_normal=normal,
         reaction_tangential=tangential,
         kinetic_energy=kinetic,
         strain_energy=strain_energy,
-        contact_energy=constraint_energy(loop.corner.constraint, gap),
+        contact_energy=constraint_energy(parameters.corner.constraint, gap),
         friction_work=sums[0] + half * tangential * slip,
         damping_work=sums[1] + half * damping_power,
         vibration_energy=vibration,
@@ -78,7 +92,11 @@ def measure(state, loop, viscosity, hourglass, reference, force, scratch):
 
 @compiled
 def motion(positions, velocities, force, mass, time_step, reference):
-    """Angle, spin, centre's velocity, kinetic energy of the balance, that beside the rigid motion, centre."""
+    """Return rigid motion and kinetic energies of the plate.
+
+    They are the angle [rad], the spin [rad/s], the velocity of the centre of mass [m/s], the kinetic energy of the
+    energy balance and that of the deviation from rigid motion [J], and the centre of mass [m].
+    """
     x, y, v_x, v_y, f_x, f_y = positions[0], positions[1], velocities[0], velocities[1], force[0], force[1]
     r_x, r_y, half = reference[0], reference[1], 0.5 * time_step
     total = c_x = c_y = b_x = b_y = c_u = c_v = kinetic = 0.0
@@ -113,16 +131,17 @@ def motion(positions, velocities, force, mass, time_step, reference):
 
 
 @compiled
-def elastic_energies(positions, loop, hourglass):
-    """Energies [J] of strain and of hourglass control."""
+def elastic_energies(positions, parameters, hourglass):
+    """Return the energies [J] of strain and of hourglass control."""
     control = 0.0
     if hourglass is not None:
-        control = energy_of_hourglass(positions, loop.table, hourglass)
-    return energy_of_strain(positions, loop.table, loop.material), control
+        control = energy_of_hourglass(positions, parameters.table, hourglass)
+    return energy_of_strain(positions, parameters.table, parameters.material), control
 
 
 @compiled
 def energy_of_strain(positions, table, material):
+    """Return the strain energy [J] of all elements."""
     congruent = table.weights.shape[1] == 1
     energy = 0.0
     for element in range(table.connectivity.shape[1]):
@@ -136,6 +155,7 @@ def energy_of_strain(positions, table, material):
 
 @compiled
 def energy_of_hourglass(positions, table, hourglass):
+    """Return the energy [J] of the hourglass control of all elements."""
     energy = 0.0
     for element in range(table.connectivity.shape[1]):
         column = 0 if hourglass.vectors.shape[1] == 1 else element
@@ -152,16 +172,18 @@ def energy_of_hourglass(positions, table, hourglass):
 
 
 @compiled
-def advance_and_measure(state, before, stride, loop, viscosity, hourglass, reference, force, scratch, rows):
-    """Advance the state in place, and write its `Measures` into each of the rows, `stride` steps apart.
+def advance_and_measure(
+    state, before, stride, parameters, viscosity, hourglass, reference, force, scratch, rows
+):
+    """Advance the state in place and write its `Measures` row by row.
 
-    Ends after a row with an angle that is not above zero, or with a number that is not finite; `before` is then the
-    state of the row before it. Returns how many rows were written. Others arguments: as `measure`.
+    stride: steps between rows. Ends after a row with an angle that is not positive, or with a number that is not
+    finite; `before` is then the state of the previous row. Returns the number of rows. Other arguments: as `measure`.
     """
     for row in range(rows.shape[0]):
         _copy_state(state, before)
-        advance(state, stride, loop, viscosity, hourglass, force, scratch)
-        measures = measure(state, loop, viscosity, hourglass, reference, force, scratch)
+        advance(state, stride, parameters, viscosity, hourglass, force, scratch)
+        measures = measure(state, parameters, viscosity, hourglass, reference, force, scratch)
         finite = True
         for column in range(rows.shape[1]):
             rows[row, column] = measures[column]
@@ -172,8 +194,9 @@ def advance_and_measure(state, before, stride, loop, viscosity, hourglass, refer
 
 
 @compiled
-def _copy_state(state, other):
-    other.positions[:] = state.positions
-    other.velocities[:] = state.velocities
-    other.sums[:] = state.sums
-    other.origin[:] = state.origin
+def _copy_state(state, target):
+    """Copy the arrays of a state into another."""
+    target.positions[:] = state.positions
+    target.velocities[:] = state.velocities
+    target.sums[:] = state.sums
+    target.origin[:] = state.origin

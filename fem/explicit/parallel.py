@@ -1,9 +1,9 @@
-"""The time loop on several threads, for large meshes; compiled.
+"""The time loop on several threads for large meshes, compiled.
 
-Each thread has its own elements, forces and scratch. Between the parts of a step the threads meet: the last to come
-does what belongs to all, and lets them go on. The others look out for that for about as long as it takes to wake a
-thread, and then sleep, so that a core that another program wants is left to it. The forces are summed in the order of
-the threads, so that a run repeats to the bit on the same number of threads.
+Each thread has its own elements, forces and scratch. The threads wait for each other at barriers between the parts of
+a step. The last thread to arrive does the work that is common to all, and releases the others. These spin for about
+as long as it takes to wake a thread, then sleep, so that a core can be used by another program. Forces are summed in
+the order of the threads, and a run repeats to the bit on the same number of threads.
 """
 
 import ctypes
@@ -15,22 +15,23 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from fem.explicit.internal_force import SUMS, Scratch, add_up, gained, resist, subtract_forces_of
-from fem.explicit.point_force import BLOCK_SIZE, aligned, slot_count
-from fem.explicit.time_loop import LoopParameters, State, drift, follow, react
+from fem.explicit.elastic_damping import SUMS, add_damping_force, power_correction, sum_motion
+from fem.explicit.internal_force import Scratch, subtract_forces_of
+from fem.explicit.simd_blocks import BLOCK_SIZE, aligned, slot_count
+from fem.explicit.time_loop import LoopParameters, State, add_reaction, drift, follow
 from fem.machine_code.compiled import compiled
 
 WORD = 8
-"""The two numbers of a meeting lie so many apart, a cache line."""
+"""Distance between the two numbers of a barrier, a cache line."""
 
-ARRIVED, TURN = 0, WORD
-"""Places of these numbers: how many threads have come to meetings so far; the last meeting that is over."""
+ARRIVED, GENERATION = 0, WORD
+"""Places of these numbers: arrivals at barriers, and the last barrier that was released."""
 
-LOOKS = 20_000
-"""Times that a thread looks for the end of a meeting before it sleeps: some 20 us."""
+SPINS = 20_000
+"""Reads of a barrier's state before a thread sleeps, about 20 us."""
 
-ROOM = 128
-"""Bytes that hold a mutex or a condition variable, whatever the system's C library."""
+OBJECT_BYTES = 128
+"""Bytes that hold a mutex or a condition variable of any C library."""
 
 _lock = types.ExternalFunction("pthread_mutex_lock", types.int32(types.uintp))
 _unlock = types.ExternalFunction("pthread_mutex_unlock", types.int32(types.uintp))
@@ -38,11 +39,11 @@ _sleep = types.ExternalFunction("pthread_cond_wait", types.int32(types.uintp, ty
 _wake_all = types.ExternalFunction("pthread_cond_broadcast", types.int32(types.uintp))
 
 
-class Meeting(NamedTuple):
-    """Meeting point at which threads wait for each other.
+class Barrier(NamedTuple):
+    """Barrier at which threads wait for each other.
 
-    numbers: see ARRIVED and TURN, int64; mutex, condition: addresses of the C library's objects; memory: that they
-    lie in.
+    numbers: see ARRIVED and GENERATION, int64. mutex, condition: addresses of the objects of the C library. memory:
+    array that holds these objects.
     """
 
     numbers: np.ndarray
@@ -51,53 +52,58 @@ class Meeting(NamedTuple):
     memory: np.ndarray
 
 
-def new_meeting() -> Meeting:
-    """A place to meet, which no thread has come to yet."""
-    library, memory = ctypes.CDLL(None), np.zeros((2, ROOM), dtype=np.uint8)
+def new_barrier() -> Barrier:
+    """Return a barrier at which no thread has arrived."""
+    library, memory = ctypes.CDLL(None), np.zeros((2, OBJECT_BYTES), dtype=np.uint8)
     mutex, condition = (part.ctypes.data for part in memory)
     library.pthread_mutex_init(ctypes.c_void_p(mutex), None)
     library.pthread_cond_init(ctypes.c_void_p(condition), None)
-    return Meeting(np.zeros(2 * WORD, dtype=np.int64), mutex, condition, memory)
+    return Barrier(np.zeros(2 * WORD, dtype=np.int64), mutex, condition, memory)
 
 
 class Team:
-    """Workspaces of the threads, for one model."""
+    """Workspaces of the threads for one model."""
 
-    def __init__(self, loop: LoopParameters, scratch: Scratch, threads: int) -> None:
-        self._loop, self._threads = loop, threads
+    def __init__(self, parameters: LoopParameters, scratch: Scratch, threads: int) -> None:
+        self._parameters, self._threads = parameters, threads
         self._scratch, self._rows = scratch, aligned(threads * scratch.rows.size).reshape(threads, -1)
-        self._forces = np.zeros((threads, 2, loop.mass.size))
+        self._forces = np.zeros((threads, 2, parameters.mass.size))
         self._powers = np.zeros((2, threads))
         self._motions, self._shift = np.zeros((2, threads, SUMS)), np.zeros(1)
 
     def advance(self, state: State, steps: int) -> None:
         """Advance the state in place by this many steps."""
         parts = self._parts(state, steps)
-        others = [threading.Thread(target=advance_thread, args=(t, *parts)) for t in range(1, self._threads)]
-        for thread in others:
+        workers = [threading.Thread(target=advance_thread, args=(t, *parts)) for t in range(1, self._threads)]
+        for thread in workers:
             thread.start()
         advance_thread(0, *parts)
-        for thread in others:
+        for thread in workers:
             thread.join()
 
     def step_call(self, state: State) -> tuple[Any, ...]:
-        """The compiled function of a thread, and arguments of its types."""
+        """Return the compiled function of a thread, and arguments of its types."""
         return advance_thread, 0, *self._parts(state, 0)
 
     def _parts(self, state: State, steps: int) -> tuple[Any, ...]:
         shared = (self._powers, self._motions, self._shift)
-        workspaces = (self._forces, self._scratch, self._rows, *shared, new_meeting())
-        return state, steps, self._loop, self._loop.viscosity, self._loop.hourglass, *workspaces
+        workspaces = (self._forces, self._scratch, self._rows, *shared, new_barrier())
+        parameters = self._parameters
+        return state, steps, parameters, parameters.viscosity, parameters.hourglass, *workspaces
 
 
 @compiled
 def advance_thread(
-    t, state, steps, loop, viscosity, hourglass, forces, shared, rows, powers, motions, shift, meeting
+    t, state, steps, parameters, viscosity, hourglass, forces, shared, rows, powers, motions, shift, barrier
 ):
-    """Advance the part of thread t; see `fem.explicit.time_loop.advance` for the step."""
-    positions, velocities, own = state.positions, state.velocities, forces[t]
-    table, material, mass, time_step = loop.table, loop.material, loop.mass, loop.time_step
-    damping, threads, nodes = loop.elastic_damping, forces.shape[0], loop.mass.size
+    """Advance the part of thread t.
+
+    The step is that of `fem.explicit.time_loop.advance`.
+    """
+    positions, velocities, own_forces = state.positions, state.velocities, forces[t]
+    table, material = parameters.table, parameters.material
+    mass, time_step = parameters.mass, parameters.time_step
+    damping, threads, nodes = parameters.elastic_damping, forces.shape[0], parameters.mass.size
     slots = slot_count(table.connectivity, shared.lattice)
     blocks = (slots + BLOCK_SIZE - 1) // BLOCK_SIZE
     first, last = blocks * t // threads * BLOCK_SIZE, min(slots, blocks * (t + 1) // threads * BLOCK_SIZE)
@@ -107,32 +113,35 @@ def advance_thread(
         rows[t], shared.gradients, shared.weights, shared.lattice, motion, shared.hourglass, shared.reference
     )
     for step in range(steps):
-        own[:] = 0.0
+        own_forces[:] = 0.0
         powers[0, t] = subtract_forces_of(
-            first, last, positions, velocities, viscosity, hourglass, own, table, material, scratch
+            first, last, positions, velocities, viscosity, hourglass, own_forces, table, material, scratch
         )
-        add_up(damping, positions, velocities, mass, begin, end, motions[0, t])
-        _meet(meeting, threads, 3 * step + 1)
+        sum_motion(damping, positions, velocities, mass, begin, end, motions[0, t])
+        _wait_for_all(barrier, threads, 3 * step + 1)
         _sum_forces(forces, begin, end)
-        _add_up_threads(motions[0], motion)
-        powers[0, t] -= resist(damping, motion, positions, velocities, mass, time_step, begin, end, forces[0])
-        if _is_last(meeting, threads, 3 * step + 2):
-            place = react(loop, state, powers[0].sum(), forces[0])
-            shift[0] = follow(place, loop.span, state.origin)
-            _end(meeting, 3 * step + 2)
+        _sum_threads(motions[0], motion)
+        powers[0, t] -= add_damping_force(
+            damping, motion, positions, velocities, mass, time_step, begin, end, forces[0]
+        )
+        if _arrive(barrier, threads, 3 * step + 2):
+            place = add_reaction(parameters, state, powers[0].sum(), forces[0])
+            shift[0] = follow(place, parameters.span, state.origin)
+            _release(barrier, 3 * step + 2)
         else:
-            _wait_for_end(meeting, 3 * step + 2)
-        powers[1, t] = gained(damping, motion, state, time_step, begin, end, forces[0])
+            _wait_for_release(barrier, 3 * step + 2)
+        powers[1, t] = power_correction(damping, motion, state, time_step, begin, end, forces[0])
         drift(positions, velocities, forces[0], mass, time_step, shift[0], begin, end)
-        if _is_last(meeting, threads, 3 * step + 3):
+        if _arrive(barrier, threads, 3 * step + 3):
             state.sums[1] += time_step * powers[1].sum()
-            _end(meeting, 3 * step + 3)
+            _release(barrier, 3 * step + 3)
         else:
-            _wait_for_end(meeting, 3 * step + 3)
+            _wait_for_release(barrier, 3 * step + 3)
 
 
 @compiled
 def _sum_forces(forces, begin, end):
+    """Add the forces of all threads on a range of nodes."""
     for t in range(1, forces.shape[0]):
         for i in range(2):
             total, part = forces[0, i, begin:end], forces[t, i, begin:end]
@@ -141,63 +150,71 @@ def _sum_forces(forces, begin, end):
 
 
 @compiled
-def _add_up_threads(parts, total):
+def _sum_threads(motions, total):
+    """Add up the sums of all threads."""
     total[:] = 0.0
-    for part in range(parts.shape[0]):
+    for t in range(motions.shape[0]):
         for k in range(total.size):
-            total[k] += parts[part, k]
+            total[k] += motions[t, k]
 
 
 @compiled
-def _meet(meeting, threads, turn):
-    """Wait until every thread has come to this meeting."""
-    if _is_last(meeting, threads, turn):
-        _end(meeting, turn)
+def _wait_for_all(barrier, threads, generation):
+    """Wait until all threads have arrived at this barrier."""
+    if _arrive(barrier, threads, generation):
+        _release(barrier, generation)
     else:
-        _wait_for_end(meeting, turn)
+        _wait_for_release(barrier, generation)
 
 
 @compiled
-def _is_last(meeting, threads, turn):
-    """Come to a meeting; whether all others have."""
-    return _add(meeting.numbers, ARRIVED, 1) == threads * turn - 1
+def _arrive(barrier, threads, generation):
+    """Arrive at a barrier, and return True in the last thread."""
+    return _add(barrier.numbers, ARRIVED, 1) == threads * generation - 1
 
 
 @compiled
-def _end(meeting, turn):
-    """Let all go on; who finds the meeting not over, under the mutex, is asleep before it can be locked here."""
-    _store(meeting.numbers, TURN, turn)
-    _lock(meeting.mutex)
-    _wake_all(meeting.condition)
-    _unlock(meeting.mutex)
+def _release(barrier, generation):
+    """Release the threads that wait at a barrier.
+
+    A thread that reads under the mutex that the barrier is not released is asleep before the mutex is locked here.
+    """
+    _store(barrier.numbers, GENERATION, generation)
+    _lock(barrier.mutex)
+    _wake_all(barrier.condition)
+    _unlock(barrier.mutex)
 
 
 @compiled
-def _wait_for_end(meeting, turn):
-    for _ in range(LOOKS):
-        if _load(meeting.numbers, TURN) >= turn:
+def _wait_for_release(barrier, generation):
+    """Spin, then sleep, until the barrier is released."""
+    for _ in range(SPINS):
+        if _load(barrier.numbers, GENERATION) >= generation:
             return
-    _lock(meeting.mutex)
-    while _load(meeting.numbers, TURN) < turn:
-        _sleep(meeting.condition, meeting.mutex)
-    _unlock(meeting.mutex)
+    _lock(barrier.mutex)
+    while _load(barrier.numbers, GENERATION) < generation:
+        _sleep(barrier.condition, barrier.mutex)
+    _unlock(barrier.mutex)
 
 
 @intrinsic
-def _load(context: Any, array: Any, index: Any) -> Any:
-    """An atomic read, which the compiler may not move or merge."""
+def _load(context, array, index):
+    """Read a number atomically, which the compiler must not reorder."""
 
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    def code(context, builder, signature, arguments):
         return builder.load_atomic(_pointer(context, builder, signature, arguments), "acquire", 8)
 
     return array.dtype(array, types.intp), code
 
 
 @intrinsic
-def _store(context: Any, array: Any, index: Any, value: Any) -> Any:
-    """An atomic write: all that this thread wrote before it is seen by who reads it."""
+def _store(context, array, index, value):
+    """Write a number atomically.
 
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    A thread that reads it sees all that this thread wrote before.
+    """
+
+    def code(context, builder, signature, arguments):
         builder.store_atomic(arguments[2], _pointer(context, builder, signature, arguments), "release", 8)
         return context.get_dummy_value()
 
@@ -205,17 +222,21 @@ def _store(context: Any, array: Any, index: Any, value: Any) -> Any:
 
 
 @intrinsic
-def _add(context: Any, array: Any, index: Any, value: Any) -> Any:
-    """Add to a number that other threads add to; returns what it was. All written before is seen by the next."""
+def _add(context, array, index, value):
+    """Add to a number atomically and return its value before.
 
-    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    The next thread sees all that this one wrote before.
+    """
+
+    def code(context, builder, signature, arguments):
         place = _pointer(context, builder, signature, arguments)
         return builder.atomic_rmw("add", place, arguments[2], "acq_rel")
 
     return array.dtype(array, types.intp, array.dtype), code
 
 
-def _pointer(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+def _pointer(context, builder, signature, arguments):
+    """Return the address of an array's element."""
     array = context.make_array(signature.args[0])(context, builder, arguments[0])
     return cgutils.get_item_pointer(
         context, builder, signature.args[0], array, [arguments[1]], wraparound=False

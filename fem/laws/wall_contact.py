@@ -140,7 +140,7 @@ def pull_of(force, mass, contact, i):
 def approach(loop, state, i):
     """The wall's face under point i; the point's depth behind it [m], its speed away from it and along it [m/s].
 
-    loop, state: an `ImpactLoop` and an `ImpactLoopState`.
+    loop, state: an `ImpactLoopParameters` and an `ImpactLoopState`.
     """
     wall, contact, positions, velocities = loop.wall, loop.contact, state.positions, state.velocities
     face = under(wall, state.wall, contact, i, positions, state.origin[0])

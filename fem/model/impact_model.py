@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.explicit.impact_loop import ImpactLoop
+from fem.explicit.impact_loop import ImpactLoopParameters
 from fem.laws import materials, unilateral
 from fem.laws.wall_contact import BoundaryContact, ElasticWall
 from fem.model import plate_model
@@ -45,7 +45,7 @@ def build_impact_model(
     Returns
     -------
     PlateModel
-        Its `loop` is an `ImpactLoop`, of a train with hinges.
+        Its `loop` is an `ImpactLoopParameters`, of a train with hinges.
 
     Raises
     ------
@@ -64,7 +64,9 @@ def build_impact_model(
     touching = [(*part, own.contact) for part, own in zip(parts, units, strict=True)]
     contact = wall_contact(touching, unit.masses, first.plate)
     densest = replace(first.plate, density=max(own.plate.density for own in units))
-    model = plate_model.unfinished_model(unit, densest, ImpactLoop, contact=contact, wall=None, hinges=hinges)
+    model = plate_model.unfinished_model(
+        unit, densest, ImpactLoopParameters, contact=contact, wall=None, hinges=hinges
+    )
     # Contact does not bound the step: fem.laws.unilateral. Nor do hinges: fem.laws.hinges.
     model = plate_model.with_time_step(model, spectrum.FREE, densest, step)
     return model if wall is None else with_wall(model, wall, step)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem import lazy
-from fem.explicit import internal_force, time_loop
+from fem.explicit import elastic_damping, internal_force, time_loop
 from fem.laws import constraints, materials
 from fem.laws.constraints import CornerConstraint
 from fem.plate import kinds
@@ -115,7 +115,7 @@ class PlateModel:
         The corner's constraint included [rad/s].
     undamped_time_step, stable_time_step : float
         Largest stable step without damping of elastic velocities, and with it [s].
-    loop : LoopParameters or ImpactLoop
+    loop : LoopParameters or ImpactLoopParameters
         What the time loop takes.
     tangent_moduli : StVenantKirchhoff
         At small strain [Pa].
@@ -132,7 +132,7 @@ class PlateModel:
     highest_frequency: float  # [rad/s], the corner's constraint included
     undamped_time_step: float  # [s], stable without damping of elastic velocities
     stable_time_step: float  # [s]
-    loop: Any  # LoopParameters, or the ImpactLoop of a whole impact
+    loop: Any  # LoopParameters, or the ImpactLoopParameters of a whole impact
     tangent_moduli: materials.StVenantKirchhoff  # [Pa], at small strain
     thickness: float  # [m]
     elastic: ElasticSolver
@@ -232,8 +232,8 @@ def with_constraint(model: PlateModel, plate: PlateProperties, corner: CornerPro
 def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
     """The model with the step's rate of damping of elastic velocities, and the time step for it."""
     # The step that is stable without it belongs to a mode of this frequency; with it, that mode bounds the step.
-    stable = internal_force.damped_time_step(2.0 / model.undamped_time_step, step.elastic_rate)
-    damping = internal_force.elastic_damping(step.elastic_rate, model.loop.mass)
+    stable = elastic_damping.damped_time_step(2.0 / model.undamped_time_step, step.elastic_rate)
+    damping = elastic_damping.elastic_damping(step.elastic_rate, model.loop.mass)
     time_step = min(step.safety_factor * stable, step.longest)
     loop = model.loop._replace(elastic_damping=damping, time_step=time_step)
     return replace(model, stable_time_step=stable, loop=loop)

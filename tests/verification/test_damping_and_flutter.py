@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from fem.explicit.internal_force import SUMS, ElasticDamping, damp, damped_time_step
+from fem.explicit.elastic_damping import SUMS, ElasticDamping, damp, damped_time_step
 from fem.laws.constraints import Exact
 from fem.laws.friction import friction_slope
 from fem.plate.discretisation import stiffness_matrix

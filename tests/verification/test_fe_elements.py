@@ -11,7 +11,7 @@ import pytest
 import scipy.sparse.linalg
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem.explicit import point_force
+from fem.explicit import simd_blocks
 from fem.explicit.internal_force import Viscosity, scratch_for, subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain
 from fem.laws.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
@@ -118,7 +118,7 @@ def test_forces_are_the_gradient_of_the_energy(discretisation):
 
 def test_a_partly_filled_block_gives_what_full_blocks_give():
     """Two full blocks and five elements beside: stretched alike, every element carries what one alone carries."""
-    count = 2 * point_force.BLOCK_SIZE + 5
+    count = 2 * simd_blocks.BLOCK_SIZE + 5
     many, one = (discretise(plate_mesh(10.0, 1.0, (n, 1)), THICKNESS) for n in (count, 1))
     stretch = np.diag([1.001, 1.0])
     found = ((internal_forces(d.table, stretch @ d.positions)[0], d.positions[0]) for d in (many, one))
@@ -130,7 +130,7 @@ def test_every_block_counts():
     """A distorted mesh of two full blocks and a rest: its forces are the sum of those of each element alone."""
     mesh = distorted(plate_mesh(10.0, 2.438, (19, 7)), 0.2, (19, 7))
     d = discretise(mesh, THICKNESS)
-    assert d.table.connectivity.shape[1] == 2 * point_force.BLOCK_SIZE + 5
+    assert d.table.connectivity.shape[1] == 2 * simd_blocks.BLOCK_SIZE + 5
     positions = d.positions + np.random.default_rng(7).normal(0.0, 1e-3, d.positions.shape)
     forces, _ = internal_forces(d.table, positions)
     expected = np.zeros_like(forces)
@@ -193,7 +193,7 @@ def test_forces_do_not_depend_on_the_numbering(kind, share):
 
 
 def test_a_plate_is_a_lattice_with_one_idle_slot_between_rows():
-    lattice = point_force.find_lattice(discretise(plate_mesh(10.0, 2.438, ELEMENTS), 0.05).table.connectivity)
+    lattice = simd_blocks.find_lattice(discretise(plate_mesh(10.0, 2.438, ELEMENTS), 0.05).table.connectivity)
     assert lattice is not None
     assert lattice.element.size == 6 * 21 - 1
     assert (lattice.element < 0).sum() == lattice.idle.size == 5
@@ -202,9 +202,9 @@ def test_a_plate_is_a_lattice_with_one_idle_slot_between_rows():
 def test_triangles_and_shuffled_nodes_are_no_lattice():
     table = discretise(plate_mesh(10.0, 2.438, ELEMENTS), 0.05).table
     number = np.random.default_rng(1).permutation(147)
-    assert point_force.find_lattice(shuffled(table, number).connectivity) is None
+    assert simd_blocks.find_lattice(shuffled(table, number).connectivity) is None
     triangles = discretise(plate_mesh(10.0, 2.438, ELEMENTS, "triangle"), 0.05, "tri3").table
-    assert point_force.find_lattice(triangles.connectivity) is None
+    assert simd_blocks.find_lattice(triangles.connectivity) is None
 
 
 E, NU, T = 2e11, 0.3, 0.05

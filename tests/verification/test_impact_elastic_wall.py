@@ -127,6 +127,7 @@ def test_the_wall_swings_on_its_foundation():
     wall, stepper = model.loop.wall, ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(0.0, 0.0, 0.0))
     state.positions[1] += 5.0
+    assert state.wall is not None
     masses = wall.momentum @ wall.momentum.T
     assert masses == pytest.approx(2400.0 * DEPTH * 36.0 * np.eye(2), rel=1e-9, abs=1e-6)
     frequency, speed = math.sqrt(1e8 / (2400.0 * DEPTH)), -0.3
@@ -166,7 +167,7 @@ def test_energy_of_plate_and_wall(case):
 def test_momentum_of_plate_and_wall_is_what_the_foundation_gives(case):
     model, _ = truck(1e8, **CASES[case])
     stepper, wall = ImpactStepper(model), model.loop.wall
-    state = stepper.at_touch(touch())
+    state: Any = stepper.at_touch(touch())
     start = state.velocities @ model.loop.mass
     for _ in range(6):
         state = stepper.record(state, 1000, 1).state

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from fem.explicit.parallel import _meet, new_meeting
+from fem.explicit.parallel import _wait_for_all, new_barrier
 from fem.explicit.time_loop import advance
 from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compile_once, compiled
@@ -444,33 +444,33 @@ LATE = 0.5
 
 def test_who_waits_long_sleeps():
     """The processor time of a thread that waits half a second for another is a fraction of that."""
-    _meet(new_meeting(), 1, 1)  # compiled
-    meeting, spent = new_meeting(), []
+    _wait_for_all(new_barrier(), 1, 1)  # compiled
+    barrier, spent = new_barrier(), []
 
     def wait():
         before = time.thread_time()
-        _meet(meeting, 2, 1)
+        _wait_for_all(barrier, 2, 1)
         spent.append(time.thread_time() - before)
 
     first = threading.Thread(target=wait)
     first.start()
     time.sleep(LATE)
     assert first.is_alive()
-    _meet(meeting, 2, 1)
+    _wait_for_all(barrier, 2, 1)
     first.join(10.0)
     assert spent[0] < 0.1 * LATE
 
 
 def test_threads_meet_again_and_again():
-    """Three threads and 2 000 meetings, on however few cores: none is missed, and all come to the end."""
-    meeting, done = new_meeting(), []
+    """Three threads pass 2 000 barriers on any number of cores: none is missed, and all threads end."""
+    barrier, done = new_barrier(), []
 
-    def attend(meeting):
+    def attend(barrier):
         for turn in range(1, 2001):
-            _meet(meeting, 3, turn)
+            _wait_for_all(barrier, 3, turn)
         done.append(True)
 
-    threads = [threading.Thread(target=attend, args=(meeting,), daemon=True) for _ in range(3)]
+    threads = [threading.Thread(target=attend, args=(barrier,), daemon=True) for _ in range(3)]
     for thread in threads:
         thread.start()
     for thread in threads:
