@@ -12,7 +12,7 @@ import time
 
 from main_job import row
 
-from fem.plate.elastic import free_modes
+from fem.plate.free_modes import free_modes
 from fem.run.corner import Run, simulate
 from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.case import CornerCase

@@ -14,7 +14,7 @@ import tailslap
 from fem.modal import model as modal
 from fem.modal.model import ModalMotion, integrate, modal_plate, modal_start, with_fewer_modes
 from fem.model.plate_model import PlateModel
-from fem.plate import elastic
+from fem.plate.free_modes import FreeModes, free_modes, most_modes
 from fem.start.inertia_relief import relieved_fields
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
 from postprocess.figures.plates import draw_mode
@@ -157,7 +157,7 @@ def modal_run(
 def _admit(fe_plan: CornerPlan, modes: int) -> None:
     """Raise InputError for features that the modal model does not support."""
     scene, plate = fe_plan.case.scene, fe_plan.plate
-    most = max(0, (elastic.most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
+    most = max(0, (most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
     if not 0 <= modes <= most:
         raise InputError("--modes", modes, f"allowed for this mesh are 0 to {most}")
     if plate.start != "inertia-relief":
@@ -294,7 +294,7 @@ def modes_report(case: Case, count: int) -> Report:
     return Report(page, summary, (table,))
 
 
-def modes_with_errors(case: Case, count: int) -> tuple[Any, elastic.FreeModes, list[dict[str, Any]]]:
+def modes_with_errors(case: Case, count: int) -> tuple[Any, FreeModes, list[dict[str, Any]]]:
     """Return plan, shapes and records of the modes, with the error by a mesh that is twice as fine.
 
     A mesh that the program chooses is refined until the errors are small.
@@ -315,12 +315,12 @@ def modes_with_errors(case: Case, count: int) -> tuple[Any, elastic.FreeModes, l
         fe_plan, shapes, modes = finer, finer_shapes, finer_modes[:count]
 
 
-def _modes_of(fe_plan: CornerPlan | ImpactPlan, count: int) -> tuple[elastic.FreeModes, list[dict[str, Any]]]:
+def _modes_of(fe_plan: CornerPlan | ImpactPlan, count: int) -> tuple[FreeModes, list[dict[str, Any]]]:
     """Return the modes of a plan and their records. Raises InputError for a number that the mesh does not allow."""
-    most = elastic.most_modes(fe_plan.model.loop.mass.size)
+    most = most_modes(fe_plan.model.loop.mass.size)
     if not 1 <= count <= most:
         raise InputError("--count", count, f"allowed for this mesh are 1 to {most}")
-    shapes = elastic.free_modes(fe_plan.model, count)
+    shapes = free_modes(fe_plan.model, count)
     return shapes, [*_modes(fe_plan, shapes, _beam(fe_plan))]
 
 
@@ -368,9 +368,7 @@ def _modes_headline(case: Case, modes: list[dict[str, Any]], what: str) -> Headl
     return Headline(f"Natural frequencies: {case.subject}", answer, case.set_up, certainty)
 
 
-def _modes(
-    fe_plan: CornerPlan | ImpactPlan, found: elastic.FreeModes, beam: modal.Beam
-) -> Iterator[dict[str, Any]]:
+def _modes(fe_plan: CornerPlan | ImpactPlan, found: FreeModes, beam: modal.Beam) -> Iterator[dict[str, Any]]:
     """Yield the elastic modes in the order of frequency, as dicts.
 
     number from 1; frequency [Hz]; kind, and order: number among modes of this kind; symmetric, along, shear: fractions

@@ -30,8 +30,8 @@ from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from fem.modal import motion
 from fem.modal.motion import REACHED, run_to_strike
 from fem.model.plate_model import PlateModel
-from fem.plate import elastic
 from fem.plate.discretisation import stiffness_matrix
+from fem.plate.free_modes import FreeModes, free_modes
 from fem.start import inertia_relief
 from fem.start.inertia_relief import ElasticFields
 
@@ -101,7 +101,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     ValueError
         For a count that the mesh does not have, a dashpot at the corner, and damping of the plate.
     """
-    loop, modes = plate.loop, elastic.free_modes(plate, count)
+    loop, modes = plate.loop, free_modes(plate, count)
     if loop.corner.dashpot:
         raise ValueError("the modal model does not support a dashpot at the corner")
     if loop.viscosity is not None:
@@ -249,7 +249,7 @@ class ModeKinds:
     shear: np.ndarray
 
 
-def mode_kinds(model: PlateModel, modes: elastic.FreeModes, thickness: float) -> ModeKinds:
+def mode_kinds(model: PlateModel, modes: FreeModes, thickness: float) -> ModeKinds:
     """Kinds of the modes of this model; thickness [m]."""
     masses, shapes, hinges = model.loop.mass, modes.shapes, getattr(model.loop, "hinges", None)
     unit = np.zeros(masses.size) if hinges is None else hinges.unit

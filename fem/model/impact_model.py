@@ -16,8 +16,9 @@ from fem.laws import materials, unilateral
 from fem.laws.wall_contact import BoundaryContact, ElasticWall
 from fem.model import plate_model
 from fem.model.plate_model import PlateModel
-from fem.plate import kinds, spectrum
+from fem.plate import spectrum
 from fem.plate.discretisation import Discretisation, stiffness_matrix
+from fem.plate.nodal_masses import row_sum_masses
 from fem.plate.properties import (
     ContactProperties,
     ModelError,
@@ -166,7 +167,7 @@ def with_wall(model: PlateModel, wall: WallProperties, step: StepProperties) -> 
     """
     scalar = _basis(wall)
     depth = float(np.ptp(scalar.doflocs[1]))
-    masses = kinds.row_sum_masses(scalar, wall.density, wall.thickness)
+    masses = row_sum_masses(scalar, wall.density, wall.thickness)
     frequencies, modes = _free_modes(scalar, masses, wall)
     foundation = wall.foundation_stiffness / (wall.density * wall.thickness * depth)
     frequencies = np.sqrt(frequencies**2 + foundation)

@@ -25,9 +25,11 @@ from fem.plate.discretisation import (
     hourglass_matrix,
     stiffness_matrix,
 )
-from fem.plate.elastic import ElasticSolver, Inverse, lowest_frequency
+from fem.plate.elastic import ElasticSolver, Inverse
+from fem.plate.free_modes import lowest_frequency
+from fem.plate.nodal_masses import prescribed_inertia_masses
 from fem.plate.properties import CornerProperties, ModelError, PlateProperties, StepProperties
-from fem.plate.spectrum import Hold, ScaledSpectrum, hold_of, spectrum_of
+from fem.plate.spectrum import ScaledSpectrum, Support, corner_support, spectrum_of
 
 if TYPE_CHECKING:
     import meshio
@@ -82,7 +84,7 @@ def nodal_masses(d: Discretisation, plate: PlateProperties) -> np.ndarray:
     """Masses of the nodes [kg], with the inertia that the plate is given. Raises ModelError."""
     masses = kinds.LUMPINGS[plate.lumping].masses(d.scalar, plate.density, plate.thickness)
     if plate.inertia is not None:
-        masses = kinds.given_inertia_masses(d.positions, masses, plate.inertia)
+        masses = prescribed_inertia_masses(d.positions, masses, plate.inertia)
     return masses
 
 
@@ -188,11 +190,13 @@ def finished_model(
     step: StepProperties,
 ) -> PlateModel:
     """The static model of the same properties with its highest frequency, damping and time step."""
-    held = hold_of(model.loop.corner, corner.angles, plate.youngs_modulus)
+    held = corner_support(model.loop.corner, corner.angles, plate.youngs_modulus)
     return with_time_step(model, held, plate, step)
 
 
-def with_time_step(model: PlateModel, held: Hold, plate: PlateProperties, step: StepProperties) -> PlateModel:
+def with_time_step(
+    model: PlateModel, held: Support, plate: PlateProperties, step: StepProperties
+) -> PlateModel:
     """The model with what its spectrum tells, its corner held like that, and damping."""
     d, spectrum = model.discretisation, _spectrum(model, held, step)
     viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
@@ -207,7 +211,7 @@ def with_time_step(model: PlateModel, held: Hold, plate: PlateProperties, step: 
     return with_elastic_damping(model, step)
 
 
-def _spectrum(model: PlateModel, held: Hold, step: StepProperties) -> ScaledSpectrum | WindowBound:
+def _spectrum(model: PlateModel, held: Support, step: StepProperties) -> ScaledSpectrum | WindowBound:
     """The spectrum, or of large uniform plates without other damping than of elastic velocities its bound."""
     damped = held.dashpot or step.damping_ratio or step.bulk_viscosity
     if (
@@ -218,7 +222,7 @@ def _spectrum(model: PlateModel, held: Hold, step: StepProperties) -> ScaledSpec
         from fem.plate.windows import Windows
 
         windows = Windows(model.discretisation, model.loop.mass, model.tangent_moduli, model.loop.hourglass)
-        if windows.even:
+        if windows.are_representative:
             return windows.bound(held.of_modulus(model.elastic.modulus))
     return spectrum_of(model.elastic, held)
 

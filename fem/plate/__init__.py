@@ -1,6 +1,7 @@
-"""The plate: what it is made of, its elements, its stiffness and masses, and its frequencies.
+"""The discretised plate with its masses, stiffness and frequencies.
 
-`kinds` has properties, registers kinds of elements and of mass lumping, and has the tables of the compiled loop, from
-scikit-fem, and the stiffness; `elastic` inverts it beside rigid motion and finds the free modes; `spectrum` the
-highest frequency, of large plates bounded by windows of it.
+`properties` are the input, `kinds` registers elements and mass lumping, `discretisation` has the tables of the
+compiled loop and the stiffness, `nodal_masses` the masses. `elastic` inverts the stiffness without rigid motion,
+large ones by `multigrid`, and `free_modes` follow from it. `spectrum` is the highest frequency by `lanczos`, for
+large plates bounded by `windows`.
 """

@@ -1,6 +1,7 @@
-"""The discretised plate: tables for the compiled loop, from scikit-fem's mesh, element and quadrature.
+"""Tables of the discretised plate for the compiled loop.
 
-With them hourglass control, the linear stiffness of the unstrained plate, and fields over it for pictures.
+They come from scikit-fem's mesh, element and quadrature. The module also has hourglass control, the linear stiffness
+of the unstrained plate, and the spin of its nodes for pictures.
 """
 
 from __future__ import annotations
@@ -21,21 +22,22 @@ MIDDLE = (np.array([[0.5], [0.5]]), np.array([1.0]))
 """Quadrature of the reference square by its middle: points, shape (2, 1), and weights."""
 
 PATTERN = np.array([1.0, -1.0, 1.0, -1.0])
-"""xi eta at the corners of a quadrilateral."""
+"""Value of xi eta at the corners of a quadrilateral."""
 
 GAUSS = tuple((x, y) for x in (-(3.0**-0.5), 3.0**-0.5) for y in (-(3.0**-0.5), 3.0**-0.5))
-"""Points of a square's quadrature, each of weight 1."""
+"""Quadrature points of a square, each of weight 1."""
 
 UNIFORM_TOLERANCE = 1e-12
 """Relative spread of the gradients below which all elements count as congruent."""
 
 
 class Mapping(NamedTuple):
-    """How elements are mapped from the reference element: by their nodes.
+    """Mapping of elements from the reference element by their nodes.
 
-    gradients: of the shape functions on the reference element, of all nodes but the first, (a, direction) in a row, a
-    tuple a point; of bilinear elements the coordinates of the point, which give them. weights: quadrature weight times
-    thickness [m], a tuple with one a point. reference: reference positions of the nodes [m], shape (2, nodes).
+    gradients: of the shape functions on the reference element, of all nodes but the first, (a, direction) in a row,
+    one tuple per point; of bilinear elements the coordinates of the point, which determine them. weights: quadrature
+    weight times thickness [m], a tuple with one per point. reference: reference positions of the nodes [m], shape (2,
+    nodes).
     """
 
     gradients: tuple[tuple[float, ...], ...]
@@ -62,10 +64,10 @@ class ElementTable(NamedTuple):
 
 
 class Hourglass(NamedTuple):
-    """Stabilisation of the motions that one point does not see.
+    """Stabilisation of the motions without strain at the one quadrature point.
 
-    With q = sum gamma_a x_a and p = F^T q, F at the middle, an element's energy is
-    (k_11 p_1^2 + k_22 p_2^2 + 2 k_12 p_1 p_2)/2.
+    With q = sum gamma_a x_a and p = F^T q, F at the middle, an element's energy is (k_11 p_1^2 + k_22 p_2^2 + 2 k_12
+    p_1 p_2)/2.
 
     vectors: gamma, orthogonal to linear fields, shape (nodes per element, elements or 1); stiffness: k_11, k_22, k_12
     [N/m], shape (3, elements or 1).
@@ -77,39 +79,50 @@ class Hourglass(NamedTuple):
 
 @dataclass(frozen=True)
 class Discretisation:
-    """The plate's discretisation: scikit-fem's basis beside the tables drawn from it."""
+    """Basis of scikit-fem with the tables that follow from it.
 
-    scalar: Any  # skfem.CellBasis of one unknown a node
-    positions: np.ndarray  # reference positions of the nodes [m], shape (2, nodes)
-    corner: int  # node at corner P
-    side: np.ndarray  # nodes of side PE
+    scalar: a `skfem.CellBasis` with one unknown per node. positions: reference positions of the nodes [m], shape (2,
+    nodes). corner: node at corner P. side: nodes of side PE.
+    """
+
+    scalar: Any
+    positions: np.ndarray
+    corner: int
+    side: np.ndarray
     table: ElementTable
 
     @property
     def cells(self) -> np.ndarray:
-        """Corner nodes of the elements, shape (elements, 3 or 4); corner nodes come first in the numbering."""
+        """Corner nodes of the elements, shape (elements, 3 or 4).
+
+        Corner nodes come first in the numbering.
+        """
         return np.asarray(self.scalar.mesh.t.T)
 
 
 def discretise(mesh: meshio.Mesh, thickness: float, kind: str = "quad4") -> Discretisation:
-    """Elements of this kind on the mesh's cells; corner P and side PE from its groups."""
+    """Discretise a mesh by elements of this kind.
+
+    Corner P and side PE are groups of the mesh. thickness: [m].
+    """
     import skfem
     from skfem.io.meshio import from_meshio
 
-    chosen = ELEMENT_KINDS[kind]
-    rule: dict[str, Any] = {"intorder": chosen.order} if chosen.order else {"quadrature": MIDDLE}
-    scalar = skfem.CellBasis(from_meshio(mesh), getattr(skfem, chosen.element)(), **rule)
+    element_kind = ELEMENT_KINDS[kind]
+    rule: dict[str, Any] = {"intorder": element_kind.order} if element_kind.order else {"quadrature": MIDDLE}
+    scalar = skfem.CellBasis(from_meshio(mesh), getattr(skfem, element_kind.element)(), **rule)
     positions = np.ascontiguousarray(scalar.doflocs)
     side = scalar.get_dofs("side_pe").flatten()
     return Discretisation(scalar, positions, _corner(mesh, positions), side, _table(scalar, thickness))
 
 
 def hourglass_control(discretisation: Discretisation, thickness: float, moduli: Any) -> Hourglass:
-    """Stabilisation by an assumed strain, without a constant to choose (Belytschko and Bindeman 1991, "ASQBI").
+    """Return the stabilisation by an assumed strain (Belytschko and Bindeman 1991, "ASQBI").
 
-    moduli: plane stress constants, c_11 and c_12 [Pa]. The strain that goes with h = xi eta is that of pure bending:
-    e_11 = h,1 p_1 - nu h,2 p_2, e_22 = h,2 p_2 - nu h,1 p_1 and no shear; so that k_11 = E t int h,1^2,
-    k_22 = E t int h,2^2 and k_12 = -nu E t int h,1 h,2. A rectangle bends as the beam does, and no shear locks it.
+    It has no constant to choose. moduli: plane-stress constants, c_11 and c_12 [Pa]. The strain of h = xi eta is that
+    of pure bending: e_11 = h,1 p_1 - nu h,2 p_2, e_22 = h,2 p_2 - nu h,1 p_1 and no shear; so that k_11 = E t int
+    h,1^2, k_22 = E t int h,2^2 and k_12 = -nu E t int h,1 h,2. A rectangle bends as the beam does, without shear
+    locking.
     """
     table = discretisation.table
     columns = table.weights.shape[1]
@@ -125,7 +138,10 @@ def hourglass_control(discretisation: Discretisation, thickness: float, moduli: 
 
 
 def _twist(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Integrals of h,1^2, h,2^2 and h,1 h,2 over quadrilaterals, h = xi eta; nodes: shape (2, 4, elements)."""
+    """Integrate h,1^2, h,2^2 and h,1 h,2 over quadrilaterals, h = xi eta.
+
+    nodes: shape (2, 4, elements).
+    """
     xi, eta = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
     sums = np.zeros((3, nodes.shape[2]))
     for x, y in GAUSS:
@@ -138,12 +154,14 @@ def _twist(nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _corner(mesh: meshio.Mesh, positions: np.ndarray) -> int:
+    """Return the node nearest to corner P of the mesh."""
     ((cell,),) = mesh.cells_dict["vertex"][mesh.cell_sets_dict["corner_p"]["vertex"]][None]
     distance = np.linalg.norm(positions.T - mesh.points[cell, :2], axis=-1)
     return int(distance.argmin())
 
 
 def _table(scalar: Any, thickness: float) -> ElementTable:
+    """Return the element table, of one column where elements are congruent."""
     gradients = np.array([field[0].grad for field in scalar.basis])  # node, direction, element, point
     gradients = gradients.transpose(3, 0, 1, 2)
     points, nodes, _, elements = gradients.shape
@@ -164,6 +182,7 @@ def _table(scalar: Any, thickness: float) -> ElementTable:
 
 
 def _mapping(scalar: Any, thickness: float) -> Mapping:
+    """Return the mapping of elements that are not congruent."""
     from skfem import ElementQuad1
 
     natural = np.array([scalar.elem.lbasis(scalar.X, a)[1] for a in range(1, scalar.Nbfun)])
@@ -175,13 +194,15 @@ def _mapping(scalar: Any, thickness: float) -> Mapping:
 
 
 def _congruent(rows: np.ndarray) -> bool:
+    """Return True if all columns are equal within the tolerance."""
     return bool(np.ptp(rows, axis=1).max() <= UNIFORM_TOLERANCE * np.abs(rows).max())
 
 
 def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> csr_matrix:
-    """Plane-stress stiffness [N/m] in the body frame, shape (2 nodes, 2 nodes): all x unknowns, then all y.
+    """Assemble the plane-stress stiffness [N/m] in the body frame.
 
-    moduli: anything with c_11, c_12, c_33: a `StVenantKirchhoff` [Pa], or a `Viscosity` [Pa s] for a damping matrix.
+    Its shape is (2 nodes, 2 nodes), all x unknowns, then all y. moduli: c_11, c_12, c_33, of a `StVenantKirchhoff`
+    [Pa], or of a `Viscosity` [Pa s] for a damping matrix.
     """
     import skfem
     from scipy import sparse
@@ -198,7 +219,10 @@ def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> csr_matrix:
 
 
 def hourglass_matrix(table: ElementTable, hourglass: Hourglass, nodes: int) -> csr_matrix:
-    """Stiffness [N/m] of the hourglass control at rest, shape (2 nodes, 2 nodes)."""
+    """Assemble the stiffness [N/m] of the hourglass control at rest.
+
+    Its shape is (2 nodes, 2 nodes).
+    """
     from scipy import sparse
 
     elements = table.connectivity.shape[1]
@@ -214,11 +238,12 @@ def hourglass_matrix(table: ElementTable, hourglass: Hourglass, nodes: int) -> c
 
 
 def nodal_spin(scalar: Any, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
-    """Local angular velocity [rad/s] at the corner nodes, half the curl of the velocity, shape (corner nodes,).
+    """Return the angular velocity [rad/s] at the corner nodes.
 
-    positions [m], velocities [m/s]: shape (2, nodes). Evaluated at the quadrature points of the deformed plate,
-    L = F' F^-1, and carried to the corner nodes by the lumped projection on linear functions: the quadratic ones of
-    a triangle's corners have no integral to divide by.
+    Its shape is (corner nodes,). It is half the curl of the velocity. positions [m], velocities [m/s]: shape (2,
+    nodes). It is evaluated at the quadrature points of the deformed plate, L = F' F^-1, and transferred to the corner
+    nodes by the lumped projection on linear functions, because the integral of the quadratic ones of a triangle's
+    corners is zero.
     """
     import skfem
 

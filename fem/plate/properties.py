@@ -1,4 +1,7 @@
-"""The plate's description: properties of plate, corner, contact, wall and time step, and choices by name."""
+"""Properties of plate, corner, contact, wall and time step.
+
+Choices among registered objects are names.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class ModelError(ValueError):
-    """No model can be made of these properties.
+    """No model exists for these properties.
 
     Parameters
     ----------
     wrong : str
-        The property at fault, "elements", "patch_length" or "inertia", or one of the wall's: "wall.length",
-        "wall.elements" or "wall.foundation_stiffness", or a trailer's by its number: "trailer.0.hitch_length"; also an
-        attribute.
+        The property at fault, "elements", "patch_length" or "inertia"; or one of the wall, "wall.length",
+        "wall.elements" or "wall.foundation_stiffness"; or one of a trailer by its number, "trailer.0.hitch_length".
+        Also an attribute.
     why : str
         The message.
     """
@@ -37,7 +40,7 @@ class RigidStart:
     angle : float
         Of side PE to the wall [rad].
     omega : float
-        Spin that closes it [rad/s].
+        Spin that closes the angle [rad/s].
     corner_speed : float
         Of the corner along the wall [m/s].
     """
@@ -49,12 +52,12 @@ class RigidStart:
 
 @dataclass(frozen=True)
 class Inertia:
-    """Inertia of a vehicle that is no uniform rectangle.
+    """Inertia of a vehicle that is not a uniform rectangle.
 
     Attributes
     ----------
     centre : float
-        Of mass, behind the front on the middle line [m].
+        Centre of mass behind the front, on the middle line [m].
     yaw_inertia : float
         About that centre [kg m^2].
     """
@@ -65,7 +68,7 @@ class Inertia:
 
 @dataclass(frozen=True)
 class PlateProperties:
-    """Size and material of the plate, and choices by name.
+    """Thickness and material of the plate, and choices by name.
 
     Attributes
     ----------
@@ -84,7 +87,7 @@ class PlateProperties:
     material : str
         A name of `MATERIALS`.
     inertia : Inertia or None
-        That the nodal masses carry; None for the plate's own.
+        Prescribed for the nodal masses; None for the plate's own.
     """
 
     thickness: float
@@ -99,7 +102,7 @@ class PlateProperties:
 
 @dataclass(frozen=True)
 class CornerProperties:
-    """How the corner is held on the wall.
+    """Constraint of the corner on the wall.
 
     Attributes
     ----------
@@ -112,9 +115,9 @@ class CornerProperties:
     patch_length : float
         Of the support patch [m]; 0 for the corner node alone.
     damping_ratio : float
-        Of the constraint's dashpot, to critical [-].
+        Of the constraint's dashpot to critical damping [-].
     angles : tuple of float
-        Angles of the plate during the run [rad], at which the time step is looked at.
+        Angles of the plate during the run [rad] for which the stable time step is computed.
     """
 
     friction: Any = None
@@ -127,7 +130,7 @@ class CornerProperties:
 
 @dataclass(frozen=True)
 class ContactProperties:
-    """How the boundary touches a wall that only pushes.
+    """Unilateral contact of the boundary with the wall.
 
     Attributes
     ----------
@@ -140,11 +143,11 @@ class ContactProperties:
     restitution : float
         Its square is the fraction of the energy that unloading returns [-].
     side_stiffness : float
-        Of a crush layer along the sides [N/m per m]; 0 for none, then the corners alone touch.
+        Of a crush layer along the sides [N/m per m]; with 0 only the corners are in contact.
     penalty_scale : float
         Of a penalty, multiple of Young's modulus times thickness [-].
     patch_length : float
-        Of the long side, over which a corner that crushes is spread [m]; 0 for its node alone.
+        Of the long side, over which a corner that crushes is distributed [m]; 0 for its node alone.
     """
 
     friction: Any = None
@@ -159,7 +162,7 @@ class ContactProperties:
 
 @dataclass(frozen=True)
 class UnitProperties:
-    """A unit of a train, and the hinge by which it hangs on the unit ahead.
+    """A unit of a train, with the hinge to the unit ahead.
 
     Attributes
     ----------
@@ -170,9 +173,10 @@ class UnitProperties:
     contact : ContactProperties
         The law, its restitution and friction are those of the first unit; the stiffness is its own.
     hitch, kingpin : float
-        The hinge, behind the front of the unit ahead and behind its own [m]; of the first unit without meaning.
+        The hinge, behind the front of the unit ahead and behind its own front [m]; without meaning for the first
+        unit.
     hitch_length : float
-        Of the middle line of both, over which the hinge is spread [m]; 0 for a point.
+        Of the middle line of both plates, over which the hinge is distributed [m]; 0 for a point.
     """
 
     mesh: meshio.Mesh
@@ -185,7 +189,7 @@ class UnitProperties:
 
 @dataclass(frozen=True)
 class WallProperties:
-    """A deformable wall, on a foundation all along it; its ends are free.
+    """A deformable wall with free ends on a continuous foundation.
 
     Attributes
     ----------
@@ -201,8 +205,8 @@ class WallProperties:
     poissons_ratio : float
         [-].
     foundation_stiffness : float
-        Force across the wall on a length of it, over its displacement [N/m per m]; the same along the wall, so that
-        friction does not carry it off. Spread over the depth in proportion to the mass.
+        Force across the wall per length and displacement [N/m per m]. It is the same along the wall, so that friction
+        does not displace the wall without limit, and is distributed over the depth in proportion to the mass.
     """
 
     mesh: meshio.Mesh
@@ -215,16 +219,16 @@ class WallProperties:
 
 @dataclass(frozen=True)
 class StepProperties:
-    """The time step, and damping of the plate.
+    """Time step and damping of the plate.
 
     Attributes
     ----------
     safety_factor : float
-        Fraction of the stable time step that is taken [-].
+        Fraction of the stable time step [-].
     longest : float
-        Upper bound on the time step [s].
+        Upper bound of the time step [s].
     damping_ratio : float
-        Stiffness-proportional, to critical at the highest frequency [-].
+        Stiffness-proportional, to critical damping at the highest frequency [-].
     bulk_viscosity : float
         Linear: coefficient of density x wave speed x element size [-].
     elastic_rate : float

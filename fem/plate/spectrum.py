@@ -1,16 +1,13 @@
-"""The plate's highest frequency with what holds it, and the largest stable time step.
+"""Highest frequency of the supported plate, and its largest stable time step.
 
-The largest eigenvalue of a symmetric operator by Lanczos with thick restarts (Wu and Simon 2000), written out, so that
-it takes the same steps, and the time step has the same digits, with every version of SciPy: those of ARPACK differ by
-the tolerance from one version to the next. On the assembled model it ends at a loose residual: the eigenvalue's error
-goes with the residual's square over the distance to the next one, and is mostly below 1e-6 there. The time step is made
-from a bound that takes the residual itself: no closer is the eigenvalue known that Lanczos has found.
+Lanczos ends at a loose residual on the assembled model. The error of the eigenvalue is the square of the residual
+over the distance to the next eigenvalue, mostly below 1e-6. The time step follows from a bound that includes the
+residual itself, because Lanczos guarantees the eigenvalue no closer.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -19,106 +16,29 @@ import numpy as np
 from fem.laws.constraints import CornerConstraint
 from fem.lazy import cached
 from fem.plate.elastic import ElasticSolver, Inverse
-
-KEPT = 1.0 / 3.0
-"""Fraction of the basis that a restart retains, of the vectors of the largest eigenvalues."""
-
-SETTLED = 0.01
-"""Part of the tolerance that the value may have grown by since the last restart: where it still grows, it is near an
-eigenvalue that is not the largest."""
-
-MAX_RESTARTS = 1000
-"""Restarts after which it ends, and the residual tells how close it came."""
-
-
-def largest_eigenpair(
-    product: Callable[[np.ndarray], np.ndarray], first: np.ndarray, tolerance: float, basis: int
-) -> tuple[float, np.ndarray]:
-    """The largest eigenvalue and its vector.
-
-    Parameters
-    ----------
-    product : callable
-        The operator on a vector, shape (n,).
-    first : ndarray, shape (n,)
-        What the search begins with.
-    tolerance : float
-        Residual over the eigenvalue at which it ends.
-    basis : int
-        Vectors that are kept, at least 4; fewer where there are not so many.
-
-    Returns
-    -------
-    value : float
-        The eigenvalue.
-    vector : ndarray, shape (n,)
-        Of unit length.
-
-    Raises
-    ------
-    FloatingPointError
-        Where the operator does not stay finite.
-    """
-    basis = min(basis, first.size)
-    rows, projected = np.empty((basis + 1, first.size)), np.zeros((basis, basis))
-    rows[0], used, before = first / np.linalg.norm(first), 0, -math.inf
-    for _ in range(MAX_RESTARTS):
-        for each in range(used, basis):
-            length = _extend(product, rows, projected, each)
-            if length == 0.0:  # what there is contains the rest
-                basis = each + 1
-                break
-        values, mixed = np.linalg.eigh(projected[:basis, :basis])
-        small, settled = tolerance * abs(values[-1]), SETTLED * tolerance * abs(values[-1])
-        close = length * abs(mixed[-1, -1]) <= small and values[-1] - before <= settled
-        if close or length == 0.0 or basis == first.size:
-            break
-        before = values[-1]
-        used = max(1, round(KEPT * basis))
-        rows[:used], rows[used] = mixed[:, -used:].T @ rows[:basis], rows[basis]
-        projected[:] = np.diag(np.concatenate([values[-used:], np.zeros(basis - used)]))
-    vector = mixed[:, -1] @ rows[:basis]
-    return float(values[-1]), vector / np.linalg.norm(vector)
-
-
-def _extend(
-    product: Callable[[np.ndarray], np.ndarray], rows: np.ndarray, projected: np.ndarray, each: int
-) -> float:
-    """Make row `each` + 1 of the operator on row `each`, across all before; the length of what was new in it."""
-    vector, before = product(rows[each]), rows[: each + 1]
-    size = float(np.linalg.norm(vector))
-    overlap = before @ vector
-    vector = vector - overlap @ before
-    again = before @ vector  # once is not enough against rounding
-    vector -= again @ before
-    projected[each, : each + 1] = projected[: each + 1, each] = overlap + again
-    length = float(np.linalg.norm(vector))
-    if length <= 1e-14 * size:
-        return 0.0
-    if not math.isfinite(length):
-        raise FloatingPointError("the operator is not finite")
-    rows[each + 1] = vector / length
-    return length
-
+from fem.plate.lanczos import largest_eigenpair
 
 TOLERANCE, ROUGH = 1e-4, 2e-4
-"""Residual over the eigenvalue at which Lanczos ends, and where it only tells whether an angle may be above another."""
+"""Residual over the eigenvalue at which Lanczos ends.
+
+The rough one is enough to decide whether the eigenvalue at an angle may be above another.
+"""
 
 BASIS = 12
-"""Lanczos vectors: more take fewer products and more time."""
+"""Number of Lanczos vectors; more take fewer products and more time."""
 
 LARGE = 10_000
-"""Nodes from which on a spectrum is not cached."""
+"""Number of nodes from which on a spectrum is not cached."""
 
 STEP_SETTLED = 1e-6
 """Relative change of the damped time step at which Newton's method ends."""
 
 
-class Hold(NamedTuple):
-    """Constraint of the corner, as the spectrum needs it.
+class Support(NamedTuple):
+    """Constraint of the corner in the form that the spectrum needs.
 
-    nodes: that the constraint acts on; across: weights of their x and then their y unknowns in the direction across
-    the wall in the body frame, at each angle of the plate that is looked at; spring [N/m]; dashpot [N s/m].
+    nodes: on which the constraint acts. across: weights of their x and then their y unknowns in the direction across
+    the wall in the body frame, for each angle of the plate that is examined. spring [N/m]; dashpot [N s/m].
     """
 
     nodes: tuple[int, ...]
@@ -126,17 +46,23 @@ class Hold(NamedTuple):
     spring: float
     dashpot: float
 
-    def of_modulus(self, modulus: float) -> Hold:
-        """The constraint on a plate of this modulus [Pa], where this one is on a plate of unit modulus."""
+    def of_modulus(self, modulus: float) -> Support:
+        """Return the support of a plate of this modulus [Pa].
+
+        This one is that of the plate of unit modulus.
+        """
         return self._replace(spring=modulus * self.spring, dashpot=math.sqrt(modulus) * self.dashpot)
 
 
-FREE = Hold((), ((),), 0.0, 0.0)
-"""A plate that nothing holds."""
+FREE = Support((), ((),), 0.0, 0.0)
+"""A plate without support."""
 
 
 class Peak(NamedTuple):
-    """Largest eigenvalue, residual of its vector of unit length, that vector, and the angle's number."""
+    """Largest eigenvalue with its residual and vector.
+
+    The vector has unit length; angle is the number of the angle.
+    """
 
     value: float
     residual: float
@@ -145,12 +71,12 @@ class Peak(NamedTuple):
 
     @property
     def bound(self) -> float:
-        """The eigenvalue is not above this."""
+        """Upper bound of the eigenvalue."""
         return self.value + self.residual
 
 
 class Spectrum:
-    """Stiffness and masses of a plate, as it is held, with its highest frequency.
+    """Stiffness and masses of a supported plate, with its highest frequency.
 
     Parameters
     ----------
@@ -158,17 +84,17 @@ class Spectrum:
         [N/m].
     masses : ndarray, shape (nodes,)
         [kg].
-    hold : Hold
-        How the corner is held.
+    support : Support
+        Of the corner.
     """
 
-    def __init__(self, stiffness: Any, masses: np.ndarray, hold: Hold = FREE) -> None:
-        self._stiffness, self._hold = stiffness, hold
-        nodes = np.array(hold.nodes, dtype=int)
-        self._held, self._across = np.concatenate([nodes, nodes + masses.size]), np.array(hold.across)
+    def __init__(self, stiffness: Any, masses: np.ndarray, support: Support = FREE) -> None:
+        self._stiffness, self._support = stiffness, support
+        nodes = np.array(support.nodes, dtype=int)
+        self._supported, self._across = np.concatenate([nodes, nodes + masses.size]), np.array(support.across)
         self._root = 1.0 / np.sqrt(np.tile(masses, 2))
         self._first = np.cos(1.7 * np.arange(2 * masses.size)) + 0.1  # fixed, so that runs repeat to the bit
-        self._peak = self._highest(stiffness, hold.spring, self._first)
+        self._peak = self._highest(stiffness, support.spring, self._first)
 
     @property
     def frequency(self) -> float:
@@ -177,29 +103,33 @@ class Spectrum:
 
     @property
     def bound(self) -> float:
-        """A circular frequency [rad/s] that the highest is not above."""
+        """Upper bound of the highest circular frequency [rad/s]."""
         return math.sqrt(self._peak.bound)
 
     @property
     def mode(self) -> np.ndarray:
-        """The mode of the highest frequency times the roots of the masses, of unit length, shape (2, nodes)."""
+        """Mode of the highest frequency, of unit length, shape (2, nodes).
+
+        It is multiplied by the square roots of the masses.
+        """
         return self._peak.vector.reshape(2, -1)
 
     def stable_time_step(self, damping: Any = None) -> float:
-        """Largest stable step [s] of central differences, the damping forces being half a step late.
+        """Return the largest stable step [s] of central differences.
 
-        damping: the plate's damping matrix [N s/m]; the dashpot is added. An oscillation that changes sign every step
-        stays bounded as long as dt^2 K + 2 dt C has no eigenvalue above 4 against the masses: for one mass this is
-        w dt = 2 (sqrt(1 + z^2) - z). The eigenvalue is convex in dt, so that Newton's steps come from above, and an
-        excess over 4 is made good by a step shorter in proportion.
+        damping: the plate's damping matrix [N s/m], to which the dashpot is added; the damping forces are half a step
+        late. An oscillation that changes sign every step stays bounded as long as dt^2 K + 2 dt C has no eigenvalue
+        above 4 against the masses: for one mass this is w dt = 2 (sqrt(1 + z^2) - z). The eigenvalue is convex in dt,
+        so that the steps of Newton's method decrease. An excess over 4 is corrected by a step that is shorter in
+        proportion.
         """
         step, peak = 2.0 / self.bound, self._peak
-        if damping is None and not self._hold.dashpot:
+        if damping is None and not self._support.dashpot:
             return step
         plate = 0.0 * self._stiffness if damping is None else damping
         while True:
             matrix = step**2 * self._stiffness + 2.0 * step * plate
-            spring = step**2 * self._hold.spring + 2.0 * step * self._hold.dashpot
+            spring = step**2 * self._support.spring + 2.0 * step * self._support.dashpot
             peak = self._highest(matrix, spring, peak.vector)
             shorter = self._step_for(peak, plate)
             if shorter > (1.0 - STEP_SETTLED) * step:
@@ -207,18 +137,27 @@ class Spectrum:
             step = shorter
 
     def _step_for(self, peak: Peak, plate: Any) -> float:
-        """The step [s] at which the motion of this vector changes sign every step without growing."""
-        move, held = self._root * peak.vector, self._across[peak.angle] @ self._touching(peak.vector)
-        stiffness = float(move @ (self._stiffness @ move)) + self._hold.spring * held**2
-        damping = float(move @ (plate @ move)) + self._hold.dashpot * held**2
+        """Return the step [s] at which this vector's motion is marginally stable.
+
+        It changes sign every step without growing.
+        """
+        motion, deflection = (
+            self._root * peak.vector,
+            self._across[peak.angle] @ self._supported_motion(peak.vector),
+        )
+        stiffness = float(motion @ (self._stiffness @ motion)) + self._support.spring * deflection**2
+        damping = float(motion @ (plate @ motion)) + self._support.dashpot * deflection**2
         return 4.0 / (damping + math.sqrt(damping**2 + 4.0 * stiffness))
 
-    def _touching(self, vector: np.ndarray) -> np.ndarray:
-        """Displacements of the unknowns that are held."""
-        return np.asarray(self._root[self._held] * vector[self._held])
+    def _supported_motion(self, vector: np.ndarray) -> np.ndarray:
+        """Return the displacements of the supported unknowns."""
+        return np.asarray(self._root[self._supported] * vector[self._supported])
 
     def _highest(self, matrix: Any, spring: float, first: np.ndarray) -> Peak:
-        """The largest eigenvalue over all angles; an angle that is not above another is not looked at closely."""
+        """Return the largest eigenvalue over all angles.
+
+        Angles with a rough eigenvalue below another one are not examined closely.
+        """
         best = self._largest(matrix, spring, 0, first, TOLERANCE)
         for angle in range(1, len(self._across)):
             rough = self._largest(matrix, spring, angle, best.vector, ROUGH)
@@ -228,16 +167,19 @@ class Spectrum:
         return best
 
     def _largest(self, matrix: Any, spring: float, angle: int, first: np.ndarray, tolerance: float) -> Peak:
-        """The largest eigenvalue at an angle, from a vector near to its own."""
-        unknowns, across = self._held, self._across[angle]
-        pull = self._root[unknowns] * across
+        """Return the largest eigenvalue at an angle.
+
+        first: a vector near to the eigenvector.
+        """
+        unknowns, across = self._supported, self._across[angle]
+        direction = self._root[unknowns] * across
 
         def product(vector: np.ndarray) -> np.ndarray:
             force = self._root * (matrix @ (self._root * vector))
-            force[unknowns] += spring * pull * (pull @ vector[unknowns])
+            force[unknowns] += spring * direction * (direction @ vector[unknowns])
             return np.asarray(force)
 
-        # a vector that is orthogonal to the one sought would never find it
+        # a vector orthogonal to the eigenvector would not converge to it
         start = first + 1e-3 * self._first
         value, vector = largest_eigenpair(product, start, tolerance, BASIS)
         return Peak(value, float(np.linalg.norm(product(vector) - value * vector)), vector, angle)
@@ -245,7 +187,10 @@ class Spectrum:
 
 @dataclass(frozen=True)
 class ScaledSpectrum:
-    """The spectrum of a plate whose stiffness, springs included, is that of `unit` times the modulus [Pa]."""
+    """Spectrum of a plate of any Young's modulus.
+
+    Its stiffness, springs included, is that of `unit` times the modulus [Pa].
+    """
 
     unit: Spectrum
     modulus: float
@@ -261,38 +206,50 @@ class ScaledSpectrum:
         return self.unit.mode
 
     def stable_time_step(self, damping: Any = None) -> float:
-        """Largest stable time step [s], see `Spectrum.stable_time_step`."""
+        """Return the largest stable time step [s].
+
+        See `Spectrum.stable_time_step`.
+        """
         root = math.sqrt(self.modulus)
         return self.unit.stable_time_step(None if damping is None else damping / root) / root
 
 
-def spectrum_of(elastic: ElasticSolver, hold: Hold = FREE) -> ScaledSpectrum:
-    """The spectrum of the plate of this solver; hold: see `hold_of`."""
+def spectrum_of(elastic: ElasticSolver, support: Support = FREE) -> ScaledSpectrum:
+    """Return the spectrum of the plate of this solver.
+
+    support: see `corner_support`.
+    """
     plate = elastic.inverse
-    find = _unit_spectrum if plate.masses.size < LARGE else _unit_spectrum.__wrapped__
-    return ScaledSpectrum(find(plate, hold), elastic.modulus)
+    unit_spectrum = _unit_spectrum if plate.masses.size < LARGE else _unit_spectrum.__wrapped__
+    return ScaledSpectrum(unit_spectrum(plate, support), elastic.modulus)
 
 
 @cached("spectrum")
-def _unit_spectrum(plate: Inverse, hold: Hold) -> Spectrum:
-    return Spectrum(plate.stiffness, plate.masses, hold)
+def _unit_spectrum(plate: Inverse, support: Support) -> Spectrum:
+    return Spectrum(plate.stiffness, plate.masses, support)
 
 
-def hold_of(corner: CornerConstraint, angles: tuple[float, ...] = (0.0,), modulus: float = 1.0) -> Hold:
-    """How this corner holds a plate of unit modulus: as it holds one of this modulus [Pa].
+def corner_support(
+    corner: CornerConstraint, angles: tuple[float, ...] = (0.0,), modulus: float = 1.0
+) -> Support:
+    """Return the support of a plate of unit modulus by this corner.
 
-    angles [rad]: of the plate during its run; the constraint acts across the wall, and so turns in the body frame.
+    modulus [Pa]: of the plate that the corner belongs to. angles [rad]: of the plate during its run; the constraint
+    acts across the wall, and therefore rotates in the body frame.
     """
-    if not corner.spring:  # all angles are alike
+    if not corner.spring:  # the angle makes no difference
         return FREE
     weights, nodes = corner.weights.tolist(), corner.nodes.tolist()
     turned = ((-math.sin(angle), math.cos(angle)) for angle in angles)
     across = tuple(tuple(part * weight for part in direction for weight in weights) for direction in turned)
-    return Hold(
+    return Support(
         tuple(nodes), across, _rounded(corner.spring / modulus), _rounded(corner.dashpot / math.sqrt(modulus))
     )
 
 
 def _rounded(value: float) -> float:
-    """To twelve digits: those in which the quotients of springs and moduli in proportion are the same."""
+    """Round to twelve digits.
+
+    In these the quotients of proportional springs and moduli are equal.
+    """
     return float(f"{value:.12g}")

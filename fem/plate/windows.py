@@ -1,8 +1,10 @@
-"""The highest frequency of a large plate, bounded by windows of it. A plate of congruent elements is a sum of windows,
-stiffness and masses alike, and no frequency of the whole is above the highest of its parts (Irons and Treharne, 3rd
-Conf. Matrix Methods in Structural Mechanics, 1971, for parts of one element). Windows of some tens of elements have the
-highest modes of the whole, which sit at corners and edges or are waves of two elements' length: the bound is close, and
-takes milliseconds where Lanczos on the whole, whose highest frequencies crowd, takes minutes.
+"""Upper bound of a large plate's highest frequency by windows.
+
+A plate of congruent elements is a sum of windows, in stiffness and in masses, and no frequency of the whole is above
+the highest of its parts (Irons and Treharne, 3rd Conf. Matrix Methods in Structural Mechanics, 1971, for parts of one
+element). Windows of some tens of elements have the highest modes of the whole, which are localised at corners and
+edges or are waves of two elements' length. The bound is therefore close. It takes milliseconds, where Lanczos on the
+whole plate, whose highest frequencies are close together, takes minutes.
 """
 
 import itertools
@@ -14,33 +16,42 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.plate.discretisation import Discretisation, ElementTable, Hourglass
-from fem.plate.spectrum import FREE, Hold, Spectrum
+from fem.plate.spectrum import FREE, Spectrum, Support
 
 SIZE = 24
-"""Elements along each side of a window, at least, and beside the nodes that are held."""
+"""Smallest number of elements along each side of a window, and beside supported nodes."""
 
-EVEN = 1e-3
-"""Largest relative difference of masses of nodes alike, by the exact inertia, for windows to stand for each other."""
+MASS_SPREAD = 1e-3
+"""Largest relative spread of the masses of nodes in equal positions, by the exact inertia.
+
+Up to it one window represents all of its size.
+"""
 
 Window = tuple[tuple[int, int], ...]
-"""First column and the one behind the last, and rows likewise."""
+"""First column and the one behind the last, and the same of the rows."""
 
 
 @dataclass(frozen=True)
 class WindowBound:
-    """In place of a spectrum: a circular frequency [rad/s] that the highest is not above; and the mode, as
-    `Spectrum.mode`, where the window that holds the corner has it: beside that the plate is at rest."""
+    """Upper bound of the highest circular frequency, in place of a spectrum.
+
+    frequency: [rad/s]. mode: as `Spectrum.mode`, where the window at the corner has the highest frequency; zero
+    outside that window.
+    """
 
     frequency: float
     mode: np.ndarray | None
 
     def stable_time_step(self, damping: Any = None) -> float:
-        """Largest stable step [s] of central differences; there is no damping matrix."""
+        """Return the largest stable step [s] of central differences.
+
+        There is no damping matrix.
+        """
         return 2.0 / self.frequency
 
 
 class Windows:
-    """Parts of a plate of congruent elements, its table of one column.
+    """Windows of a plate of congruent elements, whose table has one column.
 
     masses [kg], shape (nodes,); moduli: plane-stress constants [Pa].
     """
@@ -54,36 +65,56 @@ class Windows:
         self._parts, self._surplus = _element_masses(self._nodes, masses)
 
     @property
-    def even(self) -> bool:
-        """True if windows stand for each other: elements fill a lattice, and nodes alike have about the same mass."""
-        return math.prod(self._cells.max(axis=1) + 1) == self._cells.shape[1] and self._surplus <= 1.0 + EVEN
+    def are_representative(self) -> bool:
+        """True if one window represents all of its size.
 
-    def bound(self, hold: Hold = FREE) -> WindowBound:
-        """The bound with the plate's corner held like that."""
-        touched = self._cells[:, np.isin(self._nodes, hold.nodes).any(axis=0)]
-        axes = (_parts(int(rows.max()) + 1, held) for rows, held in zip(self._cells, touched, strict=True))
-        kinds: dict[tuple[Any, bool], Window] = {}  # one of each size, and the one that holds the corner
+        The elements fill a lattice, and nodes in equal positions have nearly equal masses.
+        """
+        return (
+            math.prod(self._cells.max(axis=1) + 1) == self._cells.shape[1]
+            and self._surplus <= 1.0 + MASS_SPREAD
+        )
+
+    def bound(self, support: Support = FREE) -> WindowBound:
+        """Return the bound of the plate with this support."""
+        supported = self._cells[:, np.isin(self._nodes, support.nodes).any(axis=0)]
+        axes = (
+            _window_ends(int(rows.max()) + 1, held) for rows, held in zip(self._cells, supported, strict=True)
+        )
+        kinds: dict[tuple[Any, bool], Window] = {}  # one of each size, and the one with the corner
         for window in itertools.product(*axes):
-            sizes, holds = tuple(high - low for low, high in window), bool(_inside(touched, window).any())
-            kinds[sizes, holds] = window
-        bounds = (self._highest(window, hold if holds else FREE) for (_, holds), window in kinds.items())
+            sizes, has_support = (
+                tuple(high - low for low, high in window),
+                bool(_inside(supported, window).any()),
+            )
+            kinds[sizes, has_support] = window
+        bounds = (
+            self._highest(window, support if has_support else FREE)
+            for (_, has_support), window in kinds.items()
+        )
         return max(bounds, key=lambda bound: bound.frequency)
 
-    def _highest(self, window: Window, hold: Hold) -> WindowBound:
-        """The bound of a window, cut out: its elements with their parts of the nodes' masses."""
+    def _highest(self, window: Window, support: Support) -> WindowBound:
+        """Return the bound of one window.
+
+        Its elements have their parts of the masses of the nodes.
+        """
         elements = self._nodes[:, _inside(self._cells, window)]
         used, local = np.unique(elements, return_inverse=True)
         local = local.reshape(elements.shape)
         masses = np.bincount(local.ravel(), np.repeat(self._parts, elements.shape[1])) / self._surplus
-        own = hold._replace(nodes=tuple(np.searchsorted(used, hold.nodes).tolist()))
-        spectrum = Spectrum(_assembled(self._stiffness, local, used.size), masses, own)
+        local_support = support._replace(nodes=tuple(np.searchsorted(used, support.nodes).tolist()))
+        spectrum = Spectrum(_assembled(self._stiffness, local, used.size), masses, local_support)
         mode = np.zeros((2, int(self._nodes.max()) + 1))
         mode[:, used] = spectrum.mode
-        return WindowBound(spectrum.bound, mode if hold.nodes else None)
+        return WindowBound(spectrum.bound, mode if support.nodes else None)
 
 
 def element_stiffness(table: ElementTable, moduli: Any, hourglass: Hourglass | None = None) -> np.ndarray:
-    """Stiffness [N/m] of one of congruent elements: all x unknowns, then all y."""
+    """Return the stiffness [N/m] of one of congruent elements.
+
+    All x unknowns come first, then all y.
+    """
     gradients = table.gradients.reshape(len(table.weights), -1, 2)
     xx, yy, xy = (
         np.einsum("p,pa,pb->ab", table.weights[:, 0], gradients[:, :, k], gradients[:, :, m])
@@ -98,19 +129,24 @@ def element_stiffness(table: ElementTable, moduli: Any, hourglass: Hourglass | N
 
 
 def _assembled(stiffness: np.ndarray, nodes: np.ndarray, count: int) -> sp.csr_matrix:
-    """Stiffness matrix of elements alike, shape (2 count, 2 count); nodes: shape (nodes per element, elements)."""
+    """Assemble the stiffness matrix of congruent elements, shape (2 count, 2 count).
+
+    nodes: shape (nodes per element, elements).
+    """
     unknowns = np.concatenate([nodes, nodes + count])
     rows, columns = (
-        np.broadcast_to(each, (len(stiffness), *unknowns.shape)) for each in (unknowns[:, None], unknowns)
+        np.broadcast_to(unknown, (len(stiffness), *unknowns.shape))
+        for unknown in (unknowns[:, None], unknowns)
     )
     values = np.broadcast_to(stiffness[:, :, None], rows.shape)
     return sp.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * count, 2 * count))
 
 
 def _element_masses(nodes: np.ndarray, masses: np.ndarray) -> tuple[np.ndarray, float]:
-    """Masses [kg] of an element's nodes, as they are in the mean; and the factor by which they are at most too large.
+    """Return the mean masses [kg] of the nodes of an element.
 
-    A node's mass is shared by its elements in proportion to these.
+    Also returns the largest factor by which they are too large. A node's mass is distributed to its elements in
+    proportion to them.
     """
     elements = np.bincount(nodes.ravel())
     parts = (masses / elements)[nodes].mean(axis=1)
@@ -119,26 +155,36 @@ def _element_masses(nodes: np.ndarray, masses: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _lattice(positions: np.ndarray) -> np.ndarray:
-    """Column and row of each element, shape (2, elements); positions of their nodes [m], shape (2, nodes, elements)."""
+    """Return column and row of each element, shape (2, elements).
+
+    positions: of the nodes of the elements [m], shape (2, nodes, elements).
+    """
     middles, sizes = positions.mean(axis=1), np.ptp(positions[:, :, 0], axis=1)
     return np.rint((middles - middles.min(axis=1)[:, None]) / sizes[:, None]).astype(int)
 
 
 def _inside(cells: np.ndarray, window: Window) -> np.ndarray:
-    """True where elements of these columns and rows, shape (2, elements), lie in the window."""
+    """Return True for elements in the window.
+
+    cells: their columns and rows, shape (2, elements).
+    """
     return np.all([(low <= row) & (row < high) for row, (low, high) in zip(cells, window, strict=True)], 0)
 
 
-def _parts(count: int, held: np.ndarray) -> list[tuple[int, int]]:
-    """Ends of windows along one axis of so many elements: of at least SIZE, one of them around those that are held."""
-    if not held.size:
-        return _even(0, count)
-    low, high = int(held.min()) - SIZE, int(held.max()) + 1 + SIZE
+def _window_ends(count: int, supported: np.ndarray) -> list[tuple[int, int]]:
+    """Return the ends of windows along an axis of `count` elements.
+
+    Each has at least SIZE elements, and one of them surrounds the supported elements.
+    """
+    if not supported.size:
+        return _even_ends(0, count)
+    low, high = int(supported.min()) - SIZE, int(supported.max()) + 1 + SIZE
     low, high = (0 if low < SIZE else low), (count if count - high < SIZE else high)
-    return [*_even(0, low), (low, high), *_even(high, count)]
+    return [*_even_ends(0, low), (low, high), *_even_ends(high, count)]
 
 
-def _even(start: int, end: int) -> list[tuple[int, int]]:
+def _even_ends(start: int, end: int) -> list[tuple[int, int]]:
+    """Return the ends of windows of about equal size."""
     number = max(1, (end - start) // SIZE)
     ends = [start + (end - start) * k // number for k in range(number + 1)]
-    return [each for each in itertools.pairwise(ends) if each[0] < each[1]]
+    return [window for window in itertools.pairwise(ends) if window[0] < window[1]]

@@ -13,7 +13,7 @@ from fem.explicit.time_loop import LoopParameters
 from fem.laws.materials import deformation_gradient, energy_density, green_strain, stress
 from fem.machine_code.compiled import compiled
 from fem.model.plate_model import PlateModel
-from fem.plate.spectrum import largest_eigenpair
+from fem.plate.lanczos import largest_eigenpair
 from fem.start.inertia_relief import to_global
 
 TOLERANCE, BASIS = 1e-4, 8

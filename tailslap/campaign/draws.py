@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fem.plate.kinds import ELEMENT_KINDS
 from tailslap.case import case_of
 from tailslap.case.cost import beam_frequency, expected_effort
 from tailslap.errors import InputError
@@ -24,7 +25,6 @@ Random = np.random.Generator
 # by the number of a cell, like its start, is not the same in all cells of a combination.
 COMBINATIONS = 97
 
-ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
 OPEN = 0.3  # fraction of the cells that leave a choice to the program
 
 # Steps, and seconds of its time loop, that a random cell may be expected to take; scenes drawn for one cell
@@ -53,10 +53,11 @@ def choices_of(seed: int, combination: int, attempt: int) -> Row:
     """Choices of a combination that the machine code of a run depends on, "open" left to the program; attempt: number
     of those before it that were not possible."""
     random = np.random.default_rng((seed, combination, attempt))
+    elements = [kind.name for kind in ELEMENT_KINDS.values() for _ in range(kind.draw_weight)]
     return {
         "reaction": str(random.choice(("drag", "none", "signed"), p=(0.6, 0.2, 0.2))),
         "frictionless": random.random() < 0.1,
-        "element": "open" if random.random() < OPEN else str(random.choice(ELEMENTS)),
+        "element": "open" if random.random() < OPEN else str(random.choice(elements)),
         "row_sum": random.random() < 0.1,
         "distorted": random.random() < 0.3,
         "constraint": str(random.choice(("open", "penalty", "exact", "dashpot"), p=(0.4, 0.2, 0.2, 0.2))),

@@ -15,15 +15,6 @@ from tailslap.scene.schema import Plate, Scene, Vehicle
 ELEMENTS = 120
 """Elements in all of the first mesh that the program tries where the scene leaves them open."""
 
-NANOSECONDS = {"quad4": 12.0, "quad4-reduced": 12.0, "quad9": 75.0, "tri3": 8.0, "tri6": 40.0}
-"""Time that a cell of the mesh costs a step [ns], on one core; measured by `benchmarks/speed.py`."""
-
-POINTS = {"quad4": 4, "quad4-reduced": 1, "quad9": 9, "tri3": 2, "tri6": 6}
-"""Quadrature points of a cell of the mesh, at each of which a stress is taken."""
-
-OTHER_NS, OTHER_POINTS = 75.0, 9
-"""Time and points of an element from outside."""
-
 ROW_S = 5e-5
 """Time that a row of the history costs [s], whatever the mesh."""
 
@@ -31,7 +22,8 @@ ROW_S = 5e-5
 def loop_seconds(scene: Scene, element: str, counts: tuple[int, int], steps: float, rows: int = 0) -> float:
     """Expected time of a loop over so many elements along and across, and of its history's rows [s]."""
     stress = materials.MATERIALS[scene.material.law].nanoseconds if scene.material else 0.0
-    cell = NANOSECONDS.get(element, OTHER_NS) + POINTS.get(element, OTHER_POINTS) * stress
+    kind = kinds.ELEMENT_KINDS[element]
+    cell = kind.nanoseconds + kind.points * stress
     return 1e-9 * steps * math.prod(counts) * train_size(scene) * cell + rows * ROW_S
 
 
@@ -60,13 +52,6 @@ def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
     return f"plate.{key}", getattr(plate, key)
 
 
-STEPS_A_CROSSING = {"quad4": 1.2, "quad4-reduced": 1.2, "quad9": 3.0, "tri3": 1.5, "tri6": 3.5}
-"""Steps in which a wave crosses an element's short side, measured on 20 x 6 and 8 x 10 elements."""
-
-OTHER_STEPS = 4.0
-"""Steps of an element from outside."""
-
-
 @dataclass(frozen=True)
 class Effort:
     """Steps to the tail-slap, and seconds that they take."""
@@ -84,8 +69,8 @@ def expected_effort(scene: Scene, duration: float) -> Effort:
     short = min(body.length / along, body.width / max(across, 2.0)) * (1.0 - plate.distortion)
     crossings = duration * _wave_speed(body, plate) / short
     ratio = (scene.damping.ratio if scene.damping else None) or 0.0
-    a_crossing = STEPS_A_CROSSING.get(element, OTHER_STEPS)
-    steps = max(1000.0, a_crossing * crossings / (math.hypot(1.0, ratio) - ratio))
+    per_crossing = kinds.ELEMENT_KINDS[element].steps_per_crossing
+    steps = max(1000.0, per_crossing * crossings / (math.hypot(1.0, ratio) - ratio))
     cells = (max(1, round(along)), max(1, round(across)))
     return Effort(steps, loop_seconds(scene, element, cells, steps))
 

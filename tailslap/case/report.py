@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import tailslap
+from fem.plate.kinds import ELEMENT_KINDS
 from fem.start import start_kinds
 from postprocess import units
 from postprocess.fields import series
@@ -29,15 +30,6 @@ if TYPE_CHECKING:
 
 Parts = Sequence[tuple[str, str]]
 """Parts that a scene does without, each with the reason."""
-
-CELL_TYPES = {
-    "ElementQuad1": "quad",
-    "ElementQuadS2": "quad8",
-    "ElementQuad2": "quad9",
-    "ElementTriP1": "triangle",
-    "ElementTriP2": "triangle6",
-}
-"""Cells of other programs by scikit-fem's elements, whose nodes come in the same order."""
 
 
 def milliseconds(seconds: float) -> str:
@@ -375,9 +367,10 @@ def keep_fields(outcome: Any, folder: Path) -> None:
 def _cells(model: PlateModel) -> tuple[str, np.ndarray]:
     """Type and nodes of the elements; the corners alone of one that other programs do not know."""
     scalar = model.discretisation.scalar
-    known = CELL_TYPES.get(type(scalar.elem).__name__)
-    if known:
-        return known, np.ascontiguousarray(model.loop.table.connectivity.T)
+    element = type(scalar.elem).__name__
+    kind = next((kind for kind in ELEMENT_KINDS.values() if kind.element == element), None)
+    if kind and kind.cell_type:
+        return kind.cell_type, np.ascontiguousarray(model.loop.table.connectivity.T)
     cells = model.discretisation.cells
     return ("quad" if cells.shape[1] == 4 else "triangle"), np.ascontiguousarray(cells)
 

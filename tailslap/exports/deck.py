@@ -115,7 +115,7 @@ def write_deck(deck: Deck, folder: Path) -> None:
     """Write input files, README, `nodes.csv` with the masses, and the exact motion of the rigid body `rigid.csv`."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    from fem.plate.kinds import row_sum_masses
+    from fem.plate.nodal_masses import row_sum_masses
 
     loader = PackageLoader("tailslap.exports")
     environment = Environment(

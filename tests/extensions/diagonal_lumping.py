@@ -1,7 +1,7 @@
 """A mass lumping from outside: the diagonal of the consistent matrix, scaled to the mass."""
 
 from fem import LUMPINGS, Lumping
-from fem.plate.kinds import scaled_diagonal_masses
+from fem.plate.nodal_masses import scaled_diagonal_masses
 
 LUMPING = Lumping("diagonal", scaled_diagonal_masses, fault="it is that of the scaled diagonal")
 LUMPINGS.register(LUMPING)

@@ -98,7 +98,7 @@ def test_threads_compute_the_same(plate_model):
 
 def test_free_mode_decays_at_half_the_rate(plate_model):
     """A free plate in its lowest mode: the energy falls by exp(-c t), the frequency being far above c."""
-    from fem.plate.elastic import free_modes
+    from fem.plate.free_modes import free_modes
 
     rate = 20.0
     model = plate_model(corner={"penalty_scale": 1e-12}, elastic_rate=rate)

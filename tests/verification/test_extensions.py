@@ -11,14 +11,25 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fem import COLUMNS, CONSTRAINTS, ELEMENT_KINDS, FRICTION_LAWS, LUMPINGS, MATERIALS, START_KINDS
+from fem import (
+    COLUMNS,
+    CONSTRAINTS,
+    ELEMENT_KINDS,
+    FRICTION_LAWS,
+    LUMPINGS,
+    MATERIALS,
+    START_KINDS,
+    ElementKind,
+)
 from fem.machine_code.folder import cache_folder
 from fem.registry import Registry
 from fem.start.inertia_relief import statics
 from postprocess.report.command_report import write_report
 from solver import REACTIONS
+from tailslap.campaign.draws import choices_of
 from tailslap.case.corner import case, report
 from tailslap.case.corner.checks import CHECKS
+from tailslap.case.cost import loop_seconds
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
@@ -120,6 +131,21 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
     texts = ["quad8", "unstrained, its corner pressed into the constraint"]
     texts += ["it is that of the scaled diagonal"]
     assert [text for text in texts if text not in page] == []
+
+
+def test_cost_and_draw_weight_are_fields_of_an_element():
+    """1000 steps of 30 cells, each of 1 us and two stresses, and nearly all draws by weight."""
+    scene = read_scene("paper-table-3", ("material.law=neo-hookean",))[0]
+    kind = ElementKind("costly", "ElementQuadS2", 4, "quad", nanoseconds=1000.0, points=2, draw_weight=5000)
+    ELEMENT_KINDS.register(kind)
+    try:
+        seconds = loop_seconds(scene, kind.name, (10, 3), 1000.0)
+        drawn = [choices_of(1, number, 0)["element"] for number in range(20)]
+    finally:
+        ELEMENT_KINDS.remove(kind.name)
+    stress = MATERIALS["neo-hookean"].nanoseconds
+    assert seconds == pytest.approx(1e-9 * 1000.0 * 30 * (1000.0 + 2.0 * stress), rel=1e-12)
+    assert set(drawn) == {"open", kind.name}
 
 
 def test_a_check_from_outside_can_fail(result):

@@ -7,8 +7,8 @@ import scipy.linalg
 from fem.laws.constraints import CornerConstraint, Penalty, add_corner_reaction
 from fem.laws.friction import Drag, Signed
 from fem.plate.discretisation import discretise
-from fem.plate.kinds import exact_inertia_masses, row_sum_masses
-from fem.plate.spectrum import Spectrum, hold_of
+from fem.plate.nodal_masses import exact_inertia_masses, row_sum_masses
+from fem.plate.spectrum import Spectrum, corner_support
 from fem.run.corner import Stepper
 from fem.start.inertia_relief import RigidStart
 from meshes import plate_mesh
@@ -134,7 +134,7 @@ def test_highest_frequency_counts_the_penalty_spring(plate_model):
     node, mass = model.loop.corner.nodes[0], model.loop.mass
     stiff = 1e5 * model.loop.corner.stiffness
     corner = model.loop.corner._replace(constraint=Penalty(stiff))
-    found = Spectrum(model.stiffness, mass, hold_of(corner)).frequency
+    found = Spectrum(model.stiffness, mass, corner_support(corner)).frequency
     assert found == pytest.approx(np.sqrt(stiff / mass[node]), rel=1e-4)
 
 

@@ -13,7 +13,8 @@ from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
 from fem.model.train_model import hinge_weights
-from fem.plate.elastic import free_modes, gap_matrix
+from fem.plate.elastic import gap_matrix
+from fem.plate.free_modes import free_modes
 from fem.plate.properties import (
     ContactProperties,
     Inertia,

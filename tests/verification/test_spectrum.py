@@ -11,9 +11,11 @@ import scipy.linalg
 from fem import lazy
 from fem.modal import model as modal
 from fem.model import plate_model as models
-from fem.plate import elastic, spectrum, windows
-from fem.plate.elastic import ElasticSolver, Inverse, free_modes, lowest_frequency, most_modes
-from fem.plate.spectrum import FREE, Spectrum, hold_of, largest_eigenpair
+from fem.plate import elastic, multigrid, spectrum, windows
+from fem.plate.elastic import ElasticSolver, Inverse
+from fem.plate.free_modes import free_modes, lowest_frequency, most_modes
+from fem.plate.lanczos import largest_eigenpair
+from fem.plate.spectrum import FREE, Spectrum, corner_support
 from fem.plate.windows import Windows, element_stiffness
 from fem.stability.deformed import deformed_frequency
 from fem.start.inertia_relief import RigidStart, relieved_fields
@@ -43,7 +45,7 @@ def damped_eigenvalue(model, angle, step, damping):
 @pytest.mark.parametrize("elements", MESHES)
 def test_bound_is_safe_at_every_angle_and_close(plate_model, elements, scale):
     model = plate_model(elements=elements, corner={"penalty_scale": scale})
-    hold = hold_of(model.loop.corner, ANGLES)
+    hold = corner_support(model.loop.corner, ANGLES)
     found, highest = Spectrum(model.stiffness, model.loop.mass, hold), dense_frequency(model, hold)
     assert highest <= found.bound <= (1.0 + spectrum.TOLERANCE) * highest
     assert found.frequency == pytest.approx(highest, rel=1e-5)
@@ -68,7 +70,7 @@ def test_residual_is_in_the_bound(plate_model, monkeypatch):
     masses = model.loop.mass
     exact = Spectrum(model.stiffness, masses).frequency
     monkeypatch.setattr(spectrum, "TOLERANCE", 0.03)
-    monkeypatch.setattr("fem.plate.spectrum.SETTLED", np.inf)
+    monkeypatch.setattr("fem.plate.lanczos.GROWTH_LIMIT", np.inf)
     rough = Spectrum(model.stiffness, masses)
     assert rough.frequency < (1.0 - 1e-4) * exact
     assert rough.bound >= exact
@@ -83,7 +85,7 @@ def test_angles_that_are_lower_are_not_looked_at_closely(plate_model, monkeypatc
         return plain(self, *given)
 
     monkeypatch.setattr(Spectrum, "_largest", counted)
-    Spectrum(model.stiffness, model.loop.mass, hold_of(model.loop.corner, ANGLES))
+    Spectrum(model.stiffness, model.loop.mass, corner_support(model.loop.corner, ANGLES))
     assert tolerances == [spectrum.TOLERANCE, spectrum.ROUGH, spectrum.ROUGH]
 
 
@@ -159,7 +161,7 @@ def solver_of(model):
 def all_large(monkeypatch):
     """Every plate counts as large, and has several levels."""
     monkeypatch.setattr(elastic, "LARGE", 0)
-    monkeypatch.setattr(elastic, "COARSEST", 30)
+    monkeypatch.setattr(multigrid, "COARSEST", 30)
 
 
 @pytest.mark.usefixtures("all_large")
@@ -200,7 +202,7 @@ def test_lowest_frequency_by_iteration(plate_model, plate, monkeypatch):
 def test_without_convergence_a_factorisation_takes_over(plate_model, monkeypatch):
     model = plate_model(elements=(40, 12))
     load = model.stiffness @ np.cos(np.arange(2.0 * model.loop.mass.size))
-    monkeypatch.setattr(elastic, "MOST", 2)
+    monkeypatch.setattr(multigrid, "MAX_ITERATIONS", 2)
     solver = solver_of(model)
     np.testing.assert_array_equal(solver(load), solver.factorised(load))
 
@@ -433,7 +435,7 @@ def dense_frequency(model, hold=FREE):
 def small_windows(monkeypatch):
     """Several windows in a plate small enough for a dense solution, and every plate counts as large."""
     monkeypatch.setattr(windows, "SIZE", 5)
-    monkeypatch.setattr(windows, "EVEN", 0.05)
+    monkeypatch.setattr(windows, "MASS_SPREAD", 0.05)
     monkeypatch.setattr(models, "WINDOWS_FROM", 0)
 
 
@@ -455,16 +457,16 @@ def test_bound_is_safe_and_close(plate_model, plate, scale, patch):
     """At most by the unevenness of the masses above, and by what windows of five elements miss."""
     corner = {"penalty_scale": scale or 1.0, "patch_length": patch}
     model = plate_model(elements=(22, 11), plate=plate, corner=corner)
-    hold = hold_of(model.loop.corner, ANGLES) if scale else FREE
+    hold = corner_support(model.loop.corner, ANGLES) if scale else FREE
     found, exact = windows_of(model), dense_frequency(model, hold)
-    assert found.even
-    assert len(windows._parts(22, np.array([21]))) > 1
+    assert found.are_representative
+    assert len(windows._window_ends(22, np.array([21]))) > 1
     assert exact * (1.0 - 1e-12) <= found.bound(hold).frequency <= 1.02 * exact
 
 
 def test_bound_converges_with_the_size_of_windows(plate_model, monkeypatch):
     """Row-sum masses are even: what is left is what windows miss, and it goes."""
-    monkeypatch.setattr(windows, "EVEN", 0.05)
+    monkeypatch.setattr(windows, "MASS_SPREAD", 0.05)
     model, apart = plate_model(elements=(40, 16), plate={"lumping": "row-sum"}), []
     exact = dense_frequency(model)
     for size in (2, 4, 8):
@@ -488,7 +490,7 @@ def test_windows_are_all_of_the_plate(monkeypatch):
     monkeypatch.setattr(windows, "SIZE", 5)
     for count in (1, 4, 7, 11, 33, 58):
         for held in ([], [0], [count - 1], list(range(count // 2, count))):
-            parts = windows._parts(count, np.array(held, dtype=int))
+            parts = windows._window_ends(count, np.array(held, dtype=int))
             assert [n for start, end in parts for n in range(start, end)] == list(range(count))
             assert len(parts) == 1 or min(end - start for start, end in parts) >= 5
             around = [(start, end) for start, end in parts if any(start <= n < end for n in held)]
@@ -500,7 +502,7 @@ def test_windows_are_all_of_the_plate(monkeypatch):
 @pytest.mark.usefixtures("small_windows")
 def test_a_large_uniform_plate_takes_its_step_from_the_bound(plate_model):
     model = plate_model(elements=(22, 11), corner={"penalty_scale": 30.0})
-    exact = dense_frequency(model, hold_of(model.loop.corner, ANGLES))
+    exact = dense_frequency(model, corner_support(model.loop.corner, ANGLES))
     most = model.highest_frequency
     assert dense_frequency(model) < 0.5 * exact < exact * (1.0 + 1e-5) < most < 1.02 * exact
     assert model.stable_time_step == pytest.approx(2.0 / model.highest_frequency, rel=1e-15)
@@ -518,7 +520,7 @@ def test_a_window_of_each_size_is_looked_at(plate_model, monkeypatch):
         return plain(self, window, hold)
 
     monkeypatch.setattr(Windows, "_highest", spied)
-    windows_of(model).bound(hold_of(model.loop.corner, ANGLES))
+    windows_of(model).bound(corner_support(model.loop.corner, ANGLES))
     sizes = {(along, across) for along in (5, 6) for across in (5, 6)}  # 22 = 5 + 5 + 6 + 6, 11 = 5 + 6
     assert seen == {((6, 6), True), *((each, False) for each in sizes)}
 
@@ -535,7 +537,7 @@ def test_damped_plates_take_theirs_from_lanczos(plate_model, given, monkeypatch)
 
 @pytest.mark.usefixtures("small_windows")
 def test_uneven_and_distorted_plates_take_theirs_from_lanczos(plate_model, distorted_mesh, monkeypatch):
-    monkeypatch.setattr(windows, "EVEN", 1e-6)
+    monkeypatch.setattr(windows, "MASS_SPREAD", 1e-6)
     uneven, distorted = plate_model(elements=(22, 11)), plate_model(mesh=distorted_mesh)
     monkeypatch.setattr(models, "WINDOWS_FROM", 10**9)
     assert uneven.highest_frequency == plate_model(elements=(22, 11)).highest_frequency

@@ -512,7 +512,7 @@ def test_a_third_starts_unstressed_and_the_others_share_the_rest():
 
 
 CHOICES = {
-    "plate.element": {"open", *draws.ELEMENTS}, "plate.lumping": {"open", "row-sum"},
+    "plate.element": {"open", "quad4", "quad4-reduced", "quad9", "tri3", "tri6"}, "plate.lumping": {"open", "row-sum"},
     "corner.constraint": {"open", "penalty", "exact"}, "corner.reaction": {"drag", "none", "signed"},
     "material.law": {"open", "neo-hookean"}, "damping.kind": {"open", "none"},
 }  # fmt: skip

@@ -1,0 +1,112 @@
+"""Nodal masses of the plate, with its exact or a prescribed inertia.
+
+Nodal masses are row sums of the consistent mass matrix, corrected by the least relative change to the exact rigid-body
+inertia.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from fem.plate.properties import Inertia, ModelError
+
+NEWTON_STEPS = 200
+"""Steps of Newton's method for the masses of a prescribed inertia.
+
+Ten are enough, except near the limit of the inertia that positive masses can have.
+"""
+
+
+def row_sum_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+    """Return the row sums of the consistent mass matrix [kg], shape (nodes,)."""
+    import skfem
+
+    return density * thickness * skfem.LinearForm(lambda v, w: v).assemble(scalar)
+
+
+def scaled_diagonal_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+    """Return the scaled diagonal of the consistent mass matrix [kg].
+
+    The diagonal is scaled to the plate's mass (Hinton, Rock and Zienkiewicz).
+    """
+    import skfem
+
+    diagonal = skfem.BilinearForm(lambda u, v, w: u * v).assemble(scalar).diagonal()
+    return np.asarray(diagonal * (density * thickness * scalar.dx.sum() / diagonal.sum()))
+
+
+def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+    """Return nodal masses [kg] with the exact inertia of the body.
+
+    Their shape is (nodes,). Mass, centre and second moments are exact. Row sums overstate the rotary inertia by the
+    order of the squared element size. Of all corrections that make the six moments exact, this one has the least sum
+    of squared relative changes: m = m_0 + m_0^2 A^T z. Elements with row sums that are not positive (tri6) start from
+    the scaled diagonal instead. Raises ModelError if a mass would not stay positive, on a mesh too coarse to carry
+    the moments.
+    """
+    masses = row_sum_masses(scalar, density, thickness)
+    if masses.min() < 1e-3 * masses.mean():
+        masses = scaled_diagonal_masses(scalar, density, thickness)
+    middle, size = _frame(scalar)
+    moments = np.array(_moments(*((scalar.doflocs - middle[:, None]) / size[:, None])))
+    exact = _exact_moments(scalar) * density * thickness
+    weighted = moments * masses**2
+    multipliers = np.linalg.lstsq(weighted @ moments.T, exact - moments @ masses, rcond=None)[0]
+    masses = masses + masses**2 * (multipliers @ moments)
+    if not (masses > 0.0).all():
+        coarse = "the mesh is too coarse for the exact inertia with positive nodal masses"
+        raise ModelError("elements", coarse)
+    if not np.allclose(moments @ masses, exact, rtol=1e-12, atol=1e-12 * exact[0]):
+        raise ModelError("elements", "the mesh has too few nodes for the exact inertia")
+    return masses
+
+
+def prescribed_inertia_masses(positions: np.ndarray, masses: np.ndarray, inertia: Inertia) -> np.ndarray:
+    """Return nodal masses [kg] of a prescribed inertia.
+
+    Their shape is (nodes,). masses: [kg], whose sum is unchanged; corner P is the origin. Of all masses with that
+    inertia the result has the greatest entropy relative to `masses`, m exp(z . moments). They are positive, and exist
+    wherever any positive masses have that inertia. Raises ModelError where there are none.
+    """
+    total, size = masses.sum(), np.ptp(positions, axis=1)
+    x = (positions[0] + inertia.centre) / size[0]
+    y = (positions[1] - 0.5 * size[1]) / size[0]
+    moments = np.array([np.ones_like(x), x, y, x * x + y * y])
+    target = np.array([1.0, 0.0, 0.0, inertia.yaw_inertia / (total * size[0] ** 2)])
+    multipliers = np.zeros(4)
+    for _ in range(NEWTON_STEPS):
+        tilted = masses / total * np.exp(multipliers @ moments)
+        excess = moments @ tilted - target
+        if np.abs(excess).max() < 1e-15 * len(masses):
+            break
+        step = np.linalg.lstsq((moments * tilted) @ moments.T, excess, rcond=None)[0]
+        multipliers -= step / max(1.0, np.abs(step).max() / 2.0)
+    tilted = total * tilted
+    if not np.allclose(moments @ tilted, total * target, rtol=0.0, atol=1e-11 * total) or tilted.min() <= 0.0:
+        raise ModelError("inertia", "no positive nodal masses have this centre of mass and yaw inertia")
+    return tilted
+
+
+def _frame(scalar: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return middle and size of the mesh.
+
+    Moments in these coordinates are of order one.
+    """
+    low, high = scalar.doflocs.min(axis=1), scalar.doflocs.max(axis=1)
+    return (low + high) / 2.0, high - low
+
+
+def _moments(x: np.ndarray, y: np.ndarray) -> list[np.ndarray]:
+    """Return mass, first and second moments as functions of position."""
+    return [np.ones_like(x), x, y, x * x, x * y, y * y]
+
+
+def _exact_moments(scalar: Any) -> np.ndarray:
+    """Return the exact moments of the meshed body in `_frame`."""
+    from skfem.quadrature import get_quadrature
+
+    middle, size = _frame(scalar)
+    points, weights = get_quadrature(scalar.elem, 4)
+    volumes = np.abs(scalar.mapping.detDF(points)) * weights
+    x = (np.asarray(scalar.mapping.F(points)) - middle[:, None, None]) / size[:, None, None]
+    return np.array([np.sum(moment * volumes) for moment in _moments(*x)])
