@@ -1,5 +1,5 @@
-"""Models: everything a run needs that does not change during it.
+"""Models with everything that does not change during a run.
 
-`plate_model` makes the plate with its corner held, at a node or a support patch, `impact_model` the plate whose
-boundary touches a wall, rigid or deformable.
+`plate_model` is the plate with its corner constrained, at a node or a support `patch`. `impact_model` is the plate
+whose boundary is in contact with a wall, `train_model` the plates of a train, `wall_model` a deformable wall.
 """

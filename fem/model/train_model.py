@@ -1,4 +1,4 @@
-"""The plates of a train as one: their masses and nodes in the mesh of them all, and the hinges between them."""
+"""Plates of a train as one model with hinges between them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from fem.laws.hinges import Hinges
 from fem.model import plate_model
+from fem.model.patch import hat_integrals
 from fem.plate.discretisation import Discretisation, discretise
 from fem.plate.properties import ModelError, UnitProperties
 
@@ -19,29 +20,31 @@ if TYPE_CHECKING:
 def train_plate(
     units: Sequence[UnitProperties],
 ) -> tuple[plate_model.UnitPlate, list[tuple[Discretisation, np.ndarray]], Hinges]:
-    """The plates of a straight train as one of unit modulus; of each its discretisation and its nodes in that one; the
-    hinges.
+    """Return the plates of a straight train as one of unit modulus.
 
-    Raises ModelError where a mesh cannot carry the inertia or a hinge.
+    Also returns the discretisation of each plate with its nodes in the whole, and the hinges. Raises ModelError where
+    a mesh cannot carry the inertia or a hinge.
     """
     first = units[0].plate
     whole = discretise(_straight(units), first.thickness, first.element)
     masses, parts, begin = np.empty(whole.positions.shape[1]), list[tuple[Discretisation, np.ndarray]](), 0
     for unit in units:
-        own = discretise(unit.mesh, first.thickness, first.element)
-        dofs = own.scalar.element_dofs
-        nodes = np.empty(own.positions.shape[1], dtype=np.int64)
+        part = discretise(unit.mesh, first.thickness, first.element)
+        dofs = part.scalar.element_dofs
+        nodes = np.empty(part.positions.shape[1], dtype=np.int64)
         nodes[dofs] = whole.scalar.element_dofs[:, begin : begin + dofs.shape[1]]
-        masses[nodes] = plate_model.nodal_masses(own, unit.plate)
-        parts.append((own, nodes))
+        masses[nodes] = plate_model.nodal_masses(part, unit.plate)
+        parts.append((part, nodes))
         begin += dofs.shape[1]
     hinges = _hinges(units, parts, masses)
     return plate_model.assembled(whole, masses, first, hinges), parts, hinges
 
 
 def _straight(units: Sequence[UnitProperties]) -> meshio.Mesh:
-    """The mesh of a straight train, plate by plate, middle lines in one; no two plates share a node. Its groups are the
-    first plate's."""
+    """Return the mesh of a straight train, plate by plate.
+
+    The middle lines coincide, and no two plates have a node in common. The groups are those of the first plate.
+    """
     import meshio
 
     widths = [np.ptp(unit.mesh.points[:, 1]) for unit in units]
@@ -64,12 +67,13 @@ def _straight(units: Sequence[UnitProperties]) -> meshio.Mesh:
 def _hinges(
     units: Sequence[UnitProperties], parts: list[tuple[Discretisation, np.ndarray]], masses: np.ndarray
 ) -> Hinges:
+    """Return the hinges of a train with their nodes on both plates."""
     nodes, weights = list[np.ndarray](), list[np.ndarray]()
     for number, (ahead, behind, unit) in enumerate(zip(parts, parts[1:], units[1:], strict=False)):
         try:
-            for (own, places), at, sign in ((ahead, unit.hitch, 1.0), (behind, unit.kingpin, -1.0)):
-                found, weight = hinge_weights(own.positions, at, unit.hitch_length)
-                nodes.append(places[found])
+            for (part, places), position, sign in ((ahead, unit.hitch, 1.0), (behind, unit.kingpin, -1.0)):
+                rows, weight = hinge_weights(part.positions, position, unit.hitch_length)
+                nodes.append(places[rows])
                 weights.append(sign * weight)
         except ValueError as error:
             raise ModelError(f"trailer.{number}.hitch_length", str(error)) from None
@@ -85,22 +89,22 @@ def _hinges(
 
 
 def hinge_weights(positions: np.ndarray, place: float, length: float) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes and weights of a hinge on the middle line of a plate.
+    """Return nodes and weights of a hinge on a plate's middle line.
 
     Parameters
     ----------
     positions : ndarray, shape (2, nodes)
         In the plate's body frame [m].
     place : float
-        Of the hinge, behind the front [m]; outside the plate the nodes nearest to it are extrapolated.
+        Of the hinge, behind the front [m]; outside the plate the nearest nodes are extrapolated.
     length : float
-        Of the middle line over which it is spread, on both sides as far as there is plate [m]; 0 for a point.
+        Of the middle line over which it is distributed, on both sides as far as the plate extends [m]; 0 for a point.
 
     Returns
     -------
     nodes, weights : ndarray
-        Whose mean is the hinge in every rigid motion: the nodes' parts of the linear w(s) that has the integral 1 and
-        its first moment at the hinge. A point on a node has that node alone.
+        Their weighted mean is the hinge in every rigid motion: the nodes' parts of the linear w(s) with an integral
+        of 1 and its first moment at the hinge. A point on a node has that node alone.
 
     Raises
     ------
@@ -108,7 +112,7 @@ def hinge_weights(positions: np.ndarray, place: float, length: float) -> tuple[n
         For a length that is not between an element and the plate.
     """
     middle = np.abs(positions[1] - 0.5 * positions[1].max())
-    row = np.flatnonzero(middle < middle.min() + 1e-9 * middle.max())  # or both beside it
+    row = np.flatnonzero(middle < middle.min() + 1e-9 * middle.max())  # or both rows beside it
     _, column, number = np.unique(np.round(-positions[0, row], 9), return_inverse=True, return_counts=True)
     s = np.bincount(column, -positions[0, row]) / number
     weights = (_parts(s, place, length) / number)[column]
@@ -117,15 +121,18 @@ def hinge_weights(positions: np.ndarray, place: float, length: float) -> tuple[n
 
 
 def _parts(s: np.ndarray, place: float, length: float) -> np.ndarray:
-    """Parts of nodes in a line, s [m], in the load of a hinge."""
+    """Return the nodes' parts in the load of a hinge.
+
+    s: of the nodes [m].
+    """
     if length > 0.0:
         if not np.diff(s).max() <= length * (1.0 + 1e-9) <= (s[-1] - s[0]) * (1.0 + 2e-9):
             raise ValueError(
                 f"a hinge over {length:g} m does not lie between {np.diff(s).max():g} m, an element, "
                 f"and {s[-1] - s[0]:g} m"
             )
-        return plate_model.hat_integrals(s, place, length)
-    parts, before = np.zeros_like(s), int(np.clip(np.searchsorted(s, place, side="right") - 1, 0, s.size - 2))
-    ahead = (place - s[before]) / (s[before + 1] - s[before])
-    parts[before : before + 2] = 1.0 - ahead, ahead
+        return hat_integrals(s, place, length)
+    parts, index = np.zeros_like(s), int(np.clip(np.searchsorted(s, place, side="right") - 1, 0, s.size - 2))
+    ahead = (place - s[index]) / (s[index + 1] - s[index])
+    parts[index : index + 2] = 1.0 - ahead, ahead
     return parts

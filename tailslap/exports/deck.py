@@ -134,7 +134,7 @@ def write_deck(deck: Deck, folder: Path) -> None:
 
 def _numbers(deck: Deck) -> dict[str, Any]:
     """Variables of the templates; nodes are counted from 1."""
-    from fem.model.plate_model import corner_weights
+    from fem.model.patch import corner_weights
 
     d, case = deck.discretisation, deck.case
     nodes, weights = corner_weights(d, case.scene.corner.patch_length or 0.0)
