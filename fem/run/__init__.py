@@ -1,5 +1,5 @@
-"""Runs: rows of a history until somebody says that it is over.
+"""Runs, which make rows of a history until an observer ends them.
 
-`runner` makes rows with a compiled stepper and lets observers look at them now and then; `corner` is the run of the
-constrained plate to its tail-slap, `impact` that of a whole impact from its first touch.
+`runner` makes rows with a compiled stepper, `observers` are called between them, and `resume` has checkpoints.
+`corner` is the run of the constrained plate to its tail-slap, `impact` that of a whole impact from its first touch.
 """

@@ -1,4 +1,4 @@
-"""The run of a whole impact: from a model and its first touch to histories of motion, energies and contact."""
+"""Run of a whole impact from the first touch to its histories."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -14,17 +14,18 @@ from fem.laws.wall_contact import ContactState
 from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
 from fem.plate.properties import ModelError
-from fem.run import runner
+from fem.run import observers, resume, runner
 from fem.start import inertia_relief
 
-CHUNK = 200
-"""Rows between two looks at whether the run is over."""
+CHECK_ROWS = 200
+"""Rows between two checks for the end of the run."""
 
 
 @dataclass(frozen=True)
 class FirstTouch:
-    """Rigid motion of the plate at t = 0, its corner P at the origin; of a straight train, whose first corner to touch
-    is on the wall.
+    """Rigid motion of the plate at t = 0.
+
+    Corner P is at the origin. Of a straight train, the first corner to touch is on the wall.
 
     Attributes
     ----------
@@ -50,11 +51,11 @@ class ImpactRun:
         By name: t [s], the fields of `ImpactMeasures`, and force_normal and force_tangential [N], of the wall on the
         plate, each the mean since the row before, and force_foundation, of the foundation on a deformable wall.
     points : ndarray, shape (2, contact points)
-        Places in the body frames of their plates [m]; a corner that crushes and has a layer is there twice.
+        Places in the body frames of their plates [m]; a corner that crushes and has a layer is present twice.
     unit : ndarray, shape (contact points,)
-        Number of the plate that each is of.
+        Number of the plate of each point.
     normal, tangential : ndarray, shape (rows, contact points)
-        Force on each, likewise [N].
+        Force on each, the mean since the row before [N].
     depth, place : ndarray, shape (rows, contact points)
         Behind the wall's face, and along the wall [m].
     units : tuple of dict of ndarray, shape (rows,)
@@ -62,15 +63,15 @@ class ImpactRun:
     hinges : ndarray, shape (hinges, 2, rows)
         Force of the plate behind on the one ahead along X and Y, mean since the row before [N].
     steps : int
-        Time steps taken.
+        Number of time steps.
     time_loop_s : float
-        Time that they took, records included [s].
+        Their computing time, records included [s].
     model : PlateModel
         The plate.
     shapes : sequence of ndarray, shape (2, nodes)
         Positions at a few instants of the run [m].
     snapshots : Snapshots or None
-        Nodal positions and velocities at some instants, where they were asked for.
+        Nodal positions and velocities at some instants, if requested.
     """
 
     history: dict[str, np.ndarray]
@@ -86,25 +87,28 @@ class ImpactRun:
     model: PlateModel
     time_loop_s: float = np.nan
     shapes: Sequence[np.ndarray] = ()
-    snapshots: runner.Snapshots | None = None
+    snapshots: observers.Snapshots | None = None
 
     @cached_property
     def highest_frequency(self) -> float:
-        """The largest at these instants [rad/s]."""
-        return runner.highest_frequency(self.model, self.shapes)
+        """Highest frequency of the plate at these instants [rad/s]."""
+        return observers.highest_frequency(self.model, self.shapes)
 
 
 class ImpactStepper(runner.PlateStepper):
-    """The compiled loop of a plate that touches the wall."""
+    """Compiled loop of a plate in contact with the wall."""
 
     @property
     def step_call(self) -> tuple[Any, ...]:
-        """The compiled function of the run, and arguments of its types."""
+        """Compiled function of the run, and arguments of its types."""
         state = self.at_touch(FirstTouch(0.0, 0.0, 0.0))
-        return impact_loop.advance_and_record, state, 1, *self._all_parts, self._room(0)
+        return impact_loop.advance_and_record, state, 1, *self._all_parts, self._new_rows(0)
 
     def at_touch(self, touch: FirstTouch) -> impact_loop.ImpactLoopState:
-        """State at t = 0: nothing acts on the plate yet, so that its velocities half a step back are the same."""
+        """Return the state at t = 0.
+
+        No force acts on the plate yet, so that its velocities half a step back are the same.
+        """
         points, wall = self.loop.contact.mobility.size, None
         body = self._reference - self._reference[:, [self.model.discretisation.corner]]
         arm = inertia_relief.to_global(touch.angle) @ body
@@ -122,40 +126,45 @@ class ImpactStepper(runner.PlateStepper):
 
     @property
     def points(self) -> np.ndarray:
-        """Places [m] of the contact points in the body frames of their plates, shape (2, points)."""
+        """Places [m] of the contact points, shape (2, points).
+
+        They are in the body frames of their plates.
+        """
         contact, hinges = self.loop.contact, self.loop.hinges
-        found = np.add.reduceat(
+        places = np.add.reduceat(
             contact.weights * self._reference[:, contact.nodes], contact.first[:-1], axis=1
         )
         for number in range(len(hinges.inertia) + 1 if hinges is not None else 0):
             plate = self._reference[:, hinges.unit == number]
-            found[:, self.unit == number] -= [[plate[0].max()], [plate[1].min()]]
-        return found
+            places[:, self.unit == number] -= [[plate[0].max()], [plate[1].min()]]
+        return places
 
     @property
     def unit(self) -> np.ndarray:
-        """Number of the plate that each contact point is of, shape (points,)."""
+        """Number of the plate of each contact point, shape (points,)."""
         contact, hinges = self.loop.contact, self.loop.hinges
         nodes = contact.nodes[contact.first[:-1]]
         return np.zeros(nodes.size, dtype=int) if hinges is None else np.asarray(hinges.unit[nodes])
 
-    def _room(self, count: int) -> impact_loop.Rows:
+    def _new_rows(self, count: int) -> impact_loop.Rows:
+        """Return arrays for this number of rows."""
         hinges = 0 if self.loop.hinges is None else len(self.loop.hinges.inertia)
         units = len(UNIT) * (hinges + 1) + len(HINGE) * hinges if hinges else 0
         sizes = (len(impact_loop.ImpactMeasures._fields), *4 * (self.loop.contact.mobility.size,), units)
         return impact_loop.Rows(*(np.empty((count, size)) for size in sizes))
 
     def parts(self, rows: np.ndarray) -> tuple[np.ndarray, ...]:
-        """The fields of `Rows`, from rows that hold them side by side."""
-        ends = np.cumsum([part.shape[1] for part in self._room(0)])
+        """Split rows into the fields of `Rows`."""
+        ends = np.cumsum([part.shape[1] for part in self._new_rows(0)])
         return tuple(np.split(rows, ends[:-1], axis=1))
 
     def record(self, state: impact_loop.ImpactLoopState, stride: int, count: int) -> runner.Recorded:
-        """So many rows from a state on, which stays as it is, `stride` steps apart: the fields of `Rows` side by side.
+        """Return `count` rows, `stride` steps apart.
 
-        Raises ModelError where the plate presses on a deformable wall beyond its end.
+        A row has the fields of `Rows` side by side. Raises ModelError where the plate presses on a deformable wall
+        beyond its end.
         """
-        later, rows = runner.copy_state(state), self._room(count)
+        later, rows = runner.copy_state(state), self._new_rows(count)
         impact_loop.advance_and_record(later, stride, *self._all_parts, rows)
         if later.wall is not None and (beyond := later.wall.beyond[0]) > 0.0:
             why = f"contact extends {beyond:.3g} m beyond the end of the wall; increase the length"
@@ -166,7 +175,10 @@ class ImpactStepper(runner.PlateStepper):
 def compile_impact_loop(
     model: PlateModel, on_compile: compiled.OnCompile = compiled.ignore_compiling
 ) -> None:
-    """Compile, or load from disk, all that a run of this model needs; see `fem.run.corner.compile_loop`."""
+    """Compile or load all code of a run of this model.
+
+    See `fem.run.corner.compile_loop`.
+    """
     stepper = ImpactStepper(model)
     touched = stepper.at_touch(FirstTouch(0.3, 0.0, 0.0))
     compiled.compile_once(lambda: stepper.record(touched, 1, 0), *stepper.step_call, on_compile=on_compile)
@@ -179,11 +191,13 @@ def simulate_impact(
     latest: float,
     finished: Callable[[ImpactRun], bool] = lambda run: False,
     progress: Callable[[float], None] = lambda now: None,
-    checkpoint: runner.Checkpoint | None = None,
+    checkpoint: resume.Checkpoint | None = None,
     snapshots: int = 0,
     duration: float | None = None,
 ) -> ImpactRun:
-    """Run from the first touch until the latest instant, or until it is finished.
+    """Run a whole impact from the first touch.
+
+    It ends at the latest instant, or earlier when it is finished.
 
     Parameters
     ----------
@@ -192,24 +206,24 @@ def simulate_impact(
     touch : FirstTouch
         Motion at t = 0.
     sample : float
-        Time between rows [s]; a multiple of the time step near it is taken.
+        Time between rows [s], rounded to a multiple of the time step.
     latest : float
         End of the run [s], to a row.
     finished : callable
-        Asked now and then whether the rows so far are enough.
+        Called at intervals; the run ends when it returns True for the rows so far.
     progress : callable
-        Called with the time that is done [s].
+        Called with the simulated time [s].
     checkpoint : Checkpoint, optional
-        Keeps the run's state now and then; one that has kept it lets the run go on, with the same bits.
+        Saves the run's state at intervals; a saved run is resumed with the same bits.
     snapshots : int
-        Instants at which positions and velocities of all nodes are kept, the end among them.
+        Number of instants at which positions and velocities of all nodes are recorded, with the end.
     duration : float, optional
-        Expected end of the run [s], which spaces the snapshots; if left out the latest.
+        Expected end of the run [s], which determines the spacing of the snapshots; by default the latest.
 
     Returns
     -------
     ImpactRun
-        It ends early where numbers leave the finite.
+        It ends early where values become infinite or not a number.
 
     Raises
     ------
@@ -223,48 +237,59 @@ def simulate_impact(
     def over(rows: np.ndarray) -> bool:
         return not np.isfinite(rows[-1]).all() or finished(_run(stepper, rows, stride))
 
-    shapes = runner.Shapes(CHUNK)
-    keeper = runner.SnapshotKeeper(snapshots, (duration or latest) / interval, stepper.nodal)
-    watching: list[runner.Observer] = [
+    shapes = observers.ShapeSampler(CHECK_ROWS)
+    keeper = observers.SnapshotKeeper(snapshots, (duration or latest) / interval, stepper.nodal)
+    observing: list[runner.Observer] = [
         shapes,
         *([keeper] if snapshots else []),
-        runner.Progress(progress, interval),
-        runner.Until(over, CHUNK),
+        observers.Progress(progress, interval),
+        observers.EndCondition(over, CHECK_ROWS),
     ]
-    saver, touched = runner.Saver(checkpoint, watching), stepper.at_touch(touch)
+    saver, touched = resume.Saver(checkpoint, observing), stepper.at_touch(touch)
     total = max(1, -int(-latest // interval))
-    state, made = saver.begun(stepper, touched, total, lambda: touched)
+    state, earlier = saver.resumed_state(stepper, touched, total, lambda: touched)
     began = time.perf_counter()
-    rows, _, state = runner.run(stepper, state, stride, total, [*watching, saver], made)
+    rows, _, state = runner.run(stepper, state, stride, total, [*observing, saver], earlier)
     elapsed, run = time.perf_counter() - began, _run(stepper, rows, stride)
-    seen = shapes.seen + ([state.positions] if (len(rows) - 1) % CHUNK else [])
-    looks = [seen[k] for k in np.unique(np.linspace(0, len(seen) - 1, runner.LOOKS).astype(int))]
+    positions = shapes.samples + ([state.positions] if (len(rows) - 1) % CHECK_ROWS else [])
+    sampled = [
+        positions[k] for k in np.unique(np.linspace(0, len(positions) - 1, observers.SHAPES).astype(int))
+    ]
     snaps = keeper.finished(run.history["t"], stepper.nodal(state)) if snapshots else None
-    return replace(run, time_loop_s=elapsed, shapes=looks, snapshots=snaps)
+    return replace(run, time_loop_s=elapsed, shapes=sampled, snapshots=snaps)
 
 
 def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
-    """The rows so far, impulses as mean forces since the row before; the first row, before any, has none."""
+    """Return the run of the rows so far.
+
+    Impulses become mean forces since the row before; those of the first row are zero.
+    """
     values, normal, tangential, depth, place, units = stepper.parts(rows)
     interval = stride * stepper.loop.time_step
     history = {"t": interval * np.arange(len(values))}
     history |= dict(zip(impact_loop.ImpactMeasures._fields, values.T, strict=True))
     history["theta"] = np.unwrap(history["theta"])
-    push, drag = (np.diff(each, axis=0, prepend=each[:1]) / interval for each in (normal, tangential))
+    push, drag = (
+        np.diff(impulse, axis=0, prepend=impulse[:1]) / interval for impulse in (normal, tangential)
+    )
     history["force_normal"], history["force_tangential"] = push.sum(axis=1), drag.sum(axis=1)
     history["force_foundation"] = np.diff(history["foundation_impulse"], prepend=0.0) / interval
     steps = stride * (len(values) - 1)
-    motions, hinges = _of_train(units, interval)
+    motions, hinges = _train_motion(units, interval)
     contact = stepper.points, stepper.unit, push, drag, depth, place
     return ImpactRun(history, *contact, motions, hinges, steps, stepper.model)
 
 
-def _of_train(rows: np.ndarray, interval: float) -> tuple[tuple[dict[str, np.ndarray], ...], np.ndarray]:
-    """Motions of the plates of a train, and forces in its hinges, by the columns of their rows."""
+def _train_motion(rows: np.ndarray, interval: float) -> tuple[tuple[dict[str, np.ndarray], ...], np.ndarray]:
+    """Return motions of the plates of a train, and hinge forces.
+
+    rows: columns of plates, then of hinges.
+    """
     count = (rows.shape[1] + len(HINGE)) // (len(UNIT) + len(HINGE)) if rows.shape[1] else 0
     split = len(UNIT) * count
     motions = [
-        dict(zip(UNIT, each, strict=True)) for each in rows[:, :split].T.reshape(count, len(UNIT), len(rows))
+        dict(zip(UNIT, columns, strict=True))
+        for columns in rows[:, :split].T.reshape(count, len(UNIT), len(rows))
     ]
     for motion in motions:
         motion["theta"] = np.unwrap(motion["theta"])

@@ -26,7 +26,7 @@ from tailslap.scene import write
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
-    from fem.run.runner import Snapshots
+    from fem.run.observers import Snapshots
 
 Parts = Sequence[tuple[str, str]]
 """Parts that a scene does without, each with the reason."""
@@ -350,7 +350,7 @@ def field_series(model: PlateModel, snapshots: Snapshots) -> series.FieldSeries:
 
 def series_of_ends(outcome: Any) -> series.FieldSeries:
     """Fields at the start and at the tail-slap of a run that reached it."""
-    from fem.run.runner import Snapshots
+    from fem.run.observers import Snapshots
 
     plan, strike = outcome.fe_plan, outcome.run.strike
     start = start_kinds.start_fields(plan.model, plan.start, plan.plate.start)

@@ -29,7 +29,8 @@ from tailslap.errors import Interrupted, escaped
 from tailslap.files import folder, manifest
 
 if TYPE_CHECKING:
-    from fem.run.runner import Arrays, Checkpoint, Sizes
+    from fem.run.resume import Checkpoint
+    from fem.run.runner import Arrays, Sizes
 
 SAVE_S, MAX_SHARE = 10.0, 0.02
 """Seconds between checkpoints, and the fraction of a run's time that they may take."""

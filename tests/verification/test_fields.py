@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem.run.runner import SnapshotKeeper
+from fem.run.observers import SnapshotKeeper
 from fem.stability.deformed import element_stress
 from postprocess.fields.series import read_fields, write_fields
 from tailslap.case.corner import run as corner_run

@@ -228,7 +228,7 @@ def test_a_run_ends_between_strikes_of_plate_and_rigid_vehicle(angle):
 
 def test_a_plate_that_strikes_at_the_end_of_the_rigid_vehicle_goes_on(monkeypatch):
     """Until neither is in a strike, looked at every 20 rows: 4 ms."""
-    monkeypatch.setattr("fem.run.impact.CHUNK", 20)
+    monkeypatch.setattr("fem.run.impact.CHECK_ROWS", 20)
     case = planned()
     case.__dict__["motion"] = case.motion_until(case.motion.strikes[2].start + 0.01)
     outcome = run.attempt(case)
