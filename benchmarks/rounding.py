@@ -1,4 +1,4 @@
-"""Ripple of the reaction by rounding: what `fem.stability.flutter` predicts, beside what undamped runs end with.
+"""Ripple of the reaction by rounding: what `fem.stability.rounding` predicts, beside what undamped runs end with.
 
 .venv/bin/python benchmarks/rounding.py
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from vehicles import plan_of
 
-from fem.stability.flutter import rounding_noise
+from fem.stability.rounding import rounding_noise
 from tailslap.case.corner.run import attempt
 
 CASES = (

@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import tailslap
-from fem.modal import model as modal
-from fem.modal.model import ModalMotion, integrate, modal_plate, modal_start, with_fewer_modes
+from fem.modal import beams
+from fem.modal.modal_model import ModalMotion, integrate, modal_plate, modal_start, with_fewer_modes
+from fem.modal.mode_kinds import mode_kinds
 from fem.model.plate_model import PlateModel
 from fem.plate.free_modes import FreeModes, free_modes, most_modes
 from fem.start.inertia_relief import relieved_fields
@@ -324,11 +325,11 @@ def _modes_of(fe_plan: CornerPlan | ImpactPlan, count: int) -> tuple[FreeModes, 
     return shapes, [*_modes(fe_plan, shapes, _beam(fe_plan))]
 
 
-def _beam(fe_plan: CornerPlan | ImpactPlan) -> modal.Beam:
+def _beam(fe_plan: CornerPlan | ImpactPlan) -> beams.Beam:
     """Return the beam of the plate's dimensions."""
     plate, scene = fe_plan.plate, fe_plan.case.scene
     density = plate_density(scene, plate)
-    return modal.Beam(scene.vehicle.length, scene.vehicle.width, plate.modulus, plate.poissons_ratio, density)
+    return beams.Beam(scene.vehicle.length, scene.vehicle.width, plate.modulus, plate.poissons_ratio, density)
 
 
 def _state_errors(modes: list[dict[str, Any]], finer: list[dict[str, Any]]) -> None:
@@ -368,19 +369,19 @@ def _modes_headline(case: Case, modes: list[dict[str, Any]], what: str) -> Headl
     return Headline(f"Natural frequencies: {case.subject}", answer, case.set_up, certainty)
 
 
-def _modes(fe_plan: CornerPlan | ImpactPlan, found: FreeModes, beam: modal.Beam) -> Iterator[dict[str, Any]]:
+def _modes(fe_plan: CornerPlan | ImpactPlan, found: FreeModes, beam: beams.Beam) -> Iterator[dict[str, Any]]:
     """Yield the elastic modes in the order of frequency, as dicts.
 
     number from 1; frequency [Hz]; kind, and order: number among modes of this kind; symmetric, along, shear: fractions
-    of energy that define the kind (`modal.mode_kinds`); theory, slender [Hz]: beam theory with and without shear and
+    of energy that define the kind (`mode_kinds`); theory, slender [Hz]: beam theory with and without shear and
     rotary inertia, n c / (2 L) for longitudinal modes, None for transverse modes; difference: frequency/theory - 1.
     """
     count = found.frequencies.size
-    kinds = modal.mode_kinds(fe_plan.model, found, fe_plan.plate.thickness)
-    bent = (modal.timoshenko_frequencies, modal.euler_bernoulli_frequencies)
+    kinds = mode_kinds(fe_plan.model, found, fe_plan.plate.thickness)
+    bent = (beams.timoshenko_frequencies, beams.euler_bernoulli_frequencies)
     theories: dict[str, Iterator[Any]] = {
         "beam": zip(*(of(beam, count).tolist() for of in bent), strict=True),
-        "longitudinal": zip(modal.longitudinal_frequencies(beam, count).tolist(), repeat(None)),
+        "longitudinal": zip(beams.longitudinal_frequencies(beam, count).tolist(), repeat(None)),
         "transverse": repeat((None, None)),
     }
     if fe_plan.case.scene.trailer:
@@ -423,7 +424,7 @@ def _shapes(model: PlateModel, modes: list[dict[str, Any]], shapes: Any) -> Sect
     return Section("Mode shapes", drawn, pictures)
 
 
-def _sentences(fe_plan: CornerPlan | ImpactPlan, frequencies: Any, beam: modal.Beam) -> tuple[str, ...]:
+def _sentences(fe_plan: CornerPlan | ImpactPlan, frequencies: Any, beam: beams.Beam) -> tuple[str, ...]:
     """Description of the method; frequencies [Hz]: of the rigid modes."""
     plate, model = fe_plan.plate, fe_plan.model
     rigid = ", ".join(f"{frequency:.0e}" for frequency in frequencies)

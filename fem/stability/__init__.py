@@ -1,1 +1,5 @@
-"""Stability of a plate: growth by friction, what rounding feeds into it, and frequency and stress as it is deformed."""
+"""Growth, noise and frequency of a plate during its run.
+
+`flutter` predicts growth by friction, `rounding` the energy that rounding feeds in. `deformed` is the highest
+frequency in deformed positions, `element_stress` the stress there.
+"""

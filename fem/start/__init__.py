@@ -1,5 +1,6 @@
-"""The plate at the first instant.
+"""State of the plate at t = 0.
 
-`start_kinds` registers the kinds of start and places the plate; `inertia_relief` has the rigid body's
-motion, accelerations and loads, and the elastic state that belongs to them, at finite strain by Newton's method.
+`start_kinds` registers the kinds of start and places the plate. `rigid_loads` has the accelerations and loads of the
+rigid body, `inertia_relief` the elastic state that belongs to them, and `equilibrium` that state at large
+displacements.
 """

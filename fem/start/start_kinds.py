@@ -1,15 +1,16 @@
-"""Kinds of start: which quantities of the rigid body a plate keeps is part of the result where it is soft.
+"""Kinds of start, which keep different quantities of the rigid body.
 
-`inertia-relief`: the quasi-static elastic state that belongs to the plate's rigid acceleration, with the corner's
-constraint already carrying the reaction, and the slow change of both in the velocity. Keeps the spin and the corner's
-speed; the centre, which the deformation has moved, begins with another momentum than the rigid body's.
-`inertia-relief-momenta`: the same state with the rigid body's linear momentum, along and across the wall; spin and
-speed of the corner follow, since it stays on the wall.
-`unstressed`: the unstrained plate with a rigid-body velocity. Keeps all of them, and rings: the reaction, to several
-times its size.
+The choice is part of the result where the plate is soft.
 
-Each is one object; adding one is adding it here, or in any file that registers it. Code that finds the elastic state is
-loaded when a plate starts with it.
+`inertia-relief`: the quasi-static elastic state of the plate's rigid acceleration. The corner's constraint carries
+the reaction from the start, and the velocity includes the slow change of both. Spin and corner speed are those of the
+rigid body. The momentum of the centre, which the deformation has displaced, differs from the rigid body's.
+`inertia-relief-momenta`: the same state with the rigid body's linear momentum along and across the wall. Spin and
+corner speed follow, since the corner stays on the wall. `unstressed`: the unstrained plate with a rigid-body
+velocity. All quantities are kept, and the plate oscillates: the reaction reaches several times its static value.
+
+Each kind is one object, registered here or in any file outside. Code that computes the elastic state is loaded when a
+plate starts with it.
 """
 
 from __future__ import annotations
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
     from fem.start.inertia_relief import RigidStart
 
+START_KINDS: Registry[StartKind] = Registry("start")
+"""Kinds of start by their names in a scene."""
+
 
 @dataclass(frozen=True)
 class StartKind:
@@ -36,13 +40,13 @@ class StartKind:
     name : str
         In a scene.
     fields : callable
-        Takes model, rigid start, and positions from the corner in the body frame, shape (2, nodes) [m]; returns elastic
-        displacement and rate in that frame, shape (2, nodes) [m], [m/s], gap [m] and its rate [m/s] of the corner, and
-        where they are not the rigid body's, spin [rad/s] and speed of the corner [m/s].
+        Takes model, rigid start, and positions from the corner in the body frame, shape (2, nodes) [m]; returns
+        elastic displacement and rate in that frame, shape (2, nodes) [m], [m/s], gap [m] and its rate [m/s] of the
+        corner, and where they are not the rigid body's, spin [rad/s] and speed of the corner [m/s].
     text : str
-        For reports: how the plate starts, and what it keeps of the rigid body.
+        Description for reports, with the quantities that equal the rigid body's.
     relieved : bool
-        Whether it has the elastic state of its acceleration; without it, it oscillates.
+        True if it has the elastic state of its acceleration; without it the plate oscillates.
     """
 
     name: str
@@ -51,23 +55,22 @@ class StartKind:
     relieved: bool = True
 
 
-START_KINDS: Registry[StartKind] = Registry("start")
-"""Kinds of start by their names in a scene."""
-
-
 def _inertia_relief(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    """Return the fields of inertia relief."""
     from fem.start.inertia_relief import relieved
 
     return relieved(model, start, body)
 
 
 def _inertia_relief_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    """Return the fields of inertia relief with the rigid body's momentum."""
     from fem.start import inertia_relief
 
     return inertia_relief.relieved_with_momenta(model, start, body)
 
 
 def _unstressed(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+    """Return the fields of an unstrained plate."""
     return np.zeros_like(body), np.zeros_like(body), 0.0, 0.0
 
 
@@ -95,7 +98,7 @@ for _kind in (
 
 
 def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and velocities at t = 0.
+    """Return positions and velocities at t = 0.
 
     Parameters
     ----------
@@ -114,8 +117,8 @@ def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.nd
     from fem.start import inertia_relief
 
     body = model.discretisation.positions - inertia_relief.at_corner(model, model.discretisation.positions)
-    elastic, rate, gap, gap_rate, *others = START_KINDS[kind].fields(model, start, body)
-    spin, speed = others or (start.omega, start.corner_speed)
+    elastic, rate, gap, gap_rate, *corrected = START_KINDS[kind].fields(model, start, body)
+    spin, speed = corrected or (start.omega, start.corner_speed)
     turn = inertia_relief.to_global(start.angle)
     arm = turn @ (body + elastic)
     positions = arm + np.array([[0.0], [gap]])

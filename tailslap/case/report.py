@@ -389,7 +389,7 @@ def _rigid_place(model: Any, positions: np.ndarray) -> np.ndarray:
 
 def element_fields(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
     """Fields of the elements at positions of the nodes, shape (instants, 2, nodes) [m]: shape (instants, elements)."""
-    from fem.stability.deformed import element_stress
+    from fem.stability.element_stress import element_stress
 
     found = np.array([element_stress(model, each) for each in positions])
     s_xx, s_yy, s_xy, density = found.transpose(1, 0, 2)

@@ -218,7 +218,7 @@ def test_rate_is_the_least_tried_that_no_mode_outgrows(plate_model):
     found = flutter.predict_flutter(model, START, DURATION)
     angles = np.linspace(START.angle, 0.0, flutter.INSTANTS)
     fastest = max(growth_rates(model, angle).max() for angle in angles)
-    assert fastest < found.rate <= 1.01 * flutter.FACTOR * fastest
+    assert fastest < found.rate <= 1.01 * flutter.RATE_RATIO * fastest
 
 
 def test_disturbance_grows_in_the_time_loop_as_foreseen(plate_model):

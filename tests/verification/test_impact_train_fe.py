@@ -24,7 +24,7 @@ from fem.plate.properties import (
     UnitProperties,
 )
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
-from fem.start.inertia_relief import internal_forces
+from fem.start.equilibrium import internal_forces
 from meshes import plate_mesh
 from solver.impact import (
     CrushLaw,

@@ -10,8 +10,8 @@ import math
 import numpy as np
 import pytest
 
-from fem.modal import model
-from fem.modal.model import integrate, modal_plate, modal_start, with_fewer_modes
+from fem.modal import modal_model
+from fem.modal.modal_model import integrate, modal_plate, modal_start, with_fewer_modes
 from fem.modal.motion import MEASURED, accelerate, measure_rows
 from fem.modal.motion import reaction as corner_reaction
 from fem.start.inertia_relief import RigidStart, relieved_fields, to_global
@@ -324,14 +324,14 @@ def test_stated_errors_bound_the_frequencies_of_a_given_mesh(element, shape):
 
 
 def test_the_command_states_that_its_steps_are_compiled(monkeypatch, capsys):
-    compile_once, kernels = model.compile_once, []
+    compile_once, kernels = modal_model.compile_once, []
 
     def compiled(compile_all, kernel, *arguments, on_compile):
         kernels.append(kernel)
         on_compile("compiling")
         compile_once(compile_all, kernel, *arguments, on_compile=on_compile)
 
-    monkeypatch.setattr(model, "compile_once", compiled)
+    monkeypatch.setattr(modal_model, "compile_once", compiled)
     assert _status(["modal", "paper-table-3", "--modes", "1"]) == 0
-    assert set(kernels) == {model.run_to_strike}
+    assert set(kernels) == {modal_model.run_to_strike}
     assert "tailslap: compiling\n" in capsys.readouterr().err

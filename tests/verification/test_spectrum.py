@@ -9,7 +9,8 @@ import pytest
 import scipy.linalg
 
 from fem import lazy
-from fem.modal import model as modal
+from fem.modal import beams
+from fem.modal.mode_kinds import mode_kinds
 from fem.model import plate_model as models
 from fem.plate import elastic, multigrid, spectrum, windows
 from fem.plate.elastic import ElasticSolver, Inverse
@@ -252,7 +253,7 @@ def strip(plate_model, depth, elements, **plate):
 
 
 def of_kind(model, modes, kind):
-    names = modal.mode_kinds(model, modes, THICKNESS).names
+    names = mode_kinds(model, modes, THICKNESS).names
     return hertz(modes)[[name == kind for name in names]]
 
 
@@ -260,10 +261,10 @@ def test_a_slender_plate_bends_as_a_beam(plate_model):
     """Depth a fiftieth of the length: 1.4e-3 below Euler and Bernoulli, which leaves Timoshenko 2e-5."""
     model = strip(plate_model, 0.2, (100, 2), element="quad9")
     found = hertz(free_modes(model, 3))
-    beam = modal.Beam(10.0, 0.2, **STEEL)
-    off = found / modal.euler_bernoulli_frequencies(beam, 3) - 1.0
+    beam = beams.Beam(10.0, 0.2, **STEEL)
+    off = found / beams.euler_bernoulli_frequencies(beam, 3) - 1.0
     assert -1.5e-3 < off[0] < -1.3e-3
-    assert np.abs(found / modal.timoshenko_frequencies(beam, 3) - 1.0).max() < 6e-5
+    assert np.abs(found / beams.timoshenko_frequencies(beam, 3) - 1.0).max() < 6e-5
 
 
 @pytest.mark.parametrize(("depth", "limit"), [(0.2, 1e-4), (0.5, 2e-4), (1.0, 6e-4), (2.438, 1.5e-3)])
@@ -271,17 +272,17 @@ def test_bending_with_timoshenkos_correction(plate_model, depth, limit):
     """First three bending modes; without the correction the third is off by up to 43 %."""
     model = strip(plate_model, depth, (60, 4), element="quad9")
     bending = of_kind(model, free_modes(model, 5), "bending")[:3]
-    beam = modal.Beam(10.0, depth, **STEEL)
-    assert np.abs(bending / modal.timoshenko_frequencies(beam, 3) - 1.0).max() < limit
-    assert np.all(bending < modal.euler_bernoulli_frequencies(beam, 3))
+    beam = beams.Beam(10.0, depth, **STEEL)
+    assert np.abs(bending / beams.timoshenko_frequencies(beam, 3) - 1.0).max() < limit
+    assert np.all(bending < beams.euler_bernoulli_frequencies(beam, 3))
 
 
 def test_longitudinal_modes_of_a_thin_strip(plate_model):
     """n c / (2 L); the sides draw in, which slows them by nu^2 B^2 (n pi / L)^2 / 24 (Rayleigh, Love)."""
     model = strip(plate_model, 0.2, (100, 1), element="quad9")
     found = of_kind(model, free_modes(model, 12), "longitudinal")
-    beam = modal.Beam(10.0, 0.2, **STEEL)
-    theory = modal.longitudinal_frequencies(beam, found.size)
+    beam = beams.Beam(10.0, 0.2, **STEEL)
+    theory = beams.longitudinal_frequencies(beam, found.size)
     assert found.size == 2
     assert np.abs(found / theory - 1.0).max() < 1e-4
     waves = np.arange(1, 3) * math.pi / 10.0
@@ -346,11 +347,11 @@ def test_frequencies_go_with_the_root_of_the_modulus(plate_model):
 def test_kinds_add_up(plate_model):
     """Each mode of the rectangle is symmetric or antisymmetric to rounding, also those of a distorted mesh nearly."""
     model = plate_model()
-    kinds = modal.mode_kinds(model, free_modes(model, 10), THICKNESS)
+    kinds = mode_kinds(model, free_modes(model, 10), THICKNESS)
     assert np.minimum(kinds.symmetric, 1.0 - kinds.symmetric) == pytest.approx(0.0, abs=1e-9)
     assert kinds.names[:5] == ("bending", "bending", "longitudinal", "bending", "longitudinal")
     wide = plate_model(mesh=plate_mesh(4.0, 3.0, (8, 6)))
-    assert "transverse" in modal.mode_kinds(wide, free_modes(wide, 8), THICKNESS).names
+    assert "transverse" in mode_kinds(wide, free_modes(wide, 8), THICKNESS).names
 
 
 @pytest.mark.parametrize("count", [-1, 291])
@@ -362,15 +363,15 @@ def test_too_many(plate_model, count):
 def test_beam_theory():
     """Known roots of cosh x cos x = 1; Timoshenko's correction falls with the square of the depth, and converges."""
     known = np.array([4.7300407448627, 7.8532046240958, 10.9956078380017])
-    thin, thinner, stubby = (modal.Beam(10.0, depth, **STEEL) for depth in (0.2, 0.1, 5.0))
-    roots = modal.euler_bernoulli_frequencies(thin, 3) * 2.0 * math.pi * 10.0**2 * math.sqrt(12.0)
+    thin, thinner, stubby = (beams.Beam(10.0, depth, **STEEL) for depth in (0.2, 0.1, 5.0))
+    roots = beams.euler_bernoulli_frequencies(thin, 3) * 2.0 * math.pi * 10.0**2 * math.sqrt(12.0)
     assert roots / (thin.wave_speed * thin.depth) == pytest.approx(known**2, rel=1e-12)
-    theories = modal.timoshenko_frequencies, modal.euler_bernoulli_frequencies
+    theories = beams.timoshenko_frequencies, beams.euler_bernoulli_frequencies
     pairs = ([theory(beam, 3) for theory in theories] for beam in (thin, thinner))
     shares = [1.0 - corrected / plain for corrected, plain in pairs]
     assert shares[0] / shares[1] == pytest.approx(4.0, rel=0.015)
-    more = modal.timoshenko_frequencies(stubby, 12)[:5]
-    assert modal.timoshenko_frequencies(stubby, 5) == pytest.approx(more, rel=1e-10)
+    more = beams.timoshenko_frequencies(stubby, 12)[:5]
+    assert beams.timoshenko_frequencies(stubby, 5) == pytest.approx(more, rel=1e-10)
 
 
 def test_edges_of_a_mesh():

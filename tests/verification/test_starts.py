@@ -14,8 +14,9 @@ from fem.explicit.elastic_damping import damped_time_step
 from fem.laws.constraints import Exact
 from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
-from fem.stability.flutter import RoundingNoise, rounding_noise
-from fem.start.inertia_relief import RigidStart, TooSoftError, internal_forces, to_global
+from fem.stability.rounding import RoundingNoise, rounding_noise
+from fem.start.equilibrium import internal_forces
+from fem.start.inertia_relief import RigidStart, TooSoftError, to_global
 from fem.start.start_kinds import START_KINDS, start_fields
 from meshes import plate_mesh
 from tailslap.case.corner import case, run

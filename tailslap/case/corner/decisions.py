@@ -222,11 +222,11 @@ def predict_growth(case: RigidStages, plate: Plate, model: PlateModel, normal: f
 
     normal: the rigid body's reaction at the start [N].
     """
-    from fem.stability import flutter
+    from fem.stability import flutter, rounding
 
     harmless = flutter.HARMLESS if plate.relieved else HARMLESS_UNSTRESSED
     duration, start = case.duration, case.start
-    noise, viscous = flutter.rounding_noise(model), flutter.viscous_rate(model)
+    noise, viscous = rounding.rounding_noise(model), flutter.viscous_rate(model)
     ripple = noise.ripple(duration) / abs(normal)
     ripple_rate = noise.rate_for(HEARD * abs(normal)) if ripple > HEARD else 0.0
     if model.loop.friction is None:
