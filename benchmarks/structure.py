@@ -118,7 +118,7 @@ def flat(root: Path = ROOT) -> Counter[str]:
 
 def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
-    from fem.lazy import forget
+    from fem import cache
     from tailslap.case.corner.case import CornerCase
     from tailslap.scene.read import read_scene
 
@@ -132,7 +132,7 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
                 sys.setprofile(None)
 
     plan.run()  # what is imported or compiled once is no part of it
-    forget()
+    cache.clear()
     sys.setprofile(note)
     try:
         plan.run()

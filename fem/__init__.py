@@ -1,15 +1,15 @@
-"""The finite-element plate: scikit-fem supplies elements, quadrature and matrices; the time loop is compiled.
+"""The finite-element plate, with elements by scikit-fem and a compiled time loop.
 
-The package stands alone: it knows neither the rigid-body solution that it is compared with nor scene files. A model
-comes from a mesh and three records of properties (`build_model`); from a `RigidStart` it runs to the tail-slap
-(`simulate`). What can be added from outside, each as one registered object: `FRICTION_LAWS` and `CONSTRAINTS` of the
-corner, `MATERIALS`, `ELEMENT_KINDS`, `LUMPINGS` of the mass, `START_KINDS`, `COLUMNS` of the history. These registries,
-and the packages themselves, load neither Numba nor SciPy: what does is loaded with the first name that needs it.
+The package depends neither on the rigid-body solution with which it is compared, nor on scene files. A model is built
+from a mesh and three records of properties (`build_model`), and runs from a `RigidStart` to the tail-slap
+(`simulate`). Extensions are registered as one object each: `FRICTION_LAWS` and `CONSTRAINTS` of the corner,
+`MATERIALS`, `ELEMENT_KINDS`, `LUMPINGS` of the mass, `START_KINDS`, `COLUMNS` of the history. Neither these
+registries nor the packages import Numba or SciPy before a name needs them.
 """
 
-from fem.lazy import lazily
+from fem.lazy import lazy_names
 
-__all__, __getattr__, __dir__ = lazily(
+__all__, __getattr__, __dir__ = lazy_names(
     __name__,
     {
         "laws.materials": "MATERIALS Material",

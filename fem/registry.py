@@ -1,8 +1,10 @@
-"""Registries: what a scene may name, and the one object behind each name.
+"""Registries of objects that a scene may name.
 
-An extension is one frozen object, registered once, in the file that defines it. Nothing here needs Numba: the kernels
+An extension is one frozen object, registered once, in the file that defines it. Numba is not needed here: the kernels
 of a law are plain functions, and `fem.machine_code.compiled` compiles them when a loop with that law is built.
 """
+
+from __future__ import annotations
 
 import marshal
 from collections.abc import Callable
@@ -11,18 +13,27 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, Protocol, TypeVar
 
+T = TypeVar("T", bound="Named")
+
+L = TypeVar("L", bound="Law")
+
+_REGISTRIES: list[LawRegistry[Any]] = []
+"""All registries of laws."""
+
 
 class Named(Protocol):
-    """Anything with a name: in a scene, a file or a report."""
+    """Object with a name in a scene, a file or a report."""
 
     @property
     def name(self) -> str:
-        """The name."""
+        """Name of the object."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Law:
-    """A law of compiled code: fields that are functions of its constants are its kernels.
+    """A law of compiled code.
+
+    Fields that are functions of its constants are its kernels.
 
     Attributes
     ----------
@@ -43,10 +54,6 @@ class Law:
     helpers: tuple[Callable[..., Any], ...] = ()
 
 
-T = TypeVar("T", bound=Named)
-L = TypeVar("L", bound=Law)
-
-
 class Registry(dict[str, T]):
     """Objects by their names, in the order of registration."""
 
@@ -55,53 +62,65 @@ class Registry(dict[str, T]):
         self.what = what
 
     def register(self, entry: T) -> T:
-        """Add an object; returns it. Raises ValueError for a name that is taken."""
+        """Add an object and return it.
+
+        Raises ValueError for a registered name.
+        """
         if entry.name in self:
             raise ValueError(f'the {self.what} "{entry.name}" is registered already')
         self[entry.name] = entry
         return entry
 
     def remove(self, name: str) -> T:
-        """Take an object out again. Raises KeyError for a name that is not there."""
+        """Remove an object and return it.
+
+        Raises KeyError for an unknown name.
+        """
         return self.pop(name)
 
     @property
     def expected(self) -> str:
-        """The names as a choice: "'a', 'b' or 'c'"."""
-        *others, last = map(repr, self)
-        return f"{', '.join(others)} or {last}" if others else last
+        """Names as a choice, "'a', 'b' or 'c'"."""
+        *earlier, last = map(repr, self)
+        return f"{', '.join(earlier)} or {last}" if earlier else last
 
 
 class LawRegistry(Registry[L]):
-    """Laws of compiled code, by name and by the type of their constants."""
+    """Laws of compiled code by name and by type of constants."""
 
     def __init__(self, what: str) -> None:
         super().__init__(what)
         _REGISTRIES.append(self)
 
     def register(self, entry: L) -> L:
-        """Add a law; returns it. Raises ValueError for a name, or a type of constants, that is taken."""
+        """Add a law and return it.
+
+        Raises ValueError for a registered name or type of constants.
+        """
         if self.by_type(entry.constants):
             raise ValueError(f"the {self.what} of {entry.constants.__name__} is registered already")
         return super().register(entry)
 
     def of(self, constants: object) -> L:
-        """The law that these constants belong to. Raises TypeError for constants of none."""
+        """Return the law of these constants.
+
+        Raises TypeError for constants of no law.
+        """
         law = self.by_type(type(constants))
         if law is None:
             raise TypeError(f"no {self.what} has constants of {type(constants).__name__}")
         return law
 
     def by_type(self, kind: type | None) -> L | None:
-        """The law with constants of this type, or None."""
+        """Return the law with constants of this type, or None."""
         return next((law for law in self.values() if law.constants is kind), None)
 
 
-_REGISTRIES: list[LawRegistry[Any]] = []
-
-
 def outside_sources() -> tuple[bytes, ...]:
-    """Sources of kernels and helpers from outside this package: compiled code depends on them too."""
+    """Return the sources of registered functions outside this package.
+
+    They are kernels and helpers, on which compiled code depends too.
+    """
     laws = (law for registry in _REGISTRIES for law in registry.values())
     values = (value for law in laws for value in (*vars(law).values(), *law.helpers))
     functions = (value for value in values if isinstance(value, FunctionType))
@@ -110,7 +129,7 @@ def outside_sources() -> tuple[bytes, ...]:
 
 
 def source_of(function: Any) -> bytes:
-    """The file that a function is written in; its bytecode where there is none."""
+    """Return the source file of a function, else its bytecode."""
     try:
         return Path(function.__code__.co_filename).read_bytes()
     except OSError:

@@ -47,11 +47,11 @@ def _demand_own(*names):
 
 _demand_own("fem", "meshes", "postprocess", "solver")
 
-from fem.lazy import lazily  # noqa: E402
+from fem.lazy import lazy_names  # noqa: E402
 
 __version__ = "0.2.0"
 
-__all__, __getattr__, __dir__ = lazily(
+__all__, __getattr__, __dir__ = lazy_names(
     __name__,
     {
         "api": "check compare confirm modal modes rigid run study sweep",

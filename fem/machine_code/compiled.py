@@ -1,7 +1,8 @@
-"""Compiled functions: the decorators, how laws get into compiled code, and the call by machine code on disk.
+"""Compiled functions, with the decorators that make them and their call.
 
-Numba compiles first where there is no machine code. Where another Numba lacks a name that this needs and Numba does not
-promise, a call goes through Numba itself: slower, for Numba is imported and compiles in every process, and as right.
+A call uses machine code on disk. Where there is none, Numba compiles first. Where another version of Numba does not
+have a name that this needs and Numba does not guarantee, a call goes through Numba itself. It is slower, because
+Numba is imported and compiles in every process, and has the same results.
 """
 
 import functools
@@ -15,58 +16,66 @@ from pathlib import Path
 from typing import Any
 
 from fem.machine_code import folder, object_code
-from fem.machine_code.object_code import Call, Prepared, UnknownTypeError, codes, flattened, spelled
+from fem.machine_code.object_code import Call, Prepared, UnknownTypeError, flattened, type_text, value_codes
 from fem.registry import LawRegistry
 
 FAST_MATH = {"contract", "nsz", "reassoc"}
-"""Fused multiply-add and regrouping are allowed; NaN and infinity keep their meaning, the checks need them."""
+"""Optimisations that are allowed: fused multiply-add and regrouping.
+
+NaN and infinity keep their meaning, which the checks need.
+"""
 
 OPTIONS: dict[str, Any] = {
     "fastmath": FAST_MATH,
     "error_model": "numpy",
-    "no_cpython_wrapper": True,  # the code is called by ctypes
+    "no_cpython_wrapper": True,  # ctypes calls the code
     "no_cfunc_wrapper": True,
 }
 
+Function = Callable[..., Any]
+
 OnCompile = Callable[[str], None]
-"""Callback of what there is to say while something is compiled."""
+"""Callback for messages while code is compiled."""
 
 LOOP = "the time loop of this type of model"
 
-_FINDING = threading.RLock()
+_LOCK = threading.RLock()
 
-_PENDING: list[tuple[Callable[..., Any], Callable[..., Any], str]] = []
-"""Functions that Numba has not been given yet: a generic function; a function of Numba's types of its arguments, which
-returns what the generic is in compiled code; and "always" or "never", whether that is merged into its caller."""
+_PENDING: list[tuple[Function, Function, str]] = []
+"""Functions that are not yet registered with Numba.
+
+Each is a generic function; a function of Numba's types of its arguments, which returns the implementation in compiled
+code; and "always" or "never", whether that is merged into its caller.
+"""
 
 CALLABLE = {"no_cpython_wrapper": False, "inline": "never"}
-"""Options by which Python can call what Numba makes."""
+"""Options by which Python can call a function of Numba."""
 
-NAMELESS = (AttributeError, ImportError, LookupError, TypeError)
-"""Errors by which a name shows that another Numba lacks, or has with another meaning."""
+MISSING_NAME_ERRORS = (AttributeError, ImportError, LookupError, TypeError)
+"""Errors of a name that another version of Numba does not have, or has with another meaning."""
 
 
 def _numba_code() -> Any:
-    """The module that compiles, with everything that it is to know."""
+    """Return the module that compiles, with all functions registered."""
     from fem.machine_code import numba_code
 
-    numba_code.know(Kernel)
+    numba_code.register_kernel_type(Kernel)
     while _PENDING:
         numba_code.replace_generic(*_PENDING.pop(0))
     return numba_code
 
 
 class Kernel:
-    """A function that is compiled for the types that it is called with, on the first call of each.
+    """A function that is compiled on first call for its argument types.
 
     function: in the part of Python that Numba compiles. options: of `numba.njit`. A call raises UnknownTypeError for
     arguments and results other than numbers, arrays, None and tuples of these.
     """
 
-    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+    def __init__(self, function: Function, options: dict[str, Any]) -> None:
         functools.update_wrapper(self, function)
         self.py_func, self.targetoptions = function, options
-        self._found: dict[tuple[Any, ...], Call] = {}
+        self._calls: dict[tuple[Any, ...], Call] = {}
 
     def __reduce__(self) -> str:
         return self.py_func.__qualname__
@@ -75,33 +84,42 @@ class Kernel:
         return self.bound(*arguments)()
 
     def bound(self, *arguments: Any) -> Callable[[], Any]:
-        """The call with these arguments, laid out once for many times; arrays in them must stay where they are."""
+        """Return the call with these arguments, which are prepared once.
+
+        Arrays among them must keep their memory.
+        """
         kinds, values = flattened(arguments)
-        call = self._found.get(kinds) or self._find(kinds, arguments)
+        call = self._calls.get(kinds) or self._call_for(kinds, arguments)
         if call is None:
             return functools.partial(self._through_numba, *_plain(arguments))
-        return lambda kept=arguments: call(values)  # type: ignore[misc]  # values are addresses: what is there must live
+        return lambda alive=arguments: call(values)  # type: ignore[misc]  # keeps the arrays whose addresses are in values
 
     def has_code(self, *arguments: Any) -> bool:
-        """True if there is machine code for arguments of these types in this process, or on disk: it is then loaded."""
-        return self._find(flattened(arguments)[0]) is not None
+        """Return True if there is machine code for arguments of these types.
+
+        It may be in this process or on disk, from which it is then loaded.
+        """
+        return self._call_for(flattened(arguments)[0]) is not None
 
     def path(self, *arguments: Any) -> Path:
-        """The file of the machine code for arguments of these types."""
+        """Return the file of the machine code for arguments of these types."""
         return self._file(flattened(arguments)[0])[0]
 
     @functools.cached_property
     def dispatcher(self) -> Any:
-        """Numba's dispatcher of the function, for other compiled code to call."""
+        """Numba's dispatcher of the function, for calls from other compiled code."""
         return _numba_code().make_dispatcher(self.py_func, self.targetoptions)
 
     def _file(self, kinds: tuple[Any, ...]) -> tuple[Path, dict[str, Any]]:
-        """The file of the code for these types, and all that the code depends on: the file must say the same."""
+        """Return the file of the code for these types, and its identity.
+
+        The identity is all on which the code depends, and the file must have the same.
+        """
         function = self.py_func
         identity = object_code.machine() | {
             "kernel": f"{function.__module__}.{function.__qualname__}",
-            "arguments": " ".join(map(spelled, kinds)),
-            "values": "".join(map(codes, kinds)),
+            "arguments": " ".join(map(type_text, kinds)),
+            "values": "".join(map(value_codes, kinds)),
             "sources": folder.sources() + folder.own_sources(function),
         }
         digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:20]
@@ -109,25 +127,27 @@ class Kernel:
 
     @functools.cached_property
     def _through_numba(self) -> Any:
-        """Callable of the function by Numba itself."""
+        """Function that calls through Numba itself."""
         return _numba_code().make_dispatcher(self.py_func, {"nogil": True} | self.targetoptions | CALLABLE)
 
-    def _find(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None = None) -> Call | None:
-        """Callable of the machine code, compiled where arguments are given and none is kept.
+    def _call_for(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None = None) -> Call | None:
+        """Return the call of the machine code, compiled where arguments are present.
 
-        None without arguments where there is none, and where Numba lacks a name that this needs.
+        The result is None without arguments where there is no code, and where Numba does not have a name that this
+        needs.
         """
-        with _FINDING:
+        with _LOCK:
             try:
-                if kinds not in self._found and "_through_numba" not in vars(self):
+                if kinds not in self._calls and "_through_numba" not in vars(self):
                     self._load(kinds, arguments)
             except UnknownTypeError:
                 raise
-            except NAMELESS:
-                self._through_numba  # noqa: B018  # from now on
-            return self._found.get(kinds)
+            except MISSING_NAME_ERRORS:
+                self._through_numba  # noqa: B018  # from this call on
+            return self._calls.get(kinds)
 
     def _load(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None) -> None:
+        """Load the machine code for these types, compiled if necessary."""
         path, identity = self._file(kinds)
         code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
         if code is None:
@@ -136,26 +156,30 @@ class Kernel:
             code = _numba_code().compile_for(self.dispatcher, _plain(arguments))
             if code.arguments != identity["values"]:
                 raise UnknownTypeError(f"{self.py_func.__name__} takes {code.arguments}")
-            with suppress(OSError):  # it is as right, and `compile_once` says so
+            with suppress(OSError):  # the code is valid, and `compile_once` reports it
                 folder.write(path, object_code.encoded(code, identity))
-        if object_code.helpers_of(code):  # a law calls what only Numba has
-            _numba_code().offer_helpers()
-        self._found[kinds] = object_code.load_code(code)
+        if object_code.helpers_of(code):  # a law calls functions of Numba
+            _numba_code().register_numba_symbols()
+        self._calls[kinds] = object_code.load_code(code)
 
 
 def _plain(arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-    return tuple(each.value if isinstance(each, Prepared) else each for each in arguments)
+    """Return the arguments with prepared ones replaced by their values."""
+    return tuple(argument.value if isinstance(argument, Prepared) else argument for argument in arguments)
 
 
-def inlined(function: Callable[..., Any]) -> Any:
-    """A part of a compiled loop that must be merged into it: only then are its SIMD blocks vectorised."""
+def inlined(function: Function) -> Any:
+    """Decorate a part of a compiled loop that must be merged into it.
+
+    Only then are its SIMD blocks vectorised.
+    """
     return Kernel(function, OPTIONS | {"inline": "always"})
 
 
-def compiled(function: Callable[..., Any]) -> Any:
-    """Compile on first call for the types it meets, and keep the result on disk.
+def compiled(function: Function) -> Any:
+    """Decorate a function to be compiled on first call and stored on disk.
 
-    The compiled code lets other Python threads run.
+    The compiled code runs without the lock of the interpreter, in parallel with other Python threads.
     """
     return Kernel(function, OPTIONS | {"nogil": True})
 
@@ -163,11 +187,11 @@ def compiled(function: Callable[..., Any]) -> Any:
 def compile_once(
     compile_all: Callable[[], Any], kernel: Kernel, *arguments: Any, on_compile: OnCompile
 ) -> None:
-    """Compile, or load from disk, what a run needs: of each kind of model, one process of the machine at a time.
+    """Compile, or load from disk, all code of a run.
 
-    kernel, arguments: by whose machine code it is known whether that was done before. on_compile: called with the time
-    expected where it has to be compiled, and when that is done with the time it took, and why it is not kept if so; and
-    where another process is waited for.
+    Of each kind of model, one process of the machine compiles at a time. kernel, arguments: their machine code shows
+    whether this was done before. on_compile: called with the expected time where code has to be compiled, and
+    afterwards with the time that it took and the reason if it is not stored; and while another process is waited for.
     """
     if not kernel.has_code(*arguments):
         code = kernel.path(*arguments)
@@ -178,28 +202,31 @@ def compile_once(
                 on_compile(f"compiling {LOOP}, once on this machine: about {folder.expected_time():.0f} s")
                 began = time.perf_counter()
                 compile_all()
-                spent, kept = time.perf_counter() - began, ""
+                spent, remark = time.perf_counter() - began, ""
                 try:
-                    folder.keep_time(spent)
+                    folder.save_time(spent)
                 except OSError as error:
-                    kept = f", not kept for the next run: {code.parent}: {error.strerror or error}"
-                on_compile(f"compiled in {spent:.0f} s{kept}")
+                    remark = f", not kept for the next run: {code.parent}: {error.strerror or error}"
+                on_compile(f"compiled in {spent:.0f} s{remark}")
                 return
     compile_all()
 
 
-def ignore_compiling(said: str) -> None:
-    """Ignore what is said of compiling."""
+def ignore_compiling(message: str) -> None:
+    """Ignore messages about compiling."""
 
 
-def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[..., Any]:
-    """Function of compiled code alone: the field `kernel` of the law whose constants the first argument holds, chosen
-    by its type when a loop is compiled."""
+def by_law(laws: LawRegistry[Any], kernel: str) -> Function:
+    """Return a function of compiled code that calls the kernel of a law.
+
+    kernel: field of the law. The law is the one whose constants the first argument holds, chosen by their type when a
+    loop is compiled.
+    """
 
     def generic(constants: Any, *rest: Any) -> Any:
         raise NotImplementedError(type(constants))
 
-    def chooser(merged: bool) -> Callable[..., Any]:
+    def chooser(merged: bool) -> Function:
         def choose(first: Any, *rest: Any) -> Any:
             from fem.machine_code.numba_code import make_callable, python_type
 
@@ -217,23 +244,27 @@ def by_law(laws: LawRegistry[Any], kernel: str) -> Callable[..., Any]:
     return generic
 
 
-def optional(merged: bool = False) -> Callable[..., Any]:
-    """Decorator: a function of compiled code for a first argument None; `implements` adds those for other types."""
+def optional(merged: bool = False) -> Function:
+    """Decorate a function of compiled code for a first argument None.
 
-    def register(function: Callable[..., Any]) -> Callable[..., Any]:
+    `implements` adds those for other types.
+    """
+
+    def register(function: Function) -> Function:
         implements(function, type(None), merged)(function)
         return function
 
     return register
 
 
-def implements(generic: Callable[..., Any], kind: type, merged: bool = False) -> Callable[..., Any]:
-    """Decorator: what `generic` is, in compiled code, for a first argument of this type, a NamedTuple.
+def implements(generic: Function, kind: type, merged: bool = False) -> Function:
+    """Decorate the implementation of `generic` for a type of first argument.
 
-    For parts of the loop itself; laws, which a scene names, are found by `by_law`. merged: put into the caller.
+    kind: a NamedTuple. It is for parts of the loop itself; laws, which a scene names, are chosen by `by_law`. merged:
+    True to merge the code into the caller.
     """
 
-    def register(implementation: Callable[..., Any]) -> Callable[..., Any]:
+    def register(implementation: Function) -> Function:
         def choose(first: Any, *rest: Any) -> Any:
             from fem.machine_code.numba_code import python_type
 
@@ -245,10 +276,13 @@ def implements(generic: Callable[..., Any], kind: type, merged: bool = False) ->
     return register
 
 
-def chosen(generic: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator: in compiled code `generic` is what the decorated function says of Numba's types of the arguments."""
+def chosen(generic: Function) -> Function:
+    """Decorate a function that returns the implementation of `generic`.
 
-    def register(choose: Callable[..., Any]) -> Callable[..., Any]:
+    It receives Numba's types of the arguments.
+    """
+
+    def register(choose: Function) -> Function:
         _PENDING.append((generic, choose, "always"))
         return choose
 

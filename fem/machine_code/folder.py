@@ -1,8 +1,8 @@
-"""The folder of the compiled code, named after a digest of all sources that the code depends on, and its files.
+"""Folder of the compiled code, named by a digest of sources.
 
-Numba itself only looks at the file of the function that it loads, and would go on using a loop whose inlined callee has
-changed. What lies here is executed: folder and files must be this user's and closed to others, and nothing but a plain
-file is opened.
+Numba itself compares only the file of the function that it loads, and would continue to use a loop whose inlined
+callee has changed. The content of the folder is executed. Therefore folder and files must belong to this user and be
+closed to others, and only plain files are opened.
 """
 
 import fcntl
@@ -22,31 +22,38 @@ import platformdirs
 from fem.registry import outside_sources, source_of
 
 USUAL_S, LONGEST_S, TIME_FILE = 10.0, 3600.0, "seconds"
-"""Seconds that a loop takes to be compiled where no other tells, and less than any; the file of what the last took."""
+"""Usual and longest time [s] in which a loop is compiled, and the file of the last time.
+
+The usual time is expected where the file is missing.
+"""
 
 PATIENCE_S = 2.0
-"""Seconds after which it is said that another process is waited for."""
+"""Time [s] after which waiting for another process is reported."""
+
+PACKAGE = Path(__file__).resolve().parents[1]
+"""Folder of the package whose sources are in every digest."""
 
 
 def cache_folder() -> Path:
-    """Folder of the compiled code: under $NUMBA_CACHE_DIR, else under the user's cache folder."""
+    """Return the folder of the compiled code.
+
+    It is below $NUMBA_CACHE_DIR, else below the user's cache folder.
+    """
     base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_path("tailslap", appauthor=False)
     return Path(base) / sources()[:16]
 
 
 def sources() -> str:
-    """Digest of the sources of this package and of the laws from outside it that are registered now."""
+    """Return the digest of this package and of registered laws."""
     digest = _own_digest().copy()
     for source in outside_sources():
         digest.update(source)
     return str(digest.hexdigest())
 
 
-PACKAGE = Path(__file__).resolve().parents[1]
-
-
 @functools.cache
 def _own_digest() -> Any:
+    """Return the digest of the sources of this package."""
     digest = hashlib.sha256()
     for source in sorted(PACKAGE.rglob("*.py")):
         digest.update(source.read_bytes())
@@ -55,7 +62,10 @@ def _own_digest() -> Any:
 
 @functools.cache
 def own_sources(function: Callable[..., Any]) -> str:
-    """Digest of the sources of a function from outside this package: of its file, or of all of its package."""
+    """Return the digest of the sources of a function outside this package.
+
+    They are its file, or all files of its package.
+    """
     path, depth = Path(function.__code__.co_filename).resolve(), function.__module__.count(".")
     if PACKAGE in path.parents:
         return ""  # among `sources`
@@ -67,9 +77,10 @@ def own_sources(function: Callable[..., Any]) -> str:
 
 
 def read(path: Path, most: int) -> bytes:
-    """Content of a file that may be trusted, of at most so many bytes; nothing where there is none.
+    """Return the content of a file that is safe to execute.
 
-    It is a plain file, it and its folder belong to this user, and they are closed to others.
+    The result is empty where there is none of at most `most` bytes. The file is a plain file, and it and its folder
+    belong to this user and are closed to others.
     """
     with suppress(OSError):
         _claim(path.parent)
@@ -81,33 +92,42 @@ def read(path: Path, most: int) -> bytes:
 
 
 def write(path: Path, content: bytes) -> None:
-    """Write a file, whole or not at all. Raises OSError, also for a folder that others can write."""
+    """Write a file completely or not at all.
+
+    Raises OSError, also for a folder to which others can write.
+    """
     _claim(path.parent)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".") as own:
-        with open(new := Path(own, path.name), "xb", opener=_open) as file:
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".") as temporary:
+        with open(new := Path(temporary, path.name), "xb", opener=_open) as file:
             file.write(content)
         os.replace(new, path)
 
 
 def _claim(folder: Path) -> None:
-    """Make a folder where there is none. Raises OSError for one that is another user's, or open to others."""
+    """Make a folder where there is none.
+
+    Raises OSError for a folder of another user, or one open to others.
+    """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     if not _is_closed(folder.lstat()):
         raise PermissionError("it must belong to this user and be inaccessible to others (chmod 700)")
 
 
 def _is_closed(status: os.stat_result) -> bool:
-    """True for what belongs to this user, and nobody else can read or write."""
+    """Return True if only this user can read and write."""
     return status.st_uid == os.geteuid() and not status.st_mode & 0o077
 
 
 def _open(name: str, flags: int) -> int:
-    """Open a file without following a link, and without waiting for the other end of a pipe."""
+    """Open a file without following a link.
+
+    It does not wait for the other end of a pipe.
+    """
     return os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK, mode=0o600)
 
 
 def expected_time() -> float:
-    """Seconds that a loop takes to be compiled: those that the last one took on this machine."""
+    """Return the time [s] that the last loop took to be compiled."""
     with suppress(ValueError):
         seconds = float(read(cache_folder() / TIME_FILE, 32))
         if 0.0 < seconds < LONGEST_S:
@@ -115,22 +135,26 @@ def expected_time() -> float:
     return USUAL_S
 
 
-def keep_time(seconds: float) -> None:
-    """Keep what a loop took to be compiled, for the next to expect. Raises OSError where nothing can be kept."""
+def save_time(seconds: float) -> None:
+    """Save the compilation time [s] of a loop.
+
+    Raises OSError where nothing can be stored.
+    """
     write(cache_folder() / TIME_FILE, f"{seconds:.2f}".encode())
 
 
 @contextmanager
 def one_process_compiles(code: Path, on_wait: Callable[[], None]) -> Iterator[None]:
-    """Make other processes wait that are here for the same code: they then load what this one has compiled.
+    """Make other processes wait for the compilation of the same code.
 
-    on_wait: called when this one has waited for some time. Where nothing can be kept, each compiles for itself.
+    They then load the result of this one. on_wait: called when this process has waited for some time. Where nothing
+    can be stored, each process compiles its own code.
     """
     timer = threading.Timer(PATIENCE_S, on_wait)
-    with ExitStack() as held:
+    with ExitStack() as open_files:
         with suppress(OSError):
             _claim(code.parent)
-            lock = held.enter_context(open(code.with_suffix(".lock"), "ab", opener=_open))
+            lock = open_files.enter_context(open(code.with_suffix(".lock"), "ab", opener=_open))
             timer.start()
             fcntl.flock(lock, fcntl.LOCK_EX)
         timer.cancel()

@@ -1,72 +1,83 @@
-"""Compiling by Numba: the one module that imports it, when something is to be compiled."""
+"""Compiling by Numba, in the only module that imports it."""
 
 import functools
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from fem.lazy import unseen
+from fem.lazy import hidden_modules
 from fem.machine_code.object_code import ADDRESS, FLOAT, INTEGER, LOGICAL, ObjectCode, UnknownTypeError
 
-with unseen("coverage", "cffi"):  # Numba loads them where it finds them, at length
+with hidden_modules("coverage", "cffi"):  # Numba imports them if installed, which takes long
     import numba
     from numba.extending import overload, register_jitable, typeof_impl
 
     with suppress(ImportError):
         import numba.core.typing.cffi_utils
 
-# NUMBA_DISABLE_JIT is for functions of one's own: these loops would take days, and have parts that exist as
-# compiled code alone.
+# NUMBA_DISABLE_JIT is for functions of users. Without compilation these loops would take days, and parts of them exist
+# only as compiled code.
 numba.config.DISABLE_JIT = 0
 
 NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
-"""Results, by Numba's names of their types."""
+"""Codes of results by Numba's names of their types."""
 
 
 def make_dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """Numba's dispatcher of a function, which other compiled code can call."""
+    """Return Numba's dispatcher of a function for other compiled code."""
     return numba.njit(**options)(function)
 
 
 def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> ObjectCode:
-    """Machine code for arguments of these types."""
+    """Return the machine code for arguments of these types."""
     types = tuple(map(numba.typeof, arguments))
     dispatcher.compile(types)
-    made = dispatcher.overloads[types]
-    convention = dispatcher.targetctx.call_conv
-    layout = convention.get_function_type(made.fndesc.restype, made.fndesc.argtypes)
+    specialised, convention = dispatcher.overloads[types], dispatcher.targetctx.call_conv
+    description = specialised.fndesc
+    layout = convention.get_function_type(description.restype, description.argtypes)
     codes = "".join(map(_code, layout.args[2:]))  # behind the addresses of the result and of an error
-    return ObjectCode(
-        made.fndesc.llvm_func_name, codes, _result(made.fndesc.restype), made.library._get_compiled_object()
-    )
+    machine_code = specialised.library._get_compiled_object()
+    return ObjectCode(description.llvm_func_name, codes, _result(description.restype), machine_code)
 
 
-def offer_helpers() -> None:
-    """Tell LLVM where Numba's own functions are, as Numba does when it compiles."""
+def register_numba_symbols() -> None:
+    """Register the addresses of Numba's own functions with LLVM.
+
+    Numba does the same when it compiles.
+    """
     from numba.core.registry import cpu_target
 
     cpu_target.target_context.refresh()
 
 
 def replace_generic(generic: Callable[..., Any], choose: Callable[..., Any], inline: str) -> None:
-    """Let compiled code that calls `generic` call what `choose` says of Numba's types of the arguments."""
+    """Replace `generic` in compiled code by the function that `choose` returns.
+
+    It receives Numba's types of the arguments.
+    """
     overload(generic, strict=False, inline=inline)(choose)
 
 
 def python_type(kind: Any) -> type | None:
-    """The Python type behind Numba's type of a NamedTuple or None; None for any other."""
+    """Return the Python type behind Numba's type of a NamedTuple or None.
+
+    The result is None for any other type.
+    """
     none = type(None) if isinstance(kind, numba.types.NoneType) else None
     return getattr(kind, "instance_class", none)
 
 
 @functools.cache
 def make_callable(helper: Callable[..., Any]) -> None:
-    """Let compiled code call this plain function."""
+    """Register a plain function for calls from compiled code."""
     register_jitable(helper)
 
 
 def _code(kind: Any) -> str:
-    """The code of a value in the row of arguments, by LLVM's name of its type."""
+    """Return the code of an argument.
+
+    kind: LLVM's type.
+    """
     name = str(kind)
     return (
         ADDRESS
@@ -76,16 +87,19 @@ def _code(kind: Any) -> str:
 
 
 def _result(kind: Any) -> Any:
-    """A result as `ObjectCode` has it. Raises UnknownTypeError for other than numbers, None and tuples of these."""
+    """Return the type of a result in the form of `ObjectCode`.
+
+    Raises UnknownTypeError for other than numbers, None and tuples of these.
+    """
     if isinstance(kind, numba.types.BaseTuple):
-        made = getattr(kind, "instance_class", tuple)
-        return [made.__module__, made.__qualname__, *map(_result, kind.types)]
+        python_class = getattr(kind, "instance_class", tuple)
+        return [python_class.__module__, python_class.__qualname__, *map(_result, kind.types)]
     if str(kind) not in NUMBERS:
         raise UnknownTypeError(f"a kernel cannot return {kind}")
     return NUMBERS[str(kind)]
 
 
 @functools.cache
-def know(kernel: type) -> None:
-    """Let compiled code call kernels of this class as it calls functions of Numba's."""
+def register_kernel_type(kernel: type) -> None:
+    """Let compiled code call kernels of this class."""
     typeof_impl.register(kernel)(lambda called, context: numba.types.Dispatcher(called.dispatcher))

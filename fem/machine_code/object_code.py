@@ -1,8 +1,8 @@
-"""Object code: written beside the layout of its arguments, loaded by llvmlite, called by ctypes.
+"""Object code on disk, loaded by llvmlite and called by ctypes.
 
-The layout of arguments is Numba's own, numbers and addresses in a row: an array is two addresses of its owner, which
-none is needed of here, its size, the size of an item, the address of the data, then shape and strides; tuples and
-NamedTuples are what is in them, in turn.
+It is stored with the layout of its arguments, which is Numba's own: numbers and addresses in a row. An array is two
+addresses of its owner, which are not needed here, its size, the size of an item, the address of the data, then shape
+and strides. Tuples and NamedTuples are their items in turn.
 """
 
 import ctypes
@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 FLOAT, INTEGER, LOGICAL, ADDRESS = "d", "q", "b", "P"
-"""Codes of the `struct` module for what a kernel takes and returns."""
+"""Codes of the `struct` module for arguments and results of a kernel."""
 
 NUMBERS: dict[type, str] = {
     float: FLOAT,
@@ -32,22 +32,30 @@ NUMBERS: dict[type, str] = {
     bool: LOGICAL,
     np.bool_: LOGICAL,
 }
+"""Codes by the types of numbers."""
 LAST_INTEGER = 2**63
+"""Smallest integer that does not fit."""
 
 Call = Callable[[list[Any]], Any]
-"""Calls machine code with the values of its arguments in a row."""
+"""Call of machine code with the values of its arguments in a row."""
 
 C_TYPES = {FLOAT: ctypes.c_double, INTEGER: ctypes.c_int64, LOGICAL: ctypes.c_int8, ADDRESS: ctypes.c_void_p}
 """C types by the code of a value."""
 
 UNUSED = ("unpickle", "do_raise", "gil_ensure", "gil_release", "runtime_build_excinfo_struct")
-"""Functions of Numba that only its errors call, with a Python object at hand; here nobody asks for that."""
+"""Functions of Numba that only its errors call, with a Python object.
+
+No kernel raises such errors.
+"""
 
 HELPER = re.compile(rb"\bnumba_(\w+)")
-"""Names of Numba's own functions in object code: without their addresses LLVM would end the process."""
+"""Names of Numba's own functions in object code.
+
+Without their addresses LLVM would end the process.
+"""
 
 LARGEST, LONGEST_HEADER = 2**26, 2**16
-"""Bytes of a file of object code, and of its first line, at most."""
+"""Largest numbers of bytes of a file of object code, and of its first line."""
 
 
 class UnknownTypeError(TypeError):
@@ -55,7 +63,10 @@ class UnknownTypeError(TypeError):
 
 
 class Prepared:
-    """An argument laid out once for many calls; arrays in it must stay where they are."""
+    """An argument prepared once for many calls.
+
+    Arrays in it must keep their memory.
+    """
 
     def __init__(self, value: Any) -> None:
         self.value = value
@@ -63,9 +74,10 @@ class Prepared:
 
 
 def flattened(arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], list[Any]]:
-    """The types of the arguments, by which machine code is found, and their values in a row.
+    """Return the types of the arguments, and their values in a row.
 
-    Raises UnknownTypeError for other than floats, integers, logicals, arrays of them, None, and tuples of these.
+    Machine code is chosen by the types. Raises UnknownTypeError for other than floats, integers, logicals, arrays of
+    them, None, and tuples of these.
     """
     kinds: list[Any] = []
     values: list[Any] = []
@@ -75,6 +87,7 @@ def flattened(arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], list[Any]]:
 
 
 def _add(value: Any, kinds: list[Any], values: list[Any]) -> None:
+    """Append type and values of an argument."""
     kind = type(value)
     if kind is np.ndarray:
         _add_array(value, kinds, values)
@@ -96,6 +109,7 @@ def _add(value: Any, kinds: list[Any], values: list[Any]) -> None:
 
 
 def _add_array(array: np.ndarray, kinds: list[Any], values: list[Any]) -> None:
+    """Append type and values of an array."""
     flags, dtype = array.flags, array.dtype
     if dtype.kind not in "fciub" or not dtype.isnative or not flags.aligned:
         raise UnknownTypeError(dtype)
@@ -105,8 +119,8 @@ def _add_array(array: np.ndarray, kinds: list[Any], values: list[Any]) -> None:
     values += (None, None, array.size, dtype.itemsize, address, *array.shape, *array.strides)
 
 
-def codes(kind: Any) -> str:
-    """The codes of the values of an argument of this type, in a row."""
+def value_codes(kind: Any) -> str:
+    """Return the codes of the values of an argument of this type."""
     if kind is None:
         return ADDRESS
     if isinstance(kind, str):
@@ -116,18 +130,18 @@ def codes(kind: Any) -> str:
     return 2 * ADDRESS + 2 * INTEGER + ADDRESS + 2 * kind[1] * INTEGER
 
 
-def spelled(kind: Any) -> str:
-    """The type in words that are the same in every process."""
+def type_text(kind: Any) -> str:
+    """Return a text of the type, equal in every process."""
     if isinstance(kind, tuple) and len(kind) == 2:
         return f"{kind[0].__module__}.{kind[0].__qualname__}/{kind[1]}"
     return str(kind)
 
 
 class ObjectCode(NamedTuple):
-    """Machine code of one kernel for arguments of certain types.
+    """Machine code of a kernel for arguments of certain types.
 
-    symbol: its name in the code. arguments: codes of the values that it takes. result: a code, None, or a list of the
-    module and name of a tuple's class and of the items' results.
+    symbol: its name in the code. arguments: codes of the values of its arguments. result: a code, None, or a list of
+    the module and name of a tuple's class and of the items' results.
     """
 
     symbol: str
@@ -137,34 +151,40 @@ class ObjectCode(NamedTuple):
 
 
 class KernelError(RuntimeError):
-    """A kernel has ended with an error, as a law from outside may raise one."""
+    """A kernel ended with an error, which a law from outside may raise."""
 
 
-def encoded(found: ObjectCode, identity: dict[str, Any]) -> bytes:
-    """Content of a file of object code: a digest of the rest, a line that says what it is, the code."""
-    header = identity | {"symbol": found.symbol, "result": found.result}
-    content = json.dumps(header).encode() + b"\n" + found.code
+def encoded(code: ObjectCode, identity: dict[str, Any]) -> bytes:
+    """Return the content of a file of object code.
+
+    It is a digest of the remainder, a line with the identity, and the code.
+    """
+    header = identity | {"symbol": code.symbol, "result": code.result}
+    content = json.dumps(header).encode() + b"\n" + code.code
     return hashlib.sha256(content).digest() + content
 
 
 def decoded(content: bytes, identity: dict[str, Any]) -> ObjectCode | None:
-    """Object code out of a file's content; None where that is not whole, or does not say that it is what is wanted."""
+    """Return the object code of a file's content.
+
+    The result is None where the content is damaged or has another identity.
+    """
     digest, content = content[:32], content[32:]
     header, _, code = content.partition(b"\n")
     if hashlib.sha256(content).digest() != digest or len(header) > LONGEST_HEADER:
         return None
     try:
-        said = json.loads(header)
-        found = ObjectCode(said.pop("symbol"), identity["values"], said.pop("result"), code)
-        _layout(found.result), _reader(found.result)
+        fields = json.loads(header)
+        decoded_code = ObjectCode(fields.pop("symbol"), identity["values"], fields.pop("result"), code)
+        _layout(decoded_code.result), _reader(decoded_code.result)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return None
-    return found if said == identity else None
+    return decoded_code if fields == identity else None
 
 
 @functools.cache
 def machine() -> dict[str, Any]:
-    """The processor and the programs that code is made by and for, and their settings."""
+    """Return processor, versions and settings on which machine code depends."""
     llvm = _llvm()
     programs = {name: version(name) for name in ("numba", "llvmlite")}
     return {
@@ -176,33 +196,36 @@ def machine() -> dict[str, Any]:
     }
 
 
-def helpers_of(found: ObjectCode) -> set[str]:
-    """Functions of Numba that the code calls, beside those that nobody asks for."""
-    return {name.decode() for name in HELPER.findall(found.code)} - set(UNUSED)
+def helpers_of(code: ObjectCode) -> set[str]:
+    """Return the functions of Numba that the code needs."""
+    return {name.decode() for name in HELPER.findall(code.code)} - set(UNUSED)
 
 
-def load_code(found: ObjectCode) -> Call:
-    """Put the code into memory; what calls it raises KernelError if it ends with one."""
+def load_code(code: ObjectCode) -> Call:
+    """Load object code into memory and return its call.
+
+    The call raises KernelError if the kernel ends with an error.
+    """
     llvm, engine = _llvm(), _engine()
-    engine.add_object_file(llvm.ObjectFileRef.from_data(found.code))
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code.code))
     engine.finalize_object()
-    kinds: list[Any] = [C_TYPES[code] for code in 2 * ADDRESS + found.arguments]
-    if not (address := engine.get_function_address(found.symbol)):
-        raise LookupError(found.symbol)
+    kinds: list[Any] = [C_TYPES[code] for code in 2 * ADDRESS + code.arguments]
+    if not (address := engine.get_function_address(code.symbol)):
+        raise LookupError(code.symbol)
     function = ctypes.CFUNCTYPE(ctypes.c_int32, *kinds)(address)
-    layout, read = _layout(found.result), _reader(found.result)
+    layout, read = _layout(code.result), _reader(code.result)
 
     def call(values: list[Any]) -> Any:
         result, error = layout(), ctypes.c_void_p()
         if status := function(ctypes.addressof(result), ctypes.addressof(error), *values):
-            raise KernelError(f"{found.symbol[:60]} ended with status {status}")
+            raise KernelError(f"{code.symbol[:60]} ended with status {status}")
         return read(result)
 
     return call
 
 
 def _layout(result: Any) -> Any:
-    """The C type of a result."""
+    """Return the C type of a result."""
     if isinstance(result, list):
         fields = [(f"f{i}", _layout(item)) for i, item in enumerate(result[2:])]
         return type("Result", (ctypes.Structure,), {"_fields_": fields})
@@ -210,7 +233,7 @@ def _layout(result: Any) -> Any:
 
 
 def _reader(result: Any) -> Callable[[Any], Any]:
-    """Function that makes the Python value of a C value of this type."""
+    """Return a function that converts a C value of this type to Python."""
     if result is None:
         return lambda value: None
     if result == LOGICAL:
@@ -226,6 +249,7 @@ def _reader(result: Any) -> Callable[[Any], Any]:
 
 @functools.cache
 def _llvm() -> Any:
+    """Return llvmlite's interface to LLVM, initialised."""
     from llvmlite import binding
 
     binding.initialize_native_target()
@@ -235,10 +259,10 @@ def _llvm() -> Any:
 
 @functools.cache
 def _engine() -> Any:
-    """Memory for machine code, laid out as Numba asks for."""
+    """Return LLVM's memory for machine code, with the layout that Numba needs."""
     llvm = _llvm()
-    _offer(llvm, {f"numba_{name}": _address(_never) for name in UNUSED})
-    _offer(llvm, {f"NRT_{name}": address for name, address in _allocation().items()})
+    _register_symbols(llvm, {f"numba_{name}": _address(_stand_in) for name in UNUSED})
+    _register_symbols(llvm, {f"NRT_{name}": address for name, address in _allocation().items()})
     triple = llvm.get_process_triple()
     x86 = triple.startswith(("x86", "i686"))
     target = llvm.Target.from_triple(triple).create_target_machine(
@@ -247,24 +271,32 @@ def _engine() -> Any:
     return llvm.create_mcjit_compiler(llvm.parse_assembly(f'target triple = "{triple}"'), target)
 
 
-def _offer(llvm: Any, symbols: dict[str, int]) -> None:
-    """Tell LLVM where these functions are, which Numba tells it once it is imported."""
+def _register_symbols(llvm: Any, symbols: dict[str, int]) -> None:
+    """Register the addresses of functions with LLVM.
+
+    Numba registers its own once it is imported.
+    """
     for name, address in symbols.items():
         if not llvm.address_of_symbol(name):
             llvm.add_symbol(name, address)
 
 
 @ctypes.CFUNCTYPE(ctypes.c_void_p)
-def _never() -> None:
+def _stand_in() -> None:
+    """Stand in for functions that are not called."""
     return None
 
 
 def _address(function: Any) -> int:
+    """Return the address of a C function."""
     return ctypes.cast(function, ctypes.c_void_p).value or 0
 
 
 def _allocation() -> dict[str, int]:
-    """Numba's functions for memory, from its extension module: that alone does not import Numba."""
+    """Return the addresses of Numba's functions for memory.
+
+    They are in an extension module, which does not import Numba.
+    """
     numba = importlib.util.find_spec("numba")
     folders = numba.submodule_search_locations if numba else None
     spec = PathFinder.find_spec("_nrt_python", [str(Path(path, "core", "runtime")) for path in folders or ()])

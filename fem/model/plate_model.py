@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem import lazy
+from fem import cache
 from fem.explicit import elastic_damping, internal_force, time_loop
 from fem.laws import constraints, materials
 from fem.laws.constraints import CornerConstraint
@@ -77,7 +77,7 @@ def unit_plate(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     return unit
 
 
-@lazy.cached("assembly")
+@cache.cached("assembly")
 def _assembled(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     """Discretise and assemble a plate of unit modulus."""
     d = discretise(mesh, plate.thickness, plate.element)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.lazy import cached
+from fem.cache import cached
 from fem.plate.elastic import ElasticSolver, Inverse
 from fem.plate.multigrid import NotConvergedError
 

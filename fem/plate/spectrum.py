@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem.cache import cached
 from fem.laws.constraints import CornerConstraint
-from fem.lazy import cached
 from fem.plate.elastic import ElasticSolver, Inverse
 from fem.plate.lanczos import largest_eigenpair
 

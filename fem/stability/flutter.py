@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.cache import cached
 from fem.laws.friction import friction_slope
-from fem.lazy import cached
 from fem.machine_code.compiled import compiled
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Inverse

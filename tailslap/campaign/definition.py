@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 import tailslap
-from fem import lazy
+from fem import cache
 from postprocess.comparison.quantities import TAIL_SLAP, Compared
 from postprocess.report import data_files
 from tailslap.campaign import engine, records
@@ -328,7 +328,7 @@ class FinishedSweep:
 
 def compute_row(run: int, source: vary.Source, changes: vary.Changes) -> dict[str, Any]:
     """Make a run of the scene with these changes. Whatever goes wrong is the row's status and reason."""
-    began, before = time.perf_counter(), lazy.looks()
+    began, before = time.perf_counter(), cache.counts()
     try:
         case = case_of(*vary.vary(source, changes))
         demand_affordable(case.scene, case.duration)
@@ -340,7 +340,7 @@ def compute_row(run: int, source: vary.Source, changes: vary.Changes) -> dict[st
     except Exception as error:  # a sweep goes on, whatever one of its runs does
         found = {"status": ERROR, "reason": f"{type(error).__name__}: {error}"}
     inputs = {key: plain(value) for key, value in changes.items()}
-    spent = {REUSED: ", ".join(lazy.reused(before)), "cost.run_s": time.perf_counter() - began}
+    spent = {REUSED: ", ".join(cache.reused(before)), "cost.run_s": time.perf_counter() - began}
     return {"run": run, **inputs, **found, **versions(), **spent}
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from fem import lazy
+from fem import cache
 from fem.plate import kinds
 from fem.plate.properties import Inertia, ModelError, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
@@ -99,7 +99,7 @@ def unit_counts(scene: Scene, plate: Plate, number: int) -> tuple[int, int]:
     return max(1, round(along * unit.length / vehicle.length)), across
 
 
-@lazy.cached("mesh")
+@cache.cached("mesh")
 def _mesh(
     length: float,
     width: float,

@@ -14,7 +14,7 @@ import io_errors
 import psutil
 import pytest
 
-from fem import lazy
+from fem import cache
 from fem.machine_code import folder, object_code
 from fem.machine_code.compiled import compiled
 from tailslap import errors
@@ -94,7 +94,7 @@ def test_a_missing_system_library_is_named_with_its_packages(tmp_path, monkeypat
     (tmp_path / "gmsh.py").write_text("import ctypes\nctypes.CDLL('libnone.so.1')\n")
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "gmsh", raising=False)
-    lazy.forget()  # meshes of earlier tests
+    cache.clear()  # meshes of earlier tests
     assert _status(["run", "paper-table-3", "--out", str(tmp_path / "out")]) == 3
     said = capsys.readouterr().err
     assert "gmsh cannot be loaded: libnone.so.1: cannot open shared object file" in said

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem import lazy
+from fem import cache
 from fem.explicit.columns import COLUMNS, HistoryColumn
 from fem.run.corner import Stepper, simulate
 from fem.start.inertia_relief import RigidStart
@@ -32,10 +32,10 @@ SHARED = [
 
 @pytest.mark.parametrize(("key", "values", "shared"), SHARED)
 def test_rows_share_what_they_have_in_common_and_are_the_same_alone(key, values, shared):
-    lazy.forget()
+    cache.clear()
     row((key, values[0]))
     after_another = row((key, values[1]))
-    lazy.forget()
+    cache.clear()
     alone = row((key, values[1]))
     assert {part for part in after_another[REUSED].split(", ") if part} >= shared
     assert ("mesh" in after_another[REUSED]) == (key != "plate.elements")
@@ -47,21 +47,21 @@ def test_rows_share_what_they_have_in_common_and_are_the_same_alone(key, values,
 def test_large_parts_and_many_parts_are_let_go():
     calls = []
 
-    @lazy.cached("a part of this test")
+    @cache.cached("a part of this test")
     def double(n):
         calls.append(n)
         return 2 * n
 
     assert ([double(1), double(1), double.__wrapped__(1)], calls) == ([2, 2, 2], [1, 1])
-    before = lazy.looks()
+    before = cache.counts()
     double(1)
-    assert lazy.reused(before) == ["a part of this test"]
-    for n in range(2, lazy.MOST + 2):
+    assert cache.reused(before) == ["a part of this test"]
+    for n in range(2, cache.SIZE + 2):
         double(n)
-    before = lazy.looks()
+    before = cache.counts()
     double(1)
-    assert lazy.reused(before) == []
-    lazy._PARTS.pop("a part of this test")
+    assert cache.reused(before) == []
+    cache._CACHES.pop("a part of this test")
 
 
 def test_rows_of_compiled_code_are_those_of_single_steps(plate_model):

@@ -214,7 +214,7 @@ def test_what_is_no_file_of_this_user_s_alone_is_not_opened(keeping, how):
     kernel, seconds = compiled(double), folder.cache_folder() / folder.TIME_FILE
     assert kernel(1.5) == 3.0
     path = kernel.path(1.5)
-    folder.keep_time(7.0)
+    folder.save_time(7.0)
     for file in (path, seconds):
         shutil.move(file, file.with_suffix(".whole"))
         ODD[how](file)
@@ -411,7 +411,7 @@ def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(keeping):
     assert re.fullmatch(r"compiling the time loop .*: about 10 s\ncompiled in \d s", "\n".join(told))
     use(2.0)
     assert len(told) == 2
-    folder.keep_time(1234.0)
+    folder.save_time(1234.0)
     use(3)  # another kind
     assert told[2].endswith(": about 1234 s")
     assert (0.0 < folder.expected_time() < USUAL_S, len(told)) == (True, 4)

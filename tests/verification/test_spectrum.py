@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from fem import lazy
+from fem import cache
 from fem.modal import beams
 from fem.modal.mode_kinds import mode_kinds
 from fem.model import plate_model as models
@@ -219,7 +219,7 @@ def test_start_takes_two_loads_and_statics_none_more(plate_model, monkeypatch):
         return plain(self, load)
 
     monkeypatch.setattr(Inverse, "_solved", noted)
-    lazy.forget()
+    cache.clear()
     model = plate_model(elements=(10, 3))
     fields = relieved_fields(model, START)
     statics(model, START)

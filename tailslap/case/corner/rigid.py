@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 
 import solver
-from fem import lazy
+from fem import cache
 from fem.explicit import columns
 from fem.plate.properties import RigidStart
 from postprocess.comparison import quantities
@@ -286,7 +286,7 @@ class RigidStages(case.Case):
         return lines
 
 
-@lazy.cached("rigid motion")
+@cache.cached("rigid motion")
 def _solved_motion(body: solver.RectangularBody[float], *given: Any) -> solver.PlaneMotion:
     return solver.plane_motion(body, *given)
 

@@ -1,0 +1,48 @@
+"""Results that runs have in common, cached by their arguments.
+
+A cached function returns the same result for the same arguments, computed or not, and only the time depends on the
+content of the cache. Large results are not cached.
+"""
+
+import functools
+from collections.abc import Callable, Mapping
+from typing import Any
+
+SIZE = 8
+"""Results of a function that are cached, those of the latest use."""
+
+_CACHES: dict[str, Any] = {}
+"""Cached functions by the names of their results."""
+
+
+def cached(part: str) -> Callable[[Callable[..., Any]], Any]:
+    """Decorate a function of hashable arguments to cache its last results.
+
+    part: name of the result in messages. The function without a cache, for large results, is its `__wrapped__`.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        _CACHES[part] = functools.lru_cache(maxsize=SIZE)(function)
+        return _CACHES[part]
+
+    return decorate
+
+
+def counts() -> Mapping[str, tuple[int, int]]:
+    """Return the numbers of uses and of computations of each part."""
+    return {part: cache.cache_info()[:2] for part, cache in _CACHES.items()}
+
+
+def reused(before: Mapping[str, tuple[int, int]]) -> list[str]:
+    """Return the parts that were used and not computed since `before`.
+
+    before: an earlier result of `counts`.
+    """
+    later = {part: (count, before.get(part, (0, 0))) for part, count in counts().items()}
+    return [part for part, ((hits, misses), (h, m)) in later.items() if hits > h and misses == m]
+
+
+def clear() -> None:
+    """Empty the caches of all parts."""
+    for cache in _CACHES.values():
+        cache.cache_clear()
