@@ -1,178 +1,295 @@
-"""Lets each call of a command to a result folder fail with each of six errors, and counts what came of it.
+"""Let each call to a file of `run`, `export` or `compare` fail with six errors, and count the outcomes.
 
-    .venv/bin/python benchmarks/io_errors.py [COMMAND...] [--every N]
+    .venv/bin/python benchmarks/io_errors.py [TRIAL...] [--every N]
 
-COMMAND is `run`, `export` or `compare`, by default all; N: only every Nth call fails. The folder has an earlier result;
-afterwards it must have that or the new one, whole, if need be after the next command has completed it. The status is 3,
-2 where the folder itself cannot be used, or that of a command which does not need the call: the usual one only with the
-new result. Anything else is printed with the number of the call, and the status is 1.
+All calls to the kernel below the working folder are intercepted, also those to open files (failing_calls.py). Scene,
+input folders and an earlier result lie in that folder. Afterwards the result must be the earlier or the new one, whole,
+if need be once the next command has completed it, and no other file may remain. The status is 3, 2 where the folder
+itself cannot be used, or the usual one together with the new result; one message states the error. Anything else is
+printed with the number of the call, and the status is 1.
+
+Computation and page layout, which use no file, are done once and remembered. A whole trial takes 5 to 60 minutes;
+TMPDIR=/dev/shm spares the disk.
 """
 
 from __future__ import annotations
 
 import argparse
-import builtins
 import contextlib
 import errno
-import fcntl
 import io
+import json
 import os
+import pkgutil
+import re
 import shutil
 import sys
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from unittest import mock
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from failing_calls import Call, run_in_child
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
 ERRORS = (errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.ENOSPC, errno.EIO, errno.EMFILE)
-CALLS = (
-    *(
-        (os, name)
-        for name in ("open", "stat", "lstat", "unlink", "replace", "mkdir", "rmdir", "listdir", "scandir")
-    ),
-    *((builtins, "open"), (io, "open"), (os, "fsync"), (os, "truncate"), (fcntl, "flock")),
+CHANGES = ("--set", "plate.elements=[2,1]", "--set", "output.fields=2", "--no-pictures")
+RUN = ("run", "{root}/scene.toml", *CHANGES, "--out", "{root}/out")
+OTHER_RUN = (*RUN, "--set", "corner.friction=0.2")
+INTERRUPTED_RUN = (*RUN, "--set", "corner.friction=0.3")
+COMPARE = ("compare", "{root}/first", "{root}/second", "{root}/measured.csv", "--out", "{root}/out")
+OTHER_COMPARE = ("compare", "{root}/second", "{root}/first", "--out", "{root}/out")
+REMEMBERED = (
+    "tailslap.case.corner.run.run_corner",
+    "postprocess.svg.chart.draw_chart",
+    "postprocess.report.page.page_text",
+    "tailslap.comparing.validation.page_text",
 )
-"""Calls that may fail, where their first argument is a path in the folder or one of its open files."""
-MODE = ("--set", "plate.elements=[6,2]", "--no-pictures")
-EARLIER = {
-    "run": ("run", "paper-table-3", *MODE, "--set", "corner.friction=0.2"),
-    "export": ("export", "{given}", "--to", "csv"),
-    "compare": ("compare", "{given}", "{other}"),
+"""Functions that use no file."""
+
+COMPLETE = re.compile("the next command completes it|the result .*is complete")
+"""Part of a message where the new result is in the folder, or will be."""
+
+
+class Trial(NamedTuple):
+    """Command whose calls fail, and the one that made the earlier result; interrupted: folder with unfinished moves."""
+
+    command: tuple[str, ...]
+    earlier: tuple[str, ...] = ()
+    interrupted: str = ""
+
+
+def _export(format_: str, source: str = "first") -> tuple[str, ...]:
+    return ("export", f"{{root}}/{source}", "--to", format_, "--out", "{root}/out")
+
+
+TRIALS = {
+    "run": Trial(RUN, OTHER_RUN),
+    "run-new": Trial(RUN),
+    "run-interrupted": Trial(RUN, OTHER_RUN, "out"),
+    **{
+        f"export-{kind}": Trial(_export(kind), _export(kind, "second"))
+        for kind in ("csv", "parquet", "vtkhdf")
+    },
+    **{f"export-{kind}": Trial(_export(kind), _export(kind, "second")) for kind in ("xdmf", "vtu", "msh")},
+    "export-interrupted": Trial(_export("csv"), _export("csv", "second"), "first"),
+    "compare": Trial(COMPARE, OTHER_COMPARE),
 }
-NEW = {
-    "run": ("run", "paper-table-3", *MODE),
-    "export": ("export", "{other}", "--to", "csv"),
-    "compare": ("compare", "{other}", "{given}"),
-}
-ALLOWED = (0, 2, 3)
-"""Exit statuses."""
+
+Files = dict[str, bytes]
+"""Contents by name; empty where they differ between two equal commands."""
 
 
-class Injection:
-    """Errors of the calls to files below a folder; number: the call that fails, 0: none; calls: how many there were."""
-
-    def __init__(self, folder: Path, number: int, error: int) -> None:
-        self._folder, self._number, self._error, self.calls = str(folder), number, error, 0
-
-    @contextlib.contextmanager
-    def active(self) -> Iterator[None]:
-        """Intercept the calls in this block."""
-        with contextlib.ExitStack() as stack:
-            for module, name in CALLS:
-                stack.enter_context(mock.patch.object(module, name, self._failing(getattr(module, name))))
-            yield
-
-    def _failing(self, call: Callable[..., Any]) -> Callable[..., Any]:
-        def called(*given: Any, **options: Any) -> Any:
-            if given and self._is_below(given[0]):
-                self.calls += 1
-                if self.calls == self._number:
-                    raise OSError(self._error, os.strerror(self._error), str(given[0]))
-            return call(*given, **options)
-
-        return called
-
-    def _is_below(self, given: Any) -> bool:
-        if isinstance(given, int):
-            with contextlib.suppress(OSError):
-                given = os.readlink(f"/proc/self/fd/{given}")
-        return isinstance(given, str | os.PathLike) and os.fspath(given).startswith(self._folder)
-
-
-def said_by(words: tuple[str, ...]) -> tuple[int, str]:
-    """Exit status and messages of a command."""
+def status_and_message(words: tuple[str, ...]) -> tuple[int, str]:
+    """Return exit status and messages of a command."""
     from tailslap.cli import _status
 
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as told:
-        return _status(list(words)), told.getvalue()
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as messages:
+        return _status(list(words)), messages.getvalue()
 
 
-def texts_of(folder: Path) -> dict[str, bytes] | None:
-    """Histories and charts of a whole result by name; None for what is none."""
+class Memory:
+    """Answers of the functions that use no file: recorded in one command, repeated in its copies."""
+
+    def __init__(self) -> None:
+        self._answers: dict[str, list[Any]] = {place: [] for place in REMEMBERED}
+
+    @contextlib.contextmanager
+    def recording(self) -> Iterator[None]:
+        """Keep the answers in this block."""
+
+        def recorder(function: Callable[..., Any], answers: list[Any]) -> Callable[..., Any]:
+            def call(*values: Any, **options: Any) -> Any:
+                answers.append(function(*values, **options))
+                return answers[-1]
+
+            return call
+
+        with contextlib.ExitStack() as stack:
+            for place, answers in self._answers.items():
+                stack.enter_context(mock.patch(place, recorder(pkgutil.resolve_name(place), answers)))
+            yield
+
+    @contextlib.contextmanager
+    def repeating(self) -> Iterator[None]:
+        """Return the answers in this block, in the order in which they came."""
+        with contextlib.ExitStack() as stack:
+            for place, answers in self._answers.items():
+                stack.enter_context(mock.patch(place, side_effect=answers))
+            yield
+
+
+class Laboratory:
+    """Folder in which a trial begins from the same state each time.
+
+    Attributes
+    ----------
+    before, after : dict of bytes
+        Files of the earlier and of the new result.
+    calls : list of Call
+        Calls of the undisturbed command.
+    usual : int
+        Status of the undisturbed command.
+    """
+
+    def __init__(self, trial: Trial, folder: Path) -> None:
+        self._root, self._store = folder / "root", folder / "store"
+        self._memory = Memory()
+        self._command = tuple(word.format(root=self._root) for word in trial.command)
+        self._prepare(trial)
+        self._restore()
+        self._settle()
+        self.before, self._inputs = self._files("out"), self._input_files()
+        self._restore()
+        with self._memory.recording():
+            self.usual = status_and_message(self._command)[0]
+        first = self._files("out")
+        message, self.calls = self._attempt(0, 0)
+        again = self._files("out")
+        self._volatile = {name for name in first if first[name] != again.get(name)}
+        self.before, self.after = self._comparable(self.before), self._comparable(again)
+        assert message == (self.usual, ""), message
+        assert self.usual in (0, 1)
+        assert first.keys() == again.keys()
+        assert self.before != self.after
+
+    def outcome(self, number: int, error: int) -> str:
+        """Return what came of a command whose call of this number fails; it begins with BAD where it must not be."""
+        (status, message), _ = self._attempt(number, error)
+        self._settle()
+        files, remains = self._comparable(self._files("out")), self._remains()
+        lines = [line for line in message.splitlines() if ": remark: " not in line]
+        if status not in (self.usual, 2, 3) or "internal error" in message:
+            return f"BAD status {status}: {message}"
+        if files not in (self.before, self.after):
+            return f"BAD result with status {status}: {message}"
+        if remains or self._input_files() != self._inputs:
+            return f"BAD remains {remains} with status {status}: {message}"
+        if status == self.usual:
+            return "new result" if files == self.after else f"BAD status {status} without result: {message}"
+        if len(lines) != 1 or os.strerror(error) not in message:
+            return f"BAD message with status {status}: {message}"
+        if files == self.after and not COMPLETE.search(message):
+            return f"BAD message about the new result, status {status}: {message}"
+        return f"status {status}, {'earlier' if files == self.before else 'new'} result"
+
+    def _prepare(self, trial: Trial) -> None:
+        """Fill the folder in its first state, with the results that the trial needs."""
+        from tailslap.files import manifest
+        from tailslap.scene.read import shipped_scenes
+
+        def make(words: tuple[str, ...], *more: str) -> int:
+            line = tuple(word.format(root=self._root) for word in (*words, *more))
+            return status_and_message(line)[0]
+
+        self._root.mkdir()
+        (self._root / "scene.toml").write_text(shipped_scenes()["paper-table-3"])
+        if trial.command[0] != "run":
+            assert make(RUN, "--out", "{root}/first") == make(OTHER_RUN, "--out", "{root}/second") == 0
+            shutil.copy(self._root / "first" / "history.csv", self._root / "measured.csv")
+        if trial.earlier:
+            assert make(trial.earlier) in (0, 1)
+        if trial.interrupted:
+            with mock.patch.object(os, "replace", _refuse_manifest):
+                assert make(INTERRUPTED_RUN, "--out", f"{{root}}/{trial.interrupted}") == 3
+            assert (self._root / trial.interrupted / manifest.LOG).exists()
+        shutil.move(self._root, self._store)
+
+    def _restore(self) -> None:
+        shutil.rmtree(self._root, ignore_errors=True)
+        shutil.copytree(self._store, self._root)
+
+    def _settle(self) -> None:
+        """Lock the folders, as the next command does first."""
+        from tailslap.files.folder import locked
+
+        for name in ("out", "first", "second"):
+            if (self._root / name).exists():
+                with locked(self._root / name):
+                    pass
+
+    def _attempt(self, number: int, error: int) -> tuple[tuple[int, str], list[Call]]:
+        self._restore()
+        with self._memory.repeating():
+            command = lambda: json.dumps(status_and_message(self._command))  # noqa: E731
+            text, calls = run_in_child(command, str(self._root), number, error)
+        status, message = json.loads(text)
+        return (status, message), calls
+
+    def _files(self, name: str) -> Files:
+        """Return the files that the manifest of a folder lists, none where one differs from it."""
+        from tailslap.files import manifest
+
+        folder = self._root / name
+        listed = manifest.read_manifest(folder)
+        if listed is None or any(manifest.entry(folder / item.path) != item for item in listed):
+            return {}
+        return {item.path: (folder / item.path).read_bytes() for item in listed}
+
+    def _input_files(self) -> list[Files]:
+        return [self._files(name) for name in ("first", "second")]
+
+    def _comparable(self, files: Files) -> Files:
+        return {name: b"" if name in self._volatile else content for name, content in files.items()}
+
+    def _remains(self) -> list[str]:
+        """Return what lies in the folder and is neither the scene nor in a result."""
+        names = {"scene.toml", "measured.csv"}
+        for folder in ("out", "first", "second"):
+            if files := self._files(folder):
+                names |= {folder, f"{folder}/.tailslap-result.json", *(f"{folder}/{name}" for name in files)}
+        return sorted({str(path.relative_to(self._root)) for path in self._root.rglob("*")} - names)
+
+
+def _refuse_manifest(source: Path, target: Path) -> None:
+    """Move a file, but for the manifest into a result folder."""
     from tailslap.files import manifest
 
-    listed = manifest.read_manifest(folder)
-    if listed is None or any(manifest.entry(folder / item.path) != item for item in listed):
-        return None
-    return {
-        item.path: (folder / item.path).read_bytes()
-        for item in listed
-        if item.path.endswith((".csv", ".svg"))
-    }
+    if Path(target).name == manifest.NAME:
+        raise OSError(errno.EIO, os.strerror(errno.EIO), str(target))
+    os.rename(source, target)
 
 
-def judged(status: int, told: str, text: str, found: Any, before: Any, after: Any) -> str:
-    """What came of a command; "BAD" where that must not be."""
-    if status not in ALLOWED or "internal error" in told:
-        return f"BAD status {status}: {told}"
-    if found is None or found not in (before, after):
-        return f"BAD folder with status {status}: {told}"
-    if status == 0:
-        return "new result" if found == after else f"BAD status 0 without the new result: {told}"
-    lines = [line for line in told.splitlines() if ": remark: " not in line]
-    if len(lines) != 1 or text not in told:
-        return f"BAD message with status {status}: {told}"
-    return f"status {status}, {'earlier' if found == before else 'new'} result"
-
-
-def injected(kind: str, every: int, errors: tuple[int, ...] = ERRORS) -> Iterator[tuple[str, str]]:
-    """Number and error of each call of a command, and what came of it."""
-    from tailslap.files.folder import locked
-
-    with tempfile.TemporaryDirectory() as name:
-        root = Path(os.path.realpath(name))
-        places = {label: root / label for label in ("given", "other", "earlier", "expected", "out")}
-        words = {label: str(path) for label, path in places.items()}
-        for label, line in (("given", EARLIER["run"]), ("other", NEW["run"])):
-            assert said_by((*line, "--out", words[label]))[0] == 0
-        for label, line in (("earlier", EARLIER[kind]), ("expected", NEW[kind])):
-            usual = said_by((*(w.format(**words) for w in line), "--out", words[label]))[0]
-        before, after = texts_of(places["earlier"]), texts_of(places["expected"])
-        assert usual in (0, 1)
-        assert before
-        assert after
-        assert before != after
-        command = (*(w.format(**words) for w in NEW[kind]), "--out", words["out"])
-
-        def attempt(number: int, error: int) -> tuple[int, int, str]:
-            shutil.rmtree(places["out"], ignore_errors=True)
-            shutil.copytree(places["earlier"], places["out"])
-            injection = Injection(root, number, error)
-            with injection.active():
-                status, told = said_by(command)
-            return injection.calls, status, told
-
-        count, status, told = attempt(0, 0)
-        assert (status, texts_of(places["out"])) == (usual, after), told
-        for number in range(1, count + 1, every):
+def outcomes(
+    name: str, numbers: slice = slice(None), errors: tuple[int, ...] = ERRORS
+) -> Iterator[tuple[str, str]]:
+    """Yield the calls of a trial with their errors, and what came of each; numbers: of the calls, all by default."""
+    with tempfile.TemporaryDirectory() as folder:
+        laboratory = Laboratory(TRIALS[name], Path(os.path.realpath(folder)))
+        count = len(laboratory.calls)
+        for number in range(1, count + 1)[numbers]:
+            call = laboratory.calls[number - 1]
             for error in errors:
-                _, status, told = attempt(number, error)
-                with locked(places["out"]):  # as the next command does first
-                    found = texts_of(places["out"])
-                said = judged(
-                    0 if status == usual else status, told, os.strerror(error), found, before, after
-                )
-                yield f"{kind}, call {number} of {count}, {errno.errorcode[error]}", said
+                label = f"{name}, {call.name} {number} of {count}, {errno.errorcode[error]}, {call.path}"
+                yield label, laboratory.outcome(number, error)
+            print(f"\r{name}: {number} of {count}", end="", file=sys.stderr, flush=True)
 
 
 def main() -> None:
     """Let calls fail, and print what came of it."""
-    parser = argparse.ArgumentParser(description="Lets calls to a result folder fail.")
-    parser.add_argument("commands", nargs="*", choices=[*NEW, []])
-    parser.add_argument("--every", type=int, default=1)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("trials", nargs="*", metavar="TRIAL", help=f"by default all of {', '.join(TRIALS)}")
+    parser.add_argument("--every", type=int, default=1, help="only every Nth call fails")
+    parser.add_argument("--first", type=int, default=1, help="number of the first call that fails")
+    names = [errno.errorcode[error] for error in ERRORS]
+    parser.add_argument("--errors", nargs="+", choices=names, default=names, help="by default all six")
     options = parser.parse_args()
-    counted = Counter[str]()
-    for kind in options.commands or NEW:
-        for call, said in injected(kind, options.every):
-            counted[f"{kind}: {said.partition(':')[0]}"] += 1
-            if said.startswith("BAD"):
-                print(f"{call}: {said}", flush=True)
-    print(*(f"{times:6d}  {said}" for said, times in sorted(counted.items())), sep="\n")
-    sys.exit(any("BAD" in said for said in counted))
+    if unknown := {*options.trials} - {*TRIALS}:
+        parser.error(f"unknown trials: {', '.join(unknown)}")
+    counts, numbers = Counter[str](), slice(options.first - 1, None, options.every)
+    errors = tuple(getattr(errno, name) for name in options.errors)
+    for name in options.trials or TRIALS:
+        for label, outcome in outcomes(name, numbers, errors):
+            counts[f"{name}: {outcome.partition(':')[0]}"] += 1
+            if outcome.startswith("BAD"):
+                print(f"{label}: {outcome}", flush=True)
+    print(*(f"{times:6d}  {outcome}" for outcome, times in sorted(counts.items())), sep="\n")
+    sys.exit(any("BAD" in outcome for outcome in counts))
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import errno
+import os
 import shlex
 import textwrap
 from collections.abc import Iterable
@@ -32,6 +33,9 @@ MACHINE_FAULTS = {
     )
 }
 """Errors of the machine, not of the input: full or broken disk, lost server, limits of the process."""
+
+ABSENT = {errno.ENOENT, errno.ENOTDIR}
+"""Errors of a path at which there is nothing."""
 
 MAX_SHOWN, LONG = 120, 160
 """Characters of a value that a message shows, and of a list above which it is wrapped."""
@@ -100,6 +104,22 @@ def machine_fault(error: OSError) -> str:
     """Message of an OSError."""
     where = f": {shortened(str(error.filename))}" if error.filename else ""
     return f"{error.strerror or error}{where}"
+
+
+def is_there(path: str | os.PathLike[str]) -> bool:
+    """Return True where there is a file, a folder or a link.
+
+    Raises OSError where the system does not answer.
+    """
+    try:
+        os.lstat(path)
+    except ValueError:  # of a null character
+        return False
+    except OSError as error:
+        if error.errno not in {*ABSENT, errno.ENAMETOOLONG}:
+            raise
+        return False
+    return True
 
 
 def import_fault(error: ImportError) -> str:

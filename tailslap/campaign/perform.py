@@ -172,8 +172,12 @@ def _is_known(place: Path, definition: sweeps.Definition, force: bool) -> bool:
         folder.demand_result(place, force, manifest.Origin("sweep", definition.scene))
         return False
     theirs, ours = None, definition.as_written()
-    with contextlib.suppress(OSError, ValueError):
+    try:
         theirs = json.loads((place / DEFINITION).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise place_error(place / DEFINITION, "the file cannot be read", error) from None
+    except (ValueError, RecursionError):
+        pass
     if not isinstance(theirs, dict):
         raise InputError("--out", str(place), f"its {DEFINITION} is damaged; allowed is a new folder")
     different = [name for name in ours if theirs.get(name) != ours[name]]

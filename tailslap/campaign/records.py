@@ -23,7 +23,7 @@ from types import TracebackType
 from typing import Any
 
 import tailslap
-from tailslap.errors import InputError, Interrupted, place_error
+from tailslap.errors import InputError, Interrupted, is_there, place_error
 from tailslap.files import folder, manifest
 
 Key = str | int
@@ -99,7 +99,7 @@ class Records(Mapping[Key, Any]):
         text = json.dumps(definition, sort_keys=True, default=str)
         head = (hashlib.sha256(text.encode()).hexdigest(), program(), text)
         self._path = path
-        if not os.path.lexists(path):
+        if not is_there(path):
             _create(path, head)
         if not _is_ours(path):
             raise _in_the_way(path)
@@ -247,12 +247,11 @@ def _create(path: Path, head: tuple[str, str, str]) -> None:
 
 
 def _is_ours(path: Path) -> bool:
-    """True if it is a plain file, and one that this program has made."""
-    if path.is_symlink() or not path.is_file():
-        return False
-    with path.open("rb") as file:
+    """Return True for a regular file that this program has made. Raises OSError where it cannot be read."""
+    with manifest.valid_content(), open(path, "rb", opener=manifest.open_plain) as file:
         head = file.read(OURS_AT + 4)
-    return head.startswith(HEAD) and head[OURS_AT:] == OURS.to_bytes(4, "big")
+        return head.startswith(HEAD) and head[OURS_AT:] == OURS.to_bytes(4, "big")
+    return False
 
 
 def _file_system(path: Path) -> str:

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from tailslap.errors import Interrupted, escaped
+from tailslap import errors
 from tailslap.files import folder, manifest
 
 if TYPE_CHECKING:
@@ -65,17 +65,23 @@ class Checkpoints:
         return self
 
     def files(self, own: bool) -> list[Path]:
-        """Checkpoints that there are for this place: of this definition, or of others."""
-        found = (path for path in self._all.parent.glob("*") if path.name.startswith(self._all.name))
-        return [path for path in found if path.name.startswith(self._own.name) == own]
+        """List the checkpoints for this place, of this definition or of others."""
+        folder = self._all.parent
+        names = os.listdir(folder) if errors.is_there(folder) else []
+        names = [name for name in names if name.startswith(self._all.name)]
+        return [folder / name for name in names if name.startswith(self._own.name) == own]
 
     def load(self, sizes: Callable[[int], Sizes]) -> Arrays | None:
         """Arrays of the file, if it is whole; sizes: shapes that they have after so many rows."""
-        if not (self._resume and os.path.lexists(self._path)):
+        if not (self._resume and errors.is_there(self._path)):
             return None
         try:
             arrays = self._read(sizes)
-        except (OSError, ValueError):
+        except OSError as error:
+            raise OSError(
+                error.errno, f"the checkpoint cannot be read: {error.strerror}", str(self._path)
+            ) from None
+        except ValueError:
             _say(f"the checkpoint {self._path} is damaged")
             return None
         self.promised = True
@@ -132,12 +138,12 @@ def checkpointed(place: Path, definition: Mapping[str, Any], resume: bool) -> It
     except KeyboardInterrupt:
         if checkpoints.promised:
             said = "interrupted; the same command with --resume continues from the checkpoint"
-            raise Interrupted(said) from None
+            raise errors.Interrupted(said) from None
         raise
     finally:
         _current.reset(token)
-    for path in checkpoints.files(own=True):
-        with contextlib.suppress(OSError):
+    with contextlib.suppress(OSError):  # the result is complete without that
+        for path in checkpoints.files(own=True):
             path.unlink()
 
 
@@ -148,7 +154,7 @@ def next_checkpoint() -> Checkpoint | None:
 
 
 def _say(why: str) -> None:
-    click.echo(f"tailslap: {escaped(why)}; the run starts from the beginning", err=True)
+    click.echo(f"tailslap: {errors.escaped(why)}; the run starts from the beginning", err=True)
 
 
 def _digest(definition: Mapping[str, Any]) -> str:

@@ -65,17 +65,23 @@ def result_folder(
         if any(resolved(path) in replaced for path in inputs):
             raise errors.InputError("--out", str(place), f"it is an input of the command; {ANOTHER}")
         demand_result(place, force, origin)
-        new = fresh(place)
-        yield new
-        if os.listdir(new):
-            commit(place, origin)
+        before, new = manifest.entry(place / manifest.NAME), fresh(place)
+        try:
+            yield new
+            if os.listdir(new):
+                commit(place, origin)
+        except OSError as error:
+            if errors.is_there(place / LOG) or manifest.entry(place / manifest.NAME) == before:
+                raise
+            why = f"the result in {place} is complete; after it: {error.strerror}"
+            raise OSError(error.errno, why, error.filename) from None
 
 
 def demand_result(place: Path, force: bool, origin: Origin) -> None:
     """Raise InputError unless a place is empty, or has an unchanged result: without force, of this origin."""
     names = users(place)
     if manifest.read_manifest(place) is None or SWEEP in names:
-        if names or manifest.is_there(place / manifest.NAME):
+        if names or errors.is_there(place / manifest.NAME):
             raise others(place, names or [manifest.NAME], ALLOWED)
         return
     earlier(place)
@@ -105,7 +111,8 @@ def locked(place: Path) -> Iterator[Path]:
         stack.callback(_leave, place)
         try:
             (place / LOCK).write_text(str(os.getpid()))
-            _redo(place)
+            _finish_log(place)
+            _drop(place)
         except OSError as error:
             raise errors.place_error(place, "the folder cannot be written", error) from None
         yield place
@@ -129,7 +136,7 @@ def _make_and_lock(place: Path, stack: contextlib.ExitStack) -> None:
 def _leave(place: Path) -> None:
     """Remove new files that no log speaks of, and the lock."""
     with contextlib.suppress(OSError):
-        if _is_held(place) and not manifest.is_there(place / LOG):
+        if _is_held(place) and not errors.is_there(place / LOG):
             _drop(place)
     with contextlib.suppress(OSError):
         if _is_held(place):
@@ -138,18 +145,21 @@ def _leave(place: Path) -> None:
 
 def _is_held(place: Path) -> bool:
     """True while the lock is in the folder; not where somebody has removed that. A full disk keeps its number out."""
-    return (place / LOCK).is_file() and (place / LOCK).read_text() in ("", str(os.getpid()))
+    with manifest.valid_content(), open(place / LOCK, opener=manifest.open_plain) as file:
+        return file.read() in ("", str(os.getpid()))
+    return False
 
 
 def fresh(place: Path) -> Path:
-    """The empty folder for new files in a place that is locked."""
+    """Return the empty folder for new files in a locked place."""
+    manifest.sync(place)  # a log that was removed would be read to mean the new files
     _drop(place)
     (place / NEW).mkdir()
     return place / NEW
 
 
 def _drop(place: Path) -> None:
-    if manifest.is_there(place / NEW):
+    if errors.is_there(place / NEW):
         shutil.rmtree(place / NEW)
 
 
@@ -160,33 +170,33 @@ def commit(place: Path, origin: Origin = UNKNOWN) -> None:
     """
     if not _is_held(place):
         raise errors.InputError("--out", str(place), "the folder was removed during the command")
-    logged = False
+    state, logged = "the folder cannot be written", False
     try:
         _write_log(place, origin)
-        logged = True
-        _redo(place)
-        (place / NEW).mkdir()
+        logged, state = True, f"the result is in its subfolder {NEW}; the next command completes it"
+        manifest.sync(place)
+        _finish_log(place)
+        state = "the result is complete, but the folder cannot be cleared"
+        fresh(place)
     except OSError as error:
-        why = "the folder cannot be written"
-        if os.path.lexists(place / LOG):
-            why = f"the result is in its subfolder {NEW}; the next command completes it"
-        raise errors.place_error(place, why, error) from None
+        raise errors.place_error(place, state, error) from None
     except KeyboardInterrupt:
-        if not logged and not os.path.lexists(place / LOG):
+        if not logged and not errors.is_there(place / LOG):
             raise
-        _redo(place)
+        _finish_log(place)
+        _drop(place)
         raise errors.Interrupted(f"interrupted; the result is in {place}") from None
 
 
 def earlier(place: Path, names: Iterable[str] = ()) -> frozenset[Entry]:
     """Files of the earlier result. Raises InputError for one that was changed, and for a user's file of these names."""
     listed = manifest.read_manifest(place) or frozenset()
-    ours = {item.path: item for item in listed if manifest.is_there(place / item.path)}
+    ours = {item.path: item for item in listed if errors.is_there(place / item.path)}
     for name, item in sorted(ours.items()):
         if manifest.entry(place / name) != item:
             raise _refusal(place, f"its file {name} was modified")
     for name in sorted(set(names) - ours.keys()):
-        if manifest.is_there(place / name):  # asked of the folder: "A" and "a" may be one file there
+        if errors.is_there(place / name):  # asked of the folder: "A" and "a" may be one file there
             raise _refusal(place, f"its file {name} does not belong to the result and would be overwritten")
     return frozenset(ours.values())
 
@@ -208,12 +218,11 @@ def _write_log(place: Path, origin: Origin) -> None:
     manifest.write_object(new / LOG, log)
     manifest.sync(new / LOG)
     os.replace(new / LOG, place / LOG)
-    manifest.sync(place)
 
 
 def _read_log(place: Path) -> tuple[frozenset[Entry], frozenset[Entry]] | None:
     """Old and new files of a log; None where there is none. Raises InputError for one that is damaged."""
-    if not manifest.is_there(place / LOG):
+    if not errors.is_there(place / LOG):
         return None
     found = manifest.read_object(place / LOG)
     old, new = (manifest.read_entries(found.get(name)) for name in ("old", "new"))
@@ -228,15 +237,15 @@ def _damaged(place: Path, name: str) -> errors.InputError:
     return errors.InputError("folder", str(place), allowed)
 
 
-def _redo(place: Path) -> None:
-    """Finish what the log of a locked place says; without one, drop new files."""
+def _finish_log(place: Path) -> None:
+    """Finish what the log of a locked place says, if there is one."""
     if log := _read_log(place):
         old, new = log
-        waiting = [item for item in new if manifest.is_there(place / NEW / item.path)]
+        waiting = [item for item in new if errors.is_there(place / NEW / item.path)]
         for item in waiting:
             if manifest.entry(place / NEW / item.path) != item:
                 raise _damaged(place, f"{NEW}/{item.path}")
-            if manifest.is_there(place / item.path) and manifest.entry(place / item.path) not in old:
+            if errors.is_there(place / item.path) and manifest.entry(place / item.path) not in old:
                 raise _refusal(place, f"its file {item.path} was modified")
         for item in old:
             if item.path not in {its.path for its in new} and manifest.entry(place / item.path) == item:
@@ -245,8 +254,6 @@ def _redo(place: Path) -> None:
             os.replace(place / NEW / item.path, place / item.path)
         manifest.sync(place)
         (place / LOG).unlink()
-        manifest.sync(place)  # before other new files are there, which it would be read to mean
-    _drop(place)
 
 
 def recover(place: Path) -> None:
@@ -255,7 +262,7 @@ def recover(place: Path) -> None:
     A folder that may not be written stays as it is: see `path_in`. Raises InputError.
     """
     end = time.monotonic() + PATIENCE_S
-    while manifest.is_there(place / LOG) and os.access(place, os.W_OK):
+    while errors.is_there(place / LOG) and os.access(place, os.W_OK):
         try:
             with locked(place):
                 return
@@ -268,7 +275,7 @@ def recover(place: Path) -> None:
 def path_in(place: Path, name: str) -> Path:
     """The path of a file of the result, which is still among the new ones where a log could not be finished."""
     waiting = place / NEW / name
-    return waiting if _read_log(place) and manifest.is_there(waiting) else place / name
+    return waiting if _read_log(place) and errors.is_there(waiting) else place / name
 
 
 def resolved(place: Path) -> Path:
@@ -281,7 +288,7 @@ def resolved(place: Path) -> Path:
 
 def _make_folders(place: Path) -> list[Path]:
     """Make the folder and those above it; returns those that were not there, innermost first. Raises InputError."""
-    missing = [path for path in (place, *place.parents) if not os.path.exists(path)]
+    missing = [path for path in (place, *place.parents) if not errors.is_there(path)]
     try:
         place.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):

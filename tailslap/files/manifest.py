@@ -18,14 +18,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import tailslap
+from tailslap.errors import ABSENT
 
 NAME, LOCK, NEW, LOG = ".tailslap-result.json", ".tailslap-lock", ".tailslap-new", ".tailslap-redo.json"
 """The manifest; while a command is at work in a folder, its lock, its new files, and the log of what they replace."""
 
 PROGRAM = "tailslap"
 SUFFIX = ".tailslap"
-ABSENT = {errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENXIO}
-"""Errors of what is not there, or no plain file: a link, a socket."""
+IRREGULAR = {errno.ELOOP, errno.ENXIO}
+"""Errors of opening a link or a socket as a plain file."""
+NOT_REGULAR = "it is not a regular file"
 MAX_STEM = 100
 """Characters of a file's name in that of its unfinished one."""
 
@@ -51,30 +53,31 @@ KEYS = {"program", "version", *Origin._fields, "files"}
 
 def open_plain(name: str, flags: int) -> int:
     """Open a file, as an opener of `open`, which must be a plain one. Raises OSError or ValueError."""
-    number = os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        number = os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
+    except OSError as error:
+        if error.errno in IRREGULAR:
+            raise ValueError(NOT_REGULAR) from None
+        raise
     if stat.S_ISREG(os.fstat(number).st_mode):
         return number
     os.close(number)
-    raise ValueError("it is not a regular file")
+    raise ValueError(NOT_REGULAR)
 
 
 def entry(path: Path) -> Entry | None:
     """The file as it is now; None for what is not there or is no plain file. Raises OSError where it cannot be read."""
-    with _what_is_there():
+    with valid_content():
         return read_entry(path)
     return None
 
 
-def is_there(path: Path) -> bool:
-    """True for what is there, also a link to nothing. Raises OSError where that cannot be known."""
-    with _what_is_there():
-        return bool(os.lstat(path))
-    return False
-
-
 @contextlib.contextmanager
-def _what_is_there() -> Iterator[None]:
-    """End the block at what is not there or makes no sense. Raises OSError for all else: it may be there."""
+def valid_content() -> Iterator[None]:
+    """End the block at a file that is absent, not a regular one, or has invalid content.
+
+    Raises other errors of the system, after which the file may be there.
+    """
     try:
         yield
     except (OSError, ValueError, RecursionError) as error:
@@ -125,7 +128,7 @@ def read_object(path: Path) -> dict[str, Any]:
 
     Raises OSError where it cannot be read.
     """
-    with _what_is_there():
+    with valid_content():
         with open(path, encoding="utf-8", opener=open_plain) as file:
             found = json.load(file)
         if isinstance(found, dict) and found.pop("sha256", None) == _digest(found):

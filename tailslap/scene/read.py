@@ -157,12 +157,12 @@ def scene_text(name: str) -> str:
     path = Path(name)
     if len(name) > MAX_NAME:
         raise errors.InputError("SCENE", name, f"the limit is {MAX_NAME} characters")
-    if name in shipped and not path.is_file():
+    if name in shipped and (path.is_dir() or not errors.is_there(path)):
         return shipped[name]
-    if name in REPLACED and not os.path.lexists(path):
+    if name in REPLACED and not errors.is_there(path):
         allowed = f"it took tractor and trailer as one body; allowed is {REPLACED[name]}, a train"
         raise errors.InputError("SCENE", name, allowed)
-    if path.suffix != ".toml" and not os.path.lexists(path):
+    if path.suffix != ".toml" and not errors.is_there(path):
         allowed = errors.one_of(name, shipped, "allowed is a .toml file or one of")
         raise errors.InputError("SCENE", name, allowed)
     try:

@@ -5,6 +5,7 @@ name; by force what can be read is. Never a number of a damaged file, or a fault
 import json
 import os
 import shutil
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -224,11 +225,11 @@ def test_a_result_that_is_replaced_while_it_is_read_is_one_of_the_two(results, m
 def test_what_a_dead_command_left_is_finished_before_it_is_read(results, monkeypatch):
     other, place = tailslap.load(results / "other"), results / "run"
     with monkeypatch.context() as patch:
-        patch.setattr(folder, "_redo", lambda place: None)  # it dies here
         died = pytest.raises(InputError, match="the next command completes it")
         with died, folder.result_folder(place, force=True) as new:
             assert other.fill is not None
             other.fill(new, True, "si")
+            patch.setattr(folder, "_finish_log", mock.Mock(side_effect=PermissionError))  # it dies here
         assert (place / manifest.LOG).exists()
     with monkeypatch.context() as patch:
         patch.setattr(os, "access", lambda path, mode: False)  # a reader who may not write

@@ -342,7 +342,7 @@ def test_killed_at_every_step_the_folder_is_whole_and_the_next_one_clears_it(tmp
 
 
 def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earlier, monkeypatch):
-    """Names of what is synced: every new file and their folder; the log; the place three times."""
+    """So is the removal of an earlier log before there are new files."""
     done, fsync, replace, unlink = [], os.fsync, os.replace, os.unlink
 
     def synced(number):
@@ -361,6 +361,7 @@ def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earli
     monkeypatch.setattr(os, "unlink", noted(unlink))
     write(earlier, NEWER)
     files = {*NEWER, NAME}
+    assert done.pop(0) == ("sync", "a")
     assert set(done[: len(files)]) == {("sync", name) for name in files}
     moved = [("replace", name) for name in (*sorted(NEWER), NAME)]
     assert done[len(files) :] == [

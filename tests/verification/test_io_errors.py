@@ -1,0 +1,155 @@
+"""Verification: a path is absent only if the system says so; after any other error nothing is replaced or removed."""
+
+import errno
+import io
+import os
+import socket
+
+import numpy as np
+import pytest
+
+from tailslap import errors
+from tailslap.campaign import perform
+from tailslap.campaign.definition import make_definition
+from tailslap.campaign.records import Records, count
+from tailslap.files import checkpoints, folder, manifest
+from tailslap.scene import read
+
+ROWS = {0: {"run": 0, "status": "passed"}}
+UNKNOWN = pytest.mark.parametrize("error", [errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.EIO])
+"""Errors after which a file may be there."""
+
+
+@pytest.fixture
+def fail(monkeypatch):
+    """Let calls of the system to files of a name fail."""
+
+    def start(name, error, *calls):
+        def wrapped(function):
+            def call(path, *values, **options):
+                target = os.readlink(f"/proc/self/fd/{path}") if isinstance(path, int) else os.fspath(path)
+                if os.path.basename(target) == name:
+                    raise OSError(error, os.strerror(error), target)
+                return function(path, *values, **options)
+
+            return call
+
+        for place, function in calls:
+            monkeypatch.setattr(place, function, wrapped(getattr(place, function)))
+
+    yield start
+    monkeypatch.undo()
+
+
+LOOKS = ((os, "stat"), (os, "lstat"))
+OPENS = ((os, "open"), (io, "open"))
+
+
+@UNKNOWN
+@pytest.mark.parametrize("calls", [LOOKS, OPENS])
+def test_records_stay(tmp_path, fail, monkeypatch, error, calls):
+    path = tmp_path / "records"
+    rows = Records(path, {})
+    rows.add(ROWS)
+    rows.close()
+    fail("records", error, *calls)
+    with pytest.raises(OSError, match=os.strerror(error)):
+        Records(path, {})
+    monkeypatch.undo()
+    assert count(path) == 1
+
+
+@UNKNOWN
+def test_the_number_of_records_is_not_guessed(tmp_path, fail, error):
+    fail("records", error, *OPENS)
+    with pytest.raises(OSError, match=os.strerror(error)):
+        count(tmp_path / "records")
+
+
+@UNKNOWN
+def test_a_sweep_that_cannot_be_read_is_not_called_damaged(tmp_path, fail, error):
+    sweep = make_definition("paper-table-3", (), ("corner.friction=0.1,0.2",), None, 1)
+    with perform.sweep_folder(tmp_path / "sweep", sweep) as place, perform.open_records(place, sweep) as rows:
+        rows.add(ROWS)
+    fail(perform.DEFINITION, error, (io, "open"))
+    with pytest.raises((OSError, errors.InputError), match=os.strerror(error)):
+        perform.sweep_folder(tmp_path / "sweep", sweep).__enter__()
+    assert count(tmp_path / "sweep" / perform.RECORDS) == 1
+
+
+@UNKNOWN
+@pytest.mark.parametrize("calls", [LOOKS, OPENS])
+def test_a_checkpoint_that_cannot_be_read_is_not_begun_again(
+    tmp_path, fail, capsys, monkeypatch, error, calls
+):
+    monkeypatch.setattr(checkpoints, "SAVE_S", 0.0)
+    checkpoints.Checkpoints(tmp_path / "out", {}, False).next().save(lambda: {"rows": np.ones((1, 1))})
+    (path,) = tmp_path.iterdir()
+    content = path.read_bytes()
+    keeper = checkpoints.Checkpoints(tmp_path / "out", {}, True).next()
+    assert keeper.load(lambda rows: {"rows": (rows, 1)}) is not None
+    fail(path.name, error, *calls)
+    with pytest.raises(OSError, match=os.strerror(error)):
+        keeper.load(lambda rows: {"rows": (rows, 1)})
+    monkeypatch.undo()
+    assert (path.read_bytes(), capsys.readouterr().err) == (content, "")
+
+
+@UNKNOWN
+@pytest.mark.parametrize("name", ["mash-tl4-sut", "mash-tl5-tractor-van", "mine"])
+def test_a_scene_that_cannot_be_found_is_no_other(tmp_path, fail, monkeypatch, error, name):
+    """It may be a file that has the name of a scene of the program."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).write_text("name = 'mine'\n")
+    fail(name, error, *LOOKS)
+    with pytest.raises((OSError, errors.InputError), match=os.strerror(error)):
+        read.scene_text(name)
+
+
+@UNKNOWN
+def test_an_empty_folder_of_the_user_stays(tmp_path, fail, monkeypatch, error):
+    (tmp_path / "out").mkdir()
+    fail("out", error, *LOOKS)
+    with (
+        pytest.raises((OSError, errors.InputError), match=os.strerror(error)),
+        folder.locked(tmp_path / "out"),
+    ):
+        raise AssertionError
+    monkeypatch.undo()
+    assert (tmp_path / "out").is_dir()
+
+
+@UNKNOWN
+@pytest.mark.parametrize("call", ["mkdir", "listdir"])
+def test_a_result_that_is_complete_is_called_so(tmp_path, fail, monkeypatch, error, call):
+    """Where the folder for new files cannot be made or read after the last move."""
+
+    def write():
+        with folder.result_folder(tmp_path / "out") as new:
+            (new / "summary.json").write_text("{}")
+            if call == "listdir":
+                folder.commit(new.parent)
+            fail(manifest.NEW, error, (os, call))
+
+    ending = f"the result.* is complete.*{os.strerror(error)}"
+    with pytest.raises((OSError, errors.InputError), match=ending):
+        write()
+    monkeypatch.undo()
+    listed = manifest.read_manifest(tmp_path / "out")
+    assert listed
+    assert [item.path for item in listed] == ["summary.json"]
+
+
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir, lambda path: os.symlink("elsewhere", path)])
+def test_what_is_no_regular_file_is_no_entry(tmp_path, make):
+    make(tmp_path / "special")
+    assert manifest.entry(tmp_path / "special") is None
+    assert manifest.read_object(tmp_path / "special") == {}
+    assert not errors.is_there(tmp_path / "special" / "below")
+    assert errors.is_there(tmp_path / "special")
+
+
+def test_a_socket_is_no_entry(tmp_path):
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(str(tmp_path / "socket"))
+        assert manifest.entry(tmp_path / "socket") is None
