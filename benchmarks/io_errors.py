@@ -254,15 +254,18 @@ def _refuse_manifest(source: Path, target: Path) -> None:
 
 
 def outcomes(
-    name: str, numbers: slice = slice(None), errors: tuple[int, ...] = ERRORS
+    name: str, numbers: slice = slice(None), errors: tuple[int, ...] = ERRORS, in_turn: bool = False
 ) -> Iterator[tuple[str, str]]:
-    """Yield the calls of a trial with their errors, and what came of each; numbers: of the calls, all by default."""
+    """Yield the calls of a trial with their errors, and what came of each.
+
+    numbers: of the calls, all by default; in_turn: with one error for each call instead of all.
+    """
     with tempfile.TemporaryDirectory() as folder:
         laboratory = Laboratory(TRIALS[name], Path(os.path.realpath(folder)))
         count = len(laboratory.calls)
         for number in range(1, count + 1)[numbers]:
             call = laboratory.calls[number - 1]
-            for error in errors:
+            for error in [errors[number % len(errors)]] if in_turn else errors:
                 label = f"{name}, {call.name} {number} of {count}, {errno.errorcode[error]}, {call.path}"
                 yield label, laboratory.outcome(number, error)
             print(f"\r{name}: {number} of {count}", end="", file=sys.stderr, flush=True)
@@ -278,13 +281,14 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=1, help="number of the first call that fails")
     names = [errno.errorcode[error] for error in ERRORS]
     parser.add_argument("--errors", nargs="+", choices=names, default=names, help="by default all six")
+    parser.add_argument("--in-turn", action="store_true", help="one error for each call instead of all")
     options = parser.parse_args()
     if unknown := {*options.trials} - {*TRIALS}:
         parser.error(f"unknown trials: {', '.join(unknown)}")
     counts, numbers = Counter[str](), slice(options.first - 1, None, options.every)
     errors = tuple(getattr(errno, name) for name in options.errors)
     for name in options.trials or TRIALS:
-        for label, outcome in outcomes(name, numbers, errors):
+        for label, outcome in outcomes(name, numbers, errors, options.in_turn):
             counts[f"{name}: {outcome.partition(':')[0]}"] += 1
             if outcome.startswith("BAD"):
                 print(f"{label}: {outcome}", flush=True)
