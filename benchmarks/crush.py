@@ -14,7 +14,7 @@ from scipy.stats import qmc
 
 from solver.impact import stiffness_of_duration
 from tailslap.case.impact.case import ImpactCase
-from tailslap.replication.tables import TABLE_4, ForceRow
+from tailslap.replication.paper_values import TABLE_4, ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.studies.uncertainty.compute import impact_ranges
 

@@ -328,7 +328,7 @@ def rows(place: Path) -> list[str]:
 
 def checkpoints(count: int, seed: int) -> Judged:
     """Checkpoints of interrupted runs, from which they go on: with the files of a run that was left alone."""
-    from tailslap.files import checkpoints as kept
+    from tailslap.storage import checkpoints as kept
 
     folder = Path(tempfile.mkdtemp())
     whole = folder / "whole"

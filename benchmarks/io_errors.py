@@ -178,8 +178,8 @@ class Laboratory:
 
     def _prepare(self, trial: Trial) -> None:
         """Fill the folder in its first state, with the results that the trial needs."""
-        from tailslap.files import manifest
         from tailslap.scene.read import shipped_scenes
+        from tailslap.storage import manifest
 
         def make(words: tuple[str, ...], *more: str) -> int:
             line = tuple(word.format(root=self._root) for word in (*words, *more))
@@ -204,7 +204,7 @@ class Laboratory:
 
     def _settle(self) -> None:
         """Lock the folders, as the next command does first."""
-        from tailslap.files.folder import locked
+        from tailslap.storage.folder import locked
 
         for name in ("out", "first", "second"):
             if (self._root / name).exists():
@@ -221,7 +221,7 @@ class Laboratory:
 
     def _files(self, name: str) -> Files:
         """Return the files that the manifest of a folder lists, none where one differs from it."""
-        from tailslap.files import manifest
+        from tailslap.storage import manifest
 
         folder = self._root / name
         listed = manifest.read_manifest(folder)
@@ -246,7 +246,7 @@ class Laboratory:
 
 def _refuse_manifest(source: Path, target: Path) -> None:
     """Move a file, but for the manifest into a result folder."""
-    from tailslap.files import manifest
+    from tailslap.storage import manifest
 
     if Path(target).name == manifest.NAME:
         raise OSError(errno.EIO, os.strerror(errno.EIO), str(target))

@@ -36,8 +36,8 @@ import psutil
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tailslap.campaign.definition import CIRCUMSTANCES
-from tailslap.files.folder import locked, recover
-from tailslap.files.manifest import LOCK, LOG, NAME, entry, read_manifest
+from tailslap.storage.folder import locked, recover
+from tailslap.storage.manifest import LOCK, LOG, NAME, entry, read_manifest
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 SCENE, SMALL = ("paper-table-3", "--set", "plate.elements=[10,3]"), ("--set", "plate.elements=[6,2]")

@@ -25,8 +25,8 @@ import tailslap
 from postprocess.report.command_report import Report, write_report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table
-from tailslap.files.folder import result_folder
-from tailslap.files.manifest import Origin
+from tailslap.storage.folder import result_folder
+from tailslap.storage.manifest import Origin
 
 ROOT = Path(__file__).parents[1]
 ACCURACY = ROOT / "docs" / "accuracy.md"

@@ -136,7 +136,7 @@ def _refusal(kind: Any, marks: Iterable[Any]) -> str:
 def results_page() -> str:
     """Files and columns."""
     from postprocess.fields.series import ELEMENTS, NODES
-    from tailslap.files.load import corner_columns, impact_columns, train_columns
+    from tailslap.result.columns import corner_columns, impact_columns, train_columns
 
     columns = {
         "history.csv and rigid.csv of a constrained corner": corner_columns(),

@@ -29,23 +29,27 @@ import sys as _sys
 from importlib.machinery import PathFinder as _PathFinder
 
 
-def _demand_own(*names):
-    """Raise ImportError where another file would be imported in place of a package beside this one, before any is; a
-    command ends with status 2."""
+def _demand_packages(*names):
+    """Raise ImportError where a file hides a package of tailslap.
+
+    It is raised before any of them is imported. A command ends with status 2.
+    """
     root = _os.path.dirname(_os.path.dirname(_os.path.realpath(__file__)))
     for name in names:
         loaded = _sys.modules.get(name)
-        found = _PathFinder.find_spec(name) if loaded is None else loaded.__spec__
-        file = (found and found.origin) or getattr(loaded, "__file__", None)
+        spec = _PathFinder.find_spec(name) if loaded is None else loaded.__spec__
+        file = (spec and spec.origin) or getattr(loaded, "__file__", None)
         if file and _os.path.dirname(_os.path.dirname(_os.path.realpath(file))) != root:
-            said = f"{file} is in conflict with the package {name} of tailslap; rename it, or start elsewhere"
+            message = (
+                f"{file} is in conflict with the package {name} of tailslap; rename it, or start elsewhere"
+            )
             if _sys.argv and _os.path.basename(_sys.argv[0]) in ("-m", "tailslap"):
-                print(f"tailslap: {said}", file=_sys.stderr)
+                print(f"tailslap: {message}", file=_sys.stderr)
                 raise SystemExit(2)
-            raise ImportError(said)
+            raise ImportError(message)
 
 
-_demand_own("fem", "meshes", "postprocess", "solver")
+_demand_packages("fem", "meshes", "postprocess", "solver")
 
 from fem.lazy import lazy_names  # noqa: E402
 
@@ -54,12 +58,15 @@ __version__ = "0.2.0"
 __all__, __getattr__, __dir__ = lazy_names(
     __name__,
     {
-        "api": "check compare confirm modal modes rigid run study sweep",
+        "api": "check confirm modal modes rigid run study",
+        "campaign.sweep": "sweep",
+        "comparing.compare": "compare",
         "errors": "InputError",
         "exports.export": "export",
-        "files.load": "load",
+        "result.columns": "Columns",
+        "result.load": "load",
         "replication.page": "paper",
-        "result": "Columns Result",
+        "result.result": "Result",
         "scene.read": "scenes",
         "scene.write": "new",
     },

@@ -1,18 +1,18 @@
 from tailslap.api import check as check
-from tailslap.api import compare as compare
 from tailslap.api import confirm as confirm
 from tailslap.api import modal as modal
 from tailslap.api import modes as modes
 from tailslap.api import rigid as rigid
 from tailslap.api import run as run
 from tailslap.api import study as study
-from tailslap.api import sweep as sweep
+from tailslap.campaign.sweep import sweep as sweep
+from tailslap.comparing.compare import compare as compare
 from tailslap.errors import InputError as InputError
 from tailslap.exports.export import export as export
-from tailslap.files.load import load as load
 from tailslap.replication.page import paper as paper
-from tailslap.result import Columns as Columns
-from tailslap.result import Result as Result
+from tailslap.result.columns import Columns as Columns
+from tailslap.result.load import load as load
+from tailslap.result.result import Result as Result
 from tailslap.scene.read import scenes as scenes
 from tailslap.scene.write import new as new
 

@@ -1,4 +1,4 @@
-"""`python -m tailslap`: the command line."""
+"""Run the command line as `python -m tailslap`."""
 
 from tailslap import cli
 

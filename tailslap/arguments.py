@@ -48,9 +48,9 @@ def checked_arguments(function: Function) -> Function:
 
 
 def picture_pixels(given: str | Sequence[int] | None) -> tuple[int, int] | None:
-    """Return width and height [pixels] of a text like "1600x700" or a pair.
+    """Return width and height [pixels] of a pair or a text.
 
-    Raises InputError for other values; None is returned.
+    Texts are like "1600x700". Raises InputError for other values; None is returned.
     """
     if given is None:
         return None
@@ -114,7 +114,7 @@ def _is_of(value: object, kind: Any) -> bool:
 
 
 def _is_encodable(text: str) -> bool:
-    """Return True for text that the file system can have as a name."""
+    """Return True for text that can be a file's name."""
     try:
         return b"\0" not in os.fsencode(text)
     except UnicodeEncodeError:

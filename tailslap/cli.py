@@ -1,4 +1,7 @@
-"""Entry point of the command `tailslap`. Messages go to standard error, results to standard output."""
+"""Run the command `tailslap` as a process.
+
+Messages go to standard error, results to standard output.
+"""
 
 import contextlib
 import io
@@ -7,9 +10,12 @@ import re
 import signal
 import sys
 import warnings
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import click
+
+if TYPE_CHECKING:
+    from typing_extensions import Buffer
 
 # The matrices are small or sparse: BLAS threads slow them down, up to a hundredfold on busy cores.
 # Set before NumPy is loaded; inherited by worker processes.
@@ -33,12 +39,12 @@ ENVIRONMENT = {
         "a window of VTK, vtkEGLRenderWindow",
     ),
 }
-"""Environment variables with which libraries fail as they are imported: pattern of their values, and it in words."""
+"""Environment variables with which libraries fail on import: pattern of their values, and its description."""
 
 FOLDERS = tuple(
     f"XDG_{name}" for name in ("CACHE_HOME", "CONFIG_HOME", "DATA_HOME", "STATE_HOME", "RUNTIME_DIR")
 )
-"""Environment variables that are to be ignored where their path is relative (XDG Base Directory Specification)."""
+"""Environment variables that are ignored if their path is relative (XDG Base Directory Specification)."""
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -55,7 +61,10 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _status(arguments: list[str] | None) -> int:
-    """Run the command; errors become a message and an exit status."""
+    """Run the command and return its exit status.
+
+    Errors become a message and an exit status.
+    """
     try:
         status = _run(arguments)
         sys.stdout.flush()
@@ -63,13 +72,13 @@ def _status(arguments: list[str] | None) -> int:
     except errors.InputError as error:
         return _complain(str(error), WRONG_INPUT)
     except click.ClickException as error:
-        said = io.StringIO()
-        error.show(said)
-        click.echo(errors.escaped(said.getvalue()), err=True, nl=False)
+        message = io.StringIO()
+        error.show(message)
+        click.echo(errors.escaped(message.getvalue()), err=True, nl=False)
         return WRONG_INPUT
     except (KeyboardInterrupt, click.Abort) as error:
-        kept = error.__cause__ if isinstance(error.__cause__, errors.Interrupted) else error
-        return _complain(str(kept) or "interrupted; nothing was written", INTERRUPTED)
+        cause = error.__cause__ if isinstance(error.__cause__, errors.Interrupted) else error
+        return _complain(str(cause) or "interrupted; nothing was written", INTERRUPTED)
     except BrokenPipeError:
         return DONE
     except MemoryError:
@@ -78,7 +87,7 @@ def _status(arguments: list[str] | None) -> int:
         return _complain(errors.import_fault(error), CANNOT_RUN)
     except OSError as error:
         return _complain(errors.machine_fault(error), CANNOT_RUN)
-    except Exception as error:  # a fault of the program: one line, as everywhere; the rest on demand
+    except Exception as error:  # a fault of the program, whose traceback is printed on demand
         if os.environ.get("TAILSLAP_TRACEBACK"):
             raise
         why = f"internal error, {type(error).__name__}: {errors.shortened(str(error))}"
@@ -86,25 +95,31 @@ def _status(arguments: list[str] | None) -> int:
 
 
 def _run(arguments: list[str] | None) -> int:
-    """Run the command; `commands.main` would end with 1 where the reader of a pipe leaves."""
-    given = sys.argv[1:] if arguments is None else list(arguments)
+    """Run the command and return its exit status.
+
+    `commands.main` is not used: it ends with 1 where the reader of a pipe has ended.
+    """
+    words = sys.argv[1:] if arguments is None else list(arguments)
     _prepare_environment()
     if COMPLETE in os.environ:
         from click.shell_completion import shell_complete
 
         return shell_complete(commands, {}, "tailslap", COMPLETE, os.environ[COMPLETE])
     try:
-        with warnings.catch_warnings(), commands.make_context("tailslap", given, obj=tuple(given)) as context:
+        with warnings.catch_warnings(), commands.make_context("tailslap", words, obj=tuple(words)) as context:
             warnings.simplefilter("always", UserWarning)
             warnings.showwarning = _remark
             status = commands.invoke(context)
-    except click.exceptions.Exit as left:
-        return left.exit_code
+    except click.exceptions.Exit as end:
+        return end.exit_code
     return status if isinstance(status, int) else DONE
 
 
 def _prepare_environment() -> None:
-    """Drop or replace environment variables that libraries misread. Raises InputError for those that end them."""
+    """Drop or replace environment variables that libraries misread.
+
+    Raises InputError for those with which they fail.
+    """
     os.environ["MPLBACKEND"] = "agg"  # a command opens no windows
     for name in FOLDERS:
         if not os.path.isabs(os.environ.get(name, os.sep)):
@@ -115,18 +130,23 @@ def _prepare_environment() -> None:
             raise errors.InputError(f"environment variable {name}", value, f"allowed is {words}; or unset it")
 
 
-def _remark(message: Warning | str, *_: Any, **__: Any) -> None:
-    first = str(message).strip().partition("\n")[0]  # Numba's go on with a traceback
+def _remark(message: Warning | str, *_: object, **__: object) -> None:
+    """Print the first line of a warning as a remark."""
+    first = str(message).strip().partition("\n")[0]  # Numba's warnings continue with a traceback
     click.echo(f"tailslap: remark: {errors.escaped(first)}", err=True)
 
 
 def _complain(message: str, status: int) -> int:
+    """Print an error message and return the exit status."""
     click.echo(f"tailslap: {errors.escaped(message)}", err=True)
     return status
 
 
 def open_closed_streams() -> None:
-    """Give streams that are closed to the void: else the next file that is opened would take their place."""
+    """Open closed standard streams as the null device.
+
+    Otherwise the next opened file would take their place.
+    """
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         try:
             os.fstat(number)
@@ -137,17 +157,21 @@ def open_closed_streams() -> None:
 
 
 class _Messages(io.FileIO):
-    """Standard error where what it does not take, on a full disk or a pipe that is closed, is lost: no command ends or
-    changes its status for a message."""
+    """Standard error that ignores failed writes.
 
-    def write(self, data: Any) -> int:
+    On a full disk or a closed pipe messages are lost, so that no command ends or changes its status for one.
+    """
+
+    def write(self, data: "Buffer") -> int:
+        """Write a message, or drop it. Returns the number of bytes."""
         try:
             return super().write(data) or 0
         except OSError:
-            return len(data)
+            return memoryview(data).nbytes
 
     @classmethod
     def instead_of(cls, stream: TextIO) -> TextIO:
+        """Return a replacement of standard error, else the stream itself."""
         if not isinstance(stream, io.TextIOWrapper) or stream.fileno() != STDERR:
             return stream
         buffer = io.BufferedWriter(cls(STDERR, "w", closefd=False))
@@ -155,14 +179,20 @@ class _Messages(io.FileIO):
 
 
 def take_signals_as_interrupts() -> None:
-    """TERM and HUP end a command as Ctrl-C does, with all that is cleared away then; HUP not under nohup."""
+    """End a command on TERM and HUP as on Ctrl-C.
+
+    Its cleanup is the same then. HUP is ignored under nohup.
+    """
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler)
 
 
 def drop_unwritten() -> None:
-    """Write what is buffered, or where nobody takes it, drop it without a word from the interpreter."""
+    """Write buffered output, or drop it where it cannot be written.
+
+    Otherwise the interpreter would print an error at its end.
+    """
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

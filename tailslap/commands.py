@@ -1,4 +1,4 @@
-"""Commands of `tailslap`: options, and calls of the functions of the same names."""
+"""Define the commands of `tailslap` and call the functions of their names."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from tailslap.arguments import UnitSystem
 from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.exports import PROGRAMS, SOLVERS
-from tailslap.files.folder import commit, default_place, result_folder
-from tailslap.files.manifest import Origin
 from tailslap.scene import read
 from tailslap.scene.vary import Source, changes_of
+from tailslap.storage.folder import commit, default_place, result_folder
+from tailslap.storage.manifest import Origin
 from tailslap.studies.study import Study, prepared
 
 if TYPE_CHECKING:
     from postprocess.report.command_report import Report
-    from tailslap.result import Fill
+    from tailslap.result.result import Fill
 
 DONE, CHECK_FAILED = 0, 1
 """Exit statuses of a completed command."""
@@ -41,24 +41,24 @@ HELP = {"help_option_names": ["-h", "--help"]}
 
 
 def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
-    """Decorator that adds SCENE and --set to a command and passes it the case of that scene."""
+    """Decorate a command with SCENE and --set, and pass it the case."""
 
     @functools.wraps(function)
-    def command(name: str, changes: tuple[str, ...], **given: Any) -> int:
+    def command(name: str, changes: tuple[str, ...], **arguments: object) -> int:
         scene, source = read.read_scene(name, changes)
         remark_on(source)
-        return function(case_of(scene, source), **given)
+        return function(case_of(scene, source), **arguments)
 
     return options.with_options(options.SCENE, options.SET)(command)
 
 
 def place_of(case: Case, ending: str = "") -> Path:
-    """Default result folder of a command on a case."""
+    """Return the default result folder of a command on a case."""
     return default_place(case.scene.name, changes_of(case.source), ending)
 
 
 def remark_on(source: Source) -> None:
-    """Show what is remarkable in a scene."""
+    """Print remarks on unusual numbers in a scene."""
     for remark in read.remarks(source):
         click.echo(f"tailslap: remark: {remark}", err=True)
 
@@ -74,7 +74,7 @@ def deliver(
     force: bool = False,
     page: str = "",
 ) -> int:
-    """Compute a result, write it to the locked folder `place` and print it.
+    """Compute a result, write it to a locked folder and print it.
 
     of: command and scene; page: file name of the page, by default that of a report.
     """
@@ -86,11 +86,14 @@ def deliver(
 
 
 def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") -> int:
-    """Print the report, or its summary as JSON. Returns 1 if a check failed."""
+    """Print the report, or its summary as JSON.
+
+    Returns the exit status.
+    """
     from postprocess.report.command_report import PAGE, report_text
 
     assert report is not None
-    options.tell(report.numbers, report_text(report, place, page or PAGE), as_json)
+    options.report(report.numbers, report_text(report, place, page or PAGE), as_json)
     return DONE if report.passed else CHECK_FAILED
 
 
@@ -128,22 +131,26 @@ def run(
     units: str,
     as_json: bool,
 ) -> int:
-    """Run a scene: rigid solution, mesh, FE run, comparison, pictures, report."""
+    """Run a scene and write the result folder.
+
+    A run solves the rigid body, makes the mesh, integrates the FE model, compares both, and writes pictures and a
+    report.
+    """
     from tailslap.campaign.records import program
-    from tailslap.files import checkpoints
+    from tailslap.storage import checkpoints
 
     place, of = out or place_of(case), Origin("run", case.scene.name)
     definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}
     with result_folder(place, force=force, origin=of) as folder:
         with checkpoints.checkpointed(place, definition, resume):
-            found = tailslap.run(
+            result = tailslap.run(
                 case, tolerance=tolerance, allow_large=allow_large, picture_size=picture_size
             )
-            assert found.fill is not None
-            report = found.fill(folder, False, units)
-            commit(folder.parent, of)  # results are kept even if the pictures fail
+            assert result.fill is not None
+            report = result.fill(folder, False, units)
+            commit(folder.parent, of)  # results are stored even if the pictures fail
         if not no_pictures:
-            report = found.fill(folder, True, units)
+            report = result.fill(folder, True, units)
     return conclude(report, place, as_json)
 
 
@@ -154,40 +161,46 @@ def rigid(case: Case, as_json: bool, units: UnitSystem) -> int:
     """Solve the rigid-body method, or the whole impact of the rigid vehicle."""
     if as_json and units == "us":
         raise errors.InputError("--units", units, "--json is always in SI; remove one of the two options")
-    found = tailslap.rigid(case, units=units)
-    return options.tell(found.summary, found.text, as_json)
+    result = tailslap.rigid(case, units=units)
+    return options.report(result.summary, result.text, as_json)
 
 
 class Studies(click.Group):
     """Subcommands of `tailslap study`, imported on demand."""
 
     def list_commands(self, context: click.Context) -> list[str]:
-        """Names of the studies."""
+        """Return the names of the studies."""
         return studies.study_names()
 
     def get_command(self, context: click.Context, name: str) -> click.Command:
-        """Command of a study. Raises InputError, listing the studies, for an unknown name."""
+        """Return the command of a study.
+
+        Raises InputError, with a list of the studies, for an unknown name.
+        """
         return study_command(studies.find_study(name))
 
 
 @commands.command("study", cls=Studies, subcommand_metavar="NAME SCENE [OPTIONS]...")
 def study() -> None:
-    """Run a study of a scene; `tailslap study NAME --help` lists its options."""
+    """Run a study of a scene.
+
+    `tailslap study NAME --help` lists its options.
+    """
 
 
 def study_command(chosen: Study) -> click.Command:
-    """Command of a study, with SCENE, --set, --out and its own options."""
+    """Return the command of a study with its options."""
     help_out = f"Result folder  [default: results/NAME+CHANGES-{chosen.name}]"
     out = click.Option(["--out", "folder"], type=options.Folder(), help=help_out)
     shared = [options.SCENE, options.SET, out, options.ALLOW_LARGE, options.FORCE, *options.WATCHED]
 
-    def run(name: str, changes: tuple[str, ...], units: str, as_json: bool, **given: Any) -> int:
+    def run(name: str, changes: tuple[str, ...], units: str, as_json: bool, **settings: Any) -> int:
         from tailslap import api
 
-        folder, allow_large, force = (given.pop(key) for key in ("folder", "allow_large", "force"))
-        case, place, of = prepared(chosen, name, changes, folder, allow_large, given)
+        folder, allow_large, force = (settings.pop(key) for key in ("folder", "allow_large", "force"))
+        case, place, of = prepared(chosen, name, changes, folder, allow_large, settings)
         remark_on(case.source)
-        compute = lambda: api.study_result(chosen, case, place, given).fill  # noqa: E731
+        compute = lambda: api.study_result(chosen, case, place, settings).fill  # noqa: E731
         return deliver(compute, place, of, as_json, units, force=force)
 
     return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
@@ -236,27 +249,28 @@ def sweep(
     seed: int,
     folder: Path | None,
     as_json: bool,
-    **given: Any,
+    **execution: Any,
 ) -> int:
-    """Run a scene for many values of its keys: one table, a row a run.
+    """Run a scene for many values of its keys.
 
-    Interrupted or killed, it resumes by the same command, and repeats nothing. Exit status: 0 if every run passed its
-    checks or was refused by the theory; 1 if one failed a check or ended in an error; 3 if the cluster was lost.
+    The result is a table with a row for each run. Interrupted or killed, the same command resumes, and repeats nothing.
+    Exit status: 0 if every run passed its checks or was refused by the theory; 1 if one failed a check or ended in an
+    error; 3 if the cluster was lost.
     """
-    from tailslap import api
     from tailslap.campaign.definition import make_definition, varied_source
     from tailslap.campaign.perform import StoppedError
+    from tailslap.campaign.sweep import sweep_result
 
-    asked = make_definition(name, changes, varied, sample, seed)
-    remark_on(varied_source(asked))
-    place = folder or default_place(asked.scene, changes_of(asked.source), "-sweep")
+    definition = make_definition(name, changes, varied, sample, seed)
+    remark_on(varied_source(definition))
+    place = folder or default_place(definition.scene, changes_of(definition.source), "-sweep")
     try:
-        found = api.sweep_result(asked, place, **given)
+        result = sweep_result(definition, place, **execution)
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
-    options.tell(found.summary, found.text, as_json)
-    return DONE if found.passed else CHECK_FAILED
+    options.report(result.summary, result.text, as_json)
+    return DONE if result.passed else CHECK_FAILED
 
 
 @commands.command()
@@ -280,18 +294,19 @@ def sweep(
 )
 @click.option("--picture-size", type=options.PictureSize(), metavar="WIDTHxHEIGHT", help=PICTURES_HELP)
 @options.with_options(options.FORCE_READ, *options.PRINTED)
-def export(result: Path, as_json: bool, **given: Any) -> int:
-    """Export the fields and histories of a result for ParaView, Gmsh or data frames, or a scene for another solver.
+def export(result: Path, as_json: bool, **arguments: Any) -> int:
+    """Export a result or a scene for other programs.
 
-    RESULT is a result folder. Mesh and fields require a run with --set output.fields=N; csv and parquet contain the
-    histories of any run. calculix and abaqus are input files of a SCENE that run as they are.
+    RESULT is a result folder, whose fields and histories are written for ParaView, Gmsh or data frames. Mesh and fields
+    require a run with --set output.fields=N; csv and parquet contain the histories of any run. calculix and abaqus are
+    input files of a SCENE that run as they are.
     """
-    written = tailslap.export(result, **given)
-    return options.tell({"written": written}, f"Written: {written}", as_json)
+    written = tailslap.export(result, **arguments)
+    return options.report({"written": written}, f"Written: {written}", as_json)
 
 
 @commands.command()
-@click.argument("given", metavar="RESULT RESULT...", nargs=-1, required=True, type=options.Folder())
+@click.argument("results", metavar="RESULT RESULT...", nargs=-1, required=True, type=options.Folder())
 @click.option(
     "--columns",
     type=options.Text(),
@@ -303,7 +318,7 @@ def export(result: Path, as_json: bool, **given: Any) -> int:
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/compare]")
 @options.with_options(options.FORCE_READ, *options.PRINTED)
 def compare(
-    given: tuple[Path, ...],
+    results: tuple[Path, ...],
     columns: str | None,
     only: str | None,
     author: str | None,
@@ -312,9 +327,10 @@ def compare(
     units: str,
     as_json: bool,
 ) -> int:
-    """Compare results with the first one: curves, differences, validation metrics.
+    """Compare results with the first one.
 
-    The page validation.html has the form of NCHRP W179: solution verification, metrics of all channels, phenomena.
+    The report has curves, differences and validation metrics. The page validation.html has the form of NCHRP W179:
+    solution verification, metrics of all channels, phenomena.
 
     A RESULT is a result folder, a text file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
     CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV). Exit status 1 if a metric
@@ -323,11 +339,10 @@ def compare(
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
 
     def compute() -> Fill | None:
-        """Compare them."""
-        return tailslap.compare(*given, columns=columns, only=names, author=author or "", force=force).fill
+        return tailslap.compare(*results, columns=columns, only=names, author=author or "", force=force).fill
 
     place = out or default_place("compare", ())
-    return deliver(compute, place, ("compare", ""), as_json, units, inputs=given, force=force)
+    return deliver(compute, place, ("compare", ""), as_json, units, inputs=results, force=force)
 
 
 @commands.command()
@@ -345,24 +360,27 @@ def compare(
 )
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES-confirm]")
 @options.with_options(options.FORCE, *options.WATCHED)
-def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **given: Any) -> int:
-    """Run a scene in another solver and compare it with the exact motion.
+def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **arguments: Any) -> int:
+    """Run a scene in another solver and compare the motions.
 
-    Input file, run, comparison and report. The solver must be installed; exit status 1 if the difference exceeds the
+    The motion is compared with the exact one. The solver must be installed; exit status 1 if the difference exceeds the
     limit, 3 if the solver fails.
     """
     place = out or place_of(case, "-confirm")
-    compute = lambda: tailslap.confirm(case, **given).fill  # noqa: E731
+    compute = lambda: tailslap.confirm(case, **arguments).fill  # noqa: E731
     return deliver(compute, place, ("confirm", case.scene.name), as_json, units, force=force)
 
 
 @commands.command()
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE, *options.PRINTED)
-def check(case: Case, as_json: bool, **given: Any) -> int:
-    """Show the model, automatic choices and estimated cost of a run without running it."""
-    found = tailslap.check(case, **given)
-    return options.tell(found.summary, found.text, as_json)
+def check(case: Case, as_json: bool, **arguments: Any) -> int:
+    """Show model, automatic choices and estimated cost of a run.
+
+    Nothing is run.
+    """
+    result = tailslap.check(case, **arguments)
+    return options.report(result.summary, result.text, as_json)
 
 
 @commands.command()
@@ -403,11 +421,11 @@ def modes(
     help="Largest allowed relative error.",
 )
 @options.with_options(*options.PRINTED)
-def modal(case: Case, as_json: bool, **given: Any) -> int:
+def modal(case: Case, as_json: bool, **arguments: Any) -> int:
     """Run a scene with the modal model of the plate."""
-    found = tailslap.modal(case, **given)
-    options.tell(found.summary, found.text, as_json)
-    return DONE if found.passed else CHECK_FAILED
+    result = tailslap.modal(case, **arguments)
+    options.report(result.summary, result.text, as_json)
+    return DONE if result.passed else CHECK_FAILED
 
 
 @commands.command()
@@ -419,7 +437,7 @@ def scenes(as_json: bool) -> int:
     shipped = tailslap.scenes()
     width = max(map(len, shipped))
     lines = [f"{name:<{width}}  {text}" for name, text in shipped.items()]
-    return options.tell(shipped, terminal.labelled_text(lines, width + 2), as_json)
+    return options.report(shipped, terminal.labelled_text(lines, width + 2), as_json)
 
 
 @commands.command()
@@ -428,7 +446,7 @@ def scenes(as_json: bool) -> int:
 def new(name: str, as_json: bool) -> int:
     """Write NAME.toml, a scene with every key, its meaning and an example."""
     path = tailslap.new(name)
-    return options.tell({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
+    return options.report({"scene": name, "file": str(path)}, f"{path}: see `tailslap check {path}`", as_json)
 
 
 @commands.command()
@@ -461,9 +479,9 @@ def completion(shell: str, as_json: bool) -> int:
     """
     from click.shell_completion import get_completion_class
 
-    made = get_completion_class(shell)
-    script = made(commands, {}, "tailslap", COMPLETE).source() if made else ""
-    return options.tell({"shell": shell, "script": script}, script, as_json)
+    kind = get_completion_class(shell)
+    script = kind(commands, {}, "tailslap", COMPLETE).source() if kind else ""
+    return options.report({"shell": shell, "script": script}, script, as_json)
 
 
 @commands.command()

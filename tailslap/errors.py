@@ -1,4 +1,4 @@
-"""Errors of the input, and their messages."""
+"""Define errors of the input and format their messages."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ ABSENT = {errno.ENOENT, errno.ENOTDIR}
 """Errors of a path at which there is nothing."""
 
 MAX_SHOWN, LONG = 120, 160
-"""Characters of a value that a message shows, and of a list above which it is wrapped."""
+"""Largest length of a value in a message, and length of a list above which it is wrapped."""
 
 
 class InputError(Exception):
@@ -56,15 +56,18 @@ class InputError(Exception):
 
     def __init__(self, key: str, given: object, allowed: str) -> None:
         self.key, self.given, self.allowed = key, given, allowed
-        super().__init__(f"{shortened(key)}: given {_shown(given)}; {allowed}")
+        super().__init__(f"{shortened(key)}: given {_quoted(given)}; {allowed}")
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str]]:
-        """Pickle the error by its three parts."""
+        """Pickle the error as its three parts."""
         return type(self), (self.key, self.given, self.allowed)
 
 
 class Interrupted(KeyboardInterrupt):
-    """Interrupt of a command whose partial result is kept; the message names it."""
+    """Interrupt of a command with a partial result.
+
+    The message names it.
+    """
 
 
 class Missing:
@@ -76,16 +79,19 @@ class Verbatim(str):
 
 
 def nearest(name: str, known: Iterable[str], form: str = "{}") -> str:
-    """Hint at the known name that is nearest to a wrong one, "; did you mean NAME?"; empty where none is near.
+    """Return a hint at the known name nearest to a wrong one.
 
-    form: of the name in the hint.
+    It is "; did you mean NAME?", empty without a near name. form: of the name in the hint.
     """
-    found = difflib.get_close_matches(name, list(known), 1)
-    return f"; did you mean {form.format(found[0])}?" if found else ""
+    matches = difflib.get_close_matches(name, list(known), 1)
+    return f"; did you mean {form.format(matches[0])}?" if matches else ""
 
 
 def one_of(name: str, known: Iterable[str], which: str = "allowed is one of") -> str:
-    """List of allowed names, with the one nearest to `name`; a long list is on lines of its own."""
+    """List allowed names, with the nearest one to `name`.
+
+    A long list is on separate lines.
+    """
     known = list(known)
     names = " " + ", ".join(known)
     if len(names) > LONG:
@@ -94,14 +100,17 @@ def one_of(name: str, known: Iterable[str], which: str = "allowed is one of") ->
 
 
 def place_error(place: object, what: str, error: OSError, key: str = "--out") -> Exception:
-    """Error for a result that cannot be written: InputError, or OSError for a fault of the machine."""
+    """Return the error for a result that cannot be written.
+
+    It is an InputError, or an OSError for a fault of the machine.
+    """
     if error.errno in MACHINE_FAULTS:
         return OSError(error.errno, f"{what}: {error.strerror}", str(place))
     return InputError(key, str(place), f"{what}: {error.strerror or error}")
 
 
 def machine_fault(error: OSError) -> str:
-    """Message of an OSError."""
+    """Return the message of an OSError."""
     where = f": {shortened(str(error.filename))}" if error.filename else ""
     return f"{error.strerror or error}{where}"
 
@@ -123,19 +132,28 @@ def is_there(path: str | os.PathLike[str]) -> bool:
 
 
 def import_fault(error: ImportError) -> str:
-    """Message of a library that cannot be loaded; a missing system library is followed by its packages."""
+    """Return the message for a library that cannot be loaded.
+
+    The packages of a missing system library follow.
+    """
     if ".so" not in str(error):
         return f"{error}\n`python3 bootstrap.py` in the checkout installs missing packages"
     return f"{error}\nas root: {APT_INSTALL} {APT_PACKAGES}\nor: dnf install -y {DNF_PACKAGES}"
 
 
 def escaped(text: str) -> str:
-    """Text with unprintable characters, other than line feeds, as escape sequences."""
+    """Return text with escape sequences for unprintable characters.
+
+    Line feeds stay.
+    """
     return "".join(letter if letter.isprintable() or letter == "\n" else _escape(letter) for letter in text)
 
 
 def typed_command(*more: str) -> str:
-    """The command line of this process, with more arguments at its end, for a shell; "" where there is none."""
+    """Return the command line of this process with more arguments.
+
+    It is quoted for a shell, and "" outside a command.
+    """
     import click
 
     context = click.get_current_context(silent=True)
@@ -143,21 +161,23 @@ def typed_command(*more: str) -> str:
 
 
 def shortened(text: str, most: int = MAX_SHOWN) -> str:
-    """Text of at most `most` characters on one line, escaped."""
+    """Return text of at most `most` characters on one line, escaped."""
     text = text if len(text) <= most else text[: most - 3] + "..."
     return escaped(text).replace("\n", "\\n")
 
 
 def _escape(letter: str) -> str:
+    """Return the escape sequence of a character."""
     return letter.encode("unicode_escape", "backslashreplace").decode("ascii")
 
 
-def _shown(given: object) -> str:
-    if given is Missing:
+def _quoted(value: object) -> str:
+    """Return a value as messages show it, texts in quotes."""
+    if value is Missing:
         return "no value"
-    if isinstance(given, str) and not isinstance(given, Verbatim):
-        return f'"{shortened(given)}"'
+    if isinstance(value, str) and not isinstance(value, Verbatim):
+        return f'"{shortened(value)}"'
     try:
-        return shortened(str(given))
+        return shortened(str(value))
     except (ValueError, RecursionError):  # Python prints no integer of more than 4 300 digits
-        return f"a {type(given).__name__} of too many digits"
+        return f"a {type(value).__name__} of too many digits"

@@ -1,5 +1,6 @@
-"""Page to explore a scene with, opened by `tailslap explore`: a marimo app, whose cells run again when what they read
-changes.
+"""Explore a scene on a page, opened by `tailslap explore`.
+
+It is a marimo app, whose cells run again when their inputs change.
 """
 
 import marimo
@@ -11,7 +12,6 @@ with app.setup:
     import tempfile
     import time
     from pathlib import Path
-    from typing import Any
 
     import marimo as mo
     import tomlkit
@@ -45,11 +45,11 @@ with app.setup:
     }
     """Keys of a scene, and those that have no effect beside them."""
 
-    SHOWN = {"rad": "deg", "N/m": "MN/m"}
-    """Units of sliders whose number has none in the scene."""
+    DEFAULT_UNITS = {"rad": "deg", "N/m": "MN/m"}
+    """Units of sliders whose number has no unit in the scene."""
 
     STEPS = 50
-    """Steps of a slider, at least."""
+    """Least number of steps of a slider."""
 
     NARROW = 400.0
     """Width of a chart in a narrow window [pixels]."""
@@ -78,26 +78,29 @@ with app.setup:
 
 
 @app.function
-def slider(key: str, given: Any) -> tuple[Any, float, str]:
-    """Slider of a key in the unit of the scene, its value there, and the unit."""
+def slider(key: str, quantity: str | float) -> tuple[mo.ui.slider, float, str]:
+    """Return the slider of a key, its value and its unit.
+
+    The unit is that of the scene.
+    """
     label, si, low, high = SLIDERS[key]
-    match = units.NUMBER.fullmatch(given) if isinstance(given, str) else None
-    unit = match[2] if match else SHOWN.get(si, si)
+    match = units.NUMBER.fullmatch(quantity) if isinstance(quantity, str) else None
+    unit = match[2] if match else DEFAULT_UNITS.get(si, si)
     factor = units.converted(1.0, si, unit) if si else 1.0
-    value = float(match[1]) if match else factor * float(given)
+    value = float(match[1]) if match else factor * float(quantity)
     low, high = min(factor * low, value), max(factor * high, value)
     step = 10.0 ** math.floor(math.log10((high - low) / STEPS))
     even = (float(f"{step * k:.6g}") for k in range(math.ceil(low / step), math.floor(high / step) + 1))
-    shown = f"{label} [{unit}]" if unit else label
-    made = mo.ui.slider(
-        steps=sorted({*even, value}), value=value, label=shown, show_value=True, full_width=True
+    heading = f"{label} [{unit}]" if unit else label
+    element = mo.ui.slider(
+        steps=sorted({*even, value}), value=value, label=heading, show_value=True, full_width=True
     )
-    return made, value, unit
+    return element, value, unit
 
 
 @app.function
 def drawn(chart: Chart) -> str:
-    """A chart in two widths, of which the window shows one."""
+    """Return a chart in two widths, of which the window shows one."""
     narrow = draw_chart(chart.name, chart.caption, chart.plots, chart.x, chart.group, NARROW)
     return f'<div class="{chart.name}"><div class="wide">{chart.svg}</div><div class="narrow">{narrow.svg}</div></div>'
 
@@ -124,17 +127,20 @@ def _(opened, shipped):
 @app.cell
 def _(tables):
     replaced = {old for new, old in REPLACED.items() if given_at(tables, new) is not None}
-    shown = {key: given_at(tables, key) for key in SLIDERS if key not in replaced}
-    made = {key: slider(key, value) for key, value in shown.items() if value is not None}
-    sliders = mo.ui.dictionary({key: element for key, (element, _, _) in made.items()})
-    mo.Html(STYLE + f'<div class="sliders">{"".join(f"<div>{sliders[key]}</div>" for key in made)}</div>')
-    return made, sliders
+    values = {key: given_at(tables, key) for key in SLIDERS if key not in replaced}
+    elements = {key: slider(key, value) for key, value in values.items() if value is not None}
+    sliders = mo.ui.dictionary({key: element for key, (element, _, _) in elements.items()})
+    mo.Html(STYLE + f'<div class="sliders">{"".join(f"<div>{sliders[key]}</div>" for key in elements)}</div>')
+    return elements, sliders
 
 
 @app.cell
-def _(made, sliders, tables):
-    moved = {key: value for key, value in sliders.value.items() if value != made[key][1]}
-    changes = {key: f"{value:.10g} {made[key][2]}" if made[key][2] else value for key, value in moved.items()}
+def _(elements, sliders, tables):
+    changed = {key: value for key, value in sliders.value.items() if value != elements[key][1]}
+    unit_of = {key: unit for key, (_, _, unit) in elements.items()}
+    changes = {
+        key: f"{value:.10g} {unit_of[key]}" if unit_of[key] else value for key, value in changed.items()
+    }
     try:
         rigid = tailslap.rigid(tables, changes)
     except tailslap.InputError as wrong:
@@ -172,12 +178,12 @@ def _(button, changes, tables):
 
         try:
             with progress.followed(follow):
-                found = tailslap.run(tables, changes)
+                result = tailslap.run(tables, changes)
             spinner.update("Pictures ...")
-            page = (found.save(Path(place) / "result") / "report.html").read_text(encoding="utf-8")
+            page = (result.save(Path(place) / "result") / "report.html").read_text(encoding="utf-8")
         except tailslap.InputError as wrong:
             mo.stop(True, mo.callout(str(wrong), "danger"))
-    mo.vstack([mo.Html(f'<div class="found">{found._repr_html_()}</div>'), mo.iframe(page, height="85vh")])
+    mo.vstack([mo.Html(f'<div class="found">{result._repr_html_()}</div>'), mo.iframe(page, height="85vh")])
     return
 
 

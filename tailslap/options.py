@@ -1,4 +1,7 @@
-"""Types of the command-line options: numbers in ASCII digits within bounds, names of folders, non-empty texts."""
+"""Define types of the command-line options, and shared options.
+
+They are numbers in ASCII digits within bounds, names of folders and non-empty texts.
+"""
 
 import math
 import os
@@ -24,23 +27,23 @@ MAX_RUNS = 1_000_000
 class Whole(click.IntRange):
     """Whole number in ASCII digits."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The number; fails with what is allowed."""
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """Return the number, or fail with the allowed values."""
         is_odd = isinstance(value, float) and not value.is_integer()
         if is_odd or (isinstance(value, str) and not WHOLE.fullmatch(value.strip())):
             self.fail(f"{value!r} is not a whole number.", param, ctx)
-        return super().convert(value, param, ctx)
+        return int(super().convert(value, param, ctx))
 
 
 class Real(click.FloatRange):
     """Finite number in ASCII digits."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The number; fails with what is allowed."""
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """Return the number, or fail with the allowed values."""
         is_odd = isinstance(value, float) and not math.isfinite(value)
         if is_odd or (isinstance(value, str) and not REAL.fullmatch(value.strip())):
             self.fail(f"{value!r} is not a finite number.", param, ctx)
-        return super().convert(value, param, ctx)
+        return float(super().convert(value, param, ctx))
 
 
 class Folder(click.Path):
@@ -50,7 +53,7 @@ class Folder(click.Path):
         super().__init__(readable=False, path_type=Path)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The path; fails for an empty one."""
+        """Return the path, or fail for an empty one."""
         if isinstance(value, str) and not value.strip():
             self.fail("the path is empty; allowed is the path of a folder.", param, ctx)
         return super().convert(value, param, ctx)
@@ -61,11 +64,11 @@ class Text(click.ParamType):
 
     name = "text"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The text without the blanks around it; fails for an empty one."""
-        if not value.strip():
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Return the text without surrounding blanks, or fail for an empty one."""
+        if not (text := str(value).strip()):
             self.fail("the text is empty.", param, ctx)
-        return value.strip()
+        return text
 
 
 class PictureSize(click.ParamType):
@@ -73,38 +76,44 @@ class PictureSize(click.ParamType):
 
     name = "widthxheight"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The pair; InputError for anything else."""
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, int] | None:
+        """Return the pair. Raises InputError for other values."""
         return picture_pixels(value)
 
 
-def _quiet(context: click.Context, parameter: click.Parameter, given: bool) -> None:
+def _quiet(context: click.Context, parameter: click.Parameter, is_set: bool) -> None:
     """Discard standard output and progress until the command ends."""
-    if given:
+    if is_set:
         nowhere = context.with_resource(open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
         context.with_resource(redirect_stdout(nowhere))
         context.with_resource(progress.shown_as("none"))
 
 
-def _progress(context: click.Context, parameter: click.Parameter, given: bool) -> None:
-    if given:
+def _progress(context: click.Context, parameter: click.Parameter, is_set: bool) -> None:
+    """Log progress as lines until the command ends."""
+    if is_set:
         context.with_resource(progress.shown_as("lines"))
 
 
 def complete_scene(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
-    """Names of scenes and TOML files for shell completion."""
+    """Return names of scenes and TOML files for shell completion."""
     names = [*read.shipped_scenes(), *(str(path) for path in Path().glob("*.toml"))]
     return [name for name in names if name.startswith(typed)]
 
 
 def complete_key(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
-    """Keys of a scene with the equals sign, for shell completion."""
+    """Return keys of a scene with the equals sign, for completion."""
     keys = (re.sub(rf"^({'|'.join(schema.LISTED)})\.", r"\1.0.", key) for key in schema.MEANINGS)
     return [f"{key}=" for key in keys if key.startswith(typed)]
 
 
-def tell(numbers: Mapping[str, Any], text: str, as_json: bool) -> int:
-    """Print the numbers as JSON, or the text. Returns the exit status of success."""
+def report(numbers: Mapping[str, object], text: str, as_json: bool) -> int:
+    """Print the numbers as JSON, or the text.
+
+    Returns the exit status of success.
+    """
     from postprocess.report import data_files
 
     click.echo(data_files.summary_text(numbers) if as_json else text)
@@ -148,12 +157,12 @@ FORCE_READ = click.Option(
 )
 
 
-def with_options(*options: click.Parameter) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorator that adds these options to a command."""
+def with_options(*options: click.Parameter) -> Callable[[Callable[..., int]], Callable[..., int]]:
+    """Return a decorator that adds options to a command."""
 
-    def decorated(function: Callable[..., Any]) -> Callable[..., Any]:
-        given = getattr(function, "__click_params__", [])
-        function.__click_params__ = [*given, *reversed(options)]  # type: ignore[attr-defined]
+    def decorated(function: Callable[..., int]) -> Callable[..., int]:
+        present = getattr(function, "__click_params__", [])
+        function.__click_params__ = [*present, *reversed(options)]  # type: ignore[attr-defined]
         return function
 
     return decorated

@@ -1,8 +1,8 @@
-"""Progress on standard error: on a terminal a line that moves, once the terminal has been silent for a second.
+"""Show progress on standard error.
 
-One line at a time: what runs within something that shows its progress is silent. The environment variable `MODE` says
-how: "auto"; "lines", from time to time a line also where standard error is no terminal; or "none". Processes started
-meanwhile follow it.
+On a terminal a line is updated, once the terminal has been silent for a second. There is one line at a time: a task
+within another one that shows its progress is silent. The environment variable `MODE` selects "auto"; "lines", lines at
+intervals also where standard error is not a terminal; or "none". Processes started meanwhile follow it.
 """
 
 import os
@@ -11,26 +11,32 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.live import Live
 
 MODE = "TAILSLAP_PROGRESS"
-DELAY, LOGGED_EVERY, ASKED_EVERY = 1.0, 30.0, 5.0
-"""Seconds of silence before anything moves; between lines of a count where standard error is no terminal; where lines
-were asked for."""
+DELAY, LOG_INTERVAL, LINES_INTERVAL = 1.0, 30.0, 5.0
+"""Seconds of silence before a line is shown; between lines of a count where standard error is not a terminal; between
+lines in the mode "lines"."""
 
-_last_sign = time.monotonic()
-"""Instant when something was seen last [s]: at first, when the process had come as far as this."""
+Line = Callable[[], str]
+"""Function that returns the present line of progress."""
+
+_last_output = time.monotonic()
+"""Instant of the last output [s], at first of the start of the process."""
 
 _follower = threading.local()
 """Listener to the progress of a thread, if there is one."""
 
-_live: Any = None
-"""The line that moves, a `rich.live.Live`, while there is one."""
+_live: "Live | None" = None
+"""Line on the terminal, while there is one."""
 
 
 @contextmanager
 def shown_as(mode: str) -> Iterator[None]:
-    """Show progress in this mode, also in processes started within this block."""
+    """Show progress in this mode, also in processes started in the block."""
     before = os.environ.get(MODE)
     os.environ[MODE] = mode
     try:
@@ -43,7 +49,10 @@ def shown_as(mode: str) -> Iterator[None]:
 
 @contextmanager
 def followed(listener: Callable[[str], None]) -> Iterator[None]:
-    """Call a function with each line of progress in this thread, in place of showing it."""
+    """Call a function with each line of progress in this thread.
+
+    The line is not shown.
+    """
     _follower.listener = listener
     try:
         yield
@@ -53,7 +62,7 @@ def followed(listener: Callable[[str], None]) -> Iterator[None]:
 
 @contextmanager
 def announced(text: str) -> Iterator[None]:
-    """Say on a terminal that this is being done, and for how long."""
+    """Show on a terminal that a task is in progress, and its duration."""
     began = time.monotonic()
     with _shown(lambda: f"{text} {time.monotonic() - began:.0f} s", None, None):
         yield
@@ -61,7 +70,10 @@ def announced(text: str) -> Iterator[None]:
 
 @contextmanager
 def progress_bar(label: str, total: int = 0) -> Iterator[Callable[[float], None]]:
-    """Yield a function that takes the fraction done, 0 to 1, of `total` things; silent where there is no terminal."""
+    """Yield a function that takes the completed fraction of `total` items.
+
+    The fraction is 0 to 1. Nothing is printed where standard error is not a terminal.
+    """
     with counted(label, total, 0, None) as show:
         yield lambda fraction: show(fraction * max(total, 1))
 
@@ -71,69 +83,73 @@ def counted(
     label: str,
     total: int,
     before: int,
-    logged: float | None = LOGGED_EVERY,
+    logged: float | None = LOG_INTERVAL,
     work_left: Callable[[float], float] | None = None,
 ) -> Iterator[Callable[..., None]]:
-    """Yield a function that takes how many of `total` are done, and a note; it logs where there is no terminal.
+    """Yield a function that takes the number completed of `total`, and a note.
 
-    total: 0 where a fraction is shown in per cent. before: how many were done when this begins, which count for no
-    rate. logged: seconds between log lines, None for none. work_left: what is left when so many are done, where they
-    differ in cost.
+    It logs where standard error is not a terminal. total: 0 where a fraction is shown in per cent. before: number
+    completed at the start, which does not count for the rate. logged: seconds between log lines, None for no log.
+    work_left: remaining work by the number completed, where items differ in cost.
     """
-    began, done, note = time.monotonic(), float(before), ""
-    left = work_left or (lambda count: max(total, 1) - count)
+    began, completed, note = time.monotonic(), float(before), ""
+    remaining = work_left or (lambda count: max(total, 1) - count)
 
     def line() -> str:
-        elapsed, own = time.monotonic() - began, done - before
-        count = f"{round(done)} of {total}" if total else f"{100.0 * done:.0f} %"
-        rate = f", {own / elapsed:.3g}/s" if total and own else ""
-        return f"{label}: {count}{rate}, {_left(left(done), left(before) - left(done), elapsed)}{note}"
+        elapsed, recent = time.monotonic() - began, completed - before
+        count = f"{round(completed)} of {total}" if total else f"{100.0 * completed:.0f} %"
+        rate = f", {recent / elapsed:.3g}/s" if total and recent else ""
+        time_left = _time_left(remaining(completed), remaining(before) - remaining(completed), elapsed)
+        return f"{label}: {count}{rate}, {time_left}{note}"
 
     def show(count: float, remark: str = "") -> None:
-        nonlocal done, note
-        done, note = count, remark
+        nonlocal completed, note
+        completed, note = count, remark
         log()
 
-    with _shown(line, lambda: done / max(total, 1), logged) as log:
+    with _shown(line, lambda: completed / max(total, 1), logged) as log:
         yield show
 
 
 def estimated(text: str) -> None:
-    """Say what a long campaign will take, terminal or not, unless progress is silent."""
+    """Print the estimated cost of a campaign unless progress is silent."""
     if os.environ.get(MODE) != "none":
         compiling(text)
 
 
 def compiling(text: str) -> None:
-    """Say that a time loop is being compiled, terminal or not, for nothing else is seen."""
-    global _last_sign
+    """Print that a time loop is compiled, also without a terminal."""
+    global _last_output
     message = f"tailslap: {text}"
     if _live is None:
         print(message, file=sys.stderr, flush=True)
     else:
         _live.console.print(message, markup=False, highlight=False, soft_wrap=True)
-    _last_sign = time.monotonic()
+    _last_output = time.monotonic()
 
 
 def clock(seconds: float) -> str:
-    """Hours, minutes and seconds."""
+    """Return a time [s] as hours, minutes and seconds."""
     minutes, seconds = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours}:{minutes:02d}:{seconds:02d}" if hours else f"{minutes}:{seconds:02d}"
 
 
-def _left(rest: float, done: float, elapsed: float) -> str:
-    return f"{clock(rest * elapsed / done)} left" if done > 0.0 else f"{clock(elapsed)} so far"
-
-
-Line = Callable[[], str]
+def _time_left(remaining: float, completed: float, elapsed: float) -> str:
+    """Return the remaining time by the rate so far, or the elapsed time."""
+    if completed > 0.0:
+        return f"{clock(remaining * elapsed / completed)} left"
+    return f"{clock(elapsed)} so far"
 
 
 @contextmanager
 def _shown(line: Line, fraction: Callable[[], float] | None, logged: float | None) -> Iterator[Line]:
-    """Show a line that moves, or log it; yield what logs it where that is due. logged: seconds between log lines."""
+    """Show or log a line in the present mode; yield the function that logs it.
+
+    logged: seconds between log lines.
+    """
     mode, every = os.environ.get(MODE, "auto"), logged if fraction else None
-    every = ASKED_EVERY if mode == "lines" and fraction else every
+    every = LINES_INTERVAL if mode == "lines" and fraction else every
     last = time.monotonic()
 
     def follow() -> str:
@@ -153,17 +169,17 @@ def _shown(line: Line, fraction: Callable[[], float] | None, logged: float | Non
         elif hasattr(_follower, "listener"):
             yield follow
         elif sys.stderr.isatty():
-            with _moving(line, fraction):
+            with _on_terminal(line, fraction):
                 yield str
         else:
             yield log
 
 
 @contextmanager
-def _moving(line: Line, fraction: Callable[[], float] | None) -> Iterator[None]:
-    """Show the line, with a bar, from a thread; it is erased at the end."""
+def _on_terminal(line: Line, fraction: Callable[[], float] | None) -> Iterator[None]:
+    """Update the line, with a bar, from a thread, and erase it at the end."""
     ended = threading.Event()
-    thread = threading.Thread(target=_show, args=(line, fraction, ended), daemon=True)
+    thread = threading.Thread(target=_update, args=(line, fraction, ended), daemon=True)
     thread.start()
     try:
         yield
@@ -172,9 +188,10 @@ def _moving(line: Line, fraction: Callable[[], float] | None) -> Iterator[None]:
         thread.join()
 
 
-def _show(line: Line, fraction: Callable[[], float] | None, ended: threading.Event) -> None:
-    global _live, _last_sign
-    if ended.wait(max(0.0, _last_sign + DELAY - time.monotonic())):
+def _update(line: Line, fraction: Callable[[], float] | None, ended: threading.Event) -> None:
+    """Update the line on the terminal until the event is set."""
+    global _live, _last_output
+    if ended.wait(max(0.0, _last_output + DELAY - time.monotonic())):
         return
     from rich.console import Console
     from rich.live import Live
@@ -193,6 +210,6 @@ def _show(line: Line, fraction: Callable[[], float] | None, ended: threading.Eve
 
     console = Console(file=sys.stderr)
     with Live(get_renderable=row, console=console, transient=True, refresh_per_second=10) as _live:
-        console.show_cursor(True)  # a process that is killed would leave the terminal without
+        console.show_cursor(True)  # else a killed process would hide the cursor of the terminal
         ended.wait()
-    _live, _last_sign = None, time.monotonic()
+    _live, _last_output = None, time.monotonic()

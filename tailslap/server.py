@@ -1,4 +1,4 @@
-"""Server of the page of `tailslap explore`, for the user of this machine who has started it alone.
+"""Serve the page of `tailslap explore` to the user who has started it.
 
 The secret is the first part of every path, as cookies of 127.0.0.1 are sent to all of its ports.
 """
@@ -9,7 +9,7 @@ import secrets
 import socket
 import tempfile
 import webbrowser
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator, MutableMapping
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -19,14 +19,22 @@ from tailslap.errors import InputError
 HOST = "127.0.0.1"
 PAGE = Path(__file__).with_name("explore.py")
 REDIRECT = '<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0; url={}">'
-"""File that the browser opens: arguments of processes are visible to all users, so the secret is not among them."""
+"""File that the browser opens: a secret among its arguments would be visible to all users."""
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Scope]]
+Send = Callable[[Scope], Awaitable[None]]
+"""Types of ASGI: the request, and the functions that receive and send its messages."""
 
 FORBIDDEN, FOREIGN = 403, 1008
 """Status of a refused request, and code of a refused websocket."""
 
 
 def serve(scene: str, port: int, headless: bool) -> None:
-    """Serve the page until the process is interrupted. Raises InputError for a port that is in use."""
+    """Serve the page until the process is interrupted.
+
+    Raises InputError for a port that is in use.
+    """
     import marimo
     import uvicorn
 
@@ -43,7 +51,10 @@ def serve(scene: str, port: int, headless: bool) -> None:
 
 
 def _listen(listener: socket.socket, port: int) -> None:
-    """Take the port before the address is shown, so that nobody else can answer there."""
+    """Take the port before the address is printed.
+
+    No other process can then answer there.
+    """
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((HOST, port))
@@ -54,7 +65,10 @@ def _listen(listener: socket.socket, port: int) -> None:
 
 @contextlib.contextmanager
 def _shown(address: str, headless: bool) -> Iterator[None]:
-    """Open the address in the browser by a private file, which is removed at the end."""
+    """Open the address in the browser by a private file.
+
+    The file is removed at the end of the block.
+    """
     with tempfile.TemporaryDirectory(prefix="tailslap-") as folder:
         if not headless:
             webbrowser.open(redirecting_file(Path(folder), address).as_uri())
@@ -62,7 +76,10 @@ def _shown(address: str, headless: bool) -> Iterator[None]:
 
 
 def redirecting_file(folder: Path, address: str) -> Path:
-    """Write the file, readable by this user alone, that leads a browser to an address."""
+    """Write the file that leads a browser to an address.
+
+    It is readable by this user alone.
+    """
     path = folder / "explore.html"
     with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as file:
         file.write(REDIRECT.format(address))
@@ -70,17 +87,20 @@ def redirecting_file(folder: Path, address: str) -> Path:
 
 
 class Guard:
-    """ASGI application that lets through what its own page requests, and refuses all else.
+    """ASGI application that admits requests of its own page alone.
 
-    Another name of the host is that of a page of another site whose name leads here; another origin is such a page.
+    A request under another name of the host comes from another site whose name leads here; one with another origin from
+    a page of another site.
     """
 
-    def __init__(self, app: Any, port: int, secret: str) -> None:
+    def __init__(
+        self, app: Callable[[Scope, Receive, Send], Awaitable[None]], port: int, secret: str
+    ) -> None:
         self.app, self.secret = app, secret.encode()
         self.host = f"{HOST}:{port}"
         self.origin = f"http://{self.host}"
 
-    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request or a websocket."""
         if self._admits(scope):
             await self.app(scope, receive, send)
@@ -93,8 +113,11 @@ class Guard:
                 {"type": "http.response.body", "body": b"Open the address that tailslap explore has printed."}
             )
 
-    def _admits(self, scope: Any) -> bool:
-        """True for the host, the origin, where there is one, and the secret of the page."""
+    def _admits(self, scope: Scope) -> bool:
+        """Return True for the host, the origin and the secret of the page.
+
+        A request need not have an origin.
+        """
         hosts, origins = (
             [value for key, value in scope["headers"] if key == name] for name in (b"host", b"origin")
         )

@@ -7,7 +7,7 @@ Unlike other result folders that of a sweep is there from the start, belongs to 
     sweep.parquet    the table, written when the sweep ends or is interrupted
     report.html, its charts, summary.json: when it ends
 
-The last two lines are its result, with a manifest, which the command replaces as any other: tailslap/files/folder.py.
+The last two lines are its result, with a manifest, which the command replaces as any other: tailslap/storage/folder.py.
 """
 
 import contextlib
@@ -23,7 +23,7 @@ from tailslap.campaign import definition as sweeps
 from tailslap.campaign import engine, pools, records, report
 from tailslap.case import cost
 from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
-from tailslap.files import folder, manifest
+from tailslap.storage import folder, manifest
 
 LOST, INTERRUPTED = 3, 130
 
@@ -168,7 +168,7 @@ def _write_definition(place: Path, definition: sweeps.Definition) -> None:
 
 def _is_known(place: Path, definition: sweeps.Definition, force: bool) -> bool:
     """True where the folder is this sweep's, False where it may become so. Raises InputError for all others."""
-    if DEFINITION not in folder.users(place):
+    if DEFINITION not in folder.visible_names(place):
         folder.demand_result(place, force, manifest.Origin("sweep", definition.scene))
         return False
     theirs, ours = None, definition.as_written()

@@ -24,7 +24,7 @@ from typing import Any
 
 import tailslap
 from tailslap.errors import InputError, Interrupted, is_there, place_error
-from tailslap.files import folder, manifest
+from tailslap.storage import folder, manifest
 
 Key = str | int
 

@@ -24,8 +24,8 @@ from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.case.report import footer
 from tailslap.errors import InputError
-from tailslap.files.load import read_columns
 from tailslap.progress import clock
+from tailslap.result.columns import read_columns
 from tailslap.scene import vary
 
 REPORT, SUMMARY = "report.html", "summary.json"

@@ -1,4 +1,4 @@
-"""`tailslap compare`: results of this program, and histories of others, side by side.
+"""Comparison of results of this program and histories of other programs.
 
-`source` reads what is compared, `report` compares and reports.
+`source` reads the histories, `report` compares and reports them, `validation` makes the page of NCHRP W179.
 """

@@ -1,9 +1,9 @@
-"""Comparison of results with a reference."""
+"""Compare results with a reference and report the differences."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -20,21 +20,22 @@ from tailslap.case.report import footer
 from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
 from tailslap.errors import InputError, Verbatim, one_of
 
-USUAL = (
+DEFAULT_COLUMNS = (
     *("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"),
     *("x_g", "y_g", "force_normal", "force_tangential"),
 )
 """Columns compared by default."""
 
 FORCES = ("force_normal", "reaction_normal")
-"""Forces across the wall, one of which takes the width of the page."""
+"""Forces normal to the wall, one of which is drawn at the width of the page."""
 
 MOST_RATIO = 10.0
-"""Ratio of the times of two records above which a unit of time that is not given is not believed."""
+"""Ratio of the durations of two records above which an assumed unit of time is refused."""
 
 WHOLE = 0.9
-"""Part of the reference's time below which a remark says how much is compared."""
+"""Part of the reference's time below which a remark states the compared part."""
 
+Value = TypeVar("Value", bound=Hashable)
 HEADS = {"magnitude": "M", "phase": "P", "combined": "C", "mean_residual": "Mean", "deviation": "SD"}
 METRICS = (
     *columns({"item": "Result", "name": "Column"}),
@@ -61,7 +62,10 @@ NOTE = (
 
 @dataclass(frozen=True)
 class Comparison:
-    """Items, of which the first is the reference; pairs: label of another item and a common column; notes: remarks."""
+    """Compared histories, of which the first is the reference.
+
+    pairs: label of another item and a common column; notes: remarks.
+    """
 
     items: tuple[Item, ...]
     pairs: tuple[tuple[str, Beside], ...]
@@ -69,27 +73,30 @@ class Comparison:
 
     @property
     def reference(self) -> Item:
-        """Item that the others are compared with."""
+        """Item with which the others are compared."""
         return self.items[0]
 
     @property
     def within(self) -> bool:
         """True if all metrics are within the limits."""
-        return all(each.within for _, each in self.pairs)
+        return all(pair.within for _, pair in self.pairs)
 
 
 def compare_items(
-    given: Sequence[object],
+    sources: Sequence[object],
     columns: Mapping[str, str] | str | None = None,
     only: Sequence[str] = (),
     force: bool = False,
 ) -> Comparison:
-    """Compare results, folders and files with the first one; force: include damaged ones. Raises InputError."""
-    if len(given) < 2:
+    """Compare results, folders and files with the first one.
+
+    force: include damaged ones. Raises InputError.
+    """
+    if len(sources) < 2:
         allowed = "two or more results are required; the first is the reference"
-        raise InputError("RESULT", Verbatim(len(given)), allowed)
+        raise InputError("RESULT", Verbatim(len(sources)), allowed)
     mapping = parse_mapping(columns) if isinstance(columns, str) else dict(columns or {})
-    items = [read_item(each, mapping, force) for each in given]
+    items = [read_item(source, mapping, force) for source in sources]
     labels = [item.label for item in items]
     items = [
         replace(item, label=f"{item.label} ({k})") if labels.count(item.label) > 1 else item
@@ -99,14 +106,17 @@ def compare_items(
     notes = [note for item in items for note in item.notes]
     for item in items[1:]:
         _demand_one_unit_of_time(item, reference)
-        compared, left = _in_common(item, reference, only)
-        pairs += [(item.label, each) for each in compared]
-        notes += _remarks(item, reference, compared, left)
+        compared, excluded = _in_common(item, reference, only)
+        pairs += [(item.label, pair) for pair in compared]
+        notes += _remarks(item, reference, compared, excluded)
     return Comparison(tuple(items), tuple(pairs), tuple(dict.fromkeys(notes)))
 
 
 def _demand_one_unit_of_time(item: Item, reference: Item) -> None:
-    """Refuse a time without a unit that another record has ten times over, or a tenth of. Raises InputError."""
+    """Refuse an assumed unit of time where durations differ tenfold.
+
+    Raises InputError.
+    """
     both = item, reference
     spans = [float(record.columns[TIME][-1] - record.columns[TIME][0]) for record in both]
     guessed = [record for record in both if record.unit_of_time == "assumed"]
@@ -121,30 +131,33 @@ def _demand_one_unit_of_time(item: Item, reference: Item) -> None:
 
 
 def _in_common(item: Item, reference: Item, only: Sequence[str]) -> tuple[list[Beside], list[str]]:
-    """Columns of both, and names of those that have no values at common times. Raises InputError where none has."""
+    """Return common columns, and names without values at common times.
+
+    Raises InputError where no column has any.
+    """
     common = [name for name in reference.columns if name in item.columns and name != TIME]
     for name in only:
         if name not in common:
             raise InputError("--only", name, one_of(name, common, "allowed are the common columns,"))
-    chosen = only or [name for name in USUAL if name in common] or common
-    found = {name: beside(name, item.columns, reference.columns) for name in chosen}
-    compared, left = (
-        [each for each in found.values() if each],
-        [name for name, each in found.items() if not each],
-    )
-    if not compared or (only and left):
-        names = ", ".join(left) or "no column"
+    chosen = only or [name for name in DEFAULT_COLUMNS if name in common] or common
+    pairs = {name: beside(name, item.columns, reference.columns) for name in chosen}
+    compared = [pair for pair in pairs.values() if pair]
+    excluded = [name for name, pair in pairs.items() if not pair]
+    if not compared or (only and excluded):
+        names = ", ".join(excluded) or "no column"
         allowed = (
             f"it has no {names} with two values at times in common with {reference.label}; see --columns"
         )
         raise InputError("RESULT", item.label, allowed.replace("no no", "no"))
-    return compared, left
+    return compared, excluded
 
 
-def _remarks(item: Item, reference: Item, compared: Sequence[Beside], left: Sequence[str]) -> Iterator[str]:
-    """Sentences on what is not compared, or hardly seen by the metrics."""
-    if left:
-        yield f"{item.label}: no values at times of {reference.label}, not compared: {', '.join(left)}."
+def _remarks(
+    item: Item, reference: Item, compared: Sequence[Beside], excluded: Sequence[str]
+) -> Iterator[str]:
+    """Yield remarks on excluded data and local differences."""
+    if excluded:
+        yield f"{item.label}: no values at times of {reference.label}, not compared: {', '.join(excluded)}."
     for record in (item, reference):
         missing = {x.name: int(np.isnan(record.columns[x.name]).sum()) for x in compared}
         for names, rows in _by_value((name, rows) for name, rows in missing.items() if rows):
@@ -157,55 +170,55 @@ def _remarks(item: Item, reference: Item, compared: Sequence[Beside], left: Sequ
         (x.name, round(100.0 * x.covered, 1)) for x in compared if x.covered < WHOLE
     ):
         yield f"{item.label}: {names} compared for {covered:g} % of the {t[-1] - t[0]:.4g} s of {reference.label}."
-    for each in compared:
-        size, at = abs(each.largest[0]), each.largest[1]
-        if each.metrics.within and size > LIMITS["deviation"]:
+    for pair in compared:
+        size, at = abs(pair.largest[0]), pair.largest[1]
+        if pair.metrics.within and size > LIMITS["deviation"]:
             yield (
-                f"{item.label}: {each.name} differs by {100.0 * size:.0f} % of the peak at {at:.4g} s; the metrics, "
+                f"{item.label}: {pair.name} differs by {100.0 * size:.0f} % of the peak at {at:.4g} s; the metrics, "
                 "means over time, are within their limits."
             )
 
 
-def _by_value(pairs: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
-    """Names that have the same value, separated by commas, and the value."""
-    names: dict[Any, list[str]] = {}
+def _by_value(pairs: Iterable[tuple[str, Value]]) -> Iterator[tuple[str, Value]]:
+    """Yield names with the same value, separated by commas, and the value."""
+    names: dict[Value, list[str]] = {}
     for name, value in pairs:
         names.setdefault(value, []).append(name)
-    return ((", ".join(them), value) for value, them in names.items())
+    return ((", ".join(same), value) for value, same in names.items())
 
 
-def compare_report(found: Comparison) -> Report:
-    """Report of a comparison."""
-    table, opening = metrics_table(found), headline(found)
-    compared: dict[str, Any] = {item.label: {} for item in found.items[1:]}
-    for label, each in found.pairs:
-        compared[label][each.name] = _numbers(each)
+def compare_report(comparison: Comparison) -> Report:
+    """Report a comparison."""
+    table, opening = metrics_table(comparison), headline(comparison)
+    compared: dict[str, Any] = {item.label: {} for item in comparison.items[1:]}
+    for label, pair in comparison.pairs:
+        compared[label][pair.name] = _numbers(pair)
     summary = {
         "version": tailslap.__version__,
-        "reference": found.reference.label,
-        "passed": found.within,
+        "reference": comparison.reference.label,
+        "passed": comparison.within,
         "limits": LIMITS,
         "compared": compared,
-        "notes": list(found.notes),
+        "notes": list(comparison.notes),
     }
     sections = (
-        Section("Metrics", tables=(table,), sentences=found.notes),
-        Section("Results at the tail-slap", tables=tuple(_quantities(found))),
-        Section("Curves", figures=[*_curves(found)]),
-        Section("Differences from the reference", figures=[*_curves(found, True)]),
+        Section("Metrics", tables=(table,), sentences=comparison.notes),
+        Section("Results at the tail-slap", tables=tuple(_quantities(comparison))),
+        Section("Curves", figures=[*_curves(comparison)]),
+        Section("Differences from the reference", figures=[*_curves(comparison, True)]),
     )
     below = footer("summary.json, these numbers; metrics.csv, the table; validation.html")
-    page = Page("Histories side by side", opening, sections, below, passed=found.within)
-    return Report(page, summary, (table, *found.notes), tables={"metrics.csv": table})
+    page = Page("Histories side by side", opening, sections, below, passed=comparison.within)
+    return Report(page, summary, (table, *comparison.notes), tables={"metrics.csv": table})
 
 
-def headline(found: Comparison) -> Headline:
-    """Comparison with the limits of the metrics, the results, and the largest difference."""
-    sizes = [abs(each.largest[0]) for _, each in found.pairs]
+def headline(comparison: Comparison) -> Headline:
+    """Return the verdict by the limits and the largest difference."""
+    sizes = [abs(pair.largest[0]) for _, pair in comparison.pairs]
     most = max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
-    label, worst = found.pairs[most]
-    outside = [f"{each.name} of {label}" for label, each in found.pairs if not each.metrics.within]
-    short = [f"{each.name} of {label}" for label, each in found.pairs if each.covered < COVERED]
+    label, worst = comparison.pairs[most]
+    outside = [f"{pair.name} of {label}" for label, pair in comparison.pairs if not pair.metrics.within]
+    short = [f"{pair.name} of {label}" for label, pair in comparison.pairs if pair.covered < COVERED]
     part = f"compared for less than {100 * COVERED:.0f} % of the time of the reference"
     faults = [f"beyond the limits of NCHRP W179: {', '.join(outside)}"] if outside else []
     faults += [f"{part}: {', '.join(short)}"] if short else []
@@ -216,32 +229,35 @@ def headline(found: Comparison) -> Headline:
         f"Largest difference: {worst.name} of {label}, {percent(worst.largest[0])} of the peak, at "
         f"{worst.largest[1]:.4g} s."
     )
-    labels = ", ".join(item.label for item in found.items[1:])
-    set_up = f"Compared: {labels}; reference: {found.reference.label}."
-    return Headline(f"Comparison of {labels} with {found.reference.label}", answer, set_up, difference)
+    labels = ", ".join(item.label for item in comparison.items[1:])
+    set_up = f"Compared: {labels}; reference: {comparison.reference.label}."
+    return Headline(f"Comparison of {labels} with {comparison.reference.label}", answer, set_up, difference)
 
 
-def metrics_table(found: Comparison) -> Table:
-    """Table of metrics, one row per item and column."""
-    rows = [{"item": label, **_numbers(each)} for label, each in found.pairs]
+def metrics_table(comparison: Comparison) -> Table:
+    """Return the table of metrics, one row per item and column."""
+    rows = [{"item": label, **_numbers(pair)} for label, pair in comparison.pairs]
     marks = {k: "failed" for k, row in enumerate(rows) if not row["within"]}
-    return Table(METRICS, rows, f"Differences from {found.reference.label}, in %", notes=(NOTE,), marks=marks)
+    return Table(
+        METRICS, rows, f"Differences from {comparison.reference.label}, in %", notes=(NOTE,), marks=marks
+    )
 
 
-def _numbers(each: Beside) -> dict[str, Any]:
-    largest, at = each.largest
-    found = {"name": each.name, **asdict(each.metrics), "largest": largest, "at": at, "at_end": each.at_end}
-    found |= {"from": float(each.t[0]), "to": float(each.t[-1]), "covered": each.covered}
-    return found | {"within": each.within}
+def _numbers(pair: Beside) -> dict[str, Any]:
+    """Return the metrics of a column and its largest difference."""
+    largest, at = pair.largest
+    numbers = {"name": pair.name, **asdict(pair.metrics), "largest": largest, "at": at, "at_end": pair.at_end}
+    numbers |= {"from": float(pair.t[0]), "to": float(pair.t[-1]), "covered": pair.covered}
+    return numbers | {"within": pair.within}
 
 
-def _quantities(found: Comparison) -> Iterator[Table]:
-    """Table of the quantities at the tail-slap."""
-    summaries = {item.label: item.summary or {} for item in found.items}
+def _quantities(comparison: Comparison) -> Iterator[Table]:
+    """Yield the table of the quantities at the tail-slap."""
+    summaries = {item.label: item.summary or {} for item in comparison.items}
     results = {
-        label: {**its["fe"], "peak_force": its.get("peak_force", {}).get("fe")}
-        for label, its in summaries.items()
-        if "t" in its.get("fe", {})
+        label: {**summary["fe"], "peak_force": summary.get("peak_force", {}).get("fe")}
+        for label, summary in summaries.items()
+        if "t" in summary.get("fe", {})
     }
     if len(results) < 2:
         return
@@ -258,22 +274,27 @@ def _quantities(found: Comparison) -> Iterator[Table]:
     yield Table(heads, [{**row, **{k: fe[row["key"]] for k, fe in numbered}} for row in rows])
 
 
-def _curves(found: Comparison, less: bool = False) -> Iterator[Chart]:
-    """Charts of the compared columns, the force first; less: of the differences from the reference."""
-    names = [*dict.fromkeys(each.name for _, each in found.pairs)]
+def _curves(comparison: Comparison, less: bool = False) -> Iterator[Chart]:
+    """Yield charts of the compared columns, the force first.
+
+    less: of the differences from the reference.
+    """
+    names = [*dict.fromkeys(pair.name for _, pair in comparison.pairs)]
     main = next((name for name in FORCES if name in names), names[0])
     for name in sorted(names, key=lambda name: name != main):
         symbol, caption = WORDS.get(name, (name, f"Column `{name}`"))
         if less:
-            curves = [Curve(label, x.t, x.difference) for label, x in found.pairs if x.name == name]
+            curves = [Curve(label, x.t, x.difference) for label, x in comparison.pairs if x.name == name]
             file, title = f"difference_{name}", f"difference of {symbol}"
-            caption = f"{caption.partition(',')[0]}, difference from {found.reference.label}"
+            caption = f"{caption.partition(',')[0]}, difference from {comparison.reference.label}"
         else:
             curves = [
-                Curve(i.label, i.columns[TIME], i.columns[name]) for i in found.items if name in i.columns
+                Curve(i.label, i.columns[TIME], i.columns[name])
+                for i in comparison.items
+                if name in i.columns
             ]
             file, title = name, symbol
-        unit = found.reference.units.get(name)
+        unit = comparison.reference.units.get(name)
         heading = f"{title} [{unit}]" if unit else title
         width = FULL if name == main and not less else PART
         yield draw_overlay(file, heading, curves, caption, width).in_units(SI)

@@ -1,8 +1,9 @@
-"""Histories to compare: of a result, or of a file with named columns, by this program's names and in SI.
+"""Read histories to compare, by this program's names and in SI.
 
-Files of other programs and of tests are text with a line of names, separated by commas, semicolons, tabs or blanks.
-Units stand behind a name in brackets, "VY [m/s]" or "VY (m/s)", or in a line of their own below the names. Columns that
-are compared hold numbers; an empty cell or NaN is a value that is missing.
+They are those of a result, or of a file with named columns. Files of other programs and of tests are text with a line
+of names, separated by commas, semicolons, tabs or blanks. Units follow a name in brackets, "VY [m/s]" or "VY (m/s)", or
+are in a separate line below the names. Columns that are compared contain numbers; an empty cell or NaN is a missing
+value.
 """
 
 import csv
@@ -15,15 +16,16 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison import nodal
 from tailslap.errors import MACHINE_FAULTS, InputError, Verbatim, one_of, place_error, shortened
-from tailslap.files.load import column_units, demand_listed, load
-from tailslap.result import FE, Result
+from tailslap.result.columns import column_units
+from tailslap.result.load import demand_listed, load
+from tailslap.result.result import FE, Result
 from tailslap.scene.read import read_text
 from tailslap.scene.units import COMMA, converted
 
@@ -40,29 +42,32 @@ MISSING = ("", "nan", "-nan", "na", "n/a", "null")
 
 MAX_BYTES, MAX_COLUMNS = 500_000_000, 1000
 
+"""Limits of a file."""
+
 Floats = NDArray[np.float64]
+Read = TypeVar("Read")
 
 
 @dataclass(frozen=True)
 class Item:
-    """One of those compared.
+    """History that is compared.
 
     Attributes
     ----------
     label : str
         Name of the scene, folder or file.
     columns : dict of ndarray, shape (rows,)
-        In SI; NaN is a value that is missing.
+        In SI; NaN is a missing value.
     units : dict of str
         Of the columns.
     summary : dict, optional
         Of a result.
     notes : tuple of str
-        What was assumed.
+        Assumptions.
     time_name : str
         Name of the column of instants in the file.
     unit_of_time : str
-        What gives the unit of time: "file", "columns" for the option, or "assumed".
+        Source of the unit of time: "file", "columns" for the option, or "assumed".
     """
 
     label: str
@@ -81,9 +86,9 @@ class Cells:
     Attributes
     ----------
     names : list of str
-        Of the columns, as they stand in the file.
+        Of the columns, as in the file.
     units : dict of str
-        By name; "" where there is none.
+        By name; "" without a unit.
     rows : list of list of str
         Cells of each row, at least to the last column with a name.
     lines : list of int
@@ -96,7 +101,10 @@ class Cells:
     lines: list[int]
 
     def numbers(self, name: str) -> Floats:
-        """Numbers of a column, NaN where one is missing. Raises ValueError with the line of a cell without number."""
+        """Return the numbers of a column, NaN for missing ones.
+
+        Raises ValueError with the line of a cell without number.
+        """
         k, numbers = self.names.index(name), np.empty(len(self.rows))
         for place, (row, line) in enumerate(zip(self.rows, self.lines, strict=True)):
             try:
@@ -108,35 +116,44 @@ class Cells:
 
 
 def parse_mapping(text: str) -> dict[str, str]:
-    """This program's names and the file's, from "time=t,v_gy=VY [mph]". Raises InputError."""
+    """Return names of this program with those of the file.
+
+    The text is like "time=t,v_gy=VY [mph]". Raises InputError.
+    """
     pairs = [part.partition("=") for part in text.split(",") if part.strip()]
     if not pairs or not all(key.strip() and value.strip() for key, _, value in pairs):
         raise InputError("--columns", text, "allowed is NAME=THEIRS,..., e.g. time=t,v_gy=VY")
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
-def read_item(given: object, mapping: Mapping[str, str], force: bool = False) -> Item:
-    """A result, its folder, or a file; force: damaged ones too. Raises InputError."""
-    if isinstance(given, Item):
-        _demand_sound(given.columns, given.label)
-        return given
-    path = Path(str(given))
-    if isinstance(given, Result):
-        found, label = given, given.scene
+def read_item(source: object, mapping: Mapping[str, str], force: bool = False) -> Item:
+    """Read a history from a result, its folder, or a file.
+
+    force: also damaged ones. Raises InputError.
+    """
+    if isinstance(source, Item):
+        _demand_sound(source.columns, source.label)
+        return source
+    path = Path(str(source))
+    if isinstance(source, Result):
+        result, label = source, source.scene
     elif _is_folder(path):
-        found, label = load(path, force=force), path.resolve().name
+        result, label = load(path, force=force), path.resolve().name
     else:
-        is_own = demand_listed(path, force)
-        return _read_file(path, {_time_as_t(name): theirs for name, theirs in mapping.items()}, is_own)
-    if not found.histories:
-        raise InputError(str(given), Verbatim(found.command), "it has no history; allowed is a run")
-    columns = found.histories.get(FE) or next(iter(found.histories.values()))
+        is_listed = demand_listed(path, force)
+        return _read_file(path, {_time_as_t(name): theirs for name, theirs in mapping.items()}, is_listed)
+    if not result.histories:
+        raise InputError(str(source), Verbatim(result.command), "it has no history; allowed is a run")
+    columns = result.histories.get(FE) or next(iter(result.histories.values()))
     _demand_sound(columns, str(path))
-    return Item(label, dict(columns), columns.units, found.summary)
+    return Item(label, dict(columns), columns.units, result.summary)
 
 
 def _is_folder(path: Path) -> bool:
-    """True for a folder. Raises InputError, or OSError of the machine, where that cannot be known."""
+    """Return True for a folder.
+
+    Raises InputError, or OSError of the machine, where that cannot be determined.
+    """
     try:
         return stat.S_ISDIR(os.stat(path).st_mode)
     except (FileNotFoundError, NotADirectoryError, ValueError):
@@ -146,24 +163,26 @@ def _is_folder(path: Path) -> bool:
 
 
 def _time_as_t(name: str) -> str:
+    """Return "t" for a name of the column of instants."""
     return TIME if name.lower() in TIMES else name
 
 
-def _read_file(path: Path, mapping: Mapping[str, str], is_own: bool) -> Item:
-    """The file's columns by this program's names: those of the mapping, and those that are called so already.
+def _read_file(path: Path, mapping: Mapping[str, str], is_listed: bool) -> Item:
+    """Read the columns of a file under this program's names.
 
-    A name of the mapping that the file has not, where it has this program's own, is another file's; so is a unit of the
-    mapping where the file has one, as the files of this program do.
+    They are those of the mapping, and those that have such a name already. A name of the mapping that the file does not
+    have, where it has the name of this program, belongs to another file; so does a unit of the mapping where the file
+    has one, as the files of this program do.
     """
     names, units, lines, numbers = _read(path)
-    units = {**units, **column_units(names)} if is_own else units
-    there = {ours for ours, theirs in mapping.items() if _parts(theirs, names)[1] in names}
-    wanted = {name: theirs for name, theirs in mapping.items() if name not in names or name in there}
-    own = {TIME, *column_units(names)}
+    units = {**units, **column_units(names)} if is_listed else units
+    present = {ours for ours, theirs in mapping.items() if _parts(theirs, names)[1] in names}
+    wanted = {name: theirs for name, theirs in mapping.items() if name not in names or name in present}
+    standard = {TIME, *column_units(names)}
     for name in names:
-        if (ours := _time_as_t(name)) in own:
+        if (ours := _time_as_t(name)) in standard:
             wanted.setdefault(ours, name)
-    known = column_units(wanted)
+    si_units = column_units(wanted)
     columns, sources, notes = {}, {}, []
     for ours, theirs in wanted.items():
         minus, name, mapped = _parts(theirs, names)
@@ -172,7 +191,7 @@ def _read_file(path: Path, mapping: Mapping[str, str], is_own: bool) -> Item:
             raise InputError("--columns", theirs, allowed)
         unit = units.get(name) or mapped
         sources[ours] = name, "file" if units.get(name) else "columns" if mapped else "assumed"
-        factor = (-1.0 if minus else 1.0) * _factor(ours, unit, known.get(ours, ""))
+        factor = (-1.0 if minus else 1.0) * _factor(ours, unit, si_units.get(ours, ""))
         columns[ours] = factor * _readable(path, partial(numbers, name))
         if mapped and mapped != unit:
             notes.append(f"{path.name}: {name} is in {unit} by the file, not in {mapped}.")
@@ -181,11 +200,14 @@ def _read_file(path: Path, mapping: Mapping[str, str], is_own: bool) -> Item:
         name for name, (_, source) in sources.items() if source == "assumed" and name in mapping
     )
     notes += [f"{path.name}: {assumed} without a unit, assumed in SI."] if assumed else []
-    return Item(path.stem, columns, known, None, tuple(notes), *sources[TIME])
+    return Item(path.stem, columns, si_units, None, tuple(notes), *sources[TIME])
 
 
 def _read(path: Path) -> tuple[list[str], dict[str, str], Sequence[int], Callable[[str], Floats]]:
-    """Names of a file's columns, units by name, lines of the rows if any, and the numbers of a column."""
+    """Read names, units, lines and the numbers of the columns of a file.
+
+    Units are by name; lines are those of the rows, if any; the last value is a function of the name.
+    """
     motion = _readable(path, partial(_read_nodal, path))
     if motion is None:
         cells = _readable(path, partial(read_table, path))
@@ -193,8 +215,11 @@ def _read(path: Path) -> tuple[list[str], dict[str, str], Sequence[int], Callabl
     return [*motion], {}, (), motion.__getitem__
 
 
-def _readable(path: Path, read: Callable[[], Any]) -> Any:
-    """Result of reading a file. Raises InputError for one that cannot be read."""
+def _readable(path: Path, read: Callable[[], Read]) -> Read:
+    """Return the outcome of reading a file.
+
+    Raises InputError for a file that cannot be read.
+    """
     try:
         return read()
     except FileNotFoundError:
@@ -209,7 +234,7 @@ def _readable(path: Path, read: Callable[[], Any]) -> Any:
 
 
 def _parts(theirs: str, names: Sequence[str]) -> tuple[str, str, str]:
-    """A minus, the column's name, and a unit, that a mapping gives."""
+    """Split a text of a mapping into minus, column name and unit."""
     match = THEIRS.fullmatch(theirs)
     if match is None or theirs in names:
         return "", theirs, ""
@@ -217,7 +242,10 @@ def _parts(theirs: str, names: Sequence[str]) -> tuple[str, str, str]:
 
 
 def _factor(ours: str, unit: str, si: str) -> float:
-    """From the file's unit to SI; 1 where either is not known. Raises InputError for another dimension."""
+    """Return the factor from the file's unit to SI.
+
+    It is 1 where either is unknown. Raises InputError for another dimension.
+    """
     if not unit or not si:
         return 1.0
     try:
@@ -227,7 +255,10 @@ def _factor(ours: str, unit: str, si: str) -> float:
 
 
 def _demand_sound(columns: Mapping[str, Floats], place: str, lines: Sequence[int] = ()) -> None:
-    """Demand instants that rise, and numbers of a size that can be squared. Raises InputError with line or row."""
+    """Demand increasing instants and numbers that can be squared.
+
+    Raises InputError with line or row.
+    """
     if TIME not in columns:
         allowed = "it has no time column; allowed is a column t or time, or --columns time=THEIRS"
         raise InputError("RESULT", place, allowed)
@@ -239,15 +270,15 @@ def _demand_sound(columns: Mapping[str, Floats], place: str, lines: Sequence[int
         after = f"{t[k]:.7g} s after {t[k - 1]:.7g} s"
         raise InputError("RESULT", place, f"{where(k)}: time does not increase from row to row, {after}")
     for name, values in columns.items():
-        for k in np.flatnonzero(np.abs(values) > nodal.LARGEST)[:1]:  # not where it is missing, NaN
+        for k in np.flatnonzero(np.abs(values) > nodal.LARGEST)[:1]:  # NaN, a missing value, is not larger
             allowed = f"{where(k)}, column {shortened(name)}: {values[k]:g} in SI; {nodal.ALLOWED}"
             raise InputError("RESULT", place, allowed)
 
 
 def _read_nodal(path: Path) -> dict[str, Floats] | None:
-    """Motion of the centre of mass from nodes of another program; None where the file has no nodes.
+    """Read the motion of the centre of mass from nodes.
 
-    Raises OSError and ValueError.
+    None where the file has no nodes. Raises OSError and ValueError.
     """
     if nodal.reader_of(path) is None:
         return None
@@ -257,9 +288,9 @@ def _read_nodal(path: Path) -> dict[str, Floats] | None:
 
 
 def read_table(path: Path) -> Cells:
-    """Cells of a text with named columns.
+    """Read the cells of a text with named columns.
 
-    Raises OSError, and ValueError or csv.Error, saying why, for a file that has no named columns of numbers.
+    Raises OSError, and ValueError or csv.Error with the reason for a file without named columns of numbers.
     """
     numbered = enumerate(read_text(path, MAX_BYTES, "replace").splitlines(), 1)
     rows = [(n, line) for n, line in numbered if line.strip() and not line.lstrip().startswith(COMMENTS)]
@@ -271,18 +302,21 @@ def read_table(path: Path) -> Cells:
         raise ValueError(f"it has {width} columns; allowed are at most {MAX_COLUMNS}")
     reader = csv.reader(texts, delimiter=separator or " ")
     split = ((row, reader.line_num) for row in reader) if separator else zip(map(str.split, texts), count(1))
-    heads, *others = [([cell.strip() for cell in row], lines[k - 1]) for row, k in split]
+    heads, *numbered_rows = [([cell.strip() for cell in row], lines[k - 1]) for row, k in split]
     names, units = _names_and_units(heads[0])
-    if not any(map(_is_number, others[0][0])):
-        units, others = [cell.strip("[]() ") for cell in others[0][0]], others[1:]
+    if not any(map(_is_number, numbered_rows[0][0])):
+        units, numbered_rows = [cell.strip("[]() ") for cell in numbered_rows[0][0]], numbered_rows[1:]
     width = max((k for k, name in enumerate(names, 1) if name), default=0)
-    _demand_whole(others, width, len(names))
+    _demand_whole(numbered_rows, width, len(names))
     by_name = {name: unit for name, unit in zip(names, units, strict=False) if name}
-    return Cells(names, by_name, [row for row, _ in others], [line for _, line in others])
+    return Cells(names, by_name, [row for row, _ in numbered_rows], [line for _, line in numbered_rows])
 
 
 def _names_and_units(heads: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Names and units of a line of names. Raises ValueError where it is none, or a name is there twice."""
+    """Split a line of names into names and units.
+
+    Raises ValueError for a line of numbers, or a repeated name.
+    """
     if all(_is_number(cell) for cell in heads if cell):
         raise ValueError("its first line has no column names")
     matches = [NAME_AND_UNIT.fullmatch(cell) for cell in heads]
@@ -294,7 +328,10 @@ def _names_and_units(heads: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def _demand_whole(rows: Sequence[tuple[list[str], int]], least: int, most: int) -> None:
-    """Demand decimal points and a cell for each column with a name. Raises ValueError with the line."""
+    """Demand decimal points and a cell for each column with a name.
+
+    Raises ValueError with the line.
+    """
     for row, line in rows:
         if comma := next(filter(DECIMAL_COMMA.fullmatch, row), None):
             raise ValueError(f'line {line} has "{shortened(comma)}"; {COMMA}')
@@ -305,6 +342,7 @@ def _demand_whole(rows: Sequence[tuple[list[str], int]], least: int, most: int) 
 
 
 def _is_number(cell: str) -> bool:
+    """Return True for the text of a number."""
     try:
         float(cell)
     except ValueError:

@@ -1,8 +1,9 @@
-"""Validation of a comparison in the form of NCHRP Web-Only Document 179, on one page: `validation.html`.
+"""Validate a comparison in the form of NCHRP Web-Only Document 179.
 
-Solution verification, metrics of single channels and of all together, phenomena, verdict. Source: Ray, Mongiardini,
-Plaxico and Anghileri, NCHRP Web-Only Document 179 (2010), Table E-1 for the limits of solution verification, in which
-energies are those at the end of the run. Channels are velocities here, where W179 takes accelerations.
+The page `validation.html` has solution verification, metrics of single channels and of all together, phenomena and a
+verdict. Source: Ray, Mongiardini, Plaxico and Anghileri, NCHRP Web-Only Document 179 (2010), Table E-1 for the limits
+of solution verification, in which energies are those at the end of the run. Channels are velocities here, where W179
+takes accelerations.
 """
 
 import datetime
@@ -24,9 +25,12 @@ from tailslap.case.report import footer
 from tailslap.comparing.report import METRICS, WORDS, Comparison
 from tailslap.comparing.source import Item
 
+Row = dict[str, Any]
+"""Row of a table of the summary."""
+
 PAGE = "validation.html"
 BLANK = "\N{NO-BREAK SPACE}" * 40
-"""To be filled in by hand."""
+"""Space to be filled in by hand."""
 
 ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy", "crush_energy", "hourglass_energy")
 LOST = ("damping_work", "friction_work")
@@ -43,62 +47,69 @@ NOT_IN_THE_MODEL = (
 
 
 def radius_of_gyration(items: Sequence[Item]) -> float | None:
-    """Radius of gyration [m] of the first result of a single vehicle: its kinetic energy where it spins fastest."""
+    """Return the radius of gyration [m] of the first single vehicle.
+
+    It follows from the kinetic energy at the largest angular velocity.
+    """
     for item in items:
-        known = item.columns
+        columns = item.columns
         mass = ((item.summary or {}).get("plate") or {}).get("mass")
         if (
             mass
-            and {"kinetic_energy", *TRANSLATION, ROTATION} <= known.keys()
-            and "articulation_1" not in known
+            and {"kinetic_energy", *TRANSLATION, ROTATION} <= columns.keys()
+            and "articulation_1" not in columns
         ):
-            k = int(np.argmax(np.abs(np.nan_to_num(known[ROTATION]))))
-            spinning = 2.0 * known["kinetic_energy"][k] / mass - sum(
-                known[name][k] ** 2 for name in TRANSLATION
+            k = int(np.argmax(np.abs(np.nan_to_num(columns[ROTATION]))))
+            rotational = 2.0 * columns["kinetic_energy"][k] / mass - sum(
+                columns[name][k] ** 2 for name in TRANSLATION
             )
-            if spinning > 0.0 and abs(known[ROTATION][k]) > 0.0:
-                return math.sqrt(spinning) / abs(float(known[ROTATION][k]))
+            if rotational > 0.0 and abs(columns[ROTATION][k]) > 0.0:
+                return math.sqrt(rotational) / abs(float(columns[ROTATION][k]))
     return None
 
 
-def multi_channel(found: Comparison) -> dict[str, dict[str, Any]]:
-    """Weights of the channels and weighted metrics of each result, by label; empty without channels with a momentum.
+def multi_channel(comparison: Comparison) -> dict[str, dict[str, Any]]:
+    """Return weights of the channels and weighted metrics, by label.
 
-    The momentum of a channel is its largest change in the reference, over the mass: of a velocity the difference of its
-    extremes [m/s], of the angular velocity that times the radius of gyration.
+    Empty without channels with a momentum. The momentum of a channel is its largest change in the reference, over the
+    mass: of a velocity the difference of its extremes [m/s], of the angular velocity that times the radius of gyration.
     """
-    gyration, made = radius_of_gyration(found.items), {}
+    gyration, metrics_of_all = radius_of_gyration(comparison.items), {}
     factors = dict.fromkeys(TRANSLATION, 1.0) | ({ROTATION: gyration} if gyration else {})
-    for label in dict.fromkeys(label for label, _ in found.pairs):
-        channels = [each for name, each in found.pairs if name == label and each.name in factors]
-        momenta = [factors[each.name] * float(np.ptp(each.reference)) for each in channels]
+    for label in dict.fromkeys(label for label, _ in comparison.pairs):
+        channels = [pair for name, pair in comparison.pairs if name == label and pair.name in factors]
+        momenta = [factors[channel.name] * float(np.ptp(channel.reference)) for channel in channels]
         if sum(momenta):
             weights = [momentum / sum(momenta) for momentum in momenta]
-            metrics = weighted_metrics([each.metrics for each in channels], momenta)
-            made[label] = {
-                "weights": {each.name: weight for each, weight in zip(channels, weights, strict=True)},
+            metrics = weighted_metrics([channel.metrics for channel in channels], momenta)
+            metrics_of_all[label] = {
+                "weights": {channel.name: weight for channel, weight in zip(channels, weights, strict=True)},
                 **asdict(metrics),
                 "within": metrics.within,
             }
-    return made
+    return metrics_of_all
 
 
-def solution_verification(found: Comparison) -> list[dict[str, Any]]:
-    """Rows of energies and mass of each result of this program, with the limits of W179."""
-    return [row | {"item": item.label} for item in found.items for row in _verified(item)]
+def solution_verification(comparison: Comparison) -> list[Row]:
+    """Return energies and mass of each result, with the limits of W179.
+
+    Results are those of this program.
+    """
+    return [row | {"item": item.label} for item in comparison.items for row in _verified(item)]
 
 
-def _verified(item: Item) -> Iterator[dict[str, Any]]:
-    known = item.columns
-    if item.summary is None or "kinetic_energy" not in known:
+def _verified(item: Item) -> Iterator[Row]:
+    """Yield values of the solution verification of a result, with limits."""
+    columns = item.columns
+    if item.summary is None or "kinetic_energy" not in columns:
         return
-    total = np.sum([known[name] for name in ENERGIES if name in known], axis=0)
-    kept = total - np.sum([known[name] for name in LOST if name in known], axis=0)
-    hourglass = known["hourglass_energy"][-1] if "hourglass_energy" in known else 0.0
-    internal = total[-1] - known["kinetic_energy"][-1]
+    total = np.sum([columns[name] for name in ENERGIES if name in columns], axis=0)
+    balance = total - np.sum([columns[name] for name in LOST if name in columns], axis=0)
+    hourglass = columns["hourglass_energy"][-1] if "hourglass_energy" in columns else 0.0
+    internal = total[-1] - columns["kinetic_energy"][-1]
     added = [check["value"] for check in item.summary.get("checks", ()) if check["name"] == "added mass"]
     values = {
-        "change of total energy": (abs(kept[-1] / kept[0] - 1.0), 0.10),
+        "change of total energy": (abs(balance[-1] / balance[0] - 1.0), 0.10),
         "hourglass over initial energy": (hourglass / total[0], 0.05),
         "hourglass over internal energy": (hourglass / internal if internal else 0.0, 0.10),
         "added mass over mass": (added[0] if added else 0.0, 0.05),
@@ -107,17 +118,18 @@ def _verified(item: Item) -> Iterator[dict[str, Any]]:
         yield {"name": name, "value": float(value), "limit": limit, "passed": bool(value < limit)}
 
 
-def phenomena(found: Comparison) -> list[dict[str, Any]]:
-    """Rows of what was validated and how: the largest force, and other quantities at the end of the common time."""
+def phenomena(comparison: Comparison) -> list[Row]:
+    """Return rows of the validated quantities.
+
+    They are the largest force, and other quantities at the end of the common time.
+    """
     rows = []
-    for label, each in found.pairs:
-        if each.name in POSITIONS:
+    for label, pair in comparison.pairs:
+        if pair.name in POSITIONS:
             continue
-        title, extreme = (
-            WORDS.get(each.name, ("", f"Column {each.name}"))[1].partition(",")[0],
-            each.name.startswith(("force", "reaction")),
-        )
-        both = each.reference, each.value
+        title = WORDS.get(pair.name, ("", f"Column {pair.name}"))[1].partition(",")[0]
+        extreme = pair.name.startswith(("force", "reaction"))
+        both = pair.reference, pair.value
         reference, value = (float(np.abs(v).max() if extreme else v[-1]) for v in both)
         rows.append(
             {
@@ -125,57 +137,63 @@ def phenomena(found: Comparison) -> list[dict[str, Any]]:
                 "name": f"{title}, largest" if extreme else title,
                 "reference": reference,
                 "value": value,
-                "unit": found.reference.units.get(each.name, ""),
+                "unit": comparison.reference.units.get(pair.name, ""),
                 "difference": value / reference - 1.0 if reference else None,
-                "agrees": yes(each.within),
-                "how": f"history to {each.t[-1]:.4g} s, metrics",
+                "agrees": yes(pair.within),
+                "how": f"history to {pair.t[-1]:.4g} s, metrics",
             }
         )
     return rows
 
 
-def with_validation(made: Report, found: Comparison, author: str) -> Report:
-    """Report of the comparison with the page of its validation, and the numbers of that in its summary."""
-    summary = {"multi_channel": multi_channel(found), "solution_verification": solution_verification(found)}
-    texts = {PAGE: page_text(validation_page(found, author))}
-    return replace(made, summary={**made.summary, **summary}, texts=texts)
+def with_validation(report: Report, comparison: Comparison, author: str) -> Report:
+    """Return the report of a comparison with its validation.
+
+    The page of the validation is added, and its numbers are in the summary.
+    """
+    summary = {
+        "multi_channel": multi_channel(comparison),
+        "solution_verification": solution_verification(comparison),
+    }
+    texts = {PAGE: page_text(validation_page(comparison, author))}
+    return replace(report, summary={**report.summary, **summary}, texts=texts)
 
 
-def validation_page(found: Comparison, author: str = "") -> Page:
-    """Page of the validation.
+def validation_page(comparison: Comparison, author: str = "") -> Page:
+    """Return the page of the validation.
 
     Parameters
     ----------
-    found : Comparison
+    comparison : Comparison
         Results, of which the first is the reference.
     author : str
-        Who validates; a blank to be filled in without it.
+        Name on the page; by default a blank to be filled in.
 
     Returns
     -------
     Page
         `passed`: solution verification and single channels are within the limits.
     """
-    verified, weighted = solution_verification(found), multi_channel(found)
-    passed = found.within and all(row["passed"] for row in verified)
-    labels = ", ".join(item.label for item in found.items[1:])
+    verified, weighted = solution_verification(comparison), multi_channel(comparison)
+    passed = comparison.within and all(row["passed"] for row in verified)
+    labels = ", ".join(item.label for item in comparison.items[1:])
     answer = "Valid" if passed else "Not valid"
     together = {True: "within", False: "beyond"}
-    multi = "; ".join(f"{label} {together[each['within']]} them" for label, each in weighted.items())
+    multi = "; ".join(f"{label} {together[metrics['within']]} them" for label, metrics in weighted.items())
     headline = Headline(
-        f"Validation of {labels} with {found.reference.label}",
+        f"Validation of {labels} with {comparison.reference.label}",
         f"{answer} by the criteria of NCHRP W179 for the channels below.",
         f"Weighted metrics of all channels with the same limits: {multi}." if multi else "",
     )
     sections = (
         Section("Basic information", tables=(_basic(author),), layout="half"),
-        Section("Solution verification", tables=(_verification_table(found, verified),), layout="half"),
+        Section("Solution verification", tables=(_verification_table(comparison, verified),), layout="half"),
         Section(
             "Metrics of single channels and of all together",
-            tables=(_metrics_table(found, weighted),),
-            sentences=found.notes,
+            tables=(_metrics_table(comparison, weighted),),
+            sentences=comparison.notes,
         ),
-        Section("Phenomena", tables=(_phenomena_table(found),)),
+        Section("Phenomena", tables=(_phenomena_table(comparison),)),
     )
     return Page(
         "Validation by NCHRP W179",
@@ -188,6 +206,7 @@ def validation_page(found: Comparison, author: str = "") -> Page:
 
 
 def _basic(author: str) -> Table:
+    """Return the table of author, date and program."""
     entries = {
         "Validated by": author or BLANK,
         "Date": datetime.datetime.now(datetime.UTC).date().isoformat(),
@@ -196,38 +215,41 @@ def _basic(author: str) -> Table:
     return pairs(entries)
 
 
-def _verification_table(found: Comparison, rows: Sequence[dict[str, Any]]) -> Table:
+def _verification_table(comparison: Comparison, rows: Sequence[Row]) -> Table:
+    """Return the table of the solution verification."""
     heads = columns({"item": "Result", "name": "At the end of the run"})
     heads += columns({"value": "Value [%]"}, form=lambda ratio: f"{100.0 * ratio:.2g}")
     heads += columns({"limit": "Limit [%]"}, form=lambda ratio: f"{100.0 * ratio:g}")
     heads += (Column("passed", "Within", form=yes),)
-    others = [item.label for item in found.items if item.label not in {row["item"] for row in rows}]
+    unverified = [item.label for item in comparison.items if item.label not in {row["item"] for row in rows}]
     notes = [
         "Limits: W179, Table E-1. The change excludes the work of friction and damping; mass is not scaled."
     ]
-    notes += [f"Histories alone, to be verified in their program: {', '.join(others)}."] if others else []
+    if unverified:
+        notes.append(f"Histories alone, to be verified in their program: {', '.join(unverified)}.")
     return Table(heads, rows, notes=(" ".join(notes),), marks=failed(rows, "passed"))
 
 
 def yes(within: bool) -> str:
-    """Word for a criterion."""
+    """Return the word for a criterion."""
     return "yes" if within else "NO"
 
 
-def failed(rows: Sequence[dict[str, Any]], key: str) -> dict[int, str]:
-    """Marks of rows that are beyond a limit."""
+def failed(rows: Sequence[Row], key: str) -> dict[int, str]:
+    """Return marks of the rows beyond a limit."""
     return {k: "failed" for k, row in enumerate(rows) if not row[key]}
 
 
-def _metrics_table(found: Comparison, weighted: dict[str, dict[str, Any]]) -> Table:
+def _metrics_table(comparison: Comparison, weighted: dict[str, dict[str, Any]]) -> Table:
+    """Return the table of metrics of channels and their weighted means."""
     rows = []
-    for label in dict.fromkeys(label for label, _ in found.pairs):
+    for label in dict.fromkeys(label for label, _ in comparison.pairs):
         weights = weighted.get(label, {}).get("weights", {})
-        own = [each for name, each in found.pairs if name == label]
         rows += [
-            {"item": label, "name": each.name, "weight": weights.get(each.name), **asdict(each.metrics)}
-            | {"largest": each.largest[0], "covered": each.covered, "within": each.within}
-            for each in own
+            {"item": label, "name": pair.name, "weight": weights.get(pair.name), **asdict(pair.metrics)}
+            | {"largest": pair.largest[0], "covered": pair.covered, "within": pair.within}
+            for name, pair in comparison.pairs
+            if name == label
         ]
         if weights:
             rows.append(
@@ -246,7 +268,8 @@ def _metrics_table(found: Comparison, weighted: dict[str, dict[str, Any]]) -> Ta
     return Table(heads, rows, notes=(note,), marks=failed(rows, "within"))
 
 
-def _phenomena_table(found: Comparison) -> Table:
+def _phenomena_table(comparison: Comparison) -> Table:
+    """Return the table of phenomena."""
     heads = (
         *columns({"item": "Result", "name": "Phenomenon"}),
         *columns({"reference": "Reference", "value": "Value"}, form=".4g", unit_key="unit"),
@@ -256,6 +279,6 @@ def _phenomena_table(found: Comparison) -> Table:
     )
     return Table(
         heads,
-        phenomena(found),
+        phenomena(comparison),
         notes=(f"Values other than the largest: at the end of the common time. {NOT_IN_THE_MODEL}",),
     )

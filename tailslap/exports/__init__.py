@@ -1,11 +1,11 @@
 """Results and scenes for other programs.
 
-`export` writes fields and histories of a result; `deck` an input file of a scene, from `templates`; `confirm` runs one
-and compares what it computes.
+`export` writes fields and histories of a result, `deck` an input file of a scene, from `templates`; `calculix` runs
+it, and `confirm` compares the motions.
 """
 
 PROGRAMS = ("calculix", "abaqus")
-"""Programs that decks are written for."""
+"""Programs for which decks are written."""
 
 SOLVERS = ("calculix",)
-"""Programs that run them."""
+"""Programs that can be run."""

@@ -1,14 +1,14 @@
-"""Input files of a scene with a constrained corner for other programs.
+"""Write input files of a constrained corner for other programs.
 
-Their texts stand in `templates`. Plates start unstressed with the velocities of the rigid body; masses are those that
-the other program computes from density and thickness.
+Their texts are in `templates`. Plates start unstressed with the velocities of the rigid body; masses are those that the
+other program computes from density and thickness.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,14 +19,16 @@ from tailslap.errors import InputError, typed_command
 from tailslap.scene.vary import shown
 
 if TYPE_CHECKING:
+    from fem.plate.discretisation import Discretisation
     from tailslap.case.case import Case
+    from tailslap.case.corner.case import CornerCase
     from tailslap.case.corner.plan import CornerPlan
 
 INCREMENTS = 400
 """Increments to the tail-slap; their ends are the instants of `rigid.csv`."""
 
 BEYOND = 8
-"""Increments after the instant at which the rigid body strikes."""
+"""Increments after the tail-slap of the rigid body."""
 
 DECKS = {
     "calculix": ("plate.inp", "README.md"),
@@ -38,7 +40,7 @@ FRICTION = {
     "calculix": ((), "the corner is held by a boundary condition, which has no friction in CalculiX"),
     "abaqus": (("drag",), "the friction of a connector is mu |N|"),
 }
-"""Reactions with friction that a program can have, and why it has no others."""
+"""Reactions with friction that a program supports, and why not all."""
 
 LAYERS = {"calculix": 2, "abaqus": 1}
 """Layers of nodes over the thickness: of bricks, of shells."""
@@ -46,16 +48,18 @@ LAYERS = {"calculix": 2, "abaqus": 1}
 
 @dataclass(frozen=True)
 class Deck:
-    """Plate of a scene for another program, in its place at the start, with linear elements.
+    """Plate of a scene for another program, with linear elements.
+
+    It is in its position at the start.
 
     Attributes
     ----------
     program : str
         A key of `DECKS`.
-    case : Case
+    case : CornerCase
         Of the scene.
     plan : CornerPlan
-        Of this program's own run: elements, modulus.
+        Of the run of this program: elements, modulus.
     density : float
         [kg/m^3].
     discretisation : Discretisation
@@ -65,16 +69,19 @@ class Deck:
     """
 
     program: str
-    case: Any
+    case: CornerCase
     plan: CornerPlan
     density: float
-    discretisation: Any
+    discretisation: Discretisation
     places: np.ndarray
     velocities: np.ndarray
 
 
 def make_deck(case: Case, program: str) -> Deck:
-    """Make the deck of a scene. Raises InputError for a scene that the program cannot have."""
+    """Make the deck of a scene.
+
+    Raises InputError for a scene that the program does not support.
+    """
     from fem.plate.discretisation import discretise
     from fem.start.inertia_relief import to_global
     from tailslap.case.corner.case import CornerCase
@@ -93,10 +100,11 @@ def make_deck(case: Case, program: str) -> Deck:
 
 
 def _demand_possible(case: Case, program: str) -> None:
+    """Raise InputError for a scene that the program does not support."""
     scene, corner, (frictional, why) = case.scene, case.scene.corner, FRICTION[program]
     if scene.corner_friction and corner.reaction not in frictional:
         allowed = " or ".join(f'"{name}"' for name in (*frictional, "none"))
-        needed: dict[str, Any] = {"corner.reaction": "none"}
+        needed: dict[str, str | None] = {"corner.reaction": "none"}
         if corner.friction is not None and "corner.friction" not in case.source.changed:
             needed["corner.friction"] = None
         command = typed_command(*(part for change in shown(needed) for part in ("--set", change)))
@@ -112,7 +120,10 @@ def _demand_possible(case: Case, program: str) -> None:
 
 
 def write_deck(deck: Deck, folder: Path) -> None:
-    """Write input files, README, `nodes.csv` with the masses, and the exact motion of the rigid body `rigid.csv`."""
+    """Write input files, README, masses and the exact motion.
+
+    Masses of the nodes are in `nodes.csv`, the motion of the rigid body in `rigid.csv`.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     from fem.plate.nodal_masses import row_sum_masses
@@ -132,8 +143,11 @@ def write_deck(deck: Deck, folder: Path) -> None:
     write_history(folder / "rigid.csv", deck.case.rigid_history())
 
 
-def _numbers(deck: Deck) -> dict[str, Any]:
-    """Variables of the templates; nodes are counted from 1."""
+def _numbers(deck: Deck) -> dict[str, object]:
+    """Return the variables of the templates.
+
+    Nodes are counted from 1.
+    """
     from fem.model.patch import corner_weights
 
     d, case = deck.discretisation, deck.case
@@ -156,7 +170,7 @@ def _numbers(deck: Deck) -> dict[str, Any]:
 
 
 def _counter_clockwise(cells: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Cells with their nodes counter-clockwise, shape (elements, 3 or 4)."""
+    """Order the nodes of cells counter-clockwise, shape (elements, 3 or 4)."""
     x, y = places[:, cells]
     area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
     return np.where(area[:, None] > 0.0, cells, cells[:, [0, *range(cells.shape[1] - 1, 0, -1)]])

@@ -1,4 +1,4 @@
-"""Results for other programs: ParaView, Gmsh, spreadsheets, data frames."""
+"""Export results and scenes for other programs."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import os
 from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
 from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.errors import InputError, Verbatim, one_of
 from tailslap.exports import PROGRAMS
-from tailslap.files.load import load
 from tailslap.progress import counted
-from tailslap.result import FE, RIGID, Result
+from tailslap.result.load import load
+from tailslap.result.result import FE, RIGID, Result
 
 if TYPE_CHECKING:
     from postprocess.units import Units
@@ -36,7 +36,9 @@ def export(
     picture_size: str | tuple[int, int] | None = None,
     force: bool = False,
 ) -> Path:
-    """Export fields and histories of a run for other programs, or a scene as an input file of another solver.
+    """Export a result or a scene for other programs.
+
+    Of a result these are fields and histories, of a scene the input file of another solver.
 
     Parameters
     ----------
@@ -81,8 +83,8 @@ def export(
     PosixPath('results/paraview/fields.vtkhdf')
     """
     from postprocess.fields import contours, formats, series
-    from tailslap.files.folder import default_place, result_folder
-    from tailslap.files.manifest import Origin
+    from tailslap.storage.folder import default_place, result_folder
+    from tailslap.storage.manifest import Origin
 
     if to in PROGRAMS:
         return _export_deck(result, to, folder, tuple(changes), force)
@@ -90,48 +92,53 @@ def export(
         raise InputError("--to", to, one_of(to, (*FORMATS, *PROGRAMS)))
     if changes:
         raise InputError("--set", changes[0], f"{to} is of a result, not of a scene; remove --set")
-    found = result if isinstance(result, Result) else load(result, force=force)
+    loaded = result if isinstance(result, Result) else load(result, force=force)
     base = Path(str(result)).resolve()
     if isinstance(result, Result):
-        base = default_place(found.scene, found.changes)
+        base = default_place(loaded.scene, loaded.changes)
     place = base.with_name(f"{base.name}-{to}") if folder is None else Path(folder)
-    fields = None if to in TABLES else found.fields
+    fields = None if to in TABLES else loaded.fields
     if field is not None and field not in series.SCALARS:
         raise InputError("--field", field, one_of(field, series.SCALARS))
     system, size = _units(to, units), picture_pixels(picture_size)
     if size and to not in PICTURES:
         allowed = f"{to} files have no pictures; remove one of the two options"
         raise InputError("--picture-size", Verbatim(picture_size), allowed)
-    inputs = found.inputs if isinstance(result, Result) else (Path(result),)
-    with result_folder(place, inputs, force, Origin(f"export {to}", found.scene)) as unfinished:
+    inputs = loaded.inputs if isinstance(result, Result) else (Path(result),)
+    with result_folder(place, inputs, force, Origin(f"export {to}", loaded.scene)) as unfinished:
         if fields is None:
-            _write_tables(found, to, unfinished)
+            _write_tables(loaded, to, unfinished)
         elif to in PICTURES:
             names = list(series.SCALARS) if field is None else [field]
-            total, drawn = len(names) * len(fields.t), count(1)
+            total, numbers = len(names) * len(fields.t), count(1)
             with counted("Drawing pictures", total, 0) as show:
-                shown: dict[str, Any] = {"units": system, "follow": lambda: show(next(drawn))}
                 for name in names:
-                    if to == "png":
-                        chosen = size or contours.SIZE
-                        contours.draw_instants(unfinished, fields, name, magnify, size=chosen, **shown)
-                    else:
-                        chosen = size or contours.GIF_SIZE
-                        file = unfinished / f"{name}.gif"
-                        contours.animate(file, fields, name, magnify, size=chosen, **shown)
+                    draw = contours.draw_instants if to == "png" else contours.animate
+                    draw(
+                        unfinished if to == "png" else unfinished / f"{name}.gif",
+                        fields,
+                        name,
+                        magnify,
+                        size=size or (contours.SIZE if to == "png" else contours.GIF_SIZE),
+                        units=system,
+                        follow=lambda: show(next(numbers)),
+                    )
         else:
             getattr(formats, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
 
 
 def _export_deck(scene: object, to: str, folder: object, changes: tuple[str, ...], force: bool) -> Path:
-    """Write the deck of a scene; returns the folder. Raises InputError."""
+    """Write the deck of a scene and return its folder.
+
+    Raises InputError.
+    """
     from tailslap.case import case_of
     from tailslap.exports.deck import make_deck, write_deck
-    from tailslap.files.folder import default_place, result_folder
-    from tailslap.files.manifest import Origin
     from tailslap.scene.read import read_scene
     from tailslap.scene.vary import changes_of
+    from tailslap.storage.folder import default_place, result_folder
+    from tailslap.storage.manifest import Origin
 
     deck = make_deck(case_of(*read_scene(str(scene), changes)), to)
     name = deck.case.scene.name
@@ -144,7 +151,10 @@ def _export_deck(scene: object, to: str, folder: object, changes: tuple[str, ...
 
 
 def _units(to: str, units: str) -> Units:
-    """Units of pictures. Raises InputError for formats without pictures."""
+    """Return the units of pictures.
+
+    Raises InputError for formats without pictures.
+    """
     from postprocess.units import SYSTEMS
 
     if units != "si" and to not in PICTURES:
@@ -152,14 +162,15 @@ def _units(to: str, units: str) -> Units:
     return SYSTEMS[units]
 
 
-def _write_tables(found: Result, to: str, folder: Path) -> None:
+def _write_tables(result: Result, to: str, folder: Path) -> None:
+    """Write histories, and fields if any, as tables."""
     from postprocess.fields import formats
 
     write, names = getattr(formats, f"write_{to}"), {FE: "history", RIGID: "rigid"}
-    if not found.histories:
-        raise InputError("RESULT", Verbatim(found.command), "it has no history; allowed are runs and sweeps")
-    for label, columns in found.histories.items():
+    if not result.histories:
+        raise InputError("RESULT", Verbatim(result.command), "it has no history; allowed are runs and sweeps")
+    for label, columns in result.histories.items():
         write(folder / f"{names.get(label, label)}.{to}", (columns, columns.units))
-    if found.make_fields is not None:
-        for name, table in formats.field_tables(found.fields).items():
+    if result.make_fields is not None:
+        for name, table in formats.field_tables(result.fields).items():
             write(folder / f"{name}.{to}", table)

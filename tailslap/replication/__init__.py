@@ -1,4 +1,4 @@
-"""The command `paper`: what Chuong and Malla (2025) print, computed beside printed.
+"""Replication of the numbers that Chuong and Malla (2025) print.
 
 `tables` holds the printed numbers and computes them, `page` shows both.
 """

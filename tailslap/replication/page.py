@@ -1,6 +1,6 @@
-"""The page of `tailslap paper`: the numbers of `tables` as tables, and the curves of Figures 10 to 14.
+"""Lay out the page of `tailslap paper`.
 
-How they are to be read stands in docs/paper.md.
+It has the numbers of `tables`, and the curves of Figures 10 to 14. docs/paper.md explains how to read them.
 """
 
 import math
@@ -18,13 +18,14 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Form, Table, columns, pairs
 from postprocess.svg import chart, marks
-from postprocess.units import percent, percent_up
+from postprocess.units import MPH, percent, percent_up
 from tailslap import progress
 from tailslap.arguments import checked_arguments
 from tailslap.case.report import footer
-from tailslap.replication import tables
+from tailslap.replication import paper_values, tables
+from tailslap.replication.paper_values import KM_PER_HOUR, START
 from tailslap.replication.tables import FIGURES, Numbers
-from tailslap.result import Result, of_report
+from tailslap.result.result import Result, of_report
 
 PAGE = "paper.html"
 NAMES = {"theta": ComparedQuantity("theta", "Angle between side PE and the wall", "θ", "rad"), **QUANTITIES}
@@ -45,7 +46,7 @@ AXES = " SI units; X along the wall, in the direction of travel, Y away from it;
 
 MOTION_LOOKS: Any = ({"colour": "rigid", "width": 3.2}, {"colour": "fe", "width": 1.6, "dashes": "5 3"})
 MARK_LOOKS: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour in ("ink", "difference"))
-"""Looks of the first and the second motion, or kind of mark."""
+"""Styles of the first and the second motion, and of the two kinds of mark."""
 
 
 @checked_arguments
@@ -60,63 +61,71 @@ def paper() -> Result:
     Examples
     --------
     >>> import tailslap
-    >>> found = tailslap.paper()
-    >>> found.summary["table_3"]["analytical"]["v_gy"]["printed"]
+    >>> result = tailslap.paper()
+    >>> result.summary["table_3"]["analytical"]["v_gy"]["printed"]
     -3.274
     """
     with progress.announced("Computing the paper's tables ..."):
         return of_report("paper", paper_report(tables.review()), scene="", page_name=PAGE)
 
 
-def paper_report(found: Numbers) -> Report:
-    """Report with the curves of Figures 10 to 14 for both motions."""
+def paper_report(numbers: Numbers) -> Report:
+    """Report the numbers with the curves of Figures 10 to 14."""
     courses = {name: tables.course(name) for name in ("drag", "none")}
-    parts = sections(found, courses)
-    column = found["table_3"]["analytical"]
+    parts = sections(numbers, courses)
+    column = numbers["table_3"]["analytical"]
     off = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
     title = "The paper's tables and figures, computed beside printed"
     answer = f"Velocities and slide of Table 3's analytical column are reproduced within {percent_up(off)}."
-    headline = Headline(title, answer, f"{tables.PAPER}.", DIFFERENCE)
+    headline = Headline(title, answer, f"{paper_values.PAPER}.", DIFFERENCE)
     page = Page("Replication", headline, parts, footer() + AXES, contents=True)
     curves = {f"figures_10_to_14_{name}.csv": course for name, course in courses.items()}
-    return Report(page, summary(found), parts, histories=curves)
+    return Report(page, summary(numbers), parts, histories=curves)
 
 
-def summary(found: Numbers) -> dict[str, Any]:
-    """Summary in SI, without the curves of the figures."""
-    shown = ("given", "value", "unit")
-    inputs = {item.name: {key: getattr(item, key) for key in shown} for item in tables.INPUTS}
-    head = {"version": tailslap.__version__, "paper": tables.PAPER, "inputs": inputs, "start": tables.START}
-    return head | found
-
-
-def sections(found: Numbers, courses: Mapping[str, History]) -> tuple[Section, ...]:
-    """Sections in the order of the paper; earlier methods and assumptions are last."""
-    known = found["row_b"]
-    shown = {
-        "Table 1. MASH TL-4 (SUT) impact requirements": table_1(found["table_1"]),
-        "Table 3. Comparison of FEA and analytical results": table_3(found["table_3"]),
-        "Figures 10 to 14. Histories of the motion": figure_tables(found["figures"]),
-        "Table 4. TL-4 peak lateral impact force, 50 ms average": force_tables(found["table_4"], known[0]),
-        "Table 5. TL-4 peak lateral impact force, SAE-filtered data": force_tables(
-            found["table_5"], known[1], True
-        ),
-        "Earlier methods. Olson, Hirsch and Ritter (Section 2.1)": earlier_tables(found["earlier"]),
-        "Assumptions. Restitution, tensile reaction, effective mass": assumed(found),
+def summary(numbers: Numbers) -> Numbers:
+    """Return the summary in SI, without the curves of the figures."""
+    keys = ("given", "value", "unit")
+    inputs = {item.name: {key: getattr(item, key) for key in keys} for item in paper_values.INPUTS}
+    head = {
+        "version": tailslap.__version__,
+        "paper": paper_values.PAPER,
+        "inputs": inputs,
+        "start": paper_values.START,
     }
-    parts = [Section(title, tables=its) for title, its in shown.items()]
+    return head | numbers
+
+
+def sections(numbers: Numbers, courses: Mapping[str, History]) -> tuple[Section, ...]:
+    """Return the sections in the order of the paper.
+
+    Earlier methods and assumptions are last.
+    """
+    row_b = numbers["row_b"]
+    tables_by_title = {
+        "Table 1. MASH TL-4 (SUT) impact requirements": table_1(numbers["table_1"]),
+        "Table 3. Comparison of FEA and analytical results": table_3(numbers["table_3"]),
+        "Figures 10 to 14. Histories of the motion": figure_tables(numbers["figures"]),
+        "Table 4. TL-4 peak lateral impact force, 50 ms average": force_tables(numbers["table_4"], row_b[0]),
+        "Table 5. TL-4 peak lateral impact force, SAE-filtered data": force_tables(
+            numbers["table_5"], row_b[1], True
+        ),
+        "Earlier methods. Olson, Hirsch and Ritter (Section 2.1)": earlier_tables(numbers["earlier"]),
+        "Assumptions. Restitution, tensile reaction, effective mass": assumed(numbers),
+    }
+    parts = [Section(title, tables=content) for title, content in tables_by_title.items()]
     curves = [figure(number, name, courses) for number, name in FIGURES.items()]
     parts[2] = replace(parts[2], lead=PLOTTED, figures=curves)
     return tuple(parts)
 
 
 def printed(key: str, form: Form = "g", group: str = "") -> Column:
-    """Printed value of the cell at `key`."""
+    """Return the column of the printed value of a cell."""
     return Column(f"{key}.printed", "printed", form=form, style="soft", group=group)
 
 
 def computed(key: str, form: Form = "#.5g", group: str = "", decimals: int = 3) -> tuple[Column, Column]:
-    """Computed value, and its difference in per cent."""
+    """Return the columns of the computed value and its difference."""
     difference = partial(percent, decimals=decimals)
     return (
         Column(f"{key}.computed", "computed", form=form, group=group),
@@ -125,55 +134,67 @@ def computed(key: str, form: Form = "#.5g", group: str = "", decimals: int = 3) 
 
 
 def scaled(factor: float, form: str) -> Callable[[float], str]:
-    """Format of a number in units of `factor`."""
+    """Return the format of a number in units of `factor`."""
     return lambda value: format(value / factor, form)
 
 
 def table_1(found: Numbers) -> tuple[Table, Table]:
-    """Inputs and derived quantities, and Stage 1 from both speeds compared with the printed start of Stage 2."""
+    """Return tables of the inputs, and of Stage 1 from both speeds.
+
+    Stage 1 is compared with the printed start of Stage 2.
+    """
     heads = (
         *columns({"title": "Input", "symbol": ""}),
         Column("given", "printed", form=str, style="soft"),
         Column("value", "SI", form=".7g"),
         *columns({"unit": "", "place": "source"}),
     )
-    its = found["derived"]
+    derived = found["derived"]
     follows = (
-        tables.Input("gamma", "γ", "Corner angle, atan(B/L)", "", its["gamma"], "rad", "Eq 63"),
-        tables.Input("phi", "φ", "Angle between wall and PG, θ + γ", "", its["phi"], "rad", "Eq 63"),
-        tables.Input("beta", "β", "Direction of the impulse, atan(1/μ_k)", "", its["beta"], "rad", "Eq 7"),
-        tables.Input(
+        paper_values.Input("gamma", "γ", "Corner angle, atan(B/L)", "", derived["gamma"], "rad", "Eq 63"),
+        paper_values.Input(
+            "phi", "φ", "Angle between wall and PG, θ + γ", "", derived["phi"], "rad", "Eq 63"
+        ),
+        paper_values.Input(
+            "beta", "β", "Direction of the impulse, atan(1/μ_k)", "", derived["beta"], "rad", "Eq 7"
+        ),
+        paper_values.Input(
             "corner_radius",
             "r_PG",
             "Distance from the corner to the centre of mass",
             "",
-            its["corner_radius"],
+            derived["corner_radius"],
             "m",
             "Eq 15",
         ),
-        tables.Input("inertia", "I_G", "Moment of inertia", "", its["moment_of_inertia"], "kg m²", "Eq 26"),
+        paper_values.Input(
+            "inertia", "I_G", "Moment of inertia", "", derived["moment_of_inertia"], "kg m²", "Eq 26"
+        ),
     )
     starts = (
         Column("from", "Stage 1"),
         *computed("omega", ".6f", "ω_0 [rad/s]"),
         *computed("corner_speed", ".6f", "v_P0 [m/s]"),
-        *computed("lateral_speed", scaled(tables.KM_PER_HOUR, ".3f"), "v_0 sin θ [km/h]"),
+        *computed("lateral_speed", scaled(KM_PER_HOUR, ".3f"), "v_0 sin θ [km/h]"),
     )
     rows = [{"from": name, **start} for name, start in found["starts"].items()]
     speed = found["implied_speed"]
     note = (
-        f"Printed: ω_0 = {tables.START['omega']:g} rad/s, v_P0 = {tables.START['corner_speed']:g} m/s, v_0 sin θ = "
-        f"{tables.LATERAL_SPEED / tables.KM_PER_HOUR:g} km/h. This v_P0 corresponds to {speed:.4f} m/s "
-        f"({speed / tables.MPH:.3f} mph, {speed / tables.KM_PER_HOUR:.3f} km/h)."
+        f"Printed: ω_0 = {START['omega']:g} rad/s, v_P0 = {START['corner_speed']:g} m/s, v_0 sin θ = "
+        f"{paper_values.LATERAL_SPEED / KM_PER_HOUR:g} km/h. This v_P0 corresponds to {speed:.4f} m/s "
+        f"({speed / MPH:.3f} mph, {speed / KM_PER_HOUR:.3f} km/h)."
     )
     title = "Initial state of Stage 2, computed from 56 mph and from 90 km/h"
-    inputs = Table(heads, (*tables.INPUTS, *follows), "Inputs and derived quantities")
+    inputs = Table(heads, (*paper_values.INPUTS, *follows), "Inputs and derived quantities")
     return inputs, Table(starts, rows, title, (note,))
 
 
 def table_3(found: Numbers) -> tuple[Table, Table]:
-    """Analytical column and motion with friction from three starts; ABAQUS column and both motions."""
-    start, force = tables.START, found["peak_force"]
+    """Return the tables of both columns of Table 3.
+
+    The analytical column is beside the motion with friction from three starts, the ABAQUS column beside both motions.
+    """
+    start, force = START, found["peak_force"]
     analytical = {"analytical": "as printed", "analytical_56": "from 56 mph", "analytical_15": "56 mph, 15°"}
     abaqus = {
         "abaqus": "none, θ = 0",
@@ -190,7 +211,7 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
     )
     note = (
         'Motion without friction ("none") from the printed initial state at θ = 0 and at an earlier time; last, motion '
-        f"with friction at the printed slide of {tables.ABAQUS['slide']:g} m."
+        f"with friction at the printed slide of {paper_values.ABAQUS['slide']:g} m."
     )
 
     def table(title: str, columns: dict[str, str], notes: tuple[str, ...]) -> Table:
@@ -207,18 +228,21 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
 
 
 def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Chart:
-    """One of Figures 10 to 14: motions as lines, printed points as markers."""
+    """Draw one of Figures 10 to 14.
+
+    Motions are lines, printed points markers.
+    """
     panel = next(panel for panel in compared_panels() if panel.name == name)
-    lines: list[tuple[str, Any]] = [(label, thinned(its["t"], its[name])) for label, its in courses.items()]
-    points = [(label, np.transpose(its)) for label, its in tables.marks(name).items() if its]
-    looks = [*zip(lines, MOTION_LOOKS, strict=False), *zip(points, MARK_LOOKS, strict=False)]
-    drawn = [marks.Line(label, *places, **look) for (label, places), look in looks]
-    plot = chart.Plot(tuple(drawn), chart.Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
+    lines: list[tuple[str, Any]] = [(label, thinned(c["t"], c[name])) for label, c in courses.items()]
+    points = [(label, np.transpose(pairs)) for label, pairs in tables.marks(name).items() if pairs]
+    styles = [*zip(lines, MOTION_LOOKS, strict=False), *zip(points, MARK_LOOKS, strict=False)]
+    curves = [marks.Line(label, *places, **style) for (label, places), style in styles]
+    plot = chart.Plot(tuple(curves), chart.Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
     return chart.draw_chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)
 
 
 def figure_tables(found: Numbers) -> tuple[Table, Table]:
-    """Values that the paper reads from its charts, and the exact motion."""
+    """Return tables of the values read from charts, and the exact motion."""
     readings = (
         Column("figure", "Figure"),
         Column("quantity", "quantity", form=lambda name: NAMES[name].label),
@@ -239,14 +263,15 @@ def figure_tables(found: Numbers) -> tuple[Table, Table]:
     return read, Table(instants, rows, "Exact motion with friction")
 
 
-def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False) -> tuple[Table, Table]:
-    """Peak forces of Table 4 or 5, their ratio for e = 0 and e = 0.22, and adjustment factors.
+def force_tables(rows: Sequence[Numbers], row_b: Numbers, repeated: bool = False) -> tuple[Table, Table]:
+    """Return tables of peak forces and adjustment factors.
 
-    known: row b with the speed and angle of its test. repeated: the notes are those of the previous table.
+    They are those of Table 4 or 5, with the ratio of the forces for e = 0 and e = 0.22. row_b: with the speed and angle
+    of its test. repeated: True if the notes are those of the previous table.
     """
-    source = f"row b, computed with {tables.ROW_B_GIVEN} of its test MNCBR-1 (test report)"
-    marked = known | {"printed": known["printed"] | {"row": "b*", "source": source}}
-    lines, exact = [*rows[:2], marked, *rows[2:]], f"{known['ratio']['computed']:.4f}"
+    source = f"row b, computed with {paper_values.ROW_B_GIVEN} of its test MNCBR-1 (test report)"
+    marked = row_b | {"printed": row_b["printed"] | {"row": "b*", "source": source}}
+    lines, exact = [*rows[:2], marked, *rows[2:]], f"{row_b['ratio']['computed']:.4f}"
     _, ratio = computed("ratio", group="ratio", decimals=1)
     forces = (
         Column("printed.row", "Row"),
@@ -280,13 +305,14 @@ def force_tables(rows: Sequence[Numbers], known: Numbers, repeated: bool = False
 
 
 def _pair(key: str, first: Form, second: Form) -> Iterator[Column]:
-    for i, e in enumerate(tables.RESTITUTIONS):
+    """Yield columns of the printed and computed values for both restitutions."""
+    for i, e in enumerate(paper_values.RESTITUTIONS):
         yield printed(f"{key}.{i}", first, f"e = {e:g}")
         yield from computed(f"{key}.{i}", second, f"e = {e:g}", 1)
 
 
 def earlier_tables(found: Numbers) -> tuple[Table]:
-    """Lateral force of the vehicle of Table 1 by four methods."""
+    """Return the table of the lateral force by four methods."""
     heads = (
         *columns({"method": "Method", "what": ""}),
         Column("force", "force", "kN", scaled(1e3, ".1f")),
@@ -314,7 +340,10 @@ def earlier_tables(found: Numbers) -> tuple[Table]:
 
 
 def assumed(found: Numbers) -> tuple[Table, ...]:
-    """Both definitions of restitution; whole impact with unilateral contact; corresponding values of the stages."""
+    """Return tables of restitution, of the whole impact, and of the stages.
+
+    The whole impact has unilateral contact; the stages have corresponding values.
+    """
     signs = (
         Column("sign", "Restitution"),
         Column("corner_recoil", "corner after Stage 1", "m/s", "z.3f"),

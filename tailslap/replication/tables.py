@@ -1,11 +1,9 @@
-"""The paper's numbers computed beside printed, as nested dicts, SI throughout: what `tailslap paper --json` says.
+"""Compute the numbers of the paper beside the printed ones.
 
-A printed number and its own stand in a cell {"printed", "computed", "difference"}; difference: computed/printed - 1.
-The paper gives neither mass nor speed nor length of the six vehicles of Tables 4 and 5, so that every row of these is
-computed with the vehicle and impact of Table 1, at 56 mph, and differs from its neighbours by the pulse's duration.
-
-The numbers that they print stand first, in SI, each with its place in the paper. Table 3 stands in
-`postprocess.comparison`, whose v_GY carries this program's sign, negative towards the wall.
+They are nested dicts in SI, the summary of `tailslap paper --json`. A printed and a computed number are in a cell
+{"printed", "computed", "difference"}; difference: computed/printed - 1. Every row of Tables 4 and 5 is computed with
+the vehicle and impact of Table 1, at 56 mph, as the paper does not describe the six vehicles; rows differ by the
+duration of the pulse.
 """
 
 import math
@@ -14,129 +12,65 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import solver
-from postprocess.comparison.quantities import PAPER_TABLE_3
+from postprocess.units import MPH
 from solver.impact import CrushLaw, ImpactMotion, ImpactVehicle, WallContact, first_touch, solve_impact
 from tailslap.case.impact.answers import rigid_answer
-
-PAPER = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307"
-MPH, KM_PER_HOUR = 0.44704, 1.0 / 3.6  # m/s
-
-
-class Input(NamedTuple):
-    """An input of the analysis: name, symbol and words; as the paper gives it; in SI with its unit; where."""
-
-    name: str
-    symbol: str
-    title: str
-    given: str
-    value: float
-    unit: str
-    place: str = "Table 1"
-
-
-INPUTS = (
-    Input("speed", "V_I", "Impact speed", "90 km/h", 90.0 * KM_PER_HOUR, "m/s"),
-    Input("angle", "θ", "Impact angle", "15 deg", math.radians(15.0), "rad"),
-    Input("mass", "W", "Vehicle weight", "9979 kg", 9979.0, "kg"),
-    Input("width", "B", "Vehicle width", "2438 mm", 2.438, "m"),
-    Input("length", "L", "Vehicle length", "10,000 mm", 10.0, "m"),
-    Input("friction", "μ_k", "Coefficient of friction", "0.47", 0.47, "", "Section 3.1.1"),
-    Input("restitution", "e", "Coefficient of restitution", "0.22", 0.22, "", "Section 3.1.1"),
+from tailslap.replication.paper_values import (
+    ABAQUS,
+    ANALYTICAL,
+    ANGLE,
+    CHART_TIME,
+    CHART_V_GY,
+    FEA_SPEED,
+    FRICTION,
+    LATERAL_SPEED,
+    LENGTH,
+    MASS,
+    PULSE,
+    RESTITUTION,
+    RESTITUTIONS,
+    ROW_B_ANGLE,
+    ROW_B_SPEED,
+    SPEED,
+    START,
+    TABLE_4,
+    TABLE_5,
+    WIDTH,
+    ForceRow,
 )
-SPEED, ANGLE, MASS, WIDTH, LENGTH, FRICTION, RESTITUTION = (item.value for item in INPUTS)
-START = {"angle": 0.26, "omega": 0.707, "corner_speed": 25.053}  # theta_0, omega_0, v_P0, Section 3.1.1
-FEA_SPEED = 25.0  # m/s, V_x in Table 2, where Section 3.1.2 says 25,053 mm/s
-LATERAL_SPEED = 23.3 * KM_PER_HOUR  # m/s, v_0 sin(theta) in Section 3.1.1
-ANALYTICAL, ABAQUS = PAPER_TABLE_3["analytical"], PAPER_TABLE_3["abaqus"]  # Table 3
-CHART_TIME, CHART_V_GY = 0.38, -3.274  # s, Figure 10 at theta = 0; m/s, Figure 11 then (Section 3.1.1)
-PULSE = 0.1  # s, "a reasonable estimate ... in most cases" (Section 3.2)
-
-
-class ForceRow(NamedTuple):
-    """A row of Table 4 or 5; forces in N, pairs for e = 0.22 and e = 0.
-
-    duration: of the second pulse [s]; measured: by crash test or finite elements; projected: 1.33 times the
-    50 ms average, by the authors; peak: analytical, F_lat,peak; factor: adjustment factor phi_a.
-    """
-
-    row: str
-    source: str
-    duration: float
-    measured: float
-    peak: tuple[float, float]
-    factor: tuple[float, float]
-    projected: bool = False
-
-
-SOURCES = {
-    "a": "MwRSF TRP-03-415-21, crash test",
-    "b": "MwRSF TRP-03-403-21, crash test",
-    "c": "NCHRP 22-20(02), tall vertical wall, FEA",
-    "d": "NCHRP 22-20(02), 42 in. barrier, FEA",
-    "e": "TTI 9-1002-5, FEA",
-    "f": "Cao et al., FEA",
-}
-
-
-def _row(
-    row: str, duration: float, forces: tuple[float, ...], factor: tuple[float, float], projected: bool = False
-) -> ForceRow:
-    """A row of the forces in kN."""
-    measured, elastic, plastic = (1e3 * force for force in forces)
-    return ForceRow(row, SOURCES[row], duration, measured, (elastic, plastic), factor, projected)
-
-
-TABLE_4 = (  # 50 ms average
-    _row("a", 0.1, (680.0, 707.0, 898.5), (1.04, 1.32)),
-    _row("b", 0.1, (595.0, 680.0, 872.0), (1.14, 1.46)),
-    _row("c", 0.1, (415.0, 609.0, 783.0), (1.47, 1.89)),
-    _row("d", 0.08, (351.0, 765.0, 978.0), (2.17, 2.78)),
-    _row("e", 0.1, (360.0, 614.0, 796.0), (1.7, 2.21)),
-    _row("f", 0.18, (375.0, 351.0, 440.0), (0.94, 1.17)),
-)
-TABLE_5 = (  # SAE-filtered
-    _row("a", 0.1, (904.0, 707.0, 898.5), (0.78, 0.99), projected=True),
-    _row("b", 0.1, (791.0, 680.0, 872.0), (0.86, 1.1), projected=True),
-    _row("c", 0.1, (552.0, 609.0, 783.0), (1.1, 1.42), projected=True),
-    _row("d", 0.08, (467.0, 765.0, 978.0), (1.64, 2.09), projected=True),
-    _row("e", 0.1, (479.0, 614.0, 796.0), (1.28, 1.66), projected=True),
-    _row("f", 0.16, (500.0, 396.0, 494.0), (0.79, 0.99)),
-)
-RESTITUTIONS = (RESTITUTION, 0.0)  # of the pairs in Tables 4 and 5
-FACTOR_RANGE_PLASTIC = (1.32, 2.78)  # Section 3.2: phi_a of Table 4 for e = 0, "for those test conditions"
-
-# Not in the paper: the test behind row b, MNCBR-1, as its report's abstract gives it.
-ROW_B_SPEED, ROW_B_ANGLE, ROW_B_GIVEN = 57.4 * MPH, math.radians(15.4), "57.4 mph and 15.4 deg"
-
 
 Cell = dict[str, float]
 Numbers = dict[str, Any]
+"""Numbers of a part of the paper, nested."""
 
 TRUCK = solver.RectangularBody(LENGTH, WIDTH, MASS)
 IMPACT_TRUCK = ImpactVehicle(LENGTH, WIDTH, MASS)
 
 MASH_SPEED = 56.0 * MPH
 SPEEDS = {"56 mph": MASH_SPEED, "90 km/h": SPEED}
-"""Speeds that the start may have been computed from [m/s]: MASH's for the truck, and its printed metric rounding."""
+"""Speeds from which the start may have been computed [m/s]: of MASH for the truck, and its printed metric rounding."""
 
 FIGURES = {10: "theta", 11: "v_gy", 12: "v_gx", 13: "omega", 14: "slide"}
-"""The paper's number of a figure and the quantity in it."""
+"""Quantity by the number of a figure in the paper."""
 
 INSTANTS = 201
 ROUND_TIMES = (0.0, 0.1, 0.2, 0.3)  # s; the tail-slap is added
 
 STIFFNESSES = (1e6, 2e6, 3e6)
-"""Crush stiffnesses of a corner [N/m], assumed: those of such a truck are not known."""
+"""Crush stiffnesses of a corner [N/m], assumed: those of such a truck are unknown."""
 
 NEARLY_RIGID = 2e8
-"""Stiffness that comes close to an instantaneous impact [N/m]."""
+"""Stiffness of a nearly instantaneous impact [N/m]."""
 
 INTERVAL = 2e-4
-"""Between the rows of force histories [s]."""
+"""Time between the rows of force histories [s]."""
 
 
 class Stages(NamedTuple):
-    """Stages 1 to 3 of one impact; peak_force of the tail-slap [N] for a triangular pulse."""
+    """Stages 1 to 3 of one impact.
+
+    peak_force of the tail-slap [N] for a triangular pulse.
+    """
 
     stage1: solver.ImpulseResult[float]
     strike: solver.MotionState[float]
@@ -144,7 +78,10 @@ class Stages(NamedTuple):
 
 
 def review() -> Numbers:
-    """Compute all of it; under a second. row_b: row b of Tables 4 and 5 with its test's own speed and angle."""
+    """Compute all numbers, in less than a second.
+
+    row_b: row b of Tables 4 and 5 with the speed and angle of its test.
+    """
     return {
         "table_1": table_1(),
         "table_3": table_3(),
@@ -160,7 +97,10 @@ def review() -> Numbers:
 
 
 def beside(printed: float, computed: float) -> Cell:
-    """The cell of a printed and a computed value, neither of them zero."""
+    """Return the cell of a printed and a computed value.
+
+    Neither is zero.
+    """
     cell = {"printed": float(printed), "computed": float(computed)}
     return cell | {"difference": float(computed / printed - 1.0)}
 
@@ -173,10 +113,10 @@ def stages(
     duration: float = PULSE,
     start_angle: float | None = None,
 ) -> Stages:
-    """All three stages for the truck of Table 1, friction as in Eqs 66-67.
+    """Compute all three stages for the truck of Table 1.
 
-    speed [m/s]; angle [rad]; duration of the pulse [s]; start_angle: that which Stage 2 starts from [rad], if it is not
-    the impact's own.
+    Friction as in Eqs 66-67. speed [m/s]; angle [rad]; duration of the pulse [s]; start_angle: initial angle of Stage 2
+    [rad], by default that of the impact.
     """
     stage1 = solver.corner_impulse(TRUCK, speed, angle, FRICTION, restitution, convention)
     theta_0 = angle if start_angle is None else start_angle
@@ -185,14 +125,15 @@ def stages(
 
 
 def printed_motion(reaction: str = "drag", corner_speed: float = START["corner_speed"]) -> solver.PlaneMotion:
-    """Stage 2 from the start that the paper prints; corner_speed [m/s]."""
+    """Solve Stage 2 from the printed start, corner_speed in m/s."""
     return solver.plane_motion(TRUCK, START["angle"], START["omega"], corner_speed, FRICTION, reaction)
 
 
 def table_1() -> Numbers:
-    """Stage 1 from both speeds beside the printed start; implied_speed gives the printed v_P0 exactly [m/s].
+    """Compute Stage 1 from both speeds beside the printed start.
 
-    derived: gamma, phi, beta [rad]; r_PG [m]; I_G [kg m^2] (Eqs 7, 15, 26, 63).
+    implied_speed is that of the printed v_P0 [m/s]. derived: gamma, phi, beta [rad]; r_PG [m]; I_G [kg m^2] (Eqs 7,
+    15, 26, 63).
     """
     starts = {}
     for name, speed in SPEEDS.items():
@@ -218,14 +159,14 @@ def table_1() -> Numbers:
 
 
 def table_3() -> Numbers:
-    """Both columns of Table 3 beside the exact motions from the printed start.
+    """Compute both columns of Table 3 from the printed start.
 
     analytical: that column beside "drag" at the tail-slap; analytical_56: from Stage 1 at 56 mph, theta_0 as printed;
     analytical_15: from theta_0 = 15 degrees, not rounded. abaqus: its column beside "none" at the tail-slap;
     abaqus_read: at `reading` [s], four decimals of the instant at which the corner has slid as far as printed;
     abaqus_drag: beside "drag" at the instant at which it has. crossing: t [s] and slide [m] where "drag" has the
-    printed v_GX. v_gx_25: v_GX without friction had v_P0 been the 25 m/s of Table 2 [m/s]. peak_force: beside that of
-    the printed v_GY, for a pulse of 0.1 s [N].
+    printed v_GX. v_gx_25: v_GX without friction for v_P0 = 25 m/s as in Table 2 [m/s]. peak_force: beside that of the
+    printed v_GY, for a pulse of 0.1 s [N].
     """
     drag, none = printed_motion("drag"), printed_motion("none")
     reading = round(instant(none, "slide", ABAQUS["slide"]), 4)
@@ -253,7 +194,10 @@ def table_3() -> Numbers:
 
 
 def instant(motion: solver.PlaneMotion, name: str, value: float) -> float:
-    """The instant [s] at which a quantity that changes one way throughout has this value; by bisection."""
+    """Return the instant [s] of a value of a monotonic quantity.
+
+    It is computed by bisection.
+    """
     low, high = 0.0, motion.strike.t
     rising = getattr(motion.strike, name) > float(getattr(motion.at(0.0), name))
     for _ in range(60):
@@ -264,15 +208,18 @@ def instant(motion: solver.PlaneMotion, name: str, value: float) -> float:
 
 
 def figures() -> Numbers:
-    """Values that the paper reads off Figures 10 to 14, and where; instants: those of the page's table [s]."""
+    """Compute the values that the paper reads from Figures 10 to 14.
+
+    instants: those of the table of the page [s].
+    """
     drag = printed_motion()
     strike = drag.strike
     charts = [
         (10, "t", "θ = 0", CHART_TIME, strike.t),
         (11, "v_gy", f"t = {CHART_TIME} s", CHART_V_GY, float(drag.at(CHART_TIME).v_gy)),
     ]
-    known = [(number, name) for number, name in FIGURES.items() if name in ANALYTICAL]
-    charts += [(n, name, "θ = 0", ANALYTICAL[name], getattr(strike, name)) for n, name in known]
+    at_end = [(number, name) for number, name in FIGURES.items() if name in ANALYTICAL]
+    charts += [(n, name, "θ = 0", ANALYTICAL[name], getattr(strike, name)) for n, name in at_end]
     readings = [
         {"figure": number, "quantity": name, "where": where, "value": beside(*values)}
         for number, name, where, *values in charts
@@ -281,7 +228,10 @@ def figures() -> Numbers:
 
 
 def course(reaction: str, instants: np.ndarray | None = None) -> dict[str, np.ndarray]:
-    """Columns t [s] and those of FIGURES, SI, at evenly spaced instants up to the strike, or at these."""
+    """Return columns t [s] and those of FIGURES of a motion, SI.
+
+    instants [s]: by default evenly spaced up to the tail-slap.
+    """
     motion = printed_motion(reaction)
     t = np.linspace(0.0, motion.strike.t, INSTANTS) if instants is None else instants
     states = motion.at(t)
@@ -289,7 +239,10 @@ def course(reaction: str, instants: np.ndarray | None = None) -> dict[str, np.nd
 
 
 def marks(name: str) -> dict[str, tuple[tuple[float, float], ...]]:
-    """Printed points (t [s], value in SI) of a quantity of FIGURES: the start's, and those of Table 3's columns."""
+    """Return the printed points (t [s], value) of a quantity.
+
+    The quantity is one of FIGURES, in SI. Points are those of the start, and of the columns of Table 3.
+    """
     starts = {"theta": START["angle"], "omega": START["omega"], "slide": 0.0}
     analytical = [(0.0, starts[name])] if name in starts else []
     analytical.append((CHART_TIME, 0.0) if name == "theta" else (ANALYTICAL["t"], ANALYTICAL[name]))
@@ -297,11 +250,11 @@ def marks(name: str) -> dict[str, tuple[tuple[float, float], ...]]:
 
 
 def force_row(row: ForceRow, speed: float = MASH_SPEED, angle: float = ANGLE) -> Numbers:
-    """A row of Table 4 or 5 and what is computed for a speed [m/s] and an angle [rad]; pairs for e = 0.22 and e = 0.
+    """Compute a row of Table 4 or 5.
 
-    peak [N]; factor: phi_a. ratio: printed F(e = 0)/F(e = 0.22) beside the exact 1/(1 - e). rounds: whether rounding
-    of the printed forces explains that ratio. factor_of_print: the row's own printed forces over its measured one.
-    impulse: F dt/2 of the printed force for e = 0.22 [N s].
+    speed [m/s]; angle [rad]; pairs for e = 0.22 and e = 0. peak [N]; factor: phi_a. ratio: printed F(e = 0)/F(e = 0.22)
+    beside the exact 1/(1 - e). rounds: True if rounding of the printed forces explains that ratio. factor_of_print:
+    printed forces of the row over its measured one. impulse: F dt/2 of the printed force for e = 0.22 [N s].
     """
     computed = [stages(speed, angle, e, duration=row.duration).peak_force for e in RESTITUTIONS]
     elastic, plastic = row.peak
@@ -320,10 +273,11 @@ def force_row(row: ForceRow, speed: float = MASH_SPEED, angle: float = ANGLE) ->
 
 
 def earlier_methods() -> Numbers:
-    """Olson, Hirsch and Ritter (Section 2.1) at 56 mph and 15 degrees: inputs, travel [m], time [s], forces [N].
+    """Compute the forces of Olson, Hirsch and Ritter (Section 2.1).
 
-    Assumed: centre of mass at half the length, Olson's B half the width, a rigid barrier, D = 0. olson_first_member:
-    the average force by the first member of Eq 1, V sin(theta)/(2 g t), half of its last. paper: that of the tail-slap.
+    56 mph and 15 degrees: inputs, travel [m], time [s], forces [N]. Assumed: centre of mass at half the length, Olson's
+    B half the width, a rigid barrier, D = 0. olson_first_member: the average force by the first member of Eq 1, V
+    sin(theta)/(2 g t), half of its last. paper: that of the tail-slap.
     """
     inputs = {"speed": MASH_SPEED, "angle": ANGLE, "front_distance": LENGTH / 2.0}
     inputs |= {"half_width": WIDTH / 2.0, "deflection": 0.0}
@@ -341,9 +295,10 @@ def earlier_methods() -> Numbers:
 
 
 def reaction() -> Numbers:
-    """The wall's reaction N on the vehicle, "drag" from the printed start [N]; negative: it pulls.
+    """Return the reaction N of the wall on the vehicle [N].
 
-    first, last: at the start and at the tail-slap; largest: the one nearest to a push.
+    Friction is "drag", from the printed start; a negative reaction is tension. first, last: at the start and at the
+    tail-slap; largest: the largest algebraic value.
     """
     motion = printed_motion()
     normal = motion.at(np.linspace(0.0, motion.strike.t, INSTANTS)).reaction_normal
@@ -351,32 +306,34 @@ def reaction() -> Numbers:
 
 
 def restitutions() -> dict[str, Numbers]:
-    """Both signs of restitution, "paper" (Eq 24) and "newton", at 56 mph, and e = 0, where they are one.
+    """Compute both definitions of restitution at 56 mph.
 
-    corner_recoil: the corner's velocity across the wall after Stage 1 [m/s], negative into the wall, v_Py =
-    F sin(beta)/m - v_0 sin(theta) + omega_1 r cos(phi), Eq 21; change: of the peak force against the paper's sign.
+    They are "paper" (Eq 24) and "newton", and e = 0, where they agree. corner_recoil: velocity of the corner across the
+    wall after Stage 1 [m/s], negative into the wall, v_Py = F sin(beta)/m - v_0 sin(theta) + omega_1 r cos(phi), Eq 21;
+    change: of the peak force relative to "paper".
     """
     cases = {name: stages(convention=name) for name in solver.CONVENTIONS}
     cases["e = 0"] = stages(restitution=0.0)
-    found = {}
+    results = {}
     for name, (stage1, _, peak_force) in cases.items():
         normal = stage1.impulse * math.sin(math.atan2(1.0, FRICTION)) / MASS
         turning = stage1.omega * TRUCK.corner_radius * math.cos(ANGLE + TRUCK.corner_angle)
-        found[name] = {
+        results[name] = {
             "corner_recoil": normal - MASH_SPEED * math.sin(ANGLE) + turning,
             "omega": stage1.omega,
             "peak_force": peak_force,
             "change": peak_force / cases["paper"].peak_force - 1.0,
         }
-    return found
+    return results
 
 
 def whole_impact() -> Numbers:
-    """The whole impact, rigid, on a wall that only pushes, and what the paper's stages have in its place.
+    """Compute the whole impact, and the corresponding values of the stages.
 
-    share, share_friction: m_eff/m of the rear corner at angle zero, without and with friction. plastic_impulse: m
-    |v_GY| of the paper for e = 0; corner_impulse: that of the rear corner, m_eff 2 |v_GY|. paper_impulse: m |v_GY| for
-    e = 0.22, paper_time: when. omegas: after Stage 1 by "paper" and "newton"; nearly_rigid: by the crush law.
+    The vehicle is rigid, the contact unilateral. `share`, `share_friction`: m_eff/m of the rear corner at angle zero,
+    without and with friction. plastic_impulse: m |v_GY| of the paper for e = 0; corner_impulse: that of the rear
+    corner, m_eff 2 |v_GY|. paper_impulse: m |v_GY| for e = 0.22, at paper_time. omegas: after Stage 1 by "paper" and
+    "newton"; nearly_rigid: by the crush law.
     """
     paper, plastic, newton = stages(), stages(restitution=0.0), stages(convention="newton")
     stopped = MASS * abs(plastic.strike.v_gy)
@@ -394,38 +351,41 @@ def whole_impact() -> Numbers:
 
 
 def corner_fraction(friction: float) -> float:
-    """m_eff/m of a uniform rectangle whose rear corner strikes, its side along the wall.
+    """Return m_eff/m of a uniform rectangle whose rear corner strikes.
 
-    1/m_eff = 1/m + (L/2) (L/2 + mu B/2)/I with I = m (L^2 + B^2)/12.
+    Its side is along the wall. 1/m_eff = 1/m + (L/2) (L/2 + mu B/2)/I with I = m (L^2 + B^2)/12.
     """
     return 1.0 / (1.0 + 3.0 * LENGTH * (LENGTH + friction * WIDTH) / (LENGTH**2 + WIDTH**2))
 
 
 def impact_motion(stiffness: float, end: float | None = None) -> ImpactMotion:
-    """The rigid truck's impact, corners alone, e and friction as printed; to `end` [s]."""
+    """Solve the impact of the rigid truck, to `end` [s].
+
+    Contact is at the corners alone, with e and friction as printed.
+    """
     contact = WallContact(CrushLaw(stiffness, 0.0, RESTITUTION), FRICTION)
     start = first_touch(IMPACT_TRUCK, ANGLE, MASH_SPEED)
     return solve_impact(IMPACT_TRUCK, contact, start, end, after_second=0.2)
 
 
 def impact_case(stiffness: float) -> Numbers:
-    """The whole impact with one crush stiffness [N/m], SI.
+    """Compute the whole impact with one crush stiffness [N/m], SI.
 
-    omega: after the first strike; released: its end. rear_...: of the rear corner's strike; closing: that corner's
-    speed into the wall at its start; share: impulse over (1 + e) m closing. read: by curve, the second strike's
-    duration from valley to valley. gap: how far the crushed front corner is from the wall at most before the rear one
-    strikes; back: when it touches again, NaN if it does not.
+    omega: after the first strike; released: its end. rear_...: of the strike of the rear corner; closing: speed of that
+    corner into the wall at its start; `share`: impulse over (1 + e) m closing. read: duration of the second strike from
+    minimum to minimum, by curve. gap: largest distance of the crushed front corner from the wall before the rear one
+    strikes; back: its next contact, NaN without one.
     """
-    found = impact_motion(stiffness)
-    front, rear = (next(s for s in found.strikes if s.corner == name) for name in ("front", "rear"))
-    again = [s.start for s in found.strikes if s.corner == "front" and s.start > rear.start]
+    motion = impact_motion(stiffness)
+    front, rear = (next(s for s in motion.strikes if s.corner == name) for name in ("front", "rear"))
+    again = [s.start for s in motion.strikes if s.corner == "front" and s.start > rear.start]
     instants = np.linspace(front.end, rear.start, 101)
-    crush = found.corner_depths(instants)[0]
-    closing = rear_speed(found, rear.start)
-    curves = rigid_answer(found, INTERVAL * np.arange(int(found.t_end / INTERVAL) + 1)).second_strike
+    crush = motion.corner_depths(instants)[0]
+    closing = rear_speed(motion, rear.start)
+    curves = rigid_answer(motion, INTERVAL * np.arange(int(motion.t_end / INTERVAL) + 1)).second_strike
     return {
         "stiffness": stiffness,
-        "omega": float(found.at(instants[50]).omega),
+        "omega": float(motion.at(instants[50]).omega),
         "released": front.end,
         "rear_start": rear.start,
         "rear_duration": rear.duration,
@@ -439,9 +399,9 @@ def impact_case(stiffness: float) -> Numbers:
     }
 
 
-def rear_speed(found: ImpactMotion, instant: float) -> float:
-    """Speed of the rear corner into the wall at an instant [m/s]."""
-    at, size = found.at(instant), found.vehicle
+def rear_speed(motion: ImpactMotion, instant: float) -> float:
+    """Return the speed of the rear corner into the wall [m/s]."""
+    at, size = motion.at(instant), motion.vehicle
     along, across = size.front_distance - size.length, -0.5 * size.width
     ahead = along * math.cos(float(at.theta)) + across * math.sin(float(at.theta))
     return -float(at.v_gy) - float(at.omega) * ahead

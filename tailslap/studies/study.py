@@ -14,10 +14,10 @@ from tailslap.case import case_of, kind_of
 from tailslap.case.case import CORNER, Case
 from tailslap.case.cost import demand_run
 from tailslap.errors import InputError, Missing, Verbatim, one_of
-from tailslap.files.folder import default_place
-from tailslap.files.manifest import Origin
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import changes_of, shown
+from tailslap.storage.folder import default_place
+from tailslap.storage.manifest import Origin
 
 if TYPE_CHECKING:
     from postprocess.report.command_report import Report

@@ -26,7 +26,7 @@ def terminal(monkeypatch):
     made = Terminal()
     monkeypatch.setattr(progress, "sys", SimpleNamespace(stderr=made))  # pytest sets its own in sys
     monkeypatch.setattr(progress, "DELAY", 0.05)
-    monkeypatch.setattr(progress, "_last_sign", time.monotonic())
+    monkeypatch.setattr(progress, "_last_output", time.monotonic())
     monkeypatch.delenv(progress.MODE, raising=False)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "100")

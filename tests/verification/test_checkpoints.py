@@ -17,9 +17,9 @@ from fem.run import corner, impact
 from tailslap import cli, errors
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
-from tailslap.files import checkpoints
-from tailslap.files.checkpoints import checkpointed, next_checkpoint
 from tailslap.scene.read import read_scene
+from tailslap.storage import checkpoints
+from tailslap.storage.checkpoints import checkpointed, next_checkpoint
 
 
 class Stopping:
@@ -240,7 +240,7 @@ LONG = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "
 OFTEN = """
 import sys
 from tailslap.cli import main
-from tailslap.files import checkpoints
+from tailslap.storage import checkpoints
 checkpoints.SAVE_S = 0.3
 main(sys.argv[1:])
 """

@@ -21,7 +21,7 @@ from click.testing import CliRunner
 from postprocess.report.provenance import CRATE
 from tailslap import commands as command_line
 from tailslap.cli import _status, commands
-from tailslap.files import folder
+from tailslap.storage import folder
 from tailslap.studies import study as study_record
 from tailslap.studies import study_names
 

@@ -13,8 +13,9 @@ import pytest
 import tailslap
 from tailslap import InputError
 from tailslap.cli import _status
-from tailslap.files import folder, load, manifest
-from tailslap.files.manifest import NAME
+from tailslap.result import load
+from tailslap.storage import folder, manifest
+from tailslap.storage.manifest import NAME
 
 SMALL = {"plate.elements": [6, 2], "output.fields": 3}
 

@@ -246,7 +246,7 @@ def test_progress_off_a_terminal(capsys, monkeypatch):
     """Nothing by itself; lines with n of N, rate and time left where asked for; one thing at a time; never if quiet."""
     from tailslap import progress
 
-    monkeypatch.setattr(progress, "ASKED_EVERY", 0.0)
+    monkeypatch.setattr(progress, "LINES_INTERVAL", 0.0)
 
     def work():
         with progress.progress_bar("steps", 200) as outer:

@@ -77,13 +77,16 @@ def test_a_guard_admits_host_origin_and_secret_of_its_page(kind, path, host, ori
     async def page(scope, receive, send):
         reached.append(scope)
 
+    async def receive():
+        raise AssertionError("nothing is received")
+
     async def send(message):
         sent.append(message)
 
     given = {"host": host, "origin": origin}
     headers = [(name.encode(), value.encode()) for name, value in given.items() if value is not None]
     scope = {"type": kind, "path": path, "headers": headers}
-    asyncio.run(server.Guard(page, 2718, "secret")(scope, None, send))
+    asyncio.run(server.Guard(page, 2718, "secret")(scope, receive, send))
     assert reached == [scope] * is_admitted
     refusal = {"http": ["http.response.start", "http.response.body"], "websocket": ["websocket.close"]}[kind]
     assert [message["type"] for message in sent] == ([] if is_admitted else refusal)

@@ -15,7 +15,7 @@ from tailslap.campaign import report
 from tailslap.campaign.definition import compute_row, make_definition, table_schema
 from tailslap.campaign.perform import perform
 from tailslap.case.impact.case import ImpactCase
-from tailslap.files.load import read_columns
+from tailslap.result.columns import read_columns
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
 

@@ -12,8 +12,8 @@ from tailslap import errors
 from tailslap.campaign import perform
 from tailslap.campaign.definition import make_definition
 from tailslap.campaign.records import Records, count
-from tailslap.files import checkpoints, folder, manifest
 from tailslap.scene import read
+from tailslap.storage import checkpoints, folder, manifest
 
 ROWS = {0: {"run": 0, "status": "passed"}}
 UNKNOWN = pytest.mark.parametrize("error", [errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.EIO])

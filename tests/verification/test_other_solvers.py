@@ -18,7 +18,7 @@ import pytest
 
 from postprocess.comparison.nodal import centre_of_mass_history, read_calculix, read_nodes
 from tailslap import cli
-from tailslap.files.load import read_history
+from tailslap.result.load import read_history
 from tailslap.scene.read import shipped_scenes
 
 FRICTIONLESS = "corner.reaction=none"
@@ -326,16 +326,16 @@ ENDLESS = {
 @pytest.mark.parametrize(("script", "why"), ENDLESS.values(), ids=ENDLESS)
 def test_solver_without_end_is_ended(script, why, elsewhere, capsys, monkeypatch, tmp_path_factory):
     """What is on disk and in the message is bounded."""
-    from tailslap.exports import confirm
+    from tailslap.exports import calculix
 
-    sizes, failed = [], confirm._failed
+    sizes, failed = [], calculix.failed
 
     def keep(why, folder):
         sizes.append((folder / "ccx.log").stat().st_size)
         return failed(why, folder)
 
-    monkeypatch.setattr(confirm, "_failed", keep)
-    monkeypatch.setattr(confirm, "MAX_LOG", 300_000)
+    monkeypatch.setattr(calculix, "failed", keep)
+    monkeypatch.setattr(calculix, "MAX_LOG", 300_000)
     fake_ccx(tmp_path_factory.mktemp("fake"), f"echo $$ > {elsewhere}/pid; {script}", monkeypatch)
     assert written("confirm", "paper-table-3", *COARSE) == 3
     said = capsys.readouterr().err
@@ -365,9 +365,9 @@ STUBBORN = "trap '' TERM; sleep 60 & while :; do sleep 1; done"
 )
 def test_no_process_of_a_solver_outlives_it(script, elsewhere, capsys, monkeypatch, tmp_path_factory):
     """One that ignores SIGTERM; children of a script that waits for them, and of scripts that do not."""
-    from tailslap.exports import confirm
+    from tailslap.exports import calculix
 
-    monkeypatch.setattr(confirm, "GRACE", 0.2)
+    monkeypatch.setattr(calculix, "GRACE", 0.2)
     fake_ccx(tmp_path_factory.mktemp("fake"), f"echo $$ > {elsewhere}/pid; {script}", monkeypatch)
     assert written("confirm", "paper-table-3", *COARSE, "--time-limit", "0.5") == 3
     assert not group_of(elsewhere / "pid")

@@ -19,14 +19,15 @@ from postprocess.report.prose import glued, prose
 from postprocess.report.provenance import CRATE
 from postprocess.report.tables import Column, Table
 from postprocess.report.terminal import printed
-from postprocess.units import percent
+from postprocess.units import MPH, percent
 from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact
 from tailslap.cli import _status
-from tailslap.files.manifest import NAME as MANIFEST
-from tailslap.replication import page, tables
+from tailslap.replication import page, paper_values, tables
 from tailslap.replication.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
-from tailslap.replication.tables import ABAQUS, FIGURES, MASS, ForceRow, corner_fraction
+from tailslap.replication.paper_values import ABAQUS, MASS, ForceRow
+from tailslap.replication.tables import FIGURES, corner_fraction
+from tailslap.storage.manifest import NAME as MANIFEST
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +64,7 @@ def test_every_difference_of_the_answer(found):
 
 
 def test_inputs_in_si_by_hand():
-    values = {item.name: item.value for item in tables.INPUTS}
+    values = {item.name: item.value for item in paper_values.INPUTS}
     assert values["speed"] == pytest.approx(25.0, rel=1e-15)
     assert values["angle"] == pytest.approx(math.pi / 12.0, rel=1e-15)
     assert (values["mass"], values["width"], values["length"]) == (9979.0, 2.438, 10.0)
@@ -205,10 +206,10 @@ def analytical(found):
         f"rounds to 0.26 rad, t is {exact['t']['computed']:.4f} s and s {exact['slide']['computed']:.3f} m, "
         f"{percent(longer, 1)}",
         f"{start['56 mph']['omega']['computed']:.4f} rad/s and {start['56 mph']['corner_speed']['computed']:.3f} m/s "
-        f"against the printed {tables.START['omega']} and {tables.START['corner_speed']}",
+        f"against the printed {paper_values.START['omega']} and {paper_values.START['corner_speed']}",
         f"The 90 km/h of Table 1 lead to {start['90 km/h']['omega']['computed']:.4f} and "
         f"{start['90 km/h']['corner_speed']['computed']:.3f}, and a peak force that is {percent(slower, 2)} off",
-        f"belongs to {found['table_1']['implied_speed'] / tables.MPH:.3f} mph",
+        f"belongs to {found['table_1']['implied_speed'] / MPH:.3f} mph",
     ]
 
 
@@ -263,8 +264,8 @@ def printed_forces(found):
         f"{100 * max(far):.1f} %, rows c and d by less than 0.5 %",
         f"run from {min(impulses):.2f} to {max(impulses):.2f} kN s",
         f"the last digit of {wrong} of {4 * len(four)}",
-        f"{tables.FACTOR_RANGE_PLASTIC[0]} to {tables.FACTOR_RANGE_PLASTIC[1]} as the range for e = 0, where "
-        f"Table 4 holds "
+        f"{paper_values.FACTOR_RANGE_PLASTIC[0]} to {paper_values.FACTOR_RANGE_PLASTIC[1]} as the range for e = 0, "
+        f"where Table 4 holds "
         f"{min(plastic)} to {max(plastic)}",
         f"they run from {min(factors):.2f} to {max(factors):.2f} there",
     ]

@@ -29,7 +29,7 @@ from postprocess.units import duration, grouped, known, number, percent_up, show
 from tailslap.case.corner.report import corner_report, diagnosis, prediction
 from tailslap.case.report import DESIGN
 from tailslap.cli import _status
-from tailslap.files.load import read_history
+from tailslap.result.load import read_history
 
 SCENE = 'name = "a<b>&c"  # </pre><script>alert(1)</script>\nwidth = "2438 mm"\n'
 

@@ -10,7 +10,7 @@ import pytest
 import tailslap
 from postprocess.report.provenance import CRATE, files_digest
 from tailslap import cli
-from tailslap.files.manifest import NAME, read_manifest
+from tailslap.storage.manifest import NAME, read_manifest
 
 SHELL = "ls | grep -v -e report.html -e ro-crate-metadata.json | LC_ALL=C sort | xargs sha256sum | sha256sum"
 

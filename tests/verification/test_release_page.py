@@ -5,7 +5,7 @@ import re
 import pytest
 import release
 
-from tailslap.files.folder import result_folder
+from tailslap.storage.folder import result_folder
 
 LINES = release.statements(release.ACCURACY.read_text(encoding="utf-8"))
 WORDS = [words for every in release.FIGURES.values() for words in every]

@@ -20,9 +20,9 @@ import pytest
 import tailslap
 from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted
-from tailslap.files import folder, manifest
-from tailslap.files.folder import recover, result_folder
-from tailslap.files.manifest import LOCK, LOG, NAME, NEW, Origin, whole_file
+from tailslap.storage import folder, manifest
+from tailslap.storage.folder import recover, result_folder
+from tailslap.storage.manifest import LOCK, LOG, NAME, NEW, Origin, whole_file
 
 RESULT = {"report.html": "page", "summary.json": "{}", "history.csv": "t\n"}
 
@@ -523,7 +523,7 @@ def test_a_reader_waits_for_who_is_moving_its_files(earlier, monkeypatch):
 DYING = """
 import os, sys
 from pathlib import Path
-from tailslap.files.folder import result_folder
+from tailslap.storage.folder import result_folder
 with result_folder(Path(sys.argv[1])) as folder:
     (folder / "half.csv").write_text("1,")
     print("filling", flush=True)
@@ -578,7 +578,7 @@ def test_numbers_that_are_committed_stay_where_pictures_fail(earlier):
 RUN = Origin("run", "a")
 
 
-@pytest.mark.parametrize("origin", [Origin("run", "b"), Origin("modes", "a"), manifest.UNKNOWN])
+@pytest.mark.parametrize("origin", [Origin("run", "b"), Origin("modes", "a"), folder.UNKNOWN])
 def test_a_result_of_another_command_or_scene_is_replaced_by_force_alone(tmp_path, origin):
     place = tmp_path / "a"
     write(place, OLD, origin=RUN)

@@ -20,9 +20,9 @@ import pytest
 
 import tailslap
 from fem.laws.friction import FRICTION_LAWS
-from tailslap import result
 from tailslap.campaign import engine
 from tailslap.cli import commands, main
+from tailslap.result import result
 from tailslap.scene import read
 from tailslap.scene.schema import MEANINGS, Scene, SceneTable
 
@@ -145,7 +145,7 @@ def test_every_column_of_a_history_has_a_row():
 
 
 def test_every_column_of_a_run_has_a_row():
-    from tailslap.files.load import corner_columns, impact_columns
+    from tailslap.result.columns import corner_columns, impact_columns
 
     for scene, known in (("paper-table-3", corner_columns()), ("impact-mash-tl4-sut", impact_columns())):
         history = tailslap.run(scene, {"plate.elements": [8, 2]}).history

@@ -24,7 +24,7 @@ from meshes import plate_mesh
 from postprocess.figures.plates import draw_mode, mesh_edges
 from postprocess.report.provenance import CRATE
 from tailslap.cli import DONE, WRONG_INPUT, _status
-from tailslap.files.manifest import NAME as MANIFEST
+from tailslap.storage.manifest import NAME as MANIFEST
 
 ANGLES = (0.26, 0.13, 0.0)
 MESHES = ((6, 3), (10, 3), (20, 6), (3, 12))

@@ -28,11 +28,11 @@ from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perfo
 from tailslap.campaign.records import Records, count, program
 from tailslap.case import cost
 from tailslap.case.corner.case import CornerCase
-from tailslap.files.folder import commit, fresh, result_folder
-from tailslap.files.load import read_columns
-from tailslap.files.manifest import NAME as MANIFEST
+from tailslap.result.columns import read_columns
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
+from tailslap.storage.folder import commit, fresh, result_folder
+from tailslap.storage.manifest import NAME as MANIFEST
 
 HANG = 120.0
 """Seconds after which a test that waits gives up: a guard, not a measurement."""
@@ -678,7 +678,7 @@ def test_reading_the_table_starts_no_thread(tmp_path):
     code = """
 import os, sys
 import pyarrow.parquet
-from tailslap.files.load import read_columns
+from tailslap.result.columns import read_columns
 before = os.listdir("/proc/self/task")
 with open(sys.argv[1], "rb") as file:
     assert read_columns(file)["status"].tolist() == ["passed"]

@@ -27,9 +27,9 @@ from tailslap.campaign import sampling
 from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices, sobol_points
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers, case
-from tailslap.files.manifest import NAME as MANIFEST
-from tailslap.replication.tables import ForceRow
+from tailslap.replication.paper_values import ForceRow
 from tailslap.scene.read import read_scene
+from tailslap.storage.manifest import NAME as MANIFEST
 from tailslap.studies.uncertainty import compute
 from tailslap.studies.uncertainty.report import report
 

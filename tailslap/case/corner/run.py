@@ -18,9 +18,9 @@ from tailslap.case.corner import checks, decisions, error, plan
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.rigid import RigidStages
 from tailslap.errors import InputError
-from tailslap.files import checkpoints
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
+from tailslap.storage import checkpoints
 
 if TYPE_CHECKING:
     from fem.run.corner import Run, Stepper

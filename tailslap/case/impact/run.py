@@ -17,9 +17,9 @@ from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method, tipping_of
 from tailslap.case.model import refusal
 from tailslap.errors import InputError
-from tailslap.files import checkpoints
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
+from tailslap.storage import checkpoints
 
 if TYPE_CHECKING:
     from fem.run.impact import ImpactRun

@@ -25,7 +25,7 @@ from postprocess.comparison import quantities
 from postprocess.comparison.grid_convergence import GridConvergence
 from postprocess.comparison.quantities import KEYS
 from solver import integrate_odes, plane_motion
-from tailslap import errors, modal_analysis, studies
+from tailslap import errors, modal_model, studies
 from tailslap.campaign import engine
 from tailslap.campaign.convergence import NO_LIMIT, Limit, finite, grids_of, halved, limit_of
 from tailslap.case import case_of, cost
@@ -356,7 +356,7 @@ def _modal(case: Any, setting: Setting) -> Row:
 
     def once() -> tuple[float, float, Any]:
         planned, fe_plan = _clocked(case.plan)
-        found = modal_analysis.modal_run(fe_plan, int(setting.number), tolerance=1.0)
+        found = modal_model.modal_run(fe_plan, int(setting.number), tolerance=1.0)
         return planned + found.setup_s, found.integration_s, found
 
     found, times = _repeated(once)

@@ -31,7 +31,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.case.impact.run import attempt, corners_of
 from tailslap.errors import InputError
-from tailslap.modal_analysis import modal_run
+from tailslap.modal_model import modal_run
 from tailslap.scene import schema
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.flexibility.scan import Scan, Series, scanned

@@ -27,7 +27,7 @@ from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.replication import tables
+from tailslap.replication import paper_values
 from tailslap.scene.schema import Scene
 
 # Combinations by default.
@@ -49,10 +49,10 @@ HITCH = 0.3
 LEVEL = "TL-4"
 
 # What is known of the rows' impacts, SI.
-KNOWN = {"b": {"impact.speed": tables.ROW_B_SPEED, "impact.angle": tables.ROW_B_ANGLE}}
+KNOWN = {"b": {"impact.speed": paper_values.ROW_B_SPEED, "impact.angle": paper_values.ROW_B_ANGLE}}
 
 # By the quantity of the second strike that stands beside a table: its words, the table.
-TAKEN = {"mean_50ms": ("50 ms mean", tables.TABLE_4), "cfc60": ("CFC 60", tables.TABLE_5)}
+TAKEN = {"mean_50ms": ("50 ms mean", paper_values.TABLE_4), "cfc60": ("CFC 60", paper_values.TABLE_5)}
 
 
 @dataclass(frozen=True)
@@ -363,14 +363,16 @@ def _simulated(found: Spread, known: Mapping[str, float]) -> dict[str, tuple[flo
     return {name: (exact[name], off[name], sampling.band_of(samples[name])) for name in answers.COLUMNS}
 
 
-def beside(printed: tables.ForceRow, kind: str, simulated: float, u_num: float, band: Band) -> dict[str, Any]:
+def beside(
+    printed: paper_values.ForceRow, kind: str, simulated: float, u_num: float, band: Band
+) -> dict[str, Any]:
     """A measured force D beside the simulated S [N]: E = S - D, and u_val without u_D, which nobody gives."""
     u_input, error = band.standard_deviation, simulated - printed.measured
     u_known = math.hypot(u_num, u_input)
     needed = math.sqrt(max(0.0, error**2 - u_known**2))
     within = abs(error) <= u_known
     verdict = "within u_val" if within else f"within u_val for u_D of at least {measure(needed, 'N', '.0f')}"
-    known = tables.ROW_B_GIVEN if printed.row in KNOWN else ""
+    known = paper_values.ROW_B_GIVEN if printed.row in KNOWN else ""
     row: dict[str, Any] = {"row": printed.row, "source": printed.source, "kind": kind}
     row |= {"measured": printed.measured, "projected": printed.projected, "known": known}
     row |= {"simulated": simulated, "u_num": u_num, "u_input": u_input, "error": error, "within": within}

@@ -1,11 +1,12 @@
-"""A result folder holds a whole result, the earlier or the new one, whenever a command or the machine ends.
+"""Fill result folders so that each has a whole result at any time.
 
-The folder itself never moves, and files of the user in it are never touched. A command holds the lock of the folder
-from its first look to its last write. It writes new files into a folder within, and when they are complete a log of
-what they replace, on disk before anything is replaced. Then they are moved one by one, the manifest last, and the log
-is removed. Who opens the folder next finishes what a log says, or drops new files without one.
+It is the earlier or the new result, whenever a command or the machine ends. The folder itself is never renamed, and
+files of the user in it are never touched. A command has the lock of the folder from its first look to its last write.
+It writes new files into a folder within, and when they are complete a log of the files that they replace, on disk
+before anything is replaced. Then they are renamed one by one, the manifest last, and the log is removed. The next
+process that opens the folder finishes the replacements of a log, or drops new files without one.
 
-Only an absent or empty folder is taken as a place, or an earlier result of the same command and scene whose files are
+Only an absent or empty folder is accepted, or an earlier result of the same command and scene whose files are
 unchanged: the manifest lists them (manifest.py).
 """
 
@@ -19,45 +20,47 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from tailslap import errors
-from tailslap.files import manifest
-from tailslap.files.manifest import LOCK, LOG, NEW, UNKNOWN, Entry, Origin
+from tailslap.storage import manifest
+from tailslap.storage.manifest import LOCK, LOG, NEW, Entry, Origin
 
 SWEEP = "sweep.json"
-"""The file by which the folder of a sweep is known, which is not replaced: it may hold days of runs."""
+"""File that marks the folder of a sweep, which is not replaced: it may hold days of runs."""
 
 ALLOWED = "allowed is a new or empty folder, or a result of tailslap"
 ANOTHER = "choose another folder"
 RESULTS = Path("results")
-MOST_SHOWN = 80
+UNKNOWN = Origin("", "")
+MAX_SUFFIX = 80
 BLANK, UNFIT = r"[\s\"'\[\](){}]", "[^A-Za-z0-9_.,=+^-]"
-"""Letters of the changes of a scene that the name of its folder shows, at most; those that it omits, and replaces."""
+"""Largest length of the changes in the name of a folder; letters of them that it omits, and that it replaces."""
 
 PATIENCE_S = 10.0
-"""Time that a reader waits for a command which is moving its files [s]."""
+"""Time that a reader waits for a command that replaces files [s]."""
 
 
 def default_place(scene: str, changes: Iterable[str], ending: str = "") -> Path:
-    """Folder of a result for which none is named, results/SCENE, its changes and the ending.
+    """Return the default folder of a result, results/SCENE with its changes.
 
-    changes: texts KEY=VALUE, in the order of the keys. What a name cannot show of them is in a digest at its end.
+    changes: texts KEY=VALUE, in the order of the keys. Where the name cannot contain them it ends with a digest.
     """
-    texts = [text for text in changes if not text.startswith("name=")]  # it is the scene's
-    plain = "".join(f"+{re.sub(BLANK, '', text)}" for text in texts).replace("/", "_")  # of units
-    shown = re.sub(UNFIT, "_", plain)
-    if len(shown) > MOST_SHOWN or shown != plain:
+    texts = [text for text in changes if not text.startswith("name=")]  # the scene's name, which comes first
+    plain = "".join(f"+{re.sub(BLANK, '', text)}" for text in texts).replace("/", "_")  # "/" of units
+    suffix = re.sub(UNFIT, "_", plain)
+    if len(suffix) > MAX_SUFFIX or suffix != plain:
         digest = hashlib.sha256("\n".join(texts).encode("utf-8", "backslashreplace")).hexdigest()
-        shown = f"{shown[:MOST_SHOWN]}-{digest[:8]}"
-    return RESULTS / f"{scene}{shown}{ending}"
+        suffix = f"{suffix[:MAX_SUFFIX]}-{digest[:8]}"
+    return RESULTS / f"{scene}{suffix}{ending}"
 
 
 @contextlib.contextmanager
 def result_folder(
     place: Path, inputs: Iterable[Path] = (), force: bool = False, origin: Origin = UNKNOWN
 ) -> Iterator[Path]:
-    """Yield an empty folder: the files with which it is filled become the result in `place`; on any failure none does.
+    """Yield an empty folder, whose files become the result in `place`.
 
-    inputs: files and folders that are read, which are not replaced; force: also replace the result of another origin.
-    Raises InputError if `place` cannot be written, is in use or would lose what is not ours.
+    On any failure none of them does. inputs: files and folders that are read, which are not replaced; force: also
+    replace the result of another origin. Raises InputError if `place` cannot be written, is in use or would lose files
+    that are not the program's.
     """
     with locked(place) as place:
         listed = manifest.read_manifest(place) or ()
@@ -78,32 +81,36 @@ def result_folder(
 
 
 def demand_result(place: Path, force: bool, origin: Origin) -> None:
-    """Raise InputError unless a place is empty, or has an unchanged result: without force, of this origin."""
-    names = users(place)
+    """Raise InputError unless a place is empty or may be replaced.
+
+    An unchanged result may be replaced; without force it must be of this origin.
+    """
+    names = visible_names(place)
     if manifest.read_manifest(place) is None or SWEEP in names:
         if names or errors.is_there(place / manifest.NAME):
-            raise others(place, names or [manifest.NAME], ALLOWED)
+            raise foreign_files(place, names or [manifest.NAME], ALLOWED)
         return
     earlier(place)
-    held = manifest.read_origin(place)
-    if held != origin and not force:
-        words = f"{held.command} {held.scene}".strip()
+    present = manifest.read_origin(place)
+    if present != origin and not force:
+        words = f"{present.command} {present.scene}".strip()
         of = f"the result of `tailslap {words}`" if words else "the result of an earlier version"
         raise errors.InputError(
             "--out", str(place), f"the folder contains {of}; --force replaces it, or {ANOTHER}"
         )
 
 
-def users(place: Path) -> list[str]:
-    """Names in the folder but for those that the program uses for itself, in order."""
+def visible_names(place: Path) -> list[str]:
+    """List names in the folder without the program's auxiliary files."""
     return sorted({*os.listdir(place)} - {manifest.NAME, LOCK, NEW, LOG})
 
 
 @contextlib.contextmanager
 def locked(place: Path) -> Iterator[Path]:
-    """Make the folder, links followed, and lock it; what a dead process has left there is finished or dropped.
+    """Make the folder, links followed, and lock it.
 
-    A folder that was not there and stays empty goes again. Raises InputError.
+    Files of a process that has died are completed or dropped. A new folder that stays empty is removed again. Raises
+    InputError.
     """
     place = resolved(place)
     with contextlib.ExitStack() as stack:
@@ -119,22 +126,23 @@ def locked(place: Path) -> Iterator[Path]:
 
 
 def _make_and_lock(place: Path, stack: contextlib.ExitStack) -> None:
+    """Make and lock the folder until the stack is closed. Raises InputError."""
     while True:
         stack.callback(_remove_folders, _make_folders(place))
         try:
             stack.enter_context(manifest.locked_file(place / LOCK))
             return
-        except FileNotFoundError:  # who was there before has removed the folder
+        except FileNotFoundError:  # another process has removed the folder
             continue
         except BlockingIOError as busy:
-            said = f"another command uses this folder; wait for it, or {ANOTHER}"
-            raise errors.InputError("--out", str(place), said) from busy
+            allowed = f"another command uses this folder; wait for it, or {ANOTHER}"
+            raise errors.InputError("--out", str(place), allowed) from busy
         except OSError as error:
             raise errors.place_error(place, "the folder cannot be locked", error) from None
 
 
 def _leave(place: Path) -> None:
-    """Remove new files that no log speaks of, and the lock."""
+    """Remove the lock, and new files that no log lists."""
     with contextlib.suppress(OSError):
         if _is_held(place) and not errors.is_there(place / LOG):
             _drop(place)
@@ -144,7 +152,10 @@ def _leave(place: Path) -> None:
 
 
 def _is_held(place: Path) -> bool:
-    """True while the lock is in the folder; not where somebody has removed that. A full disk keeps its number out."""
+    """Return True while the lock of this process is in the folder.
+
+    Another process may have removed the folder. On a full disk the lock has no number.
+    """
     with manifest.valid_content(), open(place / LOCK, opener=manifest.open_plain) as file:
         return file.read() in ("", str(os.getpid()))
     return False
@@ -152,21 +163,23 @@ def _is_held(place: Path) -> bool:
 
 def fresh(place: Path) -> Path:
     """Return the empty folder for new files in a locked place."""
-    manifest.sync(place)  # a log that was removed would be read to mean the new files
+    manifest.sync(place)  # else a removed log could apply to the new files
     _drop(place)
     (place / NEW).mkdir()
     return place / NEW
 
 
 def _drop(place: Path) -> None:
+    """Remove new files."""
     if errors.is_there(place / NEW):
         shutil.rmtree(place / NEW)
 
 
 def commit(place: Path, origin: Origin = UNKNOWN) -> None:
-    """Make the new files the result in a locked place: those of an earlier one go, what the user has added stays.
+    """Make the new files the result in a locked place.
 
-    Raises InputError where a file that was changed or added would be lost; nothing is then changed.
+    Files of an earlier result are removed, files of the user stay. Raises InputError where a changed or added file
+    would be lost; nothing is then changed.
     """
     if not _is_held(place):
         raise errors.InputError("--out", str(place), "the folder was removed during the command")
@@ -189,20 +202,23 @@ def commit(place: Path, origin: Origin = UNKNOWN) -> None:
 
 
 def earlier(place: Path, names: Iterable[str] = ()) -> frozenset[Entry]:
-    """Files of the earlier result. Raises InputError for one that was changed, and for a user's file of these names."""
+    """Return the files of the earlier result.
+
+    Raises InputError for a changed file, and for a user's file of these names.
+    """
     listed = manifest.read_manifest(place) or frozenset()
     ours = {item.path: item for item in listed if errors.is_there(place / item.path)}
     for name, item in sorted(ours.items()):
         if manifest.entry(place / name) != item:
             raise _refusal(place, f"its file {name} was modified")
     for name in sorted(set(names) - ours.keys()):
-        if errors.is_there(place / name):  # asked of the folder: "A" and "a" may be one file there
+        if errors.is_there(place / name):  # in some file systems "A" and "a" are one file
             raise _refusal(place, f"its file {name} does not belong to the result and would be overwritten")
     return frozenset(ours.values())
 
 
 def _write_log(place: Path, origin: Origin) -> None:
-    """Put on disk the new files with their manifest, and then what they replace."""
+    """Write the new files with their manifest to disk, then the log."""
     new, names = place / NEW, os.listdir(place / NEW)
     entries = [manifest.read_entry(new / name) for name in names]
     old = earlier(place, names)
@@ -221,24 +237,28 @@ def _write_log(place: Path, origin: Origin) -> None:
 
 
 def _read_log(place: Path) -> tuple[frozenset[Entry], frozenset[Entry]] | None:
-    """Old and new files of a log; None where there is none. Raises InputError for one that is damaged."""
+    """Return old and new files of a log, None without one.
+
+    Raises InputError for a damaged log.
+    """
     if not errors.is_there(place / LOG):
         return None
-    found = manifest.read_object(place / LOG)
-    old, new = (manifest.read_entries(found.get(name)) for name in ("old", "new"))
+    log = manifest.read_object(place / LOG)
+    old, new = (manifest.read_entries(log.get(name)) for name in ("old", "new"))
     has_manifest = new and any(item.path == manifest.NAME for item in new)
-    if old is None or new is None or not has_manifest or len(found) > 2 or (place / NEW).is_symlink():
+    if old is None or new is None or not has_manifest or len(log) > 2 or (place / NEW).is_symlink():
         raise _damaged(place, LOG)
     return old, new
 
 
 def _damaged(place: Path, name: str) -> errors.InputError:
+    """Return the error for a damaged file of an interrupted command."""
     allowed = f"its file {name}, of an interrupted command, is damaged; remove it and {NEW}, or {ANOTHER}"
     return errors.InputError("folder", str(place), allowed)
 
 
 def _finish_log(place: Path) -> None:
-    """Finish what the log of a locked place says, if there is one."""
+    """Finish the replacements that the log of a locked place lists."""
     if log := _read_log(place):
         old, new = log
         waiting = [item for item in new if errors.is_there(place / NEW / item.path)]
@@ -248,7 +268,7 @@ def _finish_log(place: Path) -> None:
             if errors.is_there(place / item.path) and manifest.entry(place / item.path) not in old:
                 raise _refusal(place, f"its file {item.path} was modified")
         for item in old:
-            if item.path not in {its.path for its in new} and manifest.entry(place / item.path) == item:
+            if item.path not in {entry.path for entry in new} and manifest.entry(place / item.path) == item:
                 (place / item.path).unlink()
         for item in sorted(waiting, key=lambda item: (item.path == manifest.NAME, item.path)):
             os.replace(place / NEW / item.path, place / item.path)
@@ -257,9 +277,9 @@ def _finish_log(place: Path) -> None:
 
 
 def recover(place: Path) -> None:
-    """Before a result is read: finish what the log of a dead process says, wait for a living one.
+    """Finish the log of a dead process before a result is read.
 
-    A folder that may not be written stays as it is: see `path_in`. Raises InputError.
+    A living process is waited for. A folder without write access stays as it is: see `path_in`. Raises InputError.
     """
     end = time.monotonic() + PATIENCE_S
     while errors.is_there(place / LOG) and os.access(place, os.W_OK):
@@ -273,13 +293,16 @@ def recover(place: Path) -> None:
 
 
 def path_in(place: Path, name: str) -> Path:
-    """The path of a file of the result, which is still among the new ones where a log could not be finished."""
+    """Return the path of a file of the result.
+
+    Where a log could not be finished it may be among the new files.
+    """
     waiting = place / NEW / name
     return waiting if _read_log(place) and errors.is_there(waiting) else place / name
 
 
 def resolved(place: Path) -> Path:
-    """The absolute path, links followed. Raises InputError where there is none."""
+    """Return the absolute path, links followed. Raises InputError."""
     try:
         return Path(os.path.realpath(place))
     except OSError as error:
@@ -287,7 +310,10 @@ def resolved(place: Path) -> Path:
 
 
 def _make_folders(place: Path) -> list[Path]:
-    """Make the folder and those above it; returns those that were not there, innermost first. Raises InputError."""
+    """Make the folder and its parents, and return the new ones.
+
+    The innermost is first. Raises InputError.
+    """
     missing = [path for path in (place, *place.parents) if not errors.is_there(path)]
     try:
         place.mkdir(parents=True, exist_ok=True)
@@ -301,17 +327,18 @@ def _make_folders(place: Path) -> list[Path]:
 
 
 def _remove_folders(folders: list[Path]) -> None:
-    """Remove those that are empty."""
+    """Remove empty folders."""
     with contextlib.suppress(OSError):
         for folder in folders:
             folder.rmdir()
 
 
-def others(place: Path, names: list[str], allowed: str) -> errors.InputError:
-    """Make the error for a place with files of others."""
-    shown = ", ".join(names[:2]) + (", ..." if names[2:] else "")
-    return errors.InputError("--out", str(place), f"the folder contains other files ({shown}); {allowed}")
+def foreign_files(place: Path, names: list[str], allowed: str) -> errors.InputError:
+    """Return the error for a place with other files."""
+    listed = ", ".join(names[:2]) + (", ..." if names[2:] else "")
+    return errors.InputError("--out", str(place), f"the folder contains other files ({listed}); {allowed}")
 
 
 def _refusal(place: Path, why: str) -> errors.InputError:
+    """Return the error for a file that would be lost."""
     return errors.InputError("--out", str(place), f"{why}; rename this file, or {ANOTHER}")

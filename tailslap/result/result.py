@@ -1,4 +1,4 @@
-"""Result: the record that all functions return, with its columns, in a notebook, as plots, as files."""
+"""Hold the result that all functions return."""
 
 from __future__ import annotations
 
@@ -8,12 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from html import escape
-from importlib import import_module
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from postprocess.comparison import quantities
 from postprocess.figures.histories import Curve, HistoryPlot, plot_overlays
@@ -25,8 +22,9 @@ from postprocess.report.terminal import opened
 from postprocess.units import SI, SYSTEMS
 from tailslap.arguments import checked_arguments
 from tailslap.errors import InputError, Missing, Verbatim, one_of
-from tailslap.files.folder import result_folder
-from tailslap.files.manifest import Origin
+from tailslap.result.columns import Columns, html_cells
+from tailslap.storage.folder import result_folder
+from tailslap.storage.manifest import Origin
 
 if TYPE_CHECKING:
     import pandas
@@ -42,8 +40,8 @@ Fill = Callable[[Path, bool, str], "Report | None"]
 RIGID: str = "rigid"
 FE: str = "FE"
 
-SHOWN, MOST = 5, 4
-"""Rows shown at each end of a table in a notebook; largest number of columns drawn by default."""
+MOST = 4
+"""Largest number of columns drawn by default."""
 
 FIELDS_NEEDED = (
     "the result has no fields; run the scene with --set output.fields=20 (Python: {'output.fields': 20})"
@@ -63,11 +61,13 @@ FIRST = (
 
 
 def filled_by(make: Callable[[Path, bool, str], Report], page: str = PAGE) -> Fill:
-    """Function that writes the files of a report to a folder; page: file name of the page."""
+    """Return a function that writes the files of a report.
+
+    page: file name of the page.
+    """
 
     def fill(place: Path, pictures: bool, units: str) -> Report:
         report = make(place, pictures, units)
-
         if units != "si":
             report = report.in_units(SYSTEMS[units])
         write_report(report, place, page)
@@ -76,126 +76,9 @@ def filled_by(make: Callable[[Path, bool, str], Report], page: str = PAGE) -> Fi
     return fill
 
 
-class Columns(dict[str, np.ndarray]):
-    """History or another table: arrays by column name; `pandas.DataFrame` accepts it.
-
-    Parameters
-    ----------
-    arrays : mapping of ndarray, shape (rows,)
-        Columns by name, in SI [-].
-    units : mapping of str
-        SI units by name; missing for columns without a known unit.
-
-    Examples
-    --------
-    >>> history = Columns({"t": np.array([0.0, 0.1])}, {"t": "s"})
-    >>> history["t"].max(), history.attrs["units"]["t"]
-    (np.float64(0.1), 's')
-    """
-
-    def __init__(self, arrays: Mapping[str, np.ndarray], units: Mapping[str, str] | None = None) -> None:
-        super().__init__(arrays)
-        self.attrs = {"units": dict(units or {})}
-
-    def __missing__(self, name: str) -> np.ndarray:
-        raise KeyError(f"{name}: {one_of(name, self, 'columns are')}")
-
-    @property
-    def columns(self) -> list[str]:
-        """Names of the columns."""
-        return list(self)
-
-    @property
-    def units(self) -> dict[str, str]:
-        """SI units by name."""
-        return self.attrs["units"]
-
-    @property
-    def rows(self) -> int:
-        """Number of rows."""
-        return len(next(iter(self.values()), ()))
-
-    def __repr__(self) -> str:
-        return f"<Columns: {self.rows} rows of {', '.join(self)}>"
-
-    def heading(self, name: str) -> str:
-        """Name of a column with its unit.
-
-        Parameters
-        ----------
-        name : str
-            Name of a column.
-
-        Returns
-        -------
-        str
-            Heading, e.g. "v_gx [m/s]".
-        """
-        unit = self.units.get(name, "")
-        return f"{name} [{unit}]" if unit else name
-
-    def to_pandas(self) -> Any:
-        """The columns as a pandas DataFrame.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Data frame with the units in `attrs["units"]`.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
-        """
-        frame = _library("pandas").DataFrame(dict(self))
-        frame.attrs["units"] = dict(self.units)
-        return frame
-
-    def to_polars(self) -> Any:
-        """The columns as a polars DataFrame, without units.
-
-        Returns
-        -------
-        polars.DataFrame
-            Data frame with the same column names.
-
-        Raises
-        ------
-        ImportError
-            If polars is not installed.
-        """
-        return _library("polars").DataFrame(dict(self))
-
-    def _repr_html_(self) -> str:
-        """First and last rows, for notebooks."""
-        numbers = [*range(self.rows)]
-        if self.rows > 2 * SHOWN:
-            numbers = [*numbers[:SHOWN], -1, *numbers[-SHOWN:]]
-        head = _cells(map(self.heading, self), "th")
-        rows = (["…"] * len(self) if n < 0 else [_text(v[n]) for v in self.values()] for n in numbers)
-        body = "".join(f"<tr>{_cells(row)}</tr>" for row in rows)
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table><p>{self.rows} rows</p>"
-
-
-def _cells(texts: Iterable[str], tag: str = "td") -> str:
-    return "".join(f"<{tag}>{escape(text)}</{tag}>" for text in texts)
-
-
-def _text(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value)
-
-
-def _library(name: str) -> Any:
-    try:
-        return import_module(name)
-    except ImportError:
-        said = f"{name} is not installed: `pip install {name}`; the columns are NumPy arrays"
-        raise ImportError(said) from None
-
-
 @dataclass(frozen=True, repr=False, eq=False)
 class Result:
-    """Result of a command: numbers, tables, histories, fields and files.
+    """Numbers, tables, histories, fields and files of a command.
 
     `history` and `rigid` are pandas data frames where pandas is installed, and `Columns` otherwise.
 
@@ -245,38 +128,48 @@ class Result:
 
     @property
     def headline(self) -> Headline:
-        """Title, answer, set-up and certainty, as the page and the terminal open."""
-        return Headline(*(str(self.summary.get(each.name) or "") for each in fields(Headline)))
+        """Title, answer, set-up and certainty."""
+        return Headline(*(str(self.summary.get(part.name) or "") for part in fields(Headline)))
 
     @cached_property
-    def history(self) -> pandas.DataFrame | Columns:
-        """History of the FE run, or the only one; a data frame if pandas is installed, else `Columns`.
+    def history(self) -> pandas.DataFrame:
+        """History of the FE run, or the only one.
 
-        Both take `history["v_gy"]` and have `columns` and `attrs["units"]`.
+        It is a data frame if pandas is installed, else `Columns`. Both take `history["v_gy"]` and have `columns` and
+        `attrs["units"]`.
         """
         return self._history(FE, *self.histories)
 
     @cached_property
-    def rigid(self) -> pandas.DataFrame | Columns:
-        """History of the rigid vehicle at the same instants; a data frame if pandas is installed, else `Columns`."""
+    def rigid(self) -> pandas.DataFrame:
+        """History of the rigid vehicle at the same instants.
+
+        It is a data frame if pandas is installed, else `Columns`.
+        """
         return self._history(RIGID)
 
     @cached_property
     def charts(self) -> dict[str, Chart]:
-        """Charts by name, which notebooks show: those of the page of a study or sweep, force and set-up of `rigid`."""
+        """Charts by name, which notebooks show.
+
+        They are those of the page of a study or sweep, or force and set-up of `rigid`.
+        """
         return {chart.name: chart for chart in (self.make_charts() if self.make_charts else ())}
 
     @property
     def fields(self) -> FieldSeries:
-        """Fields of the plate at the instants of `[output] fields = N`. Raises InputError without them."""
-        found = self.make_fields() if self.make_fields else None
-        if found is None:
+        """Fields of the plate at the instants of `[output] fields = N`.
+
+        Raises InputError for a result without fields.
+        """
+        series = self.make_fields() if self.make_fields else None
+        if series is None:
             raise InputError("output.fields", Missing, FIELDS_NEEDED)
-        return found
+        return series
 
     @checked_arguments
     def mesh(self, t: float | None = None) -> pyvista.UnstructuredGrid:
-        """Mesh of the plate with its fields, for PyVista.
+        """Return the mesh of the plate with its fields, for PyVista.
 
         Parameters
         ----------
@@ -335,15 +228,18 @@ class Result:
         """
         from postprocess.fields import contours, series
 
-        known = {"v_gx": "velocity_x", "v_gy": "velocity_y"} | {each: each for each in series.SCALARS}
-        if name not in known:
-            raise InputError("plot_field", Verbatim(name), one_of(name, known))
+        scalars = {"v_gx": "velocity_x", "v_gy": "velocity_y"} | {scalar: scalar for scalar in series.SCALARS}
+        if name not in scalars:
+            raise InputError("plot_field", Verbatim(name), one_of(name, scalars))
         fields, k = self._instant(t)
-        (picture,) = contours.frames(fields.at(k), known[name], magnify, [0], SI)
+        (picture,) = contours.frames(fields.at(k), scalars[name], magnify, [0], SI)
         return picture
 
     def _instant(self, t: float | None) -> tuple[FieldSeries, int]:
-        """The fields, and the number among them of the instant nearest to t [s], None for the last."""
+        """Return the fields, and the number of an instant among them.
+
+        It is the nearest to t [s], for None the last.
+        """
         if t is None and self.make_fields is None and self.make_ends is not None:
             return self.make_ends(), -1
         fields = self.fields
@@ -351,7 +247,7 @@ class Result:
 
     @checked_arguments
     def plot(self, *names: str) -> HistoryPlot:
-        """Plot columns of the FE run and the rigid vehicle over time, or of a sweep over the first varied key.
+        """Plot columns over time, of a sweep over the first varied key.
 
         Parameters
         ----------
@@ -372,14 +268,14 @@ class Result:
         drawn = {label: columns for label, columns in self.histories.items() if over in columns}
         if not drawn:
             raise InputError("plot", Missing, "this result has no history over time")
-        known = list(dict.fromkeys(name for columns in drawn.values() for name in columns))
+        allowed = list(dict.fromkeys(name for columns in drawn.values() for name in columns))
         panels = {}
-        for name in names or [name for name in FIRST if name in known][:MOST] or known[1 : MOST + 1]:
-            if name not in known:
-                raise InputError("plot", Verbatim(name), one_of(name, known, "allowed are"))
-            having = {label: columns for label, columns in drawn.items() if name in columns}
-            heading = next(iter(having.values())).heading(name)
-            panels[heading] = [Curve(label, its[over], its[name]) for label, its in having.items()]
+        for name in names or [name for name in FIRST if name in allowed][:MOST] or allowed[1 : MOST + 1]:
+            if name not in allowed:
+                raise InputError("plot", Verbatim(name), one_of(name, allowed, "allowed are"))
+            tables = {label: columns for label, columns in drawn.items() if name in columns}
+            heading = next(iter(tables.values())).heading(name)
+            panels[heading] = [Curve(label, table[over], table[name]) for label, table in tables.items()]
         return plot_overlays(panels, drawn[next(iter(drawn))].heading(over))
 
     @checked_arguments
@@ -414,19 +310,23 @@ class Result:
         return place
 
     def __repr__(self) -> str:
-        judged = {None: "", True: " passed", False: " FAILED"}[self.passed]
+        outcome = {None: "", True: " passed", False: " FAILED"}[self.passed]
         answer = f": {self.headline.answer}" if self.headline.answer else ""
-        return f"<{self.command} {self.scene}".rstrip() + f"{judged}{answer}>"
+        return f"<{self.command} {self.scene}".rstrip() + f"{outcome}{answer}>"
 
     def __str__(self) -> str:
         return self.text or opened(self.headline, *self.tables.values()) or repr(self)
 
     def _repr_html_(self) -> str:
         lines = "".join(f"<p>{escape(line)}</p>" for line in self.headline.lines)
-        shown = "".join(_table_html(title, table) for title, table in self.tables.items())
-        return f"<div>{lines}{shown}{'' if lines or shown else f'<pre>{escape(str(self))}</pre>'}</div>"
+        tables = "".join(_table_html(title, table) for title, table in self.tables.items())
+        return f"<div>{lines}{tables}{'' if lines or tables else f'<pre>{escape(str(self))}</pre>'}</div>"
 
-    def _history(self, *names: str) -> Any:
+    def _history(self, *names: str) -> pandas.DataFrame:
+        """Return the first of these histories, by preference as a data frame.
+
+        Raises InputError where the result has none.
+        """
         for name in names:
             if name in self.histories:
                 with suppress(ImportError):
@@ -438,47 +338,51 @@ class Result:
 
 
 def _table_html(title: str, table: Table) -> str:
-    """A table without style of its own."""
-    heads = _cells((column.heading for column in table.columns), "th")
+    """Return a table as HTML without style."""
+    heads = html_cells((column.heading for column in table.columns), "th")
     head = f"<thead><tr>{heads}</tr></thead>" if any(column.label for column in table.columns) else ""
-    rows = (_cells(column.text(row) for column in table.columns) for row in table.rows)
+    rows = (html_cells(column.text(row) for column in table.columns) for row in table.rows)
     body = "".join(f"<tr>{row}</tr>" for row in rows)
-    caption = _cells([title], "caption") if title else ""
+    caption = html_cells([title], "caption") if title else ""
     return f"<table>{caption}{head}<tbody>{body}</tbody></table>"
 
 
 def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) -> Result:
-    """The result of a command that makes a report; page_name: of its file; more: what else the result has."""
+    """Return the result of a command that makes a report.
+
+    page_name: file name of the page; more: other fields of the result.
+    """
     parts = chain.from_iterable(getattr(part, "tables", (part,)) for part in report.terminal)
-    shown = [part for part in parts if isinstance(part, Table)]
-    tables = {table.title or f"Table {n}": table for n, table in enumerate(shown, 1)} | dict(report.tables)
+    printed = [part for part in parts if isinstance(part, Table)]
+    tables = {table.title or f"Table {n}": table for n, table in enumerate(printed, 1)} | dict(report.tables)
     summary = plain(report.numbers)
-    found = {
+    values = {
         "scene": summary.get("scene", ""),
         "passed": report.page.passed,
         "tables": tables,
         "make_charts": lambda: report.page.charts,
         "fill": filled_by(lambda place, pictures, units: report, page_name),
     }
-    return Result(command, summary=summary, **(found | more))
+    return Result(command, summary=summary, **(values | more))
 
 
-def of_run(summary: dict[str, Any], *rest: Any, **more: Any) -> Result:
-    """The result of a run, just made or read again; rest: of the result, from its histories on; more: by name."""
-    return Result("run", summary["scene"], summary, summary["passed"], _run_tables(summary), *rest, **more)
+def of_run(summary: dict[str, Any], partial: Result) -> Result:
+    """Return the result of a run, completed from its summary."""
+    values = {"scene": summary["scene"], "summary": summary, "passed": summary["passed"]}
+    return replace(partial, command="run", tables=_run_tables(summary), **values)
 
 
 def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
-    """Tables of a run from its summary: what was found, and the checks that failed."""
+    """Return tables of the results and of failed checks of a run."""
     from tailslap.case.case import as_read
     from tailslap.case.report import CHECKS, TAIL_SLAP, strikes_table
 
     fe, rigid = summary["fe"], summary["rigid"]
-    found = {}
+    tables = {}
     if fe.get("strikes") is not None:
-        found["Strikes"] = strikes_table({"FE": fe["strikes"], "rigid": rigid["strikes"]})
+        tables["Strikes"] = strikes_table({"FE": fe["strikes"], "rigid": rigid["strikes"]})
     elif all(fe[key] is not None for key in quantities.KEYS):
         columns = tuple(replace(c, form=".7g") if c.key in ("fe", "rigid") else c for c in TAIL_SLAP)
-        found["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid, None))
+        tables["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid, None))
     failed = [as_read(check) for check in summary["checks"] if not check["passed"]]
-    return found | ({"Failed checks": Table(CHECKS, failed)} if failed else {})
+    return tables | ({"Failed checks": Table(CHECKS, failed)} if failed else {})

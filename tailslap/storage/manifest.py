@@ -1,7 +1,7 @@
-"""The manifest of a folder: the files that the program wrote there, with size and digest.
+"""List the files that the program wrote in a folder.
 
-What it lists and is unchanged may be replaced or removed. Everything else belongs to the user: files that were added,
-and files of the program that were changed since.
+The manifest has the size and digest of each. Listed files that are unchanged may be replaced or removed. Everything
+else belongs to the user: added files, and files of the program that were changed since.
 """
 
 import contextlib
@@ -21,19 +21,25 @@ import tailslap
 from tailslap.errors import ABSENT
 
 NAME, LOCK, NEW, LOG = ".tailslap-result.json", ".tailslap-lock", ".tailslap-new", ".tailslap-redo.json"
-"""The manifest; while a command is at work in a folder, its lock, its new files, and the log of what they replace."""
+"""Names of the manifest, and, while a command runs, of its lock, its new files, and the log of what they replace."""
 
 PROGRAM = "tailslap"
+KEYS = {"program", "version", "command", "scene", "files"}
+"""Value of the manifest's key "program", and its keys."""
+
 SUFFIX = ".tailslap"
+"""Ending of the names of unfinished files."""
+
 IRREGULAR = {errno.ELOOP, errno.ENXIO}
 """Errors of opening a link or a socket as a plain file."""
+
 NOT_REGULAR = "it is not a regular file"
 MAX_STEM = 100
-"""Characters of a file's name in that of its unfinished one."""
+"""Characters of a file's name in that of its unfinished copy."""
 
 
 class Entry(NamedTuple):
-    """A file of the folder: its name, size [bytes] and SHA-256 digest."""
+    """Name, size [bytes] and SHA-256 digest of a file."""
 
     path: str
     size: int
@@ -41,18 +47,20 @@ class Entry(NamedTuple):
 
 
 class Origin(NamedTuple):
-    """Command and scene of a result; both empty where they are not known."""
+    """Command and scene of a result.
+
+    Both are empty where they are unknown.
+    """
 
     command: str
     scene: str
 
 
-UNKNOWN = Origin("", "")
-KEYS = {"program", "version", *Origin._fields, "files"}
-
-
 def open_plain(name: str, flags: int) -> int:
-    """Open a file, as an opener of `open`, which must be a plain one. Raises OSError or ValueError."""
+    """Open a plain file, as an opener of `open`.
+
+    Raises OSError or ValueError.
+    """
     try:
         number = os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
     except OSError as error:
@@ -66,7 +74,10 @@ def open_plain(name: str, flags: int) -> int:
 
 
 def entry(path: Path) -> Entry | None:
-    """The file as it is now; None for what is not there or is no plain file. Raises OSError where it cannot be read."""
+    """Return the entry of a plain file, None without one.
+
+    Raises OSError where it cannot be read.
+    """
     with valid_content():
         return read_entry(path)
     return None
@@ -74,9 +85,9 @@ def entry(path: Path) -> Entry | None:
 
 @contextlib.contextmanager
 def valid_content() -> Iterator[None]:
-    """End the block at a file that is absent, not a regular one, or has invalid content.
+    """End the block at an absent, irregular or invalid file.
 
-    Raises other errors of the system, after which the file may be there.
+    Raises other errors of the system, after which the file may exist.
     """
     try:
         yield
@@ -86,29 +97,35 @@ def valid_content() -> Iterator[None]:
 
 
 def read_entry(path: Path) -> Entry:
-    """The file as it is now. Raises OSError for one that cannot be read, ValueError for what is no plain file."""
+    """Read the entry of a file.
+
+    Raises OSError for a file that cannot be read, ValueError for one that is not plain.
+    """
     with open(path, "rb", opener=open_plain) as file:
         return entry_of(file, path.name)
 
 
 def entry_of(file: BufferedReader, name: str) -> Entry:
-    """The entry of an open file, read to its end."""
+    """Return the entry of an open file, read to its end."""
     digest = hashlib.file_digest(file, "sha256").hexdigest()
     return Entry(name, file.tell(), digest)
 
 
 def read_manifest(folder: Path) -> frozenset[Entry] | None:
-    """Entries of the folder's manifest; None if there is none, or it is not one that the program writes."""
-    found = read_object(folder / NAME)
-    entries = read_entries(found.get("files"))
-    is_ours = found.get("program") == PROGRAM and found.keys() <= KEYS
+    """Return the entries of the folder's manifest.
+
+    None if there is no manifest, or not one that the program writes.
+    """
+    content = read_object(folder / NAME)
+    entries = read_entries(content.get("files"))
+    is_ours = content.get("program") == PROGRAM and content.keys() <= KEYS
     return entries if is_ours and entries and all(e.path != NAME for e in entries) else None
 
 
 def read_origin(folder: Path) -> Origin:
-    """Command and scene of the folder's result, by its manifest."""
-    found = read_object(folder / NAME)
-    return Origin(str(found.get("command", "")), str(found.get("scene", "")))
+    """Return command and scene of the folder's result from its manifest."""
+    content = read_object(folder / NAME)
+    return Origin(str(content.get("command", "")), str(content.get("scene", "")))
 
 
 def write_manifest(folder: Path, entries: Iterable[Entry], origin: Origin) -> None:
@@ -118,39 +135,45 @@ def write_manifest(folder: Path, entries: Iterable[Entry], origin: Origin) -> No
     write_object(folder / NAME, {**head, **origin._asdict(), "files": files})
 
 
-def write_object(path: Path, content: Mapping[str, Any]) -> None:
-    """Write an object as JSON, with a digest of it."""
+def write_object(path: Path, content: Mapping[str, object]) -> None:
+    """Write an object as JSON with its digest."""
     path.write_text(json.dumps({**content, "sha256": _digest(content)}, indent=2), encoding="utf-8")
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """The object in a JSON file, without its digest; an empty one where there is none, or it is damaged.
+    """Return the object in a JSON file, without its digest.
 
-    Raises OSError where it cannot be read.
+    It is empty for an absent or damaged file. Raises OSError where the file cannot be read.
     """
     with valid_content():
         with open(path, encoding="utf-8", opener=open_plain) as file:
-            found = json.load(file)
-        if isinstance(found, dict) and found.pop("sha256", None) == _digest(found):
-            return found
+            content = json.load(file)
+        if isinstance(content, dict) and content.pop("sha256", None) == _digest(content):
+            return content
     return {}
 
 
-def _digest(content: Mapping[str, Any]) -> str:
+def _digest(content: Mapping[str, object]) -> str:
+    """Return the digest of an object in JSON."""
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 
 
-def read_entries(found: Any) -> frozenset[Entry] | None:
-    """Entries from JSON; None if they are no list of plain files in the folder itself."""
+def read_entries(items: object) -> frozenset[Entry] | None:
+    """Return entries from JSON.
+
+    None if they are not a list of plain files in the folder itself.
+    """
+    if not isinstance(items, list):
+        return None
     try:
-        entries = [Entry(item["path"], item["size"], item["sha256"]) for item in found]
+        entries = [Entry(item["path"], item["size"], item["sha256"]) for item in items]
     except (TypeError, LookupError):
         return None
-    return frozenset(entries) if isinstance(found, list) and all(map(_is_plain, entries)) else None
+    return frozenset(entries) if all(map(_is_plain, entries)) else None
 
 
 def _is_plain(item: Entry) -> bool:
-    """True for an entry, read from a file, that names a file in the folder itself."""
+    """Return True if an entry names a file in the folder itself."""
     if not (isinstance(item.path, str) and isinstance(item.sha256, str) and type(item.size) is int):
         return False
     is_inside = re.fullmatch(r"[^/\0]+", item.path) and item.path not in (".", "..", LOCK, NEW, LOG)
@@ -159,13 +182,13 @@ def _is_plain(item: Entry) -> bool:
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Yield a new name to write to; what is written there becomes the file with all of its content, or not at all.
+    """Yield a temporary name, which becomes the file when complete.
 
-    Who writes the same file at the same time waits.
+    On a failure the file is unchanged. Another process that writes the same file waits.
     """
     partial = path.with_name(f".{path.name[:MAX_STEM]}{SUFFIX}")
     with locked_file(partial, wait=True):
-        os.truncate(partial, 0)  # a dead process may have begun it
+        os.truncate(partial, 0)  # a process that died may have written a part
         try:
             yield partial
             sync(partial)
@@ -177,12 +200,12 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 def sync(path: Path) -> None:
-    """Wait until a file, or the names in a folder, are on the disk."""
+    """Wait until a file or a folder's names are on disk."""
     number = os.open(path, os.O_RDONLY)
     try:
         os.fsync(number)
     except OSError as error:
-        if error.errno != errno.EINVAL:  # file systems of a network know of no folders to be synced
+        if error.errno != errno.EINVAL:  # network file systems do not synchronize folders
             raise
     finally:
         os.close(number)
@@ -190,10 +213,10 @@ def sync(path: Path) -> None:
 
 @contextlib.contextmanager
 def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
-    """Lock a file, which is made if it is not there. The lock goes with its process, however that ends.
+    """Lock a file, which is made if it is absent.
 
-    Raises BlockingIOError where another process has it, OSError where it is no plain file or where the file system has
-    no locks.
+    The lock ends with its process. Raises BlockingIOError where another process has it, OSError for a file that is not
+    plain or a file system without locks.
     """
     while True:
         number = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
@@ -206,7 +229,7 @@ def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
                 if not isinstance(error, BlockingIOError):
                     path.unlink()
                 raise
-            if _is_there(number, path):  # else who had it has removed the file in between
+            if _is_there(number, path):  # else its last owner has removed the file in between
                 yield
                 return
         finally:
@@ -214,6 +237,7 @@ def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
 
 
 def _is_there(number: int, path: Path) -> bool:
+    """Return True if an open file still has this path."""
     with contextlib.suppress(FileNotFoundError):
         return os.path.samestat(os.fstat(number), os.lstat(path))
     return False

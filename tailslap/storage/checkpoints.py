@@ -1,11 +1,12 @@
-"""Checkpoints of the runs of a command, in files beside its result folder: `tailslap run --resume` goes on from them.
+"""Save checkpoints of runs beside the result folder.
 
-A command may make several runs, the plate's own and others by which it is judged; they come in the same order each
-time, and are told apart by their number. A file is named after a digest of scene, program and libraries, so that those
-of others are neither read nor touched; with it the result is that of a run that was left alone, bit for bit.
+`tailslap run --resume` continues from them. A command may make several runs, that of the plate and those that estimate
+its error; they come in the same order each time, and are distinguished by their number. A file is named after a digest
+of scene, program and libraries, so that those of other commands are neither read nor touched; with it the result is
+that of an uninterrupted run, bit for bit.
 
-A file has a digest of the rest, the number of rows, and the arrays, all of numbers in double precision, one behind the
-other: names and shapes are those that the run has after so many rows, and nothing in the file says otherwise.
+A file has a digest of the rest, the number of rows, and the arrays one after the other, all of numbers in double
+precision. Names and shapes are not stored: they are those of the run after this number of rows.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextvars import ContextVar
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
 
 from tailslap import errors
-from tailslap.files import folder, manifest
+from tailslap.storage import folder, manifest
 
 if TYPE_CHECKING:
     from fem.run.resume import Checkpoint
@@ -39,18 +40,18 @@ DIGEST, COUNT, NUMBER = hashlib.sha256().digest_size, 8, np.dtype(np.float64).it
 """Bytes of the digest, of the number of rows, and of each number of an array."""
 
 MAX_STEM = 40
-"""Characters of the place's name in those of checkpoints, beside which there is room for others."""
+"""Characters of the place's name in those of checkpoints."""
 
 _current: ContextVar[Checkpoints | None] = ContextVar("checkpoints", default=None)
 
 
 class Checkpoints:
-    """Checkpoints of one command; resume: True if those that an earlier command left count.
+    """Checkpoints of one command.
 
-    promised: True if there is one from which the run can go on.
+    resume: True if those of an earlier command count. promised: True if the run can continue from one.
     """
 
-    def __init__(self, place: Path, definition: Mapping[str, Any], resume: bool) -> None:
+    def __init__(self, place: Path, definition: Mapping[str, object], resume: bool) -> None:
         place, self._resume, self.promised = folder.resolved(place), resume, False
         self._digest = _digest({**definition, "place": place.name})
         self._all = place.with_name(f".{place.name[:MAX_STEM]}.checkpoint-")
@@ -58,21 +59,24 @@ class Checkpoints:
         self._runs, self._path, self._due = 0, Path(), 0.0
 
     def next(self) -> Checkpoints:
-        """The keeper of the next run."""
+        """Return the checkpoints of the next run."""
         self._runs += 1
         self._path = Path(f"{self._own}{self._runs}")
         self._due = time.monotonic() + SAVE_S
         return self
 
     def files(self, own: bool) -> list[Path]:
-        """List the checkpoints for this place, of this definition or of others."""
+        """List checkpoints for this place, of this definition or another one."""
         folder = self._all.parent
         names = os.listdir(folder) if errors.is_there(folder) else []
         names = [name for name in names if name.startswith(self._all.name)]
         return [folder / name for name in names if name.startswith(self._own.name) == own]
 
     def load(self, sizes: Callable[[int], Sizes]) -> Arrays | None:
-        """Arrays of the file, if it is whole; sizes: shapes that they have after so many rows."""
+        """Read the arrays of the file, None without intact ones.
+
+        sizes: shapes of the arrays after a number of rows.
+        """
         if not (self._resume and errors.is_there(self._path)):
             return None
         try:
@@ -82,12 +86,13 @@ class Checkpoints:
                 error.errno, f"the checkpoint cannot be read: {error.strerror}", str(self._path)
             ) from None
         except ValueError:
-            _say(f"the checkpoint {self._path} is damaged")
+            _report(f"the checkpoint {self._path} is damaged")
             return None
         self.promised = True
         return arrays
 
     def _read(self, sizes: Callable[[int], Sizes]) -> Arrays:
+        """Read the arrays of the file. Raises ValueError for a damaged one."""
         with open(self._path, "rb", opener=manifest.open_plain) as file:
             digest, rows = file.read(DIGEST), int.from_bytes(file.read(COUNT), "little")
             wanted = sizes(rows)
@@ -102,21 +107,21 @@ class Checkpoints:
         return arrays
 
     def save(self, arrays: Callable[[], Arrays]) -> None:
-        """Write the file, if the last one is old enough."""
+        """Write the file if the last one is old enough."""
         began = time.monotonic()
         if began < self._due:
             return
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        kept = {name: np.ascontiguousarray(array, np.float64) for name, array in sorted(arrays().items())}
+        state = {name: np.ascontiguousarray(array, np.float64) for name, array in sorted(arrays().items())}
         with manifest.whole_file(self._path) as partial, partial.open("wb") as file:
-            file.write(self._sealed(kept) + len(kept["rows"]).to_bytes(COUNT, "little"))
-            for array in kept.values():
+            file.write(self._sealed(state) + len(state["rows"]).to_bytes(COUNT, "little"))
+            for array in state.values():
                 file.write(array.data)
         self.promised, spent = True, time.monotonic() - began
         self._due = time.monotonic() + max(SAVE_S, spent / MAX_SHARE)
 
     def _sealed(self, arrays: Arrays) -> bytes:
-        """Digest of definition, number of the run, names, shapes and numbers."""
+        """Return the digest of definition, run number, names, shapes and numbers."""
         head = [self._digest, self._runs, [(name, array.shape) for name, array in arrays.items()]]
         digest = hashlib.sha256(json.dumps(head).encode())
         for array in arrays.values():
@@ -125,20 +130,23 @@ class Checkpoints:
 
 
 @contextlib.contextmanager
-def checkpointed(place: Path, definition: Mapping[str, Any], resume: bool) -> Iterator[None]:
-    """Runs made in this block keep checkpoints beside `place`; when it ends well they are removed."""
+def checkpointed(place: Path, definition: Mapping[str, object], resume: bool) -> Iterator[None]:
+    """Save checkpoints beside `place` for runs in this block.
+
+    They are removed when the block ends without an error.
+    """
     checkpoints = Checkpoints(place, definition, resume)
     if resume and not checkpoints.files(own=True):
-        others = ", ".join(sorted(path.name for path in checkpoints.files(own=False)))
-        stay = f"; checkpoints of other scenes or versions are kept: {others}" if others else ""
-        _say(f"this run has no checkpoint{stay}")
+        foreign = ", ".join(sorted(path.name for path in checkpoints.files(own=False)))
+        stay = f"; checkpoints of other scenes or versions are kept: {foreign}" if foreign else ""
+        _report(f"this run has no checkpoint{stay}")
     token = _current.set(checkpoints)
     try:
         yield
     except KeyboardInterrupt:
         if checkpoints.promised:
-            said = "interrupted; the same command with --resume continues from the checkpoint"
-            raise errors.Interrupted(said) from None
+            message = "interrupted; the same command with --resume continues from the checkpoint"
+            raise errors.Interrupted(message) from None
         raise
     finally:
         _current.reset(token)
@@ -148,16 +156,18 @@ def checkpointed(place: Path, definition: Mapping[str, Any], resume: bool) -> It
 
 
 def next_checkpoint() -> Checkpoint | None:
-    """The keeper of the run that is about to begin; None outside `checkpointed`."""
+    """Return the checkpoints of the next run, None outside `checkpointed`."""
     checkpoints = _current.get()
     return checkpoints.next() if checkpoints else None
 
 
-def _say(why: str) -> None:
+def _report(why: str) -> None:
+    """Print why a run starts from the beginning."""
     click.echo(f"tailslap: {errors.escaped(why)}; the run starts from the beginning", err=True)
 
 
-def _digest(definition: Mapping[str, Any]) -> str:
+def _digest(definition: Mapping[str, object]) -> str:
+    """Return the digest of a definition, the libraries and the compiled code."""
     from fem.machine_code.folder import cache_folder
 
     programs = {name: version(name) for name in ("numpy", "numba", "scipy", "scikit-fem")}

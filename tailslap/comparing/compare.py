@@ -1,0 +1,71 @@
+"""Compare histories with a reference."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from itertools import chain
+from pathlib import Path
+
+from tailslap.arguments import checked_arguments
+from tailslap.result import result
+from tailslap.result.columns import Columns
+
+
+@checked_arguments
+def compare(
+    reference: result.Result | str | os.PathLike[str],
+    *others: result.Result | str | os.PathLike[str],
+    columns: Mapping[str, str] | str | None = None,
+    only: Sequence[str] = (),
+    author: str = "",
+    force: bool = False,
+) -> result.Result:
+    """Compare histories with a reference.
+
+    The result has differences, Sprague-Geers metrics, residuals, and the validation by NCHRP W179.
+
+    Parameters
+    ----------
+    reference : Result or path
+        Result of a run, its folder, a file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
+        CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV of th_to_csv).
+    *others : Result or path
+        Results, folders or files that are compared with the reference.
+    columns : mapping or str, optional
+        Column names of the files by names of this program: {"time": "t", "v_gy": "-VY [mph]"}; a minus reverses the
+        sign, a unit in brackets holds for a file without one. Default: SI.
+    only : sequence of str
+        Columns to compare. Default: the main columns in common.
+    author : str
+        Name on the page `validation.html`. Default: a blank to fill in.
+    force : bool
+        Read the intact files of damaged or modified results.
+
+    Returns
+    -------
+    Result
+        `summary["compared"]` contains the metrics by label and column, `summary["notes"]` what is missing or hardly
+        shows in them; `passed` is True if all are within the limits of NCHRP W179 over half of the reference's time.
+
+    Raises
+    ------
+    InputError
+        For unreadable or damaged results, cells without a number, units of time that differ, or no common column.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> soft = tailslap.run("paper-table-3", {"plate.youngs_modulus": "20 GPa"})
+    >>> tailslap.compare(tailslap.run("paper-table-3"), soft).passed
+    True
+    """
+    from tailslap.comparing import report, validation
+
+    items = (reference, *others)
+    comparison = report.compare_items(items, columns, only, force)
+    page = validation.with_validation(report.compare_report(comparison), comparison, author)
+    histories = {item.label: Columns(item.columns, item.units) for item in comparison.items}
+    tables = {"Metrics": page.tables["metrics.csv"]}
+    inputs = [item.inputs if isinstance(item, result.Result) else (Path(item),) for item in items]
+    return result.of_report("compare", page, tables=tables, histories=histories, inputs=tuple(chain(*inputs)))
