@@ -7,16 +7,21 @@ for floats and arrays, with the functions of `functions(...)`: those of `math` f
 import math
 from dataclasses import fields
 from types import SimpleNamespace
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 Array = NDArray[np.float64]
 
 Number = float | Array
 
+Met = bool | NDArray[np.bool_]
 V = TypeVar("V", bound=Number)
+Record = TypeVar("Record", bound="DataclassInstance")
 
 _SCALAR = SimpleNamespace(
     **vars(math), maximum=max, minimum=min, where=lambda condition, yes, no: yes if condition else no
@@ -40,7 +45,7 @@ class RigidBodyError(ValueError):
         Allowed values.
     """
 
-    def __init__(self, key: str, given: Any, why: str, allowed: str) -> None:
+    def __init__(self, key: str, given: object, why: str, allowed: str) -> None:
         super().__init__(key, given, why, allowed)
         self.key, self.given, self.why, self.allowed = key, given, why, allowed
 
@@ -67,7 +72,7 @@ def choose(key: str, given: str, options: tuple[str, ...]) -> str:
     raise RigidBodyError(key, repr(given), "this option does not exist", f"one of {names}")
 
 
-def holds(met: Any) -> bool:
+def holds(met: Met) -> bool:
     """Return True if a condition is met throughout.
 
     met: a bool or an array of them.
@@ -85,9 +90,9 @@ class Gate:
 
     def __init__(self, invalid: str = "raise") -> None:
         self.fill = choose("invalid", invalid, ("raise", "nan")) == "nan"
-        self.ok: Any = True
+        self.ok: Met = True
 
-    def demand(self, rule: Rule, met: Any, given: Any, **details: Any) -> None:
+    def demand(self, rule: Rule, met: Met, given: Number, **details: Number | str) -> None:
         """Require that a condition holds for a value."""
         if holds(met):
             return
@@ -95,11 +100,11 @@ class Gate:
             raise refusal(rule, given, met, **details)
         self.ok = self.ok & met
 
-    def positive(self, rule: Rule, value: Any) -> None:
+    def positive(self, rule: Rule, value: Number) -> None:
         """Require that a value is positive and finite."""
         self.demand(rule, (value > 0.0) & (value < math.inf), value)
 
-    def not_negative(self, rule: Rule, value: Any) -> None:
+    def not_negative(self, rule: Rule, value: Number) -> None:
         """Require that a value is 0 or more, and finite."""
         self.demand(rule, (value >= 0.0) & (value < math.inf), value)
 
@@ -107,7 +112,7 @@ class Gate:
         """Return values with a placeholder in invalid rows."""
         return values if self.ok is True else tuple(np.where(self.ok, value, 0.5)[()] for value in values)
 
-    def filled(self, record: Any) -> Any:
+    def filled(self, record: Record) -> Record:
         """Return a record with NaN in invalid rows."""
         if self.ok is True:
             return record
@@ -115,7 +120,7 @@ class Gate:
         return type(record)(*(np.where(self.ok, value, np.nan)[()] for value in values))
 
 
-def refusal(rule: Rule, given: Any, met: Any = False, **details: Any) -> RigidBodyError:
+def refusal(rule: Rule, given: Number, met: Met = False, **details: Number | str) -> RigidBodyError:
     """Return the error of a rule.
 
     It names the first value that violates it.
@@ -129,7 +134,7 @@ def refusal(rule: Rule, given: Any, met: Any = False, **details: Any) -> RigidBo
     return RigidBodyError(rule.key, f"{value:.10g}{place}", why, rule.allowed.format(**values))
 
 
-def functions(*values: Any) -> Any:
+def functions(*values: object) -> Any:
     """Return `math` if all values are floats, otherwise NumPy."""
     for value in values:
         if not isinstance(value, float):
@@ -152,7 +157,7 @@ def number(key: str, value: ArrayLike) -> Any:
     return array if array.ndim else array.item()
 
 
-def one(key: str, value: Any) -> float:
+def one(key: str, value: ArrayLike) -> float:
     """Return a value as a float.
 
     Raises RigidBodyError for arrays.
@@ -163,7 +168,7 @@ def one(key: str, value: Any) -> float:
     return scalar
 
 
-def within(rule: Rule, value: Any, least: float, most: float, **details: Any) -> float:
+def within(rule: Rule, value: ArrayLike, least: float, most: float, **details: Number | str) -> float:
     """Return a value as a float between the bounds, exclusive.
 
     Raises RigidBodyError by the rule.
@@ -173,7 +178,7 @@ def within(rule: Rule, value: Any, least: float, most: float, **details: Any) ->
     return scalar
 
 
-def positive(rule: Rule, value: Any) -> float:
+def positive(rule: Rule, value: ArrayLike) -> float:
     """Return a value as a positive, finite float.
 
     Raises RigidBodyError by the rule.

@@ -189,7 +189,7 @@ class PlaneMotion:
         return stage_2.clock(self.start.path, below if safe else 0.0)
 
 
-def _strike(gate: Gate, start: Start, friction: Any, reaction: str) -> MotionState[Any]:
+def _strike(gate: Gate, start: Start, friction: Number, reaction: str) -> MotionState[Any]:
     stage_2.admit_inputs(gate, start, friction, reaction)
     start, friction = _safe(gate, start, friction)
     stage_2.admit_path(gate, start.path, friction, reaction)
@@ -204,7 +204,7 @@ def _strike(gate: Gate, start: Start, friction: Any, reaction: str) -> MotionSta
     return gate.filled(strike)
 
 
-def _safe(gate: Gate, start: Start, friction: Any) -> tuple[Start, Any]:
+def _safe(gate: Gate, start: Start, friction: Number) -> tuple[Start, Number]:
     if gate.ok is True:
         return start, friction
     return Start(Path(*gate.safe(*start.path)), *gate.safe(*start[1:])), gate.safe(friction)[0]

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from solver import rules, stage_2
 from solver.body import MotionState, RectangularBody
-from solver.conditions import Array, Gate, RigidBodyError, number, refusal
+from solver.conditions import Array, Gate, Number, RigidBodyError, number, refusal
 
 _LONGEST = 1e3  # limit of time over theta_0/omega_0; friction slows omega to a sixth
 
@@ -33,14 +33,14 @@ class _Equations(NamedTuple):
     m: float
     mu_k: float  # with the sign of its reaction model
 
-    def denominator(self, theta: Any, mu_k: float) -> Any:
+    def denominator(self, theta: Number, mu_k: float) -> Number:
         """Return the denominator of Eqs 66 and 67 [m^2]."""
         L, B, _, _ = self
         r_PG, gamma = np.sqrt(L**2 + B**2) / 2, np.arctan(B / L)
         arm = L * np.sin(theta) + B * np.cos(theta)
         return 4 * B**2 + 4 * L**2 - 3 * arm * (arm - 2 * mu_k * r_PG * np.cos(theta + gamma))
 
-    def accelerations(self, omega: Any, theta: Any) -> tuple[Any, Any]:
+    def accelerations(self, omega: Number, theta: Number) -> tuple[Number, Number]:
         """Return d(v_P)/dt and d(omega)/dt (Eqs 66 and 67)."""
         L, B, _, mu_k = self
         r_PG, gamma = np.sqrt(L**2 + B**2) / 2, np.arctan(B / L)
@@ -49,7 +49,7 @@ class _Equations(NamedTuple):
         below = self.denominator(theta, mu_k)
         return 2 * omega**2 * (L**2 + B**2) * bracket / below, 3 * omega**2 * arm * bracket / below
 
-    def forces(self, omega: Any, theta: Any) -> tuple[Any, Any]:
+    def forces(self, omega: Number, theta: Number) -> tuple[Number, Number]:
         """Return R_f and R_n on the vehicle.
 
         R_n is m times the derivative of Eq 71, R_f the friction of Eq 57.
@@ -66,7 +66,7 @@ class _Equations(NamedTuple):
         v_P_dot, omega_dot = self.accelerations(omega, theta)
         return np.array([v_P_dot, omega_dot, -omega, v_P, self.forces(omega, theta)[0] * v_P])
 
-    def state(self, t: Any, y: Any) -> MotionState[Any]:
+    def state(self, t: Number, y: Array) -> MotionState[Any]:
         """Return Eqs 70 and 71, and the kinetic energy with Eq 26."""
         L, B, m, _ = self
         v_P, omega, theta, s, work = y
@@ -196,11 +196,11 @@ class _Event:
     Its value then falls through 0.
     """
 
-    value: Callable[[float, Array], Any]
+    value: Callable[[float, Array], float]
     terminal: bool = True
     direction: float = -1.0
 
-    def __call__(self, t: float, y: Array) -> Any:
+    def __call__(self, t: float, y: Array) -> float:
         return self.value(t, y)
 
 
@@ -213,7 +213,7 @@ def _events(equations: _Equations) -> tuple[_Event, _Event, _Event]:
     return (
         _Event(lambda t, y: y[2]),
         _Event(lambda t, y: y[0] if mu_k else 1.0),
-        _Event(lambda t, y: equations.denominator(y[2], -abs(mu_k))),
+        _Event(lambda t, y: float(equations.denominator(y[2], -abs(mu_k)))),
     )
 
 

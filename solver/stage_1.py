@@ -100,7 +100,9 @@ def corner_impulse(
     return gate.filled(result)
 
 
-def _solve(body: RectangularBody[Any], v_0: Any, theta: Any, mu: Any, k: Any) -> ImpulseResult[Any]:
+def _solve(
+    body: RectangularBody[Any], v_0: Number, theta: Number, mu: Number, k: Number
+) -> ImpulseResult[Any]:
     """Solve Eqs 31-33.
 
     As tan(beta) = 1/mu, cos(beta) is mu sin(beta), and sin(beta - phi) is (c - mu s) sin(beta).

@@ -21,6 +21,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solver import rules
 from solver.body import REACTIONS, MotionState, RectangularBody
@@ -68,7 +69,7 @@ class Start(NamedTuple):
     v_p0: Any
 
 
-def denominator(s: Any, c: Any, mu: Any) -> Any:
+def denominator(s: Number, c: Number, mu: Number) -> Number:
     """Return D at the angle phi with sine s and cosine c.
 
     It is the denominator of Eqs 66-67 over 4 r^2.
@@ -76,17 +77,17 @@ def denominator(s: Any, c: Any, mu: Any) -> Any:
     return 1.0 + 3.0 * c * (c + mu * s)
 
 
-def slowness(path: Path, theta: Any) -> Any:
+def slowness(path: Path, theta: Number) -> Number:
     """Return omega_0/omega at the angles theta [rad]."""
     return _slowness(path.mu, *_course(path, theta))
 
 
-def _slowness(mu: Any, d_ratio: Any, j: Any) -> Any:
+def _slowness(mu: Number, d_ratio: Number, j: Number) -> Number:
     f = functions(d_ratio)
     return f.sqrt(d_ratio) * f.exp(-1.5 * mu * j)
 
 
-def _course(path: Path, theta: Any) -> tuple[Any, Any]:
+def _course(path: Path, theta: Number) -> tuple[Any, Any]:
     """Return D/D_0 and J at theta.
 
     J = (2/k) [atan((2 tan(phi) + p)/k) - atan((2 tan(phi_0) + p)/k)], p = 3 mu, k^2 = 16 - p^2, but as one angle,
@@ -105,7 +106,7 @@ def _course(path: Path, theta: Any) -> tuple[Any, Any]:
     return denominator(s, c, mu) / denominator(s_0, c_0, mu), j
 
 
-def _arc(f: Any, opposite: Any, adjacent: Any, hyperbolic: Any) -> Any:
+def _arc(f: Any, opposite: Number, adjacent: Number, hyperbolic: bool | NDArray[np.bool_]) -> Number:
     if hyperbolic is False or not np.any(hyperbolic):
         return f.atan2(opposite, adjacent)
     ratio = opposite / f.where(hyperbolic, adjacent, 1.0)
@@ -138,7 +139,7 @@ def state(start: Start, theta: Number, t: Number) -> MotionState[Any]:
     return MotionState(t, theta, u / r, v_gx, v_gy, v_p, slide, normal, tangential + 0.0, energy, work + 0.0)
 
 
-def scaled_time(path: Path) -> Any:
+def scaled_time(path: Path) -> Number:
     """Return tau at theta = 0.
 
     Floats, or arrays of one shape; NaN where TOLERANCE is not reached.
@@ -164,7 +165,7 @@ def _quadrature() -> tuple[Array, Array]:
     return (np.concatenate([x_f, x_c]) + 1.0) / 2.0, weights
 
 
-def _panel(path: Path, lower: Any, upper: Any) -> tuple[Any, Any]:
+def _panel(path: Path, lower: Number, upper: Number) -> tuple[Any, Any]:
     """Integrate from lower to upper by both rules, for all rows."""
     nodes, weights = _quadrature()
     if isinstance(lower, float):
@@ -255,7 +256,7 @@ def clock(path: Path, lowest: float) -> Clock:
     raise refusal(rules.GROWTH, abs(path.mu))
 
 
-def admit_inputs(gate: Gate, start: Start, friction: Any, reaction: str) -> None:
+def admit_inputs(gate: Gate, start: Start, friction: Number, reaction: str) -> None:
     """Check each input."""
     (gamma, theta_0, _), omega, v_p = start.path, start.omega_0, start.v_p0
     most = math.pi / 2.0 - gamma
@@ -266,7 +267,7 @@ def admit_inputs(gate: Gate, start: Start, friction: Any, reaction: str) -> None
     gate.demand(rules.CORNER_SPEED, (abs(v_p) < math.inf) & (free | (v_p > 0.0)), v_p)
 
 
-def admit_path(gate: Gate, path: Path, friction: Any, reaction: str) -> None:
+def admit_path(gate: Gate, path: Path, friction: Number, reaction: str) -> None:
     """Check that the solution is unique along the path."""
     if reaction == "none" or holds(friction < CRITICAL_FRICTION):
         return
@@ -276,7 +277,7 @@ def admit_path(gate: Gate, path: Path, friction: Any, reaction: str) -> None:
     gate.demand(rule, met, friction, least=least, limit=limit)
 
 
-def admit_growth(gate: Gate, path: Path, friction: Any) -> None:
+def admit_growth(gate: Gate, path: Path, friction: Number) -> None:
     """Check that omega is accurate and in range.
 
     Only friction that accelerates the corner can violate it.
@@ -298,7 +299,7 @@ def admit_strike(gate: Gate, start: Start, strike: MotionState[Any]) -> None:
     gate.demand(rules.STOP, sliding, start.v_p0, **details)
 
 
-def least_denominator(phi: Any, phi_0: Any, friction: Any) -> Any:
+def least_denominator(phi: Number, phi_0: Number, friction: Number) -> Number:
     """Return the least denominator on the path.
 
     1 + 3 C^2 - 3 mu S C falls from phi to tan(2 phi) = -mu, then rises to phi_0 [rad].
@@ -308,7 +309,7 @@ def least_denominator(phi: Any, phi_0: Any, friction: Any) -> Any:
     return denominator(f.sin(lowest), f.cos(lowest), -friction)
 
 
-def largest_friction(phi: Any, phi_0: Any) -> Any:
+def largest_friction(phi: Number, phi_0: Number) -> Number:
     """Return the friction at which the least denominator is 0.
 
     It is the least (T^2 + 4)/(3 T) for T = tan between phi and phi_0.
@@ -334,7 +335,12 @@ def _stop(start: Start, sliding: Any) -> dict[str, float]:
 
 
 def gather(
-    body: RectangularBody[Any], angle: Any, omega: Any, corner_speed: Any, friction: Any, reaction: str
+    body: RectangularBody[Any],
+    angle: Number,
+    omega: Number,
+    corner_speed: Number,
+    friction: Number,
+    reaction: str,
 ) -> tuple[Start, Any]:
     """Return the start and the unsigned friction coefficient."""
     sign = MU_SIGN[choose("reaction", reaction, REACTIONS)]
@@ -347,7 +353,12 @@ def gather(
 
 
 def gather_one(
-    body: RectangularBody[float], angle: Any, omega: Any, corner_speed: Any, friction: Any, reaction: str
+    body: RectangularBody[float],
+    angle: Number,
+    omega: Number,
+    corner_speed: Number,
+    friction: Number,
+    reaction: str,
 ) -> tuple[Start, float]:
     """Return start and friction coefficient of one motion.
 

@@ -1,9 +1,9 @@
 """Roll of a vehicle over a low wall.
 
-The wall is lower than the centre of mass. The vehicle is a rigid body in the plane across the wall, its centre of mass
-at the height z, its roll phi positive towards the wall. Wheels are points of the body, half the track to either side of
-the centre line and on the ground at rest, each over a unilateral spring of the ground; lever a of each about the centre
-of mass, height y above the ground at rest:
+The wall is lower than the centre of mass. The body is rigid, in the plane across the wall: its centre of mass is at
+the height z, its roll phi positive towards the wall. Wheels are points of the body, half the track to either side of
+the centre line and on the ground at rest, each over a
+unilateral spring of the ground; lever a of each about the centre of mass, height y above the ground at rest:
 
     load        N = k max(m g/2k - y, 0) max(1 - c y', 0), damped in proportion to the load (Hunt and Crossley 1975)
     friction    T of the wall's face, up on a side that slides down; Coulomb's in the direction of sliding
