@@ -1,4 +1,4 @@
-"""What the machine could do at best: its copy bandwidth, its multiply-add rate, and the loop's need of both.
+"""Bandwidth and multiply-add rate of the machine, and the needs of the time loop.
 
 Needs are counted from the source, for n nodes and p points an element. Additions and multiplications:
 
@@ -15,14 +15,13 @@ Needs are counted from the source, for n nodes and p points an element. Addition
 with m = n - 1. Bytes, each array once for every pass over it, as if nothing stayed in a cache between passes:
 
     gather          positions 16                                                              per node
-                    connectivity 4 n where the nodes are not numbered alike                   per element
+                    connectivity 4 n where the numbers of the nodes differ                    per element
     force           cleared 16 | added to 32                                                  per node
     drift           positions 32 | velocities 32 | force 16 | mass 8                          per node
     _add_point      8 p (2 m + 1) where elements are neither congruent nor mapped             per element
                     reference positions 16 where they are mapped                              per node
 
-So the bandwidth is a bound where these arrays are far larger than the cache; below that only arithmetic is, and
-more than the bandwidth's share can be reached.
+The bandwidth is a bound where these arrays are far larger than the cache. Below that only arithmetic is.
 """
 
 from __future__ import annotations
@@ -39,7 +38,7 @@ from fem.explicit.internal_force import subtract_internal_forces
 from fem.run.corner import Stepper
 
 CHAIN = 16
-"""Multiply-adds one after the other on a number: few enough that several vectors of numbers are under way at once."""
+"""Consecutive multiply-adds of a number, few enough that the processor overlaps those of several vectors."""
 
 MULTIPLY_ADD = re.compile(r"^\s+vfn?m(?:add|sub)\d+([ps])d\s(.*)$", re.MULTILINE)
 
@@ -103,9 +102,9 @@ def _nodes_per_element(stepper: Stepper) -> float:
 
 
 def multiply_adds(stepper: Stepper) -> tuple[int, int]:
-    """Packed and scalar multiply-adds in the machine code of the internal forces.
+    """Count packed and scalar multiply-adds in the machine code of the internal forces.
 
-    The kernel is compiled anew, since code from the cache on disk cannot be read. Every packed loop has its
+    The kernel is compiled again, since code from the cache on disk cannot be read. Every packed loop has its
     scalar twin, for arrays that overlap; the twin is never taken.
     """
     dispatcher = subtract_internal_forces.dispatcher

@@ -1,4 +1,4 @@
-"""Prints what the finite-element core reaches: exactness, conservation, steps and the cost of each part.
+"""Accuracy, conservation, steps and cost of the finite-element core.
 
     .venv/bin/python benchmarks/core.py
 
@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import time
 
+import command_line
 import numpy as np
 from main_job import outcome, row, timed, worst
 
@@ -154,7 +155,10 @@ def best_loop(result: CornerOutcome) -> float:
 
 
 def point_and_patch() -> None:
-    """Give of the corner on four meshes: a point's grows with the logarithm, a patch's converges."""
+    """Print the compliance of the corner on four meshes.
+
+    That of a point grows with the logarithm of the mesh, that of a patch converges.
+    """
     print(
         f"\n{'give of the corner, E = 200 GPa':<44}"
         + "".join(f"{n:>5} x {3 * n // 10:<4}" for n in (20, 40, 80, 160))
@@ -168,12 +172,13 @@ def point_and_patch() -> None:
 
 
 def run_scene_give(*changes: str) -> float:
-    """Give of the plate without a run."""
+    """Return the compliance of the plate without a run."""
 
     return CornerCase(*read_scene("paper-abaqus", changes)).plan().deflection_ratio
 
 
 if __name__ == "__main__":
+    command_line.parser(__doc__).parse_args()
     row("what", "asked", "measured")
     for part in (accuracy, flexibility, conservation, steps, loop_time, elements, point_and_patch):
         part()

@@ -1,13 +1,17 @@
-"""Table of docs/crush.md: forces that follow from the durations of Table 4 of the paper, beside the measured ones.
+"""Forces by the durations of Table 4 of the paper, beside the measured ones.
 
-Blind: the duration of a row and the truck of Table 1 are the input, no force is. Two readings of the duration: that
-of the strike itself, by `strike_duration`, and that of its 50 ms mean from valley to valley, as Figure 18 of the paper
-shows it. Bands: 5 to 95 % of the impacts with the inputs that the paper does not state, as in the study of uncertainty.
+    .venv/bin/python benchmarks/crush.py
+
+The table of docs/crush.md. Blind: the duration of a row and the truck of Table 1 are the input, no force is. Two
+readings of the duration: that of the strike itself, by `strike_duration`, and that of its 50 ms mean from valley to
+valley, as Figure 18 of the paper shows it. Bands: 5 to 95 % of the impacts with the inputs that the paper does not
+state, as in the study of uncertainty.
 """
 
 import math
 from collections.abc import Callable, Iterator, Mapping
 
+import command_line
 import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import qmc
@@ -41,7 +45,10 @@ def stiffness_as_read(duration: float) -> float:
 
 
 def forces(case: ImpactCase, stiffness: Law, samples: int = SAMPLES) -> tuple[float, np.ndarray]:
-    """50 ms mean of the second strike [N], and 5 and 95 % of it; stiffness(inputs) [N/m] of each impact."""
+    """Return the 50 ms mean of the second strike with its 5 and 95 % quantiles [N].
+
+    stiffness: function of the inputs [N/m] of each impact.
+    """
     own = {key: np.array([value]) for key, value in case.inputs.items()}
     ranges = [item for item in impact_ranges(case) if item.key != STIFFNESS]
     draws = qmc.Sobol(len(ranges), seed=1).random(samples)
@@ -95,6 +102,7 @@ def rows(samples: int = SAMPLES) -> Iterator[tuple[ForceRow, list[Reading]]]:
 
 def main() -> None:
     """Print the table."""
+    command_line.parser(__doc__).parse_args()
     for row, readings in rows():
         print(f"{row.row}  {row.duration:.2f} s  measured {row.measured / 1e3:.0f} kN", end="")
         for k, force, (low, high) in readings:

@@ -1,16 +1,15 @@
-"""Damages what the program keeps, in many seeded ways, and counts what came of it.
+"""Damage files of the program by a random sequence, and count the outcomes.
 
     .venv/bin/python benchmarks/damage.py PART [COUNT [SEED]]
 
-PART is what is damaged: `caches`, the compiled code; `results`, folders of a run, a whole impact, a sweep and a study;
-`checkpoints`, of a run and of a whole impact. Each damage is followed by what reads it, in a process of its own; it
-ends right, or with the one message that it should. A wrong number, a signal, a process that hangs or a "fault of the
+PART: `caches`, the compiled code; `results`, folders of a run, a whole impact, a sweep and a study; `checkpoints`, of
+a run and of a whole impact. After each damage a process of its own reads the file; it must end with the correct numbers
+or one message. A wrong number, a signal, a process that hangs or a "fault of the
 program" is printed with the number of the damage, and the status is 1.
 """
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import io
 import json
@@ -29,6 +28,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import command_line
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -37,11 +37,11 @@ PATIENCE_S = 60
 """Seconds after which a process hangs."""
 
 Judged = Iterator[tuple[str, str]]
-"""Of each damage its words, and what came of it; words that begin with "BAD" are the end that must not be."""
+"""Description and outcome of each damage; the outcome of a fault begins with "BAD"."""
 
 
 def in_child(judge: Callable[[], str]) -> str:
-    """What a judgement says in a process of its own, which may die or hang over it."""
+    """Return the outcome of a function in a process of its own, which may die or hang."""
     reading, writing = os.pipe()
     if not (child := os.fork()):
         signal.alarm(PATIENCE_S)
@@ -74,7 +74,7 @@ def summed(values: Any, factor: float) -> Sums:
 
 
 def shifted(values: Any, factor: float) -> Sums:
-    """A kernel whose code takes the same arguments, and says something else."""
+    """A kernel with the same arguments and another result."""
     total = 1.0
     for i in range(values.size):
         total -= factor * values[i]
@@ -267,7 +267,7 @@ class Results:
         return path.read_bytes() == (self.at_work / path.name).read_bytes()
 
     def go_on(self) -> str:
-        """Judge the sweep, which makes anew what is lost."""
+        """Judge the sweep, which computes lost rows again."""
         line = [sys.executable, "-m", "tailslap", *SWEEP, "--out", str(self.folder / "sweep")]
         given = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
         done = subprocess.run(line, env=given, capture_output=True, text=True, check=False)
@@ -317,7 +317,7 @@ def results(count: int, seed: int) -> Judged:
 
 
 def rows(place: Path) -> list[str]:
-    """Rows of a sweep's table, without times and what a worker had from rows before."""
+    """List the rows of a sweep's table, without times and parts reused from earlier rows."""
     import pyarrow.parquet as parquet
 
     from tailslap.campaign.definition import CIRCUMSTANCES
@@ -384,12 +384,12 @@ PARTS: dict[str, Callable[[int, int], Judged]] = {
     "results": results,
     "checkpoints": checkpoints,
 }
-"""What can be damaged, and what damages it so many times from a seed."""
+"""Functions that damage each part, by count and seed."""
 
 
 def main() -> None:
-    """Damage a part, and print what came of it."""
-    parser = argparse.ArgumentParser(description="Damages what the program keeps.")
+    """Damage a part, and print the outcomes."""
+    parser = command_line.parser(__doc__)
     parser.add_argument("part", choices=PARTS)
     parser.add_argument("count", type=int, nargs="?", default=400)
     parser.add_argument("seed", type=int, nargs="?", default=1)

@@ -1,4 +1,4 @@
-"""What the damping of elastic velocities changes in the result beside what is stated of it, and what it costs.
+"""Effect and cost of the damping of elastic velocities, beside the stated effect.
 
     .venv/bin/python benchmarks/damping.py
 
@@ -12,6 +12,7 @@ import statistics
 import time
 from typing import Any
 
+import command_line
 from vehicles import plan_of
 
 from fem.run.corner import Stepper, compile_loop
@@ -42,7 +43,7 @@ def bias() -> None:
 
 
 def advance_time(fe_plan: Any) -> float:
-    """Seconds of so many steps."""
+    """Return the seconds of the steps."""
     stepper = Stepper(fe_plan.model)
     state = stepper.start(fe_plan.start, "inertia-relief")
     began = time.perf_counter()
@@ -77,5 +78,6 @@ def spread(values: list[float]) -> str:
 
 
 if __name__ == "__main__":
+    command_line.parser(__doc__).parse_args()
     cost()
     bias()

@@ -1,4 +1,4 @@
-"""What the parts of a scene add to the compiled loop, and the proof that a part left out adds nothing.
+"""Cost of the parts of a scene in the compiled loop; an omitted part costs nothing.
 
     .venv/bin/python benchmarks/features.py [SCENE] [--set KEY=VALUE ...] [--turns N] [--no-commands]
 
@@ -10,7 +10,6 @@ Exit status 1 where the plain loop costs measurably more than the bare one.
 
 from __future__ import annotations
 
-import argparse
 import re
 import subprocess
 import sys
@@ -22,6 +21,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import command_line
 import numpy as np
 
 from fem.explicit.internal_force import Scratch, scratch_for
@@ -226,7 +226,7 @@ def workspace(fe_plan: CornerPlan) -> tuple[State, Floats, Any]:
 
 
 def run_program(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
-    """Seconds of so many steps of the program's loop, and the positions after them."""
+    """Return the seconds of the steps of the program's loop and the final positions."""
     (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
     arguments = (state, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
     spent = seconds(lambda: advance(*arguments))
@@ -268,7 +268,7 @@ def ratio(times: Floats, reference: Floats) -> tuple[float, float, float]:
 
 
 def verdict(plain: Floats, again: Floats, bare: Floats) -> str:
-    """COSTS only where the whole interval is above what is told from 1, FREE where it is below what is measurable."""
+    """Return COSTS where the whole interval is measurably above 1, FREE where it is below that."""
     _, low, high = ratio(plain, bare)
     if not low <= max(MEASURABLE, ratio(again, plain)[2]):
         return COSTS
@@ -293,7 +293,7 @@ def time_loops(models: dict[str, CornerPlan], turns: int) -> dict[str, Floats]:
 
 @dataclass(frozen=True)
 class MachineCode:
-    """Instructions in the loop and what it calls, and those of them on vector registers."""
+    """Instructions of the loop and its functions, and those on vector registers."""
 
     instructions: int
     vector: int
@@ -327,7 +327,7 @@ def bare_code(fe_plan: CornerPlan) -> MachineCode:
 
 
 def _assembly(loop: Kernel, *arguments: Any) -> str:
-    """Compiled afresh, for Numba shows no assembly of what it loaded from disk, and not called."""
+    """Compile the loop and return its assembly, which Numba does not keep on disk."""
     _ = loop.dispatcher  # Numba gets to know the functions that it calls
     fresh = make_dispatcher(loop.py_func, loop.targetoptions)
     compile_for(fresh, arguments)
@@ -368,7 +368,7 @@ def _middle(times: Floats) -> tuple[float, float]:
 
 
 def parse_imports(report: str) -> dict[str, float]:
-    """Seconds that importing took, by top-level package, from what `python -X importtime` says."""
+    """Return the seconds of imports by top-level package, from the report of `python -X importtime`."""
     packages: dict[str, float] = {}
     for line in report.splitlines():
         head, _, rest = line.partition("import time:")
@@ -424,7 +424,7 @@ def print_parts(scene: str, changes: tuple[str, ...], turns: int) -> bool:
 
 
 def difference(fe_plan: CornerPlan, steps: int) -> float:
-    """Largest distance between the positions of the two loops after so many steps, over the plate's length."""
+    """Return the largest distance between the positions of the two loops over the plate's length."""
     ours, bare = (run(fe_plan, steps)[1] for run in (run_program, run_bare))
     return float(np.abs(ours - bare).max() / fe_plan.case.body.length)
 
@@ -442,9 +442,7 @@ def print_commands(scene: str, changes: tuple[str, ...]) -> None:
 
 def main() -> int:
     """Command line; 1 where the proof fails."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("scene", nargs="?", default="paper-table-3", metavar="SCENE")
     parser.add_argument("--set", dest="changes", action="append", default=[], metavar="KEY=VALUE")
     parser.add_argument("--no-commands", action="store_true", help="count and time the loops alone")

@@ -18,6 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import command_line
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -68,7 +69,7 @@ def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
 
 
 def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:
-    """Print a line a level."""
+    """Print each level, and return the exit status."""
     random = np.random.default_rng(seed)
     known = [
         each
@@ -98,4 +99,9 @@ def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2], *map(int, sys.argv[3:])))
+    parser = command_line.parser(__doc__)
+    parser.add_argument("scene")
+    parser.add_argument("folder", help="result of the study")
+    parser.add_argument("count", type=int, nargs="?", default=COUNT, help="frequencies of each level")
+    parser.add_argument("seed", type=int, nargs="?", default=1)
+    sys.exit(main(**vars(parser.parse_args())))

@@ -7,24 +7,24 @@ Stops at the first that ends badly, shortened to what matters. Without COUNT the
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import sys
 from pathlib import Path
 
+import command_line
 from hypothesis import given, seed, settings
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tests.verification.test_fuzz import command_lines, demand_good_end, fuzz
 
-SAID = 5_000
-"""Command lines after which it says how far it is."""
+PROGRESS = 5_000
+"""Command lines between two lines of progress."""
 
 
 def main() -> None:
-    """Fuzz with so many examples."""
-    parser = argparse.ArgumentParser(description="Many command lines made at random.")
+    """Run random command lines."""
+    parser = command_line.parser(__doc__)
     parser.add_argument("count", type=int, nargs="?", default=200_000)
     parser.add_argument("seed", type=int, nargs="?", default=1)
     options = parser.parse_args()
@@ -37,7 +37,7 @@ def main() -> None:
     @given(command_lines())
     def job(arguments: list[str]) -> None:
         demand_good_end(arguments)
-        if (done := next(made)) % SAID == 0:
+        if (done := next(made)) % PROGRESS == 0:
             print(f"{done} of {count}", file=sys.stderr, flush=True)
 
     job()

@@ -1,4 +1,6 @@
-"""What a whole impact reaches: `python benchmarks/impact.py [PART ...]`; a row a figure, measured where it runs.
+"""Accuracy and cost of whole impacts.
+
+    .venv/bin/python benchmarks/impact.py [PART...]
 
 Parts are the functions below that yield rows, e.g. loop_time and whole_run; all if none is named.
 """
@@ -7,11 +9,11 @@ from __future__ import annotations
 
 import math
 import statistics
-import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import command_line
 import numpy as np
 from process import ROOT, process
 
@@ -194,7 +196,7 @@ def rigid_trains() -> Iterator[Row]:
 
 
 def _processor(call: Callable[[], Any]) -> tuple[float, Any]:
-    """Processor time of a call [s], and what it returns."""
+    """Return the processor time of a call [s] and its answer."""
     began = time.process_time()
     found = call()
     return time.process_time() - began, found
@@ -264,8 +266,13 @@ PARTS = (
 
 def main() -> None:
     """Print the rows as they come."""
-    began = time.perf_counter()
-    for part in [globals()[name] for name in sys.argv[1:]] or PARTS:
+    parser = command_line.parser(__doc__)
+    names = {part.__name__: part for part in PARTS}
+    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(names))
+    began, parts = time.perf_counter(), parser.parse_args().parts
+    if unknown := {*parts} - names.keys():
+        parser.error(f"unknown parts: {', '.join(unknown)}")
+    for part in [names[name] for name in parts] or PARTS:
         print(printed([pairs(list(part()))]), flush=True)
     print(f"{time.perf_counter() - began:.0f} s in all")
 

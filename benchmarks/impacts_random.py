@@ -1,15 +1,15 @@
-"""Random ordinary whole impacts: what fails and how far off it is, whether what is stated bounds the error, the time.
+"""Random whole impacts: failures, stated and true errors, and time.
 
     .venv/bin/python benchmarks/impacts_random.py [--runs 200] [--seed 1] [--meshes default quad4:6 ...]
         [--trains] [--units N] [--rigid] [--references [MESH ...]] [--every N] [--keep FILE] [--beside CHECKOUT]
 
 Vehicles are cars, pickups, trucks and tractors with their trailer as one body, of ordinary size and mass, as a plate of
 200 GPa and half to twice the thickness that steel would have, their crush within the values that docs/impact.md names.
-Below a restitution of 0.1 a strike ends so suddenly that no mesh tells when.
+Below a restitution of 0.1 a strike ends too suddenly for any mesh.
 
 --trains       tractors with one to three trailers instead, each unit with a centre of mass and a yaw inertia of its
                own; in a third of them the hinges are spread over 1.5 m
---units        of the trains those of at most so many units alone
+--units        trains of at most N units only
 --rigid        rigid vehicles alone, each beside the same at a quarter of its step
 --meshes       "default", or a kind of element and the number across the vehicle, which are square
 --references   each impact also on finer meshes of two kinds of element, still finer ones for those that fail, or on the
@@ -33,6 +33,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
+
+import command_line
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -98,9 +100,9 @@ UNITS = (
 
 
 def train_changes(seed: int, number: int) -> tuple[dict[str, Any], float]:
-    """The keys of a random train, and its tractor's length over its width.
+    """Return the keys of a random train, and its tractor's length over its width.
 
-    Centres are 0.35 to 0.65 of the length behind the front, radii of gyration 0.22 to 0.33 of it; the hitch is in the
+    Centres are 0.35 to 0.65 of the length behind the front, radii of gyration 0.22 to 0.33 lengths; the hitch is in the
     last quarter of the unit ahead, the kingpin in the first tenth of its own.
     """
     random = np.random.default_rng((seed, number, 1))
@@ -131,7 +133,7 @@ def train_changes(seed: int, number: int) -> tuple[dict[str, Any], float]:
 
 
 def of_units(seed: int, runs: int, most: int) -> list[int]:
-    """Numbers of the impacts of at most so many units."""
+    """List the numbers of the impacts with at most `most` units."""
     return [number for number in range(runs) if len(drawn(seed, number)[0].get("trailer", ())) < most]
 
 
@@ -374,9 +376,7 @@ def tell(
 
 def main() -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("--runs", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--meshes", nargs="+", default=["default", *CHOSEN])

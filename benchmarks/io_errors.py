@@ -14,7 +14,6 @@ TMPDIR=/dev/shm spares the disk.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import errno
 import io
@@ -31,6 +30,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from unittest import mock
 
+import command_line
 from failing_calls import Call, run_in_child
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -55,7 +55,10 @@ COMPLETE = re.compile("the next command completes it|the result .*is complete")
 
 
 class Trial(NamedTuple):
-    """Command whose calls fail, and the one that made the earlier result; interrupted: folder with unfinished moves."""
+    """Command whose calls fail, and the one of the earlier result.
+
+    interrupted: folder whose files are still to be renamed.
+    """
 
     command: tuple[str, ...]
     earlier: tuple[str, ...] = ()
@@ -245,7 +248,7 @@ class Laboratory:
 
 
 def _refuse_manifest(source: Path, target: Path) -> None:
-    """Move a file, but for the manifest into a result folder."""
+    """Rename a file, except the manifest into a result folder."""
     from tailslap.storage import manifest
 
     if Path(target).name == manifest.NAME:
@@ -272,10 +275,8 @@ def outcomes(
 
 
 def main() -> None:
-    """Let calls fail, and print what came of it."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    """Let calls fail, and print the outcomes."""
+    parser = command_line.parser(__doc__)
     parser.add_argument("trials", nargs="*", metavar="TRIAL", help=f"by default all of {', '.join(TRIALS)}")
     parser.add_argument("--every", type=int, default=1, help="only every Nth call fails")
     parser.add_argument("--first", type=int, default=1, help="number of the first call that fails")

@@ -1,4 +1,4 @@
-"""Kill runs, studies and sweeps at random instants or at every call to the system, and look at what is left.
+"""Kill runs, studies and sweeps at random instants or calls, and check their folders.
 
     .venv/bin/python benchmarks/kills.py [COUNT [SEED]]
     .venv/bin/python benchmarks/kills.py calls [KIND...]
@@ -6,8 +6,8 @@
 
 Each time a command fills a folder that has an earlier result already; TERM, INT or KILL comes at an instant drawn
 evenly over the time that the command takes alone. After it the folder must hold the earlier result or the new one,
-whole; no process of the command may live on and no port be open; what a killed one leaves must be gone once the next
-command has looked at it. A sweep's folder must take the sweep up again and end with the rows of one left alone.
+whole; no process of the command may live on and no port be open; remains of a killed command must be gone after the
+next one. A sweep's folder must take the sweep up again and end with the rows of one left alone.
 
 `calls`: KILL comes by strace at each rename, link, unlink, mkdir, rmdir and sync in the folder, and at each write of
 manifest, log, lock and definition. `race`: eight processes fill one folder at once: one wins, seven end with status 2
@@ -31,6 +31,7 @@ from collections import Counter
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
 
+import command_line
 import psutil
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -52,17 +53,20 @@ GONE_S = 10.0
 
 
 def started(
-    arguments: tuple[str, ...], out: Path, tracer: str = "", told: int = subprocess.DEVNULL
+    arguments: tuple[str, ...], out: Path, tracer: str = "", messages: int = subprocess.DEVNULL
 ) -> subprocess.Popen[bytes]:
-    """The command, in a group of processes of its own; tracer: the words before it; told: where its messages go."""
+    """Start the command in a process group of its own.
+
+    tracer: words before it; messages: file of its messages.
+    """
     line = [*tracer.split(), sys.executable, "-m", "tailslap", *arguments, "--out", str(out)]
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": told}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": messages}
     return subprocess.Popen(line, env=environment, cwd=out.parent, start_new_session=True, **quiet)  # type: ignore[call-overload]
 
 
 def whole(folder: Path) -> str | None:
-    """Digest of what a complete result holds; None for what is none."""
+    """Return the digest of a complete result, None for any other folder."""
     listed = read_manifest(folder)
     if not listed or any(entry(folder / item.path) != item for item in listed):
         return None
@@ -70,7 +74,7 @@ def whole(folder: Path) -> str | None:
 
 
 def killed(arguments: tuple[str, ...], out: Path, delay: float, number: signal.Signals) -> list[str]:
-    """Kill the command; what is wrong with what it leaves running."""
+    """Kill the command, and list the faults of processes that live on."""
     process = started(arguments, out)
     time.sleep(delay)
     family = {child.pid: child for child in _children(process.pid)}
@@ -102,7 +106,7 @@ def _lives(process: psutil.Process) -> bool:
 
 
 def rows(out: Path) -> list[str]:
-    """Rows of a finished sweep without times, and without what a worker had from rows before."""
+    """List the rows of a finished sweep, without times and parts reused from earlier rows."""
     import pyarrow.parquet as parquet
 
     table = parquet.read_table(next(out.glob("*.parquet")))
@@ -134,7 +138,7 @@ WRITTEN = (NAME, LOG, LOCK, "sweep.json")
 
 
 def at_every_call(kinds: list[str]) -> None:
-    """Kill commands at their calls, and say what was wrong."""
+    """Kill commands at their calls, and print the faults."""
     wrong, total = 0, 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -200,7 +204,7 @@ def _killed_at(
             pass
     else:
         found = look(out, "the user's") if before else []
-        again = started(arguments, out, told=subprocess.PIPE)
+        again = started(arguments, out, messages=subprocess.PIPE)
         said = again.communicate()[1].decode()
         if again.returncode:
             return [*found, f"it does not go on, status {again.returncode}: {said}"], "lost"
@@ -211,7 +215,7 @@ def _killed_at(
 
 
 def race(rounds: int) -> None:
-    """Let eight processes fill one folder at once, so many times, and say what was wrong."""
+    """Let eight processes fill one folder at once in each round, and print the faults."""
     from tailslap import cli, load
 
     ends, wrong, slowest = Counter[str](), 0, 0.0
@@ -268,13 +272,21 @@ def race(rounds: int) -> None:
 
 
 def main() -> None:
-    """Kill so many, and say what was wrong."""
-    if sys.argv[1:2] == ["calls"]:
-        at_every_call(sys.argv[2:])
-    if sys.argv[1:2] == ["race"]:
-        race(int(sys.argv[2]) if sys.argv[2:] else 200)
+    """Kill commands, and print the faults."""
+    parser = command_line.parser(__doc__)
+    parser.add_argument("words", nargs="*", metavar="WORD", help="numbers, or calls or race with theirs")
+    part, *more = parser.parse_args().words or ["200"]
+    if part == "calls":
+        at_every_call(more)
+    elif part == "race":
+        race(int(more[0]) if more else 200)
+    else:
+        at_random(int(part), int(more[0]) if more else 1)
+
+
+def at_random(count: int, seed: int) -> None:
+    """Kill commands at random instants, and print the faults."""
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would have it ignored
-    count, seed = (int(text) for text in (*sys.argv[1:], *("200", "1")[len(sys.argv) - 1 :]))
     dice, wrong, ends = random.Random(seed), [], Counter[str]()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -1,4 +1,4 @@
-"""Prints what the main job reaches: accuracy, robustness and cost, each beside what is asked of it.
+"""Accuracy, robustness and cost of a run, beside the required values.
 
     .venv/bin/python benchmarks/main_job.py
 
@@ -18,6 +18,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 
+import command_line
 import numpy as np
 
 from fem.run.corner import Stepper, simulate
@@ -142,6 +143,7 @@ def cost() -> None:
 
 
 if __name__ == "__main__":
+    command_line.parser(__doc__).parse_args()
     row("what", "asked", "measured")
     accuracy()
     robustness()

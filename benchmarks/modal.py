@@ -1,8 +1,8 @@
-"""Prints what the modal model reaches against the whole plate: differences, its own estimate of them, and cost.
+"""Difference of the modal model from the whole plate, its estimate, and cost.
 
     .venv/bin/python benchmarks/modal.py
 
-Both runs start alike and share the plate's matrices; times are the best of runs taken in turn.
+Both runs have the same initial state and matrices; times are the best of alternating runs.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import statistics
 import time
 
+import command_line
 from main_job import row
 
 from fem.plate.free_modes import free_modes
@@ -102,6 +103,7 @@ def cost() -> None:
 
 
 if __name__ == "__main__":
+    command_line.parser(__doc__).parse_args()
     row("what", "asked", "measured")
     accuracy()
     estimate()

@@ -10,7 +10,6 @@ without times. Where they are not, numbers are compared, and the largest relativ
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import re
@@ -19,6 +18,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+import command_line
 
 ROOT = Path(__file__).parents[1]
 CORNER = re.findall(
@@ -206,9 +207,7 @@ def compares(path: Path) -> bool:
 
 def main() -> None:
     """Make or compare."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("what", choices=["make", "compare"])
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--root", type=Path, default=ROOT)

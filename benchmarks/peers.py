@@ -1,4 +1,4 @@
-"""Error against whole time of this program and of other codes, on the same plate and the same motion.
+"""Error and process time of this program and of other codes on one plate.
 
     python -m venv others && others/bin/pip install -r benchmarks/requirements.txt
     .venv/bin/python benchmarks/peers.py --others others/bin/python [--table FILE] [--picture FILE]
@@ -9,7 +9,7 @@ held exactly, row-sum masses, and the unstressed plate in rigid motion, which ar
 ours as the command, without pictures. Every turn is a process of its own, one after the other, with one thread.
 
 On meshes of 120 elements there are --turns rounds, of 7 680 half as many. A loop that would take longer than --limit
-seconds is left after two, and its time reckoned; it gives no values. --large adds 122 880 elements, a quarter of
+seconds is ended after two, and its time estimated; it has no values. --large adds 122 880 elements, a quarter of
 the rounds, from 0.002 rad, because no code makes the whole event there in two minutes. Five minutes without that.
 """
 
@@ -21,6 +21,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import command_line
 from plates import ONE_THREAD, interpreter_path
 
 LARGE_LIMIT_S = 120.0
@@ -29,9 +30,7 @@ LARGE_LIMIT_S = 120.0
 
 def main() -> None:
     """Measure, print, and write what is asked for."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument(
         "--others",
         metavar="PYTHON",

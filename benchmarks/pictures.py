@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/studies.md again from result folders of the studies `cost` and `stability`.
+"""Draw the pictures of docs/studies.md from results of `cost` and `stability`.
 
     .venv/bin/python benchmarks/pictures.py results/paper-table-3-cost results/paper-table-3-stability
 
@@ -7,12 +7,13 @@ A folder with points.csv makes docs/cost.svg, one with cells.csv docs/stability.
 
 from __future__ import annotations
 
-import argparse
 import csv
 import json
 import re
 from pathlib import Path
 from typing import Any
+
+import command_line
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.svg.chart import Chart
@@ -55,7 +56,7 @@ def side_by_side(charts: list[Chart], across: int = 3) -> str:
 
 
 def draw_stability(folder: Path, target: Path) -> None:
-    """Some of the maps, those that the folder has, and before them what the colours mean."""
+    """Draw those of the maps that the folder has, below the meaning of the colours."""
     maps = read_maps(folder / "cells.csv")
     charts = [draw_map("-".join(pair), *maps[pair], "") for pair in SHOWN if pair in maps]
     target.write_text(side_by_side([*charts, draw_meanings(MAP_KINDS, "")]), encoding="utf-8")
@@ -99,10 +100,8 @@ PICTURES = (("points.csv", "cost.svg", draw_cost), ("cells.csv", "stability.svg"
 
 
 def main() -> None:
-    """Draw what the folders hold."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    """Draw the pictures of the folders."""
+    parser = command_line.parser(__doc__)
     parser.add_argument("folders", nargs="+", type=Path)
     parser.add_argument("--out", type=Path, default=DOCS)
     given = parser.parse_args()

@@ -1,14 +1,15 @@
-"""What single precision does to `paper-abaqus`: the five differences, in double and in single.
+"""Five differences of `paper-abaqus` in double and in single precision.
 
     .venv/bin/python benchmarks/precision.py
 
-`SingleStepper` says what is single in it.
+`SingleStepper` names the parts in single precision.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import command_line
 import numpy as np
 
 from fem.run.corner import Run, Stepper, simulate
@@ -44,6 +45,7 @@ def row(what: str, fe_plan: CornerPlan, result: Run) -> str:
 
 def main() -> None:
     """Run both and print."""
+    command_line.parser(__doc__).parse_args()
     fe_plan = CornerCase(*read_scene(SCENE)).plan()
     names = "".join(f"{name:>12}" for name in KEYS)
     print(f"{SCENE:<8}\n{'stored':<8}{names}{'energy':>12}{'range of N, N':>14}{'updates/s':>12}")

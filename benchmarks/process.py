@@ -1,17 +1,17 @@
-"""Prints what people wait for, as ratios to another checkout: processes, rows of a sweep, a large plate, threads.
+"""Ratios of times to those of another checkout.
 
     .venv/bin/python benchmarks/process.py OTHER [--rounds 7] [--only WORDS]... [--million] [--companions]
 
-OTHER is the folder of another checkout of this repository; it runs in the same environment. Runs of the two follow each
-other in turn, after one of each that compiles. A ratio is a median of the rounds, with its least and greatest; that of
-processor time beside it is hardly touched by other programs. Threads are held against one thread of this checkout, with
-as many cores kept busy as said. Ten minutes for all but --million, which takes one more and 4 GiB,
-and --companions, which holds whole runs with companions against those without, of this checkout alone, for five.
+Processes, rows of a sweep, a large plate, threads. OTHER is the folder of another checkout of this repository; it runs
+in the same environment. Runs of the two follow each other in turn, after one of each that compiles. A ratio is a median
+of the rounds, with its least and greatest; that of processor time beside it is hardly touched by other programs.
+Threads are compared with one thread of this checkout, with as many busy cores. Ten minutes for all but --million, which
+takes one more and 4 GiB, and --companions, which holds whole runs with companions against those without, of this
+checkout alone, for five.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import statistics
@@ -23,6 +23,8 @@ from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
+
+import command_line
 
 ROOT = Path(__file__).resolve().parents[1]
 BYTECODE = Path(tempfile.gettempdir()) / f"tailslap-bytecode-{os.getuid()}"
@@ -103,7 +105,7 @@ def process(checkout: Path, arguments: Sequence[str], program: Sequence[str] = C
 
 
 def row_of_a_sweep(checkout: Path, varied: str) -> Spent:
-    """What a row takes in its worker, by the sweep's own clock; there is no processor time of it."""
+    """Return the time of a row in its worker, by the sweep's clock and without processor time."""
     with tempfile.TemporaryDirectory() as folder:
         command = [
             sys.executable,
@@ -160,8 +162,8 @@ def million() -> None:
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("other", type=Path)
+    parser = command_line.parser(__doc__)
+    parser.add_argument("other", type=Path, help="another checkout")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--only", action="append", default=[])
     parser.add_argument("--million", action="store_true")

@@ -1,16 +1,15 @@
-"""The verification page of a release: every figure of docs/accuracy.md with the command that measures it, in one go.
+"""Verification page of a release, with every figure of docs/accuracy.md.
 
     .venv/bin/python benchmarks/release.py [--out FOLDER] [--only WORDS]... [--others PYTHON] [--earlier CHECKOUT]
 
-Each command runs once, one after the other, and the page shows what it printed beside what docs/accuracy.md states;
-the texts lie beside the page. Four to six hours on two free cores. --only: commands that contain these words. --others:
-an environment with benchmarks/requirements.txt, and --earlier: another checkout, for the commands that compare with
-them; without, the page states that they were not run. Exits 1 if a command failed.
+Each command runs once, one after the other; the page shows its output beside the statements of docs/accuracy.md, and
+the outputs lie beside the page. Four to six hours on two free cores. --only: commands that contain these words.
+--others: an environment with benchmarks/requirements.txt, and --earlier: another checkout, for the commands that
+compare with them; without, the page states that they were not run. Exits 1 if a command failed.
 """
 
 from __future__ import annotations
 
-import argparse
 import datetime
 import platform
 import re
@@ -20,6 +19,8 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import command_line
 
 import tailslap
 from postprocess.report.command_report import Report, write_report
@@ -78,7 +79,7 @@ FIGURES: Mapping[str, Sequence[str]] = {
 
 @dataclass(frozen=True)
 class Measured:
-    """A command that ran: what it printed, its exit status, None where it was not run, and its time [s]."""
+    """Output of a command, its exit status, None where it was not run, and its time [s]."""
 
     command: str
     text: str
@@ -151,7 +152,7 @@ def report(figures: Mapping[str, Sequence[str]], done: Sequence[Measured], commi
 
 
 def _printed(run: Measured) -> Section:
-    """What a command printed, in columns where two blanks separate them."""
+    """Return the output of a command, in columns where two blanks separate them."""
     cells = [re.split(r"\s{2,}", line.strip(), maxsplit=3) for line in run.text.splitlines() if line.strip()]
     width = max(map(len, cells), default=1)
     rows = [{str(k): cell for k, cell in enumerate(line)} for line in cells]
@@ -163,7 +164,7 @@ def _printed(run: Measured) -> Section:
 
 def main() -> int:
     """Run the commands and write the page; returns the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser = command_line.parser(__doc__)
     parser.add_argument("--out", type=Path, default=Path("results/release"))
     parser.add_argument("--only", action="append", default=[])
     parser.add_argument("--others")

@@ -1,4 +1,4 @@
-"""Prints what the rigid-body theory reaches: exactness, Table 3, and cost, each beside what is asked of it.
+"""Accuracy and cost of the rigid-body theory, beside the required values.
 
     .venv/bin/python benchmarks/rigid.py
 
@@ -13,6 +13,7 @@ import math
 import time
 from collections.abc import Callable
 
+import command_line
 import numpy as np
 from main_job import row
 from scipy.integrate import solve_ivp
@@ -78,7 +79,10 @@ def best(function: Callable[[], object], repeats: int, loops: int = 1) -> float:
 
 
 def bare_integration(atol: float) -> Callable[[], object]:
-    """The shortest way to write Eqs 66-69 for solve_ivp with an event, for the paper's truck with friction."""
+    """Return Eqs 66-69 for `solve_ivp` with an event in their shortest form.
+
+    The scene is the paper's truck with friction.
+    """
     radius, gamma, mu = TRUCK.corner_radius, TRUCK.corner_angle, 0.47
 
     def rates(t: float, y: np.ndarray) -> tuple[float, float, float, float]:
@@ -122,6 +126,7 @@ def many() -> None:
 
 
 if __name__ == "__main__":
+    command_line.parser(__doc__).parse_args()
     row("what", "asked", "measured")
     for part in (against_integration, table_3, cost):
         part()

@@ -1,10 +1,13 @@
-"""Ripple of the reaction by rounding: what `fem.stability.rounding` predicts, beside what undamped runs end with.
+"""Ripple of the reaction by rounding, predicted and computed.
 
-.venv/bin/python benchmarks/rounding.py
+    .venv/bin/python benchmarks/rounding.py
+
+The prediction is that of `fem.stability.rounding`; the runs are undamped.
 """
 
 from __future__ import annotations
 
+import command_line
 import numpy as np
 from vehicles import plan_of
 
@@ -23,7 +26,8 @@ CASES = (
 
 
 def main() -> None:
-    """A line a case: root mean square over the last quarter of the run [N]."""
+    """Print each case with the root mean square over the last quarter of its run [N]."""
+    command_line.parser(__doc__).parse_args()
     for case in CASES:
         outcome = attempt(plan_of(("corner.reaction=none", "damping.kind=none", *case)))
         ripple = outcome.fe_history["reaction_normal"] - outcome.rigid_history["reaction_normal"]

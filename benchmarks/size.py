@@ -1,14 +1,14 @@
-"""Time and memory against the number of elements, from 120 to a million, and the exponents fitted to them.
+"""Time and memory over the number of elements, with fitted exponents.
 
     .venv/bin/python benchmarks/size.py
 
-Each size runs in a process of its own, within a limit of time and of memory; what does not finish is said so. The
-whole run is predicted, steps times time per step: to let a million elements strike would take hours.
+Sizes are 120 to a million elements. Each runs in a process of its own, within a limit of time and of memory; those that
+do not finish are named. The whole run is predicted, steps times time per step: to let a million elements strike would
+take hours.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import resource
@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import command_line
 import numpy as np
 
 SIZES = ((20, 6), (40, 12), (80, 24), (160, 48), (320, 96), (640, 192), (1280, 384), (2048, 512))
@@ -51,7 +52,7 @@ def tell(**values: float) -> None:
 
 @contextmanager
 def stage(name: str) -> Iterator[None]:
-    """Time a stage and tell the parent process."""
+    """Send the time of a stage to the parent process."""
     began = time.perf_counter()
     yield
     tell(**{name: time.perf_counter() - began})
@@ -129,7 +130,7 @@ def exponent(counts: list[int], values: list[float]) -> float:
 
 
 def print_exponents(found: dict[int, dict[str, Any]]) -> None:
-    """The fitted exponents, over the sizes that gave a number."""
+    """Print the fitted exponents over the sizes with a result."""
     cells = ""
     for name in COLUMNS:
         large = {count: row[name] for count, row in found.items() if name in row and count >= FIT_FROM}
@@ -139,9 +140,7 @@ def print_exponents(found: dict[int, dict[str, Any]]) -> None:
 
 def main() -> None:
     """Measure every size and print."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("--budget", type=float, default=90.0, help="seconds that one size may take")
     parser.add_argument("--one", type=int, nargs=2, help="only this size, in this process")
     given = parser.parse_args()

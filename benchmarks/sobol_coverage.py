@@ -8,11 +8,11 @@ interval, its mean width, and how often the indices were refused.
 
 from __future__ import annotations
 
-import argparse
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import command_line
 import numpy as np
 
 from tailslap.campaign import sampling
@@ -82,7 +82,7 @@ def indicator(name: str, inputs: int, fraction: float) -> Function:
 
 
 def functions(inputs: int) -> list[Function]:
-    """Return the functions of so many inputs."""
+    """Return the functions of a number of inputs."""
     unequal = 1.0 / np.arange(1.0, inputs + 1.0)
     unequal[2::3] = 0.0
     found = [linear("linear", np.ones(inputs)), linear("linear 1/i", unequal)]
@@ -120,9 +120,7 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("--inputs", type=int, action="append")
     parser.add_argument("--rows", type=int, action="append")
     parser.add_argument("--repeats", type=int, default=REPEATS)

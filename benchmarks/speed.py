@@ -1,4 +1,4 @@
-"""Element updates per second of the time loop, beside the machine's own rates and beside other codes.
+"""Element updates per second of the time loop and of other codes.
 
     .venv/bin/python benchmarks/speed.py
 
@@ -7,13 +7,12 @@ The other codes want a virtual environment of their own:
     python -m venv others && others/bin/pip install -r benchmarks/requirements.txt
     .venv/bin/python benchmarks/speed.py --others others/bin/python
 
-Everything is measured in one run, in turns, so that the machine's moods fall on all alike: look at the ratios.
-Whole processes, and how right they are, is what peers.py compares. Exits 1 if the kernel is not packed.
+Beside them stand the machine's rates. All are measured in turns, so that other load affects all equally; the ratios
+count. Whole processes and their errors are compared by peers.py. Exits 1 if the kernel is not packed.
 """
 
 from __future__ import annotations
 
-import argparse
 import functools
 import json
 import os
@@ -23,6 +22,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+import command_line
 from plates import DISTORTION, ONE_THREAD, interpreter_path, make_model, same_plate
 from speed_tables import (
     MINE,
@@ -139,9 +139,7 @@ def machine() -> list[Entry]:
 
 def main() -> int:
     """Measure and print."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument(
         "--others",
         metavar="PYTHON",

@@ -1,4 +1,4 @@
-"""What speed.py prints: rates, shares of the machine's, ratios, and whether the kernel is packed."""
+"""Tables of speed.py: rates, their fractions of the machine's, ratios, packed kernels."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WANTED = {("Akantu", 7680): 20.0, ("Warp", 7680): 3.0, ("Warp" + UNEVEN, 122880)
 
 @dataclass
 class Entry:
-    """A line of the table: what is measured, and what each turn gave."""
+    """Line of the table, with the rate of each turn."""
 
     name: str
     elements: int
@@ -48,7 +48,7 @@ def print_rates(lines: Sequence[Entry]) -> None:
 
 
 def print_shares(rates: Sequence[Entry], lines: Sequence[Entry], loops: dict[Any, Any]) -> None:
-    """What share of the machine's rates the loop on one core reaches, best against best."""
+    """Print the rates of the loop on one core over those of the machine, best by best."""
     from bound import bytes_per_update, flops_per_update
 
     copying, arithmetic, _ = rates

@@ -9,7 +9,6 @@ true error counts as far as it is beyond that. FILE holds a line of JSON a scene
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import sys
@@ -18,6 +17,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import command_line
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -107,7 +107,7 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
 
 
 def judge(seed: int, number: int) -> Record:
-    """How the run of a scene ended, what it states, and what is true."""
+    """Return the outcome of a scene's run with its stated and true errors."""
     from postprocess.comparison.quantities import largest
     from tailslap.case.case import failed_names
     from tailslap.case.corner.case import CornerCase
@@ -167,9 +167,7 @@ def print_table(records: list[Record]) -> int:
 
 def main() -> int:
     """Run and print."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("count", type=int, nargs="?", default=600)
     parser.add_argument("seed", type=int, nargs="?", default=28)
     parser.add_argument("--keep", type=Path)

@@ -1,4 +1,6 @@
-"""Whole impacts over the angle, by every command: `python benchmarks/strikes.py [STEP in deg]`.
+"""Whole impacts over the angle, by every command.
+
+    .venv/bin/python benchmarks/strikes.py [STEP in deg]
 
 Three vehicles, 10 to 20 deg in steps of half a degree. The rigid vehicle of `rigid`, `explore` and a row of `sweep` is
 held to its motion followed longer, to the samples of `study uncertainty`, to the rigid vehicle beside `run`, and to the
@@ -7,10 +9,10 @@ limit of a rigid plate of `run`, by two moduli, against the error that the stiff
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import command_line
 import numpy as np
 
 from postprocess.report.tables import pairs
@@ -100,7 +102,9 @@ def rows(scene: str, step: float) -> Iterator[tuple[str, str]]:
 
 def main() -> None:
     """Print the rows of each vehicle as they come."""
-    step = float(sys.argv[1]) if len(sys.argv) > 1 else STEP
+    parser = command_line.parser(__doc__)
+    parser.add_argument("step", type=float, nargs="?", default=STEP, help="of the angle [deg]")
+    step = parser.parse_args().step
     for scene in VEHICLES:
         print(printed([pairs(list(rows(scene, step)))]), flush=True)
 

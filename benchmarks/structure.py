@@ -21,6 +21,8 @@ from itertools import pairwise
 from pathlib import Path
 from types import FrameType
 
+import command_line
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
 SKIPPED = {
@@ -131,7 +133,7 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
             if frame.f_code.co_name == "simulate":
                 sys.setprofile(None)
 
-    plan.run()  # what is imported or compiled once is no part of it
+    plan.run()  # imports and compiles
     cache.clear()
     sys.setprofile(note)
     try:
@@ -159,10 +161,14 @@ def assertions(root: Path = ROOT) -> int:
 
 def main() -> None:
     """Print the figures."""
+    parser = command_line.parser(__doc__)
+    parser.add_argument("--files", action="store_true", help="list each file")
+    parser.add_argument("--trace", action="store_true", help="follow the calls of a run")
+    options = parser.parse_args()
     texts = {path: path.read_text(encoding="utf-8") for path in sources()}
     lines = {path: code_lines(text) for path, text in texts.items()}
     total = sum(lines.values())
-    if "--files" in sys.argv:
+    if options.files:
         for path, count in lines.items():
             print(f"{count:5d}  {'report' if reports(path) else '      '}  {path.relative_to(ROOT)}")
     for package in PACKAGES:
@@ -189,7 +195,7 @@ def main() -> None:
     print(f"import circles: {len(circles())}")
     for circle in circles():
         print("   ", ", ".join(circle))
-    if "--trace" in sys.argv:
+    if options.trace:
         files, climbs, meshes = trace()
         print(
             f"up to the time loop: {files} files, {climbs} climbs from fem into tailslap, {meshes} meshes of the plate"

@@ -1,10 +1,10 @@
-"""Prints what a sweep reaches: rate on two cores against one, overhead per run, and what is left after kill -9.
+"""Rate of a sweep on two cores and one, its overhead, and its rows after kill -9.
 
     .venv/bin/python benchmarks/sweep.py
 
 Two minutes on free cores. Rates are those while runs are made, workers being up; whole processes are given beside them.
 The best of two turns counts: a core that other programs use as well makes any of them slower. Processor time, which
-they change little, says what two free cores would give.
+they change little, stands for two free cores.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import command_line
 import psutil
 from main_job import row
 
@@ -138,6 +139,7 @@ def _same(folder: Path, pattern: str) -> bool:
 
 def main() -> None:
     """Print both parts."""
+    command_line.parser(__doc__).parse_args()
     ctypes.CDLL(None).prctl(SUBREAPER, 1)
     with tempfile.TemporaryDirectory() as folder:
         kills(Path(folder))

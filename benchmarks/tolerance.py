@@ -8,13 +8,13 @@ patch. The error of each answer is measured against a far finer model of the fle
 
 from __future__ import annotations
 
-import argparse
 import math
 import os
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from typing import Any
 
+import command_line
 import numpy as np
 
 SCENE = "mash-tl4-sut"
@@ -56,11 +56,11 @@ def run(changes: tuple[str, ...]) -> Any:
 
 
 def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], list[str]]:
-    """The flexible plate's five quantities on a far finer mesh, and the checks that this run failed.
+    """Return the flexible plate's five quantities on a far finer mesh, and the failed checks of that run.
 
-    Quadratic elements, at least twice as many each way as the picked mesh has. Where there is friction, damping that
-    keeps the finer mesh from fluttering, more of it if it is not enough; slow motion does not feel it. Where no damping
-    is enough the modal model of that mesh stands in, which does not flutter.
+    Elements are quadratic, at least twice as many in each direction as in the chosen mesh. Where there is friction,
+    damping keeps the finer mesh from fluttering, and is increased until it does; slow motion does not feel it. Where no
+    damping is enough the modal model of that mesh stands in, which does not flutter.
     """
     plate, plan = outcome.fe_plan.plate, outcome.fe_plan.case
     vehicle = plan.scene.vehicle
@@ -133,9 +133,7 @@ def print_word_kept(found: list[dict[str, Any]]) -> None:
 
 def main() -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("--scenes", type=int, default=200)
     parser.add_argument("--seed", type=int, default=2)
     parser.add_argument("--only", type=int, nargs="*", help="numbers of single scenes")

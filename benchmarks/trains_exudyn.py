@@ -4,15 +4,15 @@
     .venv/bin/python benchmarks/trains_exudyn.py [--step 5e-5]
 
 Three trains, each without and with friction. Exudyn integrates bodies and joints by the implicit trapezoidal rule;
-crush and friction are forces of its user functions, which share no code with the program. A row a corner that struck:
+crush and friction are forces of its user functions, written for this comparison. A row for each corner that strikes:
 its impulse over the whole impact by both, and the difference. Exit status 1 where one is above 1e-3 of the largest.
 """
 
-import argparse
 import math
 import sys
 from typing import Any
 
+import command_line
 import numpy as np
 
 from solver.impact import (
@@ -63,7 +63,7 @@ def own_impulses(name: str, friction: float) -> dict[str, float]:
 
 
 class Corner:
-    """A corner on the bilinear crush law: what it has kept, and its impulse so far."""
+    """Corner on the bilinear crush law, its permanent crush and its impulse."""
 
     def __init__(self, exu: Any, body: int, place: list[float], law: WallContact) -> None:
         self.exu, self.body, self.place, self.law = exu, body, place, law
@@ -74,7 +74,7 @@ class Corner:
         return mbs.GetObjectOutputBody(self.body, kind, self.place, self.exu.ConfigurationType.Current)
 
     def normal(self, depth: float) -> float:
-        """Loading along k d, unloading along the line that gives back e^2 of the energy."""
+        """Return the force, loading along k d, unloading along the line that returns e^2 of the energy."""
         deepest = max(self.deepest, depth)
         if deepest <= 0.0:
             return 0.0
@@ -154,9 +154,7 @@ def exudyn_impulses(name: str, friction: float, step: float) -> dict[str, float]
 
 def main() -> int:
     """Print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("--step", type=float, default=5e-5, help="of Exudyn [s]")
     step, worst = parser.parse_args().step, 0.0
     for name in TRAINS:

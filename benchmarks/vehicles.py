@@ -1,19 +1,18 @@
-"""Whether ordinary and extreme vehicles come out right as the program decides, each row beside what is asked.
+"""Accuracy of runs of random and extreme vehicles, beside the required values.
 
     .venv/bin/python benchmarks/vehicles.py [realistic] [predicted] [slender] [slow] [--scenes N] [--seed 1]
 
 realistic   random vehicles of 4 to 19 m, 10 to 35 m/s, 5 to 30 deg, friction 0.05 to 0.8, the rest as in mash-tl4-sut
-predicted    what `tailslap check` says of flutter against what the first run does, over far wider scenes
+predicted   flutter predicted by `tailslap check` and that of the first run, over far wider scenes
 slender     widths of 0.01 to 0.03 of the length, stiffness x 0.1 to 1 000, friction to 1.3, 20 x 6 elements, against a
             finer run with the exact constraint
 slow        speeds to 0.01 times, stiffness to 10 000 times, slides of over a kilometre
 
-"Beyond flexibility": what the difference from the rigid motion has over what the plate's flexibility explains.
+"Beyond flexibility": difference from the rigid motion less the part due to the plate's flexibility.
 """
 
 from __future__ import annotations
 
-import argparse
 import itertools
 import math
 import os
@@ -23,6 +22,8 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from typing import Any
+
+import command_line
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -187,7 +188,7 @@ def realistic(scenes: int, seed: int) -> None:
 
 
 def predict(scenes: int, seed: int) -> None:
-    """What is said beforehand against what happens."""
+    """Compare predicted flutter with that of runs."""
     records = on_all_cores(predicted, [wide_changes(seed, number) for number in range(scenes)])
     counts = Counter((record["end"], record.get("rings")) for record in records)
     told = [record for record in records if record["end"] in ("none", "harmless") and record["rings"]]
@@ -256,9 +257,7 @@ SCENES = {"realistic": 1000, "predicted": 500, "slender": 0, "slow": 0}
 
 def main() -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(PARTS))
     parser.add_argument("--scenes", type=int, help="scenes of a part")
     parser.add_argument("--seed", type=int, default=1)

@@ -1,15 +1,14 @@
-"""The same numbers with the oldest and the newest dependencies that pyproject.toml allows.
+"""Equal results with the oldest and the newest dependencies of pyproject.toml.
 
     .venv/bin/python benchmarks/versions.py [--tests PYTEST-ARGUMENT]...
 
 Makes two environments in a temporary folder, dependencies at their lower bounds in the first, the newest in the second;
-runs two scenes with both and says how far their summaries differ, relative to each number's size; at most 1e-10 is
-promised. With --tests the tests run in both as well.
+runs two scenes with both and prints the relative differences of their summaries; at most 1e-10 is allowed. With --tests
+the tests run in both as well.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import os
@@ -21,13 +20,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import command_line
+
 ROOT = Path(__file__).parents[1]
 SCENES = ("paper-table-3", "impact-mash-tl4-sut")
 COMPARED = ("fe", "rigid")
 """Their differences have the rounding of both, and are up to a million times smaller."""
 LIMIT = 1e-10
 SMALL = 1e-12
-"""Of what is smaller than this share of the largest number of its table only the size matters."""
+"""Fraction of the largest number of a table below which only the size of a number matters."""
 
 
 def requirements(oldest: bool) -> list[str]:
@@ -55,7 +56,7 @@ def environment(folder: Path, oldest: bool) -> Path:
 
 
 def summaries(python: Path, folder: Path) -> dict[str, Any]:
-    """What the scenes answer."""
+    """Return the summaries of the scenes."""
     found = {}
     for scene in SCENES:
         line = [str(python), "-m", "tailslap", "run", scene, "--no-pictures", "--out", str(folder / scene)]
@@ -88,9 +89,7 @@ def largest_difference(first: Any, second: Any) -> tuple[float, str]:
 
 def main() -> None:
     """Compare, and run the tests where they are asked for."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("--tests", action="append", default=[])
     chosen, found, failed = parser.parse_args(), [], False
     with tempfile.TemporaryDirectory() as name:

@@ -10,7 +10,6 @@ The list of words is the only one of the project; test_words.py and test_style.p
 
 from __future__ import annotations
 
-import argparse
 import ast
 import io
 import random
@@ -19,6 +18,8 @@ import statistics
 import tokenize
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+
+import command_line
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
@@ -58,7 +59,7 @@ VAGUE_NAMES = {
     *("found", "given", "each", "own", "its", "whose", "kept", "left"),
     *("made", "asked", "told", "taken", "done", "known", "shown", "others"),
 }
-"""Names of variables that state how a value was obtained and not what it is."""
+"""Names of variables that state the origin of a value instead of its meaning."""
 LONGEST_SUMMARY = 12
 """Words in the summary line of a docstring."""
 
@@ -129,9 +130,7 @@ def sources(paths: list[Path]) -> list[Path]:
 
 def main() -> None:
     """Print the counts, and on request every occurrence."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = command_line.parser(__doc__)
     parser.add_argument("paths", nargs="*", type=Path)
     parser.add_argument("--files", action="store_true")
     parser.add_argument("--random", type=int, default=0)

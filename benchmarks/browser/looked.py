@@ -1,4 +1,4 @@
-"""All that is looked at in a page, on screens and on paper."""
+"""Inspection of a page on screens and on paper."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LARGEST_MB = 3.0
 
 @dataclass(frozen=True)
 class Looked:
-    """A page, its size [MB], and what was found, by what it concerns."""
+    """Findings of a page by their subject, and its size [MB]."""
 
     name: str
     size: float
@@ -29,7 +29,7 @@ class Looked:
 
 
 def look(browser: Any, name: str, path: Path, widths: Sequence[int] = WIDTHS) -> Looked:
-    """Look at a page, on screens of so many pixels' width."""
+    """Inspect a page on screens of these widths [pixels] and on paper."""
     size = path.stat().st_size / 1e6
     found: dict[str, list[str]] = {
         "axe": [],

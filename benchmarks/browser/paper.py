@@ -15,7 +15,7 @@ FAR = 4000
 """Letters after which the next cell of a table is not looked for: a page of other text."""
 
 BEGINNING = 3
-"""Cells that tell where a table begins."""
+"""Cells by which the beginning of a table is recognised."""
 
 TEXTS = """() => {
   const said = (part) => part.textContent;
@@ -43,7 +43,7 @@ def bare(text: str) -> str:
 
 
 def read_pdf(content: bytes) -> Printed:
-    """What a PDF says."""
+    """Return the text of a PDF."""
     from pypdf import PdfReader
 
     pages = PdfReader(io.BytesIO(content)).pages

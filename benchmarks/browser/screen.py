@@ -1,4 +1,4 @@
-"""A page on a screen: what axe-core says of it, what sticks out at the side, and numbers that break across lines."""
+"""Accessibility of a page by axe-core, its width, and numbers broken across lines."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ BROKEN = """() => {
 
 
 def violations(page: Any) -> list[str]:
-    """What axe-core says of a page, best practice included: the rule, and the first element that breaks it."""
+    """List the rules of axe-core, best practice included, that a page breaks, with the first element."""
     from axe_playwright_python.sync_playwright import Axe
 
     found = Axe().run(page).response["violations"]

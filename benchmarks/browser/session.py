@@ -14,7 +14,7 @@ FLAGS = ("--no-sandbox", "--disable-gpu", "--hide-scrollbars")
 
 @dataclass(frozen=True)
 class Opened:
-    """An opened page, what its console said of errors, and the addresses that it asked for beside its own."""
+    """Opened page, errors on its console, and its requests to other addresses."""
 
     page: Any
     errors: list[str] = field(default_factory=list)
@@ -43,7 +43,7 @@ def opened(
     scripts: bool = True,
     is_paper: bool = False,
 ) -> Iterator[Opened]:
-    """A page, so many pixels wide, with all that is folded open; is_paper: as it is laid out on paper."""
+    """Open a page with all folded parts; width in pixels, is_paper: in the layout of paper."""
     view = {"width": width, "height": 900}
     context = browser.new_context(viewport=view, color_scheme=scheme, java_script_enabled=scripts)
     try:

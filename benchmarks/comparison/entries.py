@@ -1,4 +1,4 @@
-"""What is compared: meshes, the codes on each, and what their turns gave."""
+"""Meshes, codes on each of them, and their measured turns."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Mesh:
 
     @property
     def title(self) -> str:
-        """What it is, in words."""
+        """Title of the mesh."""
         along, across = self.plate.elements
         shape = "distorted elements" if self.distortion else "equal rectangles"
         return f"{self.plate.count} elements, {along} x {across}, {shape}, from {self.plate.angle:g} rad"
@@ -53,7 +53,7 @@ class Mesh:
 
 @dataclass
 class Entry:
-    """A row: a code on a mesh, None for rigid bodies, how it is measured, and what each turn gave."""
+    """Code on a mesh, None for rigid bodies, its measurement and the turns."""
 
     code: str
     mesh: Mesh | None
@@ -72,7 +72,7 @@ class Entry:
 
     @property
     def values(self) -> np.ndarray | None:
-        """The quantities, alike in all turns."""
+        """Quantities, equal in all turns."""
         found = self.turns[-1].values if self.turns else None
         return None if found is None else np.array(found)
 
@@ -83,7 +83,7 @@ class Entry:
 
     @property
     def by_masses(self) -> float:
-        """What of it is the inertia of row-sum masses: zero where the masses are exact."""
+        """Part of the error by the inertia of row-sum masses, zero of exact masses."""
         if self.mesh is None or self.code not in SAME_MODEL:
             return 0.0
         return distance(self.mesh.lumped, self.exact)

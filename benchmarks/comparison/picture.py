@@ -1,6 +1,6 @@
-"""The picture of peers.py: error against the time of the whole process, a line for each code.
+"""Picture of the error over the time of the whole process.
 
-A dashed line leads to where a code would be whose loop was left: its time is reckoned, its error the model's.
+A dashed line leads to the point of a code whose loop was ended early: its time is estimated, its error the model's.
 """
 
 from __future__ import annotations
@@ -39,7 +39,10 @@ WIDTH = 620.0
 
 
 class Point(NamedTuple):
-    """A code on a mesh: elements, 0 for a rigid body; seconds, error, and whether the time is reckoned."""
+    """Code on a mesh.
+
+    elements: 0 for a rigid body; time in seconds, error, and whether the time is estimated.
+    """
 
     code: str
     elements: int

@@ -22,12 +22,14 @@ NAN = float("nan")
 
 
 class NotMeasuredError(Exception):
-    """A process that gave nothing, with the reason."""
+    """Reason why a process has no answer."""
 
 
 class Turn(NamedTuple):
-    """Seconds of a whole process, of its set-up and its loop; values at the tail-slap, none where the loop was left
-    before and its time is reckoned; what the code says of itself."""
+    """Seconds of a whole process, of its set-up and its loop; values at the tail-slap; version of the code.
+
+    There are no values where the loop was ended before and its time is estimated.
+    """
 
     whole: float
     setup: float

@@ -1,8 +1,8 @@
-"""The rigid motion without friction of a body with any centre and inertia, and what it tells of a mesh's masses.
+"""Rigid motion without friction, and the error of a mesh's masses.
 
-The corner slides on the wall, phi is the angle to the wall of the line from it to the centre, r its length, and j the
-moment of inertia about the centre over the mass: (j + r^2 cos^2 phi) omega^2 and the velocity along the wall stay as
-they are; time and way are quadratures over phi.
+Centre and inertia are arbitrary. The corner slides on the wall, phi is the angle to the wall of the line from it to the
+centre, r its length, and j the moment of inertia about the centre over the mass: (j + r^2 cos^2 phi) omega^2 and the
+velocity along the wall stay as they are; time and slide are quadratures over phi.
 """
 
 from __future__ import annotations

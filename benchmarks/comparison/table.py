@@ -79,7 +79,7 @@ def ratios(entries: Sequence[Entry]) -> str:
 
 
 def remarks(members: Sequence[Entry]) -> list[str]:
-    """What is said below the rows of a mesh."""
+    """List the remarks below the rows of a mesh."""
     return [text for text in (agreement(members), ratios(members)) if text]
 
 

@@ -1,10 +1,11 @@
-"""What a code is asked for: element updates a second, or the whole event. Each script of this folder ends here.
+"""Tasks of another code: element updates per second, or the whole event.
 
     python -m other_codes.akantu_plate PLATE rates
     python -m other_codes.akantu_plate PLATE event EXPECTED LIMIT
 
-PLATE: see `plate.to_text`. EXPECTED: time of the tail-slap [s]. A loop that would take longer than LIMIT [s] is left
-after PROBE_S, and its time reckoned from the steps made. The answer is one line of JSON.
+Each script of this folder ends here. PLATE: see `plate.to_text`. EXPECTED: time of the tail-slap [s]. A loop that
+would take longer than LIMIT [s] is ended after PROBE_S, and its time estimated from the steps. The answer is one line
+of JSON.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class Code(Protocol):
 
 
 def answer(make: Callable[[Plate], Code]) -> None:
-    """Do what the arguments ask for, and print what it gave."""
+    """Do the task of the arguments, and print the answer."""
     began, plate = time.perf_counter(), from_argument()
     code, read = make(plate), Reading(plate, plate.body(), plate.masses())
     setup = time.perf_counter() - began

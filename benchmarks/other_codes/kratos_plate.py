@@ -90,7 +90,7 @@ def fill(part: Kratos.ModelPart, plate: Plate) -> None:
 
 
 def make_strategy(part: Kratos.ModelPart) -> Structural.MechanicalExplicitStrategy:
-    """Central differences with the step as given; no reactions, no new degrees of freedom, nodes that move."""
+    """Return central differences with the given step, without reactions, on displaced nodes."""
     part.ProcessInfo[Structural.RAYLEIGH_ALPHA] = part.ProcessInfo[Structural.RAYLEIGH_BETA] = 0.0
     scheme = Structural.ExplicitCentralDifferencesScheme(1.0, 1.0, 0.0)
     strategy = Structural.MechanicalExplicitStrategy(part, scheme, False, False, True)

@@ -9,6 +9,7 @@ and side, to the engine: two bodies of boxes, which touch by MuJoCo's own soft c
 
 from __future__ import annotations
 
+import argparse
 import math
 from dataclasses import dataclass
 
@@ -167,7 +168,8 @@ def leaning(case: Case, force: np.ndarray) -> float:
 
 
 def main() -> None:
-    """Print both rolls of each scene and their difference, and what the engine's own contact makes of one."""
+    """Print both rolls of each scene with their difference, and one with the engine's contact."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     print("| scene | solver.tipping [deg] | MuJoCo [deg] | difference |\n|---|---|---|---|")
     for name, case in CASES.items():
         force = push(case)

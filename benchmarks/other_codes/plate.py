@@ -1,7 +1,7 @@
-"""The plate that every code runs: mesh, masses, start, and what is read off it. Needs NumPy alone.
+"""Plate of all codes: mesh, masses, initial state and results.
 
-The plate is unstrained and moves as a rigid body; its corner at the origin stays on the wall, y = 0, and slides along
-it without friction. Each code runs it by explicit central differences with row-sum masses.
+The plate is unstrained in rigid motion; its corner at the origin stays on the wall, y = 0, and slides along it without
+friction. Only NumPy is required. Each code runs it by explicit central differences with row-sum masses.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from other_codes.quadrature import points_of
 
 QUANTITIES = ("t", "v_gx", "v_gy", "omega", "slide")
-"""What the codes are compared by, at the tail-slap [s, m/s, m/s, rad/s, m]."""
+"""Compared quantities at the tail-slap [s, m/s, m/s, rad/s, m]."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Reading:
         return float(-np.arctan2(sine, cosine))
 
     def values(self, time: float, positions: np.ndarray, velocities: np.ndarray) -> list[float]:
-        """The `QUANTITIES`: momentum over mass, spin over moment of inertia, way of the corner."""
+        """Return the `QUANTITIES`, of momentum, angular momentum and slide of the corner."""
         arms, v_g = positions - self._mean(positions), self._mean(velocities)
         around = velocities - v_g
         spin = self.masses @ (arms[:, 0] * around[:, 1] - arms[:, 1] * around[:, 0])

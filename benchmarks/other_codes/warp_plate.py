@@ -35,7 +35,10 @@ class Material:
 
 
 def make_kernel(is_congruent: bool) -> Any:
-    """Subtract one element's internal forces [N]: P = F S, f = w P grad N; congruent elements share the first table."""
+    """Return the kernel that subtracts the internal forces of an element [N].
+
+    P = F S, f = w P grad N; congruent elements have one common table.
+    """
 
     @wp.kernel
     def subtract_forces(
@@ -136,7 +139,7 @@ class WarpPlate:
 
 
 def record(calls: list[Any], steps: int) -> Any:
-    """The graph of so many steps."""
+    """Return the graph of the steps."""
     with wp.ScopedCapture() as capture:
         for _ in range(steps):
             for kernel, threads, inputs in calls:
