@@ -88,6 +88,11 @@ def comments(text: str) -> Iterator[tuple[int, str]]:
             yield token.start[0], token.string.lstrip("#: ")
 
 
+def descriptions(text: str) -> list[tuple[int, str]]:
+    """List line numbers and texts of the docstrings and comments of a module."""
+    return [*((node.lineno, str(node.value)) for node in docstrings(ast.parse(text))), *comments(text)]
+
+
 def summaries(tree: ast.AST) -> Iterator[tuple[int, str]]:
     """Yield line numbers and summary lines, up to the first blank line, of modules, classes and functions."""
     for node in ast.walk(tree):
@@ -142,8 +147,7 @@ def main() -> None:
     for path in sources([path.resolve() for path in options.paths]):
         text, place = path.read_text(encoding="utf-8"), path.relative_to(ROOT)
         tree = ast.parse(text)
-        described = [(node.lineno, str(node.value)) for node in docstrings(tree)]
-        for line, words in [*described, *comments(text)]:
+        for line, words in descriptions(text):
             listed["private words"] += [f"{place}:{line}: {word}" for word in private_words(words)]
         packaged = place.parts[0] in PACKAGES
         for line, name in assigned_names(tree):

@@ -1,4 +1,4 @@
-"""What the tests share: scenes run once a session, and models made from a few numbers."""
+"""Fixtures of all tests: scenes run once a session, models of a few numbers."""
 
 import functools
 import os
@@ -86,7 +86,7 @@ def python():
 
 @pytest.fixture(scope="session")
 def besides_compiling():
-    """Standard error without what is said where a loop is compiled first: that depends on what has run before."""
+    """Remove the messages of compilation, which depends on earlier tests, from standard error."""
     return lambda said: re.sub(r"tailslap: (compil|waiting).*\n", "", said)
 
 
@@ -109,5 +109,5 @@ def plate_model():
 
 @pytest.fixture
 def distorted_mesh():
-    """The plate with its inner nodes moved by up to a fifth of an element."""
+    """Displace the inner nodes of the plate by up to a fifth of an element."""
     return distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4))

@@ -1,6 +1,6 @@
 """Regression: numbers of this program itself, so that a change of them is seen and meant.
 
-They were printed by the program; nothing here says that they are right.
+They were printed by the program; nothing here confirms them.
 """
 
 from collections.abc import Callable

@@ -1,6 +1,6 @@
 """Validation: the MASH scenes against the test conditions that are published; every shipped scene runs and passes.
 
-MASH 2016 names a vehicle by its mass in kg, and gives speeds as 31, 44, 62, 56 and 50 mph or 50, 70, 100, 90 and
+MASH 2016 names a vehicle by its mass in kg; speeds are 31, 44, 62, 56 and 50 mph or 50, 70, 100, 90 and
 80 km/h. Tests 3-10 and 3-11 as printed in National Academies (2024), doi 10.17226/27896, chapters 12 and 13.
 """
 
@@ -78,7 +78,7 @@ TRAINS = {  # kg, km/h, degrees as published
 
 @pytest.mark.parametrize("name", TRAINS)
 def test_conditions_of_tractors(name):
-    """Mass of all units, speed and angle as published; what is not says that it is assumed."""
+    """Mass of all units, speed and angle are as published; others are marked as assumed."""
     mass, kmh, degrees = TRAINS[name]
     scene, text = read_scene(name)[0], shipped_scenes()[name]
     assert sum(unit.mass for unit in scene.units) == pytest.approx(mass, rel=2e-5)

@@ -1,8 +1,8 @@
-"""Validation: `tailslap paper` against what Chuong and Malla (2025) print, as its JSON says it. The printed
-numbers are typed here again, from the paper's own text, and not taken from the program's data file; the
-numbers that Chuong and Malla (2025) print for the MASH TL-4 single-unit truck. They give ABAQUS and
-analytical results in Table 3, read off charts; a chart's reading is held to a unit of its last digit, or two
-where the unit is a millimetre per second; the finite-element runs against Table 3 of Chuong and Malla (2025).
+"""Validation: `tailslap paper` and FE runs against the printed numbers of Chuong and Malla (2025).
+
+The numbers are typed here from the paper's text, not taken from the program's data file. The paper has ABAQUS and
+analytical results of the MASH TL-4 single-unit truck in Table 3, read off charts; a chart's reading is held to a unit
+of its last digit, or two where the unit is a millimetre per second.
 """
 
 import contextlib
@@ -89,7 +89,7 @@ def test_the_reaction_pulls(said):
 
 
 def test_what_restitution_changes(said):
-    """The peak force is proportional to 1 - e or 1 + e; the corner's velocity is e v_0 sin(theta) either way."""
+    """The peak force is proportional to 1 - e or 1 + e; the corner's velocity is e v_0 sin(theta) in both cases."""
     cases = said["restitution"]
     recoil = 0.22 * 56.0 * 0.44704 * math.sin(math.radians(15.0))
     assert cases["newton"]["change"] == pytest.approx(1.22 / 0.78 - 1.0, rel=1e-12)
@@ -165,7 +165,7 @@ def test_the_factor_between_restitutions_is_that_of_row_b():
 
 
 def test_the_analytical_column_by_finite_elements(outcome):
-    """FE with friction as in Eqs 66-67: each value within what the paper's rounding and plot reading leave."""
+    """FE with friction as in Eqs 66-67: each value within the paper's rounding and plot reading."""
     fe, printed = outcome("paper-table-3").fe, PAPER_TABLE_3["analytical"]
     for name, share in (("v_gx", 1e-3), ("v_gy", 1e-3), ("slide", 1e-3), ("t", 3e-3), ("omega", 8e-3)):
         assert fe[name] == pytest.approx(printed[name], rel=share), name

@@ -70,7 +70,7 @@ def test_sdnd100_released_friction_pad():
 
 
 def test_cgs_4_sliding_wedge():
-    """tan a = 0.1, mu = 0.3: a horizontal force of (tan a + mu)/(1 - mu tan a) = 0.412371 weights moves it."""
+    """tan a = 0.1, mu = 0.3: a horizontal force of (tan a + mu)/(1 - mu tan a) = 0.412371 weights makes it slide."""
 
     mu, angle, reference = 0.3, math.atan(0.1), 0.412371
 

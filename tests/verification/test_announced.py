@@ -1,4 +1,4 @@
-"""Verification: what takes long on a terminal says so, counts the seconds, and leaves no line behind."""
+"""Verification: long work is announced on a terminal with its seconds, and the line is cleared."""
 
 import io
 import re
@@ -15,7 +15,7 @@ ERASED = "\x1b[2K"
 
 
 class Terminal(io.StringIO):
-    """Takes what is written, and says that it is a terminal."""
+    """Text stream that reports to be a terminal."""
 
     def isatty(self):
         return True
@@ -34,7 +34,7 @@ def terminal(monkeypatch):
 
 
 def seen(terminal, words, times=1):
-    """Wait until they have been said so often."""
+    """Wait until the words were written a number of times."""
     end = time.monotonic() + 5.0
     while text(terminal).count(words) < times:
         assert time.monotonic() < end, text(terminal)

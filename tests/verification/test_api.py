@@ -1,4 +1,4 @@
-"""Verification: the functions of `import tailslap` do what the commands do, to the bit, and are described."""
+"""Verification: the functions of `import tailslap` return the bits of the commands, and are described."""
 
 import csv
 import doctest
@@ -380,7 +380,7 @@ print(found.summary["effort"]["threads"], len(found.history["run"]), found.passe
 
 
 def test_a_script_needs_no_guard(tmp_path):
-    """Processes do not import it: it says once that it begins."""
+    """Processes do not import it: its first line is printed once."""
     (tmp_path / "script.py").write_text(SCRIPT)
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True)
     assert done.stdout.splitlines() == ["begun", f"{min(2, available_cores())} 5 True"], done.stderr

@@ -1,4 +1,4 @@
-"""Verification: a run that goes on from a checkpoint gives the bits and the files of one that was left alone."""
+"""Verification: a run resumed from a checkpoint has the bits and files of an undisturbed one."""
 
 import functools
 import json
@@ -29,7 +29,7 @@ class Stopping:
         self.left, self.kept = at, kept
 
     def load(self, sizes):
-        if self.kept is not None:  # the shapes foretold are those that were kept
+        if self.kept is not None:  # the expected shapes are those of the arrays
             assert sizes(len(self.kept["rows"])) == {name: array.shape for name, array in self.kept.items()}
         return self.kept
 
@@ -96,7 +96,7 @@ def keeper(place, definition, resume=False, run=1):
 
 
 def kept(place, definition, size, run=1):
-    """The file of a checkpoint of so many rows of three numbers."""
+    """Write a checkpoint with `size` rows of three numbers, and return its file."""
     arrays = {"x": np.arange(2.0), "rows": np.arange(3.0 * size).reshape(size, 3)}
     keeper(place, definition, run=run).save(lambda: arrays)
     return Path(f"{keeper(place, definition)._own}{run}")
@@ -121,7 +121,7 @@ def test_a_run_into_a_folder_that_is_not_there_yet(tmp_path, monkeypatch, at_onc
 
 
 def test_files_belong_to_one_definition(tmp_path, at_once, capsys):
-    """Of each run its own; those of another scene are neither read nor touched, and it is said that they are there."""
+    """Each run has its own; those of another scene are neither read nor touched, but named."""
     place, one, other = tmp_path / "out", {"scene": 1}, {"scene": 2}
     files = [kept(place, one, 3), kept(place, one, 4, run=2)]
     theirs = kept(place, other, 5)
@@ -187,7 +187,7 @@ def test_a_file_of_another_kind_run_or_form_is_told_and_not_read(tmp_path, at_on
 
 
 def test_only_what_there_is_is_promised(tmp_path, at_once):
-    """Interrupted before a checkpoint, with a damaged one, and with those of others, the run says nothing of one."""
+    """Interrupted before a checkpoint, or with a damaged or foreign one, the message mentions none."""
     place = tmp_path / "out"
     arrays = functools.partial(dict[str, np.ndarray], rows=np.zeros((1, 3)))
 
@@ -218,7 +218,7 @@ RUN = ["run", "paper-abaqus", "--no-pictures", "--quiet", "--out", "out"]
     lambda a: {"seen": a["seen"].T}, lambda a: {"state.sums": np.zeros(3)}, lambda a: {},
 ])  # fmt: skip
 def test_arrays_of_other_shapes_never_reach_compiled_code(tmp_path, monkeypatch, capsys, at_once, change):
-    """Whole by its digest and of the right name: only what the run would keep at that moment is taken."""
+    """A file with correct digest and name is used only with the arrays that the run has at that row."""
     monkeypatch.chdir(tmp_path)
     save, found = checkpoints.Checkpoints.save, []
 

@@ -60,7 +60,7 @@ CHANGES: tuple[tuple[dict[str, Any], set[str]], ...] = (
     ({"contact_energy": lambda e: 1.01 * e}, {"contact work"}),
     ({"reaction_tangential": at(5, 0.0)}, {"friction law"}),
     ({"friction_work": lambda w: w + 1e-3 * w[1]}, {"friction work"}),  # as if it had begun by another law
-    ({"gap": lambda gap: 0.99 * gap}, {"contact work"}),  # its spring does not give back what it took
+    ({"gap": lambda gap: 0.99 * gap}, {"contact work"}),  # its spring does not return its energy
 )
 
 
@@ -291,7 +291,7 @@ def off_by(result, distance, refinement=0.5):
 
 
 def test_a_soft_spring_is_stated(result):
-    """It moves the plate by N over its stiffness, in proportion to what the plate's own deflection changes."""
+    """It displaces the plate by N over its stiffness, in proportion to the effect of the plate's own deflection."""
     loop = result.fe_plan.model.loop
     spring = loop.corner.constraint._replace(stiffness=1e-4 * loop.corner.stiffness)
     soft = replace(result.fe_plan.model, loop=loop._replace(corner=loop.corner._replace(constraint=spring)))
@@ -334,8 +334,10 @@ def test_three_meshes_that_show_no_order():
 
 
 def test_oscillations_that_agree_by_chance_at_the_strike(result):
-    """The second run swings as far and faster, in phase at the strike: their root mean square distance is the
-    amplitude."""
+    """The second run has the same amplitude and a higher frequency, in phase at the strike.
+
+    The root mean square distance is the amplitude.
+    """
     t, end = result.fe_history["t"], result.fe_history["t"][-1]
     swing = 1e-3 * result.rigid["omega"] * np.cos(10.0 * np.pi * (t / end - 1.0) / LATE)
     faster = 1e-3 * result.rigid["omega"] * np.cos(14.0 * np.pi * (t / end - 1.0) / LATE)
@@ -351,8 +353,10 @@ def test_oscillations_that_agree_by_chance_at_the_strike(result):
 
 
 def test_oscillations_that_drift_apart_and_meet_again(result):
-    """Twenty swings and twenty-one: in opposite phase half-way, where their root mean square distance is sqrt(2) of the
-    amplitude; what dies away until the end counts as little as is left of it."""
+    """Twenty and twenty-one periods are in opposite phase in the middle.
+
+    The root mean square distance there is sqrt(2) amplitudes; a decaying part counts with its final amplitude.
+    """
     rigid, t = result.rigid_history, result.fe_history["t"]
     share, size = t / t[-1], 1e-3 * result.rigid["omega"]
     for decay in (0.0, 3.0):
@@ -369,7 +373,7 @@ def test_oscillations_that_drift_apart_and_meet_again(result):
 
 
 def test_an_unstressed_plate_is_compared_with_its_companion_over_the_whole_motion(outcome):
-    """Of this modulus the two oscillations have drifted apart by about a whole swing at the tail-slap."""
+    """Of this modulus the two oscillations differ by about a whole period at the tail-slap."""
     free = ("plate.start=unstressed", "corner.friction=0", "plate.youngs_modulus=153 GPa")
     made = outcome("paper-table-3", *free)
     at_strike = [abs(made.difference[name] - value) for name, value in made.companions[0].difference.items()]
@@ -411,7 +415,7 @@ def test_histories_that_are_not_the_rigid_ones(result):
 
 
 def test_a_soft_plate_may_differ_by_its_give(outcome):
-    """7 % of mean residual on a plate that gives by 3 %; an unstressed start's reaction is shown, not judged."""
+    """A mean residual of 7 % on a plate that deflects by 3 %; the reaction of an unstressed start is not judged."""
     soft = ("plate.youngs_modulus=20 MPa", "corner.patch_length=0.6")
     result = outcome("paper-table-3", *soft, "start.corner_speed=3")
     (residual,) = [check for check in result.checks if check.name == "mean residual"]

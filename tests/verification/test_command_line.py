@@ -116,7 +116,7 @@ def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
 
 
 def test_results_are_there_before_the_pictures_start(tmp_path, monkeypatch, capsys):
-    """No window can be opened here: the numbers stay, whole, and the command says what is missing."""
+    """No window can be opened here: the numbers are complete, and the command names the missing part."""
     from postprocess.fields import sheet
 
     def refused():

@@ -90,7 +90,7 @@ def test_rows_that_are_not_finite_are_left_out():
 
 
 def test_a_gap_is_not_interpolated():
-    """What the other does meanwhile does not count, and the rest agrees: 0.625 of the time, both ways round."""
+    """The other history does not count there, and the rest agrees: 0.625 of the time, in either order."""
     wild = {"t": T, "v": np.where((T > 0.25) & (T < 0.625), 50.0, T)}
     rows = T[(T <= 0.25) | (T >= 0.625)]
     part = {"t": rows, "v": rows}

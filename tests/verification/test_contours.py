@@ -78,7 +78,7 @@ def element_points(quads):
 
 
 def clear_of_words(points):
-    """False where the value of the centre of mass stands, to the right of it."""
+    """Return False at the label of the centre of mass, to the right of the centre."""
     across, up = (points - CENTROID).T
     return (across < -0.2) | (across > 1.9) | (np.abs(up) > 0.6)
 
@@ -148,7 +148,7 @@ def test_a_wall_out_of_sight_is_not_drawn(tmp_path):
 
 
 def test_words_are_set_as_in_tables():
-    """A true minus, powers of ten, a letter with its index; decimals alike along a ruler."""
+    """A true minus, powers of ten, a letter with its index; equal decimals along a ruler."""
     assert lettering.typeset("v_X = -1.5e-07 m/s") == [("v", False), ("X", True), (" = −1.5×10⁻⁷ m/s", False)]
     assert lettering.typeset("kip ft/ft^3") == [("kip ft/ft³", False)]
     assert [contours.field_title(name) for name in ("velocity_y", "stress_von_mises")] == [
@@ -194,7 +194,7 @@ def test_a_picture_has_the_size_that_is_asked_for(tmp_path, size):
 
 @pytest.mark.parametrize("given", ["1600", "1600x", "1600x70", "90000x700", "axb", "1600x700x3", ""])
 def test_another_size_is_wrong_input(given, tmp_path, capsys):
-    """Of the command and from Python: one message that says what is allowed, and nothing is written."""
+    """The command and Python have one message with the allowed values, and write nothing."""
     place = tmp_path / "result"
     assert _status(["run", "paper-table-3", "--picture-size", given, "--out", str(place)]) == 2
     said = capsys.readouterr().err

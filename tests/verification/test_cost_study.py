@@ -1,4 +1,4 @@
-"""Verification: the cost study's errors, fronts and limits; what it notes, goes on from, and says of both questions."""
+"""Verification: the cost study's errors, fronts and limits; its records, resumption and answers."""
 
 import json
 import math

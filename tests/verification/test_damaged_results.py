@@ -1,5 +1,6 @@
-"""Verification: a result is read through one door, which refuses each file that is not what the manifest lists, by its
-name; by force what can be read is. Never a number of a damaged file, or a fault of the program.
+"""Verification: files of a result that differ from its manifest are refused by name.
+
+With force intact files are read; numbers of a damaged one never are, and no damage is an internal error.
 """
 
 import json

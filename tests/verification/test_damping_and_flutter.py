@@ -1,5 +1,7 @@
-"""Verification: damping of elastic velocities leaves rigid motion alone, closes the ledger, and costs no time
-step; growth by friction as the Nyquist criterion tells it, against eigenvalues and against the time loop.
+"""Verification: damping of elastic velocities, and growth by friction.
+
+Damping does not change rigid motion, the energy balance or the time step. Growth by the Nyquist criterion agrees with
+eigenvalues and with the time loop.
 """
 
 import math
@@ -73,7 +75,7 @@ def test_what_is_elastic_is_damped_at_the_rate():
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("constraint", ["penalty", "exact"])
 def test_ledger_and_momentum_close(plate_model, constraint, threads):
-    """An unstressed start that is damped strongly; what the damping takes is what the plate has less."""
+    """An unstressed start that is damped strongly; the energy of the damping is the plate's loss."""
     model = plate_model(reaction="drag", elastic_rate=800.0, corner={"constraint": constraint})
     history = simulate(model, START, 0.384, kind="unstressed", threads=threads).history
     held = np.sum([history[name] for name in ("kinetic_energy", "strain_energy", "contact_energy")], axis=0)
@@ -184,7 +186,7 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(plate_model, corner,
         top = 1.5 * flutter.highest_mode(squares, residues[2:], stiffness)
         for rate in (0.01, 0.3, 3.0, 10.0, 30.0, 100.0, 300.0):
             if np.abs(rates - rate).min() < 0.02 * rate:
-                continue  # too near to tell
+                continue  # too close to decide
             counted = flutter.growing_modes(
                 squares[2:], residues[2:], stiffness, getattr(constraint, "damping", 0.0), viscous, rate, top
             )
@@ -222,7 +224,7 @@ def test_rate_is_the_least_tried_that_no_mode_outgrows(plate_model):
 
 
 def test_disturbance_grows_in_the_time_loop_as_foreseen(plate_model):
-    """A plate so stiff that it hardly turns meanwhile; with the damping that is said to suppress it, it decays."""
+    """A plate so stiff that it hardly turns meanwhile; with the predicted damping it decays."""
     stiff = {"plate": {"youngs_modulus": 2e15}, "corner": {"penalty_scale": 3.0}, "safety_factor": 0.45}
     model = plate_model(reaction="drag", **stiff)
     fastest = growth_rates(model, 0.255).max()

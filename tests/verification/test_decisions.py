@@ -1,4 +1,4 @@
-"""Verification: what the program decides where a scene leaves it open, and that it leaves alone what is given."""
+"""Verification: choices of the program for keys that a scene omits; given keys stay."""
 
 import math
 import re
@@ -97,7 +97,7 @@ def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without():
 
 
 def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without():
-    """An unstressed plate of 25 Hz swings by 8e-4 of v_GY; damped against its flutter it lost almost half of that."""
+    """An unstressed plate of 25 Hz oscillates by 8e-4 of v_GY, and lost almost half of that by damping of flutter."""
     swings = ("plate.first_frequency=25 Hz", "plate.elements=[40, 12]", "plate.start=unstressed")
     soft = fe_plan("plate.youngs_modulus=", *swings, "corner.patch_length=1", "corner.constraint=exact")
     assert soft.growth.rate > 0.0
@@ -106,13 +106,13 @@ def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without():
     stiff, rough = fe_plan(*steel), fe_plan(*steel, "corner.friction=0.8")
     assert stiff.growth.rate > 0.0
     assert stiff.model.loop.elastic_damping is not None
-    # What its oscillation adds to so much friction would be missed.
+    # The part of friction due to the oscillation would be missing.
     assert rough.model.loop.elastic_damping is None
 
 
 @pytest.mark.parametrize("modulus", ["20 GPa", "200 GPa", "2 TPa"])
 def test_an_oscillation_adds_friction_however_stiff_the_plate(modulus, outcome):
-    """The reaction swings through zero, and friction goes with its magnitude: what damping takes off is told."""
+    """The reaction changes its sign, and friction follows its magnitude: the part that damping removes is stated."""
     swinging = (f"plate.youngs_modulus={modulus}", "plate.start=unstressed", "impact.friction=0.3")
     free, still = (outcome("mash-tl4-sut", *swinging, *how) for how in (("damping.kind=none",), DAMPED))
     added = free.fe_history["normal_impulse_magnitude"][-1] / abs(free.fe_history["normal_impulse"][-1]) - 1.0
@@ -225,7 +225,7 @@ H66 = (
     ("scene", "spring"), [(K102, "3.078623534623418"), (H66, "5.9036618384829245")], ids=["k102", "h66"]
 )
 def test_spring_that_rings_with_the_plate_does_not_pass(scene, spring):
-    """Unstressed plates whose penalty spring moved omega by 1e-2, and which once passed every check."""
+    """Unstressed plates whose penalty spring changed omega by 1e-2, and which once passed every check."""
     plan = case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}")))
     exact = case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
     ringing, right = plan.run(), exact.run()

@@ -56,7 +56,7 @@ def command_lines(path):
 
 
 def anchors(path):
-    """What a link may name behind "#", as GitHub makes it from a heading."""
+    """Return the names behind "#" that GitHub derives from the headings."""
     headings = re.findall(r"^#+ (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading).strip().lower().replace(" ", "-") for heading in headings}
 
@@ -185,7 +185,7 @@ def test_wrong_links_and_files_are_noticed(tmp_path):
 FOLDER = Path(__file__).parents[2] / "examples"
 EXAMPLES = sorted(path.name for path in FOLDER.glob("*.py"))
 LONG = {"own_vehicle_and_law.py"}
-"""A law from outside has the loops compiled anew."""
+"""A law from outside requires loops of its own."""
 
 WRITTEN = {
     "compare_with_csv.py": {"compared.png"},
@@ -199,7 +199,7 @@ WRITTEN = {
     "name", [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in EXAMPLES]
 )
 def test_it_runs(name, tmp_path):
-    """As a plain script in its folder. What it claims, it asserts itself; it writes what it says alone."""
+    """As a plain script in its folder. It asserts its claims itself, and writes only the files that it names."""
     place = shutil.copytree(FOLDER, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
     before = {*place.iterdir()}
     done = subprocess.run([sys.executable, name], cwd=place, capture_output=True, text=True)

@@ -61,7 +61,7 @@ def sections(text: str) -> dict[str, str]:
 
 
 def entries(body: str) -> dict[str, str]:
-    """Name of each parameter -> its type and description; several may share one entry."""
+    """Name of each parameter -> its type and description; several may have one entry."""
     found: dict[str, str] = {}
     names: list[str] = []
     for line in body.strip("\n").splitlines():
@@ -115,7 +115,7 @@ def lacking(described: dict[str, str], annotations: dict[str, str]) -> Iterator[
 
 
 def function_faults(function: Any) -> Iterator[str]:
-    """What the docstring of a function or method lacks."""
+    """Yield the missing parts of the docstring of a function or method."""
     found = sections(inspect.getdoc(function) or "")
     given = inspect.signature(function).parameters.values()
     annotations = {p.name: str(p.annotation) for p in given if p.name not in ("self", "cls")}
@@ -142,7 +142,7 @@ def fields_of(kind: type) -> dict[str, str]:
 
 
 def class_faults(kind: type) -> Iterator[str]:
-    """What the docstrings of a class and its public methods lack; fields of a base class are described there."""
+    """Yield the missing parts of the docstrings of a class and its methods, except fields of base classes."""
     described: dict[str, str] = {}
     for each in kind.__mro__[:-1]:
         found = sections(inspect.cleandoc(each.__doc__ or ""))

@@ -197,7 +197,7 @@ def test_every_key_has_a_meaning_and_stands_in_a_new_scene():
 
 
 def test_examples_in_a_new_scene_are_allowed():
-    """Each example by itself, in the table that it stands in."""
+    """Each example alone, in its table."""
     text = "\n".join(line.lstrip("# ") for line in write.new_scene("x").splitlines()[1:])
     assert key_by_key(tomllib.loads(text)).name
 
@@ -243,7 +243,7 @@ def test_a_shell_completes_scenes_and_keys(tmp_path):
 
 
 def test_progress_off_a_terminal(capsys, monkeypatch):
-    """Nothing by itself; lines with n of N, rate and time left where asked for; one thing at a time; never if quiet."""
+    """No line by default; lines with n of N, rate and remaining time on request; one at a time; none if quiet."""
     from tailslap import progress
 
     monkeypatch.setattr(progress, "LINES_INTERVAL", 0.0)

@@ -256,7 +256,7 @@ def served(scene, **settings):
 
 @contextlib.contextmanager
 def opened(address, width=1280, waits_for=".force svg"):
-    """The page in Chromium, with what it asked for elsewhere."""
+    """Open the page in Chromium, with its requests to other addresses."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as started:
@@ -273,7 +273,7 @@ def opened(address, width=1280, waits_for=".force svg"):
 
 
 def moved(shown, name, key="ArrowRight"):
-    """Move a slider by the keyboard; time to the new curve [ms]."""
+    """Change a slider by the keyboard, and return the time to the new curve [ms]."""
     shown.get_by_role("slider", name=name).focus()
     before = shown.locator(".force .wide").inner_html()
     shown.keyboard.press(key)

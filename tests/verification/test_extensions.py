@@ -40,7 +40,7 @@ ADDED: dict[str, tuple[Registry[Any], str]] = {
     "diagonal_lumping": (LUMPINGS, "diagonal"), "pressed_start": (START_KINDS, "pressed"),
     "height_column": (COLUMNS, "height"), "rise_check": (CHECKS, "rise"),
 }  # fmt: skip
-"""File, and what it registers under which name."""
+"""File, with the registry and name of its object."""
 
 SCENE = ("corner.reaction=smoothed", "corner.constraint=cubic", "material.law=hardening")
 PLATE = ("plate.element=quad8", "plate.lumping=diagonal", "plate.start=pressed", "plate.elements=[10,3]")

@@ -150,7 +150,7 @@ class FullFile(io.FileIO):
 
 @pytest.mark.parametrize("name", ["fem", "meshes", "postprocess", "solver"])
 def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
-    """In the folder of a script, or where the command is started; a folder without code is in nobody's way."""
+    """In the folder of a script, or where the command is started; a folder without code is ignored."""
     script = tmp_path / "script.py"
     script.write_text("import tailslap\nprint(tailslap.rigid('mash-tl4-sut').summary['scene'])\n")
     (tmp_path / name).mkdir()
@@ -170,7 +170,7 @@ def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
 
 
 def test_processes_of_this_machine_open_no_port():
-    """Neither they nor this process listen to the network; what they say goes through pipes and own sockets."""
+    """Neither they nor this process listen to the network; messages go through pipes and own sockets."""
     before = {socket.laddr for socket in psutil.Process().net_connections(kind="inet")}
     with pools.local(2) as pool:
         assert pool.submit(pow, 2, 10).result() == 1024

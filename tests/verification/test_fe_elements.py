@@ -75,7 +75,7 @@ def test_mapped_elements_are_those_of_the_gradients(kind, distorted_mesh):
 
 
 def test_rigid_motion_gives_no_force(discretisation):
-    """Zero to rounding: against E t, the force that a strain of one would give."""
+    """Zero to rounding against E t, the force of a unit strain."""
     for angle, shift in ((0.0, 0.0), (0.26, 0.0), (2.0, 0.0), (-0.9, 10.0)):
         positions = to_global(angle) @ discretisation.positions + shift
         forces, _ = internal_forces(discretisation.table, positions)
@@ -95,7 +95,7 @@ def test_patch_of_constant_strain(discretisation):
     scale = np.abs(traction).max() * 2.438
     assert inner.sum() > 10
     assert np.abs(forces[:, inner]).max() < 1e-13 * scale
-    # The end's two corners also carry half an edge of the sides beside them; these shares cancel.
+    # The end's two corners also carry half an edge of the sides beside them; these parts cancel.
     assert_allclose(forces[:, x > -0.01].sum(axis=1), traction[:, 0] * 2.438, atol=1e-12 * scale, rtol=0.0)
 
 
@@ -117,7 +117,7 @@ def test_forces_are_the_gradient_of_the_energy(discretisation):
 
 
 def test_a_partly_filled_block_gives_what_full_blocks_give():
-    """Two full blocks and five elements beside: stretched alike, every element carries what one alone carries."""
+    """Two full blocks and five elements beside: at equal strain every element carries the force of a single one."""
     count = 2 * simd_blocks.BLOCK_SIZE + 5
     many, one = (discretise(plate_mesh(10.0, 1.0, (n, 1)), THICKNESS) for n in (count, 1))
     stretch = np.diag([1.001, 1.0])
@@ -447,7 +447,7 @@ def test_a_point_deflects_without_bound_and_a_patch_converges(outcome):
 
 
 def ratio_of(*changes):
-    """Give of a model that is only built."""
+    """Return the compliance of a model that is only built."""
     from tailslap.case.corner.case import CornerCase
     from tailslap.scene.read import read_scene
 
@@ -476,7 +476,7 @@ def test_the_deformed_frequency_is_the_assembled_one_at_rest(plate_model):
 
 
 def test_a_stretched_plate_has_a_higher_frequency(plate_model):
-    """St. Venant-Kirchhoff stiffens in tension: stretched by 10 % both ways, by (3 L^2 - 1) / 2, a third."""
+    """St. Venant-Kirchhoff stiffens in tension: stretched by 10 % in both directions, by (3 L^2 - 1) / 2, a third."""
     model = plate_model(elements=(6, 3), plate={"poissons_ratio": 0.0})
     positions = 1.1 * model.discretisation.positions
     assert deformed_frequency(model, positions) > 1.05 * model.highest_frequency

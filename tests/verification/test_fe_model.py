@@ -110,7 +110,7 @@ def test_stiffness_has_three_rigid_motions_and_a_bar_s_frequency(plate_model):
 
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.1, 0.5])
 def test_the_stable_time_step_is_where_it_is_said_to_be(plate_model, damping_ratio):
-    """At 0.98 of it a disturbed plate calms down or stays, at 1.02 it runs away until large strains stop it."""
+    """At 0.98 steps a disturbed plate decays or stays bounded, at 1.02 it grows until large strains stop it."""
     ends = []
     for safety_factor in (0.98, 1.02):
         model = plate_model(elements=(6, 3), damping_ratio=damping_ratio, safety_factor=safety_factor)
@@ -122,7 +122,7 @@ def test_the_stable_time_step_is_where_it_is_said_to_be(plate_model, damping_rat
 
 
 def test_damped_step_of_a_plate_that_hardly_touches_its_spring(plate_model):
-    """All of the stiffness damped alike: w dt = 2 (sqrt(1 + z^2) - z)."""
+    """Equal damping of all stiffness: w dt = 2 (sqrt(1 + z^2) - z)."""
     model = plate_model(elements=(6, 3), corner={"penalty_scale": 1e-9}, damping_ratio=0.3)
     expected = 2.0 * (np.sqrt(1.09) - 0.3) / model.highest_frequency
     assert model.stable_time_step == pytest.approx(expected, rel=1e-5)

@@ -41,7 +41,7 @@ def test_the_difference_is_flexibility_and_falls_with_one_over_e(outcome, reacti
 
 @pytest.mark.long
 def test_row_sum_masses_converge_with_the_square_of_the_element(outcome):
-    """Their error is the rotary inertia's, of order h^2: the exact masses have none of it on any mesh."""
+    """Their error is the rotary inertia's, of order h^2: exact masses have no such error on any mesh."""
     change = ("corner.reaction=none", "plate.lumping=row-sum")
     worst = []
     for n in (10, 20, 40):

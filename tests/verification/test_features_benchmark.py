@@ -1,5 +1,7 @@
-"""Verification: benchmarks/features.py: its bare loop computes what the program's does and has no code for a part; its
-verdicts on made-up times, whose ratios are known; its counts of instructions and sums of imports."""
+"""Verification: loops, verdicts and counts of benchmarks/features.py.
+
+The bare loop has the bits of the program's and no code for a part. Verdicts are of artificial times with known ratios.
+"""
 
 import sys
 from functools import partial
@@ -120,7 +122,7 @@ def test_turns_go_forwards_and_back():
 
 
 def test_a_slow_machine_cancels_turn_by_turn():
-    """Times that double half-way, and one that is hit a hundredfold: the ratio stays what it is, to the digit."""
+    """Times double in the middle, and one is a hundred times as long: the ratio stays the same, to the digit."""
     slow = np.where(np.arange(40) < 20, 1.0, 2.0)
     assert benchmark.ratio(1.3 * slow, slow) == pytest.approx((1.3, 1.3, 1.3), abs=1e-15)
     hit = 1.3 * slow
@@ -153,7 +155,7 @@ def test_verdicts_on_made_up_times(factor, noise, expected):
 
 
 def test_a_noisy_machine_widens_the_limit():
-    """7 % against the bare loop is not told from the 9 % of the same loop against itself; nor is it nothing."""
+    """7 % against the bare loop does not differ from 9 % of one loop against itself, and is not zero either."""
     ones = np.ones(40)
     assert benchmark.verdict(1.07 * ones, 1.07 * ones, ones) == "costs"
     assert benchmark.verdict(1.07 * ones, 1.07 * 1.09 * ones, ones) == "unsettled"

@@ -14,7 +14,7 @@ from tailslap.studies.flexibility import scan
 PLATES = np.geomspace(1000.0, 2.0, 16)
 INSTANT, SIZES = 0.36, (1e-2, 5e-2, 1e-1)
 
-# Frequencies where the differences are above the smallest level somewhere, and how closely peaks are told.
+# Frequencies where the differences are above the smallest level somewhere, and how closely peaks are resolved.
 EVERY, CLOSE = np.arange(2.0, 120.0, 2e-3), 1e-3
 
 OSCILLATIONS = {

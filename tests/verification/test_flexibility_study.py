@@ -1,5 +1,6 @@
-"""Verification: the flexibility study's runs against E t and the square of the first frequency; what it runs, and the
-command; its rows out of records of runs, what it says of them, and its pages.
+"""Verification: the flexibility study's runs, rows, statements, pages and command.
+
+Runs agree with E t and the square of the first frequency.
 """
 
 import json
@@ -118,7 +119,7 @@ def test_meshes_and_hold():
     odd = read_scene("paper-table-3", ("plate.elements=[15,5]",))[0]
     assert three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
     own = read_scene("paper-table-3", ("corner.patch_length=0.6", "corner.penalty_scale=2"))[0]
-    assert three_meshes(own)[0] == (20, 6)  # half of it would have elements longer than the patch
+    assert three_meshes(own)[0] == (20, 6)  # half as many elements would be longer than the patch
     given = {"own_constraint": True, "own_patch": True}
     assert compute.corner_support(own, (20, 6)) == {"constraint": "penalty", "patch": 0.6, **given}
 
@@ -126,7 +127,7 @@ def test_meshes_and_hold():
 def test_three_starts_whatever_the_scene_has():
     own = ("plate.start=unstressed", "plate.elements=", "verify.tolerance=1e-9")
     sweep = compute.define(CornerCase(*read_scene("mash-tl4-sut", own)))
-    assert sweep.meshes[1] == (20, 6)  # what the program chooses where the scene does not
+    assert sweep.meshes[1] == (20, 6)  # the program's choice for an omitted key
     changes = {name: compute.run_changes(sweep, 50.0, sweep.meshes[0], name) for name in compute.STARTS}
     scenes = {name: vary(sweep.case.source, each)[0] for name, each in changes.items()}
     assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(compute.STARTS)
@@ -152,7 +153,7 @@ def test_command(tmp_path, capsys):
     assert [point["thickness_apart"] is not None for point in points].count(True) == 2
     assert max(point["thickness_apart"] or 0.0 for point in points) < 1e-11
     assert [point["half_patch_v_gy"] is not None for point in points] == [False, False, True, False]
-    # What holds on less gives more.
+    # A smaller support is more compliant.
     assert 1.0 < points[2]["half_patch_v_gy"] / points[2]["difference_v_gy"] < 1.3
     assert cli._status([*given, "--lowest", "50 Hz"]) == cli.WRONG_INPUT
     assert cli._status(["study", "flexibility", "paper-abaqus", "--points", "3"]) == cli.WRONG_INPUT
@@ -170,8 +171,10 @@ def mesh_record(difference, rigid, **changes):
 
 
 def point_record(hertz, rigid, **changes):
-    """Differences of 0.04 (f1 / 1 Hz)^-2 on fine meshes, with an error of second order in the element's size; 0.36
-    of it for the second start, and 0.04 f1^-1 for the third."""
+    """Return differences of 0.04 (f1 / 1 Hz)^-2 on fine meshes, with an error of second order in the element's size.
+
+    The second start has 0.36 times these, the third 0.04 f1^-1.
+    """
 
     def meshes(factor):
         sizes = [factor * 0.04 / hertz**2 * (1.0 - 1e-3 * h**2) for h in (4, 2, 1)]
@@ -275,7 +278,7 @@ def test_levels_of_any_start_and_the_power_law_are_said(synthetic, tmp_path):
 
 @pytest.mark.long
 def test_what_the_starts_depart_from_is_said(synthetic, tmp_path):
-    """At t = 0, of each start that passed; of the third the fixture gives no more than of the others."""
+    """At t = 0, of each start that passed; the fixture has no more of the third than of the others."""
     rigid = synthetic().case.tail_slap
     found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
     page = said(found, tmp_path)[1]

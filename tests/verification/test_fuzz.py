@@ -102,7 +102,7 @@ class TooLong(BaseException):
 
 @contextlib.contextmanager
 def limited(seconds):
-    """Raise TooLong after so much processor time."""
+    """Raise TooLong after a processor time [s]."""
 
     def end(*_):
         raise TooLong

@@ -1,5 +1,8 @@
-"""A wall that gives, against Hetenyi's beam on an elastic foundation (Beams on Elastic Foundation, 1946), against its
-own motion on the foundation, and in the whole impact: momentum, energy, and the rigid wall as its limit."""
+"""Verification: an elastic wall alone and in the whole impact.
+
+Alone it is Hetenyi's beam on an elastic foundation (Beams on Elastic Foundation, 1946) and oscillates on its
+foundation; in the impact momentum and energy balance, and the rigid wall is its limit.
+"""
 
 import functools
 import math
@@ -107,7 +110,7 @@ def test_the_deflection_converges_with_the_mesh():
 
 
 def test_modes_that_the_step_leaves_out_hardly_deflect():
-    """A soft plate with long steps, and a stiff one that leaves out none; most of the difference is the dent."""
+    """A soft plate with long steps, and a stiff one without omitted modes; most of the difference is the dent."""
 
     def deflection(modulus):
         """Under 1 N, and the highest frequency over that of the foundation."""
@@ -148,7 +151,7 @@ CASES: dict[str, dict[str, Any]] = {
 }
 GAINED = {"exact": 2e-5, "penalty": 2e-5, "layer": 5e-6}
 LOST = {"exact": 2e-3}
-"""Share of the energy: what light nodes bring on touching, and waves that the step does not follow."""
+"""Fraction of the energy in light nodes on touching, and in waves that the step does not resolve."""
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -217,7 +220,7 @@ def test_figures_of_a_concrete_parapet():
     assert h["wall_deflection_place"][deflection.argmax()] == pytest.approx(11.0, abs=0.5)
     assert foundation[first].max() / force[first].max() == pytest.approx(1.06, abs=0.03)
     assert foundation.max() / force.max() == pytest.approx(1.78, abs=0.05)
-    # It goes on swinging: the impulse still in it is at most a percent or two of what it took.
+    # It oscillates on: its impulse is at most a percent or two of that of the contact.
     assert h["foundation_impulse"][-1] == pytest.approx(h["normal_impulse"][-1], rel=0.03)
 
 

@@ -66,7 +66,7 @@ def test_positions_keep_their_scale():
 
 
 def test_what_moves_ends_where_the_last_outline_is():
-    """Turned by 0.3 rad about its first corner and moved by 4 m in 0.5 s; by CSS, which its reader can switch off."""
+    """Rotated by 0.3 rad about its first corner and displaced by 4 m in 0.5 s; by CSS, which readers can disable."""
     t, x = np.linspace(0.0, 0.5, 200), np.linspace(0.0, 4.0, 200)
     every = positions.vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
     chart = positions.draw_positions(every[[0, -1]], t[[0, -1]].tolist(), motion=(t, every))
@@ -133,7 +133,7 @@ def test_a_loop_keeps_its_corners():
 
 
 def test_layers_end_at_what_was_given_up():
-    """Half to friction, half to crush; a part that is zero throughout is left out."""
+    """Half to friction, half to crush; a part that is zero throughout is omitted."""
     kinetic = 3e6 - 9e5 * np.clip(T / 0.4, 0.0, 1.0)
     half = 0.5 * (kinetic[0] - kinetic)
     svg = impact.draw_energies(
@@ -164,7 +164,7 @@ def test_contact_of_one_instant_is_seen():
 
 @pytest.mark.parametrize(("instants", "frames"), [(7, 7), (animation.MAX_FRAMES + 30, animation.MAX_FRAMES)])
 def test_animation(tmp_path, instants, frames):
-    """As many frames as instants, at most MAX_FRAMES; about ten times slower than the impact; the vehicle moves."""
+    """As many frames as instants, at most MAX_FRAMES; ten times slower than the impact; successive frames differ."""
     from PIL import Image
 
     t = np.linspace(0.0, 0.3, instants)

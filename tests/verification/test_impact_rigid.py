@@ -70,7 +70,7 @@ def test_a_point_mass_on_the_bilinear_law(e):
 @pytest.mark.parametrize("e", [0.0, 0.22, 0.7])
 @pytest.mark.parametrize("force", [1e4, 3e5])
 def test_a_point_mass_on_the_law_with_an_initial_force(force, e):
-    """F0 D + k D^2/2 = m v^2/2; m d'' = -F0 - k d until then, and the slope that returns e^2 of it after."""
+    """F0 D + k D^2/2 = m v^2/2; m d'' = -F0 - k d until then, and after it the slope that returns e^2 of the energy."""
     k, m = 2e6, BOX.mass
     motion = head_on(CrushLaw(k, force, e), tolerance=1e-6)
     (strike,) = motion.strikes
@@ -102,7 +102,7 @@ def test_the_order_is_two(force, e):
 
 
 def test_the_stated_error_is_that_of_twice_the_step():
-    """Not below the true one, which for the second order is a third of it."""
+    """Not below the true one, a third as large for the second order."""
     fine = impact(step=1e-6)
     for step in (1e-4, 2e-5):
         run = impact(step=step)
@@ -399,11 +399,11 @@ def test_a_motion_ends_between_strikes(angle, e):
 
 
 STEP = 1.0 + 1e-6
-"""Allowance for the step, which is chosen anew for each end."""
+"""Allowance for the step, which is chosen for each end."""
 
 
 def test_the_end_in_a_strike_cuts_it():
-    """What is given then is at least so much less than the whole, and grows with the end."""
+    """Values are then below those of the whole strike, and increase with the end."""
     whole, last = impact().strikes[2], (0.0, 0.0, 0.0)
     for end in np.linspace(whole.start + 1e-3, whole.end - 1e-3, 6):
         *others, strike = impact(end=end).strikes
@@ -488,7 +488,7 @@ def test_what_cannot_be_is_refused(key, attempt, allowed):
 
 
 def test_the_greatest_inertia_is_that_of_masses_at_the_corners():
-    """A quarter of the mass at each corner, and the same moved forwards."""
+    """A quarter of the mass at each corner, and the same further to the front."""
     for a, front in ((2.0, 0.5), (1.0, 0.75)):
         places = [(x, y, share / 2.0) for x, share in ((0.0, front), (4.0, 1.0 - front)) for y in (-1.0, 1.0)]
         inertia = 1e3 * sum(share * ((x - a) ** 2 + y * y) for x, y, share in places)

@@ -31,7 +31,7 @@ def planned(*changes, scene=SCENE):
 
 @functools.cache
 def ran(*changes):
-    """One run, without the second one that tells the mesh's error."""
+    """Run once, without the second run for the mesh's error."""
     return run.attempt(planned(*changes))
 
 
@@ -212,7 +212,7 @@ def test_a_run_leaves_what_the_contract_names(tmp_path, capsys):
 
 @pytest.mark.parametrize("angle", [12, 13, pytest.param(16, marks=pytest.mark.long)])
 def test_a_run_ends_between_strikes_of_plate_and_rigid_vehicle(angle):
-    """Near the rigid vehicle alone, whose third strike was cut at these angles and told 8 to 11 % more."""
+    """Near the rigid vehicle alone, whose third strike was cut at these angles and was 8 to 11 % larger."""
     outcome = ran(f"impact.angle={angle} deg")
     alone = outcome.fe_plan.case.answer
     for answer in (alone, outcome.fe, outcome.rigid):
@@ -261,7 +261,7 @@ def test_a_strike_that_the_end_cuts_is_named(tmp_path, capsys):
 
 
 def test_values_of_a_cut_history_are_lower_bounds():
-    """Wherever the third strike is cut, no filter gives more than the whole impact has."""
+    """Wherever the third strike is cut, no filtered value exceeds that of the whole impact."""
     whole = planned().answer
     for end in np.linspace(0.447, 0.479, 9):
         cut = planned(f"time.end={end}").answer
@@ -322,8 +322,10 @@ def stated(own, *sequence):
 
 
 def test_two_meshes_tell_an_error_with_a_factor_of_three():
-    """q + h^p of meshes h = 2 and 1 in units of 0.01: three times what the finer one is off; of another run its
-    distance from the finer one comes on top."""
+    """Results are q + h^p on meshes h = 2 and 1 in units of 0.01.
+
+    The stated error is three times that of the finer one, plus the distance of another run from it.
+    """
     coarse, fine = (1.0 + 0.01 * h**error.ORDER for h in (2.0, 1.0))
     assert stated(fine, coarse, fine) == pytest.approx(0.03, rel=1e-12)
     assert stated(1.05, coarse, fine) == pytest.approx(1.05 - fine + 0.03, rel=1e-12)
@@ -358,7 +360,7 @@ def test_what_all_meshes_share_comes_on_top():
 
 
 def test_a_step_that_is_small_by_chance_counts_as_more():
-    """Of a duration that moves by 4 %, and impulse and peak that move by 1 %: 2 %."""
+    """The duration changes by 4 %, impulse and peak change by 1 %: 2 % is stated."""
     apart = error.estimate(answer(1.0, 0.02), [answer(1.01, 0.0208), answer(1.0, 0.02)])
     factor = 3.0 / (2.0**error.ORDER - 1.0)
     for name in ("impulse", "peak_force"):
@@ -429,7 +431,7 @@ def with_stated(limit, **errors):
 
 
 def test_a_run_fails_only_where_the_error_is_above_what_was_asked():
-    """What fails says which quantity, by how much, and that the others stand."""
+    """The failed check names the quantity and its error, and that others hold."""
     unsure = with_stated(0.02, duration=0.0312, impulse=0.0199)
     found = {check.name: check for check in checks.impact_checks(unsure)}
     assert [name for name, check in found.items() if not check.passed] == ["error of duration"]
@@ -486,7 +488,7 @@ def test_sound_impacts_pass(scene, changes, mesh):
 
 
 def test_an_unsure_impact_fails():
-    """With a restitution of 0.1 three times as fine meshes move the second strike's impulse by 2.4 %."""
+    """With a restitution of 0.1 three times as fine meshes change the second strike's impulse by 2.4 %."""
     changes = (*TRACTOR, "contact.restitution=0.1", "plate.elements=[26,4]")
     outcome = planned(*changes, scene="impact-mash-tl5-tractor-van").run()
     assert {check.name for check in outcome.checks if not check.passed} == {"error of impulse"}
@@ -494,7 +496,7 @@ def test_an_unsure_impact_fails():
 
 
 def test_a_third_mesh_is_run_where_two_leave_hope(monkeypatch):
-    """Not of elements so few that the finer mesh alone is farther away than what is allowed."""
+    """Not of elements too few: the finer mesh alone is then farther away than the limit."""
     asked = []
     monkeypatch.setattr(error, "third", lambda finer: asked.append(finer.counts))
     unsure = planned(*PICKUP, "verify.mesh=0.01", scene="impact-mash-tl2-pickup").run()
@@ -560,7 +562,7 @@ WALL = {
 
 @pytest.mark.long
 def test_a_wall_that_gives_deflects_and_its_foundation_carries_the_force():
-    """The foundation carries what the contact brings, but for the wall's inertia: impulses agree; the ledger closes."""
+    """The foundation carries the contact's force except the wall's inertia: impulses agree; the ledger closes."""
     outcome = ran(*(f"{key}={value}" for key, value in WALL.items()))
     h, found = outcome.run.history, report.wall_numbers(outcome)
     assert found is not None
@@ -578,7 +580,7 @@ def test_a_wall_that_is_too_short_or_lacks_a_key_is_refused(refused):
 
 
 def test_no_difference_is_stated_of_a_light_strike():
-    """A strike below 5 % of the largest impulse has no stated error, and is no part of what is said of the others."""
+    """A strike below 5 % of the largest impulse has no stated error, and is not in the statement of the others."""
     found = {"strike_1.impulse": 0.01, "strike_2.impulse": 0.3, "strike_3.peak_force": -0.02}
     assert error.of_weight(found, answer(blip=0.049).strikes) == {
         "strike_1.impulse": 0.01,

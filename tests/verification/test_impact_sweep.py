@@ -1,4 +1,4 @@
-"""Verification: a sweep of whole impacts; a row is what the scene's calculation gives, the page shows the strikes."""
+"""Verification: a sweep of whole impacts; a row has the results of its scene, the page shows the strikes."""
 
 import json
 import math
@@ -49,7 +49,7 @@ def test_a_row_is_what_the_rigid_vehicle_gives():
 
 
 def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
-    """No FE columns; its page has the strikes of the rigid vehicle; the same call makes nothing anew."""
+    """No FE columns; its page has the strikes of the rigid vehicle; the same call computes nothing again."""
     varied = ("contact.stiffness=1e6,4e6", "contact.restitution=0,2")
     definition = make_definition(scene_file(tmp_path, RIGID), (), ("contact.stiffness=1e6,4e6",), None, 1)
     done = perform(definition, tmp_path / "sweep", workers=1)

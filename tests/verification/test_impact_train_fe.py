@@ -128,7 +128,7 @@ def test_a_hinge_longer_than_a_unit_or_shorter_than_an_element_is_refused():
 
 
 def spinning(model, spins, hinges=(HINGE,)):
-    """A straight train far from the wall, each unit turning about the hinge ahead of it, in order of the units."""
+    """A straight train far from the wall, each unit rotating about its front hinge, in order of the units."""
     stepper = ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(0.0, 3.0, 1.0))
     state.positions[1] += 50.0
@@ -145,7 +145,7 @@ def spinning(model, spins, hinges=(HINGE,)):
 
 
 def test_a_trailer_that_is_wider_and_close_touches_first():
-    """The train is moved off the wall so far that its deepest corner is on it."""
+    """The train starts at the distance where its deepest corner is on the wall."""
     model, _ = train((TRACTOR, replace(TRAILER, width=6.0)), ((1.0, 0.9),))
     state = ImpactStepper(model).at_touch(TOUCH)
     corners = model.loop.contact.nodes
@@ -175,7 +175,7 @@ def test_the_hinge_is_a_node_that_carries_both_masses():
 
 @pytest.mark.parametrize("hitch_length", [0.0, 2.0])
 def test_free_flight_of_three_units(hitch_length):
-    """Momentum, angular momentum and energy stay, hinges stay closed, and each moves its unit as its force asks for."""
+    """Momentum, angular momentum and energy stay, hinges stay closed, units accelerate by their hinges' forces."""
     vehicles, hinges = (TRACTOR, TRAILER, TRAILER), (HINGE, (13.0, 1.2))
     model, _ = train(vehicles, hinges, ((8, 4), (16, 4), (16, 4)), hitch_length)
     stepper, state = spinning(model, (0.4, -0.3, 0.2), hinges)
@@ -337,8 +337,11 @@ def test_free_modes_of_a_train_are_those_of_its_matrices_with_closed_hinges(hitc
 
 @pytest.mark.long
 def test_a_soft_train_converges_where_its_corners_and_its_hinge_are_spread():
-    """Of 20 GPa, over 2 m, on 1, 2 and 4 times the elements each way: orders 3.2 of the peaks, 1.9 of the impulses and
-    1.2 of the angle; those of its hinge's force 2.3, where at one node it has no limit."""
+    """The train has 20 GPa and patches of 2 m, on 1, 2 and 4 times the elements in each direction.
+
+    Orders are 3.2 of the peaks, 1.9 of the impulses, 1.2 of the angle, and 2.3 of the hinge's force, which has no limit
+    at one node.
+    """
     found = []
     for n in (1, 2, 4):
         counts = tuple((n * along, n * across) for along, across in COUNTS)

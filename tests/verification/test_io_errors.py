@@ -1,4 +1,4 @@
-"""Verification: a path is absent only if the system says so; after any other error nothing is replaced or removed."""
+"""Verification: a path is absent only by ENOENT or ENOTDIR; after other errors nothing is replaced."""
 
 import errno
 import io
@@ -122,7 +122,7 @@ def test_an_empty_folder_of_the_user_stays(tmp_path, fail, monkeypatch, error):
 @UNKNOWN
 @pytest.mark.parametrize("call", ["mkdir", "listdir"])
 def test_a_result_that_is_complete_is_called_so(tmp_path, fail, monkeypatch, error, call):
-    """Where the folder for new files cannot be made or read after the last move."""
+    """The folder for new files cannot be made or read after the last file is renamed."""
 
     def write():
         with folder.result_folder(tmp_path / "out") as new:

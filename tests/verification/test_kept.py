@@ -1,4 +1,4 @@
-"""Verification: parts that rows of a sweep share are made once, and change nothing but time."""
+"""Verification: common parts of a sweep's rows are made once, and only times change."""
 
 import numpy as np
 import pytest
@@ -65,7 +65,7 @@ def test_large_parts_and_many_parts_are_let_go():
 
 
 def test_rows_of_compiled_code_are_those_of_single_steps(plate_model):
-    """Recorded many at once, or each by itself in Python, as columns from outside need it: the same history."""
+    """Rows recorded together, or one by one in Python as for columns from outside, are the same."""
     model = plate_model(reaction="drag", elements=(6, 2))
     plain = simulate(model, START, 0.384)
     COLUMNS.register(HistoryColumn("twice_theta", "rad", lambda measures, state, model: 2.0 * measures.theta))

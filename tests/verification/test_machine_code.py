@@ -33,7 +33,7 @@ from tailslap.scene.read import read_scene
 
 
 class Inner(NamedTuple):
-    """An array, and a part that a scene lacks."""
+    """An array, and an absent part of a scene."""
 
     values: np.ndarray
     absent: None
@@ -58,7 +58,7 @@ class Sums(NamedTuple):
 
 
 def add(outer, rows, whole, fixed, flags, factor):
-    """Uses every number that it is given, in a way that tells them apart, and memory of its own."""
+    """Sum of all arguments with different weights, by memory of its own."""
     own = np.zeros(3)
     own[0] = outer.inner.values.sum() + 10.0 * outer.pair[0] + 100.0 * outer.pair[1]
     if factor is not None:
@@ -108,7 +108,7 @@ def test_the_same_as_in_python(kernel, factor, step):
 
 
 def subtract(outer, rows, whole, fixed, flags, factor):
-    """Takes what `add` takes, and says something else."""
+    """Function of the arguments of `add` with another result."""
     return Sums(-outer.pair[0], -whole.size, not flags[0], (0.0, 0.0))
 
 
@@ -134,7 +134,7 @@ RESULTS: tuple[Any, ...] = (
 
 
 def with_other(key, value):
-    """Damage that gives a key of the header this value."""
+    """Return damage that sets a key of the header to a value."""
     return lambda kept: said_otherwise(kept, key, value)
 
 
@@ -157,7 +157,7 @@ DAMAGE: dict[str, Callable[[bytes], bytes]] = {
 
 
 def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel):
-    """It is compiled anew, and kept; what is whole is loaded without Numba."""
+    """It is compiled again and kept; intact code is loaded without Numba."""
     given, path = arguments(None, 1), kernel.path(*arguments(None, 1))
     assert not path.exists()
     found, there = kernel(*given), set(sys.modules)
@@ -227,7 +227,7 @@ def test_what_is_no_file_of_this_user_s_alone_is_not_opened(keeping, how):
 
 @pytest.mark.parametrize("how", ["open to all", "readable", "another's", "link"])
 def test_in_a_folder_of_others_nothing_is_loaded_or_kept(keeping, how, tmp_path, monkeypatch):
-    """And that is said with the time that it took."""
+    """The message states the time of compilation."""
     said: list[str] = []
     place = folder.cache_folder()
     assert compiled(double)(1.5) == 3.0
@@ -294,7 +294,7 @@ def test_without_a_name_of_numbas_own_it_goes_through_numba(kernel, missing, mon
 
 
 def test_a_bound_call_reads_its_arrays_anew(kernel):
-    """It sees what is in them at each call, and keeps those that nobody else does."""
+    """It reads them at each call, and keeps those without another reference."""
     rows = np.arange(24.0).reshape(4, 6)
     again = kernel.bound(arguments(None, 1)[0], rows, *arguments(None, 1)[2:])
     gc.collect()
@@ -311,7 +311,7 @@ def test_other_types_are_refused():
 
 
 def test_a_second_run_does_without_numba(tmp_path, python):
-    """Both ways of a whole run: sliding along the wall, and an impact from event to event."""
+    """Both kinds of a whole run: sliding along the wall, and an impact from event to event."""
     script = (
         "import sys, tailslap\n"
         "for scene in ('paper-table-3', 'impact-mash-tl4-sut'): assert tailslap.run(scene).passed\n"
@@ -322,7 +322,7 @@ def test_a_second_run_does_without_numba(tmp_path, python):
 
 
 def test_code_of_another_package_depends_on_all_of_it(tmp_path, python):
-    """A kernel calls others of its package: where one of them has changed, it is compiled anew."""
+    """A kernel calls others of its package: where one of them has changed, it is compiled again."""
     package = tmp_path / "elsewhere" / "within"
     package.mkdir(parents=True)
     header = "from fem.machine_code.compiled import compiled\n"
@@ -361,7 +361,7 @@ def test_numba_told_not_to_compile_compiles_ours(tmp_path, python):
 
 
 def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path, monkeypatch):
-    """The lock is held here, as another process would hold it; whom it keeps waiting says so."""
+    """The lock is held here, as another process would hold it; a waiting process reports that."""
     monkeypatch.setattr(folder, "PATIENCE_S", 0.3)
     code, entered, waited = tmp_path / "code" / "kind.code", threading.Event(), threading.Event()
 

@@ -1,6 +1,6 @@
 """Verification: the modal model against the rigid motion, conservation, its order in time, and the whole plate.
 
-Exact answers first; the finite-element run of the same scene, which shares the plate's matrices and the start but
+Exact answers first; the finite-element run of the same scene, with the plate's matrices and start but
 neither the equations of motion nor the time integration, is the other side of the rest.
 """
 
@@ -109,7 +109,7 @@ def test_spin_of_a_free_plate(plate_model):
 
 @pytest.mark.parametrize("reaction", ["none", "drag", "signed"])
 def test_the_energy_changes_by_frictions_work(plate_model, reaction):
-    """At any state, not only a quiet one: power of R at the corner, modes left out and all."""
+    """At any state, not only a quiet one: power of R at the corner, with or without omitted modes."""
     plate = plate_model(reaction=reaction, plate={"youngs_modulus": 2e7})
     model, step = modal_plate(plate, 5).model, 1e-5
     for place, speed in states(5):

@@ -24,7 +24,7 @@ SPIN, SPEED = -1.5, (3.0, -0.5)
 
 
 def rigid_nodes():
-    """Nodes that turn about their centre of mass at SPIN from t = 0 while that moves at SPEED."""
+    """Nodes that turn about their centre of mass at SPIN from t = 0 while the centre has the velocity SPEED."""
     centre = MASSES @ NODES / MASSES.sum()
     c, s = np.cos(SPIN * T)[:, None, None], np.sin(SPIN * T)[:, None, None]
     x, y = (NODES - centre)[:, :1], (NODES - centre)[:, 1:]

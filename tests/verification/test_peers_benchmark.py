@@ -1,4 +1,4 @@
-"""Verification: what benchmarks/peers.py compares by is right, and codes that give nothing stand in its table."""
+"""Verification: measures of benchmarks/peers.py, and codes without a result in its table."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Verification: tables are shown alike everywhere; pages are whole, fetch nothing and can be read in any way."""
+"""Verification: tables are equal everywhere; pages are complete, fetch nothing and are accessible."""
 
 from __future__ import annotations
 
@@ -457,7 +457,7 @@ def test_ids_are_unique_and_links_lead_somewhere(any_page):
 
 
 def test_without_scripts_all_is_there(any_page):
-    """The script adds what the pointer shows, and nothing else: no element waits for it."""
+    """The script adds only the values at the pointer: no element requires it."""
     (script,) = any_page.named("script")
     assert script[2] == ("html", "body")
     assert not any("hidden" in attributes for _, attributes, *_ in any_page.elements)
@@ -550,7 +550,7 @@ ENTRIES = [
 
 @pytest.mark.parametrize(("key", "text"), ENTRIES)
 def test_entries_of_entries(key, text):
-    """Of mappings, tuples and objects; a dash where one on the way is None, or a number is none."""
+    """Of mappings, tuples and objects; a dash where an entry of the path is None, or a number is NaN."""
     assert Column(key, "", form=known(".1f")).text(RUN) == text
 
 

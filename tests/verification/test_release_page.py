@@ -29,7 +29,7 @@ def test_every_command_is_a_file():
 
 
 def test_page_has_what_the_commands_printed(tmp_path):
-    """One that succeeds, one that fails, one without what it requires."""
+    """One that succeeds, one that fails, one without its requirement."""
     given = {"OTHERS": None, "EARLIER": "elsewhere"}
     commands = ("-m platform", "-c raise(SystemExit(3))", "benchmarks/speed.py OTHERS")
     done = [release.measure(command, given) for command in commands]

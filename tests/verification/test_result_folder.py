@@ -201,7 +201,7 @@ def test_a_changed_scene_has_a_folder_of_its_own(changes, name):
 
 
 def test_the_name_of_a_folder_is_bounded_and_tells_all_changes_apart():
-    """What it cannot show is in its digest; it is the same each time, and no path."""
+    """Changes that it cannot show are in its digest; it is reproducible, and no path."""
     long = "trailer=[{'length': '48 ft', 'width': 2.6, 'mass': 27770.0, 'hitch': 5.6, 'kingpin': 0.9}]"
     changes = [
         long,
@@ -262,7 +262,7 @@ def texts(place):
 
 
 def seen(place):
-    """What a reader sees of the result, which may not write; None where there is none. Each file is as listed."""
+    """Return the result seen by a reader without write access, None without one. Each file is as listed."""
     listed = manifest.read_manifest(folder.path_in(place, NAME).parent)
     for item in listed or ():
         assert manifest.entry(folder.path_in(place, item.path)) == item
@@ -283,7 +283,7 @@ CALLS = ("fsync", "mkdir", "open", "replace", "rmdir", "unlink")
 
 
 def break_at(patch, step, fail, calls=CALLS):
-    """Let `fail` be called before a step: a call to the system that changes a folder, or half way through a text."""
+    """Let `fail` be called before a step: a call to the system that changes a folder, or the middle of a text."""
     count = itertools.count(1)
     write_text = Path.write_text
 
@@ -372,7 +372,7 @@ def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earli
 
 @pytest.mark.parametrize("failure", [OSError(5, "the disk is broken"), KeyboardInterrupt()])
 def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path, earlier, failure):
-    """Where the new one is complete the message says so; the next command clears what lies about."""
+    """A new one that is complete is called so; the next command clears remains."""
     for step in itertools.count(1):
         place = tmp_path / f"{step}"
         shutil.copytree(earlier, place)
@@ -418,7 +418,7 @@ def test_failure_while_it_is_filled_leaves_what_was_there(tmp_path, earlier, fai
 
 
 def half_done(place):
-    """A folder in which the log is there, and two of four files are moved."""
+    """Make a folder with a log in which two of four files are renamed."""
     assert not killed_at(4, write, place, NEWER, calls=("replace",))
     (place / LOCK).unlink()
     assert sorted(os.listdir(place / NEW)) == [NAME, "report.html"]
@@ -692,7 +692,7 @@ def test_a_file_is_whole_or_the_earlier_one_and_two_writers_follow_each_other(tm
     "number", [errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.ENOSPC, errno.EIO, errno.EMFILE]
 )
 def test_an_error_of_the_system_is_none_of_what_is_absent(tmp_path, earlier, number, monkeypatch):
-    """At each call; the manifest is never lost, and the next command completes what is said to be complete."""
+    """At each call the manifest stays, and the next command completes a result announced as such."""
     monkeypatch.setattr(os, "fsync", lambda number: None)
     for step in itertools.count(1):
         place, failed = tmp_path / f"{step}", []

@@ -1,4 +1,4 @@
-"""Verification: what the theory has no answer to is refused by name; methods of Olson, Hirsch and Ritter by hand."""
+"""Verification: cases without an answer are refused by name; methods of Olson, Hirsch and Ritter by hand."""
 
 import math
 import pickle
@@ -233,7 +233,7 @@ BLOW |= {"front_distance": 4.0, "half_width": 1.2}
 
 
 def test_olson_by_hand():
-    """At 30 degrees: way 4/2 - 1.2 (1 - sqrt(3)/2), lateral speed 12.5, average 6.25."""
+    """At 30 degrees: distance 4/2 - 1.2 (1 - sqrt(3)/2), lateral speed 12.5, average 6.25."""
     way = 2.0 - 1.2 * (1.0 - math.sqrt(3.0) / 2.0)
     force = olson_force(**BLOW)
     assert force.travel == pytest.approx(way, rel=1e-15)

@@ -394,11 +394,11 @@ motions |= {"friction": frictions, "reaction": st.sampled_from(REACTIONS)}
 
 
 def agree_or_refuse(ratio, share, omega, speed_ratio, friction, reaction):
-    """As a function of drawn values, which Hypothesis gives by name."""
+    """The values are drawn by Hypothesis and passed by name."""
     motion = (*arguments(ratio, share, omega, speed_ratio), friction, reaction)
     exact, integrated = attempt(plane_motion, motion), attempt(integrate_odes, motion)
     if isinstance(exact, str) or isinstance(integrated, str):
-        # Where the motion is both ambiguous and brought to a stop, each reports what it meets first.
+        # Where the motion is both ambiguous and brought to a stop, each reports the first of them.
         assert {exact, integrated} <= {"friction", "corner_speed"}
         return
     for name in NAMES:

@@ -97,7 +97,7 @@ def test_one_sample_alone():
 
 
 def test_the_rigid_impact_sampled():
-    """Means of the forces over half a millisecond give the strikes that the steps have counted."""
+    """Means of the forces over half a millisecond have the strikes counted in the steps."""
     motion = impact()
     t = np.linspace(0.0, motion.t_end, round(motion.t_end / 5e-4) + 1)
     mean = np.diff(motion.at(t).impulse_normal) / np.diff(t)

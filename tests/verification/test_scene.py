@@ -1,4 +1,4 @@
-"""Verification: what a scene may say, what it is told otherwise, that units arrive in SI, and how a scene is varied."""
+"""Verification: keys of a scene, its errors, conversion to SI, and its variation."""
 
 import json
 import math
@@ -243,7 +243,7 @@ IMPOSSIBLE = [
     ({"plate.thickness.x": 1}, "plate.thickness.x", "not a table"),
     ({"corner.reaction": "none", "corner.friction": 0.1}, "corner.friction", "no effect"),
     *(({"vehicle.mass": None}, "vehicle.mass", "required"), ({"time.rows": 20.5}, "time.rows", "integer")),
-    # What the theory refuses:
+    # Refused by the theory:
     ("impact.friction=2", "impact.friction", "cot"),
     ("impact.restitution=1", "impact.restitution", "never reaches the wall"),
     *((f"{key}=80 deg", key, "less than") for key in ("impact.angle", "start.angle")),
@@ -345,7 +345,7 @@ def test_varied_numbers_are_remarked_upon(values):
 
 
 def test_typed_changes_of_every_function_are_remarked_upon(tmp_path):
-    """Numbers of Python are in SI, and nothing is said of them."""
+    """Numbers of Python are in SI, without a remark."""
     said = "the scene has this key in mph"
     with pytest.warns(UserWarning, match=said):
         tailslap.rigid("mash-tl4-sut", ["impact.speed=25"])

@@ -192,7 +192,7 @@ def test_peaks_of_a_half_sine_by_name():
 
 
 def test_before_first_touch_there_is_no_force():
-    """A history that starts with a jump gives the same curves as with the rest before it."""
+    """A history that starts with a jump has the same curves as with a rest before it."""
     force = 1e5 * np.exp(-T / 0.02)
     rest = np.concatenate([np.zeros(3000), force])
     for name, curve in force_curves(force, INTERVAL).items():
@@ -242,7 +242,7 @@ def test_a_strike_that_the_history_cuts_off_ends_with_it():
 
 
 def test_a_50_ms_mean_widens_a_strike_by_50_ms():
-    """What a duration read off such a curve holds beside the strike's own."""
+    """A duration read off such a curve includes this beside the strike's own."""
     curves = force_curves(half_sine(0.0, 0.0812, 550e3) + half_sine(0.2944, 0.0664, 630e3), INTERVAL)
     for name, duration, rows in (("raw", 0.0664, 4), ("mean_50ms", 0.1164, 6)):
         found = second_strike(curves[name], INTERVAL).duration
@@ -281,7 +281,7 @@ def straight(ax, ay):
     ("ax", "ay", "distance"), [(-50.0, 0.0, 0.6), (0.0, 40.0, 0.3), (0.0, -40.0, 0.3), (-20.0, 30.0, 0.3)]
 )
 def test_constant_deceleration(ax, ay, distance):
-    """The axis that is first through: v = sqrt(2 a d), t = sqrt(2 d / a); nothing else changes either way."""
+    """The axis that is first through: v = sqrt(2 a d), t = sqrt(2 d / a); nothing else changes in either case."""
     found, first = measures(straight(ax, ay)), abs(ay or ax)
     time = math.sqrt(2.0 * distance / first)
     assert found["OIV longitudinal"].time == pytest.approx(time, rel=1e-12)
@@ -418,7 +418,7 @@ def test_design_forces_of_mash():
 
 
 def test_design_forces_of_the_walls_that_tractors_strike():
-    """The forces of both levels [kN], lowest first in each; what was not found at its source says so."""
+    """The forces of both levels [kN], lowest first in each; values that were not found at their source are marked."""
     forces = {level: [round(row.force / 1e3) for row in design_forces(level)] for level in ("TL-5", "TL-6")}
     assert forces == {"TL-5": [552, 712, 845, 1165], "TL-6": [778, 1334]}
     assert [row.kip for row in design_forces("TL-5") if "not verified" in row.source] == [160.0, 262.0]

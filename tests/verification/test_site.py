@@ -43,7 +43,7 @@ STAND_INS = {
     "KEY=VALUES...": "corner.friction=0.1,0.2 --out results/sweep",
     "RESULT...": "results/paper-table-3",
 }
-"""Values for what a synopsis leaves open; what is optional in it is left out."""
+"""Values for the variable parts of a synopsis, whose optional parts are omitted."""
 
 OF_STUDIES = {"flexibility": "mash-tl4-sut", "tipping": "impact-tipping-tl4-sut"}
 """Scenes of studies, as on other pages."""
@@ -62,7 +62,7 @@ FRAGMENTS = {"docs/impact.md": "impact-mash-tl4-sut"}
 """Scene of the --set options that a page shows alone; of others paper-table-3."""
 
 FAILING = ("plate.lumping=row-sum", "plate.start=unstressed")
-"""Changes of which the page says that a check then fails."""
+"""Changes with which, by the page, a check fails."""
 
 SHORTENED = {
     "tailslap study stability paper-table-3": " --random 2",
@@ -228,7 +228,7 @@ LONG_COMMANDS = sorted(filter(LONG.search, COMMANDS))
 
 @pytest.fixture(autouse=True)
 def laws_of_the_program():
-    """What a page registers is taken out again, for the tests that follow in this process."""
+    """Remove the objects that a page registers, for later tests in this process."""
     before = {*FRICTION_LAWS}
     yield
     for name in {*FRICTION_LAWS} - before:
@@ -270,7 +270,7 @@ def demand_passed(compute):
         try:
             compute()
         except ImportError as error:
-            if "pandas is not installed" not in str(error):  # which the page says
+            if "pandas is not installed" not in str(error):  # as stated on the page
                 raise
     assert [each for each in made if each.passed is False] == []
     assert all("".join(each.headline.lines).isprintable() for each in made)

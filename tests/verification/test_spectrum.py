@@ -54,7 +54,7 @@ def test_bound_is_safe_at_every_angle_and_close(plate_model, elements, scale):
 
 @pytest.mark.parametrize("given", [{"damping_ratio": 0.2}, {"corner": {"damping_ratio": 0.5}}])
 def test_damped_step_is_safe_and_close(plate_model, given):
-    """dt^2 K + 2 dt C has no eigenvalue above 4, and one within the residual of it."""
+    """dt^2 K + 2 dt C has no eigenvalue above 4, and one within the residual below that."""
     from fem.plate.discretisation import stiffness_matrix
 
     model = plate_model(elements=(6, 3), **given)

@@ -279,7 +279,7 @@ def test_a_link_in_the_place_of_the_journal_is_refused(journal, tmp_path):
 
 
 def test_a_journal_is_not_lost_if_it_cannot_be_begun_anew(journal, monkeypatch):
-    """Another program writes to it, say."""
+    """Another program writes to the file, for example."""
     with pytest.raises(Interrupted):
         interrupt(journal(a=1), {"x": 1})
     monkeypatch.setattr("tailslap.campaign.records.PATIENCE_S", 0.1)
@@ -299,7 +299,7 @@ def test_parts_that_the_journal_has_are_not_run_again(journal):
 
 
 def started(journal, parts, expected, monkeypatch):
-    """The order in which a single worker takes up parts, and what was said before."""
+    """Return the order in which a single worker takes up parts, and the message before."""
     said: list[tuple[str, int]] = []
     order: list[str] = []
     monkeypatch.setattr("tailslap.progress.compiling", lambda text: said.append((text, len(order))))
@@ -774,7 +774,7 @@ def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatc
 
 
 def all_right(stop_at=""):
-    """Instead of run_parts: every part that the journal lacks is right; an interrupt at the key `stop_at`."""
+    """Instead of run_parts: every part missing in the journal is right; an interrupt at the key `stop_at`."""
 
     def run(function, parts, journal, *rest):
         for key in parts:

@@ -40,7 +40,7 @@ GIVEN: dict[str, dict[str, Any]] = {
 
 @pytest.fixture(params=GIVEN)
 def model(request, plate_model):
-    """Plates whose corner moves by micrometres and by centimetres."""
+    """Plates whose corner is displaced by micrometres and by centimetres."""
     return plate_model(**GIVEN[request.param])
 
 
@@ -124,7 +124,7 @@ def test_angle_of_the_best_rotation(model, kind):
 
 @pytest.mark.parametrize("kind", START_KINDS)
 def test_the_corner_stays_on_the_wall(model, kind):
-    """On it, or off it by what the spring gives; its velocity across is that of the gap in the first milliseconds."""
+    """On the wall, or off it by the spring's deflection; its velocity across is that of the gap at first."""
     positions, velocities = start_fields(model, START, kind)
     (slide, height), rate = at_corner(model, positions), at_corner(model, velocities)[1]
     assert slide == pytest.approx(0.0, abs=1e-14)
@@ -197,7 +197,7 @@ def ripple(model, kind):
 
 
 def test_the_reaction_does_not_oscillate(plate_model):
-    """Without friction: by inertia relief the elastic state follows the motion, unstressed it swings about that."""
+    """Without friction: by inertia relief the elastic state follows the motion, unstressed it oscillates about that."""
     model = plate_model(plate={"youngs_modulus": 2e9}, elements=(10, 3), corner={"constraint": "exact"})
     assert max(ripple(model, kind) for kind in RELIEVED) < 2e-3
     assert ripple(model, "unstressed") > 0.5

@@ -93,7 +93,7 @@ ASSERTING = re.compile(r"assert|raises$|warns$|fail$")
 
 
 def called_names(function):
-    """Names of what a function calls."""
+    """Return the names of the functions that a function calls."""
     for node in ast.walk(function):
         if isinstance(node, ast.Call):
             yield node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")

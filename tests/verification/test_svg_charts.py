@@ -87,7 +87,7 @@ def places(root, label):
 
 
 def test_points_are_where_their_values_are():
-    """Between the ends that `data-x` and the ticks tell, which is what shows values on pages."""
+    """Between the ends of `data-x` and the ticks, by which pages show values."""
     root = chart(Line("FE", X, X**2))
     (plot,) = [each for each in root.iter() if each.get("class") == "plot"]
     left, top, right, bottom = map(float, plot.get("data-box", "").split())
@@ -328,7 +328,7 @@ def crowded(lines=9):
 
 
 def test_a_diagram_has_a_line_a_method_front_and_floor():
-    """As wide as the page; each point says its mesh; colour and dashes together tell lines apart."""
+    """As wide as the page; each point names its mesh; colour and dashes together distinguish lines."""
     (diagram,) = crowded()
     found = columns(diagram)
     assert (diagram.name, diagram.width) == ("test", FULL)
@@ -511,7 +511,7 @@ def test_kinetic_energy_is_shown_as_a_change(curves):
 
 
 def test_the_ripple_is_drawn_at_its_size(curves):
-    """Height of the difference line in the panel of 10^-9, whose ticks tell its scale."""
+    """Height of the difference line in the panel of 10^-9, whose ticks are its scale."""
     assert {"−1000", "0", "1000"} <= {*texts(curves["slide"])}
 
 
@@ -525,7 +525,7 @@ def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves):
 
 
 def test_values_are_those_of_the_history(curves):
-    """What a page shows at the pointer, to five digits, at as many points as the path has."""
+    """Values at the pointer of a page, to five digits, at all points of the path."""
     fe, _ = histories()
     (path,) = [e for e in drawn_in(curves["slide"]) if e.get("data-label") == "FE"]
     where, at, values = columns(curves["slide"])["FE"]

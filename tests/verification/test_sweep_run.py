@@ -35,7 +35,7 @@ from tailslap.storage.folder import commit, fresh, result_folder
 from tailslap.storage.manifest import NAME as MANIFEST
 
 HANG = 120.0
-"""Seconds after which a test that waits gives up: a guard, not a measurement."""
+"""Seconds after which a waiting test fails: a guard, not a measurement."""
 
 SCENE = """name = "small"
 vehicle = {length = 10, width = 2.438, mass = 9979}
@@ -70,7 +70,7 @@ class Loopback(NamedTuple):
 
 
 def wait_until(condition):
-    """What the condition gives as soon as it is true."""
+    """Return the value of the condition as soon as it is true."""
     end = time.monotonic() + HANG
     while not (found := condition()):
         assert time.monotonic() < end, "waited in vain"
@@ -80,7 +80,7 @@ def wait_until(condition):
 
 @contextlib.contextmanager
 def loopback(folder, workers):
-    """`dask scheduler` on a free port of 127.0.0.1, and `dask worker` with so many processes."""
+    """`dask scheduler` on a free port of 127.0.0.1, and `dask worker` with a number of processes."""
     file, dask = folder / "scheduler.json", [sys.executable, "-m", "dask"]
     host = ["--host", "127.0.0.1", "--no-dashboard"]
     settings = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
@@ -245,7 +245,7 @@ def records_of(scene, place, definition=None):
 
 
 def known(row):
-    """A row without what it does not have: a table of part of the runs may lack a check's column."""
+    """Return a row without empty cells: a table of part of the runs may have fewer checks."""
     return {name: value for name, value in row.items() if value is not None}
 
 
@@ -350,7 +350,7 @@ def dies(runs, pause, run, *rest):
 def test_a_run_that_kills_its_worker_again_and_again_is_a_row(where, scene, request, tmp_path):
     """The runs that shared its batch, or its processes, are not blamed."""
     definition = definition_of(scene, ("corner.friction=0.1:0.5:40",))
-    # Dask gives up a worker that dies while it is being started.
+    # Dask does not replace a worker that dies while it is being started.
     address, pause = (request.getfixturevalue("cluster"), 0.5) if where == "cluster" else (None, 0.0)
     killing = (7,) if address else (7, 8, 30)
     done = perform(definition, tmp_path / "sweep", address, 2, partial(dies, killing, pause))
@@ -440,7 +440,7 @@ def test_other_versions_are_refused(scene, cluster, tmp_path, monkeypatch):
 
 
 class Flaky:
-    """A pool of one worker whose first call is lost on its way; the scheduler may be lost with it."""
+    """A pool of one worker whose first call is lost in transit; the scheduler may be lost with it."""
 
     died: pools.Errors = (ZeroDivisionError,)
     again: pools.Errors = (ConnectionError,)

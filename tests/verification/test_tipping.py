@@ -15,7 +15,7 @@ B, WALL, WEIGHT = 0.5 * TRACK, 0.81, 9979.0 * 9.80665
 TRUCK = RollingVehicle(MASS, CENTRE, INERTIA, TRACK, SPRING)
 UNDAMPED = replace(TRUCK, damping_ratio=0.0)
 HARD = replace(TRUCK, suspension=1e11)
-"""Springs that give by 5e-7 m: hard ground within 1e-6."""
+"""Springs that deflect by 5e-7 m: hard ground within 1e-6."""
 
 INTERVAL = 2e-4
 
@@ -34,7 +34,7 @@ def column(motion, name):
 
 
 def potential(vehicle, height, roll):
-    """Gravity and springs, written anew [J]."""
+    """Return the energy of gravity and springs, written independently [J]."""
     total = vehicle.mass * GRAVITY * height
     for side in (-0.5, 0.5):
         above = height + side * vehicle.track * np.sin(roll) - vehicle.centre_height * np.cos(roll)
@@ -82,7 +82,7 @@ def test_frequency_of_small_rolls_on_both_wheels():
 
 
 def test_damping_of_the_heave():
-    """Without roll each swing is the one before times exp(-2 pi ratio), of those small beside the static deflection."""
+    """Without roll successive amplitudes, small beside the static deflection, have the ratio exp(-2 pi ratio)."""
     start = (1e-6, 0.0, 0.0, 0.0)
     force = np.full(20_000, 1e-9)
     vehicle = replace(TRUCK, damping_ratio=0.05)

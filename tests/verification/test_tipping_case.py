@@ -106,7 +106,7 @@ def test_what_the_roll_takes_off_the_effective_mass():
 
 
 def test_the_third_strike_counts():
-    """The impact is followed to 0.5 s after the second strike, unless time.end says otherwise."""
+    """The impact is followed to 0.5 s after the second strike, unless time.end is set."""
     own = case()
     assert own.duration == pytest.approx(own.motion.strikes[1].end + 0.5, abs=1e-9)
     assert case("time.end=0.6").duration == 0.6

@@ -30,7 +30,7 @@ def failed(result):
 
 
 def test_spring_accounts_for_the_give_beyond_the_exact_constraint(outcome):
-    """A spring of stiffness k moves the whole plate by N/k; the elastic part is that of the exact constraint."""
+    """A spring of stiffness k displaces the whole plate by N/k; the elastic part is that of the exact constraint."""
     held, exact = outcome("paper-abaqus").fe_plan, fe_plan("corner.constraint=exact")
     assert held.spring_ratio == pytest.approx(held.deflection_ratio - exact.deflection_ratio, rel=1e-4)
     assert exact.spring_ratio == 0.0
@@ -198,7 +198,7 @@ def test_tolerances_that_make_no_sense(tolerance):
     ("kind", "scene"), [(CornerCase, "paper-table-3"), (ImpactCase, "impact-mash-tl4-sut")]
 )
 def test_a_tolerance_below_the_least_is_shown_with_all_of_its_digits(kind, scene):
-    """The allowed value and the refused one are different texts; what the command allows, a corner can be held to."""
+    """The allowed value and the refused one differ as texts; command and corner allow the same values."""
     case = kind(*read_scene(scene))
     tolerance = math.nextafter(case.least_tolerance, 0.0)
     with pytest.raises(InputError) as caught:

@@ -69,7 +69,7 @@ def test_the_table_of_a_trial_by_another_scheme(stiffness):
 
 
 def test_columns_of_a_history(case):
-    """Momenta of both units follow from wall and hinge; what the units take together is the train's."""
+    """Momenta of both units follow from wall and hinge; the sum of the units is the train's."""
     h, dt = case.rigid_history(), case.answer.interval
     masses = {"": 8200.0, "_2": 27770.0}
     gained = {unit: mass * np.diff(h[f"v_gy{unit}"]) / dt for unit, mass in masses.items()}

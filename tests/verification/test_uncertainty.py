@@ -115,7 +115,7 @@ def test_distribution_of_a_product(product):
 
 
 def below(ratio):
-    """P(X/dt <= ratio) = E of the share of the durations above X/ratio, by the midpoint rule over X."""
+    """P(X/dt <= ratio) = E of the fraction of the durations above X/ratio, by the midpoint rule over X."""
     x = 1.0 - E_HIGH + (E_HIGH - E_LOW) * (np.arange(20_000) + 0.5) / 20_000
     return float(np.clip((DT_HIGH - x / ratio) / (DT_HIGH - DT_LOW), 0.0, 1.0).mean())
 
@@ -178,7 +178,7 @@ def by_hand(table):
 
 
 def test_the_intervals_are_those_of_the_jackknife_of_groups():
-    """Rows with NaN left out: groups are by the number of the row."""
+    """Rows with NaN are omitted: groups are by the number of the row."""
     table = ishigami(256)
     table[3, [0, 1, 40, 41, 42]] = np.nan
     rows, size = np.flatnonzero(np.isfinite(table[3])), 256 // sampling.GROUPS
@@ -457,7 +457,7 @@ def test_a_default_range_that_does_not_fit_says_whose_it_is():
 
 
 def test_a_force_that_does_not_change_has_no_indices():
-    """[start] gives the state after the impact, so that the speed, forced to vary here, has no effect."""
+    """[start] is the state after the impact, so that the speed, forced to vary here, has no effect."""
     plan = CornerCase(*read_scene("paper-abaqus"))
     with pytest.raises(errors.InputError, match="constant within these ranges"):
         compute.spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)

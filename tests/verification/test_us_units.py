@@ -127,7 +127,7 @@ def test_a_measure_is_converted_before_it_is_rounded():
 
 
 def test_a_report_is_in_american_units_everywhere():
-    """Headline, lead, sentences, captions, cells, axes, ticks, and what charts say at the pointer."""
+    """Headline, lead, sentences, captions, cells, axes, ticks, and values at the pointer of charts."""
     two, three, force = measure(2.0, "m", "g"), measure(3.0, "m", "g"), measure(445.0, "kN", "g")
     line = Line(force, np.array([0.0, 445.0]), np.zeros(2), values=[force] * 2, at=[two, three])
     chart = draw_chart("c", two, (Plot((line, Level("", 445.0)), Axis("y [kN]")),), Axis("x [kN]"))
@@ -167,7 +167,7 @@ def second_columns(table):
 
 
 def test_tables_of_an_impact_convert_before_they_round(monkeypatch):
-    """The paper's method beside an impact, and what a wall does that gives; 0.1 kN s are 1 % of 2.3556 kip s."""
+    """The paper's method beside an impact, and an elastic wall; 0.1 kN s are 1 % of 2.3556 kip s."""
     case = ImpactCase(*read_scene("impact-mash-tl3-pickup", ("verify.mesh=0.01",)))
     method = rigid.paper_method(case.scene, case.answer)
     assert method is not None

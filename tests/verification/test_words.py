@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 import pytest
-from wording import PACKAGES, PRIVATE, private_words
+from wording import PACKAGES, PRIVATE, descriptions, docstrings, private_words, sources
 
 from tailslap import cli
 
@@ -35,16 +35,10 @@ def found_in(text):
     return private_words(text, PRIVATE)
 
 
-def docstrings(tree):
-    """Constants that are descriptions: of modules, classes and functions, and below constants."""
-    inner = (child for node in ast.walk(tree) for child in ast.iter_child_nodes(node))
-    return {id(child.value) for child in inner if isinstance(child, ast.Expr)}
-
-
 def texts(path):
     """Strings of a module that reach a person: of several words; descriptions where an editor shows them."""
     tree, name = ast.parse(path.read_text(encoding="utf-8")), str(path.relative_to(ROOT))
-    described = set() if name in READ_IN_AN_EDITOR else docstrings(tree)
+    described = set() if name in READ_IN_AN_EDITOR else {id(node) for node in docstrings(tree)}
     strings = [
         node for node in ast.walk(tree) if isinstance(node, ast.Constant) and id(node) not in described
     ]
@@ -56,6 +50,18 @@ def test_messages_and_reports(package):
     modules = sorted((ROOT / package).rglob("*.py"))
     found = {str(p.relative_to(ROOT)): [w for text in texts(p) for w in found_in(text)] for p in modules}
     assert {name: words for name, words in found.items() if words} == {}
+
+
+@pytest.mark.parametrize("folder", ["tests", "benchmarks"])
+def test_descriptions(folder):
+    """Docstrings and comments."""
+    found = {
+        f"{path.relative_to(ROOT)}:{line}": words
+        for path in sources([ROOT / folder])
+        for line, text in descriptions(path.read_text(encoding="utf-8"))
+        if (words := private_words(text))
+    }
+    assert found == {}
 
 
 @pytest.mark.parametrize("name", [str(path.relative_to(ROOT)) for path in DOCUMENTS])
