@@ -99,7 +99,7 @@ CALLS: tuple[tuple[Callable[..., Any], tuple[Any, ...]], ...] = (
 
 def caches(count: int, seed: int) -> Judged:
     """Kept code of small kernels: flipped, cut, grown, swapped."""
-    from fem.machine_code.compiled import compiled
+    from machine_code.compiled import compiled
 
     os.environ["NUMBA_CACHE_DIR"] = tempfile.mkdtemp()
     files = [compiled(function).path(*given) for function, given in CALLS]

@@ -39,11 +39,11 @@ from fem.explicit.simd_blocks import (
 from fem.explicit.time_loop import LoopParameters, State, advance, drift
 from fem.laws.constraints import Penalty
 from fem.laws.materials import stress
-from fem.machine_code.compiled import Kernel, compiled, inlined
-from fem.machine_code.numba_code import compile_for, make_dispatcher
 from fem.plate.discretisation import ElementTable
 from fem.run.corner import Stepper
 from fem.run.runner import copy_state
+from machine_code.compiled import Kernel, compiled, inlined
+from machine_code.numba_code import compile_for, make_dispatcher
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.errors import InputError

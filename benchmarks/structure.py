@@ -24,7 +24,7 @@ from types import FrameType
 import command_line
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
+PACKAGES = ("solver", "meshes", "machine_code", "fem", "postprocess", "tailslap")
 SKIPPED = {
     tokenize.COMMENT,
     tokenize.NL,
@@ -39,7 +39,7 @@ DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def sources(root: Path = ROOT) -> list[Path]:
-    """The modules of the five packages."""
+    """The modules of the six packages."""
     return [path for package in PACKAGES for path in sorted((root / package).rglob("*.py"))]
 
 
@@ -82,7 +82,7 @@ def module_name(path: Path) -> str:
 
 
 def imports(path: Path, names: set[str]) -> Iterator[str]:
-    """Modules of the five packages that a module imports anywhere: at its head, within functions, for types, or by the
+    """Modules of the six packages that a module imports anywhere: at its head, within functions, for types, or by the
     name of a function, "module:function"."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):

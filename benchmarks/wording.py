@@ -22,7 +22,7 @@ from pathlib import Path
 import command_line
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("solver", "meshes", "fem", "postprocess", "tailslap")
+PACKAGES = ("solver", "meshes", "machine_code", "fem", "postprocess", "tailslap")
 PRIVATE = {
     r"tell(?:s|ing)?|told": "states, lists, reports",
     r"says?|saying|said": "states, describes",

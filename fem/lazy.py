@@ -1,8 +1,6 @@
 """Names of packages whose modules are imported on first use."""
 
-import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any
 
@@ -26,19 +24,3 @@ def lazy_names(
         attribute,
         lambda: sorted(home),
     )
-
-
-@contextmanager
-def hidden_modules(*modules: str) -> Iterator[None]:
-    """Import as if these modules were not installed.
-
-    Modules that are already imported remain.
-    """
-    hidden = [module for module in modules if module not in sys.modules]
-    for module in hidden:
-        sys.modules[module] = None  # type: ignore[assignment]
-    try:
-        yield
-    finally:
-        for module in hidden:
-            del sys.modules[module]

@@ -1,24 +1,20 @@
 """Registries of objects that a scene may name.
 
 An extension is one frozen object, registered once, in the file that defines it. Numba is not needed here: the kernels
-of a law are plain functions, and `fem.machine_code.compiled` compiles them when a loop with that law is built.
+of a law are plain functions, and `machine_code.compiled` compiles them when a loop with that law is built.
 """
 
 from __future__ import annotations
 
-import marshal
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
-from types import FunctionType
 from typing import Any, Protocol, TypeVar
+
+from machine_code.sources import REGISTERED
 
 T = TypeVar("T", bound="Named")
 
 L = TypeVar("L", bound="Law")
-
-_REGISTRIES: list[LawRegistry[Any]] = []
-"""All registries of laws."""
 
 
 class Named(Protocol):
@@ -90,7 +86,7 @@ class LawRegistry(Registry[L]):
 
     def __init__(self, what: str) -> None:
         super().__init__(what)
-        _REGISTRIES.append(self)
+        REGISTERED.append(self._values)
 
     def register(self, entry: L) -> L:
         """Add a law and return it.
@@ -111,26 +107,11 @@ class LawRegistry(Registry[L]):
             raise TypeError(f"no {self.what} has constants of {type(constants).__name__}")
         return law
 
+    def _values(self) -> Iterator[Any]:
+        """Yield the values of the fields of all laws, and their helpers."""
+        for law in self.values():
+            yield from (*vars(law).values(), *law.helpers)
+
     def by_type(self, kind: type | None) -> L | None:
         """Return the law with constants of this type, or None."""
         return next((law for law in self.values() if law.constants is kind), None)
-
-
-def outside_sources() -> tuple[bytes, ...]:
-    """Return the sources of registered functions outside this package.
-
-    They are kernels and helpers, on which compiled code depends too.
-    """
-    laws = (law for registry in _REGISTRIES for law in registry.values())
-    values = (value for law in laws for value in (*vars(law).values(), *law.helpers))
-    functions = (value for value in values if isinstance(value, FunctionType))
-    outside = (f for f in functions if str(f.__module__).partition(".")[0] != __package__)
-    return tuple(sorted({source_of(function) for function in outside}))
-
-
-def source_of(function: Any) -> bytes:
-    """Return the source file of a function, else its bytecode."""
-    try:
-        return Path(function.__code__.co_filename).read_bytes()
-    except OSError:
-        return marshal.dumps(function.__code__)

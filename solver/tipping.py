@@ -24,7 +24,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from fem.machine_code.compiled import OnCompile, compile_once, compiled, ignore_compiling
+from machine_code.compiled import OnCompile, compile_once, compiled, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, Number, number, one
 
@@ -410,7 +410,7 @@ def solve_roll(
     start : tuple of float
         Height of the centre of mass over that at rest [m], roll [rad], and their rates [m/s], [rad/s].
     on_compile : callable
-        Called when code is compiled, see `fem.machine_code.compiled.compile_once`.
+        Called when code is compiled, see `machine_code.compiled.compile_once`.
 
     Returns
     -------

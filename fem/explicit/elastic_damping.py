@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.machine_code.compiled import compiled, implements, optional
+from machine_code.compiled import compiled, implements, optional
 
 SUMS = 6
 """Number of sums over the nodes.

@@ -26,8 +26,8 @@ from fem.laws.wall_contact import (
     stored_energy,
     tilted,
 )
-from fem.machine_code.compiled import compiled, implements
 from fem.plate.discretisation import ElementTable, Hourglass
+from machine_code.compiled import compiled, implements
 
 
 class ImpactLoopParameters(NamedTuple):

@@ -40,8 +40,8 @@ from fem.explicit.simd_blocks import (
     slot_count,
     subtract_first,
 )
-from fem.machine_code.compiled import compiled
 from fem.plate.discretisation import ElementTable, Hourglass
+from machine_code.compiled import compiled
 
 
 class Viscosity(NamedTuple):

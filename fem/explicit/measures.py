@@ -13,7 +13,7 @@ from fem.explicit.internal_force import subtract_internal_forces
 from fem.explicit.time_loop import advance
 from fem.laws.constraints import add_corner_reaction, constraint_energy, weighted
 from fem.laws.materials import deformation_gradient, energy_density, green_strain
-from fem.machine_code.compiled import compiled
+from machine_code.compiled import compiled
 
 
 @compiled

@@ -19,7 +19,7 @@ from fem.explicit.elastic_damping import SUMS, add_damping_force, power_correcti
 from fem.explicit.internal_force import Scratch, subtract_forces_of
 from fem.explicit.simd_blocks import BLOCK_SIZE, aligned, slot_count
 from fem.explicit.time_loop import LoopParameters, State, add_reaction, drift, follow
-from fem.machine_code.compiled import compiled
+from machine_code.compiled import compiled
 
 WORD = 8
 """Distance between the two numbers of a barrier, a cache line."""

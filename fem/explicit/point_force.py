@@ -11,7 +11,7 @@ xi eta c. Then a is in the rows of its second node, b in those of its fourth, an
 
 from fem.explicit.simd_blocks import BLOCK_SIZE, at_slot
 from fem.laws.materials import green_strain, stress
-from fem.machine_code.compiled import compiled, inlined
+from machine_code.compiled import compiled, inlined
 
 
 @compiled

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.machine_code.compiled import chosen, compiled
+from machine_code.compiled import chosen, compiled
 
 BLOCK_SIZE = 64
 """Elements per block; the rows of a block stay in the first-level cache."""

@@ -12,8 +12,8 @@ from fem.explicit.elastic_damping import ElasticDamping, damp, power_correction
 from fem.explicit.internal_force import Viscosity, subtract_forces_of
 from fem.explicit.simd_blocks import slot_count
 from fem.laws.constraints import CornerConstraint, add_corner_reaction
-from fem.machine_code.compiled import compiled, implements
 from fem.plate.discretisation import ElementTable, Hourglass
+from machine_code.compiled import compiled, implements
 
 
 class LoopParameters(NamedTuple):

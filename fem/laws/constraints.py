@@ -23,8 +23,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.laws.friction import FRICTION_LAWS
-from fem.machine_code.compiled import by_law, compiled
 from fem.registry import Law, LawRegistry
+from machine_code.compiled import by_law, compiled
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.machine_code.compiled import implements, optional
+from machine_code.compiled import implements, optional
 
 UNIT = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
 """Columns of the rigid motion of a plate, as those of `ImpactMeasures`."""

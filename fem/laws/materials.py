@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from fem.machine_code.compiled import by_law, inlined
 from fem.registry import Law, LawRegistry
+from machine_code.compiled import by_law, inlined
 
 
 @inlined

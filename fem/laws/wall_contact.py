@@ -25,7 +25,7 @@ import numpy as np
 
 from fem.laws.constraints import friction_force
 from fem.laws.unilateral import CONTACT_LAWS
-from fem.machine_code.compiled import by_law, compiled, implements, inlined, optional
+from machine_code.compiled import by_law, compiled, implements, inlined, optional
 
 
 class Surface(NamedTuple):

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from fem.machine_code.compiled import compiled
 from fem.modal.motion import accelerate, reaction
+from machine_code.compiled import compiled
 
 NODE = 0.5 - math.sqrt(3.0) / 6.0
 """First instant of a step as a fraction; the second has the same distance from its end."""

@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from fem.modal import motion
 from fem.modal.collocation import REACHED, run_to_strike
 from fem.model.plate_model import PlateModel
@@ -21,6 +20,7 @@ from fem.plate.free_modes import free_modes
 from fem.plate.properties import RigidStart
 from fem.start.inertia_relief import ElasticFields
 from fem.start.rigid_loads import to_global
+from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 
 OVERTIME = 1.5
 """Multiple of the expected duration after which a run without tail-slap ends."""
@@ -208,7 +208,7 @@ def integrate(
     """Run the modal model to the tail-slap.
 
     steps: number of steps in the expected duration [s]; the last step of the run is shorter. on_compile: see
-    `fem.machine_code.compiled.compile_once`.
+    `machine_code.compiled.compile_once`.
     """
     size = start[0].size
     table = np.empty((int(OVERTIME * steps) + 2, 1 + 2 * size))

@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from fem.laws.friction import FRICTION_LAWS
-from fem.machine_code.compiled import by_law, compiled
+from machine_code.compiled import by_law, compiled
 
 
 class ModalMeasures(NamedTuple):

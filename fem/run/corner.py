@@ -11,10 +11,10 @@ import numpy as np
 
 from fem.explicit import columns, time_loop
 from fem.explicit.measures import advance_and_measure, all_forces, measure
-from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
 from fem.run import observers, resume, runner
 from fem.start import inertia_relief, start_kinds
+from machine_code import compiled
 
 CORRUPTION_CHECKS = 50
 """Instants of a run at which the check for corruption is made."""
@@ -172,7 +172,7 @@ def compile_loop(
     """Return the loop of a model with its compiled code.
 
     Code is compiled, by one process at a time, or loaded from disk. on_compile: see
-    `fem.machine_code.compiled.compile_once`.
+    `machine_code.compiled.compile_once`.
     """
     stepper = Stepper(model, threads)
     compiled.compile_once(

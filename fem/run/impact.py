@@ -11,11 +11,11 @@ import numpy as np
 from fem.explicit import impact_loop
 from fem.laws.hinges import HINGE, UNIT, unloaded
 from fem.laws.wall_contact import ContactState
-from fem.machine_code import compiled
 from fem.model.plate_model import PlateModel
 from fem.plate.properties import ModelError
 from fem.run import observers, resume, runner
 from fem.start import inertia_relief
+from machine_code import compiled
 
 CHECK_ROWS = 200
 """Rows between two checks for the end of the run."""

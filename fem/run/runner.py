@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.explicit import internal_force
-from fem.machine_code.object_code import Prepared
 from fem.model.plate_model import PlateModel
+from machine_code.object_code import Prepared
 
 Arrays = Mapping[str, np.ndarray]
 Size = tuple[int, ...]

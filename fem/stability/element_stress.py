@@ -3,8 +3,8 @@
 import numpy as np
 
 from fem.laws.materials import deformation_gradient, energy_density, green_strain, stress
-from fem.machine_code.compiled import compiled
 from fem.model.plate_model import PlateModel
+from machine_code.compiled import compiled
 
 
 def element_stress(model: PlateModel, positions: np.ndarray) -> np.ndarray:

@@ -21,11 +21,11 @@ import numpy as np
 
 from fem.cache import cached
 from fem.laws.friction import friction_slope
-from fem.machine_code.compiled import compiled
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Inverse
 from fem.plate.properties import RigidStart
 from fem.start.rigid_loads import to_global
+from machine_code.compiled import compiled
 
 MAX_UNKNOWNS = 1200
 """Largest number of unknowns whose modes are computed.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem.machine_code.compiled import OnCompile, ignore_compiling
+from machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, Number, RigidBodyError, number, positive
 from solver.impact import train as vehicles
@@ -211,7 +211,7 @@ def solve_impact(
     tolerance : float
         Of peaks, impulses and spin, by which the step is chosen [-].
     on_compile : callable
-        Called when code is compiled, see `fem.machine_code.compiled.compile_once`.
+        Called when code is compiled, see `machine_code.compiled.compile_once`.
     trailers : sequence of HitchedVehicle
         Behind the vehicle, in a line with it at the start.
 

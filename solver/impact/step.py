@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.machine_code.compiled import compiled
+from machine_code.compiled import compiled
 
 SWEEPS = 200
 SETTLED = 1e-13

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.machine_code.compiled import OnCompile, compile_once, ignore_compiling
+from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver.conditions import Array, RigidBodyError
 from solver.impact.step import SHORTEST, STRIKE, advance, columns, workspace
 from solver.impact.train import Train
@@ -132,7 +132,7 @@ def solve_trains(
     strikes : int
         For how many there is room.
     on_compile : callable
-        Called when code is compiled, see `fem.machine_code.compiled.compile_once`.
+        Called when code is compiled, see `machine_code.compiled.compile_once`.
 
     Returns
     -------

@@ -28,7 +28,7 @@ from tailslap.storage import folder, manifest
 
 Key = str | int
 
-PACKAGES = ("fem", "meshes", "postprocess", "solver", "tailslap")
+PACKAGES = ("fem", "machine_code", "meshes", "postprocess", "solver", "tailslap")
 OURS = 0x7461696C
 """By which SQLite files of this program are known: "tail"."""
 HEAD, OURS_AT = b"SQLite format 3\0", 68

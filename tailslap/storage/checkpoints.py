@@ -168,7 +168,7 @@ def _report(why: str) -> None:
 
 def _digest(definition: Mapping[str, object]) -> str:
     """Return the digest of a definition, the libraries and the compiled code."""
-    from fem.machine_code.folder import cache_folder
+    from machine_code.folder import cache_folder
 
     programs = {name: version(name) for name in ("numpy", "numba", "scipy", "scikit-fem")}
     all_of_it = {**definition, **programs, "fem": cache_folder().name}

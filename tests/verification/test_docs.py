@@ -178,7 +178,7 @@ def test_wrong_links_and_files_are_noticed(tmp_path):
     links = "[a](page.md#one-thing) [b](page.md#two) [c](none.md) [d](https://example.org)"
     page.write_text(f"# One thing\n{links}")
     assert broken_links(page) == ["page.md#two", "none.md"]
-    named = "`fem/machine_code/compiled.py` `compiled.py` `fem/none.py` `text`"
+    named = "`machine_code/compiled.py` `compiled.py` `fem/none.py` `text`"
     assert missing_files(named) == ["fem/none.py"]
 
 

@@ -26,8 +26,8 @@ EQUATION = re.compile(r"\bEqs? \d")
 
 
 def modules() -> Iterator[ModuleType]:
-    """The five packages, and the sub-packages of `solver`, `fem` and `postprocess`."""
-    for name in ("solver", "meshes", "fem", "postprocess", "tailslap"):
+    """The six packages, and the sub-packages of `solver`, `fem` and `postprocess`."""
+    for name in ("solver", "meshes", "machine_code", "fem", "postprocess", "tailslap"):
         package = importlib.import_module(name)
         yield package
         for found in (

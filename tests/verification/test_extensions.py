@@ -21,9 +21,9 @@ from fem import (
     START_KINDS,
     ElementKind,
 )
-from fem.machine_code.folder import cache_folder
 from fem.registry import Registry
 from fem.start.inertia_relief import statics
+from machine_code.folder import cache_folder
 from postprocess.report.command_report import write_report
 from solver import REACTIONS
 from tailslap.campaign.draws import choices_of

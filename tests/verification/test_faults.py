@@ -16,8 +16,8 @@ import psutil
 import pytest
 
 from fem import cache
-from fem.machine_code import folder, object_code
-from fem.machine_code.compiled import compiled
+from machine_code import folder, object_code
+from machine_code.compiled import compiled
 from tailslap import errors
 from tailslap.campaign import pools
 from tailslap.cli import _status

@@ -22,11 +22,11 @@ import pytest
 
 from fem.explicit.parallel import _wait_for_all, new_barrier
 from fem.explicit.time_loop import advance
-from fem.machine_code import folder, object_code
-from fem.machine_code.compiled import compile_once, compiled
-from fem.machine_code.folder import USUAL_S, one_process_compiles
-from fem.machine_code.object_code import Prepared, UnknownTypeError, flattened
 from fem.run.corner import Stepper
+from machine_code import folder, object_code
+from machine_code.compiled import compile_once, compiled
+from machine_code.folder import USUAL_S, one_process_compiles
+from machine_code.object_code import Prepared, UnknownTypeError, flattened
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
 from tailslap.scene.read import read_scene
@@ -325,7 +325,7 @@ def test_code_of_another_package_depends_on_all_of_it(tmp_path, python):
     """A kernel calls others of its package: where one of them has changed, it is compiled again."""
     package = tmp_path / "elsewhere" / "within"
     package.mkdir(parents=True)
-    header = "from fem.machine_code.compiled import compiled\n"
+    header = "from machine_code.compiled import compiled\n"
     body = "@compiled\ndef whole(x):\n    return 2.0 * part(x)\n"
     (package / "caller.py").write_text(f"{header}from elsewhere.called import part\n\n\n{body}")
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
@@ -340,7 +340,7 @@ def test_code_of_another_package_depends_on_all_of_it(tmp_path, python):
 
 def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path, python):
     """As a law from outside may call one."""
-    header = "import math\nfrom fem.machine_code.compiled import compiled\n\n\n"
+    header = "import math\nfrom machine_code.compiled import compiled\n\n\n"
     body = "return math.gamma(x)\n"
     (tmp_path / "outside.py").write_text(f"{header}@compiled\ndef gamma(x):\n    {body}")
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
@@ -352,7 +352,7 @@ def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_p
 
 def test_numba_told_not_to_compile_compiles_ours(tmp_path, python):
     """NUMBA_DISABLE_JIT is for functions of one's own."""
-    header = "from fem.machine_code.compiled import compiled\n\n\n"
+    header = "from machine_code.compiled import compiled\n\n\n"
     (tmp_path / "outside.py").write_text(f"{header}@compiled\ndef double(x):\n    return 2.0 * x\n")
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code"), "NUMBA_DISABLE_JIT": "1"}
     script = "from outside import double; print(double(1.5), double.path(1.5).is_file())"

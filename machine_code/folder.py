@@ -19,7 +19,7 @@ from typing import Any
 
 import platformdirs
 
-from fem.registry import outside_sources, source_of
+from machine_code.sources import PACKAGES, outside_sources, source_of
 
 USUAL_S, LONGEST_S, TIME_FILE = 10.0, 3600.0, "seconds"
 """Usual and longest time [s] in which a loop is compiled, and the file of the last time.
@@ -30,8 +30,8 @@ The usual time is expected where the file is missing.
 PATIENCE_S = 2.0
 """Time [s] after which waiting for another process is reported."""
 
-PACKAGE = Path(__file__).resolve().parents[1]
-"""Folder of the package whose sources are in every digest."""
+ROOT = Path(__file__).resolve().parents[1]
+"""Folder of the packages."""
 
 
 def cache_folder() -> Path:
@@ -44,7 +44,7 @@ def cache_folder() -> Path:
 
 
 def sources() -> str:
-    """Return the digest of this package and of registered laws."""
+    """Return the digest of PACKAGES and of registered laws."""
     digest = _own_digest().copy()
     for source in outside_sources():
         digest.update(source)
@@ -53,21 +53,21 @@ def sources() -> str:
 
 @functools.cache
 def _own_digest() -> Any:
-    """Return the digest of the sources of this package."""
+    """Return the digest of the sources of PACKAGES."""
     digest = hashlib.sha256()
-    for source in sorted(PACKAGE.rglob("*.py")):
+    for source in (path for name in PACKAGES for path in sorted((ROOT / name).rglob("*.py"))):
         digest.update(source.read_bytes())
     return digest
 
 
 @functools.cache
 def own_sources(function: Callable[..., Any]) -> str:
-    """Return the digest of the sources of a function outside this package.
+    """Return the digest of the sources of a function outside PACKAGES.
 
     They are its file, or all files of its package.
     """
     path, depth = Path(function.__code__.co_filename).resolve(), function.__module__.count(".")
-    if PACKAGE in path.parents:
+    if any(ROOT / name in path.parents for name in PACKAGES):
         return ""  # among `sources`
     digest = hashlib.sha256(source_of(function))
     with suppress(OSError):

@@ -1,12 +1,29 @@
 """Compiling by Numba, in the only module that imports it."""
 
 import functools
-from collections.abc import Callable
-from contextlib import suppress
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import Any
 
-from fem.lazy import hidden_modules
-from fem.machine_code.object_code import ADDRESS, FLOAT, INTEGER, LOGICAL, ObjectCode, UnknownTypeError
+from machine_code.object_code import ADDRESS, FLOAT, INTEGER, LOGICAL, ObjectCode, UnknownTypeError
+
+
+@contextmanager
+def hidden_modules(*modules: str) -> Iterator[None]:
+    """Import as if these modules were not installed.
+
+    Modules that are already imported remain.
+    """
+    hidden = [module for module in modules if module not in sys.modules]
+    for module in hidden:
+        sys.modules[module] = None  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        for module in hidden:
+            del sys.modules[module]
+
 
 with hidden_modules("coverage", "cffi"):  # Numba imports them if installed, which takes long
     import numba

@@ -13,11 +13,10 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-from fem.machine_code import folder, object_code
-from fem.machine_code.object_code import Call, Prepared, UnknownTypeError, flattened, type_text, value_codes
-from fem.registry import LawRegistry
+from machine_code import folder, object_code
+from machine_code.object_code import Call, Prepared, UnknownTypeError, flattened, type_text, value_codes
 
 FAST_MATH = {"contract", "nsz", "reassoc"}
 """Optimisations that are allowed: fused multiply-add and regrouping.
@@ -55,9 +54,20 @@ MISSING_NAME_ERRORS = (AttributeError, ImportError, LookupError, TypeError)
 """Errors of a name that another version of Numba does not have, or has with another meaning."""
 
 
+class Laws(Protocol):
+    """Laws of compiled code that are chosen by the type of their constants."""
+
+    def by_type(self, kind: type | None) -> Any:
+        """Return the law with constants of this type, or None.
+
+        `inlined` has the names of fields whose kernels are merged into their caller, `helpers` the functions that
+        they call.
+        """
+
+
 def _numba_code() -> Any:
     """Return the module that compiles, with all functions registered."""
-    from fem.machine_code import numba_code
+    from machine_code import numba_code
 
     numba_code.register_kernel_type(Kernel)
     while _PENDING:
@@ -216,7 +226,7 @@ def ignore_compiling(message: str) -> None:
     """Ignore messages about compiling."""
 
 
-def by_law(laws: LawRegistry[Any], kernel: str) -> Function:
+def by_law(laws: Laws, kernel: str) -> Function:
     """Return a function of compiled code that calls the kernel of a law.
 
     kernel: field of the law. The law is the one whose constants the first argument holds, chosen by their type when a
@@ -228,7 +238,7 @@ def by_law(laws: LawRegistry[Any], kernel: str) -> Function:
 
     def chooser(merged: bool) -> Function:
         def choose(first: Any, *rest: Any) -> Any:
-            from fem.machine_code.numba_code import make_callable, python_type
+            from machine_code.numba_code import make_callable, python_type
 
             law = laws.by_type(python_type(first))
             if law is None or (kernel in law.inlined) != merged:
@@ -266,7 +276,7 @@ def implements(generic: Function, kind: type, merged: bool = False) -> Function:
 
     def register(implementation: Function) -> Function:
         def choose(first: Any, *rest: Any) -> Any:
-            from fem.machine_code.numba_code import python_type
+            from machine_code.numba_code import python_type
 
             return implementation if python_type(first) is kind else None
 
