@@ -20,7 +20,7 @@ from solver.impact import stiffness_of_duration
 from tailslap.case.impact.case import ImpactCase
 from tailslap.replication.paper_values import TABLE_4, ForceRow
 from tailslap.scene.read import read_scene
-from tailslap.studies.uncertainty.compute import impact_ranges
+from tailslap.studies.uncertainty.uncertainty_ranges import impact_ranges
 
 SCENE = "impact-mash-tl4-sut"
 STIFFNESS, MEAN = "contact.stiffness", "strike_2.mean_50ms"

@@ -320,7 +320,7 @@ def rows(place: Path) -> list[str]:
     """List the rows of a sweep's table, without times and parts reused from earlier rows."""
     import pyarrow.parquet as parquet
 
-    from tailslap.campaign.definition import CIRCUMSTANCES
+    from tailslap.campaign.sweep_table import CIRCUMSTANCES
 
     found = parquet.read_table(place / "sweep.parquet").to_pylist()
     return [json.dumps({k: v for k, v in row.items() if k not in CIRCUMSTANCES}) for row in found]

@@ -29,7 +29,7 @@ from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
-from tailslap.studies.flexibility import compute
+from tailslap.studies.flexibility import corner_flexibility, impact_flexibility, plate_runs
 
 COUNT = 40
 """Runs beyond each printed frequency."""
@@ -46,26 +46,30 @@ def stated(summary: dict[str, Any]) -> Iterator[tuple[str, str, Reach]]:
     for start, each in summary["levels_v_gy"].items():
         yield from ((start, "v_gy", Reach(**level)) for level in each)
     for name, each in summary["levels"].items():
-        yield from ((compute.STARTS[0], name, Reach(**level)) for level in each)
+        yield from ((corner_flexibility.STARTS[0], name, Reach(**level)) for level in each)
 
 
 def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
     """Differences of a plate by quantity; plate: start and first frequency [Hz]."""
     case, (start, frequency) = case_of(*read_scene(scene)), plate
     if isinstance(case, CornerCase):
-        sweep = compute.define(case)
-        of_start = compute.scan_changes(compute.run_changes(sweep, frequency, sweep.meshes[-1], start))
-        return compute.scan_row(compute.one_run(case.source, of_start), case.tail_slap)
+        sweep = corner_flexibility.define(case)
+        of_start = corner_flexibility.scan_changes(
+            corner_flexibility.run_changes(sweep, frequency, sweep.meshes[-1], start)
+        )
+        return corner_flexibility.scan_row(
+            plate_runs.one_run(case.source, of_start, corner_flexibility.fe_record), case.tail_slap
+        )
     assert isinstance(case, ImpactCase)
     changes: dict[str, Any] = {
         "plate.youngs_modulus": None,
         "plate.elements": case.plan().plate.counts,
         "plate.first_frequency": frequency,
-        "contact.patch_length": compute.patch_length(case),
+        "contact.patch_length": impact_flexibility.patch_length(case),
         "verify.companion": False,
     }
-    record = compute.one_run(case.source, changes, compute.strike_record)
-    return compute.strike_differences(record)
+    record = plate_runs.one_run(case.source, changes, impact_flexibility.strike_record)
+    return impact_flexibility.strike_differences(record)
 
 
 def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:

@@ -31,7 +31,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import energy_error
 from tailslap.case.impact.run import attempt
 from tailslap.scene.read import read_scene
-from tailslap.studies.uncertainty.compute import impact_ranges
+from tailslap.studies.uncertainty.uncertainty_ranges import impact_ranges
 
 SCENE, TRAIN, LAWS = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van", ("penalty", "exact")
 Row = tuple[str, str]

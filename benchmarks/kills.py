@@ -36,7 +36,7 @@ import psutil
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from tailslap.campaign.definition import CIRCUMSTANCES
+from tailslap.campaign.sweep_table import CIRCUMSTANCES
 from tailslap.storage.folder import locked, recover
 from tailslap.storage.manifest import LOCK, LOG, NAME, entry, read_manifest
 

@@ -18,9 +18,10 @@ import command_line
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.svg.chart import Chart
 from tailslap.scene.read import read_scene
-from tailslap.studies.cost.report import RIGID, SOFT, charts
-from tailslap.studies.stability.axes import axes_of
-from tailslap.studies.stability.compute import MAP_KINDS
+from tailslap.studies.cost.cost_diagrams import charts
+from tailslap.studies.cost.cost_report import RIGID, SOFT
+from tailslap.studies.stability.cell_verdicts import MAP_KINDS
+from tailslap.studies.stability.stability_axes import axes_of
 
 DOCS = Path(__file__).parents[1] / "docs"
 SHOWN = (

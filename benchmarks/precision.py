@@ -17,7 +17,7 @@ from postprocess.comparison.quantities import KEYS, relative_difference
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.corner.plan import CornerPlan
 from tailslap.scene.read import read_scene
-from tailslap.studies.cost.compute import SingleStepper
+from tailslap.studies.cost.cost_study import SingleStepper
 
 SCENE = "paper-abaqus"
 ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy")

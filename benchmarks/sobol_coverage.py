@@ -16,7 +16,8 @@ import command_line
 import numpy as np
 
 from tailslap.campaign import sampling
-from tailslap.campaign.sampling import Array, Range
+from tailslap.campaign.input_ranges import Range
+from tailslap.campaign.sampling import Array
 
 INPUTS, ROWS, REPEATS = (2, 5, 11, 21), (32, 64, 256, 1024, 4096), 40
 

@@ -3,10 +3,10 @@
     .venv/bin/python benchmarks/structure.py [--files] [--trace]
 
 Lines of code are those without docstrings, comments and blank lines. Modules that report are those of `postprocess`,
-and those named report, or in a folder of that name; signals and comparison compute and are counted apart. An import
-circle counts lazy and type-only imports. With --files, each file. With --trace also the calls of a run of paper-table-3
-up to its time loop: the files that they enter, how often they climb back from `fem` into `tailslap`, and how many
-meshes are made of one plate.
+and those named report or like *_report, or in a folder of that name; signals and comparison compute and are counted
+apart. An import circle counts lazy and type-only imports. With --files, each file. With --trace also the calls of a run
+of paper-table-3 up to its time loop: the files that they enter, how often they climb back from `fem` into `tailslap`,
+and how many meshes are made of one plate.
 """
 
 from __future__ import annotations
@@ -72,7 +72,8 @@ def reports(path: Path) -> bool:
     """Return True for modules that turn numbers into text, tables, pages or pictures."""
     parts = path.relative_to(ROOT).with_suffix("").parts
     computes = parts[:2] in {("postprocess", "signals"), ("postprocess", "comparison")}
-    return not computes and (parts[0] == "postprocess" or bool({"report", "reports"} & set(parts)))
+    named = bool({"report", "reports"} & set(parts)) or parts[-1].endswith("_report")
+    return not computes and (parts[0] == "postprocess" or named)
 
 
 def module_name(path: Path) -> str:

@@ -27,9 +27,9 @@ import command_line
 import psutil
 from main_job import row
 
-from tailslap.campaign.definition import CIRCUMSTANCES, TABLE
-from tailslap.campaign.perform import RECORDS
 from tailslap.campaign.records import count
+from tailslap.campaign.sweep_run import RECORDS
+from tailslap.campaign.sweep_table import CIRCUMSTANCES, TABLE
 
 THOUSAND = (
     *("paper-table-3", "--set", "plate.elements=[10, 3]"),

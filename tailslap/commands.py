@@ -257,9 +257,9 @@ def sweep(
     Exit status: 0 if every run passed its checks or was refused by the theory; 1 if one failed a check or ended in an
     error; 3 if the cluster was lost.
     """
-    from tailslap.campaign.definition import make_definition, varied_source
-    from tailslap.campaign.perform import StoppedError
     from tailslap.campaign.sweep import sweep_result
+    from tailslap.campaign.sweep_definition import make_definition, varied_source
+    from tailslap.campaign.sweep_run import StoppedError
 
     definition = make_definition(name, changes, varied, sample, seed)
     remark_on(varied_source(definition))

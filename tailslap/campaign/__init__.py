@@ -1,8 +1,12 @@
-"""Many runs of a scene: parts computed by workers, a record of each on disk as it comes.
+"""Campaigns of many runs.
 
-`engine.py` hands parts to workers, processes of this machine or of a Dask cluster, and puts what they find into
-`records.py`, an SQLite file. A study brings its own parts. A sweep is a `Definition` (definition.py):
-its runs become rows, kept in a folder that can be resumed (perform.py), and at the end a page (report.py).
-`sampling.py` draws inputs over ranges, and says which of them a spread comes from; `levels.py` says down to which
-frequency a difference stays below a level.
+`engine.py` sends parts to workers (`pools.py`), processes of this machine or of a Dask cluster, and adds their results
+to `records.py`, an SQLite file. A study defines its own parts.
+
+A sweep is a `Definition` (sweep_definition.py). Its runs become rows of a table (sweep_table.py) in a folder that can
+be resumed (sweep_run.py), and end in a page (sweep_report.py).
+
+Inputs vary over ranges (input_ranges.py), from which samples and Sobol indices follow (sampling.py). `levels.py` seeks
+the lowest frequency at which a difference remains below a level, `convergence.py` extrapolates refined meshes and time
+steps, and `random_scenes.py` draws scenes.
 """

@@ -1,8 +1,8 @@
-"""Hands parts to workers in batches, and puts their records on disk as they come.
+"""Execution of parts of a campaign by workers.
 
-A batch is as large as half a second's work, so that what a call costs is shared by many parts; each worker has one
-batch to do and one in waiting. The parts of batches under which a worker died are suspects: each is made alone at the
-end, with nothing else under way, so that one that kills its worker is known for certain.
+Parts are computed in batches of half a second, so that many parts bear the cost of a call. Each worker computes one
+batch while another one waits. Parts of batches during which a worker died are suspects. They are computed one by one at
+the end, so that a part that kills its worker is identified with certainty.
 """
 
 import contextlib
@@ -17,7 +17,7 @@ from functools import partial
 from itertools import accumulate
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 from tailslap import progress
 from tailslap.campaign import pools
@@ -25,26 +25,43 @@ from tailslap.campaign.records import Journal, Key, Records, program
 from tailslap.case import cost
 
 BATCH_S = 0.5
+"""Time that a batch is to take [s]."""
 MAX_IN_BATCH = 1000
+"""Most parts of a batch."""
 BATCHES_A_WORKER = 2
+"""Submitted batches of a worker, one of which is computed."""
 
 
-Group = tuple[Callable[..., Any], Mapping[str, tuple[Any, ...]], str]
+Arguments = Mapping[str, tuple[object, ...]]
+"""Arguments of parts by key."""
+
+Group = tuple[Callable[..., object], Arguments, str]
 """A function, its arguments by key, and a label."""
+
+Results = dict[str, Any]
+"""Results of parts by key, as JSON returns them."""
+
+Batch = Future[pools.BatchResult]
 
 
 class Parts(NamedTuple):
-    """A function to call with the arguments of each key; died: the record of a key under which its worker dies."""
+    """A function and the arguments of each key.
 
-    function: Callable[..., Any]
+    `died` returns the record of a key that kills its worker.
+    """
+
+    function: Callable[..., object]
     keys: list[Key]
-    arguments: Callable[[Key], tuple[Any, ...]]
-    died: Callable[[Key], Any]
+    arguments: Callable[[Key], tuple[object, ...]]
+    died: Callable[[Key], object]
 
 
 @dataclass(frozen=True)
 class CampaignEffort:
-    """Effort of making parts: how many, on how many threads, wall time [s] and the sum of the parts' own times [s]."""
+    """Number of parts, threads and times [s].
+
+    `wall_s` is the wall time, `runs_s` the sum of the parts' own times.
+    """
 
     runs: int = 0
     threads: int = 0
@@ -53,75 +70,104 @@ class CampaignEffort:
 
     @property
     def rate(self) -> float:
-        """Parts a second."""
+        """Return the number of parts per second."""
         return self.runs / self.wall_s if self.runs else 0.0
 
     @property
     def overhead_s(self) -> float:
-        """Cost of a part to a thread beyond its own time [s]."""
+        """Return the overhead of a part [s]."""
         return (self.wall_s * self.threads - self.runs_s) / self.runs if self.runs else 0.0
 
 
 def perform(parts: Parts, records: Records, pool: pools.Pool, look: Callable[[int], None]) -> CampaignEffort:
-    """Make all parts and record them, until all is done or an error is raised in one.
+    """Compute and record all parts.
 
-    look: called with the number of workers, each second and whenever something came. Interrupted, it takes what is
-    finished already.
+    The first error of a part is raised. After an interruption, finished parts are still recorded.
+
+    Parameters
+    ----------
+    parts : Parts
+        Function and keys.
+    records : Records
+        Records, which receive the results.
+    pool : Pool
+        Workers.
+    look : callable
+        Takes the number of workers, about every second and after each batch.
     """
     return _Engine(parts, records, pool).run(look)
 
 
 def run_parts(
-    function: Callable[..., Any],
-    parts: Mapping[str, tuple[Any, ...]],
+    function: Callable[..., object],
+    parts: Arguments,
     journal: Journal,
     label: str,
     workers: int | None = None,
     expected: Mapping[str, float] = MappingProxyType({}),
 ) -> None:
-    """Call function(*arguments) for every part that the journal lacks; the results are records of the journal.
+    """Compute the parts that are missing in a journal.
 
-    workers: processes, None for one a core; a single one is this process itself. expected: processor time of each part
-    [s], where it is known; the longest come first, and the sum is announced. An error in a part is raised here.
+    An error of a part is raised.
+
+    Parameters
+    ----------
+    function : callable
+        Takes the arguments of a part.
+    parts : dict of tuple
+        Arguments by key.
+    journal : Journal
+        Open journal, which receives the results.
+    label : str
+        Name on the progress bar.
+    workers : int, optional
+        Number of processes, by default one per core; a single one is this process.
+    expected : dict of float
+        Processor time of each part [s] where it is known. The longest parts come first, and the sum is announced.
     """
     records = journal.records
     costs = {key: expected.get(key, 1.0) for key in parts if key not in records}
-    left: list[Key] = [*sorted(costs, key=costs.__getitem__, reverse=True)]
-    if not left:
+    missing: list[Key] = [*sorted(costs, key=costs.__getitem__, reverse=True)]
+    if not missing:
         return
-    count = cost.worker_count(workers, len(left))
-    work = (0.0, *accumulate(costs[str(key)] for key in reversed(left)))
+    count = cost.worker_count(workers, len(missing))
+    work = (0.0, *accumulate(costs[str(key)] for key in reversed(missing)))
     if expected:
         cores = f"{count} cores" if count > 1 else "one core"
-        wall = max(work[-1] / count, costs[str(left[0])])
+        wall = max(work[-1] / count, costs[str(missing[0])])
         progress.estimated(f"{label}: expected time {progress.clock(wall)} on {cores}")
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(pools.local(count if count > 1 else 0))
-        total, before = len(parts), len(parts) - len(left)
-        rest = partial(_work_left, work, total)
-        show = stack.enter_context(progress.counted(label, total, before, work_left=rest))
-        todo = Parts(function, left, lambda key: parts[str(key)], _died)
+        total, before = len(parts), len(parts) - len(missing)
+        work_left = partial(_work_left, work, total)
+        show = stack.enter_context(progress.counted(label, total, before, work_left=work_left))
+        todo = Parts(function, missing, lambda key: parts[str(key)], _died)
         perform(todo, records, pool, lambda threads: show(len(records)))
 
 
 def _work_left(work: Sequence[float], total: int, done: float) -> float:
+    """Return the expected work of the parts that remain."""
     return work[round(total - done)]
 
 
 @contextlib.contextmanager
 def study(
     place: Path,
-    definition: Mapping[str, Any],
+    definition: Mapping[str, object],
     workers: int | None = None,
     expected: Mapping[str, float] = MappingProxyType({}),
-) -> Iterator[Callable[[Group], dict[str, Any]]]:
-    """Yield a function from a group of parts to its results; an interrupted study goes on from its journal."""
-    name = definition["scene"]["name"]
+) -> Iterator[Callable[[Group], Results]]:
+    """Yield a function that computes groups of parts.
+
+    An interrupted study resumes from its journal.
+    """
+    scene = definition["scene"]
+    assert isinstance(scene, Mapping)
     with Journal(place, definition) as journal:
 
-        def results(group: Group) -> dict[str, Any]:
+        def results(group: Group) -> Results:
             function, parts, label = group
-            run_parts(function, parts, journal, f"{name}: {label}", workers, expected)
+            run_parts(function, parts, journal, f"{scene['name']}: {label}", workers, expected)
             return {key: journal.records[key] for key in parts}
 
         yield results
@@ -129,34 +175,36 @@ def study(
 
 def run_study(
     place: Path,
-    definition: Mapping[str, Any],
+    definition: Mapping[str, object],
     groups: Sequence[Group],
     workers: int | None = None,
     expected: Mapping[str, float] = MappingProxyType({}),
-) -> list[dict[str, Any]]:
-    """Results by key of each group of parts, see `study`."""
+) -> list[Results]:
+    """Return the results of each group of parts by key."""
     with study(place, definition, workers, expected) as results:
         return [results(group) for group in groups]
 
 
-def _died(key: Key) -> Any:
+def _died(key: Key) -> NoReturn:
+    """Raise an error for a part that killed its worker."""
     raise OSError(f"{key}: its process died in every attempt; insufficient memory is a possible cause")
 
 
 class _Engine:
-    """The parts that are still to do, those under way, and how long a part takes."""
+    """State of the parts that wait, are submitted or suspect."""
 
     def __init__(self, parts: Parts, records: Records, pool: pools.Pool) -> None:
         self._parts, self._records, self._pool = parts, records, pool
         self._waiting: deque[Key] = deque(parts.keys)
         self._suspects: deque[Key] = deque()
-        self._under_way: dict[Future[Any], list[Key]] = {}
-        self._alone: Future[Any] | None = None  # under way with nothing beside it from its start to its end
-        self._done: queue.SimpleQueue[Future[Any]] = queue.SimpleQueue()
-        self._seconds = BATCH_S  # of a part: until one is known, a batch is one part
+        self._under_way: dict[Batch, list[Key]] = {}
+        self._alone: Batch | None = None  # a suspect, with no other batch from start to end
+        self._done: queue.SimpleQueue[Batch] = queue.SimpleQueue()
+        self._seconds = BATCH_S  # of a part, so that the first batches are of one part
         self._own_s, self._threads = 0.0, 0
 
     def run(self, look: Callable[[int], None]) -> CampaignEffort:
+        """Compute all parts and return the effort."""
         began, most = time.perf_counter(), 0
         try:
             while self._waiting or self._suspects or self._under_way:
@@ -164,23 +212,25 @@ class _Engine:
                 most = max(most, self._threads)
                 look(self._threads)
                 self._fill()
-                self._collect(pools.LOOK_S)
+                self._collect(pools.POLL_S)
         except KeyboardInterrupt:
             self._collect(0.0)
             raise
         return CampaignEffort(len(self._parts.keys), most, time.perf_counter() - began, self._own_s)
 
     def _fill(self) -> None:
+        """Submit batches, and suspects one by one at the end."""
         most = BATCHES_A_WORKER * max(1, self._threads)
         while self._waiting and len(self._under_way) < most:
-            # Half a second, but at the end few enough that all workers end together.
+            # Smaller batches towards the end, so that all workers end together.
             fair = math.ceil(len(self._waiting) / most / 2.0)
             size = max(1, min(int(BATCH_S / self._seconds), MAX_IN_BATCH, fair))
             self._submit([self._waiting.popleft() for _ in range(size)])
         if self._suspects and not self._under_way:
             self._alone = self._submit([self._suspects.popleft()])
 
-    def _submit(self, keys: list[Key]) -> Future[Any]:
+    def _submit(self, keys: list[Key]) -> Batch:
+        """Submit the parts of these keys as one batch."""
         batch = [(key, self._parts.arguments(key)) for key in keys]
         future = self._pool.submit(pools.run_batch, program(), self._parts.function, batch)
         self._under_way[future] = keys
@@ -188,8 +238,8 @@ class _Engine:
         return future
 
     def _collect(self, timeout: float) -> None:
-        """Wait for a batch, and take it with all others that are there: they go to disk in one piece."""
-        records: dict[Key, Any] = {}
+        """Record all finished batches; wait for the first."""
+        records: dict[Key, object] = {}
         seconds: dict[Key, float] = {}
         try:
             self._take(self._done.get(timeout=timeout), records, seconds)
@@ -202,11 +252,11 @@ class _Engine:
                 self._records.add(records, seconds)
                 self._own_s += math.fsum(seconds.values())
 
-    def _take(self, future: Future[Any], records: dict[Key, Any], seconds: dict[Key, float]) -> None:
-        """Add the records of a batch that has come back, or take up its parts again."""
+    def _take(self, future: Batch, records: dict[Key, object], seconds: dict[Key, float]) -> None:
+        """Add the records of a finished batch, or queue its parts again."""
         keys = self._under_way.pop(future)
         try:
-            done: pools.BatchResult = future.result()
+            result: pools.BatchResult = future.result()
         except self._pool.died:
             if future is self._alone:
                 records[keys[0]] = self._parts.died(keys[0])
@@ -219,10 +269,10 @@ class _Engine:
             return
         except Exception as error:
             raise self._pool.fault(error) from None
-        records |= done.records
-        seconds |= done.seconds
-        if done.seconds:
-            mean = math.fsum(done.seconds.values()) / len(done.seconds)
+        records |= result.records
+        seconds |= result.seconds
+        if result.seconds:
+            mean = math.fsum(result.seconds.values()) / len(result.seconds)
             self._seconds = max(1e-6, 0.5 * (self._seconds + mean))
-        if done.error:
-            raise done.error
+        if result.error:
+            raise result.error

@@ -1,4 +1,4 @@
-"""Down to which frequency a difference stays below a level, and whether it is a power of the frequency."""
+"""Lowest frequency at which a difference remains below a level."""
 
 import math
 from collections.abc import Sequence
@@ -12,21 +12,22 @@ from tailslap.errors import InputError
 from tailslap.scene.units import Quantity
 from tailslap.scene.vary import parse_value
 
-# Values of --lowest and --highest.
 HERTZ = Quantity("a frequency", "Hz", '"8 Hz"', least=0.01, most=1e5)
+"""Values of --lowest and --highest."""
 
-# Fraction of a level, or of a difference, that the numerical error must stay below for either to be known.
 KNOWN_FRACTION = 1.0 / 3.0
+"""Fraction of a level, or of a difference, that the numerical error must not exceed for either to be known."""
 
-# The level is crossed; not within the points that passed; by all of them; the error is too large to say.
 CROSSED, NOT_REACHED, ABOVE_ALL, UNKNOWN = "crossed", "not reached", "above all", "unknown"
+"""Kinds of results: crossed between two points, not reached, exceeded by all points, or unknown because of the error.
+"""
 
-# Relative distance from the fitted power law up to which points are said to follow it, and so many at least.
-STRAIGHT, MIN_FITTED = 0.1, 4
+FIT_TOLERANCE, MIN_FITTED = 0.1, 4
+"""Largest relative distance of points from a fitted power law, and least number of points."""
 
 
 class Sample(NamedTuple):
-    """A plate: first frequency [Hz], size of the difference, numerical error, whether its checks passed."""
+    """First frequency [Hz], difference, error and checks of a plate."""
 
     frequency: float
     difference: float
@@ -35,14 +36,18 @@ class Sample(NamedTuple):
 
     @property
     def bound(self) -> float:
-        """The difference with its error on top."""
+        """Return the difference plus its error."""
         return self.difference + self.error
 
 
 @dataclass(frozen=True)
 class Reach:
-    """Knowledge of a level. frequency [Hz]: where it is crossed, with the error on top; the softest good plate if it is
-    not reached; the stiffest if all are above; the stiffest that is not known, NaN without any that passed."""
+    """Lowest frequency of a level.
+
+    The frequency [Hz] is that of the crossing, where the difference plus its error equals the level. It is that of the
+    softest plate that passed where the level is not reached, of the stiffest where all exceed it, and of the stiffest
+    plate with too large an error where it is unknown; NaN if none passed.
+    """
 
     level: float
     kind: str
@@ -50,8 +55,10 @@ class Reach:
 
     @property
     def text(self) -> str:
-        """The lowest first frequency as people read it, two digits rounded to the safe side; <: good down to there at
-        least, >: not even there."""
+        """Return the frequency, rounded to the safe side.
+
+        A sign < means accurate down to this frequency at least, > inaccurate at this frequency.
+        """
         signs = {
             CROSSED: "≈\N{NO-BREAK SPACE}",
             NOT_REACHED: "<\N{NO-BREAK SPACE}",
@@ -62,7 +69,10 @@ class Reach:
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """difference = factor * frequency ** exponent, frequencies in Hz, from `highest` down to `lowest`."""
+    """Power law of a difference over the frequency [Hz].
+
+    difference = factor * frequency ** exponent, from `highest` down to `lowest`.
+    """
 
     exponent: float
     factor: float
@@ -71,7 +81,7 @@ class PowerLaw:
 
 
 def hertz(frequency: float) -> str:
-    """A frequency [Hz] with its unit, which a line does not break off."""
+    """Format a frequency [Hz] without line break."""
     if not math.isfinite(frequency):
         return "–"
     number, unit = (frequency / 1e3, "kHz") if frequency >= 999.5 else (frequency, "Hz")
@@ -79,28 +89,35 @@ def hertz(frequency: float) -> str:
 
 
 def frequencies(lowest: str, highest: str, points: int) -> tuple[float, ...]:
-    """First frequencies [Hz] from the highest to the lowest, at even ratios. Raises InputError."""
+    """Return falling first frequencies [Hz] in equal ratios.
+
+    Raises InputError for invalid ends.
+    """
     ends = []
-    for option, given in (("--lowest", lowest), ("--highest", highest)):
+    for option, text in (("--lowest", lowest), ("--highest", highest)):
         try:
-            ends.append(HERTZ.parse(parse_value(given)))
+            ends.append(HERTZ.parse(parse_value(text)))
         except ValueError as error:
-            raise InputError(option, given, str(error)) from None
+            raise InputError(option, text, str(error)) from None
     if not ends[0] < ends[1]:
         raise InputError("--lowest", lowest, f'it must be below --highest, "{highest}"')
     return tuple(np.geomspace(ends[1], ends[0], points).tolist())
 
 
 def reaches(samples: Sequence[Sample], levels: Sequence[float]) -> tuple[Reach, ...]:
-    """The lowest frequency for each level; samples from stiff to soft."""
+    """Return the lowest frequency of each level.
+
+    Samples are ordered from stiff to soft.
+    """
     return tuple(lowest_frequency(samples, level) for level in levels)
 
 
 def lowest_frequency(samples: Sequence[Sample], level: float) -> Reach:
-    """Down to which first frequency the difference is at most the level; samples from stiff to soft.
+    """Return the lowest first frequency of a level.
 
-    Between two points that passed, next to each other, differences and errors follow powers of the frequency; the level
-    is crossed by the difference with its error on top.
+    The difference is at most the level above it. Between two adjacent points that passed, differences and errors follow
+    powers of the frequency. The level is crossed by the difference plus its error. Samples are ordered from stiff to
+    soft.
     """
     last: int | None = None
     for number, sample in enumerate(samples):
@@ -117,13 +134,16 @@ def lowest_frequency(samples: Sequence[Sample], level: float) -> Reach:
 
 
 def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: float) -> Reach:
-    """The level between the last point below it, if any, and this one above it."""
+    """Return the crossing of the level between two points.
+
+    The first is the last point below the level, if any, and the second is the first point above it.
+    """
     soft, floor = samples[number], float(np.finfo(float).eps)
     if last is None:
-        known = soft.error < KNOWN_FRACTION * soft.difference
-        return Reach(level, ABOVE_ALL if known else UNKNOWN, soft.frequency)
+        is_known = soft.error < KNOWN_FRACTION * soft.difference
+        return Reach(level, ABOVE_ALL if is_known else UNKNOWN, soft.frequency)
     stiff = samples[last]
-    low = max(stiff.bound, floor)  # the logarithm of nothing is none
+    low = max(stiff.bound, floor)  # a positive number for the logarithm
     part = math.log(level / low) / math.log(soft.bound / low)
     error = max(stiff.error, floor) ** (1.0 - part) * max(soft.error, floor) ** part
     if number != last + 1 or not error < KNOWN_FRACTION * level:
@@ -132,21 +152,26 @@ def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: f
 
 
 def jointly(levels: Sequence[Reach]) -> Reach:
-    """Level that holds for each of several series of points, by what is known of it in each."""
+    """Return the level that holds for several series."""
     for kind in (ABOVE_ALL, UNKNOWN):
-        found = [level.frequency for level in levels if level.kind == kind]
-        if found:
-            return Reach(levels[0].level, kind, max(filter(math.isfinite, found), default=math.nan))
+        frequencies_of_kind = [level.frequency for level in levels if level.kind == kind]
+        if frequencies_of_kind:
+            return Reach(
+                levels[0].level, kind, max(filter(math.isfinite, frequencies_of_kind), default=math.nan)
+            )
     return max(levels, key=lambda level: (level.frequency, level.kind == CROSSED))
 
 
 def power_law(samples: Sequence[Sample]) -> PowerLaw | None:
-    """The law that most points from the stiff end on follow; None where no four do. samples from stiff to soft."""
-    known = [s for s in samples if s.passed and s.error < KNOWN_FRACTION * s.difference]
-    for count in range(len(known), MIN_FITTED - 1, -1):
-        x, y = (np.log([getattr(s, name) for s in known[:count]]) for name in ("frequency", "difference"))
+    """Fit a power law from the stiff end.
+
+    It covers as many points as possible, and is None for fewer than four. Samples are ordered from stiff to soft.
+    """
+    accurate = [s for s in samples if s.passed and s.error < KNOWN_FRACTION * s.difference]
+    for count in range(len(accurate), MIN_FITTED - 1, -1):
+        x, y = (np.log([getattr(s, name) for s in accurate[:count]]) for name in ("frequency", "difference"))
         exponent, offset = np.polyfit(x, y, 1)
-        if np.abs(np.expm1(y - exponent * x - offset)).max() <= STRAIGHT:
-            ends = (known[0].frequency, known[count - 1].frequency)
+        if np.abs(np.expm1(y - exponent * x - offset)).max() <= FIT_TOLERANCE:
+            ends = (accurate[0].frequency, accurate[count - 1].frequency)
             return PowerLaw(float(exponent), math.exp(offset), *ends)
     return None

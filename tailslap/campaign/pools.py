@@ -1,4 +1,4 @@
-"""Workers: processes of this machine, or those of a Dask scheduler; both are a pool that takes calls."""
+"""Pools of workers, processes of this machine or of a Dask cluster."""
 
 import asyncio
 import contextlib
@@ -26,35 +26,39 @@ from tailslap import errors, progress
 from tailslap.campaign.records import Key, program
 
 NEEDED = ("fem.run.corner", "tailslap.case.corner.plan", "tailslap.case.corner.run")
-"""Modules that runs need, imported before a worker has its first part."""
+"""Modules of runs, imported before the first part of a worker."""
 LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
-"""Modules that those import when they are called."""
+"""Libraries that these modules import when they are called."""
 
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
 DESCRIPTORS = Path("/proc/self/fd")
-"""Open files of this process, which a worker opens once more for itself."""
+"""Open files of this process, which a worker opens again for itself."""
 ENDING = {signal.SIGTERM, signal.SIGHUP}
 LOGGERS = ("distributed", "asyncio", "tornado")
-ANSWER_S = 5.0
-"""Seconds within which a scheduler must reply."""
-LOOK_S = 1.0
-"""Seconds between looks at a cluster, or at workers from which nothing comes."""
+"""Loggers of Dask, silenced because connection errors are reported here."""
+REPLY_S = 5.0
+"""Time within which a scheduler must reply [s]."""
+POLL_S = 1.0
+"""Interval between checks of a cluster, or of idle workers [s]."""
 
 Errors = tuple[type[BaseException], ...]
 
 
 class LostError(OSError):
-    """The workers are gone, and what was under way with them."""
+    """The workers and their unfinished parts are lost."""
 
 
 class OtherProgramError(Exception):
-    """The worker has another version of this program than the one that sent the batch."""
+    """The worker has another program than the sender."""
 
 
 class BatchResult(NamedTuple):
-    """Results and times [s] by key, up to the first part that raised an error."""
+    """Results and times [s] of a batch by key.
+
+    They end at the first part that raised an error.
+    """
 
     records: dict[Key, Any]
     seconds: dict[Key, float]
@@ -62,14 +66,26 @@ class BatchResult(NamedTuple):
 
 
 def run_batch(
-    sender: str, function: Callable[..., Any], parts: list[tuple[Key, tuple[Any, ...]]]
+    sender: str, function: Callable[..., object], parts: list[tuple[Key, tuple[object, ...]]]
 ) -> BatchResult:
-    """Call the function with each part's arguments, one after the other; sender: the program that asks for it."""
+    """Call the function with the arguments of each part.
+
+    Raises OtherProgramError if this program is not the sender's.
+
+    Parameters
+    ----------
+    sender : str
+        Program that sends the batch, see `program`.
+    function : callable
+        Takes the arguments of a part.
+    parts : list of tuple
+        Key and arguments of each part.
+    """
     if sender != program():
         raise OtherProgramError(program())
-    records: dict[Key, Any] = {}
+    records: dict[Key, object] = {}
     seconds: dict[Key, float] = {}
-    with contextlib.redirect_stderr(io.StringIO()):  # the progress of single runs is not for the terminal
+    with contextlib.redirect_stderr(io.StringIO()):  # hide the progress of single runs
         for key, arguments in parts:
             began = time.perf_counter()
             try:
@@ -81,7 +97,7 @@ def run_batch(
 
 
 def make_ready() -> str:
-    """Import what runs need, once a worker; returns the program."""
+    """Import the modules of runs and return the program."""
     os.environ[progress.MODE] = "none"
     for module in NEEDED:
         importlib.import_module(module)
@@ -89,15 +105,16 @@ def make_ready() -> str:
 
 
 class Pool:
-    """Workers of one thread each: processes of this machine, forked from one that has imported what they need, and
-    started anew if one dies.
+    """Workers of one thread each, processes of this machine.
+
+    They are forked from a process that has imported the modules of runs, and restarted if one dies.
 
     Attributes
     ----------
     died : tuple of exception classes
-        Of a call under which its worker died.
+        Errors of a call during which its worker died.
     again : tuple of exception classes
-        Of a call that was lost on its way and can be made again.
+        Errors of a call that was lost in transit and can be repeated.
     """
 
     died: Errors = (BrokenProcessPool,)
@@ -108,6 +125,10 @@ class Pool:
         self._start()
 
     def _start(self) -> None:
+        """Start the processes and import the modules of runs.
+
+        Raises LostError if no worker remains.
+        """
         context = multiprocessing.get_context("forkserver")
         context.set_forkserver_preload([__name__, *NEEDED, *LIBRARIES])
         ours, self._lifeline = context.Pipe(duplex=False)
@@ -118,12 +139,12 @@ class Pool:
             first.result()
         except BrokenProcessPool:
             raise LostError("no worker remains") from None
-        except KeyboardInterrupt:  # processes that have just been started need this one for a moment yet
+        except KeyboardInterrupt:  # processes that are starting still need this one
             self.close()
             raise
 
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
-        """Have a worker make the call."""
+    def submit(self, function: Callable[..., object], *arguments: object) -> Future[Any]:
+        """Submit a call to a worker."""
         with _hidden_script():
             try:
                 return self._executor.submit(function, *arguments)
@@ -133,73 +154,77 @@ class Pool:
                 return self._executor.submit(function, *arguments)
 
     def threads(self) -> int:
-        """Number of workers. Raises LostError."""
+        """Return the number of workers. Raises LostError."""
         return self._workers
 
     def fault(self, error: Exception) -> Exception:
-        """Error to raise for another error of a call."""
+        """Return the error to raise for an error of a call."""
         return error
 
     def close(self) -> None:
-        """End all processes, whatever they do."""
+        """Terminate all processes."""
         self._lifeline.close()
         self._executor.shutdown(cancel_futures=True)
 
 
 class _ThisProcess(Pool):
-    """This process as a pool of one worker: a call is made when it is submitted."""
+    """This process as a pool of one worker."""
 
     def __init__(self) -> None:
         self._workers = 1
 
-    def submit(self, function: Callable[..., Any], *arguments: Any) -> Future[Any]:
+    def submit(self, function: Callable[..., object], *arguments: object) -> Future[Any]:
         """Make the call."""
-        done: Future[Any] = Future()
-        done.set_result(function(*arguments))
-        return done
+        future: Future[Any] = Future()
+        future.set_result(function(*arguments))
+        return future
 
     def close(self) -> None:
-        """End nothing: no process was started."""
+        """Do nothing, since no process was started."""
 
 
 def _begin(lifeline: Connection) -> None:
-    """Have the kernel end this process when the other end of the pipe closes, which the death of its owner does too.
+    """Let the kernel end this process with its owner.
 
-    A signal of the pipe, not a thread: compiled code may hold the interpreter for minutes.
+    The death of the owner closes the other end of the pipe. The pipe then sends a signal, since compiled code may block
+    a thread for minutes.
     """
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-    own = os.open(DESCRIPTORS / str(lifeline.fileno()), os.O_RDONLY | os.O_NONBLOCK)
-    fcntl.fcntl(own, fcntl.F_SETOWN, os.getpid())
+    descriptor = os.open(DESCRIPTORS / str(lifeline.fileno()), os.O_RDONLY | os.O_NONBLOCK)
+    fcntl.fcntl(descriptor, fcntl.F_SETOWN, os.getpid())
     # SIGIO ends a process that does not handle it.
-    fcntl.fcntl(own, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
-    if select.select([own], [], [], 0.0)[0]:
+    fcntl.fcntl(descriptor, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
+    if select.select([descriptor], [], [], 0.0)[0]:
         os._exit(1)
 
 
 @contextlib.contextmanager
 def _server_environment() -> Iterator[None]:
-    """Processes started here never get a Ctrl-C, which is for us, use one thread, and see our modules.
+    """Set environment and signals of new processes.
 
-    What else ends us waits until they are started: one that is left half-started would print its trace.
+    They use one thread, find the modules of this process and never receive Ctrl-C. Other signals that end this process
+    wait until they have started, because a process that is interrupted at its start prints a trace.
     """
     resource_tracker.ensure_running()  # when it starts, it would unblock the signals
-    ours = {**ONE_THREAD, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONSAFEPATH": "1"}
-    given = {name: os.environ.get(name) for name in ours}
+    variables = {**ONE_THREAD, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONSAFEPATH": "1"}
+    before = {name: os.environ.get(name) for name in variables}
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, *ENDING})
-    os.environ.update(ours)
+    os.environ.update(variables)
     try:
         yield
     finally:
-        for name in ours:
+        for name in variables:
             os.environ.pop(name)
-        os.environ.update({name: value for name, value in given.items() if value is not None})
+        os.environ.update({name: value for name, value in before.items() if value is not None})
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 @contextlib.contextmanager
 def _hidden_script() -> Iterator[None]:
-    """Have processes that are started meanwhile not import the main module again, of which they need nothing: a script
-    without `if __name__ == "__main__":` would start them anew."""
+    """Prevent new processes from importing the main module.
+
+    They do not need it, and a script without `if __name__ == "__main__":` would start them again.
+    """
     script = sys.modules["__main__"]
     sys.modules["__main__"] = ModuleType("__main__")
     try:
@@ -210,7 +235,10 @@ def _hidden_script() -> Iterator[None]:
 
 @contextlib.contextmanager
 def local(workers: int) -> Iterator[Pool]:
-    """So many processes of this machine, ended after; none, or without /proc: this process. Raises LostError."""
+    """Start processes of this machine, and end them afterwards.
+
+    Without workers or without /proc, the pool is this process. Raises LostError.
+    """
     if not workers or not DESCRIPTORS.is_dir():
         yield _ThisProcess()
         return
@@ -221,7 +249,7 @@ def local(workers: int) -> Iterator[Pool]:
 
 
 class _Cluster(Pool):
-    """The workers of a scheduler, which may come and go."""
+    """Workers of a scheduler, whose number may change."""
 
     def __init__(self, client: Any, address: str) -> None:
         from distributed import KilledWorker
@@ -231,29 +259,32 @@ class _Cluster(Pool):
         self.again = (TimeoutError, CancelledError, asyncio.CancelledError, CommClosedError)
         self._client, self._address = client, address
         self._executor = client.get_executor(pure=False)
-        self._workers, self._looked = 0, -LOOK_S
+        self._workers, self._looked = 0, -POLL_S
 
     def threads(self) -> int:
-        """Number of threads of all workers, as of a second ago at most. Raises LostError without a scheduler."""
+        """Return the number of threads of all workers.
+
+        It is at most one second old. Raises LostError without a scheduler.
+        """
         try:
             if self._client.status != "running":
                 raise TimeoutError
-            if time.monotonic() - self._looked > LOOK_S:
+            if time.monotonic() - self._looked > POLL_S:
                 self._workers, self._looked = sum(self._client.nthreads().values()), time.monotonic()
         except (OSError, TimeoutError):
             raise LostError(f"the connection to the scheduler at {self._address} is lost") from None
         return self._workers
 
     def fault(self, error: Exception) -> Exception:
-        """Wrong input: a worker that cannot load this program, or has another one."""
+        """Return the error for a worker without this program."""
         return _other_program(self._address, "a worker has", error)
 
 
 @contextlib.contextmanager
 def cluster(address: str) -> Iterator[Pool]:
-    """The workers of the scheduler at this address. All have been asked for their version of this program.
+    """Connect to the workers of a scheduler.
 
-    Raises InputError for a scheduler that does not reply, or for workers with another version.
+    Raises InputError for a scheduler that does not reply, or for workers with another version of this program.
     """
     with contextlib.ExitStack() as stack:
         with progress.announced("Connecting to the scheduler ..."):
@@ -261,13 +292,13 @@ def cluster(address: str) -> Iterator[Pool]:
 
             stack.enter_context(warnings.catch_warnings())
             warnings.filterwarnings("ignore", module="distributed")
-            for logger in map(logging.getLogger, LOGGERS):  # what matters of connections we say ourselves
+            for logger in map(logging.getLogger, LOGGERS):
                 stack.callback(logger.setLevel, logger.level)
                 logger.setLevel(logging.CRITICAL + 1)
-            try:  # not by making a client: one that cannot connect leaves threads behind
-                kind = asyncio.run(asyncio.wait_for(_kind(address), ANSWER_S))
-            except Exception as error:  # Dask raises half a dozen kinds for addresses that are none
-                kind = str(error).splitlines()[0] if str(error) else f"no reply within {ANSWER_S:g} s"
+            try:  # without a client, since one that cannot connect leaves threads behind
+                kind = asyncio.run(asyncio.wait_for(_kind(address), REPLY_S))
+            except Exception as error:  # Dask raises many kinds of errors for invalid addresses
+                kind = str(error).splitlines()[0] if str(error) else f"no reply within {REPLY_S:g} s"
             if kind != "Scheduler":
                 allowed = (
                     f"no Dask scheduler replies ({kind}); allowed is an address like tcp://127.0.0.1:8786"
@@ -281,15 +312,15 @@ def cluster(address: str) -> Iterator[Pool]:
 
 
 async def _kind(address: str) -> str:
-    """Part of Dask that listens at the address, like Scheduler or Worker."""
+    """Return the kind of Dask server at the address."""
     from distributed.core import rpc
 
-    async with rpc(address, timeout=ANSWER_S) as there:
-        return str((await there.identity())["type"])
+    async with rpc(address, timeout=REPLY_S) as server:
+        return str((await server.identity())["type"])
 
 
-def _other_program(address: str, who: str, reply: Any) -> errors.InputError:
-    """The error for a worker that has another version of this program, or cannot load it."""
+def _other_program(address: str, who: str, reply: object) -> errors.InputError:
+    """Return the error for a worker without this program."""
     reply = str(reply) if isinstance(reply, OtherProgramError) else reply
     has = f"tailslap {reply}" if isinstance(reply, str) else f"no working tailslap ({reply})"
     allowed = f"{who} {has}; all workers require {program()}"

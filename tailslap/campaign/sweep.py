@@ -8,7 +8,7 @@ from pathlib import Path
 
 from postprocess.report.command_report import write_report
 from tailslap.arguments import UnitSystem, checked_arguments
-from tailslap.campaign.definition import Definition
+from tailslap.campaign.sweep_definition import Definition
 from tailslap.case.of_arguments import Changes, change_texts, folder_or_temporary, warn_of_numbers
 from tailslap.errors import InputError
 from tailslap.result import columns, result
@@ -80,16 +80,14 @@ def sweep(
     >>> [f"{v_gy:.2f}" for v_gy in result.history["fe.v_gy"]]
     ['-3.28', '-3.28']
     """
-    from tailslap.campaign import definition
+    from tailslap.campaign.sweep_definition import make_definition, varied_source
 
     typed = not isinstance(vary, Mapping)
     if isinstance(vary, Mapping):
         texts = {k: v if isinstance(v, str) else ",".join(map(str, v)) for k, v in vary.items()}
         vary = [f"{key}={text}" for key, text in texts.items()]
-    sweep_definition = definition.make_definition(
-        os.fspath(scene), change_texts(changes), tuple(vary), sample, seed
-    )
-    source = definition.varied_source(sweep_definition) if typed else sweep_definition.source
+    sweep_definition = make_definition(os.fspath(scene), change_texts(changes), tuple(vary), sample, seed)
+    source = varied_source(sweep_definition) if typed else sweep_definition.source
     warn_of_numbers(source, not isinstance(changes, Mapping))
     local = _local_names(sweep_definition)
     if local and (workers or cluster):
@@ -114,27 +112,28 @@ def sweep_result(
 
     stays: False for a folder that is removed afterwards. Raises StoppedError.
     """
-    from tailslap.campaign import definition, perform, report
+    from tailslap.campaign import sweep_report, sweep_run
+    from tailslap.campaign.sweep_table import TABLE
 
     if cluster and workers:
         raise InputError(
             "--workers", workers, "--cluster and --workers exclude each other; remove one of the two"
         )
     try:
-        outcome = perform.perform(sweep_definition, place, cluster, workers, units=units, force=force)
-    except perform.StoppedError as stopped:
+        outcome = sweep_run.perform(sweep_definition, place, cluster, workers, units=units, force=force)
+    except sweep_run.StoppedError as stopped:
         if stays:
             raise
-        raise perform.StoppedError(stopped.why, None, sweep_definition.runs, stopped.status) from None
-    page, table = outcome.report, (place / definition.TABLE).read_bytes()
+        raise sweep_run.StoppedError(stopped.why, None, sweep_definition.runs, stopped.status) from None
+    page, table = outcome.report, (place / TABLE).read_bytes()
     assert page is not None
-    histories = {"table": columns.table(columns.read_columns(place / definition.TABLE))}
+    histories = {"table": columns.table(columns.read_columns(place / TABLE))}
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
-        (folder / definition.TABLE).write_bytes(table)
+        (folder / TABLE).write_bytes(table)
         write_report(page, folder)
 
-    text, passed = report.sweep_text(outcome, place if stays else None), outcome.failures == 0
+    text, passed = sweep_report.sweep_text(outcome, place if stays else None), outcome.failures == 0
     return result.of_report("sweep", page, passed=passed, histories=histories, text=text, fill=fill)
 
 

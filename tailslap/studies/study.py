@@ -1,4 +1,4 @@
-"""A study: its name, what it computes, what it reports; all else is done here for every study."""
+"""Description of a study."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tailslap.campaign.records import Record
 from tailslap.case import case_of, kind_of
 from tailslap.case.case import CORNER, Case
 from tailslap.case.cost import demand_run
@@ -24,13 +25,26 @@ if TYPE_CHECKING:
 
 
 def later(name: str) -> Callable[..., Any]:
-    """The function of this name, "module:function", whose module is imported when it is called."""
+    """Return a function that is imported when it is called.
+
+    `name` is "module:function".
+    """
     module, _, function = name.partition(":")
 
-    def called(*arguments: Any, **options: Any) -> Any:
+    def call(*arguments: Any, **options: Any) -> Any:
         return getattr(importlib.import_module(module), function)(*arguments, **options)
 
-    return called
+    return call
+
+
+def range_options(example: str) -> tuple[click.Option, ...]:
+    """Return the options of uncertain inputs."""
+    varied = f"Range of a key, e.g. {example}."
+    fixed = "Keep a key fixed that varies by default."
+    return (
+        click.Option(["--range", "ranges"], multiple=True, metavar="KEY=LOWER:UPPER", help=varied),
+        click.Option(["--fix", "fixed"], multiple=True, metavar="KEY", help=fixed),
+    )
 
 
 @dataclass(frozen=True)
@@ -40,19 +54,19 @@ class Study:
     Parameters
     ----------
     name, summary : str
-        Its name on the command line, and what `--help` says.
+        Name on the command line, and text of `--help`.
     compute : callable
-        Takes the case, the result folder's place and the study's own options by name; returns what was found.
+        Takes the case, the place of the result folder and the options of the study by name, and returns a result.
     report : callable
-        Takes what was found and returns its `Report`; both may be named, by `later`.
+        Takes the result and returns its `Report`. Both functions may be named, by `later`.
     options : tuple of click.Option
-        Options of its own.
+        Options of the study.
     needs_plate : bool
         True if the scene must have the table [plate].
     folder : callable, optional
-        Takes the options and returns the ending of the default result folder's name; without it, the study's name.
+        Takes the options and returns the ending of the default result folder, by default the name of the study.
     analyses : tuple of str
-        Names of the analyses whose scenes it makes sense for.
+        Names of the kinds of case that the study supports.
     """
 
     name: str
@@ -65,35 +79,35 @@ class Study:
     analyses: tuple[str, ...] = (CORNER,)
 
 
-def checked_options(study: Study, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The study's own options as `compute` takes them, by their types and bounds, defaults among them.
+def checked_options(study: Study, options: Mapping[str, Any]) -> Record:
+    """Return the options of a study with defaults.
 
-    given: by the names on the command line with "_" for "-"; an option that can be given several times takes a list or
-    a mapping. Raises InputError.
+    They are checked by type and bounds. Names are those of the command line with "_" for "-". An option that can be
+    given several times takes a list or a mapping. Raises InputError.
     """
-    known = option_names(study)
-    context, found = click.Context(click.Command(study.name)), {}
-    for name, value in given.items():
-        if name not in known:
-            allowed = one_of(name, known, "allowed are") if known else "this study has no options of its own"
-            raise InputError(f"study {study.name}", name, allowed)
-        option = known[name]
+    defined = option_names(study)
+    context, values = click.Context(click.Command(study.name)), {}
+    for name, value in options.items():
+        if name not in defined:
+            why = one_of(name, defined, "allowed are") if defined else "this study has no options of its own"
+            raise InputError(f"study {study.name}", name, why)
+        option = defined[name]
         if isinstance(value, Mapping):
             value = shown(value)
         if value is not None:
-            found[str(option.name)] = [value] if option.multiple and isinstance(value, str) else value
+            values[str(option.name)] = [value] if option.multiple and isinstance(value, str) else value
     for option in study.options:
-        found.setdefault(str(option.name), option.to_info_dict()["default"])
+        values.setdefault(str(option.name), option.to_info_dict()["default"])
         try:
-            found[str(option.name)] = option.handle_parse_result(context, found, [])[0]
+            values[str(option.name)] = option.handle_parse_result(context, values, [])[0]
         except click.UsageError as error:
-            value = found.get(str(option.name))
+            value = values.get(str(option.name))
             raise InputError(f"study {study.name}", value, error.format_message()) from None
-    return found
+    return values
 
 
 def option_names(study: Study) -> dict[str, click.Option]:
-    """The study's own options by their names in Python: `--range` is `range`."""
+    """Return the options of a study by name."""
     return {option.opts[0].lstrip("-").replace("-", "_"): option for option in study.options}
 
 
@@ -105,12 +119,15 @@ def prepared(
     allow_large: bool,
     options: Mapping[str, Any],
 ) -> tuple[Case, Path, Origin]:
-    """The case, the place of the result folder, beside which a journal is kept, and its origin. Raises InputError."""
+    """Return case, place of the result folder and origin.
+
+    A journal is stored beside the folder. Raises InputError.
+    """
     scene, source = read_scene(name, changes)
     if (kind := kind_of(scene).name) not in study.analyses:
-        given, allowed = (Missing, "with") if kind == CORNER else (Verbatim("a table"), "without")
+        actual, allowed = (Missing, "with") if kind == CORNER else (Verbatim("a table"), "without")
         wanted = f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {kind}"
-        raise InputError("contact", given, f"{wanted}; allowed is a scene {allowed} this table")
+        raise InputError("contact", actual, f"{wanted}; allowed is a scene {allowed} this table")
     case = case_of(scene, source)
     if study.needs_plate:
         demand_run(scene, case.duration, allow_large)

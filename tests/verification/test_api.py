@@ -25,8 +25,8 @@ from postprocess.fields import contours
 from postprocess.units import number
 from tailslap import Columns, InputError, api, cli
 from tailslap.campaign import pools
-from tailslap.campaign.definition import CIRCUMSTANCES
-from tailslap.campaign.perform import StoppedError
+from tailslap.campaign.sweep_run import StoppedError
+from tailslap.campaign.sweep_table import CIRCUMSTANCES
 from tailslap.case.cost import available_cores
 from tailslap.scene.objects import named
 

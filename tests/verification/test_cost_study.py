@@ -8,18 +8,21 @@ import pytest
 from postprocess.comparison.grid_convergence import grid_convergence
 from postprocess.comparison.quantities import largest_relative
 from postprocess.report.command_report import write_report
+from tailslap.campaign.convergence import Limit, limit_of
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.cli import _status
 from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import vary
-from tailslap.studies.cost import compute as study
-from tailslap.studies.cost.compute import EXACT, FE, MODAL, ODE, Limit, Setting, limit_of, measure, row_of
-from tailslap.studies.cost.report import report
+from tailslap.studies.cost import cost_settings, cost_study
+from tailslap.studies.cost.cost_report import report
+from tailslap.studies.cost.cost_settings import EXACT, FE, MODAL, ODE, Setting
+from tailslap.studies.cost.cost_study import measure, row_of
 
 TRUTH = {"t": 1.0, "v_gx": 2.0, "v_gy": -4.0, "omega": 0.5, "slide": 8.0}
 STUDIED = CornerCase(*read_scene("paper-table-3"))
-TODO = [*study.settings(STUDIED.scene), *study.soft_settings(STUDIED.scene)]
+TODO = [*cost_settings.settings(STUDIED.scene), *cost_settings.soft_settings(STUDIED.scene)]
 
 
 def record(values, failed=(), steps=9):
@@ -41,13 +44,13 @@ ROWS = (
 
 
 def test_front_holds_what_nothing_beats_neither_the_truth_itself_nor_choices_on_one_mesh():
-    assert [found["label"] for found in study.front(ROWS)] == ["quick", "middle", "slow and exact"]
+    assert [found["label"] for found in cost_study.front(ROWS)] == ["quick", "middle", "slow and exact"]
     more = row("closed form", 1e-12, 1e-5, EXACT), row("ratio 0.1", 1e-11, 1e-4, choice=True)
-    assert study.front((*more, *ROWS)) == study.front(ROWS)
+    assert cost_study.front((*more, *ROWS)) == cost_study.front(ROWS)
 
 
 def test_cheapest_for_each_level():
-    best = [study.cheapest(ROWS, level) for level in (1.0, 1e-3, 1e-6, 1e-12)]
+    best = [cost_study.cheapest(ROWS, level) for level in (1.0, 1e-3, 1e-6, 1e-12)]
     assert [found and found["label"] for found in best] == ["quick", "middle", "slow and exact", None]
 
 
@@ -59,28 +62,30 @@ def test_error_is_the_largest_of_five():
 
 def test_errors_are_from_the_limit_of_the_quadratic_elements():
     """Changes of 4 and 1 per thousand: order 2, limit 1 - 1/3000, known to 1.25/3000."""
-    limit = limit_of([record(dict.fromkeys(study.NAMES, x)) for x in (1.005, 1.001, 1.0)], study.NAMES)
-    assert limit.values == {name: pytest.approx(1.0 - 1e-3 / 3.0, rel=1e-12) for name in study.NAMES}
-    assert limit.known == pytest.approx(1.25e-3 / 3.0, rel=1e-9)
-    found = row_of(Setting(FE, "quad4", "mesh"), record(dict.fromkeys(study.NAMES, 1.02)), limit)
+    limit = limit_of(
+        [record(dict.fromkeys(cost_study.NAMES, x)) for x in (1.005, 1.001, 1.0)], cost_study.NAMES
+    )
+    assert limit.values == {name: pytest.approx(1.0 - 1e-3 / 3.0, rel=1e-12) for name in cost_study.NAMES}
+    assert limit.uncertainty == pytest.approx(1.25e-3 / 3.0, rel=1e-9)
+    found = row_of(Setting(FE, "quad4", "mesh"), record(dict.fromkeys(cost_study.NAMES, 1.02)), limit)
     assert found["error"] == pytest.approx(1.02 / (1.0 - 1e-3 / 3.0) - 1.0)
     assert [found[name] for name in ("setup_s", "loop_s", "median_s", "steps")] == [0.1, 0.3, 0.4, 9]
 
 
 def test_no_error_is_below_what_the_limit_is_known_to_and_none_is_told_without_strikes():
-    limit, setting = Limit(dict.fromkeys(study.NAMES, 1.0), 1e-3), Setting(FE, "quad4", "mesh")
-    assert row_of(setting, record(dict.fromkeys(study.NAMES, 1.0 + 1e-5)), limit)["error"] == 1e-3
-    nothing = row_of(setting, record(study.strike_values([])), limit)
+    limit, setting = Limit(dict.fromkeys(cost_study.NAMES, 1.0), 1e-3), Setting(FE, "quad4", "mesh")
+    assert row_of(setting, record(dict.fromkeys(cost_study.NAMES, 1.0 + 1e-5)), limit)["error"] == 1e-3
+    nothing = row_of(setting, record(cost_study.strike_values([])), limit)
     assert math.isnan(nothing["error"])
-    assert not study.is_valid(nothing)
-    assert all(map(math.isnan, study.strike_values([]).values()))
-    assert not study.is_valid(row_of(setting, {"refused": "no"}, limit))
+    assert not cost_study.is_valid(nothing)
+    assert all(map(math.isnan, cost_study.strike_values([]).values()))
+    assert not cost_study.is_valid(row_of(setting, {"refused": "no"}, limit))
 
 
 def test_limit_without_convergence_is_the_finest_and_little_known():
     values = [{"values": {k: v * factor for k, v in TRUTH.items()}} for factor in (1.0, 1.1, 1.0)]
     assert limit_of(values) == Limit(TRUTH, pytest.approx(0.3))  # type: ignore[arg-type]
-    assert math.isnan(limit_of(values[:2]).known)
+    assert math.isnan(limit_of(values[:2]).uncertainty)
 
 
 def test_settings_have_names_of_their_own():
@@ -94,8 +99,8 @@ def test_settings_have_names_of_their_own():
 
 
 def test_the_limit_s_meshes_are_halves_of_each_other():
-    case = case_of(*read_scene("impact-mash-tl4-sut"))
-    todo, *_ = study.impact_settings(case)
+    case = ImpactCase(*read_scene("impact-mash-tl4-sut"))
+    todo, *_ = cost_settings.impact_settings(case)
     meshes = [s.changes["plate.elements"] for s in todo if s.group == "quad9"]
     assert meshes == [(10, 3), (20, 6), (40, 12)]
 
@@ -159,10 +164,10 @@ def test_interrupted_study_measures_only_what_is_missing(tmp_path, monkeypatch):
         done.append(setting.key)
         return record(TRUTH)
 
-    monkeypatch.setattr(study, "measure", noted)
+    monkeypatch.setattr(cost_study, "measure", noted)
     with pytest.raises(KeyboardInterrupt):
-        study.compute(STUDIED, tmp_path / "out")
-    found = study.compute(STUDIED, tmp_path / "out")
+        cost_study.compute(STUDIED, tmp_path / "out")
+    found = cost_study.compute(STUDIED, tmp_path / "out")
     assert len(done) - 1 == len(set(done)) - 1 == len(found.rows)
     assert list(tmp_path.iterdir()) == []
 
@@ -180,26 +185,28 @@ def made_records(order=2.0, steps=None):
     return found
 
 
-def summed_up(truth, steps=None):
-    return study.summed_up(STUDIED, TODO, made_records(steps=steps), ("plate.start=inertia-relief",), truth)
+def corner_result(truth, steps=None):
+    return cost_study.corner_result(
+        STUDIED, TODO, made_records(steps=steps), ("plate.start=inertia-relief",), truth
+    )
 
 
 def test_time_steps_that_are_no_halves_have_no_convergence():
     """On a soft plate the least number of steps stands against the safety factor: that is not a settled value."""
     halves = {"safety factor 0.45": 2000, "safety factor 0.225": 4000}
-    assert "time step" in summed_up(TRUTH, halves).convergence
-    found = summed_up(TRUTH, {}).convergence
+    assert "time step" in corner_result(TRUTH, halves).convergence
+    found = corner_result(TRUTH, {}).convergence
     assert "time step" not in found
     assert found["mesh"]["t"].order == pytest.approx(2.0)
 
 
 @pytest.mark.long
 def test_page_and_summary(tmp_path):
-    made = report(summed_up(TRUTH))
+    made = report(corner_result(TRUTH))
     write_report(made, tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["front"]["flexible"][-1].startswith("soft plate, q")
-    assert summary["known"]["rigid"] == study.ROUNDING
+    assert summary["known"]["rigid"] == cost_study.ROUNDING
     page = (tmp_path / "report.html").read_text()
     assert page.count("<svg") == sum(len(section.figures) for section in made.page.sections) > 2
     for words in ("Pareto front", "failed a check", "FE, row-sum masses", "quad9, order 2.0", "known within"):
@@ -208,14 +215,14 @@ def test_page_and_summary(tmp_path):
 
 
 def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known():
-    found = summed_up({k: 1.01 * v for k, v in TRUTH.items()})
-    soft = found.of(soft=True)
+    found = corner_result({k: 1.01 * v for k, v in TRUTH.items()})
+    soft = found.rows_of(soft=True)
     assert found.limit.values == pytest.approx(TRUTH, rel=1e-9)
-    assert found.limit.known == pytest.approx(1.25e-3 / 64, rel=1e-3)  # the finest is 8 times finer
+    assert found.limit.uncertainty == pytest.approx(1.25e-3 / 64, rel=1e-3)  # the finest is 8 times finer
     assert found.flexibility == pytest.approx(0.01 / 1.01, rel=1e-6)
     errors = {row["label"]: row["error"] for row in soft if row["group"] == "quad9"}
-    assert (errors["10 x 3"], errors["80 x 24"]) == (pytest.approx(1e-3, rel=1e-6), found.limit.known)
-    assert all(row["error"] >= study.ROUNDING for row in found.of(soft=False))
+    assert (errors["10 x 3"], errors["80 x 24"]) == (pytest.approx(1e-3, rel=1e-6), found.limit.uncertainty)
+    assert all(row["error"] >= cost_study.ROUNDING for row in found.rows_of(soft=False))
     added = [row["added"] for row in soft if row["group"] == "damping"]
     assert added == sorted(added, reverse=True)
 
@@ -227,8 +234,8 @@ def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known
 ])  # fmt: skip
 def test_soft_plate_keeps_what_the_scene_gives(changes):
     """Its first frequency and patch are the scene's where it has them; nothing that the modal model refuses stays."""
-    plan = case_of(*read_scene("paper-table-3", changes))
-    soft, source = vary(plan.source, {**study.soft_changes(plan), "plate.element": "quad9"})
+    plan = CornerCase(*read_scene("paper-table-3", changes))
+    soft, source = vary(plan.source, {**cost_settings.soft_changes(plan), "plate.element": "quad9"})
     fe_plan = case_of(soft, source).plan()
     assert soft.plate is not None
     assert soft.plate.first_frequency is None
@@ -241,7 +248,7 @@ def test_soft_plate_keeps_what_the_scene_gives(changes):
 @pytest.mark.long
 def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion():
     """The three coarser meshes of quad9 approach each other by more than half; ten times the spring, a tenth added."""
-    soft = vary(STUDIED.source, study.soft_changes(STUDIED))[1]
+    soft = vary(STUDIED.source, cost_settings.soft_changes(STUDIED))[1]
     by_key = {setting.key.removeprefix("soft plate, "): setting for setting in TODO if setting.soft}
     wanted = ("quad9: 10 x 3", "quad9: 20 x 6", "quad9: 40 x 12", "penalty: scale 3", "penalty: scale 30")
     coarse, medium, fine, loose, stiff = [measure(soft, by_key[key])["values"] for key in wanted]

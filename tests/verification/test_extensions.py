@@ -26,7 +26,7 @@ from fem.start.inertia_relief import statics
 from machine_code.folder import cache_folder
 from postprocess.report.command_report import write_report
 from solver import REACTIONS
-from tailslap.campaign.draws import choices_of
+from tailslap.campaign.random_scenes import choices_of
 from tailslap.case.corner import case, report
 from tailslap.case.corner.checks import CHECKS
 from tailslap.case.cost import loop_seconds

@@ -8,7 +8,7 @@ import pytest
 
 from tailslap.campaign import levels
 from tailslap.campaign.levels import Sample
-from tailslap.studies.flexibility import scan
+from tailslap.studies.flexibility import flexibility_scan as scan
 
 # Plates as the study has them, instant of the strike [s], and levels.
 PLATES = np.geomspace(1000.0, 2.0, 16)

@@ -25,15 +25,15 @@ from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
-from tailslap.studies.flexibility import compute
-from tailslap.studies.flexibility.report import WORDS, answer, plates_table, report
-from tailslap.studies.flexibility.scan import Scan
+from tailslap.studies.flexibility import corner_flexibility, impact_flexibility, plate_runs
+from tailslap.studies.flexibility.flexibility_report import WORDS, answer, plates_table, report
+from tailslap.studies.flexibility.flexibility_scan import Scan
 
 SMALL = ("plate.elements=[8,4]",)
 
 
 def small_sweep(scene):
-    return compute.define(CornerCase(*read_scene(scene, SMALL)))
+    return corner_flexibility.define(CornerCase(*read_scene(scene, SMALL)))
 
 
 @pytest.mark.parametrize(
@@ -41,13 +41,13 @@ def small_sweep(scene):
 )
 def test_thickness_at_constant_mass_does_what_the_modulus_does(scene, hertz):
     sweep = small_sweep(scene)
-    base, changes = sweep.case.source, compute.run_changes(sweep, hertz, (8, 4))
-    by_modulus = compute.one_run(base, changes)
-    thickness = compute.thickness_changes(changes, by_modulus["youngs_modulus"], sweep.own)
-    by_thickness = compute.one_run(base, thickness)
-    assert by_thickness["youngs_modulus"] == sweep.own[2]
-    ratio = by_modulus["youngs_modulus"] / sweep.own[2]
-    assert by_thickness["thickness"] / sweep.own[0] == pytest.approx(ratio, rel=1e-14)
+    base, changes = sweep.case.source, corner_flexibility.run_changes(sweep, hertz, (8, 4))
+    by_modulus = plate_runs.one_run(base, changes, corner_flexibility.fe_record)
+    thickness = corner_flexibility.thickness_changes(changes, by_modulus["youngs_modulus"], sweep.section)
+    by_thickness = plate_runs.one_run(base, thickness, corner_flexibility.fe_record)
+    assert by_thickness["youngs_modulus"] == sweep.section[2]
+    ratio = by_modulus["youngs_modulus"] / sweep.section[2]
+    assert by_thickness["thickness"] / sweep.section[0] == pytest.approx(ratio, rel=1e-14)
     assert largest_relative(by_thickness["values"], by_modulus["values"]) < 1e-11
     assert by_thickness["stored"] == pytest.approx(by_modulus["stored"], rel=1e-9)
 
@@ -55,7 +55,14 @@ def test_thickness_at_constant_mass_does_what_the_modulus_does(scene, hertz):
 def test_differences_go_with_the_inverse_square_of_the_first_frequency():
     given = (200.0, 100.0, 50.0, 25.0)
     sweep = small_sweep("paper-abaqus")
-    runs = [compute.one_run(sweep.case.source, compute.run_changes(sweep, hertz, (8, 4))) for hertz in given]
+    runs = [
+        plate_runs.one_run(
+            sweep.case.source,
+            corner_flexibility.run_changes(sweep, hertz, (8, 4)),
+            corner_flexibility.fe_record,
+        )
+        for hertz in given
+    ]
     assert not any(run["failed"] for run in runs)
     rigid = sweep.case.tail_slap
     sizes = {
@@ -72,20 +79,29 @@ def test_differences_go_with_the_inverse_square_of_the_first_frequency():
 @pytest.mark.long
 def test_the_modal_model_is_of_the_same_opinion():
     sweep = small_sweep("paper-table-3")
-    base, changes = sweep.case.source, compute.run_changes(sweep, 20.0, (8, 4))
-    whole, modal = compute.one_run(base, changes), compute.one_run(base, changes, compute.modal_record)
+    base, changes = sweep.case.source, corner_flexibility.run_changes(sweep, 20.0, (8, 4))
+    whole, modal = (
+        plate_runs.one_run(base, changes, corner_flexibility.fe_record),
+        plate_runs.one_run(base, changes, corner_flexibility.modal_record),
+    )
     flexible = largest_relative(whole["values"], sweep.case.tail_slap)
     assert largest_relative(modal["values"], whole["values"]) < 1e-2 * flexible
     assert modal["estimate"] < 0.1 * flexible
-    unstressed = compute.one_run(base, {**changes, "plate.start": "unstressed"}, compute.modal_record)
+    unstressed = plate_runs.one_run(
+        base, {**changes, "plate.start": "unstressed"}, corner_flexibility.modal_record
+    )
     assert "unstressed" in unstressed["refused"]
 
 
 def test_what_each_start_keeps():
     sweep = small_sweep("mash-tl4-sut")
     relief, momenta, unstressed = (
-        compute.one_run(sweep.case.source, compute.run_changes(sweep, 2.0, (8, 4), name))["departure"]
-        for name in compute.STARTS
+        plate_runs.one_run(
+            sweep.case.source,
+            corner_flexibility.run_changes(sweep, 2.0, (8, 4), name),
+            corner_flexibility.fe_record,
+        )["departure"]
+        for name in corner_flexibility.STARTS
     )
     assert relief["v_gy"] > 3e-3 > 1e-5 > max(abs(relief["omega"]), abs(relief["v_p"]))
     assert max(abs(momenta["v_gx"]), abs(momenta["v_gy"])) < 1e-12
@@ -96,9 +112,9 @@ def test_what_each_start_keeps():
 def test_the_largest_difference_is_seen_in_any_phase():
     """An oscillating plate strikes close to the rigid velocity here, and was ten times as far off before."""
     sweep = small_sweep("mash-tl4-sut")
-    changes = compute.run_changes(sweep, 25.0, (8, 4), "unstressed")
+    changes = corner_flexibility.run_changes(sweep, 25.0, (8, 4), "unstressed")
     outcome = sweep.case.varied(changes).run()
-    largest, at_strike = compute.largest_difference(outcome), abs(outcome.difference["v_gy"])
+    largest, at_strike = corner_flexibility.largest_difference(outcome), abs(outcome.difference["v_gy"])
     difference = outcome.fe_history["v_gy"] - outcome.rigid_history["v_gy"]
     assert largest > 10.0 * at_strike
     assert largest == pytest.approx(np.nanmax(np.abs(difference)) / abs(outcome.rigid["v_gy"]), rel=1e-12)
@@ -112,29 +128,34 @@ def test_the_largest_difference_is_seen_in_any_phase():
 def test_meshes_and_hold():
     scene = read_scene("paper-table-3")[0]
     assert three_meshes(scene) == ((10, 3), (20, 6), (40, 12))
-    assert compute.corner_support(scene, (10, 3))["patch"] == 1.0
-    assert compute.corner_support(scene, (10, 3))["constraint"] == "exact"
+    assert corner_flexibility.corner_support(scene, (10, 3))["patch"] == 1.0
+    assert corner_flexibility.corner_support(scene, (10, 3))["constraint"] == "exact"
     # A tenth, as whole elements.
-    assert compute.corner_support(scene, (7, 2))["patch"] == pytest.approx(10.0 / 7.0)
+    assert corner_flexibility.corner_support(scene, (7, 2))["patch"] == pytest.approx(10.0 / 7.0)
     odd = read_scene("paper-table-3", ("plate.elements=[15,5]",))[0]
     assert three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
     own = read_scene("paper-table-3", ("corner.patch_length=0.6", "corner.penalty_scale=2"))[0]
     assert three_meshes(own)[0] == (20, 6)  # half as many elements would be longer than the patch
     given = {"own_constraint": True, "own_patch": True}
-    assert compute.corner_support(own, (20, 6)) == {"constraint": "penalty", "patch": 0.6, **given}
+    assert corner_flexibility.corner_support(own, (20, 6)) == {"constraint": "penalty", "patch": 0.6, **given}
 
 
 def test_three_starts_whatever_the_scene_has():
     own = ("plate.start=unstressed", "plate.elements=", "verify.tolerance=1e-9")
-    sweep = compute.define(CornerCase(*read_scene("mash-tl4-sut", own)))
+    sweep = corner_flexibility.define(CornerCase(*read_scene("mash-tl4-sut", own)))
     assert sweep.meshes[1] == (20, 6)  # the program's choice for an omitted key
-    changes = {name: compute.run_changes(sweep, 50.0, sweep.meshes[0], name) for name in compute.STARTS}
+    changes = {
+        name: corner_flexibility.run_changes(sweep, 50.0, sweep.meshes[0], name)
+        for name in corner_flexibility.STARTS
+    }
     scenes = {name: vary(sweep.case.source, each)[0] for name, each in changes.items()}
-    assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(compute.STARTS)
-    assert compute.run_changes(sweep, 50.0, sweep.meshes[0]) == changes[compute.STARTS[0]]
+    assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(corner_flexibility.STARTS)
+    assert (
+        corner_flexibility.run_changes(sweep, 50.0, sweep.meshes[0]) == changes[corner_flexibility.STARTS[0]]
+    )
     assert not any(scene.verify.tolerance or scene.wall for scene in scenes.values())
-    for start in compute.STARTS:  # an oscillation's error too is that of three meshes
-        changed = compute.mesh_changes(sweep, 50.0, start)
+    for start in corner_flexibility.STARTS:  # an oscillation's error too is that of three meshes
+        changed = corner_flexibility.mesh_changes(sweep, 50.0, start)
         assert [run and run["plate.elements"] for run in changed] == list(sweep.meshes)
 
 
@@ -165,7 +186,7 @@ def mesh_record(difference, rigid, **changes):
         "values": {name: value * (1.0 + difference) for name, value in rigid.items()}, "failed": [],
         "departure": {"v_gx": 0.0, "v_gy": 0.9 * difference, "omega": -0.8 * difference, "v_p": 0.0},
         "largest": abs(difference), "reaction": 10.0 * difference, "stored": 0.1 * difference,
-        "deflection_ratio": difference, "error": 1e-3 * abs(difference), "unseen": 0.0, "steps": 1000,
+        "deflection_ratio": difference, "error": 1e-3 * abs(difference), "unresolved": 0.0, "steps": 1000,
     }  # fmt: skip
     return record | changes
 
@@ -182,11 +203,11 @@ def point_record(hertz, rigid, **changes):
 
     runs = (meshes(1.0), meshes(0.36), [mesh_record(-0.04 / hertz, rigid, **changes)])
     modal = {"values": runs[0][-1]["values"], "estimate": 1e-6, "failed": []}
-    return {"starts": dict(zip(compute.STARTS, runs, strict=True)), "modal": modal}
+    return {"starts": dict(zip(corner_flexibility.STARTS, runs, strict=True)), "modal": modal}
 
 
 def main_meshes(record):
-    return record["starts"][compute.STARTS[0]]
+    return record["starts"][corner_flexibility.STARTS[0]]
 
 
 @pytest.fixture(scope="module")
@@ -197,14 +218,16 @@ def plan():
 @pytest.fixture(scope="module")
 def synthetic(plan):
     """The campaign of a synthetic power law; changes: records by the place of the point."""
-    sweep = compute.define(plan)
+    sweep = corner_flexibility.define(plan)
 
     def build(changes={}):  # noqa: B006
         rigid = plan.tail_slap
         records = {i: point_record(f, rigid) for i, f in enumerate(SWEEP)} | changes
-        rows = [compute.plate_row(f, records[i], rigid) for i, f in enumerate(SWEEP)]
-        scans = {start: Scan(series, {}, math.nan) for start, series in compute.all_series(rows).items()}
-        return replace(compute.summed_up(sweep, rows, scans, 1.0), own_frequency=100.0)
+        rows = [corner_flexibility.plate_row(f, records[i], rigid) for i, f in enumerate(SWEEP)]
+        scans = {
+            start: Scan(series, {}, math.nan) for start, series in corner_flexibility.all_series(rows).items()
+        }
+        return replace(corner_flexibility.corner_result(sweep, rows, scans, 1.0), own_frequency=100.0)
 
     return build
 
@@ -223,7 +246,9 @@ def test_points_carry_difference_and_error(synthetic):
 
 def test_what_meshes_do_not_show_is_added_to_the_error(plan):
     rigid = plan.tail_slap
-    plain, damped = (compute.plate_row(2.0, point_record(2.0, rigid, unseen=u), rigid) for u in (0.0, 1e-4))
+    plain, damped = (
+        corner_flexibility.plate_row(2.0, point_record(2.0, rigid, unresolved=u), rigid) for u in (0.0, 1e-4)
+    )
     for name in ("error_v_gy", "error_reaction", "inertia-relief:v_gy_error"):
         assert damped[name] - plain[name] == pytest.approx(1e-4, rel=1e-6)
 
@@ -232,7 +257,10 @@ def test_a_start_is_not_credited_with_a_change_of_sign(synthetic):
     rigid = synthetic().case.tail_slap
     record = point_record(SWEEP[5], rigid)
     record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
-    sizes = [sample.difference for sample in compute.start_samples(synthetic({5: record}).rows, "unstressed")]
+    sizes = [
+        sample.difference
+        for sample in corner_flexibility.start_samples(synthetic({5: record}).rows, "unstressed")
+    ]
     assert sizes[5] == sizes[4] == pytest.approx(0.04 / SWEEP[4])
     assert sizes == sorted(sizes)
 
@@ -304,7 +332,7 @@ def cells(rows, first):
 
 def test_answer_where_levels_are_not_known(synthetic):
     refused = {"refused": "plate: no"}
-    runs = {name: 3 * [refused] for name in compute.STARTS}
+    runs = {name: 3 * [refused] for name in corner_flexibility.STARTS}
     nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
     assert "no run passed its checks" in answer(nothing)[0]
     rigid = nothing.case.tail_slap
@@ -335,7 +363,7 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     main_meshes(refused)[-1] = {"refused": "omitted: the estimated time exceeds the limit"}
     found = synthetic({0: refused, 2: fails, 8: lost})
     assert [row["passed"] for row in found.rows] == [i not in (0, 2, 8) for i in range(9)]
-    assert not compute.samples_of(found.rows, "t")[2].passed
+    assert not corner_flexibility.samples_of(found.rows, "t")[2].passed
     terminal, page = said(found, tmp_path)
     assert "Failed plates: 1 kHz: omitted" in terminal
     assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
@@ -347,7 +375,9 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     assert (summary["answer"], summary["certainty"]) == answer(found)
     assert summary["points"][8]["difference_v_gy"] is None
     assert summary["points"][2]["why"] == "energy balance"
-    assert summary["levels_v_gy"][compute.STARTS[0]][1]["frequency"] == pytest.approx(2.0, rel=1e-3)
+    assert summary["levels_v_gy"][corner_flexibility.STARTS[0]][1]["frequency"] == pytest.approx(
+        2.0, rel=1e-3
+    )
     assert summary["levels_v_gy_any_start"][1]["frequency"] == pytest.approx(4.0, rel=1e-3)
     assert summary["points"][4]["unstressed:v_gy"] == pytest.approx(-0.004, rel=1e-9)
     assert summary["points"][4]["inertia-relief:v_gy_at_start"] == pytest.approx(3.6e-4, rel=2e-3)
@@ -369,7 +399,7 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
         for key in parts:
             if key in journal.records:
                 continue
-            if function is compute.one_run:
+            if function is plate_runs.one_run:
                 journal.records.add({key: scan_record(key, rigid)})
                 continue
             if len(done) == 3:
@@ -380,13 +410,13 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
 
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", one_at_a_time)
     with pytest.raises(KeyboardInterrupt, match="3 parts are saved"):
-        compute.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
-    found = compute.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+        corner_flexibility.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+    found = corner_flexibility.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
     assert len(done) - 1 == len(set(done)) - 1 == len(found.rows) == 9
     assert list(tmp_path.iterdir()) == []
-    assert {row["start"] for row in found.scan} == {*compute.STARTS}
-    expected = [math.sqrt(0.04 / level * 1.001) for level in compute.LEVELS]
-    for reach, hertz in zip(found.levels[compute.STARTS[0]], expected, strict=True):
+    assert {row["start"] for row in found.scan} == {*corner_flexibility.STARTS}
+    expected = [math.sqrt(0.04 / level * 1.001) for level in corner_flexibility.LEVELS]
+    for reach, hertz in zip(found.levels[corner_flexibility.STARTS[0]], expected, strict=True):
         assert hertz <= reach.frequency <= hertz + 2.0 * min(found.step, 0.05 * hertz)
 
 
@@ -416,13 +446,13 @@ def impact_plate(frequency, why="", size=None):
     """A plate whose strikes differ by 10/f^2 at f in Hz; its mesh's error is a hundredth of that."""
     size = 10.0 / frequency**2 if size is None else size
     sizes = {"difference": -size, "error": 0.01 * size}
-    groups = {name: dict.fromkeys(compute.NAMES, each) for name, each in sizes.items()}
-    return compute.impact_row(frequency, {**groups, "failed": [why] if why else []})
+    groups = {name: dict.fromkeys(impact_flexibility.NAMES, each) for name, each in sizes.items()}
+    return impact_flexibility.impact_row(frequency, {**groups, "failed": [why] if why else []})
 
 
 def test_levels_lie_where_the_difference_of_strikes_crosses_them():
-    samples = compute.impact_samples([*map(impact_plate, FREQUENCIES)], "strike_2.impulse")
-    reaches = [levels.lowest_frequency(samples, level) for level in compute.IMPACT_LEVELS]
+    samples = impact_flexibility.impact_samples([*map(impact_plate, FREQUENCIES)], "strike_2.impulse")
+    reaches = [levels.lowest_frequency(samples, level) for level in impact_flexibility.IMPACT_LEVELS]
     assert [level.kind for level in reaches] == ["crossed"] * 3
     expected = [math.sqrt(10.0 / x * 1.01) for x in (0.01, 0.05, 0.1)]  # with the error of a hundredth on top
     assert [level.frequency for level in reaches] == pytest.approx(expected)
@@ -430,8 +460,8 @@ def test_levels_lie_where_the_difference_of_strikes_crosses_them():
 
 def test_a_plate_that_strikes_with_other_corners_tells_no_level():
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, size=math.nan)]
-    samples = compute.impact_samples(rows, "strike_1.impulse")
-    level = levels.lowest_frequency(samples, compute.IMPACT_LEVELS[-1])
+    samples = impact_flexibility.impact_samples(rows, "strike_1.impulse")
+    level = levels.lowest_frequency(samples, impact_flexibility.IMPACT_LEVELS[-1])
     assert (level.kind, level.frequency) == ("not reached", 16.0)
 
 
@@ -440,24 +470,27 @@ def test_what_a_plate_s_run_records(monkeypatch, impact):
 
     def run(case):
         checks = [SimpleNamespace(name=name, passed=False) for name in ("error of impulse", "energy balance")]
-        return SimpleNamespace(difference={compute.NAMES[0]: 0.5}, mesh_error={}, checks=checks)
+        return SimpleNamespace(difference={impact_flexibility.NAMES[0]: 0.5}, mesh_error={}, checks=checks)
 
     monkeypatch.setattr(ImpactCase, "run", run)
-    ran = compute.one_run(impact.source, {"contact.friction": 0.1}, compute.strike_record)
-    row = compute.impact_row(8.0, ran)
-    assert (row[f"difference.{compute.NAMES[0]}"], row["failed"]) == (0.5, "energy balance")
-    assert math.isnan(row[f"difference.{compute.NAMES[1]}"])
+    ran = plate_runs.one_run(impact.source, {"contact.friction": 0.1}, impact_flexibility.strike_record)
+    row = impact_flexibility.impact_row(8.0, ran)
+    assert (row[f"difference.{impact_flexibility.NAMES[0]}"], row["failed"]) == (0.5, "energy balance")
+    assert math.isnan(row[f"difference.{impact_flexibility.NAMES[1]}"])
     refused = {"contact.restitution": 2.0}
-    ran = compute.one_run(impact.source, refused, compute.strike_record)
-    assert "contact.restitution" in compute.impact_row(8.0, ran)["failed"]
-    assert "contact.restitution" in compute.measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
+    ran = plate_runs.one_run(impact.source, refused, impact_flexibility.strike_record)
+    assert "contact.restitution" in impact_flexibility.impact_row(8.0, ran)["failed"]
+    assert (
+        "contact.restitution"
+        in impact_flexibility.measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
+    )
 
 
 def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, "energy balance")]
-    samples = {name: compute.impact_samples(rows, name) for name in compute.NAMES}
+    samples = {name: impact_flexibility.impact_samples(rows, name) for name in impact_flexibility.NAMES}
     reaches = {
-        name: tuple(levels.lowest_frequency(its, level) for level in compute.IMPACT_LEVELS)
+        name: tuple(levels.lowest_frequency(its, level) for level in impact_flexibility.IMPACT_LEVELS)
         for name, its in samples.items()
     }
 
@@ -470,13 +503,16 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
         (8.0, all_of(3e3), all_of(0.04), ()),
         (math.inf, all_of(2e3), {}, ()),
     ]
-    plates = [compute.plate_record(*each) for each in given]
+    plates = [impact_flexibility.plate_record(*each) for each in given]
     assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
-    found = compute.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
+    found = plate_runs.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
     assert plates_table(found).marks == {0: "failed", 1: "failed"}
     assert "scan.csv" not in said(found, tmp_path)[1]
-    differences = {40.0: dict.fromkeys(compute.NAMES, 0.01), 39.5: dict.fromkeys(compute.NAMES, -0.02)}
-    scan_rows = compute.listed_scan(Scan(samples, differences, 0.5), samples)
+    differences = {
+        40.0: dict.fromkeys(impact_flexibility.NAMES, 0.01),
+        39.5: dict.fromkeys(impact_flexibility.NAMES, -0.02),
+    }
+    scan_rows = plate_runs.listed_scan(Scan(samples, differences, 0.5), samples)
     found = replace(found, scan=scan_rows, step=0.5)
     terminal, page = said(found, tmp_path)
     assert "from 2 further runs from 39.5 Hz to 40 Hz, at steps of 0.5 Hz" in terminal
@@ -507,7 +543,10 @@ def test_a_stiff_plate_is_the_rigid_vehicle(impact):
     changes = {"plate.youngs_modulus": None, "plate.first_frequency": 200.0, "contact.patch_length": 1.0}
     changes["time.end"] = 2.0 * impact.duration
     meshes = [{**changes, "plate.elements": (10 * n, 4 * n)} for n in (1, 2)]
-    rigid, plate = both_strikes(impact.answer), compute.measure_plate(impact.source, 200.0, *meshes)
+    rigid, plate = (
+        both_strikes(impact.answer),
+        impact_flexibility.measure_plate(impact.source, 200.0, *meshes),
+    )
     assert plate["failed"] == []
     assert plate["error"] < 1e-2
     for name, value in plate["values"].items():
@@ -518,5 +557,5 @@ def test_rows_of_the_scans_of_all_starts_have_the_same_columns():
     """Of later starts v_GY alone decides the scan; `scan.csv` has one heading."""
     differences = {2.0: {"v_gy": 0.5, "t": 0.25}}
     scans = [Scan(dict.fromkeys(names, ()), differences, 0.5) for names in (("v_gy", "t"), ("v_gy",))]
-    first, second = ([*compute.listed_scan(scan, scans[0].samples)[0]] for scan in scans)
+    first, second = ([*plate_runs.listed_scan(scan, scans[0].samples)[0]] for scan in scans)
     assert first == second == ["first_frequency", "difference_v_gy", "difference_t"]

@@ -11,9 +11,10 @@ import pytest
 from postprocess.comparison.quantities import STRIKES
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
 from tailslap import case, errors
-from tailslap.campaign import report
-from tailslap.campaign.definition import compute_row, make_definition, table_schema
-from tailslap.campaign.perform import perform
+from tailslap.campaign import sweep_report
+from tailslap.campaign.sweep_definition import make_definition
+from tailslap.campaign.sweep_run import perform
+from tailslap.campaign.sweep_table import compute_row, table_schema
 from tailslap.case.impact.case import ImpactCase
 from tailslap.result.columns import read_columns
 from tailslap.scene.read import source_of_text
@@ -142,6 +143,6 @@ def test_spreads_leave_out_what_a_row_lacks():
     """An impact without a second strike has none of its quantities."""
     some = rows(False)
     some.rigid["strike_2.impulse"][0] = math.nan
-    found = {item["quantity"].key: item for item in report.spreads(some)}
+    found = {item["quantity"].key: item for item in sweep_report.spreads(some)}
     assert found["strike_2.impulse"]["least"] == some.rigid["strike_2.impulse"][1]
     assert "difference" not in found["strike_1.impulse"]

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from tailslap import errors
-from tailslap.campaign import perform
-from tailslap.campaign.definition import make_definition
+from tailslap.campaign import sweep_run
 from tailslap.campaign.records import Records, count
+from tailslap.campaign.sweep_definition import make_definition
 from tailslap.scene import read
 from tailslap.storage import checkpoints, folder, manifest
 
@@ -69,12 +69,15 @@ def test_the_number_of_records_is_not_guessed(tmp_path, fail, error):
 @UNKNOWN
 def test_a_sweep_that_cannot_be_read_is_not_called_damaged(tmp_path, fail, error):
     sweep = make_definition("paper-table-3", (), ("corner.friction=0.1,0.2",), None, 1)
-    with perform.sweep_folder(tmp_path / "sweep", sweep) as place, perform.open_records(place, sweep) as rows:
+    with (
+        sweep_run.sweep_folder(tmp_path / "sweep", sweep) as place,
+        sweep_run.open_records(place, sweep) as rows,
+    ):
         rows.add(ROWS)
-    fail(perform.DEFINITION, error, (io, "open"))
+    fail(sweep_run.DEFINITION, error, (io, "open"))
     with pytest.raises((OSError, errors.InputError), match=os.strerror(error)):
-        perform.sweep_folder(tmp_path / "sweep", sweep).__enter__()
-    assert count(tmp_path / "sweep" / perform.RECORDS) == 1
+        sweep_run.sweep_folder(tmp_path / "sweep", sweep).__enter__()
+    assert count(tmp_path / "sweep" / sweep_run.RECORDS) == 1
 
 
 @UNKNOWN

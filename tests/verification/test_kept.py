@@ -7,7 +7,7 @@ from fem import cache
 from fem.explicit.columns import COLUMNS, HistoryColumn
 from fem.run.corner import Stepper, simulate
 from fem.start.inertia_relief import RigidStart
-from tailslap.campaign.definition import CIRCUMSTANCES, REUSED, compute_row
+from tailslap.campaign.sweep_table import CIRCUMSTANCES, REUSED, compute_row
 from tailslap.scene.read import read_scene
 
 SMALL = ("plate.elements=[6, 2]",)

@@ -9,7 +9,7 @@ from operator import attrgetter
 import pytest
 
 import tailslap
-from tailslap.campaign.definition import make_definition, varied_source
+from tailslap.campaign.sweep_definition import make_definition, varied_source
 from tailslap.case import case_of
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact.case import ImpactCase

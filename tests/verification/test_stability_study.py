@@ -23,7 +23,7 @@ from test_sweep_run import alive, children
 from postprocess.report.command_report import report_text, write_report
 from postprocess.report.provenance import CRATE
 from tailslap import progress
-from tailslap.campaign import draws
+from tailslap.campaign import random_scenes
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
 from tailslap.case import case_of
@@ -39,9 +39,9 @@ from tailslap.scene.read import read_scene, source_of_text
 from tailslap.scene.validate import validate
 from tailslap.scene.vary import changed_tables, vary
 from tailslap.scene.write import scene_file
-from tailslap.studies.stability import compute as study
-from tailslap.studies.stability.axes import axes_of, map_cells
-from tailslap.studies.stability.report import advised, caught_by, headline, refused_by, report
+from tailslap.studies.stability import cell_verdicts, stability_study
+from tailslap.studies.stability.stability_axes import axes_of, map_cells
+from tailslap.studies.stability.stability_report import advised, caught_by, headline, refused_by, report
 
 COARSE = ("plate.elements=[10,3]",)
 
@@ -54,7 +54,9 @@ def verdict_at(first, x, second, y, *changes):
 
 def verdict_of(scene, changes):
     tolerance = 1e-2 if scene.contact else 1e-3
-    return study.judge(study.base_source(scene), changes, partial(study.against_rigid, tolerance=tolerance))
+    return cell_verdicts.judge(
+        stability_study.base_source(scene), changes, partial(cell_verdicts.against_rigid, tolerance=tolerance)
+    )
 
 
 def test_eight_axes_with_ten_values_make_2800_cells():
@@ -66,7 +68,7 @@ def test_eight_axes_with_ten_values_make_2800_cells():
 
 def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact():
     scene = read_scene("mash-tl4-sut")[0]
-    base = study.base_source(scene)
+    base = stability_study.base_source(scene)
     axes = tuple(axis for axis in axes_of(scene, 3) if axis.name in ("speed", "angle"))
     cells, places = map_cells(scene, axes)
     changes = next(cells[key] for key, place in places.items() if place["first_value"] > 1.0)
@@ -117,7 +119,7 @@ def test_a_cell_of_a_scene_that_leaves_mesh_and_constraint_open_is_confirmed():
 
 
 def test_a_cell_whose_run_would_take_too_long_is_left_out_with_its_reason(monkeypatch):
-    monkeypatch.setattr(study, "LONGEST_S", 0.01)
+    monkeypatch.setattr(cell_verdicts, "LONGEST_S", 0.01)
     assert verdict_at("stiffness", 1.0, "friction", 0.2)["kind"] == "right"
     stiff = verdict_at("stiffness", 1e4, "friction", 0.2)
     assert (stiff["kind"], stiff["steps"]) == ("unjudged", 0)
@@ -194,8 +196,8 @@ IMPACTS = [
 @pytest.mark.parametrize(("own", "refined", "kind"), IMPACTS)
 def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
     """Right near the rigid vehicle; beyond, the refined model decides, within the tolerance and the stated error."""
-    monkeypatch.setattr(study, "refined_impact", lambda case, changes: refined)
-    assert study.against_rigid(own, 1e-2)["kind"] == kind
+    monkeypatch.setattr(cell_verdicts, "refined_impact", lambda case, changes: refined)
+    assert cell_verdicts.against_rigid(own, 1e-2)["kind"] == kind
 
 
 def test_a_train_is_judged_by_the_strikes_whose_error_is_stated():
@@ -204,30 +206,34 @@ def test_a_train_is_judged_by_the_strikes_whose_error_is_stated():
     own = impact(0.0, 0.0)
     own.fe = own.rigid = SimpleNamespace(strikes=[SimpleNamespace(corner=c, impulse=j) for c, j in strikes])
     own.difference = {"strike_3.impulse": 2e-3, "strike_4.impulse": 0.3}
-    found = study.against_rigid(own, 1e-2)
+    found = cell_verdicts.against_rigid(own, 1e-2)
     assert (found["kind"], found["difference"]) == ("right", 2e-3)
 
 
 @pytest.mark.parametrize("name", [TRUCK, "impact-mash-tl5-tractor-van"])
 def test_random_cells_of_a_whole_impact_vary_every_unit_about_its_own(name):
     scene = read_scene(name)[0]
-    base = study.base_source(scene)
-    cells, places = study.random_cells(scene, base, 1, 3)
+    base = stability_study.base_source(scene)
+    cells, places = stability_study.random_cells(scene, base, 1, 3)
     own = {key: value for key, value in ImpactCase(scene, base).inputs.items() if value}
     assert ("trailer.0.hitch" in own) == (name != TRUCK)
     for key, changes in cells.items():
         factors = [changes[quantity] / value for quantity, value in own.items()]
-        assert all(1.0 / draws.ABOUT <= factor <= draws.ABOUT for factor in factors)
+        assert all(1.0 / random_scenes.SCATTER <= factor <= random_scenes.SCATTER for factor in factors)
         assert len(set(factors)) == len(own)
         assert all(places[key][quantity] == changes[quantity] for quantity in own)
-    assert cells["0002"] == draws.draw(scene, base, 1, 2)
+    assert cells["0002"] == random_scenes.draw(scene, base, 1, 2)
 
 
 def test_random_cells_of_a_whole_impact_are_judged_as_on_the_map(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     case = case_of(*read_scene(TRUCK))
-    found = study.compute(case, tmp_path / "out", None, None, 2, 1, 1)
-    assert (found.kinds, found.axes, found.settings) == (study.MAP_KINDS, (), {"seed": 1, "tolerance": 1e-2})
+    found = stability_study.compute(case, tmp_path / "out", None, None, 2, 1, 1)
+    assert (found.kinds, found.axes, found.settings) == (
+        cell_verdicts.MAP_KINDS,
+        (),
+        {"seed": 1, "tolerance": 1e-2},
+    )
     assert headline(found).certainty == "Correct: within 0.01 of the rigid motion or a refined model."
 
 
@@ -344,11 +350,11 @@ def test_the_time_left_is_that_of_the_work_which_is_left(monkeypatch):
 
 def test_every_cell_has_an_estimate_and_those_of_many_steps_the_longest():
     case = CornerCase(*read_scene("paper-table-3"))
-    base, axes = study.base_source(case.scene), axes_of(case.scene, 4)
+    base, axes = stability_study.base_source(case.scene), axes_of(case.scene, 4)
     cells = map_cells(case.scene, axes)[0]
-    assert study.expected_seconds(case, base, cells).keys() == cells.keys()
+    assert stability_study.expected_seconds(case, base, cells).keys() == cells.keys()
     seconds = {
-        name: study.expected_seconds(case, base, {"": changes})[""]
+        name: stability_study.expected_seconds(case, base, {"": changes})[""]
         for name, changes in {
             "usual": {},
             "slender": {"vehicle.width": 0.02 * case.scene.vehicle.length},
@@ -357,7 +363,7 @@ def test_every_cell_has_an_estimate_and_those_of_many_steps_the_longest():
             "refused": {"time.safety_factor": -1.0},
         }.items()
     }
-    assert seconds["refused"] == study.CELL_S < seconds["usual"]
+    assert seconds["refused"] == stability_study.CELL_S < seconds["usual"]
     assert min(seconds[name] for name in ("slender", "stiff", "penalty")) > 1.5 * seconds["usual"]
 
 
@@ -367,10 +373,10 @@ def test_every_cell_has_an_estimate_and_those_of_many_steps_the_longest():
 ])  # fmt: skip
 def test_the_estimate_of_a_loop_is_that_of_its_plan_within_a_factor(name, changes):
     case = case_of(*read_scene(name))
-    base = study.base_source(case.scene)
-    seconds = study.expected_seconds(case, base, {"": changes})[""] - study.CELL_S
+    base = stability_study.base_source(case.scene)
+    seconds = stability_study.expected_seconds(case, base, {"": changes})[""] - stability_study.CELL_S
     planned = case_of(*vary(base, changes)).plan().expected_seconds
-    assert 0.3 < seconds / study.LOOPS / planned < 3.0
+    assert 0.3 < seconds / stability_study.LOOPS / planned < 3.0
 
 
 def test_an_announced_map_has_all_cells_in_their_order_and_says_how_long(tmp_path, monkeypatch):
@@ -379,15 +385,17 @@ def test_an_announced_map_has_all_cells_in_their_order_and_says_how_long(tmp_pat
 
     def verdict(base, changes, verify):
         order.append(changes)
-        return study.verdict("right", steps=len(order), processor_seconds=1.0)
+        return cell_verdicts.verdict("right", steps=len(order), processor_seconds=1.0)
 
     monkeypatch.delenv(progress.MODE, raising=False)
     monkeypatch.setattr("tailslap.progress.compiling", said.append)
-    monkeypatch.setattr(study, "judge", verdict)
+    monkeypatch.setattr(stability_study, "judge", verdict)
     case = CornerCase(*read_scene("paper-table-3"))
-    found = study.compute(case, tmp_path / "out", points=2, tolerance=1e-3, count=None, seed=1, workers=1)
+    found = stability_study.compute(
+        case, tmp_path / "out", points=2, tolerance=1e-3, count=None, seed=1, workers=1
+    )
     assert list(found.rows) == list(found.cells)
-    expected = study.expected_seconds(case, found.base, found.cells)
+    expected = stability_study.expected_seconds(case, found.base, found.cells)
     by_start = sorted(found.rows, key=lambda key: found.rows[key]["steps"])
     assert [expected[key] for key in by_start] == sorted(expected.values(), reverse=True)
     assert len(said) == 1
@@ -395,7 +403,9 @@ def test_an_announced_map_has_all_cells_in_their_order_and_says_how_long(tmp_pat
 
 
 def test_the_report_shows_the_ten_costliest_cells_and_the_processor_time_of_all(tmp_path):
-    rows = {f"{n:04d}": study.verdict("right", steps=n, processor_seconds=float(n)) for n in range(1, 25)}
+    rows = {
+        f"{n:04d}": cell_verdicts.verdict("right", steps=n, processor_seconds=float(n)) for n in range(1, 25)
+    }
     found = campaign_of()._replace(rows=rows, cells={key: {} for key in rows})
     write_report(report(found), tmp_path)
     cost = json.loads((tmp_path / "summary.json").read_text())["cost"]
@@ -411,14 +421,16 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     case = CornerCase(*read_scene("paper-table-3"))
     axes = axes_of(case.scene, 3)[:2]
     cells, places = map_cells(case.scene, axes)
-    caught = study.verdict("caught", failed="energy balance, mesh")
-    refused = study.verdict("refused", reason="k: given 3; allowed less")
-    left_out = study.verdict("unjudged", reason="estimated time of the time loop 427 s")
-    right, wrong = study.verdict("right"), study.verdict("wrong", reason="x")
+    caught = cell_verdicts.verdict("caught", failed="energy balance, mesh")
+    refused = cell_verdicts.verdict("refused", reason="k: given 3; allowed less")
+    left_out = cell_verdicts.verdict("unjudged", reason="estimated time of the time loop 427 s")
+    right, wrong = cell_verdicts.verdict("right"), cell_verdicts.verdict("wrong", reason="x")
     verdicts = (*5 * [right], caught, refused, left_out, wrong)
     rows = {key: places[key] | each for key, each in zip(cells, verdicts, strict=True)}
-    base, given = study.base_source(case.scene), {"tolerance": 1e-3}
-    found = study.StabilityResult(case, base, axes, given, study.MAP_KINDS, cells, rows, 1.0)
+    base, given = stability_study.base_source(case.scene), {"tolerance": 1e-3}
+    found = stability_study.StabilityResult(
+        case, base, axes, given, cell_verdicts.MAP_KINDS, cells, rows, 1.0
+    )
     kinds = "1 refused as invalid, 1 rejected by the checks, 1 undecided, 1 wrong and undetected"
     assert headline(found).answer == f"9 cells: 5 correct, {kinds}."
     assert caught_by(found) == {"energy balance": 1, "mesh": 1}
@@ -426,7 +438,11 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     made = report(found)
     write_report(made, tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["counts"] == {"right": 5, "flexible": 0, **dict.fromkeys(list(study.MAP_KINDS)[2:], 1)}
+    assert summary["counts"] == {
+        "right": 5,
+        "flexible": 0,
+        **dict.fromkeys(list(cell_verdicts.MAP_KINDS)[2:], 1),
+    }
     assert not summary["passed"]
     assert len(summary["wrong"]) == 1
     page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
@@ -487,21 +503,25 @@ def raising(number):
 
 
 SCENE = read_scene("mash-tl4-sut")[0]
-BASE = study.base_source(SCENE)
-DRAWN = [changed_tables(BASE.given, draws.draw(SCENE, BASE, 1, number))[0] for number in range(90)]
+BASE = stability_study.base_source(SCENE)
+DRAWN = [changed_tables(BASE.given, random_scenes.draw(SCENE, BASE, 1, number))[0] for number in range(90)]
 
 
 def test_a_draw_is_known_by_seed_and_number():
-    assert draws.draw(SCENE, BASE, 1, 7) == draws.draw(SCENE, BASE, 1, 7) != draws.draw(SCENE, BASE, 2, 7)
+    assert (
+        random_scenes.draw(SCENE, BASE, 1, 7)
+        == random_scenes.draw(SCENE, BASE, 1, 7)
+        != random_scenes.draw(SCENE, BASE, 2, 7)
+    )
     assert DRAWN[7] != DRAWN[8]
 
 
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "paper-table-3", "paper-abaqus"])
 def test_draws_are_scenes_that_can_be_planned_and_afforded(scene):
     own = read_scene(scene)[0]
-    base = study.base_source(own)
+    base = stability_study.base_source(own)
     for number in range(20):
-        plan = CornerCase(*vary(base, draws.draw(own, base, 3, number)))
+        plan = CornerCase(*vary(base, random_scenes.draw(own, base, 3, number)))
         assert expected_effort(plan.scene, plan.motion.strike.t).steps <= 400_000
 
 
@@ -534,8 +554,8 @@ def test_every_choice_of_the_scene_is_drawn():
 
 def test_cells_of_a_combination_share_choices_and_nothing_else():
     """What is compiled for one serves the others; starts, which need no code of their own, go round."""
-    cells = [draws.draw(SCENE, BASE, 1, 5 + k * draws.COMBINATIONS) for k in range(6)]
-    chosen = draws.choices_of(1, 5, 0)
+    cells = [random_scenes.draw(SCENE, BASE, 1, 5 + k * random_scenes.COMBINATIONS) for k in range(6)]
+    chosen = random_scenes.choices_of(1, 5, 0)
     for key in ("corner.reaction", "material.law", "plate.lumping"):
         assert len({cell.get(key) for cell in cells}) == 1
     assert {cell["corner.reaction"] for cell in cells} == {chosen["reaction"]}
@@ -545,7 +565,7 @@ def test_cells_of_a_combination_share_choices_and_nothing_else():
 
 
 def test_nearly_any_two_choices_meet():
-    drawn = [draws.choices_of(1, number, 0).items() for number in range(draws.COMBINATIONS)]
+    drawn = [random_scenes.choices_of(1, number, 0).items() for number in range(random_scenes.COMBINATIONS)]
     values = {item for choices in drawn for item in choices}
     pairs = {frozenset(pair) for choices in drawn for pair in combinations(choices, 2)}
     possible = {frozenset(pair) for pair in combinations(values, 2) if pair[0][0] != pair[1][0]}
@@ -553,10 +573,10 @@ def test_nearly_any_two_choices_meet():
 
 
 def test_a_scene_without_possible_draws_is_refused(monkeypatch):
-    monkeypatch.setattr("tailslap.campaign.draws.MAX_STEPS", 10)
-    monkeypatch.setattr("tailslap.campaign.draws.MAX_TRIES", 5)
+    monkeypatch.setattr("tailslap.campaign.random_scenes.MAX_STEPS", 10)
+    monkeypatch.setattr("tailslap.campaign.random_scenes.MAX_TRIES", 5)
     with pytest.raises(InputError, match="none of 5 random scenes"):
-        draws.draw(SCENE, BASE, 1, 0)
+        random_scenes.draw(SCENE, BASE, 1, 0)
 
 
 def test_a_draw_read_from_its_file_is_the_same_scene():
@@ -580,25 +600,27 @@ MESH, REACTION = ("mesh",), ("reaction against rigid",)
     (math.nan, (), 0.1, "wrong"), (math.inf, ("finite numbers",), 0.1, "caught"),
 ])  # fmt: skip
 def test_verdicts(found, failed, truth, kind):
-    reference = None if truth is None else study.Reference(five(truth), "quad9", 1.0, ({}, {}))
-    graded = study.grade({} if found is None else five(found), failed, reference, 0.0)
+    reference = None if truth is None else cell_verdicts.Reference(five(truth), "quad9", 1.0, ({}, {}))
+    graded = cell_verdicts.grade({} if found is None else five(found), failed, reference, 0.0)
     assert (graded["kind"], graded["failed"]) == (kind, ", ".join(failed))
 
 
 def test_the_distance_is_that_of_the_quantity_that_is_farthest_off():
-    reference = study.Reference(five(0.01), "quad9", 1.0, ({}, {}))
-    graded = study.grade(five(0.01) | {"omega": 0.5}, (), reference, 0.0)
+    reference = cell_verdicts.Reference(five(0.01), "quad9", 1.0, ({}, {}))
+    graded = cell_verdicts.grade(five(0.01) | {"omega": 0.5}, (), reference, 0.0)
     assert graded["distance"] == pytest.approx(0.495)
     assert graded["allowed"] == pytest.approx(1e-3 + 0.25 * 0.01)
 
 
 def test_what_is_right_by_chance_is_not_right_beyond_doubt():
     """Oscillations that agree at the strike, and lie apart before it: a check that fails for it has its reason."""
-    reference = study.Reference(five(0.1), "quad9", 1.0, ({}, {}))
-    found = [study.grade(five(0.1), ("numerical error",), reference, apart) for apart in (0.008, 0.009)]
+    reference = cell_verdicts.Reference(five(0.1), "quad9", 1.0, ({}, {}))
+    found = [
+        cell_verdicts.grade(five(0.1), ("numerical error",), reference, apart) for apart in (0.008, 0.009)
+    ]
     kinds = [each["kind"] for each in found]
     assert kinds == ["good but failed", "caught"]
-    assert study.grade(five(0.1), (), reference, 0.5)["kind"] == "right"
+    assert cell_verdicts.grade(five(0.1), (), reference, 0.5)["kind"] == "right"
 
 
 @pytest.mark.parametrize(("other", "kind"), [(0.1, "good but failed"), (0.12, "caught"), (None, "caught")])
@@ -608,17 +630,20 @@ def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch):
     histories = outcome.fe_history, outcome.rigid_history
     mesh = Check.at_most("mesh", 1.0, 0.0, "made to fail")
     failed = replace(outcome, difference=five(0.1), checks=(mesh,))
-    first = study.Reference(five(0.1), "quad9 15 x 5", 1.0, histories)
-    second = None if other is None else study.Reference(five(other), "quad9 20 x 6", 1.0, histories)
-    found = {study.FIRST: iter([first]), study.SECOND: iter([first, second] if second else [first])}
-    monkeypatch.setattr(study, "references", lambda cell, factors: found[factors])
-    assert study.against_reference(failed)["kind"] == kind
+    first = cell_verdicts.Reference(five(0.1), "quad9 15 x 5", 1.0, histories)
+    second = None if other is None else cell_verdicts.Reference(five(other), "quad9 20 x 6", 1.0, histories)
+    found = {
+        cell_verdicts.FIRST: iter([first]),
+        cell_verdicts.SECOND: iter([first, second] if second else [first]),
+    }
+    monkeypatch.setattr(cell_verdicts, "references", lambda cell, factors: found[factors])
+    assert cell_verdicts.against_reference(failed)["kind"] == kind
 
 
 def test_a_second_reference_is_another_model():
     cell = CornerCase(*vary(SMALL, {})).plan()
-    assert next(study.references(cell, study.FIRST)).model == "quad9 15 x 5"
-    models = [found.model for found in study.references(cell, study.SECOND)]
+    assert next(cell_verdicts.references(cell, cell_verdicts.FIRST)).model == "quad9 15 x 5"
+    models = [found.model for found in cell_verdicts.references(cell, cell_verdicts.SECOND)]
     assert models[:2] == ["quad9 20 x 6", "quad9 10 x 3"]
 
 
@@ -629,21 +654,21 @@ def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch):
         asked.append(ratio)
         raise InputError("plate.elements", finer, "no model")
 
-    monkeypatch.setattr("tailslap.studies.stability.compute.reference_changes", noted)
+    monkeypatch.setattr("tailslap.studies.stability.cell_verdicts.reference_changes", noted)
     for start, damped in (("inertia-relief", True), ("unstressed", False)):
         asked.clear()
         cell = CornerCase(*vary(SMALL, {"plate.start": start})).plan()
-        assert next(study.references(cell, study.FIRST), None) is None
+        assert next(cell_verdicts.references(cell, cell_verdicts.FIRST), None) is None
         assert any(asked) is damped
 
 
 SOFT = ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa")
-SMALL = study.base_source(read_scene("paper-table-3", SOFT)[0])
+SMALL = stability_study.base_source(read_scene("paper-table-3", SOFT)[0])
 """A cell that runs at once, of a plate soft enough to matter."""
 
 
 def verdict_by_reference(changes):
-    return study.judge(SMALL, changes, study.against_reference)
+    return cell_verdicts.judge(SMALL, changes, cell_verdicts.against_reference)
 
 
 def test_a_refined_model_is_the_same_plate_held_exactly():
@@ -653,27 +678,29 @@ def test_a_refined_model_is_the_same_plate_held_exactly():
     changes |= {f"corner.{key}": value for key, value in corner_keys.items()}
     own, cell = vary(SMALL, {**changes, "damping.ratio": 0.3, "material.law": "neo-hookean"})
     assert own.plate is not None
-    refined = vary(cell, study.reference_changes(own, own.plate, 1.5))[0]
+    refined = vary(cell, cell_verdicts.reference_changes(own, own.plate, 1.5))[0]
     assert refined.plate is not None
     assert (refined.plate.element, refined.plate.counts) == ("quad9", (15, 5))
     assert (refined.plate.start, refined.plate.distortion, refined.damping) == ("unstressed", 0.0, None)
     assert refined.material == own.material
     assert (refined.corner.constraint, refined.corner.patch_length) == ("exact", 2.0)
-    calmed = vary(cell, study.reference_changes(own, own.plate, 1.5, 0.05))[0]
+    calmed = vary(cell, cell_verdicts.reference_changes(own, own.plate, 1.5, 0.05))[0]
     assert calmed.damping is not None
     assert calmed.damping.ratio == 0.05
     left_open = vary(SMALL, {})[0]
     assert left_open.plate is not None
-    assert "corner.constraint" not in study.reference_changes(left_open, left_open.plate, 1.5)
+    assert "corner.constraint" not in cell_verdicts.reference_changes(left_open, left_open.plate, 1.5)
 
 
 def test_a_refined_mesh_has_its_limit():
     scene = vary(SMALL, {})[0]
     assert scene.plate is not None
     plates = (scene.plate.model_copy(update={"elements": counts}) for counts in ((10, 4), (40, 12)))
-    small, (along, across) = (study.reference_changes(scene, p, 1.5)["plate.elements"] for p in plates)
+    small, (along, across) = (
+        cell_verdicts.reference_changes(scene, p, 1.5)["plate.elements"] for p in plates
+    )
     assert small == (15, 6)
-    assert along * across <= 1.1 * study.MAX_ELEMENTS
+    assert along * across <= 1.1 * cell_verdicts.MAX_ELEMENTS
 
 
 @pytest.mark.long
@@ -690,9 +717,9 @@ def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch):
 @pytest.mark.long
 def test_refused_broken_and_unjudged_cells(monkeypatch):
     assert verdict_by_reference({"plate.element": "hexagon"})["kind"] == "refused"
-    monkeypatch.setattr(study, "references", lambda *arguments: iter(()))
+    monkeypatch.setattr(cell_verdicts, "references", lambda *arguments: iter(()))
     assert verdict_by_reference({})["kind"] == "unjudged"
-    monkeypatch.setattr(study, "references", breaks)
+    monkeypatch.setattr(cell_verdicts, "references", breaks)
     assert verdict_by_reference({})["reason"] == "reference broke: ZeroDivisionError: boom"
     monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
     broken = verdict_by_reference({})
@@ -701,24 +728,24 @@ def test_refused_broken_and_unjudged_cells(monkeypatch):
 
 def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted():
     outcome = CornerCase(*vary(SMALL, {})).run()
-    assert study.trustworthy(outcome)
+    assert cell_verdicts.trustworthy(outcome)
     ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
-    assert study.trustworthy(replace(outcome, checks=(ringing,)))
+    assert cell_verdicts.trustworthy(replace(outcome, checks=(ringing,)))
     for name in ("energy balance", "friction work", "contact work"):
         failed = Check.at_most(name, 1.0, 0.0, "made to fail")
-        assert not study.trustworthy(replace(outcome, checks=(failed,)))
+        assert not cell_verdicts.trustworthy(replace(outcome, checks=(failed,)))
     for energy in (1.0, 2.0):  # over that of the start: twice as much has come from friction
         swings = Check.at_most("oscillation", energy, 9.0, "made to pass")
-        assert study.trustworthy(replace(outcome, checks=(swings,))) == (energy < 1.25)
+        assert cell_verdicts.trustworthy(replace(outcome, checks=(swings,))) == (energy < 1.25)
     swayed = replace(outcome)
     vars(swayed)["error"] = replace(outcome.error, damping=0.1)
-    assert not study.trustworthy(swayed)
-    assert not study.trustworthy(replace(outcome, difference={}))
+    assert not cell_verdicts.trustworthy(swayed)
+    assert not cell_verdicts.trustworthy(replace(outcome, difference={}))
 
 
 def test_where_no_reference_is_trusted_there_is_none(monkeypatch):
     cell = CornerCase(*vary(SMALL, {})).plan()
-    assert not list(study.references(cell, study.FIRST, longest=0.0))
+    assert not list(cell_verdicts.references(cell, cell_verdicts.FIRST, longest=0.0))
 
 
 def campaign_of(*kinds):
@@ -726,14 +753,16 @@ def campaign_of(*kinds):
     failed, cells, rows = {"caught": "mesh, time step", "good but failed": "mesh"}, {}, {}
     for number, kind in enumerate(kinds):
         key = f"{number:04d}"
-        cells[key] = draws.draw(SCENE, BASE, 1, number)
-        rows[key] = {"number": number, **study.flat(DRAWN[number])}
-        rows[key] |= study.verdict(kind, failed=failed.get(kind, ""), distance=0.1, allowed=0.01)
-    return study.StabilityResult(case, BASE, (), {"seed": 1}, study.RANDOM_KINDS, cells, rows, 1.0)
+        cells[key] = random_scenes.draw(SCENE, BASE, 1, number)
+        rows[key] = {"number": number, **stability_study.flat(DRAWN[number])}
+        rows[key] |= cell_verdicts.verdict(kind, failed=failed.get(kind, ""), distance=0.1, allowed=0.01)
+    return stability_study.StabilityResult(
+        case, BASE, (), {"seed": 1}, cell_verdicts.RANDOM_KINDS, cells, rows, 1.0
+    )
 
 
 def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
-    made = report(campaign_of(*study.RANDOM_KINDS))
+    made = report(campaign_of(*cell_verdicts.RANDOM_KINDS))
     write_report(made, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {
@@ -746,12 +775,15 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
         CRATE,
     }
     counts = json.loads((tmp_path / "summary.json").read_text())["counts"]
-    assert counts == dict.fromkeys(study.RANDOM_KINDS, 1)
+    assert counts == dict.fromkeys(cell_verdicts.RANDOM_KINDS, 1)
     with (tmp_path / "cells.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["kind"] for row in rows] == list(study.RANDOM_KINDS)
-    assert "time.safety_factor" in rows[list(study.RANDOM_KINDS).index("caught")]["what could be changed"]
-    assert float(rows[0]["vehicle.length"]) == study.flat(DRAWN[0])["vehicle.length"]
+    assert [row["kind"] for row in rows] == list(cell_verdicts.RANDOM_KINDS)
+    assert (
+        "time.safety_factor"
+        in rows[list(cell_verdicts.RANDOM_KINDS).index("caught")]["what could be changed"]
+    )
+    assert float(rows[0]["vehicle.length"]) == stability_study.flat(DRAWN[0])["vehicle.length"]
     page = (tmp_path / "report.html").read_text()
     for text in ("unjudged", "failed</span>"):
         assert text in page
@@ -768,7 +800,7 @@ def test_a_cells_file_can_be_run(tmp_path):
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
-    found = study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    found = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [changed_tables(found.base.given, cell)[0] for cell in found.cells.values()] == DRAWN[:4]
     assert (len(found.of_kind("right")), list(tmp_path.iterdir())) == (4, [])
 
@@ -781,7 +813,7 @@ def all_right(stop_at=""):
             if key == stop_at:
                 raise KeyboardInterrupt
             if key not in journal.records:
-                journal.records.add({key: study.verdict("right", steps=len(parts))})
+                journal.records.add({key: cell_verdicts.verdict("right", steps=len(parts))})
 
     return run
 
@@ -790,9 +822,9 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right(stop_at="0002"))
     case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
     with pytest.raises(Interrupted, match="2 parts are saved"):
-        study.compute(case, place, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
+        stability_study.compute(case, place, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
-    found = study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    found = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [row["steps"] for row in found.rows.values()] == [3, 3, 4, 4]
 
 

@@ -19,8 +19,8 @@ from postprocess.svg.marks import PALETTE, Boxes, Layer, Level, Line, Span, Swat
 from postprocess.svg.scales import Scale, Shades, cells_about, fitted, power_text, round_ticks, tick_texts
 from postprocess.units import SI
 from tailslap.scene.read import read_scene
-from tailslap.studies.stability.axes import axes_of
-from tailslap.studies.stability.compute import MAP_KINDS as KINDS
+from tailslap.studies.stability.cell_verdicts import MAP_KINDS as KINDS
+from tailslap.studies.stability.stability_axes import axes_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 X = np.linspace(0.0, 2.0, 5)

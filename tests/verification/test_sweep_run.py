@@ -23,9 +23,10 @@ import tailslap
 from postprocess.report.provenance import CRATE
 from tailslap import cli, errors
 from tailslap.campaign import engine, pools, records
-from tailslap.campaign.definition import CIRCUMSTANCES, compute_row, make_definition, write_table
-from tailslap.campaign.perform import RECORDS, StoppedError, open_records, perform, sweep_folder
 from tailslap.campaign.records import Records, count, program
+from tailslap.campaign.sweep_definition import make_definition
+from tailslap.campaign.sweep_run import RECORDS, StoppedError, open_records, perform, sweep_folder
+from tailslap.campaign.sweep_table import CIRCUMSTANCES, compute_row, write_table
 from tailslap.case import cost
 from tailslap.case.corner.case import CornerCase
 from tailslap.result.columns import read_columns
@@ -414,7 +415,7 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
 
 
 def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(pools, "ANSWER_S", 0.3)
+    monkeypatch.setattr(pools, "REPLY_S", 0.3)
     for address in ("tcp://127.0.0.1:9", "127.0.0.1:9", "nonsense", "http://127.0.0.1:9", "tcp://"):
         arguments = ["--cluster", address, "--out", str(tmp_path / "sweep")]
         assert cli._status(["sweep", scene, "--vary", "corner.friction=0.1,0.2", *arguments]) == 2

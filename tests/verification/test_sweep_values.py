@@ -19,10 +19,9 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import write_page
 from postprocess.svg.chart import FULL, PART
 from postprocess.units import SI
-from tailslap.campaign import engine, report
-from tailslap.campaign.definition import (
+from tailslap.campaign import engine, sweep_report
+from tailslap.campaign.sweep_definition import (
     Definition,
-    FinishedSweep,
     TypedRange,
     Variation,
     latin_hypercube,
@@ -30,6 +29,7 @@ from tailslap.campaign.definition import (
     parse_varied,
     split_outside,
 )
+from tailslap.campaign.sweep_table import FinishedSweep
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.progress import clock, counted
@@ -318,7 +318,7 @@ def sweep_of(some):
 
 def page_of(some, reasons):
     sweep = sweep_of(some)
-    return report.sweep_page(sweep, some, reasons, report.headline(sweep, some))
+    return sweep_report.sweep_page(sweep, some, reasons, sweep_report.headline(sweep, some))
 
 
 def test_the_page_holds_what_it_is_given(tmp_path):
@@ -339,13 +339,13 @@ def test_the_page_holds_what_it_is_given(tmp_path):
 
 def test_a_page_of_runs_that_were_all_refused(tmp_path):
     """No plots, no results; the first rows, and how many there are."""
-    count = report.MAX_LISTED + 5
+    count = sweep_report.MAX_LISTED + 5
     some = rows(key("a.x", *range(count)), status="refused")
     nothing = replace(some, difference={k: np.full(count, np.nan) for k in KEYS})
     page = page_of(nothing, np.full(count, "no", dtype=object))
     text = write_page(tmp_path / "e.html", page).read_text()
     assert "<svg" not in text
-    assert f"First {report.MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
+    assert f"First {sweep_report.MAX_LISTED} of {count}" in text.replace("\N{NO-BREAK SPACE}", " ")
     assert "At the tail-slap" not in text
     assert "did not pass" not in write_page(tmp_path / "p.html", all_passed()).read_text()
 
@@ -358,14 +358,14 @@ def all_passed():
 def test_the_largest_differences():
     some = rows(key("a.x", 1, 2, 3))
     some.status[2] = "failed"
-    (time, *_) = report.spreads(some)
+    (time, *_) = sweep_report.spreads(some)
     assert (time["run"], time["difference"]) == (1, some.difference["t"][1])
     assert (time["least"], time["most"]) == (some.fe["t"][0], some.fe["t"][1])
 
 
 def test_what_the_terminal_says():
     done = replace(sweep_of(rows(key("a.x", 1, 2, 3))), report=Report(all_passed(), {}, ()))
-    said = report.sweep_text(done, Path("results/x")).splitlines()
+    said = sweep_report.sweep_text(done, Path("results/x")).splitlines()
     assert said[0].startswith("3 runs: 3 passed all checks. Finite elements and rigid body differ by at most")
     files = ["Table:  results/x/sweep.parquet", "Report: results/x/report.html"]
     assert said[-5:] == ["Varied: a.x 1, 2, 3.", "", "Cost:   no runs remained", *files]
@@ -373,10 +373,10 @@ def test_what_the_terminal_says():
 
 def test_words():
     angle = Variation("impact.angle", "rad", (math.radians(10), math.radians(15)), False)
-    assert SI.rendered(report.values_words(angle)) == "10 deg, 15 deg"
+    assert SI.rendered(sweep_report.values_words(angle)) == "10 deg, 15 deg"
     modulus = Variation("e", "Pa", (1e8, 1e9, 1e10, 1e11, 1e12, 1e13), True)
-    assert SI.rendered(report.values_words(modulus)) == "1e+08 Pa to 1e+13 Pa, in equal ratios"
-    assert (report.shown("quad4", ""), SI.rendered(report.shown(0.25, ""))) == ("quad4", "0.25")
+    assert SI.rendered(sweep_report.values_words(modulus)) == "1e+08 Pa to 1e+13 Pa, in equal ratios"
+    assert (sweep_report.shown("quad4", ""), SI.rendered(sweep_report.shown(0.25, ""))) == ("quad4", "0.25")
 
 
 def test_rate_and_overhead_by_hand():

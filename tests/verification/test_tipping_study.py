@@ -11,7 +11,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.studies import find_study
-from tailslap.studies.tipping import compute, report
+from tailslap.studies.tipping import tipping_report, tipping_study
 
 SCENE = "impact-tipping-tl4-sut"
 FIXED = ("vehicle.mass", "vehicle.centre_of_mass", "contact.friction", "impact.speed", "impact.angle")
@@ -24,7 +24,7 @@ def case(*changes):
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     place = tmp_path_factory.mktemp("study") / "out"
-    return compute.compute(case(), place, 128, ("contact.restitution=0.1:0.4",), FIXED, 1)
+    return tipping_study.compute(case(), place, 128, ("contact.restitution=0.1:0.4",), FIXED, 1)
 
 
 def test_the_map_and_the_line_are_the_solver_s(found):
@@ -52,7 +52,7 @@ def test_samples_are_impacts_of_their_own(found):
 def test_lowest_walls_of_the_samples_lie_within_2_mm_of_those_of_small_steps():
     """95 in 100 of them, with low restitution as with high; beside steps of 0.1 ms and smaller ones of the roll."""
     own, draw = case(), np.random.default_rng(5)
-    for low, high in ((0.0, compute.ABRUPT), (compute.ABRUPT, 0.4)):
+    for low, high in ((0.0, tipping_study.ABRUPT), (tipping_study.ABRUPT, 0.4)):
         ranges = {
             "contact.restitution": (low, high), "contact.stiffness": (1e6, 3e6),
             "tipping.centre_height": (1.25, 1.45), "impact.angle": (0.24, 0.29),
@@ -60,14 +60,14 @@ def test_lowest_walls_of_the_samples_lie_within_2_mm_of_those_of_small_steps():
         inputs = {key: draw.uniform(*ends, 100) for key, ends in ranges.items()}
         found = own.impacts(
             {key: values for key, values in inputs.items() if "tipping" not in key},
-            after_second=rigid.AFTER_TIPPING, interval=compute.STEP, step=1e-4,
+            after_second=rigid.AFTER_TIPPING, interval=tipping_study.STEP, step=1e-4,
         )  # fmt: skip
         vehicle = rigid.tipping_of(own, own.answer).vehicle
         exact = [
-            float(tipping.lowest_walls(replace(vehicle, centre_height=centre), force, compute.STEP))
+            float(tipping.lowest_walls(replace(vehicle, centre_height=centre), force, tipping_study.STEP))
             for centre, force in zip(inputs["tipping.centre_height"], found.mean_force.T, strict=True)
         ]
-        off = np.abs(np.array(compute.measure(own.source, inputs)["lowest"]) - exact)
+        off = np.abs(np.array(tipping_study.measure(own.source, inputs)["lowest"]) - exact)
         assert np.percentile(off, 95) < 2e-3
 
 
@@ -83,7 +83,7 @@ def test_the_band_holds_the_line_and_the_centre_s_height_counts_most(found):
 
 
 def test_the_report(found):
-    made = report.report(found)
+    made = tipping_report.report(found)
     text = str(made.page)
     for words in ("Lowest wall without rollover", "shift of the cargo", "No rollover"):
         assert words in text
@@ -94,13 +94,13 @@ def test_the_report(found):
 
 
 def test_refused_indices_are_said_and_not_shown(found):
-    made = report.report(replace(found, sources=[], refusal="Sobol indices are not determined."))
+    made = tipping_report.report(replace(found, sources=[], refusal="Sobol indices are not determined."))
     assert "main source of variance" not in made.page.headline.certainty
     assert "Sobol indices are not determined." in made.terminal
     assert made.summary["indices_refused"] == "Sobol indices are not determined."
     assert not any("total" in row for row in made.summary["inputs"])
     assert "Sobol indices are not determined." in str(made.page)
-    assert report.report(found).summary["indices_refused"] is None
+    assert tipping_report.report(found).summary["indices_refused"] is None
 
 
 @pytest.mark.parametrize(("changes", "key"), [
@@ -108,7 +108,7 @@ def test_refused_indices_are_said_and_not_shown(found):
 ])  # fmt: skip
 def test_refusals(changes, key, tmp_path):
     with pytest.raises(InputError) as caught:
-        compute.compute(case(*changes), tmp_path / "out", 128, (), (), 1)
+        tipping_study.compute(case(*changes), tmp_path / "out", 128, (), (), 1)
     assert caught.value.key == key
 
 

@@ -17,7 +17,7 @@ from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import vary
-from tailslap.studies.stability import compute as stability
+from tailslap.studies.stability import cell_verdicts, stability_study
 
 SCENE = "impact-mash-tl5-tractor-van"
 
@@ -255,9 +255,11 @@ def test_a_result_of_a_train_is_exported_and_compared(tmp_path, monkeypatch):
 ])  # fmt: skip
 def test_no_cell_of_the_study_of_stability_is_wrong(changes):
     """Soft crush is right, that of 1 GN/m beyond the mesh and caught."""
-    base = stability.base_source(read_scene(SCENE, SMALL)[0])
-    found = stability.judge(base, changes, partial(stability.against_rigid, tolerance=0.01))
-    assert found["kind"] == (stability.RIGHT if changes["contact.stiffness"] < 1e9 else stability.CAUGHT)
+    base = stability_study.base_source(read_scene(SCENE, SMALL)[0])
+    found = cell_verdicts.judge(base, changes, partial(cell_verdicts.against_rigid, tolerance=0.01))
+    assert found["kind"] == (
+        cell_verdicts.RIGHT if changes["contact.stiffness"] < 1e9 else cell_verdicts.CAUGHT
+    )
 
 
 @pytest.mark.long

@@ -24,14 +24,15 @@ from postprocess.signals.filters import moving_mean
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
 from tailslap import cli, errors, studies
 from tailslap.campaign import sampling
-from tailslap.campaign.sampling import Range, band_of, sampled, sobol_indices, sobol_points
+from tailslap.campaign.input_ranges import Range
+from tailslap.campaign.sampling import band_of, sampled, sobol_indices, sobol_points
 from tailslap.case.corner.case import CornerCase
 from tailslap.case.impact import answers, case
 from tailslap.replication.paper_values import ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.storage.manifest import NAME as MANIFEST
-from tailslap.studies.uncertainty import compute
-from tailslap.studies.uncertainty.report import report
+from tailslap.studies.uncertainty import uncertainty_ranges, uncertainty_study
+from tailslap.studies.uncertainty.uncertainty_report import report
 
 TRUCK, IMPACT = "mash-tl4-sut", "impact-mash-tl4-sut"
 HELD = ("impact.friction", "impact.speed", "impact.angle")
@@ -45,7 +46,7 @@ def plan_of(name, *changes):
 
 def run(name, *ranges, fixed=(), samples=100_000):
     plan = plan_of(name)
-    return compute.spread(plan, compute.corner_ranges(plan, ranges, fixed), samples)
+    return uncertainty_study.spread(plan, uncertainty_ranges.corner_ranges(plan, ranges, fixed), samples)
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +65,7 @@ def complete():
 def impacts():
     """The study of a whole impact, as small as it gets."""
     plan = impact_of()
-    return compute.spread(plan, compute.impact_ranges(plan), 288)
+    return uncertainty_study.spread(plan, uncertainty_ranges.impact_ranges(plan), 288)
 
 
 def impact_of(*changes, name=IMPACT):
@@ -86,7 +87,7 @@ def moments():
 def factor(spread):
     """g [N s], from the scene's own force."""
     scene = spread.case.scene
-    return spread.own["peak_force"] * scene.strike.duration / (1.0 - scene.impact.restitution)
+    return spread.nominal["peak_force"] * scene.strike.duration / (1.0 - scene.impact.restitution)
 
 
 def test_sobol_indices_of_a_product(product):
@@ -303,8 +304,8 @@ PLANS = [
 @pytest.mark.parametrize(("name", "ranges", "changes"), PLANS)
 def test_each_combination_is_the_plan_s_own_solution(name, ranges, changes):
     plan = CornerCase(*read_scene(name, changes))
-    keys = [item.key for item in compute.corner_ranges(plan, ranges)]
-    ranges = compute.corner_ranges(plan, ranges)
+    keys = [item.key for item in uncertainty_ranges.corner_ranges(plan, ranges)]
+    ranges = uncertainty_ranges.corner_ranges(plan, ranges)
     inputs, tables = sampled(ranges, 10, plan.many)
     assert list(inputs) == keys
     columns = np.array([*inputs.values()]).T[:64].tolist()
@@ -314,7 +315,7 @@ def test_each_combination_is_the_plan_s_own_solution(name, ranges, changes):
 
 
 def test_mixtures_take_one_input_from_the_second_table():
-    ranges = compute.corner_ranges(plan_of(TRUCK))
+    ranges = uncertainty_ranges.corner_ranges(plan_of(TRUCK))
     inputs, tables = sampled(ranges, 100, lambda given: {"sum": sum(given.values(), np.zeros(()))})
     keys, values = list(inputs), np.array([*inputs.values()]).reshape(len(ranges), len(ranges) + 2, -1)
     a, b, *mixed = np.moveaxis(values, 1, 0)
@@ -392,28 +393,36 @@ def test_the_result_folder_has_the_scene_s_name(tmp_path, monkeypatch):
 
 def test_default_ranges():
     """MASH: 2.5 mph, 1.5 deg; 110 lb for the pickup, 55 lb for the car; the truck's tolerance is not known."""
-    found = {item.key: item for item in compute.corner_ranges(plan_of("mash-tl3-pickup"))}
+    found = {item.key: item for item in uncertainty_ranges.corner_ranges(plan_of("mash-tl3-pickup"))}
     expected = {"vehicle.mass": (4890 * POUND, 5110 * POUND), "impact.speed": (59.5 * MPH, 64.5 * MPH)}
     expected |= {"impact.angle": (23.5 * DEGREE, 26.5 * DEGREE), "impact.friction": (0.3, 0.6)}
     expected |= {"impact.restitution": (0.0, 0.4), "strike.duration": (0.08, 0.18)}
     assert set(found) == set(expected)
     for key, ends in expected.items():
         assert (found[key].lower, found[key].upper) == pytest.approx(ends, rel=1e-12)
-    (mass,) = (item for item in compute.corner_ranges(plan_of("mash-tl1-car")) if item.key == "vehicle.mass")
+    (mass,) = (
+        item
+        for item in uncertainty_ranges.corner_ranges(plan_of("mash-tl1-car"))
+        if item.key == "vehicle.mass"
+    )
     assert (mass.lower / POUND, mass.upper / POUND) == pytest.approx((2365, 2475), rel=1e-12)
-    assert "vehicle.mass" not in {item.key for item in compute.corner_ranges(plan_of(TRUCK))}
+    assert "vehicle.mass" not in {item.key for item in uncertainty_ranges.corner_ranges(plan_of(TRUCK))}
 
 
 def test_only_what_the_force_depends_on_varies():
     """[start] overrides Stage 1; without friction no coefficient counts."""
-    found = [item.key for item in compute.corner_ranges(plan_of("paper-table-3"))]
+    found = [item.key for item in uncertainty_ranges.corner_ranges(plan_of("paper-table-3"))]
     assert found == ["impact.friction", "strike.duration"]
-    assert [item.key for item in compute.corner_ranges(plan_of("paper-abaqus"))] == ["strike.duration"]
+    assert [item.key for item in uncertainty_ranges.corner_ranges(plan_of("paper-abaqus"))] == [
+        "strike.duration"
+    ]
 
 
 def test_given_ranges_take_units_and_replace_the_default():
     given = ("impact.speed=50 mph:60 mph", "vehicle.length=30 ft:10 m", "impact.friction=0.2:0.5")
-    found = {item.key: item for item in compute.corner_ranges(plan_of(TRUCK), given, ("impact.angle",))}
+    found = {
+        item.key: item for item in uncertainty_ranges.corner_ranges(plan_of(TRUCK), given, ("impact.angle",))
+    }
     for key, ends in (("impact.speed", (50 * MPH, 60 * MPH)), ("vehicle.length", (9.144, 10.0))):
         assert (found[key].lower, found[key].upper) == pytest.approx(ends)
     assert found["impact.friction"] == Range("impact.friction", 0.2, 0.5, "", 0.47, "--range")
@@ -445,7 +454,7 @@ WRONG = [
 @pytest.mark.parametrize(("ranges", "fixed", "key", "message"), WRONG)
 def test_wrong_ranges_are_told_which_key(ranges, fixed, key, message):
     with pytest.raises(errors.InputError) as caught:
-        compute.corner_ranges(plan_of(TRUCK), ranges, fixed)
+        uncertainty_ranges.corner_ranges(plan_of(TRUCK), ranges, fixed)
     assert caught.value.key == key
     assert message in caught.value.allowed
 
@@ -453,14 +462,14 @@ def test_wrong_ranges_are_told_which_key(ranges, fixed, key, message):
 def test_a_default_range_that_does_not_fit_says_whose_it_is():
     message = r"impact\.angle: given .* by default .*1\.5 deg, MASH.*--range changes"
     with pytest.raises(errors.InputError, match=message):
-        compute.corner_ranges(plan_of(TRUCK, "impact.angle=1 deg"))
+        uncertainty_ranges.corner_ranges(plan_of(TRUCK, "impact.angle=1 deg"))
 
 
 def test_a_force_that_does_not_change_has_no_indices():
     """[start] is the state after the impact, so that the speed, forced to vary here, has no effect."""
     plan = CornerCase(*read_scene("paper-abaqus"))
     with pytest.raises(errors.InputError, match="constant within these ranges"):
-        compute.spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
+        uncertainty_study.spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
 
 
 def test_bands_by_hand():
@@ -478,9 +487,9 @@ def test_bands_by_hand():
 
 def test_a_hundred_thousand_combinations_in_two_seconds():
     plan = plan_of("mash-tl3-pickup")
-    ranges = compute.corner_ranges(plan)
+    ranges = uncertainty_ranges.corner_ranges(plan)
     began = time.process_time()
-    spread = compute.spread(plan, ranges, 100_000)
+    spread = uncertainty_study.spread(plan, ranges, 100_000)
     assert time.process_time() - began < 2.0
     assert spread.computed >= 100_000
 
@@ -520,7 +529,7 @@ def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass():
     faster, heavier = np.array([1.0, 1.3, 1.0]), np.array([1.0, 1.0, 1.7])
     inputs = {"impact.speed": 20.0 * faster, "vehicle.mass": 9000.0 * heavier}
     inputs["contact.stiffness"] = 1e6 * ones * faster**2 * heavier
-    columns = compute.solved(plan, inputs)
+    columns = uncertainty_study.solved(plan, inputs)
     force = faster * np.sqrt(faster**2 * heavier * heavier)
     for strike in (1, 2):
         names = (f"strike_{strike}.{name}" for name in ("raw", "impulse", "duration"))
@@ -538,7 +547,7 @@ def test_many_impacts_are_the_single_one():
     vehicle = ("vehicle.centre_of_mass=4.6 m", "vehicle.yaw_inertia=80000 kg m^2")
     plan = impact_of(*vehicle, "contact.initial_force=20 kN")
     exact = answers.both_strikes(plan.answer)
-    many = compute.solved(plan, {"impact.speed": np.array([25.034, 25.034])})
+    many = uncertainty_study.solved(plan, {"impact.speed": np.array([25.034, 25.034])})
     assert plan.scene.impact.speed == pytest.approx(25.034, rel=1e-4)
     for name in answers.COLUMNS:
         assert many[name] == pytest.approx(exact[name], rel=1e-3), name
@@ -575,10 +584,12 @@ def test_filtered_peaks_are_those_in_the_strike():
 
 def test_stiffness_alone_has_all_of_the_variance():
     plan = impact_of()
-    fixed = tuple(item.key for item in compute.impact_ranges(plan) if item.key != "contact.stiffness")
-    ranges = compute.impact_ranges(plan, (), fixed)
+    fixed = tuple(
+        item.key for item in uncertainty_ranges.impact_ranges(plan) if item.key != "contact.stiffness"
+    )
+    ranges = uncertainty_ranges.impact_ranges(plan, (), fixed)
     assert [item.key for item in ranges] == ["contact.stiffness"]
-    found = compute.spread(plan, ranges, 288)
+    found = uncertainty_study.spread(plan, ranges, 288)
     for name in ("strike_1.raw", "strike_2.mean_50ms", "strike_2.duration"):
         (source,) = found.sources[name]
         assert (source["first_order"], source["total"]) == pytest.approx((1.0, 1.0), abs=0.05)
@@ -595,14 +606,14 @@ def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
     for name in answers.COLUMNS:
         low, middle, high = impacts.band(name).percentiles
         assert low < middle < high
-        assert low < impacts.own[name] < high
+        assert low < impacts.nominal[name] < high
 
 
 def test_validation_uncertainty_by_hand():
     """u_val^2 = 3^2 + 4^2 without u_D; E = 13 needs u_D = 12."""
     band = replace(band_of(np.array([90.0, 100.0, 110.0])), standard_deviation=4.0)
     rows = (ForceRow("x", "made up", 0.1, force, (0.0, 0.0), (0.0, 0.0)) for force in (104.0, 87.0))
-    near, far = (compute.beside(row, "50 ms mean", 100.0, 3.0, band) for row in rows)
+    near, far = (uncertainty_study.paper_row(row, "50 ms mean", 100.0, 3.0, band) for row in rows)
     found = [near[name] for name in ("error", "within", "u_d_needed", "share_below")]
     assert (found, (far["error"], far["within"])) == ([-4.0, True, 0.0, 2 / 3], (13.0, False))
     assert (far["u_d_needed"], near["verdict"]) == (pytest.approx(12.0, rel=1e-14), "within u_val")
@@ -610,8 +621,8 @@ def test_validation_uncertainty_by_hand():
 
 
 def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts):
-    assert [each["row"] for each in impacts.beside] == [*"abcdef"] * 2
-    by_row = {each["row"]: each for each in impacts.beside[:6]}
+    assert [each["row"] for each in impacts.paper_rows] == [*"abcdef"] * 2
+    by_row = {each["row"]: each for each in impacts.paper_rows[:6]}
     assert [by_row[name]["measured"] for name in "abcdef"] == [680e3, 595e3, 415e3, 351e3, 360e3, 375e3]
     assert len({by_row[name]["simulated"] for name in "acdef"}) == 1
     assert by_row["b"]["simulated"] > by_row["a"]["simulated"]
@@ -620,16 +631,16 @@ def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts):
 
 def test_another_test_level_has_no_rows():
     plan = impact_of(name="impact-mash-tl3-car")
-    assert compute.spread(plan, compute.impact_ranges(plan), 288).beside == ()
+    assert uncertainty_study.spread(plan, uncertainty_ranges.impact_ranges(plan), 288).paper_rows == ()
 
 
 def test_curves_go_through_the_scenes_own_values(impacts):
     keys = [each["key"] for each in impacts.curves]
-    assert [curve["key"] for curve in compute.input_curves(impacts.case)] == keys
+    assert [curve["key"] for curve in uncertainty_study.input_curves(impacts.case)] == keys
     for each in impacts.curves:
         for name in ("strike_1.raw", "strike_2.impulse"):
             own = np.interp(each["own"], each["values"], each["columns"][name])
-            assert own == pytest.approx(impacts.own[name], rel=0.02), (each["key"], name)
+            assert own == pytest.approx(impacts.nominal[name], rel=0.02), (each["key"], name)
 
 
 def test_contacts_that_the_study_cannot_vary_are_refused(refused):
@@ -637,7 +648,7 @@ def test_contacts_that_the_study_cannot_vary_are_refused(refused):
         {"contact.side_stiffness": 1e10},
         {"contact.stiffness": None, "contact.restitution": None},
     ):
-        assert refused(compute.demand_corners, impact_of().varied(changes)) == next(iter(changes))
+        assert refused(uncertainty_ranges.demand_corners, impact_of().varied(changes)) == next(iter(changes))
 
 
 def test_ranges_that_make_no_impact_are_refused(tmp_path):
@@ -662,7 +673,7 @@ def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
     assert {"bands", "sensitivity", "inputs-legend", "against-contact-friction"} <= drawn
     assert page.count("<svg") == len(drawn) == 4 + len(impacts.curves)
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["own"] == pytest.approx(dict(impacts.own))
+    assert summary["own"] == pytest.approx(dict(impacts.nominal))
     assert {each["u_d"] for each in summary["rows"]} == {None}
     with (tmp_path / "samples.csv").open() as file:
         assert len(list(csv.DictReader(file))) == 2 * impacts.rows

@@ -23,7 +23,7 @@ from tailslap.case.impact import report, rigid
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 from tailslap.scene.units import shown
-from tailslap.studies.flexibility.report import STIFF
+from tailslap.studies.flexibility.flexibility_report import STIFF
 
 INCH, FOOT, POUND, MPH = 0.0254, 0.3048, 0.45359237, 1609.344 / 3600.0
 POUND_FORCE = POUND * 9.80665

@@ -1,4 +1,4 @@
-"""The study `cost`: work-precision comparison of all methods and settings."""
+"""Study `cost` of error and run time."""
 
 from tailslap.case.case import CORNER, WHOLE_IMPACT
 from tailslap.studies.study import Study, later
@@ -6,7 +6,7 @@ from tailslap.studies.study import Study, later
 STUDY = Study(
     name="cost",
     summary="Error and run time of all methods and settings; resumes after an interruption.",
-    compute=later("tailslap.studies.cost.compute:compute"),
-    report=later("tailslap.studies.cost.report:report"),
+    compute=later("tailslap.studies.cost.cost_study:compute"),
+    report=later("tailslap.studies.cost.cost_report:report"),
     analyses=(CORNER, WHOLE_IMPACT),
 )

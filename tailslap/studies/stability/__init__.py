@@ -1,4 +1,4 @@
-"""The study `stability`: verdicts on stiff and extreme cases over pairs of axes, or on random scenes."""
+"""Study `stability` of stiff and extreme cases."""
 
 import click
 
@@ -26,8 +26,8 @@ SEED = click.Option(
 STUDY = Study(
     name="stability",
     summary="Map of stiff and extreme cases with verdicts; exit status 1 for an undetected error.",
-    compute=later("tailslap.studies.stability.compute:compute"),
-    report=later("tailslap.studies.stability.report:report"),
+    compute=later("tailslap.studies.stability.stability_study:compute"),
+    report=later("tailslap.studies.stability.stability_report:report"),
     options=(POINTS, TOLERANCE, RANDOM, SEED, WORKERS),
     analyses=(CORNER, WHOLE_IMPACT),
     folder=lambda options: "random" if options["count"] else "stability",

@@ -1,7 +1,9 @@
-"""Tipping over walls: largest roll over wall height and centre height, the line between walls that hold and those that
-do not, its band over what is not known, and where the spread of the lowest wall that holds comes from.
+"""Roll of vehicles over walls.
 
-The impacts of the samples are those of the rigid vehicle at fixed steps; error: what twice the step changes.
+The lowest wall without rollover is sought. A map shows the largest roll over the heights of wall and centre of mass,
+with the line of the lowest walls and its band for uncertain inputs. Sobol indices show the sources of the variance. The
+impacts of the samples are those of the rigid vehicle with fixed time steps; their error is the change with twice the
+step.
 """
 
 import math
@@ -9,36 +11,43 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from solver import tipping
-from tailslap.campaign import engine, sampling
-from tailslap.campaign.sampling import Array, Range
+from tailslap.campaign import engine, input_ranges, sampling
+from tailslap.campaign.input_ranges import Range
+from tailslap.campaign.records import Record
+from tailslap.campaign.sampling import Array
 from tailslap.case import case_of
 from tailslap.case.impact import rigid
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.tipping import TippingAnswer, rolling_vehicle
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.vary import Source
-from tailslap.studies.uncertainty.compute import demand_corners, impact_ranges
+from tailslap.studies.uncertainty.uncertainty_ranges import demand_corners, impact_ranges
 
 INCH = 0.0254
 WALLS = tuple(INCH * inches for inches in (27, 32, 36, 42, 54))
 """Heights of common walls [m]."""
 
-POINTS, HIGHEST_WALL, BESIDE = 50, 1.5, 0.35
-"""Heights of the map each way; the highest wall, and how far the centre varies to either side [m]."""
+POINTS, HIGHEST_WALL, CENTRE_RANGE = 50, 1.5, 0.35
+"""Points of the map per axis, highest wall, and variation of the centre of mass to both sides [m]."""
 
 BAND_CENTRES, BAND_SAMPLES = 9, 128
-"""Heights of the centre at which the band is computed, from so many samples each."""
+"""Heights of the centre of mass with a band, and samples of each."""
 
 STEP, FINE_STEP, ABRUPT, BLOCK = 1e-3, 2e-4, 0.06, 512
-"""Steps of the impacts of the samples [s], the second of those with less restitution than `ABRUPT`, whose forces end
-abruptly: lowest walls of 95 in 100 then lie within 2 mm of those of small steps; samples of a part at most."""
+"""Time steps of the samples [s], restitution below which the finer one applies, and samples of a part.
 
-OWN = tuple(f"tipping.{name}" for name in ("centre_height", "roll_inertia", "suspension", "damping_ratio"))
+Forces end abruptly at low restitution. 95 % of the lowest walls then differ by less than 2 mm from those of small
+steps.
+"""
+
+TIPPING_KEYS = tuple(
+    f"tipping.{name}" for name in ("centre_height", "roll_inertia", "suspension", "damping_ratio")
+)
+"""Keys of tipping that vary."""
 FIXED_OF_BAND = (
     "impact.speed",
     "impact.angle",
@@ -46,33 +55,33 @@ FIXED_OF_BAND = (
     "vehicle.centre_of_mass",
     "tipping.centre_height",
 )
-"""Keys that vary with tipping; keys that do not vary within the band of the line."""
+"""Keys that do not vary within the band of the line."""
 
 
 @dataclass(frozen=True)
-class RolledOver:
-    """The finished study.
+class TippingResult:
+    """Result of the study.
 
     Attributes
     ----------
     answer : TippingAnswer
-        The scene's own.
+        Roll of the scene's own vehicle.
     centres, walls, rolls : ndarray, shape (k,), (k,), (k, k)
         Heights [m], and largest roll by wall and centre [rad].
     line : ndarray, shape (k,)
-        Lowest wall that holds at each of `centres` [m].
+        Lowest wall without rollover by centre [m].
     band_centres, band : ndarray, shape (n,), (3, n)
-        Heights of the centre, and the percentiles of the lowest wall that holds [m].
+        Heights of the centre, and percentiles of the lowest wall [m].
     ranges : tuple of Range
-        Inputs that vary.
+        Uncertain inputs.
     inputs, lowest : dict of ndarray, ndarray
-        Samples by key, shape ((inputs + 2) rows,), and the lowest walls that hold, shape (inputs + 2, rows) [m].
+        Samples by key, shape ((inputs + 2) rows,), and their lowest walls, shape (inputs + 2, rows) [m].
     sources : list of dict
-        A row an input, as of `sampling.index_rows`.
+        One row per input, see `sampling.index_rows`.
     refusal : str
-        Why there are none, or "".
+        Reason without indices, or "".
     error : float
-        Change of peaks, impulses and spin of the samples' impacts with twice the step, which 95 in 100 keep [-].
+        Change of peaks, impulses and spin of the impacts with twice the step, not exceeded by 95 % of the samples [-].
     """
 
     case: ImpactCase
@@ -86,21 +95,24 @@ class RolledOver:
     ranges: tuple[Range, ...]
     inputs: Mapping[str, Array]
     lowest: Array
-    sources: list[dict[str, Any]]
+    sources: list[Record]
     refusal: str
     error: float
     seconds: float
 
     @property
     def samples(self) -> dict[str, Array]:
-        """Combinations of the distribution and their lowest walls, shape (2 rows,)."""
+        """Return the samples of the distribution and their lowest walls.
+
+        The shape is (2 rows,).
+        """
         count = self.lowest[:2].size
         return {key: values[:count] for key, values in self.inputs.items()} | {
             "lowest_safe_wall": self.lowest[:2].ravel()
         }
 
     def holds(self, wall: float) -> float:
-        """Fraction of the samples that a wall of this height holds."""
+        """Return the fraction of samples without rollover."""
         return float(np.mean(self.lowest[:2] <= wall))
 
 
@@ -111,8 +123,11 @@ def compute(
     ranges: tuple[str, ...],
     fixed: tuple[str, ...],
     workers: int | None,
-) -> RolledOver:
-    """The study of a scene with [tipping]; an interrupted one goes on from its journal. Raises InputError."""
+) -> TippingResult:
+    """Compute map, line, band and samples.
+
+    An interrupted study resumes from its journal. Raises InputError.
+    """
     if case.scene.tipping is None:
         raise InputError("tipping", Missing, "`tailslap study tipping` requires this table")
     if case.scene.trailer:
@@ -126,21 +141,17 @@ def compute(
     began = time.perf_counter()
     answer = rigid.tipping_of(case, case.answer)
     varied = tipping_ranges(case, answer, ranges, fixed)
-    own = case.scene.tipping
-    centres = np.linspace(max(own.centre_height - BESIDE, 0.1), own.centre_height + BESIDE, POINTS)
-    walls, force, interval = (
-        np.linspace(0.4, HIGHEST_WALL, POINTS),
-        case.answer.history["force_normal"][1:],
-        case.answer.interval,
-    )
+    centres = _centres(case, POINTS)
+    walls, interval = np.linspace(0.4, HIGHEST_WALL, POINTS), case.answer.interval
+    force = case.answer.history["force_normal"][1:]
     vehicle = replace(answer.vehicle, centre_height=centres)
     rolls = tipping.largest_rolls(vehicle, walls[:, None], force, interval)
     line = tipping.lowest_walls(vehicle, force, interval)
-    found: dict[str, Any] = {}
+    sampled: Record = {}
 
     def solve(inputs: Mapping[str, Array]) -> dict[str, Array]:
-        found.update(_solved(case, inputs, varied, place, samples, workers))
-        return {"lowest": found["lowest"]}
+        sampled.update(_solved(case, inputs, varied, place, samples, workers))
+        return {"lowest": sampled["lowest"]}
 
     inputs, tables = sampling.sampled(varied, samples, solve)
     lowest = tables["lowest"]
@@ -148,17 +159,27 @@ def compute(
         raise InputError(
             "--range", Verbatim("these ranges"), "no vehicle within these ranges rolls over any wall"
         )
-    return RolledOver(
-        case, answer, centres, walls, rolls, line, found["centres"], found["band"], varied, inputs, lowest,
-        *sampling.index_rows(varied, lowest), found["error"], time.perf_counter() - began,
+    return TippingResult(
+        case, answer, centres, walls, rolls, line, sampled["centres"], sampled["band"], varied, inputs, lowest,
+        *sampling.index_rows(varied, lowest), sampled["error"], time.perf_counter() - began,
     )  # fmt: skip
+
+
+def _centres(case: ImpactCase, count: int) -> Array:
+    """Return heights of the centre of mass [m]."""
+    assert case.scene.tipping
+    height = case.scene.tipping.centre_height
+    return np.linspace(max(height - CENTRE_RANGE, 0.1), height + CENTRE_RANGE, count)
 
 
 def tipping_ranges(
     case: ImpactCase, answer: TippingAnswer, ranges: tuple[str, ...], fixed: tuple[str, ...]
 ) -> tuple[Range, ...]:
-    """The ranges: of the impact as in the study of uncertainty, of the roll assumed. Raises InputError."""
-    vehicle, about = answer.vehicle, sampling.about
+    """Return the ranges of impact and roll.
+
+    Ranges of the impact are those of the study of uncertainty, those of the roll are assumed. Raises InputError.
+    """
+    vehicle, about = answer.vehicle, input_ranges.about
     limits = {
         "tipping.centre_height": about(float(vehicle.centre_height), 0.1, "± 0.1 m, assumed"),
         "tipping.roll_inertia": about(
@@ -167,15 +188,18 @@ def tipping_ranges(
         "tipping.suspension": about(
             float(vehicle.suspension), 0.3 * float(vehicle.suspension), "± 30 %, assumed"
         ),
-        "tipping.damping_ratio": (0.0, 0.3, sampling.ASSUMED),
+        "tipping.damping_ratio": (0.0, 0.3, input_ranges.ASSUMED),
     }
-    own = [text for text in (*ranges, *fixed) if text.partition("=")[0].strip() in OWN]
+    of_roll = [text for text in (*ranges, *fixed) if text.partition("=")[0].strip() in TIPPING_KEYS]
     of_impact = impact_ranges(
-        case, tuple(r for r in ranges if r not in own), tuple(f for f in fixed if f not in own)
+        case, tuple(r for r in ranges if r not in of_roll), tuple(f for f in fixed if f not in of_roll)
     )
-    rest = tuple(r for r in ranges if r in own), tuple(f for f in fixed if f in own)
-    found = sampling.ranges_of(case, OWN, limits, *rest)
-    return (*of_impact, *(replace(each, given=getattr(vehicle, each.key.split(".")[1])) for each in found))
+    typed = tuple(r for r in ranges if r in of_roll), tuple(f for f in fixed if f in of_roll)
+    roll_ranges = input_ranges.ranges_of(case, TIPPING_KEYS, limits, *typed)
+    return (
+        *of_impact,
+        *(replace(item, given=getattr(vehicle, item.key.split(".")[1])) for item in roll_ranges),
+    )
 
 
 def _solved(
@@ -185,12 +209,12 @@ def _solved(
     place: Path,
     samples: int,
     workers: int | None,
-) -> dict[str, Any]:
-    """Lowest walls of the samples, their error, and the band over centre heights."""
-    first, own = next(iter(inputs.values())), case.scene.tipping
-    assert own
-    size, order = first.size, np.argsort(inputs.get("contact.restitution", first))  # a block has like steps
-    centres = np.linspace(max(own.centre_height - BESIDE, 0.1), own.centre_height + BESIDE, BAND_CENTRES)
+) -> Record:
+    """Return lowest walls of samples and band."""
+    first = next(iter(inputs.values()))
+    size = first.size
+    order = np.argsort(inputs.get("contact.restitution", first))  # steps of a block are similar
+    centres = _centres(case, BAND_CENTRES)
     few = {key: values[:BAND_SAMPLES] for key, values in inputs.items() if key not in FIXED_OF_BAND}
     blocks = order.reshape(-1, math.gcd(size, BLOCK))
     parts = {
@@ -203,15 +227,15 @@ def _solved(
     }
     definition = {
         "study": "tipping", "scene": case.scene.model_dump(), "samples": samples,
-        "ranges": [[each.key, each.lower, each.upper] for each in varied],
+        "ranges": [[item.key, item.lower, item.upper] for item in varied],
     }  # fmt: skip
     groups = (measure, parts, f"{size} impacts"), (measure, band, "band")
-    drawn, across = engine.run_study(place, definition, groups, workers)
+    sample_records, band_records = engine.run_study(place, definition, groups, workers)
     lowest, errors = np.empty(size), []
-    for rows, record in zip(blocks, drawn.values(), strict=True):
+    for rows, record in zip(blocks, sample_records.values(), strict=True):
         lowest[rows] = record["lowest"]
         errors += record["error"]
-    ends = [np.percentile(record["lowest"], sampling.PERCENTILES) for record in across.values()]
+    ends = [np.percentile(record["lowest"], sampling.PERCENTILES) for record in band_records.values()]
     return {
         "lowest": lowest,
         "error": float(np.percentile(errors, 95)),
@@ -221,7 +245,10 @@ def _solved(
 
 
 def measure(source: Source, inputs: Mapping[str, Array]) -> dict[str, list[float]]:
-    """Lowest walls that hold vehicles [m], and errors of their impacts; inputs by key, shape (n,) [SI]."""
+    """Return the lowest walls [m] and the errors of impacts.
+
+    Inputs are by key, shape (n,) [SI].
+    """
     from tailslap.scene.vary import vary
 
     case = case_of(*vary(source, {}))
@@ -229,13 +256,13 @@ def measure(source: Source, inputs: Mapping[str, Array]) -> dict[str, list[float
     assert case.scene.tipping
     restitution = inputs.get("contact.restitution", case.scene.needed_contact.restitution or 0.0)
     step = FINE_STEP if np.min(restitution) < ABRUPT else STEP
-    found = case.impacts(inputs, after_second=rigid.AFTER_TIPPING, interval=STEP, step=step)
-    names = {key.split(".")[1]: values for key, values in inputs.items() if key in OWN}
+    impacts = case.impacts(inputs, after_second=rigid.AFTER_TIPPING, interval=STEP, step=step)
+    varied = {key.split(".")[1]: values for key, values in inputs.items() if key in TIPPING_KEYS}
     if "vehicle.mass" in inputs:
-        names["mass"] = inputs["vehicle.mass"]
-    vehicle = replace(rolling_vehicle(case.scene, case.scene.tipping, case.scene.vehicle), **names)
-    lowest = tipping.lowest_walls(vehicle, found.mean_force.T, STEP)
+        varied["mass"] = inputs["vehicle.mass"]
+    vehicle = replace(rolling_vehicle(case.scene, case.scene.tipping, case.scene.vehicle), **varied)
+    lowest = tipping.lowest_walls(vehicle, impacts.mean_force.T, STEP)
     return {
-        "lowest": np.broadcast_to(lowest, found.error.shape).tolist(),
-        "error": np.minimum(found.error, 1.0).tolist(),
+        "lowest": np.broadcast_to(lowest, impacts.error.shape).tolist(),
+        "error": np.minimum(impacts.error, 1.0).tolist(),
     }

@@ -1,4 +1,4 @@
-"""Report of a sweep."""
+"""Report of a sweep with page, charts and summary."""
 
 import contextlib
 import math
@@ -18,8 +18,9 @@ from postprocess.report.tables import Column, Table, columns
 from postprocess.report.terminal import opened, place_line
 from postprocess.svg.chart import Chart
 from postprocess.units import SYSTEMS, Units, force, measure, percent_up
-from tailslap.campaign import definition as sweeps
-from tailslap.campaign.definition import ERROR, FAILED, PASSED, REFUSED, TABLE
+from tailslap.campaign.records import Record
+from tailslap.campaign.sweep_definition import Definition, Variation
+from tailslap.campaign.sweep_table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep
 from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.case.report import footer
@@ -30,7 +31,7 @@ from tailslap.scene import vary
 
 REPORT, SUMMARY = "report.html", "summary.json"
 MAX_LISTED = 15
-"""Rows without a pass that the page lists."""
+"""Most rows that the page lists among those that did not pass."""
 
 FILES = "sweep.parquet (one row per run, in SI); summary.json; sweep.json (definition)"
 STATUS_WORDS = {
@@ -53,8 +54,11 @@ RIGID_SPREAD = (
 NOT_PASSED = columns({"run": "Run", "inputs": "Inputs", "status": "Status", "reason": "Reason"})
 
 
-def write_sweep(sweep: sweeps.FinishedSweep, folder: Path, units: str = "si") -> Report:
-    """Write the report of the table in the folder beside it: page and charts, in these units, and summary."""
+def write_sweep(sweep: FinishedSweep, folder: Path, units: str = "si") -> Report:
+    """Write page, charts and summary of a sweep.
+
+    Returns the report in these units.
+    """
     rows = _rows(sweep.definition, folder / TABLE, SYSTEMS[units])
     reasons = read_columns(folder / TABLE, ["reason"])["reason"]
     case, forces = base_case(sweep.definition), None
@@ -64,21 +68,24 @@ def write_sweep(sweep: sweeps.FinishedSweep, folder: Path, units: str = "si") ->
     opening, drawing = headline(sweep, rows, case, forces), (case.drawing(),) if case else ()
     page = sweep_page(sweep, rows, reasons, opening, drawing)
     tables = (replace(table, title=part.title) for part in page.sections[1:3] for table in part.tables)
-    found = Report(page, summary(sweep, rows), tuple(tables)).in_units(SYSTEMS[units])
-    write_report(found, folder)
-    return found
+    report = Report(page, summary(sweep, rows), tuple(tables)).in_units(SYSTEMS[units])
+    write_report(report, folder)
+    return report
 
 
-def base_case(definition: sweeps.Definition) -> Case | None:
-    """The scene without its variation, or with that of its first run; None where neither has an answer."""
+def base_case(definition: Definition) -> Case | None:
+    """Return the case of the scene or the first run.
+
+    It is None where the rigid body has no solution in either.
+    """
     for changes in ({}, definition.changes_of(0)):
         with contextlib.suppress(InputError):
             return case_of(*vary.vary(definition.source, changes))
     return None
 
 
-def sweep_text(sweep: sweeps.FinishedSweep, place: Path | None) -> str:
-    """Headline of the report, cost of the runs, and places of the files, if they stay."""
+def sweep_text(sweep: FinishedSweep, place: Path | None) -> str:
+    """Return headline, cost and places of files, if any."""
     effort, cost = sweep.effort, "no runs remained"
     if effort.runs:
         cost = (
@@ -91,13 +98,16 @@ def sweep_text(sweep: sweeps.FinishedSweep, place: Path | None) -> str:
 
 
 def sweep_page(
-    sweep: sweeps.FinishedSweep,
+    sweep: FinishedSweep,
     rows: SweepRows,
     reasons: np.ndarray,
     opening: Headline,
     drawing: Sequence[Chart] = (),
 ) -> Page:
-    """The page; reasons: of each row that did not pass, shape (rows,); drawing: of the set-up."""
+    """Return the page of a sweep.
+
+    `reasons` are those of the rows that did not pass, shape (rows,), and `drawing` shows the set-up.
+    """
     definition, curves = sweep.definition, draw_sweep(rows)
     spread, where = SPREAD if rows.fe else RIGID_SPREAD, rows.compared.where.capitalize()
     varied = [
@@ -111,7 +121,7 @@ def sweep_page(
         Section("Set-up", figures=drawing),
         Section("Varied keys", tables=(Table(VARIED, varied),)),
         Section(f"{where}, runs that passed", tables=(Table(spread, spreads(rows)),)),
-        *(Section(group, figures=its) for group, its in groups.items()),
+        *(Section(group, figures=charts) for group, charts in groups.items()),
         Section("Runs that did not pass", tables=(_not_passed(definition, rows, reasons),)),
         Section("Method", sentences=_sentences(sweep)),
     )
@@ -121,8 +131,11 @@ def sweep_page(
     return Page(f"Sweep: {kind}", opening, sections, footer(FILES), text)
 
 
-def summary(sweep: sweeps.FinishedSweep, rows: SweepRows) -> dict[str, Any]:
-    """The numbers of the sweep, SI; `effort` is that of the last call, which may have had few runs left to make."""
+def summary(sweep: FinishedSweep, rows: SweepRows) -> Record:
+    """Return the numbers of the sweep, SI.
+
+    `effort` is that of the last call, which may have computed a few runs only.
+    """
     definition, effort = sweep.definition.as_written(), sweep.effort
     return {
         "scene": sweep.definition.scene,
@@ -136,29 +149,32 @@ def summary(sweep: sweeps.FinishedSweep, rows: SweepRows) -> dict[str, Any]:
     }
 
 
-def spreads(rows: SweepRows) -> list[dict[str, Any]]:
-    """Each compared quantity over the rows that passed and have it: least and largest value, of FE where there is
-    FE, largest difference, its run."""
-    return [found for quantity in rows.compared.quantities.values() if (found := _spread(rows, quantity))]
+def spreads(rows: SweepRows) -> list[Record]:
+    """Return the range of each quantity in rows that passed.
+
+    The values are those of finite elements where there are any, with the largest difference and its run.
+    """
+    return [spread for quantity in rows.compared.quantities.values() if (spread := _spread(rows, quantity))]
 
 
-def _spread(rows: SweepRows, quantity: ComparedQuantity) -> dict[str, Any]:
+def _spread(rows: SweepRows, quantity: ComparedQuantity) -> Record:
+    """Return the range of one quantity, or {}."""
     values = rows.best[quantity.key]
     passed = np.flatnonzero((rows.status == PASSED) & np.isfinite(values))
     if not passed.size:
         return {}
-    found = {"quantity": quantity, "least": float(values[passed].min()), "most": float(values[passed].max())}
+    spread = {"quantity": quantity, "least": float(values[passed].min()), "most": float(values[passed].max())}
     if not rows.fe:
-        return found
+        return spread
     difference = rows.difference[quantity.key][passed]
     if not np.isfinite(difference).any():
-        return {**found, "difference": math.nan, "run": int(passed[0])}
+        return {**spread, "difference": math.nan, "run": int(passed[0])}
     worst = int(np.nanargmax(np.abs(difference)))
-    return {**found, "difference": float(difference[worst]), "run": int(passed[worst])}
+    return {**spread, "difference": float(difference[worst]), "run": int(passed[worst])}
 
 
-def _not_passed(definition: sweeps.Definition, rows: SweepRows, reasons: np.ndarray) -> Table:
-    """The first rows that did not pass: those that failed or broke down before those that were refused."""
+def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) -> Table:
+    """Return the table of rows that did not pass."""
     runs = sorted(np.flatnonzero(rows.status != PASSED), key=lambda run: (rows.status[run] == REFUSED, run))
     units = {item.key: item.unit for item in definition.variations}
     listed = [
@@ -181,10 +197,12 @@ def _not_passed(definition: sweeps.Definition, rows: SweepRows, reasons: np.ndar
     return Table(NOT_PASSED, listed, notes=more, marks=marks)
 
 
-def _rows(definition: sweeps.Definition, table: Path, units: Units) -> SweepRows:
+def _rows(definition: Definition, table: Path, units: Units) -> SweepRows:
+    """Read the rows of the table in displayed units."""
     compared, keys = definition.compared, [item.key for item in definition.variations]
+    types = definition.column_types
     groups = {
-        group: {key: f"{group}.{key}" for key in compared.quantities if f"{group}.{key}" in definition.kinds}
+        group: {key: f"{group}.{key}" for key in compared.quantities if f"{group}.{key}" in types}
         for group in ("fe", "rigid", "difference")
     }
     names = [name for group in groups.values() for name in group.values()]
@@ -193,38 +211,41 @@ def _rows(definition: sweeps.Definition, table: Path, units: Units) -> SweepRows
     varied = tuple(_varied(item, columns[item.key], units) for item in definition.variations)
     difference = {key: difference.get(key, fe[key] / rigid[key] - 1.0) for key in fe}
     factors = {key: units.of(quantity.unit)[0] for key, quantity in compared.quantities.items()}
-    fe, rigid = ({key: factors[key] * values for key, values in of.items()} for of in (fe, rigid))
+    fe, rigid = ({key: factors[key] * values for key, values in model.items()} for model in (fe, rigid))
     quantities = {key: replace(q, unit=units.of(q.unit)[1]) for key, q in compared.quantities.items()}
     compared = replace(compared, quantities=quantities)
     return SweepRows(varied, columns["status"], fe, rigid, difference, compared)
 
 
-def _varied(item: sweeps.Variation, values: np.ndarray, units: Units) -> Varied:
-    """Key with values in displayed units."""
+def _varied(item: Variation, values: np.ndarray, units: Units) -> Varied:
+    """Return a key with its values in displayed units."""
     factor, unit = units.of(item.unit) if item.unit else (1.0, "")
     return Varied(item.key, unit, values if factor == 1.0 else factor * values, item.logarithmic)
 
 
-def counts(sweep: sweeps.FinishedSweep) -> str:
-    """Numbers of rows by status, without zeros."""
+def counts(sweep: FinishedSweep) -> str:
+    """Return the numbers of rows by status in words."""
     return ", ".join(f"{n} {STATUS_WORDS[status]}" for status, n in sweep.statuses.items() if n)
 
 
 def headline(
-    sweep: sweeps.FinishedSweep, rows: SweepRows, case: Case | None = None, forces: np.ndarray | None = None
+    sweep: FinishedSweep, rows: SweepRows, case: Case | None = None, forces: np.ndarray | None = None
 ) -> Headline:
-    """Range of the forces [N], shape (rows,), in the runs that passed; varied keys; difference of finite elements and
-    rigid body. case: the scene, where it has an answer."""
+    """Return the headline of a sweep.
+
+    It states the range of the forces [N], shape (rows,), the varied keys, and the difference of finite elements and
+    rigid body. `case` is the scene where the rigid body has a solution.
+    """
     definition, passed = sweep.definition, rows.status == PASSED
     varied = "; ".join(f"{item.key} {values_words(item)}" for item in definition.variations)
     answer, set_up, certainty = "", f"Varied: {varied}.", f"{definition.runs} runs: {counts(sweep)}."
     if case:
         set_up = f"{case.set_up} {set_up}"
-    known = np.zeros(0) if forces is None else forces[passed & np.isfinite(forces)]
-    if case and known.size:
-        span = " to ".join(dict.fromkeys((force(known.min()), force(known.max()))))
-        of = "runs" if known.size == definition.runs else f"of {definition.runs} runs"
-        answer = f"{case.force_words}: {span} over {known.size} {of}."
+    passed_forces = np.zeros(0) if forces is None else forces[passed & np.isfinite(forces)]
+    if case and passed_forces.size:
+        span = " to ".join(dict.fromkeys((force(passed_forces.min()), force(passed_forces.max()))))
+        of = "runs" if passed_forces.size == definition.runs else f"of {definition.runs} runs"
+        answer = f"{case.force_words}: {span} over {passed_forces.size} {of}."
     if sweep.failures:
         answer = f"Failed: {sweep.failures} of {definition.runs} runs. {answer}".rstrip()
     good = rows.worst[passed & np.isfinite(rows.worst)]
@@ -235,26 +256,28 @@ def headline(
     return Headline(title, answer or certainty, set_up, certainty if answer else "")
 
 
-def _sentences(sweep: sweeps.FinishedSweep) -> list[str]:
-    """Description of the method."""
+def _sentences(sweep: FinishedSweep) -> list[str]:
+    """Describe the method."""
     definition = sweep.definition
     latin = f"The runs are a Latin hypercube of {definition.sample} samples (seed {definition.seed})."
-    said = [latin if definition.sample else "The runs are all combinations of the values."]
-    if any(name.startswith("fe.") for name in definition.kinds):
-        said.append(
+    sentences = [latin if definition.sample else "The runs are all combinations of the values."]
+    if any(name.startswith("fe.") for name in definition.column_types):
+        sentences.append(
             "Each row contains the exact rigid solution of its inputs, the differences, and the values of all checks."
         )
     if sweep.statuses[REFUSED]:
-        said.append("Refused: the rigid-body theory has no solution for the inputs, or the model is invalid.")
+        sentences.append(
+            "Refused: the rigid-body theory has no solution for the inputs, or the model is invalid."
+        )
     if sweep.statuses[FAILED]:
-        said.append(
+        sentences.append(
             "Results of runs that failed a check are included in the table and the plots; they are not reliable."
         )
-    return said
+    return sentences
 
 
-def values_words(item: sweeps.Variation) -> str:
-    """Values of a key: all of a short list, else the range."""
+def values_words(item: Variation) -> str:
+    """Return the values of a key in words."""
     values = list(dict.fromkeys(item.values))
     if not item.numeric or len(values) <= 4:
         return ", ".join(shown(value, item.unit) for value in values)
@@ -263,7 +286,7 @@ def values_words(item: sweeps.Variation) -> str:
 
 
 def shown(value: float | int | str, unit: str) -> str:
-    """Value with its unit, angles in degrees."""
+    """Return a value with its unit, angles in degrees."""
     if isinstance(value, str):
         return value
     return measure(value, unit, ".5g", named=bool(unit))

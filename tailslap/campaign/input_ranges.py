@@ -1,0 +1,154 @@
+"""Ranges of uncertain inputs, by default or from the user.
+
+Default ranges: MASH 2016 for speed and angle of any test and the inertial mass of its two light vehicles, as printed
+beside the measured values of crash tests 612541-01-1 to -4 in National Academies (2024), doi 10.17226/27896, chapters
+12, 13, 18 and 19. No published tolerances of the masses of its trucks were found. The ranges of friction, restitution
+and duration of the strike are assumed and include the values of the paper's tables.
+"""
+
+import math
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from postprocess.units import MPH, POUND, measure
+from tailslap.case.case import Case
+from tailslap.errors import InputError, Verbatim
+from tailslap.scene import schema, write
+from tailslap.scene.read import unit_remarks
+from tailslap.scene.vary import Source, parse_value, vary
+
+Limits = tuple[float, float, str]
+"""Ends of a range [SI], and its origin."""
+TypedLimits = tuple[str, str, str]
+"""Ends of a range as typed, and its origin."""
+ASSUMED, FROM_USER = "assumed", "--range"
+LIGHT_VEHICLES = {"1100C": (2420.0, 55.0), "2270P": (5000.0, 110.0)}
+"""Inertial mass and its tolerance [lb] by vehicle of MASH."""
+
+
+def default_limits(scene: schema.Scene) -> dict[str, Limits]:
+    """Return the default range of each key."""
+    limits: dict[str, Limits] = {"strike.duration": (0.08, 0.18, ASSUMED)}
+    for name, (pounds, tolerance) in LIGHT_VEHICLES.items():
+        if abs(scene.vehicle.mass - pounds * POUND) <= tolerance * POUND:
+            origin = f"± {tolerance:g} lb, MASH {name}"
+            limits["vehicle.mass"] = about(scene.vehicle.mass, tolerance * POUND, origin)
+    if scene.impact:
+        limits |= {
+            "impact.friction": (0.3, 0.6, ASSUMED),
+            "impact.restitution": (0.0, 0.4, ASSUMED),
+            "impact.speed": about(scene.impact.speed, 2.5 * MPH, "± 2.5 mph, MASH"),
+            "impact.angle": about(scene.impact.angle, math.radians(1.5), "± 1.5 deg, MASH"),
+        }
+    return limits
+
+
+def about(value: float, tolerance: float, origin: str) -> Limits:
+    """Return a value plus and minus a tolerance."""
+    return value - tolerance, value + tolerance, origin
+
+
+@dataclass(frozen=True)
+class Range:
+    """An input that is uniformly distributed between two values.
+
+    `given` is the value of the scene where it has one. All values are in `unit`.
+    """
+
+    key: str
+    lower: float
+    upper: float
+    unit: str
+    given: float | None
+    origin: str
+
+    def in_words(self) -> tuple[str, str]:
+        """Return range and nominal value in words."""
+        lower, upper, nominal = (
+            None if value is None else measure(value, self.unit, ".5g", named=bool(self.unit) and last)
+            for value, last in ((self.lower, False), (self.upper, True), (self.given, True))
+        )
+        return f"{lower} to {upper}", nominal or "–"
+
+
+def ranges_of(
+    case: Case,
+    used: tuple[str, ...],
+    limits: Mapping[str, Limits],
+    ranges: tuple[str, ...],
+    fixed: tuple[str, ...],
+) -> tuple[Range, ...]:
+    """Return the ranges of a case.
+
+    Parameters
+    ----------
+    case : Case
+        Case whose scene defines units and values of the keys.
+    used : tuple of str
+        Keys that may vary.
+    limits : dict
+        Default ranges.
+    ranges, fixed : tuple of str
+        Options --range (KEY=LOWER:UPPER) and --fix (KEY).
+
+    Raises
+    ------
+    InputError
+        For an invalid range or key.
+    """
+    ends: dict[str, Limits | TypedLimits] = {key: ends for key, ends in limits.items() if key in used}
+    for text in ranges:
+        key, lower, upper = _split(text, used)
+        if key in ends and ends[key][2] == FROM_USER:
+            raise InputError("--range", text, "this key has two ranges")
+        ends[key] = (lower, upper, FROM_USER)
+    for key in fixed:
+        if key in ends and ends[key][2] == FROM_USER:
+            raise InputError("--fix", key, "--range and --fix exclude each other; remove one of the two")
+        if ends.pop(key, None) is None:
+            raise InputError("--fix", key, f"this key does not vary; allowed are {', '.join(ends) or 'none'}")
+    if not ends:
+        raise InputError("--fix", ", ".join(fixed), "at least one key must vary")
+    return tuple(_range(case, key, *ends[key]) for key in used if key in ends)
+
+
+def _split(text: str, used: tuple[str, ...]) -> tuple[str, str, str]:
+    """Return key and ends of KEY=LOWER:UPPER."""
+    key, equals, values = (part.strip() for part in text.partition("="))
+    lower, colon, upper = (part.strip() for part in values.partition(":"))
+    if not all((key, equals, lower, colon, upper)):
+        raise InputError("--range", text, "allowed is KEY=LOWER:UPPER, e.g. impact.friction=0.2:0.5")
+    if key not in used:
+        why = f"the peak force of this scene is independent of this key; allowed are {', '.join(used)}"
+        raise InputError(key, values, why)
+    return key, lower, upper
+
+
+def _range(case: Case, key: str, lower: float | str, upper: float | str, origin: str) -> Range:
+    """Return the range of a key."""
+    typed = origin == FROM_USER
+    try:
+        changes = ({key: parse_value(str(end)) if typed else end} for end in (lower, upper))
+        varied = [vary(case.source, change) for change in changes]
+    except InputError as error:
+        if typed:
+            raise
+        where = Verbatim(f"{lower} to {upper} by default ({origin})")
+        raise InputError(key, where, f"{error.allowed}; --range changes the range") from None
+    ends = [_row(*scene_and_source, key) for scene_and_source in varied]
+    remarks = (unit_remarks(source).get(key) for _, source in varied if typed)
+    if remark := next(filter(None, remarks), None):
+        warnings.warn(remark, stacklevel=2)
+    low, high = (float(row.value or 0.0) if row else math.nan for row in ends)
+    if not high > low:
+        text = f"{lower}:{upper}" if typed else f"{lower!r}:{upper!r}"
+        raise InputError(key, text, "the upper limit must exceed the lower limit")
+    nominal = _row(case.scene, case.source, key)
+    unit = ends[0].unit if ends[0] else ""
+    return Range(key, low, high, unit, None if nominal is None else float(nominal.value or 0.0), origin)
+
+
+def _row(scene: schema.Scene, source: Source, key: str) -> write.SceneInput | None:
+    """Return the row of a key in the table of inputs."""
+    return next((row for row in write.scene_inputs(scene, source) if row.key == key), None)

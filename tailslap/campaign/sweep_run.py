@@ -1,0 +1,233 @@
+"""Run of a sweep in its folder, which can be resumed.
+
+The folder of a sweep exists from the start and belongs to one sweep:
+
+    sweep.json       definition, by which another sweep is refused
+    records.sqlite   record of each finished run, see records.py
+    sweep.parquet    table, written when the sweep ends or is interrupted
+    report.html, its charts, summary.json   written at the end
+
+The last two lines are the result, with a manifest, and are replaced like other results: tailslap/storage/folder.py.
+"""
+
+import contextlib
+import json
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from tailslap import progress
+from tailslap.campaign import engine, pools, records, sweep_report, sweep_table
+from tailslap.campaign.records import Record
+from tailslap.campaign.sweep_definition import Definition
+from tailslap.case import cost
+from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
+from tailslap.storage import folder, manifest
+
+LOST, INTERRUPTED = 3, 130
+"""Exit statuses of a lost machine and of an interruption."""
+
+DEFINITION, RECORDS = "sweep.json", "records.sqlite"
+RESULTS = (sweep_table.TABLE, sweep_report.REPORT, sweep_report.SUMMARY)
+"""Files that are rewritten when the sweep is resumed. A file that the user has added or changed is not replaced."""
+
+
+class StoppedError(Exception):
+    """A sweep that ended before it was complete.
+
+    Parameters
+    ----------
+    why : str
+        Reason.
+    rows : int, optional
+        Number of saved rows, None without a folder.
+    runs : int
+        Number of runs of the sweep.
+    status : int
+        Exit status of the command.
+    """
+
+    def __init__(self, why: str, rows: int | None, runs: int, status: int) -> None:
+        saved = f"{rows} of {runs} rows are saved; the same command resumes the sweep"
+        if not rows:
+            saved = "without a folder no row is kept" if rows is None else "no run is complete"
+        super().__init__(f"{why}; {saved}")
+        self.why, self.status = why, status
+
+
+def perform(
+    definition: Definition,
+    place: Path,
+    cluster: str | None = None,
+    workers: int | None = None,
+    compute: Callable[..., Record] = sweep_table.compute_row,
+    units: str = "si",
+    force: bool = False,
+) -> sweep_table.FinishedSweep:
+    """Compute the missing runs and write the result.
+
+    Parameters
+    ----------
+    definition : Definition
+        The sweep.
+    place : Path
+        Its folder.
+    cluster : str, optional
+        Address of a Dask scheduler; without one, `workers` processes of this machine.
+    workers : int, optional
+        Number of processes, by default one per core.
+    compute : callable
+        Function that computes the row of a run.
+    units : str
+        Units of the page, "si" or "us".
+    force : bool
+        Replace the result of another command.
+
+    Raises
+    ------
+    InputError
+        Where the folder cannot be used.
+    StoppedError
+        After an interruption, the loss of the scheduler, or on a full disk. Finished rows are saved.
+    """
+    origin = manifest.Origin("sweep", definition.scene)
+    with sweep_folder(place, definition, force) as place:
+        saved = 0
+        try:
+            with open_records(place, definition) as rows:
+                try:
+                    effort = _make_missing(definition, rows, cluster, workers, compute)
+                    new = folder.fresh(place)
+                    sweep_table.write_table(new, definition, rows)
+                    statuses = {name: rows.statuses[name] for name in sweep_table.STATUSES}
+                finally:
+                    saved = len(rows)
+            sweep = sweep_table.FinishedSweep(definition, statuses, effort)
+            sweep = replace(sweep, report=sweep_report.write_sweep(sweep, new, units))
+        except (KeyboardInterrupt, OSError) as error:
+            why, status = _reason(error)
+            if saved:
+                with contextlib.suppress(OSError):  # on a full disk, the table is omitted
+                    with open_records(place, definition) as rows:
+                        sweep_table.write_table(folder.fresh(place), definition, rows)
+                    folder.commit(place, origin)
+            raise StoppedError(why, saved, definition.runs, status) from None
+        folder.commit(place, origin)
+        return sweep
+
+
+def _reason(error: BaseException) -> tuple[str, int]:
+    """Return the reason and exit status of an early end.
+
+    Other errors are raised again.
+    """
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted", INTERRUPTED
+    if isinstance(error, pools.LostError):
+        return str(error), LOST
+    if isinstance(error, OSError) and error.errno in MACHINE_FAULTS:
+        return machine_fault(error), LOST
+    raise error
+
+
+def open_records(place: Path, definition: Definition) -> contextlib.closing[records.Records]:
+    """Open the rows of a sweep in its folder, by run."""
+    return contextlib.closing(records.Records(place / RECORDS, definition.as_written()))
+
+
+def _make_missing(
+    definition: Definition,
+    rows: records.Records,
+    cluster: str | None,
+    workers: int | None,
+    compute: Callable[..., Record],
+) -> engine.CampaignEffort:
+    """Compute the runs that have no row."""
+    recorded = set(rows)
+    missing = [run for run in range(definition.runs) if run not in recorded]
+    if not missing:
+        return engine.CampaignEffort()
+
+    def died(run: records.Key) -> Record:
+        return {
+            "run": run,
+            **definition.inputs_of(int(run)),
+            "status": sweep_table.ERROR,
+            "reason": sweep_table.KILLS,
+        }
+
+    def arguments(run: records.Key) -> tuple[object, ...]:
+        return run, definition.source, definition.changes_of(int(run))
+
+    def show_progress(threads: int) -> None:
+        idle = "" if threads else "; waiting for a worker"
+        failed = rows.statuses[sweep_table.FAILED] + rows.statuses[sweep_table.ERROR]
+        show(len(rows), f", {failed} failed{idle}")
+
+    count = cost.worker_count(workers, len(missing))
+    with (
+        pools.cluster(cluster) if cluster else pools.local(count) as pool,
+        progress.counted(definition.scene, definition.runs, len(rows)) as show,
+    ):
+        return engine.perform(engine.Parts(compute, [*missing], arguments, died), rows, pool, show_progress)
+
+
+@contextlib.contextmanager
+def sweep_folder(place: Path, definition: Definition, force: bool = False) -> Iterator[Path]:
+    """Lock the folder of a sweep and write its definition.
+
+    New files are removed if the sweep ends without a row. With `force`, the folder may contain the result of another
+    command, which the table replaces. Raises InputError if the folder cannot be written, is locked, or contains another
+    sweep or other files.
+    """
+    with folder.locked(place) as place:
+        new = not _is_known(place, definition, force)
+        folder.earlier(place, RESULTS)
+        if new:
+            _write_definition(place, definition)
+        try:
+            yield place
+        finally:
+            if new and not records.count(place / RECORDS):
+                records.remove(place / RECORDS)
+                (place / DEFINITION).unlink(missing_ok=True)
+
+
+def _write_definition(place: Path, definition: Definition) -> None:
+    """Write `sweep.json` completely or not at all."""
+    try:
+        partial = folder.fresh(place) / DEFINITION
+        text = json.dumps(definition.as_written(), indent=2, ensure_ascii=False)
+        partial.write_text(text + "\n", encoding="utf-8")
+        manifest.sync(partial)
+        os.replace(partial, place / DEFINITION)
+    except OSError as error:
+        raise place_error(place, "the folder cannot be written", error) from None
+
+
+def _is_known(place: Path, definition: Definition, force: bool) -> bool:
+    """Return True for the folder of this sweep.
+
+    Raises InputError for all other folders.
+    """
+    if DEFINITION not in folder.visible_names(place):
+        folder.demand_result(place, force, manifest.Origin("sweep", definition.scene))
+        return False
+    stored, current = None, definition.as_written()
+    try:
+        stored = json.loads((place / DEFINITION).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise place_error(place / DEFINITION, "the file cannot be read", error) from None
+    except (ValueError, RecursionError):
+        pass
+    if not isinstance(stored, dict):
+        raise InputError("--out", str(place), f"its {DEFINITION} is damaged; allowed is a new folder")
+    different = [name for name in current if stored.get(name) != current[name]]
+    if different:
+        names = ", ".join(name for name in different if name not in ("digest", "runs")) or "values"
+        allowed = (
+            f"the folder contains another sweep ({names} differ, see {DEFINITION}); allowed is a new folder"
+        )
+        raise InputError("--out", str(place), allowed)
+    return True

@@ -1,0 +1,179 @@
+"""Flexibility of plates in a whole impact.
+
+Both strikes of each plate are compared with those of the rigid vehicle. Forces are measured on plates from 2 Hz to
+rigid.
+"""
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from solver.impact import corner_name
+from tailslap.campaign import engine, levels
+from tailslap.campaign.levels import Sample
+from tailslap.campaign.records import Record
+from tailslap.case.impact.answers import COLUMNS, COMPARED, both_strikes
+from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.checks import failed_but_mesh
+from tailslap.case.impact.run import attempt, corners_of
+from tailslap.scene.vary import Changes, Source
+from tailslap.studies.flexibility import plate_runs
+from tailslap.studies.flexibility.flexibility_scan import scanned
+from tailslap.studies.flexibility.plate_runs import Flexibility, one_run
+
+IMPACT_LEVELS = (1e-2, 5e-2, 1e-1)
+"""Differences for which the lowest first frequency is sought."""
+NAMES = tuple(f"strike_{k}.{name}" for k in (1, 2) for name in COMPARED)
+"""Compared quantities of both strikes."""
+PLATES = (2.0, 4.0, 8.0, 16.0, 32.0)
+"""First frequencies of the plates whose strikes are measured [Hz]."""
+LONGER, WORST = 2.0, 0.05
+"""Time of their runs over that of the rigid impact, and largest difference of reliable meshes."""
+
+
+def impact_flexibility(
+    case: ImpactCase, frequencies: Sequence[float], place: Path, workers: int | None
+) -> Flexibility:
+    """Run plates of these first frequencies, falling [Hz]."""
+    began, fe_plan, patch = time.perf_counter(), case.plan(), patch_length(case)
+    along, across = fe_plan.plate.counts
+    fixed: Changes = {"plate.youngs_modulus": None, "contact.patch_length": patch}
+
+    def plate(frequency: float, finer: int = 1, **more: Any) -> Changes:
+        elements = (finer * along, finer * across)
+        return {**fixed, "plate.elements": elements, "plate.first_frequency": frequency, **more}
+
+    end = {"time.end": LONGER * case.duration}
+    sweep = {f"{f!r} Hz": (case.source, plate(f), strike_record) for f in frequencies}
+    plates = {f"plate {f!r} Hz": (case.source, f, *(plate(f, n, **end) for n in (1, 2))) for f in PLATES}
+    definition = {"study": "flexibility", "scene": case.scene.model_dump(), "frequencies": frequencies}
+
+    def differences(frequencies: Sequence[float]) -> dict[float, Record]:
+        parts = {
+            f"scan {f!r} Hz": (case.source, plate(f, **{"verify.companion": False}), strike_record)
+            for f in frequencies
+        }
+        records = results((one_run, parts, "scan")).values()
+        return {f: strike_differences(record) for f, record in zip(frequencies, records, strict=True)}
+
+    with engine.study(place, definition, workers) as results:
+        records = results((one_run, sweep, f"{len(sweep)} plates"))
+        soft = results((measure_plate, plates, "from 2 Hz to rigid"))
+        rows = [impact_row(f, record) for f, record in zip(frequencies, records.values(), strict=True)]
+        series = {name: impact_samples(rows, name) for name in NAMES}
+        scan = scanned(series, IMPACT_LEVELS, 1.0 / second_end(case), differences)
+    reaches = {name: levels.reaches(samples, IMPACT_LEVELS) for name, samples in scan.samples.items()}
+    rigid, seconds = plate_record(math.inf, both_strikes(case.answer), {}, ()), time.perf_counter() - began
+    setup, measured = {"patch_length": patch}, [*soft.values(), rigid]
+    return Flexibility(
+        *(case, rows, reaches, fe_plan.first_frequency, setup, seconds, {}, {}, measured),
+        scan=plate_runs.listed_scan(scan, scan.samples),
+        step=scan.step,
+    )
+
+
+def second_end(case: ImpactCase) -> float:
+    """Return the end of the rigid second strike [s].
+
+    Without a second strike, it is the end of its motion.
+    """
+    return float(case.motion.strikes[1].end if len(case.motion.strikes) > 1 else case.duration)
+
+
+def strike_differences(record: Record) -> Record:
+    """Return the differences of a run by quantity.
+
+    They are NaN where a check failed or other corners strike.
+    """
+    differences = record["difference"] if plate_runs.run_passed(record) else {}
+    return {name: differences.get(name, math.nan) for name in NAMES}
+
+
+def patch_length(case: ImpactCase) -> float:
+    """Return the length of the crushed side [m].
+
+    It is that of the scene, or of the study.
+    """
+    return case.scene.needed_contact.patch_length or plate_runs.PATCH * case.scene.vehicle.length
+
+
+def impact_row(frequency: float, record: Record) -> Record:
+    """Return a plate as in `points.csv` and the summary.
+
+    Differences FE/rigid - 1 and mesh errors are by `NAMES`, NaN where other corners strike. `failed` lists the failed
+    checks, or the reason without a result.
+    """
+    row: Record = {"frequency": frequency}
+    for group in ("difference", "error"):
+        row |= {f"{group}.{name}": record.get(group, {}).get(name, math.nan) for name in NAMES}
+    return row | {"failed": plate_runs.failure_text(record)}
+
+
+def impact_samples(rows: Sequence[Record], name: str) -> list[Sample]:
+    """Return the samples of one of `NAMES`."""
+    samples = []
+    for row in rows:
+        size, error = abs(row[f"difference.{name}"]), abs(row[f"error.{name}"])
+        samples.append(Sample(row["frequency"], size, error, not row["failed"] and math.isfinite(size)))
+    return samples
+
+
+def strike_record(case: ImpactCase) -> Record:
+    """Return the differences and mesh errors of a run.
+
+    Mesh errors are compared with the levels and are no failure.
+    """
+    outcome = case.run()
+    record = {"difference": outcome.difference, "error": outcome.mesh_error}
+    return record | {"failed": list(failed_but_mesh(outcome))}
+
+
+def measure_plate(source: Source, frequency: float, coarse: Changes, fine: Changes) -> Record:
+    """Return both strikes of a plate on two meshes.
+
+    `values` are by `COLUMNS`, `errors` are the ratios of finer and coarser mesh minus one.
+
+    Parameters
+    ----------
+    source : Source
+        Source of the scene.
+    frequency : float
+        First frequency [Hz].
+    coarse, fine : dict
+        Changes of both meshes.
+    """
+    coarse_record, fine_record = (one_run(source, changes, both_record) for changes in (coarse, fine))
+    if refused := coarse_record.get("refused") or fine_record.get("refused"):
+        return plate_record(frequency, {}, {}, (refused,))
+    values = fine_record["values"]
+    errors = {name: values[name] / coarse_record["values"][name] - 1.0 for name in COLUMNS}
+    return plate_record(frequency, values, errors, fine_record["failed"])
+
+
+def both_record(case: ImpactCase) -> Record:
+    """Return values and failed checks of a single run.
+
+    Filters are applied to the force of the points nearest to each corner.
+    """
+    outcome = attempt(case)
+    corner, force = corners_of(outcome.fe_plan, outcome.run), outcome.run.normal
+    forces = {corner_name(*divmod(int(n), 4)): force[:, corner == n].sum(axis=1) for n in np.unique(corner)}
+    return {"values": both_strikes(outcome.fe, forces), "failed": failed_but_mesh(outcome)}
+
+
+def plate_record(
+    frequency: float, values: Mapping[str, float], errors: Mapping[str, float], failed: Sequence[str]
+) -> Record:
+    """Return a plate as in the summary.
+
+    An infinite frequency is that of the rigid vehicle. The plate passed if all checks passed and both meshes agree.
+    """
+    sizes = [abs(value) for value in errors.values()]
+    error = max(sizes) if sizes and all(map(math.isfinite, sizes)) else math.nan
+    passed = not failed and (math.isinf(frequency) or error <= WORST)
+    record: Record = {"frequency": frequency if math.isfinite(frequency) else None, "values": dict(values)}
+    return record | {"errors": dict(errors), "failed": list(failed), "error": error, "passed": passed}

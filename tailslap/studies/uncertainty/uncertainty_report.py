@@ -1,0 +1,452 @@
+"""Report of the study `uncertainty`."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from postprocess.figures import studies as figures
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Section
+from postprocess.report.tables import Column, Table, columns, pairs
+from postprocess.units import force, grouped
+from tailslap.campaign.records import Record
+from tailslap.campaign.sampling import PERCENTILES, SEED, points_in_words
+from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
+from tailslap.case.report import known_forces, short, study_page, study_summary
+from tailslap.scene.write import scene_inputs
+from tailslap.studies.sobol_tables import (
+    INDEX_METHOD,
+    index_column,
+    index_columns,
+    main_source,
+    with_intervals,
+)
+from tailslap.studies.uncertainty.uncertainty_ranges import used_keys
+from tailslap.studies.uncertainty.uncertainty_study import LEVEL, TABLES, Spread
+
+BINS = 60
+INPUTS = (
+    Column("key", "Input"),
+    Column("range", "Range", form=str),
+    Column("origin", "Source"),
+    Column("value", "Scene", form=str),
+)
+
+
+MAIN = "strike_2.mean_50ms"
+LEVELS = (
+    Column("name", "Design force", style="whole"),
+    Column("force", "Lateral", "N", form="#.4g", style="strong"),
+    Column("above", "Impacts above it", form=lambda part: f"{100.0 * part:.1f} %"),
+    Column("source", "Source", style="soft"),
+)
+CURVES = {
+    "contact.stiffness": ("crush stiffness", "MN/m", 1e6),
+    "contact.restitution": ("restitution", "", 1.0),
+    "contact.friction": ("friction", "", 1.0),
+    "vehicle.mass": ("mass", "t", 1e3),
+    "impact.speed": ("speed", "m/s", 1.0),
+    "impact.angle": ("angle", "deg", np.pi / 180.0),
+    "vehicle.centre_of_mass": ("centre of mass behind the front", "m", 1.0),
+    "stiffness": ("crush stiffness", "MN/m", 1e6),
+    "yaw_inertia": ("yaw inertia", "t m^2", 1e3),
+}
+"""Label, displayed unit and its value in SI of the varied inputs, those of trailers last."""
+
+CURVE_AXES: dict[str, tuple[str, ...]] = {"peak [kN]": ("mean_50ms", "raw", "cfc60")}
+CURVE_AXES |= {"impulse [kN s]": ("impulse",), "duration [ms]": ("duration",)}
+BANDS = (
+    *columns({"strike": "Strike", "quantity": "Quantity"}),
+    Column("own", "Scene", form=".1f", style="strong", unit_key="unit"),
+    *(Column(f"{p} %", f"{p} %", form=".1f", group="Band", unit_key="unit") for p in PERCENTILES),
+    Column("unit", "Unit", is_unit=True),
+    Column("source", "Main source of variance"),
+    index_column("total", "Total index", ".2f"),
+)
+SHOWN = {"mean_50ms": "50 ms", "impulse": "impulse", "duration": "duration"}
+"""Quantities whose indices are displayed."""
+
+ROWS = (
+    *columns({"label": "Row", "kind": "Quantity"}),
+    *columns({"measured": "D", "simulated": "S"}, unit="N", form=".0f", style="strong"),
+    *columns({"band.0": "5 %", "band.2": "95 %"}, unit="N", form=".0f", group="Band of S"),
+    Column("error", "E", "N", form="+.0f"),
+)
+UNCERTAINTY = (
+    Column("share_below", "Below D", form=".2f"),
+    Column("u_num", "u_num", "N", form=".2g"),
+    Column("u_input", "u_input", "N", form=".0f"),
+)
+VERDICT = Column("verdict", "|E| and u_val")
+ROW_NOTES = (
+    "D: force of Tables 4 and 5 of the paper, from crash tests or finite elements; * projected by the authors as 1.33 "
+    "times the 50 ms mean. S: second strike of the rigid vehicle. E = S - D. As in ASME V&V 20, u_val^2 = u_num^2 + "
+    "u_input^2 + u_D^2. u_num: time-step error. u_input: standard deviation of the samples. u_D: unknown measurement "
+    "uncertainty; the last column states the u_D at which |E| = u_val.",
+    "Speed and angle are those of the scene, except in row b (57.4 mph, 15.4 deg); mass, length, crush and restitution "
+    "of the tested vehicles are unknown. The barriers of rows a and b are not plain vertical walls. Neither ranges nor "
+    "results are fitted to these rows.",
+)
+NOT_TL_4 = f"Tables 4 and 5 of the paper contain {LEVEL} only; impact.test_level of this scene differs."
+INDEX_NOTE = (
+    "Total Sobol indices: fraction of the variance that remains if all other inputs are known, with 95 % intervals. "
+    "Dashes: not determined."
+)
+
+
+def report(result: Spread) -> Report:
+    """Return the report of the study."""
+    return impact_report(result) if result.case.scene.contact else corner_report(result)
+
+
+def _report(
+    result: Spread,
+    kicker: str,
+    sentences: tuple[str, str],
+    sections: Any,
+    numbers: Any,
+    terminal: Any,
+    **curves: Table,
+) -> Report:
+    """Return page, summary and files.
+
+    `sentences` are answer and certainty.
+    """
+    headline = Headline(f"Uncertainty: {result.case.subject}", sentences[0], result.case.set_up, sentences[1])
+    files = ["summary.json (results in SI)", "samples.csv (samples)"]
+    if curves:
+        files[1:] = ["samples.csv (samples)", "curves.csv (curves)"]
+    head, cost = study_summary("uncertainty", result.case), {"seconds": result.seconds}
+    return Report(
+        study_page(result.case, kicker, headline, sections, "; ".join(files)),
+        {**head, "seed": SEED, **numbers, "cost": cost},
+        terminal,
+        {f"{name}.csv": table for name, table in curves.items()},
+        {"samples.csv": result.samples},
+    )
+
+
+def _input_rows(result: Spread) -> list[Record]:
+    """Return the inputs of the scene, with ranges in words."""
+    words = ((item, *item.in_words()) for item in result.ranges)
+    return [{"key": i.key, "range": ends, "origin": i.origin, "value": nominal} for i, ends, nominal in words]
+
+
+def corner_report(result: Spread) -> Report:
+    """Return the report on the peak force of a tail-slap."""
+    words = {row["key"]: row for row in _input_rows(result)}
+    inputs = [words[row["key"]] | row for row in result.sources_of("peak_force")]
+    sentences, refusals = _corner_answer(result, inputs), _refusals(result)
+    refused = result.refused_sources.get("peak_force", "")
+    counts, edges = np.histogram(result.band("peak_force").values, BINS)
+    nominal, used = result.nominal["peak_force"], used_keys(result.case.scene)
+    keys = [row.key for row in scene_inputs(result.case.scene, result.case.source)]
+    fixed = tuple(key for key in keys if key in used and key not in words)
+    percentiles = list(zip(PERCENTILES, result.band("peak_force").percentiles, strict=True))
+    histogram = figures.draw_histogram(edges, counts, percentiles, nominal)
+    table = Table(
+        (*INPUTS, *index_columns()), inputs, notes=("95 % confidence intervals are below the indices.",)
+    )
+    index_charts = [figures.draw_sensitivity(inputs)]
+    if refused:
+        table, index_charts = Table(INPUTS, list(words.values()), notes=(refused,)), []
+    method = _corner_sentences(result, refusals, fixed)
+    sections = (
+        Section("Distribution", figures=(histogram,), layout="half"),
+        Section("Sensitivity", refused, index_charts, layout="half"),
+        Section("Inputs and Sobol indices", tables=(table,)),
+        Section("Peak force", tables=(_forces_table(result),), layout="half"),
+        Section("Method", sentences=method, layout="half"),
+    )
+    title = f"{result.case.scene.name}: Sobol indices of the peak force"
+    cost = f"Cost:   {result.computed} combinations in {result.seconds:.2f} s"
+    terminal = (
+        refused or Table(with_intervals((INPUTS[0], *index_columns())), inputs, title=title),
+        refusals,
+        cost,
+    )
+    kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
+    distribution = {"of_the_scene": nominal, "histogram": {"edges": edges, "counts": counts}}
+    return _report(
+        result, kicker, sentences, sections, _corner_summary(result, distribution, fixed), terminal
+    )
+
+
+def _corner_summary(result: Spread, drawn: Record, held: tuple[str, ...]) -> Record:
+    """Return the summary with histogram and fixed keys."""
+    refused, left_out = result.refused
+    return {
+        **{"rows": result.rows, "combinations": result.computed},
+        **{"refused": refused, "rows_left_out": left_out},
+        "first_refusal": result.refusal or None,
+        "peak_force": {**result.band("peak_force").numbers(), **drawn},
+        "inputs": result.sources["peak_force"] or [asdict(item) for item in result.ranges],
+        "indices_refused": result.refused_sources.get("peak_force"),
+        "held": held,
+    }
+
+
+def _corner_answer(result: Spread, inputs: list[Record]) -> tuple[str, str]:
+    """Return answer and certainty on the peak force."""
+    band, nominal, (refused, _) = result.band("peak_force"), result.nominal["peak_force"], result.refused
+    low, _, high = band.percentiles
+    answer = (
+        f"Peak lateral force at the tail-slap: mean {force(band.mean)}, standard deviation "
+        f"{force(band.standard_deviation)}; 90 % of the samples lie between {force(low)} and {force(high)}. "
+        f"The nominal case ({force(nominal)}) exceeds {100.0 * band.fraction_below(nominal):.0f} % of the samples."
+    )
+    certainty = f"{grouped(result.computed)} samples"
+    certainty += f"; largest part of the variance from {main_source(inputs[0])}." if inputs else "."
+    if refused:
+        certainty += (
+            f" {100.0 * refused / result.computed:.2g} % of them have no solution and are not included."
+        )
+    return answer, certainty
+
+
+def _refusals(result: Spread) -> str:
+    """Describe the samples without a solution."""
+    refused, left_out = result.refused
+    if not refused:
+        return "All samples have a solution."
+    return (
+        f"{grouped(refused)} of {grouped(result.computed)} samples ({100.0 * refused / result.computed:.2g} %) have no "
+        f"solution and are excluded from the distribution. {grouped(left_out)} of {grouped(result.rows)} rows contain "
+        "such samples and are excluded from the indices, which are therefore approximate. First reason: "
+        f"{result.refusal}."
+    )
+
+
+def _corner_sentences(result: Spread, refusals: str, held: tuple[str, ...]) -> list[str]:
+    """Describe the method."""
+    return [
+        f"The inputs are independent and uniformly distributed over their ranges. {grouped(result.rows)} points of "
+        f"{points_in_words(len(result.ranges), result.rows)} (seed {SEED}) define {grouped(result.computed)} samples, "
+        "each solved exactly by Stages 1 to 3. Results are reproducible.",
+        refusals,
+        *([f"Fixed inputs: {', '.join(held)} (varied by --range)."] if held else []),
+        INDEX_METHOD,
+        "The duration of the triangular force pulse is an input; the rigid-body method does not predict it.",
+    ]
+
+
+def _forces_table(result: Spread) -> Table:
+    """Return the table of the distribution of the peak force."""
+    band = result.band("peak_force")
+    forces = {"mean": band.mean, "standard deviation": band.standard_deviation}
+    forces |= {f"{p} % percentile": x for p, x in zip(PERCENTILES, band.percentiles, strict=True)}
+    forces |= {"nominal case": result.nominal["peak_force"]}
+    return pairs([(name, force / 1e3, "kN") for name, force in forces.items()])
+
+
+def impact_report(result: Spread) -> Report:
+    """Return the report on both strikes of a whole impact."""
+    main, quantity = _main(result)
+    inputs, sentences, levels = result.sources_of(main), _impact_answer(result), _levels(result)
+    quantity = quantity[0].lower() + quantity[1:]
+    sensitivity = [figures.draw_sensitivity(inputs, f"the {quantity}")] if inputs else []
+    compared = [row | {"label": row["row"] + "*" * row["projected"]} for row in result.paper_rows]
+    rows = Table((*ROWS, *UNCERTAINTY, VERDICT), compared, "", ROW_NOTES)
+    single = int(np.count_nonzero(np.isnan(result.samples["strike_2.impulse"])))
+    sections = (
+        Section("Bands", figures=[_band_figure(result)], tables=[_bands_table(result)]),
+        Section("Largest 50 ms mean and design forces", tables=[levels]),
+        Section("Inputs and Sobol indices", tables=[_inputs_table(result)]),
+        Section(f"Sensitivity of the {quantity}", figures=sensitivity, layout="half"),
+        Section("Method", "", (), (), _impact_sentences(result, single), "half"),
+        Section("Comparison with Tables 4 and 5 of the paper", "" if compared else NOT_TL_4, tables=[rows]),
+        Section("Variation of single inputs", figures=_curve_figures(result)),
+    )
+    kinds, numbers = ("first_order", "first_order_interval", "total", "total_interval"), {}
+    for name in result.tables:
+        indices = {row["key"]: {kind: row[kind] for kind in kinds} for row in result.sources.get(name, ())}
+        refused = result.refused_sources.get(name)
+        numbers[name] = {**result.band(name).numbers(), "indices": indices, "indices_refused": refused}
+    summary = {
+        **{"impacts": result.computed, "without_second_strike": single},
+        **{"own": result.nominal, "bands": numbers},
+        "inputs": [asdict(item) for item in result.ranges],
+        "rows": result.paper_rows,
+        **({"levels": levels.rows} if levels.rows else {}),
+    }
+    terminal = (
+        _bands_table(result, f"{result.case.scene.name}: both strikes"),
+        short(levels),
+        _inputs_table(result, short=True),
+        *_refused_indices(result),
+        Table((*ROWS, VERDICT), compared, "Comparison with Tables 4 and 5 (* projected); u_D is unknown"),
+        f"Cost:   {result.computed} impacts in {result.seconds:.1f} s",
+    )
+    kicker = "Uncertainty of both strikes of a whole impact"
+    return _report(result, kicker, sentences, sections, summary, terminal, curves=_curves_table(result))
+
+
+def _main(result: Spread) -> tuple[str, str]:
+    """Return the quantity of the headline and its name.
+
+    Of a train it is the largest 50 ms mean of all strikes.
+    """
+    if LARGEST in result.tables:
+        return LARGEST, "Largest 50 ms mean"
+    return MAIN, "50 ms mean of the second strike"
+
+
+def _levels(result: Spread) -> Table:
+    """Return the table of design forces.
+
+    It is empty for a single vehicle.
+    """
+    level = result.case.scene.impact.test_level if LARGEST in result.tables else None
+    rows = [
+        {"name": name, "force": design.force, "source": design.source}
+        | {"above": 1.0 - result.band(LARGEST).fraction_below(design.force)}
+        for name, design in known_forces(level).items()
+    ]
+    return Table(LEVELS, rows)
+
+
+def _impact_answer(result: Spread) -> tuple[str, str]:
+    """Return answer and certainty on the main quantity."""
+    main, quantity = _main(result)
+    low, _, high = result.band(main).percentiles
+    answer = (
+        f"{quantity}: 90 % of the samples lie between {force(low)} and {force(high)}; nominal "
+        f"case {force(result.nominal[main])}."
+    )
+    certainty = f"{grouped(result.computed)} impacts of the rigid vehicle."
+    if sources := result.sources_of(main):
+        first = sources[0]
+        certainty += f" Largest part of the variance from {main_source(first)}."
+    if measured := [row for row in result.paper_rows if not row["projected"]]:
+        inside = sum(row["band"][0] <= row["measured"] <= row["band"][2] for row in measured)
+        within = sum(row["within"] for row in measured)
+        certainty += (
+            f" Of {len(measured)} forces of Tables 4 and 5 that were not projected, {inside} lie in the band, and "
+            f"{within} within u_val with u_D unknown."
+        )
+    return answer, certainty
+
+
+def _impact_sentences(result: Spread, single: int) -> list[str]:
+    """Describe the method."""
+    sentences = [
+        f"The inputs are independent and uniformly distributed over their ranges. {grouped(result.computed)} impacts "
+        f"of the rigid vehicle: {grouped(2 * result.rows)} points of "
+        f"{points_in_words(len(result.ranges), result.rows)} "
+        f"(seed {SEED}) for the distribution, the others for the indices. Results are reproducible.",
+        INDEX_METHOD,
+        "Raw: force at the striking corner. Filtered and 50 ms mean forces: total force on the wall during the strike.",
+        "The duration of the strikes follows from mass, crush and friction.",
+        "The distribution reflects these ranges only. The model excludes roll and pitch, shifting load, deflection of "
+        "the wall, wheels and suspension.",
+    ]
+    if LARGEST in result.tables:
+        sentences.append("Strike 1 is that of the first unit's front, strike 2 that of the last unit's rear.")
+    if single:
+        sentences.append(
+            f"{grouped(single)} impacts have no second strike; they are excluded from its distribution and indices."
+        )
+    return sentences
+
+
+def _bands_table(result: Spread, title: str = "") -> Table:
+    """Return the table of all quantities."""
+    rows = []
+    for name in result.tables:
+        strike, quantity = name.removeprefix("strike_").split(".")
+        label, unit, scale = QUANTITIES[quantity]
+        ends = zip(PERCENTILES, result.band(name).percentiles, strict=True)
+        first = next(iter(result.sources_of(name)), {"key": "–", "total": None, "total_interval": None})
+        row = {
+            "strike": int(strike) if strike.isdigit() else "largest",
+            "quantity": label,
+            "own": result.nominal[name] / scale,
+            "unit": unit,
+        }
+        row |= {f"{p} %": value / scale for p, value in ends}
+        rows.append(
+            row | {"source": first["key"], **{key: first[key] for key in ("total", "total_interval")}}
+        )
+    return Table(with_intervals(BANDS) if title else BANDS, rows, title)
+
+
+def _inputs_table(result: Spread, short: bool = False) -> Table:
+    """Return ranges and total indices of the main quantities.
+
+    The short table has the second strike only.
+    """
+    strikes, inputs = (2,) if short else (1, 2), _input_rows(result)
+    heads = [
+        index_column(f"strike_{k}.{name}", label, ".2f", "" if short else f"Strike {k}")
+        for k in strikes
+        for name, label in SHOWN.items()
+        if f"strike_{k}.{name}" in result.sources
+    ]
+    if LARGEST in result.sources:
+        heads.insert(0, index_column(LARGEST, "Largest 50 ms", ".2f"))
+    for head in heads:
+        sources = result.sources[head.key] or [{"total": None, "total_interval": None}] * len(inputs)
+        for row, source in zip(inputs, sources, strict=True):
+            row |= {head.key: source["total"], f"{head.key}_interval": source["total_interval"]}
+    if short:
+        heads = list(with_intervals(heads))
+        return Table((*INPUTS[:2], *heads), inputs, "Inputs and total Sobol indices of strike 2")
+    return Table((*INPUTS, *heads), inputs, notes=(INDEX_NOTE, *_refused_indices(result)))
+
+
+def _refused_indices(result: Spread) -> list[str]:
+    """Return the quantities with refused indices, and the reasons."""
+    return [f"{name}: {why}" for name, why in result.refused_sources.items()]
+
+
+def _curves_table(result: Spread) -> Table:
+    """Return the impacts of the curves, in SI."""
+    heads = columns({"input": "Input", "value": "Value"} | {name: name for name in COLUMNS})
+    rows = [
+        {"input": curve["key"], "value": value, **{n: float(curve["columns"][n][i]) for n in COLUMNS}}
+        for curve in result.curves
+        for i, value in enumerate(curve["values"].tolist())
+    ]
+    return Table(heads, rows)
+
+
+def _curve_figures(result: Spread) -> list[Any]:
+    """Return the charts of all quantities over each input."""
+    panels = []
+    for curve in result.curves:
+        key = curve["key"]
+        label, unit, scale = CURVES.get(key) or CURVES[key.rpartition(".")[2]]
+        if key.startswith("trailer"):
+            label = f"trailer {int(key.split('.')[1]) + 1}: {label}"
+        lines = {
+            axis: {k: dict(_curve(curve, f"strike_{k}.{name}") for name in names) for k in (1, 2)}
+            for axis, names in CURVE_AXES.items()
+        }
+        name = "against-" + key.replace(".", "-").replace("_", "-")
+        heading = f"{label} [{unit}]" if unit else label
+        values, nominal = curve["values"] / scale, curve["own"] / scale
+        panels.append(figures.InputPanel(name, heading, values, nominal, key.endswith("stiffness"), lines))
+    return figures.draw_inputs("Both strikes over", panels)
+
+
+def _curve(curve: Mapping[str, Any], column: str) -> tuple[str, Any]:
+    """Return label and displayed values of a quantity."""
+    label, _, scale = QUANTITIES[column.split(".")[1]]
+    return label, curve["columns"][column] / scale
+
+
+def _band_figure(result: Spread) -> Any:
+    """Return the chart of peak forces."""
+    bars = []
+    for name in ("raw", "mean_50ms", "cfc60"):
+        kind = TABLES.get(name, ("",))[0]
+        rows = [row for row in result.paper_rows if row["kind"] == kind]
+        dots = [(row["row"], row["measured"] / 1e3, row["projected"]) for row in rows]
+        for strike in (1, 2):
+            column, label = f"strike_{strike}.{name}", f"{QUANTITIES[name][0]}, strike {strike}"
+            low, middle, high = (force / 1e3 for force in result.band(column).percentiles)
+            ends, nominal = (low, middle, high), result.nominal[column] / 1e3
+            bars.append(figures.BandBar(label, strike, ends, nominal, dots if strike == 2 else ()))
+    return figures.draw_bands(bars)

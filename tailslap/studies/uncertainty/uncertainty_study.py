@@ -1,0 +1,318 @@
+"""Distribution of forces for uncertain inputs.
+
+Rows a to f of the paper's Tables 4 and 5 are compared with the second strike according to ASME V&V 20. The comparison
+error is E = S - D, simulated minus measured force. The validation uncertainty is u_val = sqrt(u_num^2 + u_input^2 +
+u_D^2). The part of E beyond u_val is the error of the model. Ranges and results are not fitted to any row. Speed and
+angle of a row replace those of the scene where they are known.
+"""
+
+import importlib
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from postprocess.units import measure
+from tailslap import progress
+from tailslap.campaign import sampling
+from tailslap.campaign.input_ranges import Range
+from tailslap.campaign.records import Record
+from tailslap.campaign.sampling import Array, Band
+from tailslap.case import cost
+from tailslap.case.case import Case
+from tailslap.case.impact import answers
+from tailslap.case.impact.case import ImpactCase
+from tailslap.errors import InputError, Verbatim
+from tailslap.replication import paper_values
+from tailslap.studies.uncertainty.uncertainty_ranges import corner_ranges, demand_corners, impact_ranges
+
+CORNER_SAMPLES, IMPACT_SAMPLES = 100_000, 4_000
+"""Default numbers of samples."""
+
+
+CORNER_BLOCK, IMPACT_BLOCK = 2048, 512
+"""Samples at a time, so that intermediate values fit the processor's cache and histories are small."""
+
+CURVE_POINTS = 25
+"""Points of a curve over one input."""
+
+
+LEVEL = "TL-4"
+"""Test level of the single-unit truck in Tables 4 and 5."""
+
+PUBLISHED = {"b": {"impact.speed": paper_values.ROW_B_SPEED, "impact.angle": paper_values.ROW_B_ANGLE}}
+"""Published inputs of the rows, SI."""
+
+TABLES = {"mean_50ms": ("50 ms mean", paper_values.TABLE_4), "cfc60": ("CFC 60", paper_values.TABLE_5)}
+"""Words and table by the quantity of the second strike."""
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Result of the study.
+
+    Attributes
+    ----------
+    inputs : dict of ndarray, shape ((inputs + 2) rows,)
+        Samples by key, see `sampling.sampled`.
+    tables : dict of ndarray, shape (inputs + 2, rows)
+        Results by name, NaN without a solution or strike.
+    sources : dict
+        Rows of `sampling.index_rows` by name, empty where refused; names without variance are missing.
+    refused_sources : dict
+        Reasons of refused indices by name.
+    nominal : dict
+        Results of the scene's own values by name [SI].
+    refusal : str
+        Reason of the first sample without a solution, or "".
+    curves : list of dict
+        Of a whole impact, variation of each input alone, with its key, values, nominal value and columns.
+    paper_rows : list of dict
+        Rows a to f of the paper's Tables 4 and 5, none for another test level.
+    """
+
+    case: Any
+    ranges: tuple[Range, ...]
+    inputs: Mapping[str, Array]
+    tables: Mapping[str, Array]
+    sources: Mapping[str, list[Record]]
+    refused_sources: Mapping[str, str]
+    nominal: Mapping[str, float]
+    seconds: float
+    refusal: str = ""
+    curves: tuple[Record, ...] = ()
+    paper_rows: tuple[Record, ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """Return the number of rows of each table."""
+        return next(iter(self.tables.values())).shape[1]
+
+    @property
+    def computed(self) -> int:
+        """Return the number of all samples."""
+        return next(iter(self.tables.values())).size
+
+    @property
+    def refused(self) -> tuple[int, int]:
+        """Return the numbers of samples without a solution and of their rows."""
+        refused = np.isnan(self.tables["peak_force"])
+        return int(np.count_nonzero(refused)), int(np.count_nonzero(refused.any(axis=0)))
+
+    @property
+    def samples(self) -> dict[str, Array]:
+        """Return samples and results, shape (2 rows,)."""
+        both = {name: table[:2].ravel() for name, table in self.tables.items()}
+        return {key: values[: 2 * self.rows] for key, values in self.inputs.items()} | both
+
+    def band(self, name: str) -> Band:
+        """Return the distribution of a quantity."""
+        return sampling.band_of(self.tables[name])
+
+    def sources_of(self, name: str) -> list[Record]:
+        """Return the sources of variance, largest first.
+
+        There are none without variance, or where refused.
+        """
+        return sorted(self.sources.get(name, ()), key=lambda row: -row["total"])
+
+
+def compute(
+    case: Any, place: Path, samples: int | None, ranges: tuple[str, ...], fixed: tuple[str, ...]
+) -> Spread:
+    """Compute the distribution of a scene.
+
+    No journal is stored.
+    """
+    if case.scene.contact is None:
+        return spread(case, corner_ranges(case, ranges, fixed), samples or CORNER_SAMPLES)
+    demand_corners(case)
+    return spread(case, impact_ranges(case, ranges, fixed), samples or IMPACT_SAMPLES)
+
+
+def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
+    """Compute the distribution of a least number of samples.
+
+    Raises InputError where too few samples have a solution or a second strike, or where the force is constant.
+    """
+    impact = case.scene.contact is not None
+    importlib.import_module("scipy.stats")  # takes longer than the study
+    began = time.perf_counter()
+    with progress.progress_bar(f"{case.scene.name}: impacts" if impact else "combinations") as show:
+        curves = input_curves(case) if isinstance(case, ImpactCase) else ()
+        inputs, tables = sampling.sampled(ranges, at_least, lambda values: solved(case, values, show))
+    main = tables["strike_2.impulse" if impact else "peak_force"]
+    refusal = "" if impact else _first_refusal(case, inputs, main.ravel())
+    if np.count_nonzero(np.isfinite(main).all(axis=0)) < sampling.MIN_ROWS:
+        few = "too few of these impacts have a second strike"
+        why = few if impact else f"too few samples have a solution; first reason: {refusal}"
+        raise InputError("--range", Verbatim("these ranges"), why)
+    indexed = {name: sampling.index_rows(ranges, table) for name, table in tables.items() if _varies(table)}
+    if not indexed:
+        raise InputError(
+            "--range", Verbatim("these ranges"), "the peak force is constant within these ranges"
+        )
+    sources = {name: rows for name, (rows, _) in indexed.items()}
+    reasons = {name: why for name, (_, why) in indexed.items() if why}
+    result = Spread(
+        case, ranges, inputs, tables, sources, reasons, nominal_columns(case), 0.0, refusal, curves
+    )
+    compared = paper_rows(result) if impact else ()
+    return replace(result, paper_rows=compared, seconds=time.perf_counter() - began)
+
+
+def _varies(table: Array) -> bool:
+    """Return True unless the first two rows are constant."""
+    finite = table[:2, np.isfinite(table).all(axis=0)]
+    return bool(finite.std() > 1e-9 * abs(finite.mean()))
+
+
+def nominal_columns(case: Any) -> dict[str, float]:
+    """Return the results of the scene's own values [SI]."""
+    if case.scene.contact is None:
+        return {"peak_force": float(case.force.peak_force)}
+    return answers.both_strikes(case.answer)
+
+
+def solved(
+    case: Any, inputs: Mapping[str, Array], show: Callable[[float], None] = lambda fraction: None
+) -> dict[str, Array]:
+    """Return peak force or both strikes of each sample.
+
+    Parameters
+    ----------
+    case : CornerCase or ImpactCase
+        Case with all other inputs. A yaw inertia of the scene is in proportion to the mass.
+    inputs : dict of ndarray, shape (n,)
+        Inputs by key of the scene [SI].
+    show : callable
+        Takes the fraction of finished samples.
+
+    Returns
+    -------
+    dict of ndarray, shape (n,)
+        "peak_force" [N] or the columns of `COLUMNS` [SI], NaN without a solution or strike.
+
+    Raises
+    ------
+    InputError
+        Where the theory has no solution for an impact.
+    """
+    size, out = next(iter(inputs.values())).size, dict[str, Array]()
+    block = CORNER_BLOCK if case.scene.contact is None else IMPACT_BLOCK
+    blocks = [slice(first, first + block) for first in range(0, size, block)]
+    threads = ThreadPoolExecutor(cost.available_cores())  # compiled code runs beside other threads
+
+    def of_block(rows: slice) -> Mapping[str, Array]:
+        columns: Mapping[str, Array] = case.many({key: values[rows] for key, values in inputs.items()})
+        return columns
+
+    def of_blocks() -> Iterator[Mapping[str, Array]]:
+        yield of_block(blocks[0])  # alone, since it may compile
+        yield from threads.map(of_block, blocks[1:])
+
+    try:
+        for number, (rows, columns) in enumerate(zip(blocks, of_blocks(), strict=True), 1):
+            for name, values in columns.items():
+                out.setdefault(name, np.empty(size))[rows] = values
+            show(number / len(blocks))
+    finally:
+        threads.shutdown(cancel_futures=True)
+    return out
+
+
+def _first_refusal(case: Case, inputs: Mapping[str, Array], forces: Array) -> str:
+    """Return the reason of the first sample without a solution."""
+    for number in np.flatnonzero(np.isnan(forces))[:1]:
+        try:
+            case.varied({key: float(values[number]) for key, values in inputs.items()})
+        except InputError as error:
+            return str(error)
+    return ""
+
+
+def input_curves(case: ImpactCase) -> tuple[Record, ...]:
+    """Vary each input alone over a wide range."""
+    nominal = case.inputs
+    stiffness, angle = nominal["contact.stiffness"], nominal["impact.angle"]
+    length, mass, speed = (nominal[key] for key in ("vehicle.length", "vehicle.mass", "impact.speed"))
+    wide = {
+        "contact.stiffness": (min(0.3e6, 0.5 * stiffness), max(5e6, 2.0 * stiffness)),
+        "contact.restitution": (0.0, 0.6),
+        "contact.friction": (0.1, 0.8),
+        "vehicle.mass": (0.75 * mass, 1.25 * mass),
+        "impact.speed": (0.75 * speed, 1.25 * speed),
+        "impact.angle": (0.5 * angle, min(1.6 * angle, 0.5 * (angle + 0.5 * math.pi))),
+        "vehicle.centre_of_mass": (0.4 * length, 0.6 * length),
+    }
+    for number, unit in enumerate(case.trailers):
+        crush, inertia = unit.contact.crush.stiffness, unit.vehicle.inertia
+        wide |= {
+            f"trailer.{number}.stiffness": (min(0.3e6, 0.5 * crush), max(5e6, 2.0 * crush)),
+            f"trailer.{number}.yaw_inertia": (0.6 * inertia, 1.3 * inertia),
+        }
+    curves = []
+    for key, ends in wide.items():
+        spaced = np.geomspace if key.endswith("stiffness") else np.linspace
+        values = spaced(*ends, CURVE_POINTS)
+        columns = solved(case, {key: values})
+        curves.append({"key": key, "values": values, "own": nominal[key], "columns": columns})
+    return tuple(curves)
+
+
+def paper_rows(result: Spread) -> tuple[Record, ...]:
+    """Compare Tables 4 and 5 with the second strike.
+
+    There are none for a scene of another test level.
+    """
+    if result.case.scene.impact.test_level != LEVEL:
+        return ()
+    simulated = {row: _simulated(result, published) for row, published in {"": {}, **PUBLISHED}.items()}
+    return tuple(
+        paper_row(row, kind, *simulated[row.row if row.row in PUBLISHED else ""][f"strike_2.{name}"])
+        for name, (kind, table) in TABLES.items()
+        for row in table
+    )
+
+
+def _simulated(result: Spread, published: Mapping[str, float]) -> dict[str, tuple[float, float, Band]]:
+    """Return value, numerical error and distribution by column.
+
+    The value S has a smaller step than the samples, and u_num is the difference. `published` are the published inputs
+    of a row by key.
+    """
+    case, samples = result.case.varied(published) if published else result.case, result.samples
+    exact = nominal_columns(case)
+    many = solved(case, {"contact.stiffness": np.array([case.inputs["contact.stiffness"]])})
+    if published:
+        inputs = {item.key: samples[item.key] for item in result.ranges}
+        samples = solved(
+            result.case, inputs | {key: np.full(2 * result.rows, x) for key, x in published.items()}
+        )
+    u_num = {name: abs(float(many[name][0]) - exact[name]) for name in answers.COLUMNS}
+    return {name: (exact[name], u_num[name], sampling.band_of(samples[name])) for name in answers.COLUMNS}
+
+
+def paper_row(
+    printed: paper_values.ForceRow, kind: str, simulated: float, u_num: float, band: Band
+) -> Record:
+    """Compare a measured force D with the simulated S [N].
+
+    E = S - D, and u_val excludes the unknown u_D.
+    """
+    u_input, error = band.standard_deviation, simulated - printed.measured
+    u_known = math.hypot(u_num, u_input)
+    needed = math.sqrt(max(0.0, error**2 - u_known**2))
+    within = abs(error) <= u_known
+    verdict = "within u_val" if within else f"within u_val for u_D of at least {measure(needed, 'N', '.0f')}"
+    origin = paper_values.ROW_B_GIVEN if printed.row in PUBLISHED else ""
+    row: Record = {"row": printed.row, "source": printed.source, "kind": kind}
+    row |= {"measured": printed.measured, "projected": printed.projected, "known": origin}
+    row |= {"simulated": simulated, "u_num": u_num, "u_input": u_input, "error": error, "within": within}
+    row |= {"u_d_needed": needed, "verdict": verdict, "share_below": band.fraction_below(printed.measured)}
+    return row | {"u_d": None, "band": band.percentiles}
