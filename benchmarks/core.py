@@ -15,9 +15,9 @@ import numpy as np
 from main_job import outcome, row, timed, worst
 
 from fem.run.corner import Stepper, simulate
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.outcome import CornerOutcome
-from tailslap.case.corner.plan import CornerPlan
 from tailslap.scene.read import read_scene
 
 ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")

@@ -16,9 +16,9 @@ import command_line
 from vehicles import plan_of
 
 from fem.run.corner import Stepper, compile_loop
+from tailslap.case.corner.corner_plan import make_corner_plan
+from tailslap.case.corner.corner_run import attempt, run_corner
 from tailslap.case.corner.decisions import predict_growth
-from tailslap.case.corner.plan import make_corner_plan
-from tailslap.case.corner.run import attempt, run_corner
 
 PATCH = ("plate.youngs_modulus=", "corner.patch_length=1 m")
 CASES = (

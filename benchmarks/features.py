@@ -44,8 +44,8 @@ from fem.run.corner import Stepper
 from fem.run.runner import copy_state
 from machine_code.compiled import Kernel, compiled, inlined
 from machine_code.numba_code import compile_for, make_dispatcher
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.scene.schema import Scene

@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from postprocess.units import rounded_up
 from tailslap.campaign.levels import CROSSED, NOT_REACHED, Reach
 from tailslap.case import case_of
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 from tailslap.studies.flexibility import corner_flexibility, impact_flexibility, plate_runs

@@ -24,7 +24,7 @@ import numpy as np
 from fem.run.corner import Stepper, simulate
 from fem.start.inertia_relief import RigidStart, to_global
 from fem.start.start_kinds import start_fields
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.scene.read import read_scene
 

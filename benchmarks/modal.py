@@ -16,8 +16,8 @@ from main_job import row
 from fem.plate.free_modes import free_modes
 from fem.run.corner import Run, simulate
 from postprocess.comparison.quantities import KEYS
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.modal_model import MODES, ModalRun, modal_run
 from tailslap.scene.read import read_scene
 

@@ -14,8 +14,8 @@ import numpy as np
 
 from fem.run.corner import Run, Stepper, simulate
 from postprocess.comparison.quantities import KEYS, relative_difference
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.scene.read import read_scene
 from tailslap.studies.cost.cost_study import SingleStepper
 

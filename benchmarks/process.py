@@ -55,8 +55,8 @@ for _ in range(int(sys.argv[4]) + 1):
 READY = """
 import resource, time
 began = time.perf_counter()
-from tailslap.case.corner.plan import make_corner_plan
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_plan import make_corner_plan
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.scene.read import read_scene
 from fem.run.corner import Stepper
 plan = CornerCase(*read_scene("paper-table-3", ("plate.elements=[1600, 625]",))).plan()

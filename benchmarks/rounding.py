@@ -12,7 +12,7 @@ import numpy as np
 from vehicles import plan_of
 
 from fem.stability.rounding import rounding_noise
-from tailslap.case.corner.run import attempt
+from tailslap.case.corner.corner_run import attempt
 
 CASES = (
     ("impact.speed=2.5", "plate.youngs_modulus=2e13"),

@@ -22,7 +22,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from tailslap.case.corner.error import FLOOR, FRACTION
+from tailslap.case.corner.numerical_error import FLOOR, FRACTION
 
 SCENE = "mash-tl4-sut"
 ABOVE = 1e-3
@@ -75,8 +75,8 @@ def draw(seed: int, number: int) -> tuple[str, ...]:
 def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
     """Differences from the rigid motion of finer meshes that pass, of quadratic and of linear elements."""
     from tailslap.case.case import failed_names
-    from tailslap.case.corner import run
-    from tailslap.case.cost import expected_effort
+    from tailslap.case.corner import corner_run
+    from tailslap.case.resources import expected_effort
     from tailslap.errors import InputError
 
     plate = outcome.fe_plan.plate
@@ -98,7 +98,7 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
                 finer = case.varied(changes)
                 if expected_effort(finer.scene, finer.duration).seconds > PATIENCE_S:
                     break
-                found = run.judged(run.attempt(finer))
+                found = corner_run.judged(corner_run.attempt(finer))
             except InputError:
                 continue
             if found.fe and not set(failed_names(found.checks)) - {"added mass"}:
@@ -110,7 +110,7 @@ def judge(seed: int, number: int) -> Record:
     """Return the outcome of a scene's run with its stated and true errors."""
     from postprocess.comparison.quantities import largest
     from tailslap.case.case import failed_names
-    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.corner.corner_case import CornerCase
     from tailslap.errors import InputError
     from tailslap.scene.read import read_scene
 

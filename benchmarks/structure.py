@@ -122,7 +122,7 @@ def flat(root: Path = ROOT) -> Counter[str]:
 def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
     """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
     from fem import cache
-    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.corner.corner_case import CornerCase
     from tailslap.scene.read import read_scene
 
     plan, calls = CornerCase(*read_scene(scene)), []

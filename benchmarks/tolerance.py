@@ -49,7 +49,7 @@ def draw(seed: int, number: int) -> tuple[tuple[str, ...], float]:
 
 def run(changes: tuple[str, ...]) -> Any:
     """The scene's outcome."""
-    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.corner.corner_case import CornerCase
     from tailslap.scene.read import read_scene
 
     return CornerCase(*read_scene(SCENE, changes)).run()
@@ -76,7 +76,7 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     doubts = [check.name for check in found.checks if not check.passed]
     if not doubts:
         return found.fe, doubts
-    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.corner.corner_case import CornerCase
     from tailslap.modal_model import modal_run
     from tailslap.scene.read import read_scene
 
@@ -86,7 +86,7 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
 
 def judge(seed: int, number: int) -> dict[str, Any]:
     """One scene: how it ended, and the error over the tolerance."""
-    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.corner.corner_case import CornerCase
     from tailslap.errors import InputError
     from tailslap.scene.read import read_scene
 

@@ -35,7 +35,7 @@ Record = dict[str, Any]
 
 def plan_of(changes: tuple[str, ...]) -> Any:
     """The plan of the scene with these changes, its wall long enough."""
-    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.corner.corner_case import CornerCase
     from tailslap.scene.read import read_scene
 
     return CornerCase(*read_scene(SCENE, ("wall=", *changes)))
@@ -88,7 +88,7 @@ def beyond(outcome: Any) -> float:
 def judged(changes: tuple[str, ...]) -> Record:
     """The scene run as the program decides."""
     from postprocess.comparison.quantities import largest
-    from tailslap.case.corner.run import run_corner
+    from tailslap.case.corner.corner_run import run_corner
     from tailslap.errors import InputError
 
     try:
@@ -117,9 +117,9 @@ def judged(changes: tuple[str, ...]) -> Record:
 
 def predicted(changes: tuple[str, ...]) -> Record:
     """What is foreseen, and whether the first run rings."""
-    from tailslap.case.corner.checks import rings
-    from tailslap.case.corner.report import flutter_sentence
-    from tailslap.case.corner.run import attempt
+    from tailslap.case.corner.corner_checks import rings
+    from tailslap.case.corner.corner_report import flutter_sentence
+    from tailslap.case.corner.corner_run import attempt
     from tailslap.errors import InputError
 
     try:

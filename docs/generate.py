@@ -45,7 +45,7 @@ def pages() -> dict[str, str]:
 def scheme() -> str:
     """Drawing of the set-up of the paper's truck with symbols in place of numbers."""
     from postprocess.figures import set_up
-    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.corner.corner_case import CornerCase
     from tailslap.scene.read import read_scene
 
     unit = CornerCase(*read_scene("mash-tl4-sut")).unit

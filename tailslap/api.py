@@ -17,7 +17,7 @@ from postprocess.report.terminal import labelled_text, opened
 from postprocess.units import SYSTEMS
 from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.case.case import Case
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.of_arguments import (
     Changes,
     Scene,
@@ -81,15 +81,17 @@ def run(
     >>> result.passed, round(result.summary["fe"]["t"], 4)
     (True, 0.3867)
     """
-    from tailslap.case import report
+    from tailslap.case import run_report
 
     size, case = picture_pixels(picture_size), affordable_case(scene, changes, allow_large)
     outcome = case.run(tolerance)
     snapshots, files = outcome.run.snapshots, case.histories(outcome)
-    ends = None if getattr(outcome.run, "strike", None) is None else lambda: report.series_of_ends(outcome)
+    ends = (
+        None if getattr(outcome.run, "strike", None) is None else lambda: run_report.series_of_ends(outcome)
+    )
     fields = None
     if snapshots is not None:
-        fields = lambda: report.field_series(outcome.fe_plan.model, snapshots)  # noqa: E731
+        fields = lambda: run_report.field_series(outcome.fe_plan.model, snapshots)  # noqa: E731
     partial = result.Result(
         "run",
         case.scene.name,
@@ -137,7 +139,7 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
     >>> round(tailslap.rigid("mash-tl4-sut").summary["stage3"]["peak_force"] / 1e3)
     653
     """
-    from tailslap.case import force
+    from tailslap.case import force_chart
 
     case = case_of_scene(scene, changes)
     headline, motion = case.headline(), case.rigid_history()
@@ -151,11 +153,11 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
         "rigid",
         summary["scene"],
         summary,
-        tables=force.force_tables(case),
+        tables=force_chart.force_tables(case),
         histories={result.RIGID: columns.history(motion)},
         text=f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{labelled_text(case.rigid_text(units), 19)}",
         fill=fill,
-        make_charts=lambda: (force.force_chart(case), case.drawing()),
+        make_charts=lambda: (force_chart.force_chart(case), case.drawing()),
         changes=changes_of(case.source),
     )
 
@@ -196,7 +198,7 @@ def check(
     '120 elements, 147 nodes'
     """
     from tailslap.case.case import LABEL
-    from tailslap.case.report import as_numbers
+    from tailslap.case.run_report import as_numbers
 
     case = case_of_scene(scene, changes)
     headline, lines = case.check_text(allow_large)

@@ -19,10 +19,10 @@ from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
 from postprocess.units import measure, percent, percent_up
 from tailslap.case.case import MOST_ELEMENTS, Case
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.impact.plan import ImpactPlan
-from tailslap.case.model import plate_density, refined
-from tailslap.case.report import study_page
+from tailslap.case.plate_input import plate_density, refined
+from tailslap.case.run_report import study_page
 from tailslap.errors import InputError
 
 Mode = dict[str, Any]

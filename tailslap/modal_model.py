@@ -20,7 +20,7 @@ from postprocess.report.terminal import part_in_units, printed
 from postprocess.units import SYSTEMS, percent_up
 from tailslap import progress
 from tailslap.case.case import Check, failed_sentence, unreliable
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.errors import InputError
 
 MODES, STEPS, TOLERANCE = 4, 100, 1e-5

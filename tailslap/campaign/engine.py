@@ -22,7 +22,6 @@ from typing import Any, NamedTuple, NoReturn
 from tailslap import progress
 from tailslap.campaign import pools
 from tailslap.campaign.records import Journal, Key, Records, program
-from tailslap.case import cost
 
 BATCH_S = 0.5
 """Time that a batch is to take [s]."""
@@ -130,7 +129,7 @@ def run_parts(
     missing: list[Key] = [*sorted(costs, key=costs.__getitem__, reverse=True)]
     if not missing:
         return
-    count = cost.worker_count(workers, len(missing))
+    count = resources.worker_count(workers, len(missing))
     work = (0.0, *accumulate(costs[str(key)] for key in reversed(missing)))
     if expected:
         cores = f"{count} cores" if count > 1 else "one core"

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 from tailslap import errors, progress
 from tailslap.campaign.records import Key, program
 
-NEEDED = ("fem.run.corner", "tailslap.case.corner.plan", "tailslap.case.corner.run")
+NEEDED = ("fem.run.corner", "tailslap.case.corner.corner_plan", "tailslap.case.corner.corner_run")
 """Modules of runs, imported before the first part of a worker."""
 LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
 """Libraries that these modules import when they are called."""

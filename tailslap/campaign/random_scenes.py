@@ -14,7 +14,7 @@ import numpy as np
 from fem.plate.kinds import ELEMENT_KINDS
 from tailslap.campaign.records import Record
 from tailslap.case import case_of
-from tailslap.case.cost import beam_frequency, expected_effort
+from tailslap.case.resources import beam_frequency, expected_effort
 from tailslap.errors import InputError
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, vary

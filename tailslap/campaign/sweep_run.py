@@ -21,7 +21,7 @@ from tailslap import progress
 from tailslap.campaign import engine, pools, records, sweep_report, sweep_table
 from tailslap.campaign.records import Record
 from tailslap.campaign.sweep_definition import Definition
-from tailslap.case import cost
+from tailslap.case import resources as cost
 from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
 from tailslap.storage import folder, manifest
 

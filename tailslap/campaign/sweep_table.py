@@ -18,7 +18,7 @@ from tailslap.campaign import engine, records
 from tailslap.campaign.records import Record
 from tailslap.campaign.sweep_definition import Definition, plain
 from tailslap.case import case_of
-from tailslap.case.cost import demand_affordable
+from tailslap.case.resources import demand_affordable
 from tailslap.errors import InputError
 from tailslap.scene import vary
 

@@ -24,7 +24,7 @@ def kind_of(scene: Scene) -> type[Case]:
     Only the modules of this kind are imported.
     """
     if scene.contact is None:
-        from tailslap.case.corner.case import CornerCase
+        from tailslap.case.corner.corner_case import CornerCase
 
         return CornerCase
     from tailslap.case.impact.case import ImpactCase

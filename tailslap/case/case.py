@@ -20,8 +20,8 @@ import numpy as np
 from postprocess.comparison.quantities import Compared
 from postprocess.signals.design_forces import design_forces
 from postprocess.units import SI, Units, force, measure, percent_up, shown
-from tailslap.case import cost, model
-from tailslap.case.model import Decision
+from tailslap.case import plate_input, resources
+from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError
 from tailslap.scene import write
 from tailslap.scene.schema import Plate, Scene
@@ -74,7 +74,7 @@ class FePlan:
     def expected_seconds(self) -> float:
         """Time of the loop [s]."""
         plate = self.plate
-        return cost.loop_seconds(self.case.scene, plate.element, plate.counts, self.expected_steps)
+        return resources.loop_seconds(self.case.scene, plate.element, plate.counts, self.expected_steps)
 
     @cached_property
     def first_frequency(self) -> float:
@@ -243,9 +243,9 @@ class Case(ABC):
     def check_text(self, allow_large: bool = False) -> tuple[Headline, list[str]]:
         """Headline and labelled lines of `tailslap check`; of a large mesh an estimate. Raises InputError."""
         if not allow_large:
-            cost.demand_affordable(self.scene, self.duration)
-        if cost.is_large(self.scene):
-            lines = cost.estimate_text(self.scene, self.duration)
+            resources.demand_affordable(self.scene, self.duration)
+        if resources.is_large(self.scene):
+            lines = resources.estimate_text(self.scene, self.duration)
         else:
             lines = self.pages().check_text(self, self.plan() if self.scene.plate else None)
         steps = next((line[LABEL:] for line in lines if line.startswith("steps ")), "")
@@ -272,12 +272,12 @@ class Case(ABC):
         case = self
         while True:
             outcome = case._run()
-            error, finer = case.stated_error(outcome), model.refined(outcome.fe_plan.plate).counts
+            error, finer = case.stated_error(outcome), plate_input.refined(outcome.fe_plan.plate).counts
             if not error > tolerance or math.prod(finer) > MOST_ELEMENTS:
                 break
             kept = {d.key: d.value for d in outcome.fe_plan.decisions if d.key.endswith("_length")}
             case = case.varied({**kept, "plate.elements": finer})
-            if not cost.affordable(case.scene, case.duration):
+            if not resources.affordable(case.scene, case.duration):
                 break
         return outcome.with_tolerance(error, tolerance)
 
@@ -296,7 +296,7 @@ class Case(ABC):
     @staticmethod
     @abstractmethod
     def pages() -> ModuleType:
-        """Import the texts of this kind: `check_text`, `summary`, `histories` and `run_report`."""
+        """Import the texts of this kind: `check_text`, `summary`, `histories` and `filled_report`."""
 
     def summary(self, outcome: Any, pictures: bool) -> dict[str, Any]:
         """Numbers of a run, SI, as `summary.json` holds them; pictures: whether they were asked for."""
@@ -315,7 +315,7 @@ class Case(ABC):
         size: tuple[int, int] | None = None,
     ) -> Report:
         """Report of a run; its fields and pictures, in these units and of this size [pixels], go into the folder."""
-        made: Report = self.pages().run_report(outcome, folder, pictures, units, size)
+        made: Report = self.pages().filled_report(outcome, folder, pictures, units, size)
         return made
 
     @staticmethod

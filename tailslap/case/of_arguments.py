@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from tailslap.case import case_of, cost
+from tailslap.case import case_of, resources
 from tailslap.case.case import Case
 from tailslap.errors import Interrupted
 from tailslap.scene import read
@@ -61,7 +61,7 @@ def affordable_case(scene: Scene, changes: Changes | None, allow_large: bool, le
     The plate fits its memory, threads and time. level: of the caller's line on the stack. Raises InputError.
     """
     case = case_of_scene(scene, changes, level)
-    cost.demand_run(case.scene, case.duration, allow_large)
+    resources.demand_run(case.scene, case.duration, allow_large)
     return case
 
 

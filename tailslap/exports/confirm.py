@@ -22,7 +22,7 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.units import percent, percent_up
-from tailslap.case.report import study_page
+from tailslap.case.run_report import study_page
 from tailslap.comparing.report import compare_items, compare_report
 from tailslap.comparing.source import Item
 from tailslap.exports import calculix
@@ -127,7 +127,7 @@ def run_confirmation(deck: Deck, folder: Path, time_limit: float) -> Confirmatio
     Raises InputError where CalculiX is not installed, and OSError with the last lines of a program that fails, or takes
     longer than the limit [s].
     """
-    from tailslap.case.corner.run import run_corner
+    from tailslap.case.corner.corner_run import run_corner
 
     write_deck(deck, folder)
     files = {path.name: path.read_text("utf-8") for path in folder.iterdir()}

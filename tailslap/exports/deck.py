@@ -21,8 +21,8 @@ from tailslap.scene.vary import shown
 if TYPE_CHECKING:
     from fem.plate.discretisation import Discretisation
     from tailslap.case.case import Case
-    from tailslap.case.corner.case import CornerCase
-    from tailslap.case.corner.plan import CornerPlan
+    from tailslap.case.corner.corner_case import CornerCase
+    from tailslap.case.corner.corner_plan import CornerPlan
 
 INCREMENTS = 400
 """Increments to the tail-slap; their ends are the instants of `rigid.csv`."""
@@ -84,8 +84,8 @@ def make_deck(case: Case, program: str) -> Deck:
     """
     from fem.plate.discretisation import discretise
     from fem.start.inertia_relief import to_global
-    from tailslap.case.corner.case import CornerCase
-    from tailslap.case.model import fe_mesh, plate_density
+    from tailslap.case.corner.corner_case import CornerCase
+    from tailslap.case.plate_input import fe_mesh, plate_density
 
     corner = CornerCase(case.scene, case.source)  # refuses whole impacts
     _demand_possible(corner, program)

@@ -375,7 +375,7 @@ def of_run(summary: dict[str, Any], partial: Result) -> Result:
 def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     """Return tables of the results and of failed checks of a run."""
     from tailslap.case.case import as_read
-    from tailslap.case.report import CHECKS, TAIL_SLAP, strikes_table
+    from tailslap.case.run_report import CHECKS, TAIL_SLAP, strikes_table
 
     fe, rigid = summary["fe"], summary["rigid"]
     tables = {}

@@ -7,7 +7,7 @@ Modules of several studies are in this folder.
 import importlib
 import pkgutil
 
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.errors import InputError, one_of
 from tailslap.studies.study import Study
 

@@ -13,7 +13,7 @@ import click
 from tailslap.campaign.records import Record
 from tailslap.case import case_of, kind_of
 from tailslap.case.case import CORNER, Case
-from tailslap.case.cost import demand_run
+from tailslap.case.resources import demand_run
 from tailslap.errors import InputError, Missing, Verbatim, one_of
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import changes_of, shown

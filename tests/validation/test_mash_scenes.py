@@ -8,7 +8,7 @@ import math
 
 import pytest
 
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, scenes, shipped_scenes
 

@@ -27,7 +27,7 @@ from tailslap import Columns, InputError, api, cli
 from tailslap.campaign import pools
 from tailslap.campaign.sweep_run import StoppedError
 from tailslap.campaign.sweep_table import CIRCUMSTANCES
-from tailslap.case.cost import available_cores
+from tailslap.case.resources import available_cores
 from tailslap.scene.objects import named
 
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
@@ -113,7 +113,11 @@ def test_help_begins_with_the_functions():
 
 def test_editors_and_type_checkers_see_the_names(tmp_path):
     """From the stub, without running anything: a function's result, and a name that is wrong."""
-    lines = ("import tailslap", "reveal_type(tailslap.scenes())", "tailslap.run('a').history['v_gy'].rolling(5)")
+    lines = (
+        "import tailslap",
+        "reveal_type(tailslap.scenes())",
+        "tailslap.run('a').history['v_gy'].rolling(5)",
+    )
     code = "\n".join((*lines, "tailslap.walk()", ""))
     (tmp_path / "a.py").write_text(code)
     command = [sys.executable, "-m", "mypy", "--config-file=", "--follow-imports=silent", "a.py"]

@@ -15,7 +15,7 @@ from numpy.testing import assert_array_equal
 
 from fem.run import corner, impact
 from tailslap import cli, errors
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 from tailslap.storage import checkpoints

@@ -13,10 +13,10 @@ import pytest
 from fem.laws.friction import FRICTION_LAWS, Drag, Signed
 from fem.run.corner import Stepper
 from tailslap.case.case import evaluated
-from tailslap.case.corner import model
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.checks import CHECKS
-from tailslap.case.corner.error import LATE, SAFETY, Companion, distance_in_motion, mesh_error
+from tailslap.case.corner import static_models
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_checks import CHECKS
+from tailslap.case.corner.numerical_error import LATE, SAFETY, Companion, distance_in_motion, mesh_error
 from tailslap.scene.read import read_scene
 
 METRICS = {
@@ -213,8 +213,8 @@ def test_another_law_than_the_scene_s_in_compiled_code(named, run, monkeypatch):
         properties, corner, step = fe_input(case, plate)
         return properties, replace(corner, friction=LAWS[run]), step
 
-    fe_input = model.fe_input
-    monkeypatch.setattr(model, "fe_input", swapped)
+    fe_input = static_models.fe_input
+    monkeypatch.setattr(static_models, "fe_input", swapped)
     changes = (f"corner.reaction={named}", "plate.elements=[6,2]")
     result = CornerCase(*read_scene("paper-table-3", changes)).run()
     assert {check.name for check in result.checks if not check.passed} >= {"friction law", "friction work"}

@@ -10,7 +10,7 @@ from postprocess.comparison.quantities import largest_relative
 from postprocess.report.command_report import write_report
 from tailslap.campaign.convergence import Limit, limit_of
 from tailslap.case import case_of
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.cli import _status
 from tailslap.scene.read import read_scene, read_source

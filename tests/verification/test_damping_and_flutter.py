@@ -16,7 +16,7 @@ from fem.plate.discretisation import stiffness_matrix
 from fem.run.corner import Stepper, simulate
 from fem.stability import flutter
 from fem.start.inertia_relief import RigidStart, to_global
-from tailslap.case.corner import case, decisions
+from tailslap.case.corner import corner_case, decisions
 from tailslap.case.corner.decisions import REQUIRED_DAMPING
 from tailslap.scene.read import read_scene
 
@@ -276,7 +276,7 @@ def test_only_meshes_that_can_be_analysed_are_made(monkeypatch):
         return plain(plan, plates, meshes)
 
     monkeypatch.setattr(decisions, "static_models", counted)
-    plan = case.CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
+    plan = corner_case.CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
     models = list(decisions._coarser_models(plan, plan.scene.needed_plate, flutter.MAX_UNKNOWNS))
     assert [2 * model.loop.mass.size <= flutter.MAX_UNKNOWNS for model in models] == [True, True]
     assert made == [(35, 10), (23, 7)]  # (53, 15) has 1 728 unknowns
@@ -287,7 +287,7 @@ def test_coarser_meshes_stand_in_for_a_large_one():
     """Their rates, with the margin, are above those of the mesh itself."""
     stiff = ("corner.constraint=exact", "impact.friction=0.8")
     changes = (*stiff, "plate.element=quad4", "plate.elements=[40, 14]")
-    plan = case.CornerCase(*read_scene("mash-tl4-sut", changes)).plan()
+    plan = corner_case.CornerCase(*read_scene("mash-tl4-sut", changes)).plan()
     assert plan.growth.stand_in
     angles = np.linspace(plan.start.angle, 0.0, 3)
     assert plan.growth.rate > max(growth_rates(plan.model, angle).max() for angle in angles)

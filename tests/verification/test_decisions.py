@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from tailslap.case.corner import case, decisions, error, model
-from tailslap.case.corner.plan import make_corner_plan
-from tailslap.case.corner.report import flutter_sentence, headline
-from tailslap.case.cost import loop_seconds
+from tailslap.case.corner import corner_case, decisions, numerical_error, static_models
+from tailslap.case.corner.corner_plan import make_corner_plan
+from tailslap.case.corner.corner_report import flutter_sentence, headline
+from tailslap.case.resources import loop_seconds
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
@@ -19,7 +19,7 @@ FLUTTERS = ("plate.youngs_modulus=2 TPa", "impact.friction=0.8")
 
 
 def fe_plan(*changes):
-    return case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *changes))).plan()
+    return corner_case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *changes))).plan()
 
 
 def decided(*changes):
@@ -83,7 +83,7 @@ SLENDER = ("vehicle.width=0.6", "plate.youngs_modulus=1e10", "plate.elements=[20
 
 
 def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without():
-    plan = case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
+    plan = corner_case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
     first, again = plan.plan(), make_corner_plan(plan, more_damping=4.0)
     assert first.growth.overdamps
     assert first.model.loop.elastic_damping is None
@@ -116,7 +116,7 @@ def test_an_oscillation_adds_friction_however_stiff_the_plate(modulus, outcome):
     swinging = (f"plate.youngs_modulus={modulus}", "plate.start=unstressed", "impact.friction=0.3")
     free, still = (outcome("mash-tl4-sut", *swinging, *how) for how in (("damping.kind=none",), DAMPED))
     added = free.fe_history["normal_impulse_magnitude"][-1] / abs(free.fe_history["normal_impulse"][-1]) - 1.0
-    assert 0.06 < added < model.RECTIFIED + 0.01
+    assert 0.06 < added < static_models.RECTIFIED + 0.01
     moved = max(abs(free.difference[name] - still.difference[name]) for name in free.difference)
     assert 0.2 < moved / still.error.damping < 1.5
 
@@ -128,8 +128,10 @@ def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome):
     assert damped.passed
     fe_plan = damped.fe_plan
     assert fe_plan.rang
-    told = error.numerical_error(replace(fe_plan, rang=False), damped.difference, damped.companions).damping
-    added = model.friction_lost(fe_plan.case, fe_plan.model.loop.elastic_damping.rate)
+    told = numerical_error.numerical_error(
+        replace(fe_plan, rang=False), damped.difference, damped.companions
+    ).damping
+    added = static_models.friction_lost(fe_plan.case, fe_plan.model.loop.elastic_damping.rate)
     assert told == pytest.approx(damped.error.damping + added)
     assert added > 3e-4
 
@@ -140,11 +142,15 @@ def test_only_friction_on_the_magnitude_is_added_to(law, adds):
     friction = () if law == "none" else ("corner.friction=0.02",)
     lower = ("corner.friction=0.01",) if friction else ()
     changes = ((f"corner.reaction={law}", *given) for given in (friction, lower))
-    plan, less = (case.CornerCase(*read_scene("paper-table-3", each)) for each in changes)
-    assert (model.friction_lost(plan, 1e9) > 0.0) is adds
-    assert model.friction_lost(plan, 1e9) == pytest.approx(2.0 * model.friction_lost(less, 1e9), rel=0.05)
+    plan, less = (corner_case.CornerCase(*read_scene("paper-table-3", each)) for each in changes)
+    assert (static_models.friction_lost(plan, 1e9) > 0.0) is adds
+    assert static_models.friction_lost(plan, 1e9) == pytest.approx(
+        2.0 * static_models.friction_lost(less, 1e9), rel=0.05
+    )
     half = 2.0 * math.log(2.0) / plan.motion.strike.t
-    assert model.friction_lost(plan, half) == pytest.approx(0.5 * model.friction_lost(plan, 1e9))
+    assert static_models.friction_lost(plan, half) == pytest.approx(
+        0.5 * static_models.friction_lost(plan, 1e9)
+    )
 
 
 def test_check_says_what_will_come():
@@ -226,8 +232,10 @@ H66 = (
 )
 def test_spring_that_rings_with_the_plate_does_not_pass(scene, spring):
     """Unstressed plates whose penalty spring changed omega by 1e-2, and which once passed every check."""
-    plan = case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}")))
-    exact = case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
+    plan = corner_case.CornerCase(
+        *read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}"))
+    )
+    exact = corner_case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
     ringing, right = plan.run(), exact.run()
     off = max(abs(value / right.fe[name] - 1.0) for name, value in ringing.fe.items())
     stated = ringing.error.total

@@ -27,9 +27,9 @@ from machine_code.folder import cache_folder
 from postprocess.report.command_report import write_report
 from solver import REACTIONS
 from tailslap.campaign.random_scenes import choices_of
-from tailslap.case.corner import case, report
-from tailslap.case.corner.checks import CHECKS
-from tailslap.case.cost import loop_seconds
+from tailslap.case.corner import corner_case, corner_report
+from tailslap.case.corner.corner_checks import CHECKS
+from tailslap.case.resources import loop_seconds
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
@@ -67,19 +67,19 @@ def registered():
 
 @pytest.fixture(scope="module")
 def result(registered):
-    return case.CornerCase(*read_scene("paper-table-3", SCENE)).run()
+    return corner_case.CornerCase(*read_scene("paper-table-3", SCENE)).run()
 
 
 @pytest.fixture(scope="module")
 def plate_result(registered):
     """Of what may be added to the plate alone."""
-    return case.CornerCase(*read_scene("paper-table-3", PLATE)).run()
+    return corner_case.CornerCase(*read_scene("paper-table-3", PLATE)).run()
 
 
 @pytest.fixture(scope="module")
 def folder(result, tmp_path_factory):
     place = tmp_path_factory.mktemp("results")
-    write_report(report.corner_report(result, pictures=False), place)
+    write_report(corner_report.corner_report(result, pictures=False), place)
     return place
 
 
@@ -126,7 +126,7 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
     assert model.mass == pytest.approx(53.0 * 7.8 * 24.38, rel=1e-12)
     assert max(map(abs, plate_result.difference.values())) < 0.02
     assert plate_result.run.history["gap"][0] == pytest.approx(statics(model, fe_plan.start).gap, rel=1e-6)
-    write_report(report.corner_report(plate_result, pictures=False), tmp_path)
+    write_report(corner_report.corner_report(plate_result, pictures=False), tmp_path)
     page = (tmp_path / "report.html").read_text()
     texts = ["quad8", "unstrained, its corner pressed into the constraint"]
     texts += ["it is that of the scaled diagonal"]

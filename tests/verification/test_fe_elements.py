@@ -448,7 +448,7 @@ def test_a_point_deflects_without_bound_and_a_patch_converges(outcome):
 
 def ratio_of(*changes):
     """Return the compliance of a model that is only built."""
-    from tailslap.case.corner.case import CornerCase
+    from tailslap.case.corner.corner_case import CornerCase
     from tailslap.scene.read import read_scene
 
     return CornerCase(*read_scene("paper-table-3", changes)).plan().deflection_ratio

@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 
 from tailslap import cli, errors
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.scene.read import read_scene
 from tailslap.scene.validate import validate
 from tailslap.scene.write import resolved_inputs

@@ -20,7 +20,7 @@ from solver.impact import Strike
 from tailslap import cli, commands
 from tailslap.campaign import levels
 from tailslap.campaign.convergence import three_meshes
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene

@@ -15,8 +15,8 @@ from postprocess.svg.marks import Outline, Words
 from postprocess.units import KIP, SI, US, force, percent_up
 from tailslap import cli
 from tailslap.case import case_of
-from tailslap.case import report as shared
-from tailslap.case.corner import report as corner
+from tailslap.case import run_report as shared
+from tailslap.case.corner import corner_report as corner
 from tailslap.case.impact import report as impact
 from tailslap.scene.read import read_scene, shipped_scenes
 
@@ -243,7 +243,7 @@ def test_ratios_and_the_other_restitution_are_named(outcome):
 
 def test_headings_name_what_is_drawn(outcome, tmp_path):
     """No force along the side without a layer there; positions grow more opaque, in light and dark."""
-    page = impact.run_report(outcome("impact-mash-tl4-sut"), tmp_path, False).page
+    page = impact.filled_report(outcome("impact-mash-tl4-sut"), tmp_path, False).page
     titles = [section.title for section in page.sections]
     assert "Energy" in titles
     assert not [title for title in titles if "along the side" in title]

@@ -16,7 +16,7 @@ import tailslap
 from postprocess.units import percent_up
 from solver.impact import Strike
 from tailslap import cli, errors
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact import answers, checks, error, report, rigid, run
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase

@@ -27,7 +27,7 @@ from machine_code import folder, object_code
 from machine_code.compiled import compile_once, compiled
 from machine_code.folder import USUAL_S, one_process_compiles
 from machine_code.object_code import Prepared, UnknownTypeError, flattened
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
 from tailslap.scene.read import read_scene
 

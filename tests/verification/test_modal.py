@@ -17,7 +17,7 @@ from fem.modal.motion import reaction as corner_reaction
 from fem.start.inertia_relief import RigidStart, relieved_fields, to_global
 from postprocess.comparison.quantities import KEYS
 from tailslap.case import case_of
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.cli import DONE, WRONG_INPUT, _status
 from tailslap.commands import CHECK_FAILED
 from tailslap.modal_analysis import modes_with_errors

@@ -13,7 +13,7 @@ from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Plot, draw_chart
 from postprocess.svg.marks import Line, look
-from tailslap.case.corner.report import corner_report
+from tailslap.case.corner.corner_report import corner_report
 from tailslap.cli import _status
 
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")

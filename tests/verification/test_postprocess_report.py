@@ -26,8 +26,8 @@ from postprocess.report.tables import Column, Table, columns, listed, pairs, tex
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.marks import PALETTE, Line, Swatch
 from postprocess.units import duration, grouped, known, number, percent_up, shown
-from tailslap.case.corner.report import corner_report, diagnosis, prediction
-from tailslap.case.report import DESIGN
+from tailslap.case.corner.corner_report import corner_report, diagnosis, prediction
+from tailslap.case.run_report import DESIGN
 from tailslap.cli import _status
 from tailslap.result.load import read_history
 

@@ -11,7 +11,7 @@ import pytest
 import tailslap
 from tailslap.campaign.sweep_definition import make_definition, varied_source
 from tailslap.case import case_of
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes, source_of_text, unit_remarks

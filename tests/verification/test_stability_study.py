@@ -28,11 +28,11 @@ from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
 from tailslap.case import case_of
 from tailslap.case.case import Check
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.checks import CHECKS
-from tailslap.case.corner.error import NumericalError
-from tailslap.case.cost import expected_effort
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_checks import CHECKS
+from tailslap.case.corner.numerical_error import NumericalError
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.resources import expected_effort
 from tailslap.cli import _status
 from tailslap.errors import InputError, Interrupted, Verbatim
 from tailslap.scene.read import read_scene, source_of_text
@@ -99,7 +99,7 @@ def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed():
 
 @pytest.mark.long
 def test_a_wrong_number_that_no_check_catches_is_wrong(monkeypatch):
-    monkeypatch.setattr("tailslap.case.corner.run.evaluated", lambda *arguments: ())
+    monkeypatch.setattr("tailslap.case.corner.corner_run.evaluated", lambda *arguments: ())
     soft_spring = verdict_at("stiffness", 1e-4, "penalty", 0.01)
     assert soft_spring["kind"] == "wrong"
     assert soft_spring["reason"].startswith("the numerical error is ")
@@ -131,7 +131,7 @@ def breaks(*arguments):
 
 
 def test_a_program_that_breaks_has_not_refused(monkeypatch):
-    monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
+    monkeypatch.setattr("tailslap.case.corner.corner_run.evaluated", breaks)
     broken = verdict_at("stiffness", 1.0, "friction", 0.2)
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
     assert broken["processor_seconds"] > 0.0
@@ -710,7 +710,7 @@ def test_a_right_cell_and_a_spring_too_soft():
 
 
 def test_a_wrong_answer_that_no_check_catches_is_wrong(monkeypatch):
-    monkeypatch.setattr("tailslap.case.corner.run.evaluated", lambda *arguments: ())
+    monkeypatch.setattr("tailslap.case.corner.corner_run.evaluated", lambda *arguments: ())
     assert verdict_by_reference({"corner.penalty_scale": 0.01})["kind"] == "wrong"
 
 
@@ -721,7 +721,7 @@ def test_refused_broken_and_unjudged_cells(monkeypatch):
     assert verdict_by_reference({})["kind"] == "unjudged"
     monkeypatch.setattr(cell_verdicts, "references", breaks)
     assert verdict_by_reference({})["reason"] == "reference broke: ZeroDivisionError: boom"
-    monkeypatch.setattr("tailslap.case.corner.run.evaluated", breaks)
+    monkeypatch.setattr("tailslap.case.corner.corner_run.evaluated", breaks)
     broken = verdict_by_reference({})
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 

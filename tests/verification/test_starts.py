@@ -19,7 +19,7 @@ from fem.start.equilibrium import internal_forces
 from fem.start.inertia_relief import RigidStart, TooSoftError, to_global
 from fem.start.start_kinds import START_KINDS, start_fields
 from meshes import plate_mesh
-from tailslap.case.corner import case, run
+from tailslap.case.corner import corner_case, corner_run
 from tailslap.cli import WRONG_INPUT, _status
 from tailslap.scene.read import read_scene
 
@@ -246,7 +246,7 @@ SLOWER = [
 def test_ripple_by_rounding_is_foreseen(changes):
     """Within a factor of one to four, never too low (benchmarks/rounding.py has more, with 1.3 to 2.6)."""
     alone = ("wall=", "corner.reaction=none", "damping.kind=none", "plate.element=quad4")
-    result = run.attempt(case.CornerCase(*read_scene("mash-tl4-sut", (*alone, *changes))))
+    result = corner_run.attempt(corner_case.CornerCase(*read_scene("mash-tl4-sut", (*alone, *changes))))
     ripple = result.fe_history["reaction_normal"] - result.rigid_history["reaction_normal"]
     ripple = ripple[np.isfinite(ripple)]
     seen = np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2))

@@ -27,8 +27,8 @@ from tailslap.campaign.records import Records, count, program
 from tailslap.campaign.sweep_definition import make_definition
 from tailslap.campaign.sweep_run import RECORDS, StoppedError, open_records, perform, sweep_folder
 from tailslap.campaign.sweep_table import CIRCUMSTANCES, compute_row, write_table
-from tailslap.case import cost
-from tailslap.case.corner.case import CornerCase
+from tailslap.case import resources
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.result.columns import read_columns
 from tailslap.scene.read import source_of_text
 from tailslap.scene.vary import vary
@@ -304,9 +304,9 @@ def test_a_full_disk_is_told_with_the_rows_that_are_kept(monkeypatch, scene, tmp
 
 
 def test_workers_are_no_more_than_rows_and_cores(monkeypatch, scene, tmp_path):
-    monkeypatch.setattr(cost, "available_cores", lambda: 4)
+    monkeypatch.setattr(resources, "available_cores", lambda: 4)
     asked = (None, 9), (1024, 9), (1024, 2), (3, 9)
-    assert [cost.worker_count(*each) for each in asked] == [4, 4, 2, 3]
+    assert [resources.worker_count(*each) for each in asked] == [4, 4, 2, 3]
     counts = []
 
     def counted(workers):
@@ -377,7 +377,7 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch):
     def broken(*arguments):
         raise ZeroDivisionError("by nought")
 
-    monkeypatch.setattr("tailslap.case.corner.run.run_corner", broken)
+    monkeypatch.setattr("tailslap.case.corner.corner_run.run_corner", broken)
     source = source_of_text(SCENE)
     parts: list[tuple[str | int, tuple[Any, ...]]] = [
         (run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)
@@ -591,9 +591,9 @@ def test_a_log_beside_the_file_is_kept_on_known_file_systems_alone(tmp_path, mon
 
 def test_without_proc_runs_are_made_in_this_process_and_memory_is_unlimited(monkeypatch, tmp_path):
     monkeypatch.setattr(pools, "DESCRIPTORS", tmp_path / "none")
-    monkeypatch.setattr(cost, "Path", lambda *given: tmp_path / "none")
-    monkeypatch.setattr(cost, "CGROUP", tmp_path / "none")
-    assert cost.available_memory() == math.inf
+    monkeypatch.setattr(resources, "Path", lambda *given: tmp_path / "none")
+    monkeypatch.setattr(resources, "CGROUP", tmp_path / "none")
+    assert resources.available_memory() == math.inf
     with pools.local(2) as pool:
         assert pool.submit(os.getpid).result() == os.getpid()
 

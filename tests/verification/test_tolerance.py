@@ -10,12 +10,12 @@ import pytest
 from fem.plate.discretisation import nodal_spin
 from postprocess.comparison.quantities import largest
 from tailslap.case.corner import decisions
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.checks import rings
-from tailslap.case.corner.error import CORRUPTED
-from tailslap.case.corner.run import attempt, damped_alike, damped_freely, on_plate
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_checks import rings
+from tailslap.case.corner.corner_run import attempt, damped_alike, damped_freely, on_plate
+from tailslap.case.corner.numerical_error import CORRUPTED
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.model import comparable_plate, refined
+from tailslap.case.plate_input import comparable_plate, refined
 from tailslap.cli import _status, commands
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene

@@ -12,7 +12,7 @@ import pytest
 from tailslap.case.impact import checks, error, plan, report, run
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.report import plate_sentence
+from tailslap.case.run_report import plate_sentence
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, read_source

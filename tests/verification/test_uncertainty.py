@@ -26,7 +26,7 @@ from tailslap import cli, errors, studies
 from tailslap.campaign import sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import band_of, sampled, sobol_indices, sobol_points
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact import answers, case
 from tailslap.replication.paper_values import ForceRow
 from tailslap.scene.read import read_scene

@@ -18,7 +18,7 @@ from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
 from postprocess.units import SI, US, measure
 from tailslap import cli, errors
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact import report, rigid
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene

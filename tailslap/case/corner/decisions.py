@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from fem.plate import kinds
-from tailslap.case import cost
-from tailslap.case.corner.model import centre_travel, friction_lost, oscillation_lost, static_models
-from tailslap.case.corner.rigid import RigidStages
-from tailslap.case.model import (
+from tailslap.case import resources
+from tailslap.case.corner.rigid_stages import RigidStages
+from tailslap.case.corner.static_models import centre_travel, friction_lost, oscillation_lost, static_models
+from tailslap.case.plate_input import (
     Decision,
     comparable_plate,
     fe_mesh,
@@ -149,7 +149,7 @@ def _candidates(case: RigidStages, plate: Plate) -> Iterator[Plate]:
 
 def _first_counts(case: RigidStages) -> tuple[int, int]:
     length, width = case.body.length, case.body.width
-    height = math.sqrt(length * width / (cost.ELEMENTS * STRETCH))
+    height = math.sqrt(length * width / (resources.ELEMENTS * STRETCH))
     patch = case.scene.corner.patch_length or length
     along = max(round(length / (STRETCH * height)), 2, math.ceil(length / patch))
     return min(along, 1000), max(2, round(width / height))

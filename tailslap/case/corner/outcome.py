@@ -13,8 +13,13 @@ import numpy as np
 from fem.laws.friction import FRICTION_LAWS, FrictionLaw
 from postprocess.comparison.metrics import Metrics, compare_histories
 from tailslap.case.case import Outcome, energy_surplus
-from tailslap.case.corner.error import Companion, NumericalError, friction_by_ringing, numerical_error
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.corner_plan import CornerPlan
+from tailslap.case.corner.numerical_error import (
+    Companion,
+    NumericalError,
+    friction_by_ringing,
+    numerical_error,
+)
 
 if TYPE_CHECKING:
     from fem.run.corner import Run

@@ -76,7 +76,7 @@ class ImpactCase(rigid.RigidImpact):
 
     def row(self, outcome: ImpactOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; without an outcome, the rigid vehicle alone."""
-        from tailslap.case.report import run_cost
+        from tailslap.case.run_report import run_cost
 
         if outcome is None:
             row = {"status": "passed", "reason": "", **_answer_columns("rigid", self.answer)}

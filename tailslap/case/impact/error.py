@@ -9,7 +9,7 @@ import numpy as np
 from fem.plate import kinds
 from solver.impact import Strike
 from tailslap.case.impact.answers import MEAN_WINDOW, ImpactAnswer, heavy, mean_peak
-from tailslap.case.model import refined
+from tailslap.case.plate_input import refined
 from tailslap.scene.schema import Plate
 
 QUANTITIES = {

@@ -9,7 +9,7 @@ from fem.laws.friction import Drag
 from fem.plate import kinds
 from fem.plate.properties import ContactProperties, Inertia, ModelError, UnitProperties, WallProperties
 from meshes import wall_mesh
-from tailslap.case import model
+from tailslap.case import plate_input
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
 from tailslap.scene.schema import Contact, Plate, Scene, Wall
@@ -73,21 +73,23 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
     factor = safety_factor(case.scene, plate)
     if factor != case.scene.time.safety_factor:
         why = "unloading with low restitution makes the light corner nodes of quadratic elements oscillate"
-        decisions += (model.Decision("time.safety_factor", factor, why),)
+        decisions += (plate_input.Decision("time.safety_factor", factor, why),)
     why = "the force of a corner or hinge on one node has no limit of fine meshes"
-    decisions += tuple(model.Decision(key, length, why) for key, length in chosen_lengths(case.scene).items())
+    decisions += tuple(
+        plate_input.Decision(key, length, why) for key, length in chosen_lengths(case.scene).items()
+    )
     touch, sample = case.touch, case.sample
     made, plate = impact_model(case, plate, sample)
-    model.demand_steps(case.scene, case.duration, made)
+    plate_input.demand_steps(case.scene, case.duration, made)
     first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
     decisions = (
         *decisions,
-        *model.threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact uses one"),
+        *plate_input.threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact uses one"),
     )
     return ImpactPlan(case, plate, decisions, made, first, sample)
 
 
-def chosen_plate(scene: Scene) -> tuple[Plate, tuple[model.Decision, ...]]:
+def chosen_plate(scene: Scene) -> tuple[Plate, tuple[plate_input.Decision, ...]]:
     """The plate with elements, and what was decided of it: quadratic ones where their kind is left out."""
     plate, vehicle = scene.needed_plate, scene.vehicle
     if plate.elements is not None:
@@ -96,8 +98,8 @@ def chosen_plate(scene: Scene) -> tuple[Plate, tuple[model.Decision, ...]]:
     element = plate.element if chosen else "quad9"
     across = ACROSS_LINEAR if kinds.ELEMENT_KINDS[element].higher_order else ACROSS
     along = 2 * max(1, min(200, round(0.5 * across * vehicle.length / vehicle.width)))
-    counts = model.Decision("plate.elements", (along, across), f"square elements, {across} across")
-    kind = model.Decision("plate.element", element, "linear elements are too stiff in bending")
+    counts = plate_input.Decision("plate.elements", (along, across), f"square elements, {across} across")
+    kind = plate_input.Decision("plate.element", element, "linear elements are too stiff in bending")
     plate = plate.model_copy(update={"elements": (along, across), "element": element})
     return plate, (counts,) if chosen else (counts, kind)
 
@@ -125,15 +127,15 @@ def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[
     from fem.model.impact_model import build_impact_model
 
     scene = case.scene
-    plate = model.resolved_plate(scene, plate, model.fe_mesh(scene, plate), _inertia(case, 0))
-    step = model.step_properties(scene, longest_step)
+    plate = plate_input.resolved_plate(scene, plate, plate_input.fe_mesh(scene, plate), _inertia(case, 0))
+    step = plate_input.step_properties(scene, longest_step)
     step = replace(step, safety_factor=safety_factor(scene, plate))
     units = [_unit(case, plate, number) for number in range(len(scene.units))]
     try:
         wall = wall_properties(case, scene.wall) if scene.wall else None
         return build_impact_model(units, step, wall), plate
     except ModelError as error:
-        raise model.refusal(scene, plate, error) from None
+        raise plate_input.refusal(scene, plate, error) from None
 
 
 def _inertia(case: RigidImpact, number: int) -> Inertia | None:
@@ -147,8 +149,8 @@ def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
     """A unit on a plate that has its modulus."""
     scene, inertia = case.scene, _inertia(case, number)
     chosen = chosen_lengths(scene)
-    properties = model.plate_properties(scene, plate, inertia, number)
-    mesh, contact = model.fe_mesh(scene, plate, number), contact_properties(scene.needed_contact)
+    properties = plate_input.plate_properties(scene, plate, inertia, number)
+    mesh, contact = plate_input.fe_mesh(scene, plate, number), contact_properties(scene.needed_contact)
     contact = replace(contact, patch_length=chosen.get("contact.patch_length", contact.patch_length))
     if number == 0:
         return UnitProperties(mesh, properties, contact)

@@ -14,7 +14,7 @@ from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
 from postprocess.units import SI, Units, measure, percent_up
-from tailslap.case import report
+from tailslap.case import run_report
 from tailslap.case.case import failed_names, failed_sentence, unreliable
 from tailslap.case.impact import checks, error, figures, run
 from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, alike, remarks
@@ -36,8 +36,8 @@ FILTERED = (
 )
 DURATIONS = (
     Column("curve", "Curve"),
-    Column("duration", "Valley to valley", "ms", form=report.milliseconds),
-    Column("triangle", "Equal triangle", "ms", form=report.milliseconds),
+    Column("duration", "Valley to valley", "ms", form=run_report.milliseconds),
+    Column("triangle", "Equal triangle", "ms", form=run_report.milliseconds),
     Column("peak_force", "Peak", "N", form=".0f"),
 )
 RISK = (
@@ -74,7 +74,7 @@ WALL_NOTE = (
 )
 
 
-def run_report(
+def filled_report(
     outcome: run.ImpactOutcome,
     folder: Path,
     pictures: bool,
@@ -82,20 +82,20 @@ def run_report(
     size: tuple[int, int] | None = None,
 ) -> Report:
     """The report of a run; pictures: whether an animation was asked for; units, size [pixels]: of it."""
-    report.keep_fields(outcome, folder)
+    run_report.keep_fields(outcome, folder)
     if pictures:
         figures.animation(outcome, folder, units, size)
     omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
-    why = report.chosen_sentences(outcome.fe_plan)
-    page = report.run_page(outcome, KICKER, headline(outcome), _sections(outcome), omitted, FOOTER, why)
+    why = run_report.chosen_sentences(outcome.fe_plan)
+    page = run_report.run_page(outcome, KICKER, headline(outcome), _sections(outcome), omitted, FOOTER, why)
     tables = (
         peak_table(outcome),
-        report.short(report.design_table(outcome.fe_plan.case, outcome.lateral_force)),
+        run_report.short(run_report.design_table(outcome.fe_plan.case, outcome.lateral_force)),
         _strikes(outcome),
         errors_table(outcome),
         hinges_table(outcome),
     )
-    lines = report.terminal_text(outcome, tables)
+    lines = run_report.terminal_text(outcome, tables)
     return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
 
 
@@ -110,7 +110,7 @@ def headline(outcome: run.ImpactOutcome) -> Headline:
     return Headline(
         case.headline().title,
         failed_sentence(outcome.checks) + sentence,
-        f"{case.set_up} {report.plate_sentence(fe_plan)}",
+        f"{case.set_up} {run_report.plate_sentence(fe_plan)}",
         _uncertain(outcome) if uncertain else _certainty(outcome),
     )
 
@@ -173,17 +173,17 @@ def peak_table(outcome: run.ImpactOutcome) -> Table:
     rows: list[dict[str, Any]] = []
     for number, strike in enumerate(fe, 1):
         other = rigid[number].peak_force if number in rigid else None
-        cut = report.CUT if strike.cut else ""
+        cut = run_report.CUT if strike.cut else ""
         rows.append(
             {"what": f"Strike {number}, {strike.corner}{cut}", "fe": strike.peak_force, "rigid": other}
         )
     mean = {"fe": outcome.fe.peaks["mean_50ms"], "rigid": outcome.rigid.peaks["mean_50ms"]}
-    return Table(report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
+    return Table(run_report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
 
 
 def _strikes(outcome: run.ImpactOutcome) -> Table:
     answers = {"FE": outcome.fe, "rigid": outcome.rigid}
-    return report.strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
+    return run_report.strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
 
 
 def filtered_table(outcome: run.ImpactOutcome) -> Table:
@@ -203,7 +203,7 @@ def durations_table(answer: ImpactAnswer) -> Table:
 
 
 def _sections(outcome: run.ImpactOutcome) -> list[Section]:
-    design = report.design_table(outcome.fe_plan.case, outcome.lateral_force)
+    design = run_report.design_table(outcome.fe_plan.case, outcome.lateral_force)
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     positions = figures.position_strip(outcome.fe, outcome.fe_plan.case.motion.vehicles)
@@ -236,7 +236,9 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
             is_folded=True,
         ),
         Section("Model", sentences=_statements(outcome), is_folded=True),
-        report.checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
+        run_report.checks_section(
+            outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")
+        ),
     ]
 
 
@@ -291,7 +293,7 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
         f"The vehicle {contact_words(plan.scene.needed_contact)}.",
         "The rigid vehicle has the same mass, centre of mass, inertia and contact; the plate is flexible (first "
         f"natural frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
-        *report.chosen_sentences(outcome.fe_plan),
+        *run_report.chosen_sentences(outcome.fe_plan),
         *remarks(outcome.fe),
     ]
 
@@ -300,7 +302,7 @@ def summary(outcome: run.ImpactOutcome, pictures: bool) -> dict[str, Any]:
     """The whole summary, SI."""
     plan, rolls = outcome.fe_plan.case, {n: {"tipping": own.numbers()} for n, own in outcome.tipping.items()}
     return {
-        **report.run_summary(outcome, headline(outcome), omitted_parts(plan.scene, pictures)),
+        **run_report.run_summary(outcome, headline(outcome), omitted_parts(plan.scene, pictures)),
         "rigid": outcome.rigid.numbers() | rolls.get("rigid", {}),
         "fe": outcome.fe.numbers() | rolls.get("FE", {}),
         "paper_method": outcome.paper_method,
@@ -388,7 +390,7 @@ def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
         f"contact      {contact_words(case.scene.needed_contact)}",
         f"strikes      expected of the rigid vehicle: {strikes or 'none'}",
         f"end          {motion.t_end:.4g} s",
-        *report.omitted_text(omitted_parts(case.scene)),
+        *run_report.omitted_text(omitted_parts(case.scene)),
     ]
     if fe_plan is None:
         return lines
@@ -397,4 +399,4 @@ def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
     steps = f", {rows} rows"
     if case.scene.verify.companion:
         steps += "; at least as many on the meshes for the discretisation error"
-    return lines + report.fe_text(fe_plan, rows, "", contact, steps)
+    return lines + run_report.fe_text(fe_plan, rows, "", contact, steps)

@@ -18,7 +18,7 @@ from postprocess.units import force, measure, percent_up
 from solver import impact
 from tailslap import progress
 from tailslap.case.case import WHOLE_IMPACT, Case
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact import answers
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Contact, Scene, Vehicle

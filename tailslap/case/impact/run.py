@@ -15,7 +15,7 @@ from solver.impact import ImpactMotion
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method, tipping_of
-from tailslap.case.model import refusal
+from tailslap.case.plate_input import refusal
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from tailslap.campaign.records import Record
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.model import resolved_plate
+from tailslap.case.plate_input import resolved_plate
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes
 from tailslap.studies.flexibility.impact_flexibility import patch_length

@@ -29,11 +29,12 @@ from tailslap import errors, modal_model, studies
 from tailslap.campaign import engine
 from tailslap.campaign.convergence import Limit, finite, grids_of, halved, limit_of
 from tailslap.campaign.records import Record
-from tailslap.case import case_of, cost
+from tailslap.case import case_of
+from tailslap.case import resources as cost
 from tailslap.case.case import Case, failed_names
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.plan import CornerPlan
-from tailslap.case.corner.run import compare
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_plan import CornerPlan
+from tailslap.case.corner.corner_run import compare
 from tailslap.case.impact import checks, run
 from tailslap.scene.vary import Source, shown, vary
 from tailslap.studies.cost import cost_settings

@@ -21,12 +21,13 @@ from tailslap.campaign import engine, levels
 from tailslap.campaign.convergence import convergence_index, three_meshes
 from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
-from tailslap.case import cost, model
+from tailslap.case import plate_input as model
+from tailslap.case import resources as cost
 from tailslap.case.case import failed_names
-from tailslap.case.corner.case import CornerCase
-from tailslap.case.corner.model import MIN_STEPS
+from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.outcome import CornerOutcome
-from tailslap.case.corner.plan import CornerPlan
+from tailslap.case.corner.static_models import MIN_STEPS
 from tailslap.modal_model import modal_run
 from tailslap.scene import schema
 from tailslap.scene.vary import Changes, Source

@@ -14,17 +14,18 @@ from postprocess.comparison.quantities import largest
 from tailslap.campaign.records import Record
 from tailslap.case import case_of
 from tailslap.case.case import Outcome, failed_names
-from tailslap.case.corner import checks, run
-from tailslap.case.corner.error import FLOOR, FRACTION, Histories, distance_in_motion
+from tailslap.case.corner import corner_checks as checks
+from tailslap.case.corner import corner_run as run
+from tailslap.case.corner.corner_plan import CornerPlan
+from tailslap.case.corner.numerical_error import FLOOR, FRACTION, Histories, distance_in_motion
 from tailslap.case.corner.outcome import CornerOutcome
-from tailslap.case.corner.plan import CornerPlan
-from tailslap.case.cost import expected_effort
 from tailslap.case.impact import run as whole_impact
 from tailslap.case.impact.answers import ImpactAnswer, differences
 from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.case.impact.error import weighed
 from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.impact.run import ImpactOutcome
+from tailslap.case.resources import expected_effort
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import Changes, Source, vary

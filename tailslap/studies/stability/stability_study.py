@@ -17,7 +17,7 @@ from tailslap.campaign.random_scenes import draw
 from tailslap.campaign.records import Record
 from tailslap.case import case_of
 from tailslap.case.case import Case
-from tailslap.case.cost import expected_effort
+from tailslap.case.resources import expected_effort
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
 from tailslap.studies.stability import cell_verdicts

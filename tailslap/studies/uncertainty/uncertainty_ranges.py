@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from tailslap.campaign.input_ranges import ASSUMED, Range, about, default_limits, ranges_of
-from tailslap.case.corner.case import CornerCase
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Missing
 from tailslap.scene.schema import Scene

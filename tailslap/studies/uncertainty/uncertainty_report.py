@@ -14,7 +14,7 @@ from postprocess.units import force, grouped
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import PERCENTILES, SEED, points_in_words
 from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
-from tailslap.case.report import known_forces, short, study_page, study_summary
+from tailslap.case.run_report import known_forces, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
 from tailslap.studies.sobol_tables import (
     INDEX_METHOD,

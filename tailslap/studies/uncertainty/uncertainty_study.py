@@ -23,7 +23,7 @@ from tailslap.campaign import sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array, Band
-from tailslap.case import cost
+from tailslap.case import resources as cost
 from tailslap.case.case import Case
 from tailslap.case.impact import answers
 from tailslap.case.impact.case import ImpactCase

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison import quantities
 from tailslap.case import case
-from tailslap.case.corner.rigid import RigidStages
+from tailslap.case.corner.rigid_stages import RigidStages
 from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
+    from tailslap.case.corner.corner_plan import CornerPlan
     from tailslap.case.corner.outcome import CornerOutcome
-    from tailslap.case.corner.plan import CornerPlan
 
 
 @dataclass(frozen=True)
@@ -24,21 +24,21 @@ class CornerCase(RigidStages):
 
     def plan(self, more_damping: float = 1.0) -> CornerPlan:
         """Decide what the scene leaves open, mesh and assemble; more_damping: factor on the damping chosen [-]."""
-        from tailslap.case.corner.plan import make_corner_plan
+        from tailslap.case.corner.corner_plan import make_corner_plan
 
         return make_corner_plan(self, more_damping)
 
     @staticmethod
     def pages() -> ModuleType:
         """Import the texts of a constrained corner."""
-        from tailslap.case.corner import report
+        from tailslap.case.corner import corner_report
 
-        return report
+        return corner_report
 
     def _run(self) -> CornerOutcome:
-        from tailslap.case.corner import run
+        from tailslap.case.corner import corner_run
 
-        return run.run_corner(self)
+        return corner_run.run_corner(self)
 
     @staticmethod
     def stated_error(outcome: CornerOutcome) -> float:
@@ -56,7 +56,7 @@ class CornerCase(RigidStages):
 
     def row(self, outcome: CornerOutcome | None) -> dict[str, Any]:
         """A run as columns of that table, SI; those of the tail-slap are missing where it was not reached."""
-        from tailslap.case.report import run_cost
+        from tailslap.case.run_report import run_cost
 
         if outcome is None:
             _ = self.scene.needed_plate

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postprocess.comparison.quantities import largest
-from tailslap.case.corner import model, plan
+from tailslap.case.corner import corner_plan, static_models
 
 RINGING, CORRUPTED = 2e-3, 0.1
 """Friction by ringing that is allowed, and at which a run is given up."""
@@ -88,7 +88,7 @@ class NumericalError:
 
 
 def numerical_error(
-    fe_plan: plan.CornerPlan, difference: Mapping[str, float], companions: Sequence[Companion]
+    fe_plan: corner_plan.CornerPlan, difference: Mapping[str, float], companions: Sequence[Companion]
 ) -> NumericalError:
     """The error of a run with these five differences from the rigid motion, empty if it came to no result."""
     deflection, steps = fe_plan.deflection_ratio, fe_plan.expected_steps
@@ -130,20 +130,20 @@ def _distance(coarse: Companion, fine: Companion) -> float:
     return float(np.max([apart, *distances]))  # NaN if one is
 
 
-def _lag_error(fe_plan: plan.CornerPlan, flexibility: float) -> float:
+def _lag_error(fe_plan: corner_plan.CornerPlan, flexibility: float) -> float:
     """The error by the lag of damping, in proportion to its deflection: no more than all that flexibility changes."""
     lag = fe_plan.damping_lag
     return SAFETY * flexibility * lag / (fe_plan.deflection_ratio + lag)
 
 
-def _oscillation_lost(fe_plan: plan.CornerPlan) -> float:
+def _oscillation_lost(fe_plan: corner_plan.CornerPlan) -> float:
     """Part that the damping takes off an unstressed plate's oscillation. Where the plate rang with less of it, the
     friction that goes with an oscillation that does not grow is not known."""
     damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
     if damping is None:
         return 0.0
-    lost = model.oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, damping.rate)
-    return lost if fe_plan.rang else lost + model.friction_lost(fe_plan.case, damping.rate)
+    lost = static_models.oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, damping.rate)
+    return lost if fe_plan.rang else lost + static_models.friction_lost(fe_plan.case, damping.rate)
 
 
 def distance_in_motion(
@@ -182,7 +182,7 @@ def _known(rigid: Mapping[str, np.ndarray]) -> np.ndarray:
     return np.isfinite(rigid["v_gx"])
 
 
-def friction_by_ringing(fe_plan: plan.CornerPlan, row: Mapping[str, float]) -> float:
+def friction_by_ringing(fe_plan: corner_plan.CornerPlan, row: Mapping[str, float]) -> float:
     """Friction follows |N|: where N rings through zero it brakes more than the motion's own reaction would.
 
     row: of the history. Returns the fraction of v_GX or omega, whichever is more, that this has taken off by then.

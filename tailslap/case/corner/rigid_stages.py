@@ -22,7 +22,7 @@ from postprocess.report.page import Headline
 from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent
 from tailslap.case import case
-from tailslap.case.model import Decision
+from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, vary
 from tailslap.scene.units import value_line

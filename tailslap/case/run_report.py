@@ -19,7 +19,7 @@ from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.signals.design_forces import DesignForce, design_forces
 from postprocess.units import duration, number
-from tailslap.case import cost
+from tailslap.case import resources
 from tailslap.case.case import LABEL, Case, Check, FePlan, Outcome, as_read
 from tailslap.errors import typed_command
 from tailslap.scene import write
@@ -109,7 +109,9 @@ def fe_text(
     """
     model, plate = fe_plan.model, fe_plan.plate
     elements, step = model.loop.table.connectivity.shape[1], model.loop.time_step
-    seconds = cost.loop_seconds(fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows)
+    seconds = resources.loop_seconds(
+        fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows
+    )
     return [
         f"plate        {elements} elements, {model.loop.mass.size} nodes, {units.measure(model.mass, 'kg', '.1f')}, "
         f"{plate.element}, {plate.lumping} masses{start}",

@@ -16,7 +16,7 @@ from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
 from tailslap import progress
 from tailslap.case.corner.outcome import CornerOutcome
-from tailslap.case.report import element_fields
+from tailslap.case.run_report import element_fields
 
 CAPTIONS = {
     "contour_v_gx": "Velocity along the wall at the tail-slap (the paper's Figure 15).",

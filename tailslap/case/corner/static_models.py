@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from fem.laws.friction import FRICTION_LAWS
 from fem.plate.properties import CornerProperties, ModelError, PlateProperties, StepProperties
 from postprocess.comparison import quantities
-from tailslap.case.corner.rigid import RigidStages
-from tailslap.case.model import plate_properties, refusal, resolved_plate, step_properties
+from tailslap.case.corner.rigid_stages import RigidStages
+from tailslap.case.plate_input import plate_properties, refusal, resolved_plate, step_properties
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate
 

@@ -10,9 +10,9 @@ from fem.plate.properties import RigidStart
 from meshes import wall_mesh
 from tailslap.case.case import FePlan
 from tailslap.case.corner import decisions
-from tailslap.case.corner.model import centre_travel, deflection_ratio, fe_input
-from tailslap.case.corner.rigid import RigidStages
-from tailslap.case.model import demand_steps
+from tailslap.case.corner.rigid_stages import RigidStages
+from tailslap.case.corner.static_models import centre_travel, deflection_ratio, fe_input
+from tailslap.case.plate_input import demand_steps
 from tailslap.errors import InputError
 
 if TYPE_CHECKING:

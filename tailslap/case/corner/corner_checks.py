@@ -31,9 +31,9 @@ import numpy as np
 from fem.registry import Registry
 from postprocess.comparison.quantities import largest
 from tailslap.case.case import FINER, STEP, CheckKind, Evaluation, evaluated, time_step
-from tailslap.case.corner.error import FLOOR, FRACTION, RINGING
+from tailslap.case.corner.numerical_error import FLOOR, FRACTION, RINGING
 from tailslap.case.corner.outcome import STORED_ENERGIES, CornerOutcome, energy_error
-from tailslap.case.model import plate_density
+from tailslap.case.plate_input import plate_density
 
 STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
 MORE_DAMPING = "remove damping.kind, or specify damping.rate"

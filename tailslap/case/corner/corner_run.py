@@ -12,11 +12,11 @@ import numpy as np
 
 from fem.plate import kinds
 from postprocess.comparison import quantities
-from tailslap.case import model
+from tailslap.case import plate_input
 from tailslap.case.case import MOST_ELEMENTS, evaluated
-from tailslap.case.corner import checks, decisions, error, plan
+from tailslap.case.corner import corner_checks, corner_plan, decisions, numerical_error
 from tailslap.case.corner.outcome import CornerOutcome
-from tailslap.case.corner.rigid import RigidStages
+from tailslap.case.corner.rigid_stages import RigidStages
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar
 from tailslap.scene.schema import Plate
@@ -47,7 +47,7 @@ def run_corner(case: RigidStages) -> CornerOutcome:
 def settled(case: RigidStages) -> CornerOutcome:
     """The outcome, not checked: made again with more damping where it rings and the program may choose that."""
     outcome = attempt(case)
-    if not (decisions.damping_is_open(case.scene) and checks.rings(outcome)):
+    if not (decisions.damping_is_open(case.scene) and corner_checks.rings(outcome)):
         return outcome
     again = attempt(case, MORE_DAMPING)
     return replace(again, setup_s=outcome.setup_s + again.setup_s, attempts=2)
@@ -55,7 +55,7 @@ def settled(case: RigidStages) -> CornerOutcome:
 
 def judged(outcome: CornerOutcome) -> CornerOutcome:
     """The outcome with its checks."""
-    return replace(outcome, checks=evaluated(checks.CHECKS.values(), outcome))
+    return replace(outcome, checks=evaluated(corner_checks.CHECKS.values(), outcome))
 
 
 def with_companions(outcome: CornerOutcome) -> CornerOutcome:
@@ -70,20 +70,20 @@ def with_companions(outcome: CornerOutcome) -> CornerOutcome:
     return outcome
 
 
-def companion_plates(fe_plan: plan.CornerPlan) -> Iterator[tuple[Plate, float]]:
+def companion_plates(fe_plan: corner_plan.CornerPlan) -> Iterator[tuple[Plate, float]]:
     """Plates of companions, to try in turn, and their refinement: half as many elements each way, then more of them;
     elements of higher order where linear ones lock, for two meshes that lock may agree."""
     plate, higher = fe_plan.plate, kinds.ELEMENT_KINDS[fe_plan.plate.element].higher_order
     if higher and fe_plan.locks:
-        yield from ((model.refined(plate, factor, higher), 2.0 * factor) for factor in (1.0, 2.0))
+        yield from ((plate_input.refined(plate, factor, higher), 2.0 * factor) for factor in (1.0, 2.0))
         return
     large = 4 * math.prod(plate.counts) > MOST_ELEMENTS
     few = math.prod(plate.counts) < math.prod(HALVED) or min(plate.counts) < min(HALVED)
     factors = (2.0, 4.0) if few else (0.5, 0.25) if large else (0.5, 2.0)
-    yield from ((model.refined(plate, factor), factor) for factor in factors)
+    yield from ((plate_input.refined(plate, factor), factor) for factor in factors)
 
 
-def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> error.Companion | None:
+def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> numerical_error.Companion | None:
     """The companion of a run on the mesh of this plate; None where none can be made.
 
     It has the damping of the run, or where it rings with that, what the program comes to for it; also where the scene
@@ -93,26 +93,26 @@ def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> error.
     case = on_plate(fe_plan, plate)
     try:
         other = attempt(damped_alike(case, fe_plan))
-        if (decisions.damping_is_open(fe_plan.asked.scene) or plate.relieved) and checks.rings(other):
+        if (decisions.damping_is_open(fe_plan.asked.scene) or plate.relieved) and corner_checks.rings(other):
             other = settled(damped_freely(case))
     except InputError:
         return None
     mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"
     if not other.fe:
-        return error.Companion(mesh, refinement, {})
+        return numerical_error.Companion(mesh, refinement, {})
     ours, its = ((run.run.history, run.rigid_history) for run in (outcome, other))
-    apart = error.distance_in_motion(ours, its, outcome.rigid, not fe_plan.plate.relieved)
-    return error.Companion(mesh, refinement, other.difference, apart)
+    apart = numerical_error.distance_in_motion(ours, its, outcome.rigid, not fe_plan.plate.relieved)
+    return numerical_error.Companion(mesh, refinement, other.difference, apart)
 
 
-def on_plate(fe_plan: plan.CornerPlan, plate: Plate) -> RigidStages:
+def on_plate(fe_plan: corner_plan.CornerPlan, plate: Plate) -> RigidStages:
     """The case as it is run, on the mesh of this plate."""
     changes = {"plate.elements": plate.elements, "plate.element": plate.element, "plate.lumping": "exact"}
     constraint = {"corner.constraint": fe_plan.case.scene.corner.constraint, "output": None}
     return fe_plan.case.with_changes(changes | constraint)
 
 
-def damped_alike(case: RigidStages, fe_plan: plan.CornerPlan) -> RigidStages:
+def damped_alike(case: RigidStages, fe_plan: corner_plan.CornerPlan) -> RigidStages:
     """The case with the elastic velocities damped as in this run."""
     damping = fe_plan.model.loop.elastic_damping
     if damping is not None:
@@ -138,7 +138,7 @@ def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
     with announced("Building the model ..."):
         from fem.run import corner
 
-        fe_plan = plan.make_corner_plan(case, more_damping)
+        fe_plan = corner_plan.make_corner_plan(case, more_damping)
     stepper = corner.compile_loop(
         fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, on_compile=compiling
     )
@@ -147,7 +147,7 @@ def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
     return compare(fe_plan, run, setup + run.setup_s)
 
 
-def _simulated(fe_plan: plan.CornerPlan, stepper: Stepper) -> Run:
+def _simulated(fe_plan: corner_plan.CornerPlan, stepper: Stepper) -> Run:
     """The run of the model. Raises InputError for a start that the plate cannot have."""
     from fem.run import corner
     from fem.start.inertia_relief import TooSoftError
@@ -163,7 +163,9 @@ def _simulated(fe_plan: plan.CornerPlan, stepper: Stepper) -> Run:
                 rows=scene.time.rows,
                 progress=progress,
                 make_stepper=lambda *_: stepper,
-                corrupted=lambda row: error.friction_by_ringing(fe_plan, row) > error.CORRUPTED,
+                corrupted=lambda row: (
+                    numerical_error.friction_by_ringing(fe_plan, row) > numerical_error.CORRUPTED
+                ),
                 checkpoint=checkpoints.next_checkpoint(),
                 snapshots=scene.kept_fields,
             )
@@ -172,7 +174,7 @@ def _simulated(fe_plan: plan.CornerPlan, stepper: Stepper) -> Run:
         raise InputError("plate.start", start, f'{why}; allowed is "unstressed"') from None
 
 
-def compare(fe_plan: plan.CornerPlan, run: Run, setup: float) -> CornerOutcome:
+def compare(fe_plan: corner_plan.CornerPlan, run: Run, setup: float) -> CornerOutcome:
     """Hold a run against the rigid motion; setup: time [s] that its model took."""
     rigid = fe_plan.case.tail_slap
     fe = {name: run.strike.values[name] for name in quantities.KEYS} if run.strike else {}
@@ -181,7 +183,7 @@ def compare(fe_plan: plan.CornerPlan, run: Run, setup: float) -> CornerOutcome:
     return CornerOutcome(fe_plan, run, difference, (), setup, columns, rigid, fe)
 
 
-def rigid_columns(fe_plan: plan.CornerPlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def rigid_columns(fe_plan: corner_plan.CornerPlan, history: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The rigid solution of a body with the plate's mass, at the run's instants and by the same names.
 
     Instants past the end of the rigid motion are NaN. A rigid body has no elastic energy and no damping.

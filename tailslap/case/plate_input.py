@@ -14,7 +14,7 @@ from fem import cache
 from fem.plate import kinds
 from fem.plate.properties import Inertia, ModelError, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
-from tailslap.case import cost
+from tailslap.case import resources
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 from tailslap.scene.vary import value_at
@@ -138,7 +138,7 @@ def demand_steps(scene: Scene, duration: float, model: PlateModel) -> None:
     """Raise InputError where a run of the model over this time [s] would never end."""
     if model.loop.time_step * MAX_STEPS > duration:
         return
-    key, given = cost.costly_key(scene, duration)
+    key, given = resources.costly_key(scene, duration)
     allowed = f"the time step would be {model.loop.time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps"
     raise InputError(key, given, allowed)
 

@@ -16,21 +16,24 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
 from postprocess.units import SI, Units, measure, percent_up
-from tailslap.case import report
+from tailslap.case import run_report
 from tailslap.case.case import failed_names, failed_sentence, unreliable
-from tailslap.case.corner import checks, decisions, rigid
-from tailslap.case.corner.error import FLOOR
-from tailslap.case.corner.figures import curves, draw_pictures, shown_pictures
+from tailslap.case.corner import corner_checks, decisions, rigid_stages
+from tailslap.case.corner.corner_figures import curves, draw_pictures, shown_pictures
+from tailslap.case.corner.corner_plan import CornerPlan
+from tailslap.case.corner.numerical_error import FLOOR
 from tailslap.case.corner.outcome import CornerOutcome
-from tailslap.case.corner.plan import CornerPlan
 from tailslap.scene.schema import Scene
 
 KICKER = "Constrained corner: finite elements compared with the exact rigid-body solution"
 FOOTER = "SI units; X along the wall in the driving direction, Y away from it, ω positive where it closes the angle."
 GROUPS = {
-    **{kind.name: "Mechanics" for kind in checks.MECHANICS},
-    **{kind.name: "Work of the contact" for kind in checks.CONTACT},
-    **{kind.name: "Customary in crash analysis" for kind in (checks.ENERGY_RATIO, *checks.PRACTICE)},
+    **{kind.name: "Mechanics" for kind in corner_checks.MECHANICS},
+    **{kind.name: "Work of the contact" for kind in corner_checks.CONTACT},
+    **{
+        kind.name: "Customary in crash analysis"
+        for kind in (corner_checks.ENERGY_RATIO, *corner_checks.PRACTICE)
+    },
 }
 """Under which heading a check stands."""
 
@@ -53,7 +56,7 @@ METRICS_NOTE = (
 )
 
 
-def run_report(
+def filled_report(
     outcome: CornerOutcome,
     folder: Path,
     pictures: bool,
@@ -61,7 +64,7 @@ def run_report(
     size: tuple[int, int] | None = None,
 ) -> Report:
     """Report of a run; its fields and pictures, in these units and of this size [pixels], go into the folder."""
-    report.keep_fields(outcome, folder)
+    run_report.keep_fields(outcome, folder)
     return corner_report(draw_pictures(outcome, folder, units, size) if pictures else outcome, pictures)
 
 
@@ -70,10 +73,10 @@ def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
     (peaks, design), omitted = _forces(outcome), omitted_parts(outcome.fe_plan.case.scene, pictures)
     spent, why = {"pictures_s": outcome.pictures_s}, diagnosis(outcome)
     parts = sections(outcome)
-    page = report.run_page(outcome, KICKER, headline(outcome), parts, omitted, FOOTER, why, spent)
-    tables = (peaks, report.short(design), comparison(outcome, " "))
+    page = run_report.run_page(outcome, KICKER, headline(outcome), parts, omitted, FOOTER, why, spent)
+    tables = (peaks, run_report.short(design), comparison(outcome, " "))
     drawn = f", pictures {outcome.pictures_s:.2f} s"
-    lines = report.terminal_text(outcome, tables, [prediction(outcome)], drawn)
+    lines = run_report.terminal_text(outcome, tables, [prediction(outcome)], drawn)
     return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
 
 
@@ -85,7 +88,7 @@ def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
 def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
     """Content of `summary.json`, SI; what was not reached is NaN, which is written as null."""
     fe_plan = outcome.fe_plan
-    alike = report.run_summary(outcome, headline(outcome), omitted_parts(fe_plan.case.scene, pictures))
+    alike = run_report.run_summary(outcome, headline(outcome), omitted_parts(fe_plan.case.scene, pictures))
     nothing = dict.fromkeys(quantities.KEYS, float("nan"))
     answer = fe_plan.case.rigid_numbers()
     return {
@@ -119,9 +122,13 @@ def peak_table(outcome: CornerOutcome) -> Table:
     if other := case.other_convention():
         convention, its = other
         rows.append(
-            {"what": f"With {rigid.CONVENTIONS[convention]}", "fe": None, "rigid": its.force.peak_force}
+            {
+                "what": f"With {rigid_stages.CONVENTIONS[convention]}",
+                "fe": None,
+                "rigid": its.force.peak_force,
+            }
         )
-    return Table(report.PEAKS, rows)
+    return Table(run_report.PEAKS, rows)
 
 
 def comparison(outcome: CornerOutcome, title: str = "") -> Table:
@@ -129,7 +136,7 @@ def comparison(outcome: CornerOutcome, title: str = "") -> Table:
     of_paper = is_paper_case(outcome.fe_plan.case)
     paper = quantities.PAPER_TABLE_3 if of_paper else None
     rows = quantities.comparison_rows(outcome.fe, outcome.rigid, paper) if outcome.fe else ()
-    columns = report.TAIL_SLAP + (PAPER if of_paper else ())
+    columns = run_report.TAIL_SLAP + (PAPER if of_paper else ())
     if title:
         return Table((replace(columns[1], label="Tail-slap"), *columns[2:]), rows, title)
     note = f"Paper: {quantities.PAPER_SOURCE}, whose magnitude of v_GY is given this report's sign."
@@ -144,7 +151,7 @@ def sections(outcome: CornerOutcome) -> list[Section]:
     titles = {"stage1": "Stage 1: impulse at the front corner", "stage3": "Stage 3: tail-slap"}
     stages = []
     for key, title in titles.items():
-        numbers = [(*rigid.LABELS[name], value) for name, value in (answer[key] or {}).items()]
+        numbers = [(*rigid_stages.LABELS[name], value) for name, value in (answer[key] or {}).items()]
         stages.append(tables.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
     return [
         Section("Peak lateral force", tables=_forces(outcome)),
@@ -152,14 +159,14 @@ def sections(outcome: CornerOutcome) -> list[Section]:
         Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
         *curves(outcome),
         Section("Model and interpretation", sentences=statements(outcome), is_folded=True),
-        report.checks_section(outcome.checks, GROUPS),
+        run_report.checks_section(outcome.checks, GROUPS),
         Section("Histories compared with the rigid body", tables=[compared], is_folded=True),
         Section("Stages 1 and 3 of the rigid body", tables=stages, is_folded=True),
     ]
 
 
 def _forces(outcome: CornerOutcome) -> list[Table]:
-    return [peak_table(outcome), report.design_table(outcome.fe_plan.case, outcome.lateral_force)]
+    return [peak_table(outcome), run_report.design_table(outcome.fe_plan.case, outcome.lateral_force)]
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
@@ -188,7 +195,7 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     return [(part, why) for there, part, why in parts if not there]
 
 
-def rigid_text(case: rigid.RigidStages) -> list[str]:
+def rigid_text(case: rigid_stages.RigidStages) -> list[str]:
     """Lines of `tailslap check` that need no mesh."""
     start, strike, reaction = case.start, case.motion.strike, case.scene.corner.reaction
     computed = "" if case.stage1 is None else " (see `tailslap rigid`)"
@@ -197,11 +204,11 @@ def rigid_text(case: rigid.RigidStages) -> list[str]:
         f"corner speed {measure(start.corner_speed, 'm/s', '.6g')}{computed}",
         f"reaction     {reaction}, friction {case.scene.corner_friction:g}: {friction.FRICTION_LAWS[reaction].text}",
         f"tail-slap    expected at {strike.t:.6g} s after {measure(strike.slide, 'm', '.5g')} of sliding",
-        *report.omitted_text(omitted_parts(case.scene)),
+        *run_report.omitted_text(omitted_parts(case.scene)),
     ]
 
 
-def check_text(case: rigid.RigidStages, fe_plan: CornerPlan | None) -> list[str]:
+def check_text(case: rigid_stages.RigidStages, fe_plan: CornerPlan | None) -> list[str]:
     """All lines of `tailslap check`; of a scene without [plate] those that need no mesh."""
     if fe_plan is None:
         return rigid_text(case)
@@ -219,7 +226,7 @@ def check_text(case: rigid.RigidStages, fe_plan: CornerPlan | None) -> list[str]
     rows, start = fe_plan.case.scene.time.rows, f", {fe_plan.plate.start} start"
     return [
         *rigid_text(fe_plan.case),
-        *report.fe_text(fe_plan, rows, start, contact, more=[flexibility]),
+        *run_report.fe_text(fe_plan, rows, start, contact, more=[flexibility]),
         f"flutter      {flutter_sentence(fe_plan)}",
     ]
 
@@ -229,12 +236,12 @@ def headline(outcome: CornerOutcome) -> Headline:
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
     failed = set(failed_names(outcome.checks))
     sentence = case.force_sentence(outcome.lateral_force) if outcome.fe else "No tail-slap within the run."
-    if outcome.fe and failed - checks.reaction_checks() - {"agreement with rigid"}:
+    if outcome.fe and failed - corner_checks.reaction_checks() - {"agreement with rigid"}:
         sentence = unreliable(sentence)
     return Headline(
         case.headline().title,
         failed_sentence(outcome.checks) + sentence,
-        f"{case.set_up} {report.plate_sentence(fe_plan)}",
+        f"{case.set_up} {run_report.plate_sentence(fe_plan)}",
         _certainty(outcome) if outcome.fe else "",
     )
 
@@ -247,7 +254,7 @@ def _certainty(outcome: CornerOutcome) -> str:
     if not difference <= FLOOR:
         text = f"Vehicle flexibility changes the motion by at most {percent_up(difference)}"
     rings = " The motion is reliable, the history of the reaction is not."
-    rings = rings if set(failed_names(outcome.checks)) & checks.reaction_checks() else ""
+    rings = rings if set(failed_names(outcome.checks)) & corner_checks.reaction_checks() else ""
     return f"{text}; discretisation error {stated}.{rings}{outcome.fe_plan.case.other_force()}"
 
 
@@ -290,7 +297,7 @@ def statements(outcome: CornerOutcome) -> list[str]:
         f"{measure(last, 'kN', '.2f')} at the end: "
         "it pulls the corner towards the wall. With unilateral contact the corner would separate from it.",
         _plate_mass(fe_plan.model.mass, case.scene.vehicle.mass),
-        *report.chosen_sentences(fe_plan),
+        *run_report.chosen_sentences(fe_plan),
         "The first run oscillated; this run has more damping." if outcome.attempts > 1 else "",
         f"The plate starts {start_kinds.START_KINDS[fe_plan.plate.start].text}.",
         f"Static deflection ratio {fe_plan.deflection_ratio:.1e}: static deflection of the centre under the initial "
@@ -304,7 +311,7 @@ def statements(outcome: CornerOutcome) -> list[str]:
 
 def diagnosis(outcome: CornerOutcome) -> list[str]:
     """Sentences on the cause of a failure: choices of the program, and predicted oscillations."""
-    return [*report.chosen_sentences(outcome.fe_plan), prediction(outcome)]
+    return [*run_report.chosen_sentences(outcome.fe_plan), prediction(outcome)]
 
 
 def prediction(outcome: CornerOutcome) -> str:
@@ -312,7 +319,7 @@ def prediction(outcome: CornerOutcome) -> str:
     return f"Flutter {flutter_sentence(outcome.fe_plan)}."
 
 
-def is_paper_case(case: rigid.RigidStages) -> bool:
+def is_paper_case(case: rigid_stages.RigidStages) -> bool:
     """True where vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
     pairs = (
         (case.body.length, 10.0, 0.0),
@@ -351,7 +358,7 @@ def _error(outcome: CornerOutcome) -> str:
     )
 
 
-def _convention(case: rigid.RigidStages) -> str:
+def _convention(case: rigid_stages.RigidStages) -> str:
     other, impact = case.other_convention(), case.scene.impact
     if impact is None:
         return ""

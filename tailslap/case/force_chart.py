@@ -9,7 +9,7 @@ from postprocess.report.tables import Table
 from postprocess.signals.filters import force_curves
 from postprocess.svg.chart import FULL, Chart
 from tailslap.case.case import Case
-from tailslap.case.report import design_table, known_forces, short, strikes_table
+from tailslap.case.run_report import design_table, known_forces, short, strikes_table
 
 INTERVAL = 5e-4
 """Time between samples of the force at the tail-slap [s]."""
