@@ -74,7 +74,7 @@ def draw(seed: int, number: int) -> tuple[str, ...]:
 
 def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
     """Differences from the rigid motion of finer meshes that pass, of quadratic and of linear elements."""
-    from tailslap.case.case import failed_names
+    from tailslap.case.check import failed_names
     from tailslap.case.corner import corner_run
     from tailslap.case.resources import expected_effort
     from tailslap.errors import InputError
@@ -98,7 +98,7 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
                 finer = case.varied(changes)
                 if expected_effort(finer.scene, finer.duration).seconds > PATIENCE_S:
                     break
-                found = corner_run.judged(corner_run.attempt(finer))
+                found = corner_run.checked(corner_run.attempt(finer))
             except InputError:
                 continue
             if found.fe and not set(failed_names(found.checks)) - {"added mass"}:
@@ -109,7 +109,7 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
 def judge(seed: int, number: int) -> Record:
     """Return the outcome of a scene's run with its stated and true errors."""
     from postprocess.comparison.quantities import largest
-    from tailslap.case.case import failed_names
+    from tailslap.case.check import failed_names
     from tailslap.case.corner.corner_case import CornerCase
     from tailslap.errors import InputError
     from tailslap.scene.read import read_scene

@@ -190,6 +190,11 @@ def grouped(count: int) -> str:
     return f"{count:,}".replace(",", " ")
 
 
+def milliseconds(seconds: float) -> str:
+    """Return a time [s] as a number of milliseconds."""
+    return f"{1e3 * seconds:.1f}"
+
+
 def duration(seconds: float) -> str:
     """Format a time in a suitable unit.
 

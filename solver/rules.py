@@ -11,13 +11,14 @@ SPEED = Rule("speed", "there is no impact", f"{POSITIVE}, m/s")
 ANGLE = Rule(
     "angle",
     "the impact must start at the front corner with the centre of mass behind it",
-    "more than 0 and less than {most:.6g} rad (phi = angle + corner angle < pi/2)",
+    "more than 0 and less than {most:.6g} rad ({most_deg:.4g} deg) (phi = angle + corner angle < pi/2)",
 )
 FRICTION = Rule("friction", "friction opposes sliding", "0 or more, and finite")
 RESTITUTION = Rule("restitution", "it is a fraction of the approach velocity", "from 0 to 1")
 TURNING = Rule(
     "friction",
-    "the impulse does not rotate the side of the vehicle towards the wall (beta <= phi = {phi:.6g} rad)",
+    "the impulse does not rotate the side of the vehicle towards the wall (beta <= phi = {phi:.6g} rad "
+    "({phi_deg:.4g} deg))",
     "less than cot(phi) = {limit:.6g}",
 )
 
@@ -46,8 +47,8 @@ GROWTH = Rule(
 )
 STOP = Rule(
     "corner_speed",
-    "the corner stops before the tail-slap, at the angle {angle:.6g} rad and the time {time:.6g} s, where friction "
-    "reverses",
+    "the corner stops before the tail-slap, at the angle {angle:.6g} rad ({angle_deg:.4g} deg) and the time "
+    "{time:.6g} s, where friction reverses",
     "more, or no friction, m/s",
 )
 RANGE = Rule(

@@ -81,30 +81,21 @@ def run(
     >>> result.passed, round(result.summary["fe"]["t"], 4)
     (True, 0.3867)
     """
-    from tailslap.case import run_report
-
     size, case = picture_pixels(picture_size), affordable_case(scene, changes, allow_large)
-    outcome = case.run(tolerance)
-    snapshots, files = outcome.run.snapshots, case.histories(outcome)
-    ends = (
-        None if getattr(outcome.run, "strike", None) is None else lambda: run_report.series_of_ends(outcome)
-    )
-    fields = None
-    if snapshots is not None:
-        fields = lambda: run_report.field_series(outcome.fe_plan.model, snapshots)  # noqa: E731
+    report = case.report(case.run(tolerance))
     partial = result.Result(
         "run",
         case.scene.name,
         {},
-        histories={label: columns.history(files[name]) for label, name in load.FILES.items()},
+        histories={label: columns.history(report.histories[name]) for label, name in load.FILES.items()},
         fill=result.filled_by(
-            lambda place, pictures, units: case.report(outcome, place, pictures, SYSTEMS[units], size)
+            lambda place, pictures, units: report.written(place, pictures, SYSTEMS[units], size)
         ),
-        make_fields=fields,
-        make_ends=ends,
+        make_fields=report.fields,
+        make_ends=report.fields_of_ends,
         changes=changes_of(case.source),
     )
-    return result.of_run(data_files.plain(case.summary(outcome, True)), partial)
+    return result.of_run(data_files.plain(report.summary(True)), partial)
 
 
 @checked_arguments
@@ -197,15 +188,13 @@ def check(
     >>> tailslap.check("paper-table-3").summary["plate"][0][:23]
     '120 elements, 147 nodes'
     """
-    from tailslap.case.case import LABEL
-    from tailslap.case.run_report import as_numbers
+    from tailslap.case.run_report import LABEL
 
     case = case_of_scene(scene, changes)
     headline, lines = case.check_text(allow_large)
-    described = labelled_text([SYSTEMS[units].rendered(line) for line in lines], LABEL)
-    summary = data_files.plain(
-        {**vars(headline), "scene": case.scene.name, "valid": True, **as_numbers(lines)}
-    )
+    labelled = [f"{label:<{LABEL}}{text}" for label, texts in lines.items() for text in texts]
+    described = labelled_text([SYSTEMS[units].rendered(line) for line in labelled], LABEL)
+    summary = data_files.plain({**vars(headline), "scene": case.scene.name, "valid": True, **lines})
     text = f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{described}"
     return result.Result("check", case.scene.name, summary, text=text)
 

@@ -18,11 +18,9 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
 from postprocess.units import measure, percent, percent_up
-from tailslap.case.case import MOST_ELEMENTS, Case
-from tailslap.case.corner.corner_plan import CornerPlan
-from tailslap.case.impact.plan import ImpactPlan
+from tailslap.case.case import MOST_ELEMENTS, Case, FePlan
 from tailslap.case.plate_input import plate_density, refined
-from tailslap.case.run_report import study_page
+from tailslap.case.report_parts import study_page
 from tailslap.errors import InputError
 
 Mode = dict[str, Any]
@@ -94,7 +92,7 @@ def modes_report(case: Case, count: int) -> Report:
     return Report(page, summary, (table,))
 
 
-def modes_with_errors(case: Case, count: int) -> tuple[CornerPlan | ImpactPlan, FreeModes, list[Mode]]:
+def modes_with_errors(case: Case, count: int) -> tuple[FePlan, FreeModes, list[Mode]]:
     """Return plan, shapes and records of the modes, with errors.
 
     Errors are estimated on a mesh that is twice as fine. An automatic mesh is refined until they are small.
@@ -115,7 +113,7 @@ def modes_with_errors(case: Case, count: int) -> tuple[CornerPlan | ImpactPlan, 
         fe_plan, shapes, modes = finer, finer_shapes, finer_modes[:count]
 
 
-def _modes_of(fe_plan: CornerPlan | ImpactPlan, count: int) -> tuple[FreeModes, list[Mode]]:
+def _modes_of(fe_plan: FePlan, count: int) -> tuple[FreeModes, list[Mode]]:
     """Return the modes of a plan and their records.
 
     Raises InputError for a number that the mesh does not allow.
@@ -127,7 +125,7 @@ def _modes_of(fe_plan: CornerPlan | ImpactPlan, count: int) -> tuple[FreeModes, 
     return shapes, [*_modes(fe_plan, shapes, _beam(fe_plan))]
 
 
-def _beam(fe_plan: CornerPlan | ImpactPlan) -> beams.Beam:
+def _beam(fe_plan: FePlan) -> beams.Beam:
     """Return the beam of the plate's dimensions."""
     plate, scene = fe_plan.plate, fe_plan.case.scene
     density = plate_density(scene, plate)
@@ -175,7 +173,7 @@ def _modes_headline(case: Case, modes: list[Mode], what: str) -> Headline:
     return Headline(f"Natural frequencies: {case.subject}", answer, case.set_up, certainty)
 
 
-def _modes(fe_plan: CornerPlan | ImpactPlan, free: FreeModes, beam: beams.Beam) -> Iterator[Mode]:
+def _modes(fe_plan: FePlan, free: FreeModes, beam: beams.Beam) -> Iterator[Mode]:
     """Yield records of the elastic modes in the order of frequency.
 
     number from 1; frequency [Hz]; kind, and order: number among modes of this kind; symmetric, along, shear: fractions
@@ -231,9 +229,7 @@ def _shapes(model: PlateModel, modes: list[Mode], shapes: NDArray[np.float64]) -
     return Section("Mode shapes", caption, pictures)
 
 
-def _sentences(
-    fe_plan: CornerPlan | ImpactPlan, frequencies: NDArray[np.float64], beam: beams.Beam
-) -> tuple[str, ...]:
+def _sentences(fe_plan: FePlan, frequencies: NDArray[np.float64], beam: beams.Beam) -> tuple[str, ...]:
     """Describe the method.
 
     frequencies [Hz]: of the rigid modes.

@@ -19,7 +19,7 @@ from postprocess.report.tables import Column, Table, columns
 from postprocess.report.terminal import part_in_units, printed
 from postprocess.units import SYSTEMS, percent_up
 from tailslap import progress
-from tailslap.case.case import Check, failed_sentence, unreliable
+from tailslap.case.check import Check, failed_sentence
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.errors import InputError
 
@@ -127,7 +127,7 @@ def _admit(fe_plan: CornerPlan, modes: int) -> None:
     if plate.start != "inertia-relief":
         allowed = 'allowed with the modal model is "inertia-relief"'
         raise InputError("plate.start", plate.start, allowed)
-    if fe_plan.asked.scene.damping:
+    if fe_plan.original.scene.damping:
         raise InputError("damping", "a table", "the modal model does not support damping; remove it")
     if scene.corner.damping_ratio:
         allowed = "the modal model does not support a dashpot; remove it"
@@ -191,13 +191,11 @@ def modal_headline(fe_plan: CornerPlan, run: ModalRun) -> Headline:
     case, estimate = fe_plan.case, run.estimate
     sentence, certainty = "No tail-slap within the run.", ""
     if run.values:
-        sentence = case.force_sentence(case.peak_force(run.values["v_gy"]))
+        sentence = case.force_sentence(case.peak_force(run.values["v_gy"]), run.passed)
         certainty = (
             f"Estimated error {percent_up(estimate.total)}: omitted modes {percent_up(estimate.modes)}, linear strain "
             f"{percent_up(estimate.linear)}, time steps {percent_up(estimate.steps)}."
         )
-    if run.values and not run.passed:
-        sentence = unreliable(sentence)
     frequencies = ", ".join(f"{frequency:.4g}" for frequency in run.frequencies)
     modes = (
         f"Modal model: modes of {frequencies} Hz." if frequencies else "Modal model without elastic modes."

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple, NoReturn
 from tailslap import progress
 from tailslap.campaign import pools
 from tailslap.campaign.records import Journal, Key, Records, program
+from tailslap.case import resources
 
 BATCH_S = 0.5
 """Time that a batch is to take [s]."""

@@ -23,7 +23,7 @@ from tailslap.campaign.sweep_definition import Definition, Variation
 from tailslap.campaign.sweep_table import ERROR, FAILED, PASSED, REFUSED, TABLE, FinishedSweep
 from tailslap.case import case_of
 from tailslap.case.case import Case
-from tailslap.case.run_report import footer
+from tailslap.case.report_parts import footer
 from tailslap.errors import InputError
 from tailslap.progress import clock
 from tailslap.result.columns import read_columns

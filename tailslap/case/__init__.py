@@ -1,6 +1,6 @@
-"""A scene as a case to be planned, run, checked and reported: `corner` and `impact` are its two kinds.
+"""Calculations of a scene, which are of two kinds, `corner` and `impact`.
 
-`case` says what every kind offers; what both do stands beside it.
+`case` states what both kinds offer; the files beside it contain what they have in common.
 """
 
 from __future__ import annotations
@@ -14,14 +14,18 @@ if TYPE_CHECKING:
 
 
 def case_of(scene: Scene, source: Source) -> Case:
-    """Make the case of a scene. Raises InputError where the rigid body has no answer."""
+    """Make the case of a scene.
+
+    Raises InputError where the rigid body has no solution.
+    """
     return kind_of(scene)(scene, source)
 
 
 def kind_of(scene: Scene) -> type[Case]:
-    """The class of its case: a whole impact if it has [contact], else the paper's constrained corner.
+    """Return the class of the case of a scene.
 
-    Only the modules of this kind are imported.
+    A scene with [contact] is a whole impact, others are constrained corners. Only the modules of this kind are
+    imported.
     """
     if scene.contact is None:
         from tailslap.case.corner.corner_case import CornerCase

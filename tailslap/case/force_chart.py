@@ -1,41 +1,53 @@
-"""Lateral force of the rigid vehicle beside the design forces of its test level: chart and tables."""
+"""Chart and tables of the lateral force of the rigid vehicle."""
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from postprocess.figures.impact import StrikeMark, draw_forces
 from postprocess.report.tables import Table
 from postprocess.signals.filters import force_curves
 from postprocess.svg.chart import FULL, Chart
-from tailslap.case.case import Case
-from tailslap.case.run_report import design_table, known_forces, short, strikes_table
+from tailslap.case.report_parts import design_forces_of, design_table, short, strikes_table
+
+if TYPE_CHECKING:
+    from tailslap.case.corner.rigid_stages import RigidStages
+    from tailslap.case.impact.rigid import RigidImpact
+
+    Curves = tuple[NDArray[np.float64], dict[str, NDArray[np.float64]], list[StrikeMark]]
 
 INTERVAL = 5e-4
 """Time between samples of the force at the tail-slap [s]."""
 
 AFTER = 0.1
-"""Time that is shown after the pulse of the tail-slap [s]."""
+"""Time in the chart after the pulse of the tail-slap [s]."""
 
 
-def force_chart(case: Case) -> Chart:
-    """Draw the force of a whole impact, or the reaction of Stage 2 and the pulse of Stage 3."""
+def force_chart(case: Any) -> Chart:
+    """Draw the lateral force of the rigid vehicle.
+
+    Of a constrained corner these are the reaction of Stage 2 and the pulse of Stage 3.
+    """
     t, curves, strikes = (_impact if case.scene.contact else _tail_slap)(case)
     level = case.scene.impact.test_level if case.scene.impact else None
-    levels = {name: each.force for name, each in known_forces(level).items()}
+    levels = {name: design.force for name, design in design_forces_of(level).items()}
     caption = "Lateral force on the wall, rigid vehicle" + ("; lines across: design forces" if levels else "")
     return draw_forces("force", caption, t, curves, strikes, levels, FULL)
 
 
-def _impact(case: Any) -> tuple[np.ndarray, dict[str, np.ndarray], list[StrikeMark]]:
+def _impact(case: RigidImpact) -> Curves:
     answer = case.answer
     strikes = [
-        StrikeMark(each.corner.removesuffix(" far side"), each.start, each.end) for each in answer.strikes
+        StrikeMark(strike.corner.removesuffix(" far side"), strike.start, strike.end)
+        for strike in answer.strikes
     ]
     return answer.history["t"][1:], answer.lateral, strikes
 
 
-def _tail_slap(case: Any) -> tuple[np.ndarray, dict[str, np.ndarray], list[StrikeMark]]:
+def _tail_slap(case: RigidStages) -> Curves:
     start, pulse, history = case.duration, case.force, case.rigid_history()
     end = start + float(pulse.duration)
     t = np.arange(0.0, end + AFTER, INTERVAL)
@@ -45,7 +57,7 @@ def _tail_slap(case: Any) -> tuple[np.ndarray, dict[str, np.ndarray], list[Strik
 
 
 def force_tables(case: Any) -> dict[str, Table]:
-    """Strikes of a whole impact, and the largest force over each design force."""
+    """Return tables of strikes and of the largest force over design forces."""
     if not case.scene.contact:
         return {"Design forces": short(design_table(case, float(case.force.peak_force)))}
     answer = case.answer

@@ -1,6 +1,8 @@
-"""The plate's model by a scene's tables: what the program chose, mesh, modulus, properties for `fem`.
+"""Input of the plate's model from the tables of a scene.
 
-A plate on another mesh, or of higher-order elements, by which the error of a run is estimated.
+Decisions, mesh, Young's modulus and properties.
+
+Also plates on other meshes, or of higher-order elements, by which the error of a run is estimated.
 """
 
 from __future__ import annotations
@@ -8,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fem import cache
 from fem.plate import kinds
@@ -26,45 +28,53 @@ if TYPE_CHECKING:
 
 
 MAX_STEPS = 2_000_000_000
-"""A run above this is refused: it would take days, and its instants could not be distinguished."""
+"""Most time steps of a run: more would take days, and its instants could not be distinguished."""
 
 LARGE = 10_000
-"""Elements from which on a mesh is not cached."""
+"""Number of elements from which on a mesh is not cached."""
 
 REFERENCE_MODULUS = 1e9
-"""Young's modulus [Pa] with which a first frequency is looked for; any would do."""
+"""Young's modulus [Pa] of the model by which a first frequency is converted; its value is arbitrary."""
+
+HIGHER_ORDER_UP_TO = 20_000
+"""Most elements of a mesh that statics compares with higher-order elements; a larger one with a coarser mesh."""
 
 
 @dataclass(frozen=True)
 class Decision:
-    """A key of the scene, the value that the program gave it, and why. value None: it stays out."""
+    """A value that the program chose, and the reason.
+
+    value None: the key is removed.
+    """
 
     key: str
-    value: Any
+    value: object
     why: str
 
     @property
-    def shown(self) -> str:
-        """The decision as a line."""
-        value = "none" if self.value is None else _shown(self.value)
-        return f"{self.key} = {value}: {self.why}"
+    def text(self) -> str:
+        """The decision as a line of text."""
+        value = self.value
+        if isinstance(value, float):
+            value = f"{value:.3g}"
+        elif isinstance(value, tuple):
+            value = f"[{', '.join(map(str, value))}]"
+        return f"{self.key} = {'none' if value is None else value}: {self.why}"
 
 
-def _shown(value: Any) -> str:
-    if isinstance(value, float):
-        return f"{value:.3g}"
-    return f"[{', '.join(map(str, value))}]" if isinstance(value, tuple) else str(value)
-
-
-def threads_decision(asked: int, most: int, why: str) -> tuple[Decision, ...]:
-    """The threads of a time loop that has use for fewer than were asked for."""
-    return (Decision("time.threads", most, f"{asked} were requested; {why}"),) if asked > most else ()
+def threads_decision(requested: int, most: int, why: str) -> tuple[Decision, ...]:
+    """Return the decision to use fewer threads than requested, if any."""
+    text = f"{requested} were requested; {why}"
+    return (Decision("time.threads", most, text),) if requested > most else ()
 
 
 def resolved_plate(
     scene: Scene, plate: Plate, mesh: meshio.Mesh | None = None, inertia: Inertia | None = None
 ) -> Plate:
-    """The plate with its modulus: its own, or the one that its first frequency asks for. Raises InputError."""
+    """Return the plate with its Young's modulus.
+
+    It is computed where the scene specifies a first frequency. Raises InputError.
+    """
     if plate.youngs_modulus is not None or plate.first_frequency is None:
         return plate
     from fem.model import plate_model
@@ -79,10 +89,13 @@ def resolved_plate(
 
 
 def fe_mesh(scene: Scene, plate: Plate, number: int = 0) -> meshio.Mesh:
-    """The mesh of a unit's plate in its body frame; number: of the unit, 0 for the vehicle."""
+    """Return the mesh of a unit's plate in its body frame.
+
+    number: of the unit, 0 for the vehicle.
+    """
     unit, counts = scene.units[number], unit_counts(scene, plate, number)
-    hinges = [*(own.kingpin for own in scene.trailer[number - 1 : number] if number)]
-    hinges += [behind.hitch for behind in scene.trailer[number : number + 1]]
+    hinges = [*(trailer.kingpin for trailer in scene.trailer[number - 1 : number] if number)]
+    hinges += [trailer.hitch for trailer in scene.trailer[number : number + 1]]
     make = _mesh if math.prod(counts) < LARGE else _mesh.__wrapped__
     cells = kinds.ELEMENT_KINDS[plate.element].cells
     mesh: meshio.Mesh = make(unit.length, unit.width, counts, cells, plate.distortion, tuple(hinges))
@@ -90,7 +103,10 @@ def fe_mesh(scene: Scene, plate: Plate, number: int = 0) -> meshio.Mesh:
 
 
 def unit_counts(scene: Scene, plate: Plate, number: int) -> tuple[int, int]:
-    """Elements along and across a unit: a trailer's are as large as the vehicle's, and even across where those are."""
+    """Return the numbers of elements along and across a unit.
+
+    Elements of a trailer have the size of the vehicle's. Their number across is even where the vehicle's is.
+    """
     if number == 0:
         return plate.counts
     (along, across), unit, vehicle = plate.counts, scene.units[number], scene.vehicle
@@ -113,16 +129,19 @@ def _mesh(
 
 
 def same_mesh(plate: Plate, other: Plate) -> bool:
-    """Tell whether two plates of a vehicle have one mesh, whatever nodes their elements add to it."""
-    cells = (kinds.ELEMENT_KINDS[each.element].cells for each in (plate, other))
-    return plate.counts == other.counts and plate.distortion == other.distortion and len(set(cells)) == 1
+    """Return whether two plates of a vehicle have the same cells.
+
+    Their elements may have different nodes.
+    """
+    cells = {kinds.ELEMENT_KINDS[element].cells for element in (plate.element, other.element)}
+    return plate.counts == other.counts and plate.distortion == other.distortion and len(cells) == 1
 
 
 def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
-    """The message that names the scene's key where no model can be made."""
+    """Return the error that names the key of the scene."""
     contact, wall = scene.contact, scene.wall
     patch = contact.patch_length if contact else scene.corner.patch_length
-    given = {
+    causes: dict[str, tuple[str, object]] = {
         "elements": ("plate.elements", list(plate.counts)),
         "patch_length": (f"{'contact' if contact else 'corner'}.patch_length", patch),
         "inertia": ("vehicle.yaw_inertia", scene.vehicle.yaw_inertia),
@@ -131,35 +150,44 @@ def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
     }
     if error.wrong.startswith("trailer."):
         return InputError(error.wrong, value_at(scene, error.wrong), str(error))
-    return InputError(*given[error.wrong], str(error))
+    return InputError(*causes[error.wrong], str(error))
 
 
 def demand_steps(scene: Scene, duration: float, model: PlateModel) -> None:
-    """Raise InputError where a run of the model over this time [s] would never end."""
+    """Raise InputError for too many steps.
+
+    duration: of the run [s].
+    """
     if model.loop.time_step * MAX_STEPS > duration:
         return
-    key, given = resources.costly_key(scene, duration)
+    key, value = resources.costly_key(scene, duration)
     allowed = f"the time step would be {model.loop.time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps"
-    raise InputError(key, given, allowed)
+    raise InputError(key, value, allowed)
 
 
 def plate_density(scene: Scene, plate: Plate, number: int = 0) -> float:
-    """The density of a unit's plate [kg/m^3]; the vehicle's left out, and of trailers, the mass spread over it."""
-    unit, own = scene.units[number], plate.density if number == 0 else None
-    return own or unit.mass / (unit.length * unit.width * plate.thickness)
+    """Return the density of a unit's plate [kg/m^3].
+
+    Where the scene does not specify it, and for trailers, the plate has the mass of its unit.
+    """
+    unit, density = scene.units[number], plate.density if number == 0 else None
+    return density or unit.mass / (unit.length * unit.width * plate.thickness)
 
 
 def plate_properties(
     scene: Scene, plate: Plate, inertia: Inertia | None = None, number: int = 0
 ) -> PlateProperties:
-    """Make the properties of a unit's plate; inertia: that its masses carry, where it is not the plate's own."""
-    given = plate.thickness, plate_density(scene, plate, number), plate.modulus, plate.poissons_ratio
+    """Return the properties of a unit's plate.
+
+    inertia: of its masses; by default that of the plate.
+    """
+    constants = plate.thickness, plate_density(scene, plate, number), plate.modulus, plate.poissons_ratio
     law = scene.material.law if scene.material else "st-venant-kirchhoff"
-    return PlateProperties(*given, plate.lumping, plate.element, law, inertia)
+    return PlateProperties(*constants, plate.lumping, plate.element, law, inertia)
 
 
 def step_properties(scene: Scene, longest: float) -> StepProperties:
-    """Time step, no longer than this [s], and damping."""
+    """Return damping and time step, which is at most `longest` [s]."""
     damping = scene.damping
     return StepProperties(
         scene.time.safety_factor,
@@ -170,10 +198,6 @@ def step_properties(scene: Scene, longest: float) -> StepProperties:
     )
 
 
-HIGHER_ORDER_UP_TO = 20_000
-"""Elements above which statics judges the mesh by a coarser one, of at most so many."""
-
-
 def refined(
     plate: Plate,
     factor: float = 2.0,
@@ -181,9 +205,9 @@ def refined(
     least: int = 1,
     whole: Callable[[float], int] = math.floor,
 ) -> Plate:
-    """The plate with `factor` times the elements each way, at least `least`, of another kind where one is given.
+    """Return the plate with `factor` times the elements along both sides.
 
-    whole: how their number is rounded.
+    element: their kind, by default that of the plate; least: smallest number along a side; whole: rounds it.
     """
     along, across = (max(least, whole(factor * count)) for count in plate.counts)
     other = {} if element is None else {"element": element}
@@ -191,12 +215,15 @@ def refined(
 
 
 def comparable_plate(plate: Plate) -> Plate:
-    """The plate by which statics judges the mesh: higher-order elements, of a large mesh a coarser one."""
+    """Return the plate by which statics judges the mesh.
+
+    It has higher-order elements, or a coarser mesh than a large one.
+    """
     if math.prod(plate.counts) > HIGHER_ORDER_UP_TO:
         while math.prod(plate.counts) > HIGHER_ORDER_UP_TO:
             plate = refined(plate, 0.5)
         return plate
     if higher := kinds.ELEMENT_KINDS[plate.element].higher_order:
-        # Row sums give the corners of quadratic triangles no mass.
+        # With row sums the corners of quadratic triangles have no mass.
         return plate.model_copy(update={"element": higher, "lumping": "exact"})
     return refined(plate)

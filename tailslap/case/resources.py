@@ -1,4 +1,7 @@
-"""Steps, time and memory of a run by the scene alone, and whether this machine can carry it."""
+"""Expected steps, time and memory of a run, and limits of this machine.
+
+Estimates use the scene alone, without a mesh.
+"""
 
 import contextlib
 import math
@@ -13,14 +16,47 @@ from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Plate, Scene, Vehicle
 
 ELEMENTS = 120
-"""Elements in all of the first mesh that the program tries where the scene leaves them open."""
+"""Number of elements of the first mesh where the scene does not specify it."""
 
 ROW_S = 5e-5
-"""Time that a row of the history costs [s], whatever the mesh."""
+"""Time per row of the history [s], on any mesh."""
+
+_BEAM = 22.3733 / (2.0 * math.pi * math.sqrt(12.0))
+"""First frequency of a free beam times its length squared, over wave speed and height [-]."""
+
+BYTES_A_NODE, BASE_BYTES = 9e3, 0.25e9
+"""Memory of model, factorisation and state, measured on 40 000 and 160 000 nodes of quad4 and quad9 meshes."""
+
+BYTES_OF_FIELDS = 400.0
+"""Memory per node and instant while fields are computed."""
+
+MAX_SECONDS = 86_400.0
+"""Longest time loop [s] that needs no explicit permission."""
+
+MAX_THREADS = 8
+"""Most threads on any machine; machines with more than four cores allow twice their cores."""
+
+LARGE = "--allow-large runs the scene nevertheless"
+
+CHECKED_UP_TO = 5_000
+"""Largest number of elements for which `tailslap check` makes the model; above it, it prints estimates."""
+
+CGROUP = Path("/sys/fs/cgroup")
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Expected number of time steps to the tail-slap and their time [s]."""
+
+    steps: float
+    seconds: float
 
 
 def loop_seconds(scene: Scene, element: str, counts: tuple[int, int], steps: float, rows: int = 0) -> float:
-    """Expected time of a loop over so many elements along and across, and of its history's rows [s]."""
+    """Return the expected time of the time loop [s].
+
+    counts: elements along and across; rows: of the history.
+    """
     stress = materials.MATERIALS[scene.material.law].nanoseconds if scene.material else 0.0
     kind = kinds.ELEMENT_KINDS[element]
     cell = kind.nanoseconds + kind.points * stress
@@ -28,13 +64,19 @@ def loop_seconds(scene: Scene, element: str, counts: tuple[int, int], steps: flo
 
 
 def train_size(scene: Scene) -> float:
-    """Area of all units over the vehicle's, as that of their elements."""
+    """Return the area of all units over that of the vehicle.
+
+    Their numbers of elements have the same ratio.
+    """
     vehicle = scene.vehicle
     return sum(unit.length * unit.width for unit in scene.units) / (vehicle.length * vehicle.width)
 
 
 def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
-    """The key that makes a run long, and its value: what is farthest from usual."""
+    """Return the key that makes a run long, and its value.
+
+    duration: of the motion [s].
+    """
     plate = scene.needed_plate
     if scene.time.safety_factor < 0.1:
         return "time.safety_factor", scene.time.safety_factor
@@ -52,16 +94,11 @@ def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
     return f"plate.{key}", getattr(plate, key)
 
 
-@dataclass(frozen=True)
-class Effort:
-    """Steps to the tail-slap, and seconds that they take."""
-
-    steps: float
-    seconds: float
-
-
 def expected_effort(scene: Scene, duration: float) -> Effort:
-    """Effort of a run over this time [s]; an open mesh counts as the program's first, of quadratic elements."""
+    """Estimate the steps of a run and their time.
+
+    An open mesh counts as the first one that the program tries, with quadratic elements. duration: of the motion [s].
+    """
     body, plate = scene.vehicle, scene.needed_plate
     element = plate.element if "element" in plate.model_fields_set else "quad9"
     across_all = ELEMENTS * body.width / body.length
@@ -76,54 +113,38 @@ def expected_effort(scene: Scene, duration: float) -> Effort:
 
 
 def _wave_speed(body: Vehicle, plate: Plate) -> float:
+    """Return the speed of longitudinal waves in the plate [m/s]."""
     area = body.length * body.width * plate.thickness
     density = plate.density or body.mass / area
     if plate.youngs_modulus is not None:
         return math.sqrt(plate.youngs_modulus / density / (1.0 - plate.poissons_ratio**2))
     slenderness = body.width / body.length
-    # A stubby plate shears: its modulus is higher than a beam's of that frequency.
+    # A short plate also deforms in shear, so that a beam of its first frequency needs a higher modulus.
     shear = math.sqrt(1.0 + 8.0 * slenderness**2)
     return (plate.first_frequency or 0.0) * body.length / (_BEAM * slenderness) * shear
 
 
-_BEAM = 22.3733 / (2.0 * math.pi * math.sqrt(12.0))
-"""First frequency of a free beam times its length squared, over wave speed and height."""
-
-
 def beam_frequency(scene: Scene, length: float, width: float, modulus: float) -> float:
-    """First frequency [Hz] of a slender plate of the scene's mass and thickness with these sides and modulus."""
+    """Return the first frequency of a slender plate [Hz].
+
+    It has mass and thickness of the scene, these sides [m] and this Young's modulus [Pa].
+    """
     vehicle, plate = scene.vehicle, scene.needed_plate
     density = plate.density or vehicle.mass / (length * width * plate.thickness)
     return float(_BEAM * math.sqrt(modulus / density) * width / length**2)
 
 
-BYTES_A_NODE, BASE_BYTES = 9e3, 0.25e9
-"""Memory of model, factorisation and state; measured on 40 000 and 160 000 nodes, quad4 and quad9."""
-
-BYTES_OF_FIELDS = 400.0
-"""Memory of a node at an instant whose fields are kept, while they are worked out."""
-
-MAX_SECONDS = 86_400.0
-"""Time of the loop above which a run has to be asked for explicitly."""
-
-MAX_THREADS = 8
-"""Threads that any machine may be asked for; above it, twice its cores."""
-
-LARGE = "--allow-large runs the scene nevertheless"
-
-
-CHECKED_UP_TO = 5_000
-"""Elements up to which `tailslap check` makes the model; above it prints estimates."""
-
-
 def is_large(scene: Scene) -> bool:
-    """Tell whether the model of the scene's own elements is too large to be made for a look."""
+    """Return whether the mesh is too large for `tailslap check`."""
     plate = scene.plate
     return bool(plate and plate.elements and math.prod(plate.elements) > CHECKED_UP_TO)
 
 
 def expected_nodes(scene: Scene) -> int:
-    """Nodes of the mesh, about; 0 where the program chooses the elements, which are few."""
+    """Estimate the number of nodes of the mesh.
+
+    It is 0 where the program chooses the elements, which are few.
+    """
     plate = scene.plate
     if plate is None or plate.elements is None:
         return 0
@@ -133,19 +154,22 @@ def expected_nodes(scene: Scene) -> int:
 
 
 def expected_memory(scene: Scene) -> float:
-    """Memory of a run [bytes]."""
+    """Estimate the memory of a run [bytes]."""
     a_node = BYTES_A_NODE + BYTES_OF_FIELDS * scene.kept_fields
     return BASE_BYTES + a_node * expected_nodes(scene)
 
 
 def demand_run(scene: Scene, duration: float, allow_large: bool) -> None:
-    """Raise InputError where the scene has no plate, and unless that is allowed, as `demand_affordable`."""
+    """Raise InputError without a plate, or for a large run.
+
+    allow_large: whether any size is allowed.
+    """
     if scene.needed_plate and not allow_large:
         demand_affordable(scene, duration)
 
 
 def affordable(scene: Scene, duration: float) -> bool:
-    """Tell whether this machine can carry a run over this time [s]."""
+    """Return whether this machine can run the scene over this duration [s]."""
     try:
         demand_affordable(scene, duration)
     except InputError:
@@ -154,7 +178,10 @@ def affordable(scene: Scene, duration: float) -> bool:
 
 
 def demand_affordable(scene: Scene, duration: float) -> None:
-    """Raise InputError, with the estimate, where a run over this time [s] would take more than there is."""
+    """Raise InputError for more threads, memory or time than allowed.
+
+    duration: of the motion [s].
+    """
     plate, threads = scene.plate, scene.time.threads
     if plate is None:
         return
@@ -166,43 +193,44 @@ def demand_affordable(scene: Scene, duration: float) -> None:
     seconds = expected_effort(scene, duration).seconds
     if memory > free:
         why = f"the run would take about {memory / 1e9:.2g} GB of memory, and {free / 1e9:.2g} GB are free"
-        given = Verbatim(list(plate.elements) if plate.elements else "open")
-        raise InputError("plate.elements", given, f"{why}; allowed are fewer; {LARGE}")
+        elements = Verbatim(list(plate.elements) if plate.elements else "open")
+        raise InputError("plate.elements", elements, f"{why}; allowed are fewer; {LARGE}")
     if seconds > MAX_SECONDS:
         key, value = costly_key(scene, duration)
         why = f"the time loop would take about {seconds / 3600.0:.2g} hours"
         raise InputError(key, value, f"{why}; allowed are {MAX_SECONDS / 3600.0:g}; {LARGE}")
 
 
-def estimate_text(scene: Scene, duration: float) -> list[str]:
-    """Lines of `tailslap check` in place of the model's where the mesh is large."""
+def estimate_lines(scene: Scene, duration: float) -> dict[str, list[str]]:
+    """Return estimates for a large mesh by label."""
     plate, effort = scene.needed_plate, expected_effort(scene, duration)
     along, across = plate.counts
-    return [
-        f"plate        {along} x {across} elements, about {expected_nodes(scene)} nodes, {plate.element}",
-        f"memory       about {expected_memory(scene) / 1e9:.2g} GB",
-        f"steps        about {effort.steps:.2g} time steps, about {effort.seconds:.2g} s in the time loop",
-        "model        not built for a mesh of this size; the numbers are estimates",
-    ]
-
-
-CGROUP = Path("/sys/fs/cgroup")
+    return {
+        "plate": [f"{along} x {across} elements, about {expected_nodes(scene)} nodes, {plate.element}"],
+        "memory": [f"about {expected_memory(scene) / 1e9:.2g} GB"],
+        "steps": [f"about {effort.steps:.2g} time steps, about {effort.seconds:.2g} s in the time loop"],
+        "model": ["not built for a mesh of this size; the numbers are estimates"],
+    }
 
 
 def available_cores() -> int:
-    """Number of cores that this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
-def worker_count(asked: int | None, parts: int) -> int:
-    """Processes for so many parts: as many as were asked for, but no more than there are parts or cores."""
-    return min(available_cores() if asked is None else asked, available_cores(), parts)
+def worker_count(requested: int | None, parts: int) -> int:
+    """Return the number of processes for a number of parts.
+
+    It is the requested one, by default that of the cores, and at most that of parts and of cores.
+    """
+    return min(available_cores() if requested is None else requested, available_cores(), parts)
 
 
 def available_memory() -> float:
-    """Memory [bytes] that this process may still take: what is free, within the limits of its container and its own.
+    """Return the memory that this process may still use [bytes].
 
-    What the system does not tell limits nothing.
+    The free memory of the machine, and of the limits of its container and of the process what remains. Limits that
+    cannot be read are ignored.
     """
     limits = [float("inf")]
     for limit in (_free, _container, _own_limit):

@@ -1,92 +1,45 @@
-"""Parts of reports, texts and summaries that both kinds of case have: checks, forces, cost, fields."""
+"""Report of a finite-element run of either kind of case.
+
+Lines of `tailslap check` are texts by label: all texts of one label belong together.
+"""
 
 from __future__ import annotations
 
-import datetime
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import Any, ClassVar, Self
 
 import tailslap
-from fem.plate.kinds import ELEMENT_KINDS
-from fem.start import start_kinds
 from postprocess import units
-from postprocess.fields import series
+from postprocess.fields.series import FILE, FieldSeries, write_fields
+from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
-from postprocess.report.tables import Column, Table, columns, pairs
-from postprocess.signals.design_forces import DesignForce, design_forces
-from postprocess.units import duration, number
+from postprocess.report.tables import Column, Table, pairs
+from postprocess.units import SI, Units, duration, number
 from tailslap.case import resources
-from tailslap.case.case import LABEL, Case, Check, FePlan, Outcome, as_read
-from tailslap.errors import typed_command
+from tailslap.case.case import FePlan, Outcome, RunReport
+from tailslap.case.report_parts import design_ratios, failed_section, footer, passed_text
+from tailslap.case.run_fields import field_series
 from tailslap.scene import write
 
-if TYPE_CHECKING:
-    from fem.model.plate_model import PlateModel
-    from fem.run.observers import Snapshots
+Lines = dict[str, list[str]]
+"""Texts of `tailslap check` by label."""
 
 Parts = Sequence[tuple[str, str]]
 """Parts that a scene does without, each with the reason."""
 
+LABEL = 13
+"""Columns of a label of `tailslap check`."""
 
-def milliseconds(seconds: float) -> str:
-    """A time [s] in milliseconds."""
-    return f"{1e3 * seconds:.1f}"
-
-
-PEAKS = (
-    Column("what", "Peak lateral force"),
-    Column("fe", "FE", "N", form="#.4g", style="strong"),
-    Column("rigid", "Rigid", "N", form="#.4g", style="strong"),
-)
-DESIGN = (
-    Column("name", "Design force", style="whole"),
-    Column("force", "Lateral", "N", form="#.4g", style="strong"),
-    Column("ratio", "Ratio", form=".2f"),
-    Column("source", "Source", style="soft"),
-)
-CHECKS = (
-    Column("name", "Check"),
-    *columns({"value": "Value", "limit": "Limit"}, form=str),
-    Column("passed", "Result", form=lambda passed: "passed" if passed else "failed", style="badge"),
-    Column("meaning", "Meaning"),
-)
-FAILED = (
-    Column("name", "Failed check"),
-    Column("value", "Value", form=str, style="strong"),
-    Column("limit", "Limit", form=str),
-    Column("advice", "Remedy"),
-)
 INPUTS = (
     Column("key", "Key", form=lambda key: f"`{key}`"),
     Column("given", "As given", form=lambda given: f"`{given}`" if given else ""),
     Column("value", "Value", form=lambda value: number(value, 6), unit_key="unit"),
     Column("unit", "Unit", is_unit=True),
     Column("origin", "From"),
-)
-TAIL_SLAP = (
-    *columns({"quantity.title": "Quantity", "quantity.symbol": ""}),
-    *columns({"fe": "FE", "rigid": "Rigid, exact"}, form="#.5g", unit_key="quantity.unit"),
-    Column("quantity.unit", "Unit", is_unit=True),
-    Column("difference", "FE/rigid − 1", form="+.1e", style="strong"),
-)
-"""Columns of the rows of `comparison_rows`."""
-
-STRIKES = (
-    *columns({"title": "Strike", "model": "Model"}),
-    Column("start", "Start", "ms", form=milliseconds),
-    Column("duration", "Duration", "ms", form=milliseconds),
-    Column("peak_force", "Peak", "N", form=".1f", style="strong"),
-    Column("impulse", "Impulse", "N s", form=".2f"),
-    Column("point_of_attack", "Resultant", "m", form="z.2f"),
-)
-ATTACK = "Resultant: distance of the resultant force behind the front bumper."
-CUT = " (cut)"
-AT_LEAST = (
-    "Cut: the strike is not over at the end; its duration, peak force and impulse are at least those given."
 )
 COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "elements": ("elements", units.grouped),
@@ -97,72 +50,142 @@ COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "time_loop_s": ("time loop", duration),
     "pictures_s": ("pictures", duration),
 }
-"""Sizes and times of a run, in words."""
+"""Names and forms of sizes and times of a run."""
 
 
-def fe_text(
-    fe_plan: FePlan, rows: int, start: str, contact: Sequence[str], steps: str = "", more: Sequence[str] = ()
-) -> list[str]:
-    """Lines of `tailslap check` on the FE run of so many rows.
+@dataclass(frozen=True)
+class FeReport(RunReport):
+    """Summary, page and terminal text of a run."""
 
-    start: words on the start; contact: its lines; steps: words after the number of steps; more: further lines.
-    """
-    model, plate = fe_plan.model, fe_plan.plate
-    elements, step = model.loop.table.connectivity.shape[1], model.loop.time_step
-    seconds = resources.loop_seconds(
-        fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows
-    )
-    return [
-        f"plate        {elements} elements, {model.loop.mass.size} nodes, {units.measure(model.mass, 'kg', '.1f')}, "
-        f"{plate.element}, {plate.lumping} masses{start}",
-        f"stiffness    Young's modulus {units.measure(plate.modulus, 'Pa', '.6g')}, first frequency of the "
-        f"free plate in its plane {fe_plan.first_frequency:.4g} Hz",
-        *contact,
-        f"time step    {step:.4g} s, {step / model.stable_time_step:.2f} of the stable {model.stable_time_step:.4g} s",
-        f"steps        {fe_plan.expected_steps} time steps, about {seconds:.2g} s in the time loop{steps}",
-        *more,
-        *(f"chosen       {decision.shown}" for decision in fe_plan.decisions),
-    ]
+    outcome: Outcome
 
+    kicker: ClassVar[str]
+    """Line above the headline of the page."""
 
-def omitted_text(omitted: Parts) -> list[str]:
-    """Lines of `tailslap check` on the omitted parts."""
-    return [f"omitted      {part}: {why}" for part, why in omitted]
+    about: ClassVar[str]
+    """Units and directions, at the foot of the page."""
 
+    @property
+    @abstractmethod
+    def headline(self) -> Headline:
+        """Result, set-up and accuracy of the run."""
 
-def as_numbers(lines: list[str]) -> dict[str, list[str]]:
-    """Collect the texts of the lines by their labels."""
-    found: dict[str, list[str]] = {}
-    for line in lines:
-        found.setdefault(line[:LABEL].strip(), []).append(line[LABEL:])
-    return found
+    @property
+    @abstractmethod
+    def sections(self) -> Sequence[Section]:
+        """Sections of the page between set-up and cost."""
 
+    @property
+    @abstractmethod
+    def tables(self) -> Sequence[Table]:
+        """Tables on the terminal."""
 
-def run_summary(outcome: Outcome, headline: Headline, omitted: Parts) -> dict[str, Any]:
-    """Make the part of a summary that runs of both kinds have, SI."""
-    fe_plan, model = outcome.fe_plan, outcome.fe_plan.model
-    return {
-        **vars(headline),
-        "scene": fe_plan.case.scene.name,
-        "version": tailslap.__version__,
-        "passed": outcome.passed,
-        "checks": [asdict(check) for check in outcome.checks],
-        "design_forces": design_ratios(outcome.fe_plan.case, outcome.lateral_force),
-        "chosen": [asdict(decision) for decision in fe_plan.decisions],
-        "cost": run_cost(outcome),
-        "left_out": [{"part": part, "why": why} for part, why in omitted],
-        "plate": {
-            "mass": model.mass,
-            "youngs_modulus": fe_plan.plate.youngs_modulus,
-            "first_frequency": fe_plan.first_frequency,
-            "highest_frequency": model.highest_frequency,
-            "stable_time_step": model.stable_time_step,
-        },
-    }
+    @abstractmethod
+    def omitted(self, pictures: bool) -> Parts:
+        """Return the parts that the scene does without."""
+
+    @abstractmethod
+    def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> Self:
+        """Draw the pictures into a folder, and return the report with them.
+
+        Units and size [pixels] are those of the pictures.
+        """
+
+    @property
+    def causes(self) -> Sequence[str]:
+        """Sentences on the cause of a failure, beside choices of the program."""
+        return ()
+
+    @property
+    def pictures_s(self) -> float | None:
+        """Time for pictures [s], None where it is not reported."""
+        return None
+
+    @property
+    def fields(self) -> Callable[[], FieldSeries] | None:
+        """Function that returns the fields at the instants of the scene.
+
+        None without any.
+        """
+        snapshots = self.outcome.run.snapshots
+        return None if snapshots is None else partial(field_series, self.outcome.fe_plan.model, snapshots)
+
+    def summary(self, pictures: bool) -> dict[str, Any]:
+        """Return the entries of `summary.json` that both kinds of case have, SI."""
+        outcome, fe_plan, model = self.outcome, self.outcome.fe_plan, self.outcome.fe_plan.model
+        return {
+            **vars(self.headline),
+            "scene": fe_plan.case.scene.name,
+            "version": tailslap.__version__,
+            "passed": outcome.passed,
+            "checks": [asdict(check) for check in outcome.checks],
+            "design_forces": design_ratios(fe_plan.case, outcome.lateral_force),
+            "chosen": [asdict(decision) for decision in fe_plan.decisions],
+            "cost": run_cost(outcome),
+            "left_out": [{"part": part, "why": why} for part, why in self.omitted(pictures)],
+            "plate": {
+                "mass": model.mass,
+                "youngs_modulus": fe_plan.plate.youngs_modulus,
+                "first_frequency": fe_plan.first_frequency,
+                "highest_frequency": model.highest_frequency,
+                "stable_time_step": model.stable_time_step,
+            },
+        }
+
+    def written(
+        self, folder: Path, pictures: bool, units: Units = SI, size: tuple[int, int] | None = None
+    ) -> Report:
+        """Write fields and pictures into a folder, and return the report."""
+        if self.fields:
+            write_fields(folder / FILE, self.fields())
+        return (self.drawn(folder, units, size) if pictures else self).composed(pictures)
+
+    def composed(self, pictures: bool) -> Report:
+        """Return the report without writing anything.
+
+        pictures: whether they are requested.
+        """
+        return Report(self.page(pictures), self.summary(pictures), self.terminal, histories=self.histories)
+
+    def page(self, pictures: bool) -> Page:
+        """Return the page, with failed checks first and inputs last."""
+        outcome, fe_plan, case = self.outcome, self.outcome.fe_plan, self.outcome.fe_plan.case
+        chosen = {decision.key: decision.value for decision in fe_plan.decisions}
+        inputs = write.resolved_inputs(case.scene, case.source, fe_plan.plate, chosen)
+        spent = run_cost(outcome)
+        spent |= {} if self.pictures_s is None else {"pictures_s": self.pictures_s}
+        cost = {COST[name][0]: COST[name][1](value) for name, value in spent.items() if name in COST}
+        parts = [{"part": part, "why": why} for part, why in self.omitted(pictures)]
+        omitted = Table((Column("part", "Part"), Column("why", "Why")), parts)
+        sections = [
+            failed_section(outcome.checks, [*chosen_sentences(fe_plan), *self.causes]),
+            Section("Set-up", figures=[case.drawing()]),
+            *self.sections,
+            Section("Cost", tables=[pairs(cost)], is_folded=True),
+            Section("Omitted parts", "" if parts else "None.", tables=[omitted], is_folded=True),
+            Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
+        ]
+        count = sum(check.passed is outcome.passed for check in outcome.checks)
+        checked = f"{count} of {len(outcome.checks)} checks"
+        foot, scene_text = f"{footer()} {self.about}", write.scene_text(case.source)
+        return Page(self.kicker, self.headline, sections, foot, scene_text, outcome.passed, True, checked)
+
+    @property
+    def terminal(self) -> tuple[Table | str, ...]:
+        """Text on the terminal below the headline."""
+        outcome, run = self.outcome, self.outcome.run
+        pictures = "" if self.pictures_s is None else f", pictures {self.pictures_s:.2f} s"
+        return (
+            *(() if outcome.passed else (*self.causes, "")),
+            *self.tables,
+            *(f"Chosen: {decision.text}" for decision in outcome.fe_plan.decisions),
+            passed_text(outcome.checks),
+            f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s{pictures}",
+        )
 
 
 def run_cost(outcome: Outcome) -> dict[str, float | int]:
-    """Sizes and times of a run."""
+    """Return sizes and times of a run."""
     loop = outcome.fe_plan.model.loop
     return {
         "elements": int(loop.table.connectivity.shape[1]),
@@ -174,57 +197,47 @@ def run_cost(outcome: Outcome) -> dict[str, float | int]:
     }
 
 
-def run_page(
-    outcome: Outcome,
-    kicker: str,
-    headline: Headline,
-    sections: Sequence[Section],
-    omitted: Parts,
-    about: str,
-    diagnosis: Sequence[str],
-    drawn: Mapping[str, float] | None = None,
-) -> Page:
-    """Page of a run: failed checks and their diagnosis, set-up, sections, cost with that of pictures, omitted parts and
-    inputs."""
-    fe_plan = outcome.fe_plan
-    scene, source = fe_plan.case.scene, fe_plan.case.source
-    chosen = {decision.key: decision.value for decision in fe_plan.decisions}
-    inputs = write.resolved_inputs(scene, source, fe_plan.plate, chosen)
-    spent = {**run_cost(outcome), **(drawn or {})}
-    spent_text = {COST[name][0]: COST[name][1](value) for name, value in spent.items() if name in COST}
-    parts = [{"part": part, "why": why} for part, why in omitted]
-    left_out = Table((Column("part", "Part"), Column("why", "Why")), parts)
-    record = [
-        Section("Cost", tables=[pairs(spent_text)], is_folded=True),
-        Section("Omitted parts", "" if parts else "None.", tables=[left_out], is_folded=True),
-        Section("Inputs", tables=[Table(INPUTS, inputs)], is_folded=True),
-    ]
-    below, given = f"{footer()} {about}", write.scene_text(source)
-    failed = failed_section(outcome.checks, diagnosis)
-    every = [failed, Section("Set-up", figures=[fe_plan.case.drawing()]), *sections, *record]
-    found = [check for check in outcome.checks if check.passed is outcome.passed]
-    checked = f"{len(found)} of {len(outcome.checks)} checks"
-    return Page(kicker, headline, every, below, given, outcome.passed, True, checked)
+def fe_lines(
+    fe_plan: FePlan, rows: int, contact: Lines, start: str = "", steps: str = "", more: Lines | None = None
+) -> Lines:
+    """Return the texts of `tailslap check` on the FE model.
 
-
-def terminal_text(
-    outcome: Outcome, tables: Sequence[Table], diagnosis: Sequence[str] = (), drawn: str = ""
-) -> tuple[Table | str, ...]:
-    """Text of a run on the terminal, below the headline: tables, decisions, checks and cost.
-
-    diagnosis: cause of a failure; drawn: cost of pictures.
+    rows: of the history; contact: texts on the contact; start, steps: words after masses and number of steps;
+    more: further texts.
     """
-    return (
-        *(() if outcome.passed else (*diagnosis, "")),
-        *tables,
-        *(f"Chosen: {decision.shown}" for decision in outcome.fe_plan.decisions),
-        passed_text(outcome.checks),
-        f"Cost:   {outcome.run.steps} steps in {outcome.run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s{drawn}",
+    model, plate = fe_plan.model, fe_plan.plate
+    elements, step = model.loop.table.connectivity.shape[1], model.loop.time_step
+    mass, modulus = units.measure(model.mass, "kg", ".1f"), units.measure(plate.modulus, "Pa", ".6g")
+    seconds = resources.loop_seconds(
+        fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows
     )
+    chosen = [decision.text for decision in fe_plan.decisions]
+    return {
+        "plate": [
+            f"{elements} elements, {model.loop.mass.size} nodes, {mass}, {plate.element}, "
+            f"{plate.lumping} masses{start}"
+        ],
+        "stiffness": [
+            f"Young's modulus {modulus}, first frequency of the free plate in its plane "
+            f"{fe_plan.first_frequency:.4g} Hz"
+        ],
+        **contact,
+        "time step": [
+            f"{step:.4g} s, {step / model.stable_time_step:.2f} of the stable {model.stable_time_step:.4g} s"
+        ],
+        "steps": [f"{fe_plan.expected_steps} time steps, about {seconds:.2g} s in the time loop{steps}"],
+        **(more or {}),
+        **({"chosen": chosen} if chosen else {}),
+    }
+
+
+def omitted_lines(omitted: Parts) -> Lines:
+    """Return the texts of `tailslap check` on omitted parts."""
+    return {"omitted": [f"{part}: {why}" for part, why in omitted]} if omitted else {}
 
 
 def plate_sentence(fe_plan: FePlan) -> str:
-    """The finite-element model in a sentence."""
+    """Return the finite-element model as a sentence."""
     (along, across), element = fe_plan.plate.counts, fe_plan.plate.element
     frequency = f"first natural frequency {fe_plan.first_frequency:.4g} Hz"
     if fe_plan.case.scene.trailer:
@@ -234,171 +247,5 @@ def plate_sentence(fe_plan: FePlan) -> str:
 
 
 def chosen_sentences(fe_plan: FePlan) -> list[str]:
-    """List the choices of the program as sentences."""
-    return [f"Chosen by the program: {decision.shown}." for decision in fe_plan.decisions]
-
-
-def footer(files: str = "") -> str:
-    """Version, date, command line, and the files beside the page."""
-    typed = typed_command()
-    command = f"`{typed}`" if typed else "from Python"
-    beside = f" Files beside this page: {files}." if files else ""
-    return f"tailslap {tailslap.__version__}, {datetime.date.today().isoformat()}, {command}.{beside}"
-
-
-def study_page(
-    case: Case,
-    kicker: str,
-    headline: Headline,
-    sections: Sequence[Section],
-    files: str,
-    passed: bool | None = None,
-) -> Page:
-    """Page of a study of a case; files: those beside it."""
-    every = [Section("Set-up", figures=[case.drawing()]), *sections]
-    return Page(kicker, headline, every, footer(files), case.source.text, passed)
-
-
-def study_summary(study: str, case: Case) -> dict[str, Any]:
-    """Begin the summary of a study."""
-    return {"study": study, "scene": case.scene.name, "version": tailslap.__version__}
-
-
-def design_ratios(case: Case, lateral: float) -> list[dict[str, Any]]:
-    """Design forces of the scene's test level, and a lateral force [N] over each; none without a test level."""
-    impact = case.scene.impact
-    return [
-        {"name": name, "force": each.force, "ratio": lateral / each.force, "source": each.source}
-        for name, each in known_forces(impact.test_level if impact else None).items()
-    ]
-
-
-OF_TRACTORS = ("TL-5", "TL-6")
-"""Test levels of tractors with trailers, whose forces stand beside each other."""
-
-
-def known_forces(level: str | None) -> dict[str, DesignForce]:
-    """Design forces of a test level by name, of tractors with trailers those of both levels."""
-    levels = OF_TRACTORS if level in OF_TRACTORS else (level,) if level else ()
-    return {f"{each.name}, {one}": each for one in levels for each in design_forces(one)}
-
-
-def design_table(case: Case, lateral: float) -> Table:
-    """Table of design forces, which names the force [N] whose ratio to them it shows."""
-    name, force, ratio, source = DESIGN
-    ratio = replace(ratio, label=f"{case.force_name} / design")
-    return Table((name, force, ratio, source), design_ratios(case, lateral))
-
-
-def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
-    """Strikes of each model, as its summary has them, in order of time."""
-    rows: list[dict[str, Any]] = [
-        {"point_of_attack": None, **strike, "model": model, "number": n}
-        | {"title": f"{n} {strike['corner']}{CUT if strike.get('cut') else ''}"}
-        for model, its in strikes.items()
-        for n, strike in enumerate(its, 1)
-    ]
-    notes = (ATTACK, *([AT_LEAST] if any(row.get("cut") for row in rows) else []))
-    return Table(STRIKES, sorted(rows, key=lambda row: row["number"]), notes=notes)
-
-
-def short(table: Table) -> Table:
-    """A table for the terminal, without its last column, which is long."""
-    return Table(table.columns[:-1], table.rows)
-
-
-def failed_section(checks: Sequence[Check], diagnosis: Sequence[str]) -> Section:
-    """The checks that failed with their remedies, and the diagnosis; empty if none failed."""
-    rows = [as_read(vars(check)) for check in checks if not check.passed]
-    title, sentences = "Failed checks and remedies", diagnosis if rows else ()
-    return Section(title, tables=[Table(FAILED, rows)], sentences=sentences)
-
-
-def passed_text(checks: Sequence[Check]) -> str:
-    """Number of checks that passed, as a sentence."""
-    return f"Checks: {sum(check.passed for check in checks)} of {len(checks)} passed"
-
-
-def checks_section(checks: Sequence[Check], groups: Mapping[str, str]) -> Section:
-    """All checks by the group of each name, which is the title of its table."""
-    tables = []
-    for title in dict.fromkeys(groups.get(check.name, "Others") for check in checks):
-        own = [check for check in checks if groups.get(check.name, "Others") == title]
-        marks = {number: "failed" for number, check in enumerate(own) if not check.passed}
-        tables.append(Table(CHECKS, [as_read(vars(check)) for check in own], title, marks=marks))
-    return Section(passed_text(checks), tables=tables, is_folded=True)
-
-
-def field_series(model: PlateModel, snapshots: Snapshots) -> series.FieldSeries:
-    """Displacement, velocity, stress and energy density at the kept instants."""
-    cell_type, cells = _cells(model)
-    nodes = int(cells.max()) + 1
-    place = _rigid_place(model, snapshots.positions[0])
-    rigid = np.array([_rigid_place(model, positions) for positions in snapshots.positions])
-    nodal = {
-        "displacement": snapshots.positions - place,
-        "elastic_displacement": snapshots.positions - rigid,
-        "velocity": snapshots.velocities,
-    }
-    return series.FieldSeries(
-        cell_type,
-        place.T[:nodes].copy(),
-        cells,
-        snapshots.t,
-        {name: np.ascontiguousarray(field.transpose(0, 2, 1)[:, :nodes]) for name, field in nodal.items()},
-        element_fields(model, snapshots.positions),
-    )
-
-
-def series_of_ends(outcome: Any) -> series.FieldSeries:
-    """Fields at the start and at the tail-slap of a run that reached it."""
-    from fem.run.observers import Snapshots
-
-    plan, strike = outcome.fe_plan, outcome.run.strike
-    start = start_kinds.start_fields(plan.model, plan.start, plan.plate.start)
-    states = zip(start, (strike.positions, strike.velocities), strict=True)
-    return field_series(plan.model, Snapshots(np.array([0.0, strike.values["t"]]), *map(np.array, states)))
-
-
-def keep_fields(outcome: Any, folder: Path) -> None:
-    """Write the fields of a run into the folder, where some were kept."""
-    if outcome.run.snapshots is not None:
-        series.write_fields(folder / series.FILE, field_series(outcome.fe_plan.model, outcome.run.snapshots))
-
-
-def _cells(model: PlateModel) -> tuple[str, np.ndarray]:
-    """Type and nodes of the elements; the corners alone of one that other programs do not know."""
-    scalar = model.discretisation.scalar
-    element = type(scalar.elem).__name__
-    kind = next((kind for kind in ELEMENT_KINDS.values() if kind.element == element), None)
-    if kind and kind.cell_type:
-        return kind.cell_type, np.ascontiguousarray(model.loop.table.connectivity.T)
-    cells = model.discretisation.cells
-    return ("quad" if cells.shape[1] == 4 else "triangle"), np.ascontiguousarray(cells)
-
-
-def _rigid_place(model: Any, positions: np.ndarray) -> np.ndarray:
-    """The unstrained plate where it fits these positions best, by mass, shape (2, nodes) [m]."""
-    fraction = model.loop.mass / model.loop.mass.sum()
-    body = model.discretisation.positions
-    body = body - (body @ fraction)[:, None]
-    centre = (positions @ fraction)[:, None]
-    (a, b), (c, d) = (fraction * (positions - centre)) @ body.T
-    angle = np.arctan2(c - b, a + d)
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return np.asarray(centre + np.array([[cosine, -sine], [sine, cosine]]) @ body)
-
-
-def element_fields(model: PlateModel, positions: np.ndarray) -> dict[str, np.ndarray]:
-    """Fields of the elements at positions of the nodes, shape (instants, 2, nodes) [m]: shape (instants, elements)."""
-    from fem.stability.element_stress import element_stress
-
-    found = np.array([element_stress(model, each) for each in positions])
-    s_xx, s_yy, s_xy, density = found.transpose(1, 0, 2)
-    middle, radius = 0.5 * (s_xx + s_yy), np.hypot(0.5 * (s_xx - s_yy), s_xy)
-    return {
-        "stress_von_mises": np.sqrt(middle**2 + 3.0 * radius**2),
-        "stress_principal_1": middle + radius,
-        "stress_principal_2": middle - radius,
-        "strain_energy_density": density,
-    }
+    """Return the choices of the program as sentences."""
+    return [f"Chosen by the program: {decision.text}." for decision in fe_plan.decisions]

@@ -16,7 +16,7 @@ from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.svg.chart import FULL, PART, Chart
 from postprocess.units import SI, percent
-from tailslap.case.run_report import footer
+from tailslap.case.report_parts import footer
 from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
 from tailslap.errors import InputError, Verbatim, one_of
 

@@ -21,7 +21,7 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section, page_text
 from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.units import percent
-from tailslap.case.run_report import footer
+from tailslap.case.report_parts import footer
 from tailslap.comparing.report import METRICS, WORDS, Comparison
 from tailslap.comparing.source import Item
 

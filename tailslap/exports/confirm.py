@@ -22,7 +22,7 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.units import percent, percent_up
-from tailslap.case.run_report import study_page
+from tailslap.case.report_parts import study_page
 from tailslap.comparing.report import compare_items, compare_report
 from tailslap.comparing.source import Item
 from tailslap.exports import calculix

@@ -21,7 +21,7 @@ from postprocess.svg import chart, marks
 from postprocess.units import MPH, percent, percent_up
 from tailslap import progress
 from tailslap.arguments import checked_arguments
-from tailslap.case.run_report import footer
+from tailslap.case.report_parts import footer
 from tailslap.replication import paper_values, tables
 from tailslap.replication.paper_values import KM_PER_HOUR, START
 from tailslap.replication.tables import FIGURES, Numbers

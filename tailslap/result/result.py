@@ -374,8 +374,8 @@ def of_run(summary: dict[str, Any], partial: Result) -> Result:
 
 def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     """Return tables of the results and of failed checks of a run."""
-    from tailslap.case.case import as_read
-    from tailslap.case.run_report import CHECKS, TAIL_SLAP, strikes_table
+    from tailslap.case.check import printed_check
+    from tailslap.case.report_parts import CHECKS, TAIL_SLAP, strikes_table
 
     fe, rigid = summary["fe"], summary["rigid"]
     tables = {}
@@ -384,5 +384,5 @@ def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     elif all(fe[key] is not None for key in quantities.KEYS):
         columns = tuple(replace(c, form=".7g") if c.key in ("fe", "rigid") else c for c in TAIL_SLAP)
         tables["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid, None))
-    failed = [as_read(check) for check in summary["checks"] if not check["passed"]]
+    failed = [printed_check(check) for check in summary["checks"] if not check["passed"]]
     return tables | ({"Failed checks": Table(CHECKS, failed)} if failed else {})

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tailslap.case.case import CheckKind, Evaluation
+from tailslap.case.check import CheckKind, Evaluation
 from tailslap.case.corner.corner_checks import CHECKS
 from tailslap.case.corner.outcome import CornerOutcome
 

@@ -12,11 +12,11 @@ import pytest
 
 from fem.laws.friction import FRICTION_LAWS, Drag, Signed
 from fem.run.corner import Stepper
-from tailslap.case.case import evaluated
+from tailslap.case.check import evaluated
 from tailslap.case.corner import static_models
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_checks import CHECKS
-from tailslap.case.corner.numerical_error import LATE, SAFETY, Companion, distance_in_motion, mesh_error
+from tailslap.case.corner.numerical_error import PART, SAFETY, Companion, distance_in_motion, mesh_error
 from tailslap.scene.read import read_scene
 
 METRICS = {
@@ -339,8 +339,8 @@ def test_oscillations_that_agree_by_chance_at_the_strike(result):
     The root mean square distance is the amplitude.
     """
     t, end = result.fe_history["t"], result.fe_history["t"][-1]
-    swing = 1e-3 * result.rigid["omega"] * np.cos(10.0 * np.pi * (t / end - 1.0) / LATE)
-    faster = 1e-3 * result.rigid["omega"] * np.cos(14.0 * np.pi * (t / end - 1.0) / LATE)
+    swing = 1e-3 * result.rigid["omega"] * np.cos(10.0 * np.pi * (t / end - 1.0) / PART)
+    faster = 1e-3 * result.rigid["omega"] * np.cos(14.0 * np.pi * (t / end - 1.0) / PART)
     rigid = result.rigid_history
     ours, its = (({**rigid, "omega": rigid["omega"] + wave}, rigid) for wave in (swing, faster))
     apart = distance_in_motion(ours, its, result.rigid, False)

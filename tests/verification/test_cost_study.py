@@ -118,7 +118,7 @@ def test_finite_elements_are_measured_and_refusals_noted():
     found = measure(base, Setting(FE, "mesh", "6 x 2", {"plate.elements": (6, 2)}))
     assert len(found["loop"]) == len(found["setup"]) >= 2
     assert found["failed"] == []
-    own = case_of(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))).run()
+    own = CornerCase(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))).run()
     assert found["values"] == own.fe
     exact = vary(base, {"corner.constraint": "exact"})[1]
     refused = measure(exact, Setting(FE, "p", "p", {"corner.penalty_scale": 3.0}))
@@ -130,7 +130,7 @@ def test_time_step_converges_with_order_two():
     values = []
     for factor in (0.225, 0.45, 0.9):
         changes = ("plate.elements=[6,2]", f"time.safety_factor={factor}")
-        values.append(case_of(*read_scene("paper-abaqus", changes)).run().fe)
+        values.append(CornerCase(*read_scene("paper-abaqus", changes)).run().fe)
     for name in ("t", "slide"):
         coarse, middle, fine = (v[name] for v in values)
         found = grid_convergence((coarse, middle, fine), (2.0, 2.0))
@@ -144,7 +144,7 @@ def test_patch_converges_with_the_mesh_and_a_point_does_not(patch, converges):
     values = []
     for n in (80, 40, 20):
         changes = (*soft, f"plate.elements=[{n},{3 * n // 10}]")
-        values.append(case_of(*read_scene("paper-abaqus", changes)).run().fe["v_gy"])
+        values.append(CornerCase(*read_scene("paper-abaqus", changes)).run().fe["v_gy"])
     found = grid_convergence((values[0], values[1], values[2]), (2.0, 2.0))
     assert (found.behaviour == "converging") == converges
     if converges:

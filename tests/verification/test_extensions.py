@@ -27,8 +27,9 @@ from machine_code.folder import cache_folder
 from postprocess.report.command_report import write_report
 from solver import REACTIONS
 from tailslap.campaign.random_scenes import choices_of
-from tailslap.case.corner import corner_case, corner_report
+from tailslap.case.corner import corner_case
 from tailslap.case.corner.corner_checks import CHECKS
+from tailslap.case.corner.corner_report import CornerReport
 from tailslap.case.resources import loop_seconds
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
@@ -79,7 +80,7 @@ def plate_result(registered):
 @pytest.fixture(scope="module")
 def folder(result, tmp_path_factory):
     place = tmp_path_factory.mktemp("results")
-    write_report(corner_report.corner_report(result, pictures=False), place)
+    write_report(CornerReport(result).composed(pictures=False), place)
     return place
 
 
@@ -126,7 +127,7 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
     assert model.mass == pytest.approx(53.0 * 7.8 * 24.38, rel=1e-12)
     assert max(map(abs, plate_result.difference.values())) < 0.02
     assert plate_result.run.history["gap"][0] == pytest.approx(statics(model, fe_plan.start).gap, rel=1e-6)
-    write_report(corner_report.corner_report(plate_result, pictures=False), tmp_path)
+    write_report(CornerReport(plate_result).composed(pictures=False), tmp_path)
     page = (tmp_path / "report.html").read_text()
     texts = ["quad8", "unstrained, its corner pressed into the constraint"]
     texts += ["it is that of the scaled diagonal"]
@@ -149,7 +150,7 @@ def test_cost_and_draw_weight_are_fields_of_an_element():
 
 
 def test_a_check_from_outside_can_fail(result):
-    from tailslap.case.case import evaluated
+    from tailslap.case.check import evaluated
 
     history = result.run.history | {"height": -result.run.history["height"]}
     checks = evaluated(CHECKS.values(), replace(result, run=replace(result.run, history=history)))

@@ -13,7 +13,7 @@ from tailslap.case.corner import corner_run as corner_run
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact import run as impact_run
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.run_report import field_series
+from tailslap.case.run_fields import field_series
 from tailslap.scene.read import read_scene
 
 KEPT = "output.fields=6"
@@ -115,7 +115,7 @@ def test_cells_name_their_nodes_in_the_order_of_other_programs(element, cell_typ
         elements=(6, 2), mesh=plate_mesh(10.0, 2.438, (6, 2), cells), plate={"element": element}
     )
     positions = model.discretisation.positions
-    from tailslap.case.run_report import _cells
+    from tailslap.case.run_fields import _cells
 
     kind, connectivity = _cells(model)
     assert (kind, connectivity.shape[1]) == (cell_type, nodes)

@@ -15,7 +15,7 @@ from postprocess.svg.marks import Outline, Words
 from postprocess.units import KIP, SI, US, force, percent_up
 from tailslap import cli
 from tailslap.case import case_of
-from tailslap.case import run_report as shared
+from tailslap.case import report_parts as shared
 from tailslap.case.corner import corner_report as corner
 from tailslap.case.impact import report as impact
 from tailslap.scene.read import read_scene, shipped_scenes
@@ -219,7 +219,7 @@ def test_python_and_terminal_open_alike(capsys):
 
 
 def test_pages_are_in_the_units_of_their_reader(outcome):
-    made = corner.corner_report(outcome("mash-tl4-sut"), pictures=False)
+    made = corner.CornerReport(outcome("mash-tl4-sut")).composed(pictures=False)
     page = made.in_units(US).page
     assert "147 kip" in page.headline.answer
     assert "9979 kg vehicle at 56 mph" in page.headline.title
@@ -243,7 +243,7 @@ def test_ratios_and_the_other_restitution_are_named(outcome):
 
 def test_headings_name_what_is_drawn(outcome, tmp_path):
     """No force along the side without a layer there; positions grow more opaque, in light and dark."""
-    page = impact.filled_report(outcome("impact-mash-tl4-sut"), tmp_path, False).page
+    page = impact.ImpactReport(outcome("impact-mash-tl4-sut")).written(tmp_path, False).page
     titles = [section.title for section in page.sections]
     assert "Energy" in titles
     assert not [title for title in titles if "along the side" in title]

@@ -453,7 +453,7 @@ def test_a_run_fails_only_where_the_error_is_above_what_was_asked():
 def test_errors_are_reported_of_each_quantity():
     outcome = whole()
     assert set(outcome.mesh_error) == {f"strike_{k}.{name}" for k in (1, 2) for name in error.QUANTITIES}
-    assert report.summary(outcome, False)["numerical_error"]["mesh"] == outcome.mesh_error
+    assert report.ImpactReport(outcome).summary(False)["numerical_error"]["mesh"] == outcome.mesh_error
     table = report.errors_table(outcome)
     assert [row["strike"] for row in table.rows] == ["1 front", "2 rear"]
     assert [column.text(table.rows[1]) for column in table.columns[1:]] == [

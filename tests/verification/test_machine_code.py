@@ -497,4 +497,4 @@ def test_run_and_check_say_that_one_thread_is_used():
     fe_plan = plan.plan()
     assert fe_plan.case.scene.time.threads == 1
     assert [decision.key for decision in fe_plan.decisions] == ["time.threads"]
-    assert fe_plan.decisions[0].shown.startswith("time.threads = 1: 2 were requested; ")
+    assert fe_plan.decisions[0].text.startswith("time.threads = 1: 2 were requested; ")

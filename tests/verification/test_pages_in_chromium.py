@@ -13,7 +13,7 @@ from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Plot, draw_chart
 from postprocess.svg.marks import Line, look
-from tailslap.case.corner.corner_report import corner_report
+from tailslap.case.corner.corner_report import CornerReport
 from tailslap.cli import _status
 
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
@@ -68,7 +68,7 @@ def test_nothing_is_wrong_with_a_small_page(browser, page):
 
 @pytest.mark.long
 def test_nothing_is_wrong_with_the_page_of_a_run(browser, tmp_path, outcome):
-    path = write_page(tmp_path / "report.html", corner_report(outcome("mash-tl4-sut"), pictures=False).page)
+    path = write_page(tmp_path / "report.html", CornerReport(outcome("mash-tl4-sut")).page(pictures=False))
     assert wrong(looked.look(browser, "run", path)) == {}
 
 

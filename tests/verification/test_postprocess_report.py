@@ -26,8 +26,9 @@ from postprocess.report.tables import Column, Table, columns, listed, pairs, tex
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart, draw_legend
 from postprocess.svg.marks import PALETTE, Line, Swatch
 from postprocess.units import duration, grouped, known, number, percent_up, shown
-from tailslap.case.corner.corner_report import corner_report, diagnosis, prediction
-from tailslap.case.run_report import DESIGN
+from tailslap.case.corner.corner_report import CornerReport
+from tailslap.case.report_parts import DESIGN
+from tailslap.case.run_report import chosen_sentences
 from tailslap.cli import _status
 from tailslap.result.load import read_history
 
@@ -228,7 +229,7 @@ def test_a_record_without_the_entry_is_an_error():
 
 
 def run_page(made, folder):
-    report = corner_report(made, pictures=False)
+    report = CornerReport(made).composed(pictures=False)
     write_report(report, folder)
     return Parsed((folder / "report.html").read_text(encoding="utf-8"))
 
@@ -252,7 +253,7 @@ def test_the_page_of_a_run_holds_its_numbers(outcome, tmp_path):
 def test_files_hold_the_force_and_its_ratio_to_design_forces(outcome):
     """Stage 3: a triangular pulse that takes all of m v_GY in 0.1 s."""
     made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
-    summary = corner_report(made, pictures=False).summary
+    summary = CornerReport(made).summary(pictures=False)
     force = 2.0 * 9979.0 * abs(made.fe["v_gy"]) / 0.1
     assert summary["peak_force"]["fe"] == pytest.approx(force, rel=1e-12)
     assert summary["peak_force"]["rigid"] == summary["stage3"]["peak_force"]
@@ -275,7 +276,7 @@ def test_a_failed_run_says_so(outcome, tmp_path):
         prose.NO_BREAK, " "
     )
     assert "Failed checks and remedies" in page.text
-    for said in (*first.advice.split("; "), *diagnosis(made)):
+    for said in (*first.advice.split("; "), *chosen_sentences(made.fe_plan), *CornerReport(made).causes):
         plain = re.sub("<[^>]+>", "", html.unescape(str(prose.prose(said))))
         assert plain.replace(prose.NO_BREAK, " ") in page.text
     assert "not a number" in page.text
@@ -284,12 +285,13 @@ def test_a_failed_run_says_so(outcome, tmp_path):
 
 def test_the_terminal_tells_once_what_was_chosen(outcome):
     made = outcome("mash-tl4-sut", "impact.speed=20 m/s", "plate.start=unstressed")
-    shown_ones = [decision.shown for decision in made.fe_plan.decisions]
+    shown_ones = [decision.text for decision in made.fe_plan.decisions]
     failed = replace(made.checks[0], passed=False)
-    said = corner_report(replace(made, checks=(failed, *made.checks[1:])), pictures=False).terminal
+    said = CornerReport(replace(made, checks=(failed, *made.checks[1:]))).terminal
     text = "\n".join(line for line in said if isinstance(line, str))
     assert [text.count(each) for each in shown_ones] == [1] * len(shown_ones) != []
-    assert prediction(made) in text
+    (cause,) = CornerReport(made).causes
+    assert cause in text
 
 
 def whole(name):
@@ -328,7 +330,7 @@ def test_numbers_are_set_as_in_print(text, expected):
 def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
     """Forces, design forces and the five quantities before all else; no more than 60 numbers are in the open."""
     made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
-    report = corner_report(made, pictures=False)
+    report = CornerReport(made).composed(pictures=False)
     set_up, forces, quantities, *_ = (section for section in report.page.sections if not section.is_empty)
     titles = set_up.title, forces.title, quantities.title
     assert titles == ("Set-up", "Peak lateral force", "At the tail-slap")
@@ -343,7 +345,7 @@ def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
 
 
 def test_the_page_shows_the_scene_as_it_was_run(outcome):
-    text = corner_report(outcome("mash-tl4-sut", "impact.speed=20 m/s"), pictures=False).page.scene_text
+    text = CornerReport(outcome("mash-tl4-sut", "impact.speed=20 m/s")).page(pictures=False).scene_text
     given = tomllib.loads(text)
     assert given["impact"]["speed"] == "20 m/s"
     assert "56 mph" not in text
@@ -397,7 +399,7 @@ def any_page(request, tmp_path_factory, outcome):
         flutter = ("impact.friction=0.8", "corner.penalty_scale=3", "damping.kind=none")
         made = outcome("mash-tl4-sut", *(flutter if request.param == "failed" else ()))
         place.mkdir()
-        pages.write_page(place / "report.html", corner_report(made, pictures=False).page)
+        pages.write_page(place / "report.html", CornerReport(made).page(pictures=False))
         return Parsed((place / "report.html").read_text(encoding="utf-8"))
     commands = {
         "impact": ("run", "impact-mash-tl4-sut", "--no-pictures"),

@@ -113,7 +113,7 @@ def test_the_first_offending_row_is_named():
     with pytest.raises(RigidBodyError, match=r"omega is -1 at index \(1, 1\), but"):
         tail_slap(TRUCK, 0.26, omega, 25.0, 0.47)
     friction = np.array([0.1, 0.2, 1.9])
-    message = r"friction is 1.9 at index 2, .*\(beta <= phi = 0.499.* rad\); .*cot\(phi\) = 1.83"
+    message = r"friction is 1.9 at index 2, .*\(beta <= phi = 0.499.* rad \(28.6 deg\)\); .*cot\(phi\) = 1.83"
     with pytest.raises(RigidBodyError, match=message):
         impact(friction=friction)
     bodies = RectangularBody(10.0, np.array([[2.0], [5.0]]), 9979.0)

@@ -27,7 +27,7 @@ from tailslap.campaign import random_scenes
 from tailslap.campaign.engine import run_parts
 from tailslap.campaign.records import Journal, count
 from tailslap.case import case_of
-from tailslap.case.case import Check
+from tailslap.case.check import Check
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_checks import CHECKS
 from tailslap.case.corner.numerical_error import NumericalError

@@ -12,7 +12,7 @@ from postprocess.comparison.quantities import largest
 from tailslap.case.corner import decisions
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_checks import rings
-from tailslap.case.corner.corner_run import attempt, damped_alike, damped_freely, on_plate
+from tailslap.case.corner.corner_run import attempt, on_plate, with_damping_of, with_open_damping
 from tailslap.case.corner.numerical_error import CORRUPTED
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.plate_input import comparable_plate, refined
@@ -119,7 +119,7 @@ def test_a_companion_is_damped_where_the_scene_forbids_it(outcome):
     soft = ("plate.youngs_modulus=", "plate.first_frequency=92 Hz", "corner.penalty_scale=1")
     rest = ("corner.patch_length=3.6", "impact.restitution=0.19", "damping.kind=none")
     result = outcome("mash-tl4-sut", *vehicle, *plate, *soft, *rest)
-    alike = attempt(damped_alike(on_plate(result.fe_plan, refined(result.fe_plan.plate)), result.fe_plan))
+    alike = attempt(with_damping_of(result.fe_plan, on_plate(result.fe_plan, refined(result.fe_plan.plate))))
     assert result.fe_plan.model.loop.elastic_damping is None
     assert rings(alike)
     assert result.passed
@@ -130,7 +130,7 @@ def test_a_companion_is_damped_where_the_scene_forbids_it(outcome):
 def test_only_the_kind_of_damping_is_left_open():
     rate = ("damping.kind=elastic-velocity", "damping.rate=20")
     for given, left in ((("damping.kind=none",), None), (rate, None), ((*rate, "damping.ratio=0.1"), 0.1)):
-        plan = damped_freely(CornerCase(*read_scene("paper-table-3", given)))
+        plan = with_open_damping(CornerCase(*read_scene("paper-table-3", given)))
         assert (plan.scene.damping and plan.scene.damping.ratio) == left
         assert plan.scene.damping is None or plan.scene.damping.kind is None
 
@@ -167,7 +167,7 @@ def test_meshes_are_doubled_until_the_error_meets_it():
     assert check_of(result).passed
 
 
-@pytest.mark.parametrize(("bound", "value"), [("case.MOST_ELEMENTS", 400), ("cost.MAX_SECONDS", 1e-2)])
+@pytest.mark.parametrize(("bound", "value"), [("case.MOST_ELEMENTS", 400), ("resources.MAX_SECONDS", 1e-2)])
 def test_a_tolerance_out_of_reach_ends_with_a_check_that_fails(monkeypatch, bound, value):
     monkeypatch.setattr(f"tailslap.case.{bound}", value)
     result = case_of("paper-table-3", *COARSE).run(1e-7)

@@ -89,7 +89,7 @@ def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
     assert corners == ["front", "trailer front", "trailer rear"]
     (hinge,), table = outcome.hinge_error, report.hinges_table(outcome)
     assert 1e-3 < hinge < 0.05
-    assert report.summary(outcome, pictures=False)["numerical_error"]["hinges"] == [hinge]
+    assert report.ImpactReport(outcome).summary(pictures=False)["numerical_error"]["hinges"] == [hinge]
     assert [(row["model"], row["error"]) for row in table.rows] == [("FE", hinge), ("rigid", None)]
     finer = case(
         plate__elements=(24, 8), plate__element="quad9", time__end=1.0, verify__companion=False
@@ -142,7 +142,7 @@ def test_a_train_whose_hinge_is_not_known_fails():
     assert "trailer.hitch_length" in failed.advice
     assert checks.failed_but_mesh(outcome) == ()
     assert "hinge forces to 3.2 % (limit 2 %)" in report.headline(outcome).certainty
-    assert ImpactCase.stated_error(outcome) == 0.0312
+    assert outcome.stated_error == 0.0312
     unknown = checks.impact_checks(replace(sure, hinge_error=[]))
     assert [check.name for check in unknown if not check.passed] == ["error of hinge force"]
 

@@ -1,4 +1,4 @@
-"""CornerPlan: what a run of a constrained corner integrates, its open ends decided."""
+"""Plan of a run of a constrained corner."""
 
 from __future__ import annotations
 
@@ -23,24 +23,26 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CornerPlan(FePlan):
-    """Model of a run, and how far it may be from a rigid plate; the scene of its case has no open ends.
+    """The model of a run, with estimates of its flexibility.
+
+    The scene of its case has no open keys.
 
     Attributes
     ----------
-    asked : RigidStages
-        The case as given.
+    original : RigidStages
+        The case before the decisions.
     growth : decisions.Growth
-        Of the fastest mode by friction.
+        Predicted growth of oscillations.
     deflection_ratio : float
         Static deflection under the reaction at the start over the centre's travel to the wall [-].
     locks : bool
-        True where elements of higher order would deflect by more than a little else.
+        Whether elements of higher order would change the static deflection noticeably.
     rang : bool
-        True where a run with less damping rang.
+        Whether a run with less damping oscillated.
     """
 
     case: RigidStages
-    asked: RigidStages
+    original: RigidStages
     growth: decisions.Growth
     deflection_ratio: float
     locks: bool
@@ -53,12 +55,12 @@ class CornerPlan(FePlan):
 
     @cached_property
     def first_frequency(self) -> float:
-        """First elastic frequency of the free plate in its plane [Hz], as given or computed."""
+        """First elastic frequency of the free plate in its plane [Hz]."""
         return self.plate.first_frequency or super().first_frequency
 
     @property
     def wall(self) -> meshio.Mesh | None:
-        """The wall's mesh, with the middle of the corner's path in its middle: for pictures, the wall is rigid."""
+        """Mesh of the wall for pictures, centred on the corner's path."""
         wall, slide = self.case.scene.wall, self.case.motion.strike.slide
         if wall is None:
             return None
@@ -66,37 +68,41 @@ class CornerPlan(FePlan):
 
     @cached_property
     def damping_lag(self) -> float:
-        """Distance by which the damping of elastic velocities holds the corner back, over the centre's travel."""
+        """Deflection by damping over the centre's travel to the wall [-]."""
         from fem.start.inertia_relief import damping_lag
 
         return damping_lag(self.model, self.start) / centre_travel(self.case)
 
     @cached_property
     def elastic_energy(self) -> float:
-        """Energy [J] of the quasi-static elastic state at the start, the corner's spring included."""
+        """Energy of the static elastic state at the start [J].
+
+        It includes that of the corner's spring.
+        """
         from fem.start.inertia_relief import elastic_energy
 
         return elastic_energy(self.model, self.start)
 
     @cached_property
     def spring_ratio(self) -> float:
-        """Deflection of the corner's spring at the start over the centre's travel to the wall; 0 where there is
-        none."""
+        """Deflection of the spring over the centre's travel to the wall [-].
+
+        It is 0 without a spring.
+        """
         stiffness = self.model.loop.corner.stiffness
         normal = self.case.motion_of_mass(self.model.mass).at(0.0).reaction_normal
         return abs(float(normal)) / stiffness / centre_travel(self.case)
 
 
 def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan:
-    """Decide what the scene leaves open, mesh and assemble.
+    """Decide open keys, and make the model of a run.
 
     Parameters
     ----------
     case : RigidStages
-        With [plate].
+        Case of a scene with [plate].
     more_damping : float
-        Factor on the damping that is predicted to be needed [-]; above 1 the first run rang, see
-        `decisions.open_damping`.
+        Factor on the predicted damping [-]; above 1 after a run that oscillated, see `decisions.open_damping`.
 
     Returns
     -------
@@ -110,7 +116,7 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     """
     from fem.model import plate_model
 
-    asked = case
+    original = case
     mesh, chosen = decisions.decide_mesh(case, case.scene.needed_plate)
     plate = mesh.plate
     case = case.with_changes({"plate.elements": plate.elements, "plate.element": plate.element})
@@ -136,7 +142,7 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
         plate=plate,
         decisions=chosen + threads + constraint + damping,
         model=model,
-        asked=asked,
+        original=original,
         growth=growth,
         deflection_ratio=ratio,
         locks=not mesh.fine_enough,
@@ -145,12 +151,12 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
 
 
 def _completed(case: RigidStages, mesh: decisions.Mesh, normal: float) -> tuple[PlateModel, decisions.Growth]:
-    """The model with the constraint and all that a run needs, and what is predicted to grow in it."""
+    """Return the finished model and the predicted growth of oscillations."""
     from fem.model import plate_model
 
     plate, corner, step = fe_input(case, mesh.plate)
-    held = plate_model.with_constraint(mesh.model, plate, corner)
-    model = plate_model.finished_model(held, plate, corner, step)
+    constrained = plate_model.with_constraint(mesh.model, plate, corner)
+    model = plate_model.finished_model(constrained, plate, corner, step)
     demand_steps(case.scene, case.duration, model)
     return model, decisions.predict_growth(case, mesh.plate, model, normal)
 

@@ -1,41 +1,43 @@
-"""Texts on a constrained corner: headline of a run, its page, summary and terminal text, lines of `tailslap check`."""
+"""Report of a constrained corner, with texts of `tailslap check`."""
+
+from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.laws import constraints, friction, materials
 from fem.plate import kinds
 from fem.start import start_kinds
 from postprocess.comparison import quantities
-from postprocess.report import tables
-from postprocess.report.command_report import Report
+from postprocess.fields.series import FieldSeries
 from postprocess.report.page import Headline, Section
-from postprocess.report.tables import Column, Table
-from postprocess.units import SI, Units, measure, percent_up
-from tailslap.case import run_report
-from tailslap.case.case import failed_names, failed_sentence, unreliable
+from postprocess.report.tables import Column, Table, pairs
+from postprocess.units import Units, measure, percent_up
+from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.corner import corner_checks, decisions, rigid_stages
 from tailslap.case.corner.corner_figures import curves, draw_pictures, shown_pictures
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.numerical_error import FLOOR
 from tailslap.case.corner.outcome import CornerOutcome
+from tailslap.case.corner.rigid_stages import RigidStages
+from tailslap.case.report_parts import PEAKS, TAIL_SLAP, checks_section, design_table, short
+from tailslap.case.run_fields import series_of_ends
+from tailslap.case.run_report import (
+    FeReport,
+    Lines,
+    chosen_sentences,
+    fe_lines,
+    omitted_lines,
+    plate_sentence,
+)
 from tailslap.scene.schema import Scene
-
-KICKER = "Constrained corner: finite elements compared with the exact rigid-body solution"
-FOOTER = "SI units; X along the wall in the driving direction, Y away from it, ω positive where it closes the angle."
-GROUPS = {
-    **{kind.name: "Mechanics" for kind in corner_checks.MECHANICS},
-    **{kind.name: "Work of the contact" for kind in corner_checks.CONTACT},
-    **{
-        kind.name: "Customary in crash analysis"
-        for kind in (corner_checks.ENERGY_RATIO, *corner_checks.PRACTICE)
-    },
-}
-"""Under which heading a check stands."""
 
 PAPER = (
     Column("paper_analytical", "Paper, analytical", form=".5g", style="soft", unit_key="quantity.unit"),
@@ -56,121 +58,146 @@ METRICS_NOTE = (
 )
 
 
-def filled_report(
-    outcome: CornerOutcome,
-    folder: Path,
-    pictures: bool,
-    units: Units = SI,
-    size: tuple[int, int] | None = None,
-) -> Report:
-    """Report of a run; its fields and pictures, in these units and of this size [pixels], go into the folder."""
-    run_report.keep_fields(outcome, folder)
-    return corner_report(draw_pictures(outcome, folder, units, size) if pictures else outcome, pictures)
+@dataclass(frozen=True)
+class CornerReport(FeReport):
+    """The report of a run of a constrained corner."""
+
+    outcome: CornerOutcome
+
+    kicker = "Constrained corner: finite elements compared with the exact rigid-body solution"
+    about = "SI units; X along the wall in the driving direction, Y away from it, ω positive where it closes the angle."
+
+    @property
+    def headline(self) -> Headline:
+        """Peak force of the tail-slap, the set-up, and its accuracy."""
+        return headline(self.outcome)
+
+    @property
+    def histories(self) -> dict[str, dict[str, NDArray[np.float64]]]:
+        """Histories of plate and rigid body by file name, shape (rows,)."""
+        return {"history.csv": self.outcome.fe_history, "rigid.csv": self.outcome.rigid_history}
+
+    @property
+    def tables(self) -> list[Table]:
+        """Forces and quantities at the tail-slap."""
+        peaks, design = _forces(self.outcome)
+        return [peaks, short(design), comparison(self.outcome, " ")]
+
+    @property
+    def causes(self) -> list[str]:
+        """The predicted oscillations."""
+        return [f"Flutter {flutter_sentence(self.outcome.fe_plan)}."]
+
+    @property
+    def pictures_s(self) -> float:
+        """Time for the pictures [s]."""
+        return self.outcome.pictures_s
+
+    @property
+    def fields_of_ends(self) -> Callable[[], FieldSeries] | None:
+        """Function that returns the fields at start and tail-slap.
+
+        None without a tail-slap.
+        """
+        strike = self.outcome.run.strike
+        return None if strike is None else partial(series_of_ends, self.outcome.fe_plan, strike)
+
+    def omitted(self, pictures: bool) -> list[tuple[str, str]]:
+        """Return the parts that the scene does without."""
+        return omitted_parts(self.outcome.fe_plan.case.scene, pictures)
+
+    def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> CornerReport:
+        """Draw the contours at the tail-slap into a folder."""
+        return CornerReport(draw_pictures(self.outcome, folder, units, size))
+
+    def summary(self, pictures: bool) -> dict[str, Any]:
+        """Return the content of `summary.json`, SI.
+
+        Quantities that were not reached are NaN, which is written as null.
+        """
+        outcome, fe_plan = self.outcome, self.outcome.fe_plan
+        common, rigid_body = super().summary(pictures), fe_plan.case.rigid_numbers()
+        missing = dict.fromkeys(quantities.KEYS, float("nan"))
+        return common | {
+            "rigid": outcome.rigid,
+            "fe": outcome.fe or missing,
+            "difference": outcome.difference or missing,
+            "peak_force": {"fe": outcome.lateral_force, "rigid": float(fe_plan.case.force.peak_force)},
+            "numerical_error": {"total": outcome.error.total, **asdict(outcome.error)},
+            "companions": [asdict(companion) for companion in outcome.companions],
+            "attempts": outcome.attempts,
+            "metrics": {name: asdict(metrics) for name, metrics in outcome.metrics.items()},
+            "cost": {**common["cost"], "pictures_s": outcome.pictures_s},
+            **{stage: rigid_body[stage] for stage in ("stage1", "start", "stage3")},
+            "plate": {
+                **common["plate"],
+                "deflection_ratio": fe_plan.deflection_ratio,
+                "penalty_stiffness": fe_plan.model.loop.corner.spring or None,
+            },
+            "tolerance": next((check.limit for check in outcome.checks if check.name == "tolerance"), None),
+        }
+
+    @property
+    def sections(self) -> list[Section]:
+        """Sections of the page, with empty ones, which are not shown."""
+        outcome, rigid_body = self.outcome, self.outcome.fe_plan.case.rigid_numbers()
+        metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
+        compared = Table(METRICS, metrics, notes=(METRICS_NOTE,))
+        titles = {"stage1": "Stage 1: impulse at the front corner", "stage3": "Stage 3: tail-slap"}
+        stages = [_stage_table(rigid_body[key] or {}, title) for key, title in titles.items()]
+        return [
+            Section("Peak lateral force", tables=_forces(outcome)),
+            Section("At the tail-slap", tables=[comparison(outcome)]),
+            Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
+            *curves(outcome),
+            Section("Model and interpretation", sentences=statements(outcome), is_folded=True),
+            checks_section(outcome.checks, {name: kind.group for name, kind in corner_checks.CHECKS.items()}),
+            Section("Histories compared with the rigid body", tables=[compared], is_folded=True),
+            Section("Stages 1 and 3 of the rigid body", tables=stages, is_folded=True),
+        ]
 
 
-def corner_report(outcome: CornerOutcome, pictures: bool) -> Report:
-    """The report of a run; pictures: whether they were asked for."""
-    (peaks, design), omitted = _forces(outcome), omitted_parts(outcome.fe_plan.case.scene, pictures)
-    spent, why = {"pictures_s": outcome.pictures_s}, diagnosis(outcome)
-    parts = sections(outcome)
-    page = run_report.run_page(outcome, KICKER, headline(outcome), parts, omitted, FOOTER, why, spent)
-    tables = (peaks, run_report.short(design), comparison(outcome, " "))
-    drawn = f", pictures {outcome.pictures_s:.2f} s"
-    lines = run_report.terminal_text(outcome, tables, [prediction(outcome)], drawn)
-    return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
-
-
-def histories(outcome: CornerOutcome) -> dict[str, dict[str, np.ndarray]]:
-    """Histories of FE plate and rigid body by the names of their files."""
-    return {"history.csv": outcome.fe_history, "rigid.csv": outcome.rigid_history}
-
-
-def summary(outcome: CornerOutcome, pictures: bool) -> dict[str, Any]:
-    """Content of `summary.json`, SI; what was not reached is NaN, which is written as null."""
-    fe_plan = outcome.fe_plan
-    alike = run_report.run_summary(outcome, headline(outcome), omitted_parts(fe_plan.case.scene, pictures))
-    nothing = dict.fromkeys(quantities.KEYS, float("nan"))
-    answer = fe_plan.case.rigid_numbers()
-    return {
-        **alike,
-        "rigid": outcome.rigid,
-        "fe": outcome.fe or nothing,
-        "difference": outcome.difference or nothing,
-        "peak_force": {"fe": outcome.lateral_force, "rigid": float(fe_plan.case.force.peak_force)},
-        "numerical_error": {"total": outcome.error.total, **asdict(outcome.error)},
-        "companions": [asdict(each) for each in outcome.companions],
-        "attempts": outcome.attempts,
-        "metrics": {name: asdict(metrics) for name, metrics in outcome.metrics.items()},
-        "cost": {**alike["cost"], "pictures_s": outcome.pictures_s},
-        **{stage: answer[stage] for stage in ("stage1", "start", "stage3")},
-        "plate": {
-            **alike["plate"],
-            "deflection_ratio": fe_plan.deflection_ratio,
-            "penalty_stiffness": fe_plan.model.loop.corner.spring or None,
-        },
-        "tolerance": next((check.limit for check in outcome.checks if check.name == "tolerance"), None),
-    }
+def _stage_table(numbers: dict[str, float], title: str) -> Table:
+    rows = [(*rigid_stages.LABELS[name], value) for name, value in numbers.items()]
+    return pairs([(label, value, unit) for label, unit, value in rows], title=title)
 
 
 def peak_table(outcome: CornerOutcome) -> Table:
-    """Peak lateral force of the tail-slap by the formula of Stage 3, with the speed of plate and rigid body; and that
-    of a rigid body whose restitution at the first impact follows the other convention."""
+    """Return the peak forces of plate and rigid body by Stage 3.
+
+    Also that of the rigid body by the other convention of restitution.
+    """
     case = outcome.fe_plan.case
     what = f"Tail-slap, triangle of {1e3 * case.scene.strike.duration:g} ms"
-    found = outcome.lateral_force if outcome.fe else None
-    rows: list[dict[str, Any]] = [{"what": what, "fe": found, "rigid": case.force.peak_force}]
+    peak = outcome.lateral_force if outcome.fe else None
+    rows: list[dict[str, object]] = [{"what": what, "fe": peak, "rigid": case.force.peak_force}]
     if other := case.other_convention():
-        convention, its = other
-        rows.append(
-            {
-                "what": f"With {rigid_stages.CONVENTIONS[convention]}",
-                "fe": None,
-                "rigid": its.force.peak_force,
-            }
-        )
-    return Table(run_report.PEAKS, rows)
+        label = f"With {rigid_stages.CONVENTIONS[other[0]]}"
+        rows.append({"what": label, "fe": None, "rigid": other[1].force.peak_force})
+    return Table(PEAKS, rows)
 
 
 def comparison(outcome: CornerOutcome, title: str = "") -> Table:
-    """FE beside the rigid motion, and the paper's Table 3 where the scene is the paper's."""
+    """Return the quantities at the tail-slap of plate and rigid body.
+
+    The scene of the paper has its Table 3 beside them. title: of the short table on a terminal.
+    """
     of_paper = is_paper_case(outcome.fe_plan.case)
     paper = quantities.PAPER_TABLE_3 if of_paper else None
     rows = quantities.comparison_rows(outcome.fe, outcome.rigid, paper) if outcome.fe else ()
-    columns = run_report.TAIL_SLAP + (PAPER if of_paper else ())
+    columns = TAIL_SLAP + (PAPER if of_paper else ())
     if title:
         return Table((replace(columns[1], label="Tail-slap"), *columns[2:]), rows, title)
     note = f"Paper: {quantities.PAPER_SOURCE}, whose magnitude of v_GY is given this report's sign."
     return Table(columns, rows, notes=(note,) if of_paper else ())
 
 
-def sections(outcome: CornerOutcome) -> list[Section]:
-    """The parts of the page, those without content included."""
-    answer = outcome.fe_plan.case.rigid_numbers()
-    metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
-    compared = Table(METRICS, metrics, notes=(METRICS_NOTE,))
-    titles = {"stage1": "Stage 1: impulse at the front corner", "stage3": "Stage 3: tail-slap"}
-    stages = []
-    for key, title in titles.items():
-        numbers = [(*rigid_stages.LABELS[name], value) for name, value in (answer[key] or {}).items()]
-        stages.append(tables.pairs([(label, value, unit) for label, unit, value in numbers], title=title))
-    return [
-        Section("Peak lateral force", tables=_forces(outcome)),
-        Section("At the tail-slap", tables=[comparison(outcome)]),
-        Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
-        *curves(outcome),
-        Section("Model and interpretation", sentences=statements(outcome), is_folded=True),
-        run_report.checks_section(outcome.checks, GROUPS),
-        Section("Histories compared with the rigid body", tables=[compared], is_folded=True),
-        Section("Stages 1 and 3 of the rigid body", tables=stages, is_folded=True),
-    ]
-
-
 def _forces(outcome: CornerOutcome) -> list[Table]:
-    return [peak_table(outcome), run_report.design_table(outcome.fe_plan.case, outcome.lateral_force)]
+    return [peak_table(outcome), design_table(outcome.fe_plan.case, outcome.lateral_force)]
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
-    """Parts that this scene does without, each with the reason."""
+    """Return the parts that a scene does without, with reasons."""
     corner, plate = scene.corner, scene.plate
     fault = plate and kinds.LUMPINGS[plate.lumping].fault
     start, lumping = (plate.start, plate.lumping) if plate else ("", "")
@@ -192,61 +219,69 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
         (scene.wall, "wall", "no [wall] table: the wall is the line Y = 0"),
         (pictures, "pictures", "--no-pictures, or no picture could be drawn"),
     ]
-    return [(part, why) for there, part, why in parts if not there]
+    return [(part, why) for included, part, why in parts if not included]
 
 
-def rigid_text(case: rigid_stages.RigidStages) -> list[str]:
-    """Lines of `tailslap check` that need no mesh."""
+def _rigid_lines(case: RigidStages) -> Lines:
+    """Return the texts of `tailslap check` that need no mesh."""
     start, strike, reaction = case.start, case.motion.strike, case.scene.corner.reaction
     computed = "" if case.stage1 is None else " (see `tailslap rigid`)"
-    return [
-        f"start        angle {start.angle:.6g} rad, omega {start.omega:.6g} rad/s, "
-        f"corner speed {measure(start.corner_speed, 'm/s', '.6g')}{computed}",
-        f"reaction     {reaction}, friction {case.scene.corner_friction:g}: {friction.FRICTION_LAWS[reaction].text}",
-        f"tail-slap    expected at {strike.t:.6g} s after {measure(strike.slide, 'm', '.5g')} of sliding",
-        *run_report.omitted_text(omitted_parts(case.scene)),
-    ]
+    law = friction.FRICTION_LAWS[reaction]
+    return {
+        "start": [
+            f"angle {start.angle:.6g} rad, omega {start.omega:.6g} rad/s, "
+            f"corner speed {measure(start.corner_speed, 'm/s', '.6g')}{computed}"
+        ],
+        "reaction": [f"{reaction}, friction {case.scene.corner_friction:g}: {law.text}"],
+        "tail-slap": [f"expected at {strike.t:.6g} s after {measure(strike.slide, 'm', '.5g')} of sliding"],
+        **omitted_lines(omitted_parts(case.scene)),
+    }
 
 
-def check_text(case: rigid_stages.RigidStages, fe_plan: CornerPlan | None) -> list[str]:
-    """All lines of `tailslap check`; of a scene without [plate] those that need no mesh."""
+def check_lines(case: RigidStages, fe_plan: CornerPlan | None) -> Lines:
+    """Return the texts of `tailslap check` by label.
+
+    fe_plan: None for a scene without [plate].
+    """
     if fe_plan is None:
-        return rigid_text(case)
+        return _rigid_lines(case)
     model, corner = fe_plan.model, fe_plan.model.loop.corner
     where = "one node" if len(corner.nodes) == 1 else f"a patch of {len(corner.nodes)} nodes"
     stiffness = "" if corner.is_exact else f" of {measure(corner.stiffness, 'N/m', '.4g')}"
-    contact = [
-        f"corner       {where}, {corner.text}{stiffness}",
-        f"frequency    {model.highest_frequency:.6g} rad/s, the highest, with the corner's constraint",
-    ]
+    contact = {
+        "corner": [f"{where}, {corner.text}{stiffness}"],
+        "frequency": [f"{model.highest_frequency:.6g} rad/s, the highest, with the corner's constraint"],
+    }
     flexibility = (
-        f"flexibility  static deflection ratio {fe_plan.deflection_ratio:.1e}: static deflection of the centre under "
-        "the initial reaction, over its travel to the wall; expected order of the differences from the rigid motion"
+        f"static deflection ratio {fe_plan.deflection_ratio:.1e}: static deflection of the centre under the initial "
+        "reaction, over its travel to the wall; expected order of the differences from the rigid motion"
     )
     rows, start = fe_plan.case.scene.time.rows, f", {fe_plan.plate.start} start"
-    return [
-        *rigid_text(fe_plan.case),
-        *run_report.fe_text(fe_plan, rows, start, contact, more=[flexibility]),
-        f"flutter      {flutter_sentence(fe_plan)}",
-    ]
+    return {
+        **_rigid_lines(fe_plan.case),
+        **fe_lines(fe_plan, rows, contact, start, more={"flexibility": [flexibility]}),
+        "flutter": [flutter_sentence(fe_plan)],
+    }
 
 
 def headline(outcome: CornerOutcome) -> Headline:
-    """Peak force of the tail-slap, the set-up, and the distance from rigid body and fine meshes."""
+    """Return the peak force of the tail-slap, the set-up, and its accuracy."""
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
     failed = set(failed_names(outcome.checks))
-    sentence = case.force_sentence(outcome.lateral_force) if outcome.fe else "No tail-slap within the run."
-    if outcome.fe and failed - corner_checks.reaction_checks() - {"agreement with rigid"}:
-        sentence = unreliable(sentence)
+    sentence = "No tail-slap within the run."
+    if outcome.fe:
+        reliable = not failed - corner_checks.reaction_checks() - {"agreement with rigid"}
+        sentence = case.force_sentence(outcome.lateral_force, reliable)
     return Headline(
         case.headline().title,
         failed_sentence(outcome.checks) + sentence,
-        f"{case.set_up} {run_report.plate_sentence(fe_plan)}",
+        f"{case.set_up} {plate_sentence(fe_plan)}",
         _certainty(outcome) if outcome.fe else "",
     )
 
 
 def _certainty(outcome: CornerOutcome) -> str:
+    """Return the effect of flexibility and the numerical error as sentences."""
     difference, stated = quantities.largest(outcome.difference), "not estimated"
     if outcome.companions:
         stated = f"at most {percent_up(outcome.error.total)}"
@@ -259,9 +294,9 @@ def _certainty(outcome: CornerOutcome) -> str:
 
 
 def flutter_sentence(fe_plan: CornerPlan) -> str:
-    """Prediction of oscillations by friction or by rounding, and the measure against them."""
+    """Return the predicted oscillations by friction or rounding, and their remedy."""
     growth, damping = fe_plan.growth, fe_plan.case.scene.damping
-    judged = ", judged on coarser meshes" if growth.stand_in else ""
+    judged = ", judged on coarser meshes" if growth.by_coarser else ""
     needed = decisions.suppressing_rate(growth)
     if math.isnan(growth.rate):
         return "not analysed: no coarser mesh is available; the checks of the run detect it"
@@ -274,7 +309,7 @@ def flutter_sentence(fe_plan: CornerPlan) -> str:
         text = f"rounding errors make the reaction oscillate by {100.0 * growth.ripple:.2g} %"
     if damping is not None and (damping.rate or 0.0) >= 0.5 * needed:
         return f"suppressed by damping.rate = {damping.rate:.3g} 1/s; without it {text}"
-    if decisions.damping_is_open(fe_plan.asked.scene):
+    if decisions.damping_is_open(fe_plan.original.scene):
         return f"possible: {text}; a run in which the checks detect it is repeated with damping"
     return (
         f'EXPECTED, the run will fail its checks: {text}; damping.kind = "elastic-velocity" with '
@@ -283,13 +318,13 @@ def flutter_sentence(fe_plan: CornerPlan) -> str:
 
 
 def statements(outcome: CornerOutcome) -> list[str]:
-    """Sentences on the model and its interpretation."""
+    """Return sentences on the model and its interpretation."""
     fe_plan, case, material = outcome.fe_plan, outcome.fe_plan.case, outcome.fe_plan.case.scene.material
     law = friction.FRICTION_LAWS[case.scene.corner.reaction]
     constraint = constraints.CONSTRAINTS[case.scene.corner.constraint]
     normal = outcome.rigid_history["reaction_normal"]
-    first, last = normal[0] / 1e3, normal[normal == normal][-1] / 1e3
-    made = [
+    first, last = normal[0] / 1e3, normal[np.isfinite(normal)][-1] / 1e3
+    sentences = [
         f"The corner is held on the wall by a two-sided slider, in the FE model by {constraint.text}, with "
         f'{law.text} (reaction "{law.name}"). It is not unilateral contact: a real wall can only push.',
         f"The plate's material: {materials.MATERIALS[material.law].text}." if material else "",
@@ -297,7 +332,7 @@ def statements(outcome: CornerOutcome) -> list[str]:
         f"{measure(last, 'kN', '.2f')} at the end: "
         "it pulls the corner towards the wall. With unilateral contact the corner would separate from it.",
         _plate_mass(fe_plan.model.mass, case.scene.vehicle.mass),
-        *run_report.chosen_sentences(fe_plan),
+        *chosen_sentences(fe_plan),
         "The first run oscillated; this run has more damping." if outcome.attempts > 1 else "",
         f"The plate starts {start_kinds.START_KINDS[fe_plan.plate.start].text}.",
         f"Static deflection ratio {fe_plan.deflection_ratio:.1e}: static deflection of the centre under the initial "
@@ -306,21 +341,11 @@ def statements(outcome: CornerOutcome) -> list[str]:
         _error(outcome),
         _convention(case),
     ]
-    return [sentence for sentence in made if sentence]
+    return [sentence for sentence in sentences if sentence]
 
 
-def diagnosis(outcome: CornerOutcome) -> list[str]:
-    """Sentences on the cause of a failure: choices of the program, and predicted oscillations."""
-    return [*run_report.chosen_sentences(outcome.fe_plan), prediction(outcome)]
-
-
-def prediction(outcome: CornerOutcome) -> str:
-    """Sentence on the predicted oscillations."""
-    return f"Flutter {flutter_sentence(outcome.fe_plan)}."
-
-
-def is_paper_case(case: rigid_stages.RigidStages) -> bool:
-    """True where vehicle and start are the paper's, so that its Table 3 may stand beside the result."""
+def is_paper_case(case: RigidStages) -> bool:
+    """Return whether vehicle and start are those of the paper's Table 3."""
     pairs = (
         (case.body.length, 10.0, 0.0),
         (case.body.width, 2.438, 0.0),
@@ -329,10 +354,13 @@ def is_paper_case(case: rigid_stages.RigidStages) -> bool:
         (case.start.corner_speed, 25.053, 1e-3),
         (case.scene.corner_friction, 0.47 if case.scene.corner.reaction == "drag" else 0.0, 0.0),
     )
-    return all(math.isclose(value, paper, rel_tol=0.0, abs_tol=off) for value, paper, off in pairs)
+    return all(
+        math.isclose(value, paper, rel_tol=0.0, abs_tol=tolerance) for value, paper, tolerance in pairs
+    )
 
 
 def _plate_mass(plate: float, vehicle: float) -> str:
+    """Return the effect of a plate of another mass [kg]."""
     if abs(plate / vehicle - 1.0) < 1e-9:
         return ""
     return (
@@ -344,13 +372,14 @@ def _plate_mass(plate: float, vehicle: float) -> str:
 
 
 def _error(outcome: CornerOutcome) -> str:
+    """Return the terms of the numerical error as a sentence."""
     error = outcome.error
     if not outcome.companions:
         wanted = outcome.fe_plan.case.scene.verify.companion
         why = "no other mesh is available" if wanted and outcome.fe else "the run has no result"
         why = why if wanted else "verify.companion is false"
         return f"The numerical error is not estimated: {why}."
-    meshes = " and ".join(each.mesh for each in outcome.companions)
+    meshes = " and ".join(companion.mesh for companion in outcome.companions)
     return (
         f"Numerical error of the five quantities at most {error.total:.1e}: mesh {error.mesh:.1e} (compared with "
         f"{meshes}), contact spring {error.contact_spring:.1e}, damping {error.damping:.1e}, rounding "
@@ -358,16 +387,17 @@ def _error(outcome: CornerOutcome) -> str:
     )
 
 
-def _convention(case: rigid_stages.RigidStages) -> str:
+def _convention(case: RigidStages) -> str:
+    """Return the convention of restitution and the effect of the other one."""
     other, impact = case.other_convention(), case.scene.impact
     if impact is None:
         return ""
     if other is None:
         return f'Stage 1, for reference, follows the convention "{impact.convention}"; [start] overrides it.'
-    name, its = other
+    name, other_case = other
     return (
         f'Restitution follows the convention "{impact.convention}". With "{name}" the angular velocity after the '
-        f"impact would be {its.start.omega:.4f} instead of {case.start.omega:.4f} rad/s and the peak force "
-        f"{measure(its.force.peak_force, 'N', '.0f', named=False)} instead of "
+        f"impact would be {other_case.start.omega:.4f} instead of {case.start.omega:.4f} rad/s and the peak force "
+        f"{measure(other_case.force.peak_force, 'N', '.0f', named=False)} instead of "
         f"{measure(case.force.peak_force, 'N', '.0f')}."
     )

@@ -1,4 +1,7 @@
-"""Elements, constraint, threads and damping of a constrained corner where the scene leaves them open."""
+"""Decisions on elements, constraint, threads and damping that a scene leaves open.
+
+Each `Decision` has its reason. Elements are chosen by statics, damping by the growth of the linearised model.
+"""
 
 from __future__ import annotations
 
@@ -27,57 +30,62 @@ if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
     from fem.stability.flutter import Flutter
 
-STRETCH = 1.23
-"""Length over height of an element of the first mesh that is tried: the paper's 20 x 6."""
+ASPECT_RATIO = 1.23
+"""Length over height of an element of the first mesh, as for the paper's 20 x 6."""
 
 MESH_FRACTION, MESH_FLOOR = 0.1, 2e-5
-"""Fraction of the plate's flexibility that may be the mesh's doing before higher-order elements are tried, and what is
-always let pass: the difference from the rigid motion is of that size itself."""
+"""Allowed effect of the mesh, as a fraction of the static deflection, and over the centre's travel to the wall."""
 
 MAX_CHOSEN = 2000
-"""Elements up to which the program refines by itself."""
+"""Largest number of elements that the program chooses."""
 
-SOFTEST = 0.01
+LEAST_PENALTY_SCALE = 0.01
 """Least multiple of the program's spring."""
 
-UNSEEN = 1e-5
-"""Fraction of the centre's travel to the wall that the spring may give under the reaction at the start: no reported
-digit changes."""
+NEGLIGIBLE_DEFLECTION = 1e-5
+"""Deflection of the spring at the start over the centre's travel to the wall that changes no printed digit."""
 
 ELEMENTS_A_THREAD = 10_000
-"""Elements that a thread needs to be worth it: in a step the threads meet three times, and to wake one takes some 20 us
-where a core is busy, in which another computes a thousand elements."""
+"""Least number of elements per thread: to wake one, three times a step, takes the time of a thousand elements."""
 
 REQUIRED_DAMPING = 4.0
-"""Rate of the damping over that of the fastest growing mode: above 2 it decays."""
+"""Rate of the damping over that of the fastest growing mode, which decays above a ratio of 2."""
 
 HARMLESS_UNSTRESSED = 2.0
-"""Exponent of growth that an unstressed start stands, whose oscillation is there from the beginning."""
+"""Harmless exponent of growth after an unstressed start, which oscillates from the beginning."""
 
-STAND_IN, STAND_INS = 2.0, 2
-"""For a mesh too large for all its modes, coarser ones stand in: factor on their rates, and how many are looked at."""
+COARSER_FACTOR, COARSER_MESHES = 2.0, 2
+"""Factor on growth rates of coarser meshes, and number of those that replace a mesh too large for all modes."""
 
-OVERDAMPS = 0.5
+OVERDAMPING = 0.5
 """Rate of damping over the lowest frequency above which that mode no longer follows its loads."""
 
-SEEN, MISSED = 1e-3, 5e-4
-"""Deflection ratio from which on it is seen that an overdamped plate does not follow its loads, and part of the result
-that an unstressed plate's oscillation may lose: below, damping stays within the numerical error that is allowed."""
+NOTICEABLE_RATIO, NEGLIGIBLE_LOSS = 1e-3, 5e-4
+"""Deflection ratio from which on overdamping changes the result, and loss of oscillation that does not change it."""
 
 MAX_RATE = 1e12
-"""Highest rate of damping that a scene may have [1/s]. The program wants more only of plates with a time step that no
-run ends with, which is refused."""
+"""Highest rate of damping of a scene [1/s]; only plates with too many time steps, which are refused, need more."""
 
-HEARD = 0.005
-"""Ripple of the reaction by rounding, over the reaction at the start, from which on it is damped: to this."""
+RIPPLE_LIMIT = 0.005
+"""Ripple of the reaction by rounding, over the reaction at the start, above which it is damped to this value."""
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """A plate with all its elements chosen and its modulus resolved, its static model and mass [kg].
+    """A plate with its mesh, judged by static deflections.
 
-    Over the centre's travel to the wall: static deflection of this model and of the comparable one, and deflection of
-    the corner's constraint.
+    Attributes
+    ----------
+    plate : Plate
+        With its number of elements and Young's modulus.
+    model : PlateModel
+        Its static model.
+    mass : float
+        Mass of the model [kg].
+    deflection_ratio, other_deflection_ratio : float
+        Static deflection of this model and of the comparable one, over the centre's travel to the wall [-].
+    spring_ratio : float
+        Deflection of the corner's constraint, likewise [-].
     """
 
     plate: Plate
@@ -89,25 +97,64 @@ class Mesh:
 
     @property
     def fine_enough(self) -> bool:
-        """True where what the mesh does to the plate's flexibility is of no account."""
+        """True if the effect of the mesh on the deflection is negligible."""
         allowed = max(MESH_FLOOR, MESH_FRACTION * max(self.deflection_ratio, self.other_deflection_ratio))
         return abs(self.deflection_ratio - self.other_deflection_ratio) <= allowed
 
 
+@dataclass(frozen=True)
+class Growth:
+    """Growth of oscillations that the linearised model predicts.
+
+    Attributes
+    ----------
+    rate : float
+        Fastest rate by friction [1/s]; 0 where it is harmless, NaN where no mesh could be analysed.
+    exponent : float
+        Its exponent over the run.
+    harmless : float
+        Largest harmless exponent; 0 without friction.
+    by_coarser : bool
+        Whether coarser meshes were analysed in place of this one.
+    ripple : float
+        Ripple by rounding at the end of the run, over the reaction at the start.
+    ripple_rate : float
+        Rate of damping that limits it [1/s]; 0 where none is needed.
+    lowest : float
+        Lowest elastic frequency [rad/s].
+    """
+
+    rate: float
+    exponent: float
+    harmless: float
+    by_coarser: bool = False
+    ripple: float = 0.0
+    ripple_rate: float = 0.0
+    lowest: float = 0.0
+
+    @property
+    def overdamps(self) -> bool:
+        """True if sufficient damping would keep the plate from following its loads."""
+        return REQUIRED_DAMPING * self.rate > OVERDAMPING * self.lowest
+
+
 def decide_mesh(case: RigidStages, plate: Plate) -> tuple[Mesh, tuple[Decision, ...]]:
-    """The plate with its elements; what was left open is chosen by statics, without a run. Raises InputError."""
+    """Choose open numbers and kinds of elements by statics, without a run.
+
+    Raises InputError.
+    """
     open_keys = [key for key in ("elements", "element") if key not in plate.model_fields_set]
     chosen: Mesh | None = None
     for candidate in _candidates(case, plate):
         try:
-            made = make_mesh(case, candidate)
+            mesh = make_mesh(case, candidate)
         except InputError:
             if chosen is None and candidate.element == "quad9":
                 raise
             continue
-        if chosen is None or plate.elements is None or made.fine_enough:
-            chosen = made
-        if made.fine_enough or not open_keys:
+        if chosen is None or plate.elements is None or mesh.fine_enough:
+            chosen = mesh
+        if mesh.fine_enough or not open_keys:
             break
     chosen = chosen or make_mesh(case, next(_candidates(case, plate)))
     values = {key: getattr(chosen.plate, key) for key in open_keys}
@@ -116,9 +163,9 @@ def decide_mesh(case: RigidStages, plate: Plate) -> tuple[Mesh, tuple[Decision, 
 
 
 def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
-    """The plate's static model, its deflection and its gap, and the comparable plate's deflection. Raises InputError.
+    """Make the static model of a plate and of a comparable one.
 
-    Both models have one mesh where only their elements differ.
+    Both models have one mesh where only their elements differ. Raises InputError.
     """
     from fem.start import inertia_relief
 
@@ -128,14 +175,16 @@ def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
     other = comparable_plate(plate)
     meshes = (mesh, mesh if same_mesh(plate, other) else fe_mesh(scene, other))
     model, comparable = static_models(case, (plate, other), meshes)
-    mine, its = inertia_relief.statics(model, start), inertia_relief.statics(comparable, start)
-    ratios = (abs(mine.deflection) / travel, abs(its.deflection) / travel)
-    return Mesh(plate, model, model.mass, *ratios, abs(mine.gap) / travel)
+    statics, reference = inertia_relief.statics(model, start), inertia_relief.statics(comparable, start)
+    ratios = (abs(statics.deflection) / travel, abs(reference.deflection) / travel)
+    return Mesh(plate, model, model.mass, *ratios, abs(statics.gap) / travel)
 
 
 def _candidates(case: RigidStages, plate: Plate) -> Iterator[Plate]:
-    """Candidates from cheap to dear: the element as it is, quadratic ones, and where the counts are open, more of
-    them."""
+    """Yield plates with increasing cost.
+
+    The element of the scene, quadratic ones, and where their number is open, more of them.
+    """
     counts = plate.elements or _first_counts(case)
     chosen = "element" in plate.model_fields_set or kinds.LUMPINGS[plate.lumping].row_sums
     elements = (plate.element,) if chosen else ("quad4", "quad9")
@@ -148,10 +197,11 @@ def _candidates(case: RigidStages, plate: Plate) -> Iterator[Plate]:
 
 
 def _first_counts(case: RigidStages) -> tuple[int, int]:
+    """Return the numbers of elements along and across of the first mesh."""
     length, width = case.body.length, case.body.width
-    height = math.sqrt(length * width / (resources.ELEMENTS * STRETCH))
+    height = math.sqrt(length * width / (resources.ELEMENTS * ASPECT_RATIO))
     patch = case.scene.corner.patch_length or length
-    along = max(round(length / (STRETCH * height)), 2, math.ceil(length / patch))
+    along = max(round(length / (ASPECT_RATIO * height)), 2, math.ceil(length / patch))
     return min(along, 1000), max(2, round(width / height))
 
 
@@ -164,19 +214,19 @@ def _why_mesh(plate: Plate, key: str) -> str:
 
 
 def open_threads(case: RigidStages, plate: Plate) -> tuple[Decision, ...]:
-    """Limit the threads to as many as the mesh has work for."""
+    """Limit the number of threads by the size of the mesh."""
     elements = math.prod(plate.counts)
     why = f"a thread pays off from {ELEMENTS_A_THREAD} elements on; the mesh has {elements}"
     return threads_decision(case.scene.time.threads, max(1, elements // ELEMENTS_A_THREAD), why)
 
 
 def open_constraint(case: RigidStages, plate: Plate, spring_ratio: float) -> tuple[Decision, ...]:
-    """The exact constraint where a spring would ring, or be seen beside the plate's flexibility."""
+    """Choose the exact constraint where a spring would change the result."""
     if not case.scene.corner.constraint_is_open:
         return ()
     if not plate.relieved:
         why = "a spring would oscillate with a plate that starts unstressed"
-    elif spring_ratio > UNSEEN:
+    elif spring_ratio > NEGLIGIBLE_DEFLECTION:
         why = f"a spring would deflect by {spring_ratio:.1e} of the travel to the wall, which would change the result"
     else:
         return ()
@@ -184,43 +234,22 @@ def open_constraint(case: RigidStages, plate: Plate, spring_ratio: float) -> tup
 
 
 def softer_constraint(case: RigidStages, spring_ratio: float) -> tuple[Decision, ...]:
-    """The softest spring that is not seen: friction then feeds high modes less. None where the scene gives the
-    constraint, or there is none much softer."""
-    scale = max(SOFTEST, spring_ratio / UNSEEN)
+    """Choose the softest spring that does not change the result.
+
+    It reduces the growth of high modes by friction. Nothing is chosen where the scene specifies the constraint, or the
+    spring would hardly be softer.
+    """
+    scale = max(LEAST_PENALTY_SCALE, spring_ratio / NEGLIGIBLE_DEFLECTION)
     if not case.scene.corner.constraint_is_open or scale > 0.5:
         return ()
     why = "damping of the flutter by friction would change the result; a softer spring reduces its growth"
     return (Decision("corner.penalty_scale", scale, why),)
 
 
-@dataclass(frozen=True)
-class Growth:
-    """Growth that the linearised model predicts.
-
-    By friction: the fastest rate [1/s], 0 where none counts, NaN where no mesh could be analysed; its exponent over the
-    run; the exponent that counts, 0 without friction; whether coarser meshes stood in; the lowest elastic frequency
-    [rad/s]. By rounding: the ripple at the end of the run over the reaction at the start, and the rate of damping that
-    keeps it unheard, 0 where it is.
-    """
-
-    rate: float
-    exponent: float
-    harmless: float
-    stand_in: bool = False
-    ripple: float = 0.0
-    ripple_rate: float = 0.0
-    lowest: float = 0.0
-
-    @property
-    def overdamps(self) -> bool:
-        """True where the damping that suppresses it would keep the plate from following its loads."""
-        return REQUIRED_DAMPING * self.rate > OVERDAMPS * self.lowest
-
-
 def predict_growth(case: RigidStages, plate: Plate, model: PlateModel, normal: float) -> Growth:
-    """Growth of the fastest mode by friction, the scene's stiffness-proportional damping included, and of rounding.
+    """Predict the growth by friction and that of rounding errors.
 
-    normal: the rigid body's reaction at the start [N].
+    Stiffness-proportional damping of the scene is included. normal: reaction of the rigid body at the start [N].
     """
     from fem.stability import flutter, rounding
 
@@ -228,89 +257,105 @@ def predict_growth(case: RigidStages, plate: Plate, model: PlateModel, normal: f
     duration, start = case.duration, case.start
     noise, viscous = rounding.rounding_noise(model), flutter.viscous_rate(model)
     ripple = noise.ripple(duration) / abs(normal)
-    ripple_rate = noise.rate_for(HEARD * abs(normal)) if ripple > HEARD else 0.0
+    ripple_rate = noise.rate_for(RIPPLE_LIMIT * abs(normal)) if ripple > RIPPLE_LIMIT else 0.0
     if model.loop.friction is None:
         growth = Growth(0.0, 0.0, 0.0)
     elif 2 * model.loop.mass.size <= flutter.MAX_UNKNOWNS:
         growth = _growth(flutter.predict_flutter(model, start, duration, viscous, harmless), harmless)
     else:
         coarser = _coarser_models(case, plate, flutter.MAX_UNKNOWNS)
-        part = harmless / STAND_IN
-        found = [flutter.predict_flutter(each, start, duration, viscous, part) for each in coarser]
-        growth = _by_stand_ins(found, harmless)
+        exponent = harmless / COARSER_FACTOR
+        modes = [flutter.predict_flutter(other, start, duration, viscous, exponent) for other in coarser]
+        growth = _growth_by_coarser(modes, harmless)
     return replace(growth, ripple=ripple, ripple_rate=ripple_rate)
 
 
-def _by_stand_ins(found: list[Flutter], harmless: float) -> Growth:
-    """Growth of a large mesh from that of coarser ones."""
-    fastest: Flutter | None = max(found, key=lambda each: each.rate, default=None)
+def _growth_by_coarser(modes: list[Flutter], harmless: float) -> Growth:
+    """Estimate the growth of a large mesh by coarser ones."""
+    fastest: Flutter | None = max(modes, key=lambda mode: mode.rate, default=None)
     if fastest is None:
-        return Growth(math.nan, math.nan, harmless, stand_in=True)
-    more = replace(fastest, rate=STAND_IN * fastest.rate, growth=STAND_IN * fastest.growth)
-    return replace(_growth(more, harmless), stand_in=True)
+        return Growth(math.nan, math.nan, harmless, by_coarser=True)
+    more = replace(fastest, rate=COARSER_FACTOR * fastest.rate, growth=COARSER_FACTOR * fastest.growth)
+    return replace(_growth(more, harmless), by_coarser=True)
 
 
-def _growth(found: Flutter, harmless: float) -> Growth:
-    """Growth as it was found; no more than half the exponent that counts is harmless whatever the rate may be."""
-    rate = found.rate if found.growth > 0.5 * harmless else 0.0
-    return Growth(rate, found.growth, harmless, lowest=found.lowest)
+def _growth(mode: Flutter, harmless: float) -> Growth:
+    """Return the growth of a mode.
+
+    Its rate counts where the exponent is above half the harmless one.
+    """
+    rate = mode.rate if mode.growth > 0.5 * harmless else 0.0
+    return Growth(rate, mode.growth, harmless, lowest=mode.lowest)
 
 
 def _coarser_models(case: RigidStages, plate: Plate, most_unknowns: int) -> Iterator[PlateModel]:
-    """The finest coarser meshes of the same element that make a model and can be analysed."""
-    found = 0
-    while found < STAND_INS and max(plate.counts) > 2:
+    """Yield models of the finest coarser meshes that can be analysed."""
+    count = 0
+    while count < COARSER_MESHES and max(plate.counts) > 2:
         plate = refined(plate, 1.0 / 1.5, least=2, whole=round)
         along, across = plate.counts
-        if 2 * (along + 1) * (across + 1) > most_unknowns:  # without other nodes than the elements' corners
+        if 2 * (along + 1) * (across + 1) > most_unknowns:  # counts corner nodes only
             continue
         try:
             (model,) = static_models(case, [plate], [fe_mesh(case.scene, plate)])
         except InputError:
             continue
         if 2 * model.loop.mass.size <= most_unknowns:
-            found += 1
+            count += 1
             yield model
 
 
 def suppressing_rate(growth: Growth) -> float:
-    """Rate [1/s] of the damping of elastic velocities that suppresses what is foreseen."""
-    # In this order a rate that is not known, NaN, asks for none.
+    """Return the rate of damping that suppresses the predicted growth [1/s]."""
+    # In this order an unknown rate, NaN, requires no damping.
     return max(growth.ripple_rate, REQUIRED_DAMPING * growth.rate)
 
 
 def damping_is_open(scene: Scene) -> bool:
-    """True where the program may choose the damping."""
+    """Return whether the program may choose the damping."""
     return scene.damping is None or scene.damping.kind is None
 
 
 def harms(
     case: RigidStages, plate: Plate, model: PlateModel, growth: Growth, deflection_ratio: float
 ) -> bool:
-    """Tell whether damping against this growth would be seen in the result: it keeps a soft plate from following its
-    loads, and takes an unstressed one's oscillation off."""
+    """Return whether damping against this growth would change the result.
+
+    It keeps a soft plate from following its loads, and reduces the oscillation of an unstressed one.
+    """
     from fem.start import inertia_relief
 
     if not growth.rate > 0.0:
         return False
     if plate.relieved:
-        return growth.overdamps and deflection_ratio > SEEN
+        return growth.overdamps and deflection_ratio > NOTICEABLE_RATIO
     energy, rate = inertia_relief.elastic_energy(model, case.start), suppressing_rate(growth)
-    return oscillation_lost(case, energy, model.mass, rate) + friction_lost(case, rate) > MISSED
+    return oscillation_lost(case, energy, model.mass, rate) + friction_lost(case, rate) > NEGLIGIBLE_LOSS
 
 
 def open_damping(
     case: RigidStages, growth: Growth, factor: float = 1.0, harmful: bool = False
 ) -> tuple[Decision, ...]:
-    """Damping for this growth, times `factor`; none where the scene says what it wants.
+    """Choose the damping against a growth where the scene leaves it open.
 
-    A plate that this would harm is run without it at first (factor 1): what is predicted is the worst that may come,
-    and the checks watch for it.
+    The prediction is an upper bound. A plate whose result damping would change is first run without, and its checks
+    detect oscillations.
+
+    Parameters
+    ----------
+    case : RigidStages
+        Case of a scene with open damping; otherwise nothing is chosen.
+    growth : Growth
+        Predicted growth.
+    factor : float
+        Factor on the predicted rate of damping; above 1 after a run that oscillated.
+    harmful : bool
+        Whether damping would change the result, see `harms`.
     """
     if not damping_is_open(case.scene):
         return ()
     if factor == 1.0 and harmful:
-        if growth.ripple_rate or case.scene.damping:  # against rounding it stays, and what the scene gives
+        if growth.ripple_rate or case.scene.damping:  # damping against rounding and that of the scene remain
             return _damped(growth.ripple_rate, _why_rounding(growth))
         why = f"{_why(growth)}, but sufficient damping would change the result"
         return (Decision("damping.kind", "none", why),)
@@ -321,11 +366,13 @@ def open_damping(
 
 
 def _damped(rate: float, why: str) -> tuple[Decision, ...]:
+    """Return the decisions for damping at a rate [1/s], none for 0."""
     kind = Decision("damping.kind", "elastic-velocity", why)
     return (kind, Decision("damping.rate", rate, "1/s, the required rate")) if rate > 0.0 else ()
 
 
 def _why(growth: Growth) -> str:
+    """Return the reason for damping."""
     if growth.ripple_rate > REQUIRED_DAMPING * growth.rate:
         return _why_rounding(growth)
     if growth.rate > 0.0:

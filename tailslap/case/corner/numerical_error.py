@@ -1,9 +1,11 @@
-"""Numerical error of a run by companions, the same vehicle on other meshes, judged in the manner of ASME V&V 20.
+"""Numerical error of a run, estimated as in ASME V&V 20.
 
-Two meshes bound the distance to the limit of fine meshes by a safety factor and the order of the support, three by the
-order that they show. Companions have the damping and the constraint of the run, whose errors are added: both are in
-proportion to what the plate's flexibility changes. Two oscillations may agree at one instant by chance, so that runs
-are compared over the motion as well.
+Companions are runs of the same plate on other meshes.
+
+Two meshes bound the distance to the limit of fine meshes by a safety factor and the order of the support, three meshes
+by the observed order. Companions have the damping and the constraint of the run, whose errors are added: both are
+proportional to the effect of the plate's flexibility. Two oscillations may agree at one instant by chance, so that
+runs are compared over the motion as well.
 """
 
 import itertools
@@ -13,32 +15,34 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from postprocess.comparison.quantities import largest
 from tailslap.case.corner import corner_plan, static_models
 
 RINGING, CORRUPTED = 2e-3, 0.1
-"""Friction by ringing that is allowed, and at which a run is given up."""
+"""Relative effect of friction by an oscillating reaction that is allowed, and that ends a run."""
 
 FLOOR, FRACTION = 5e-4, 0.25
-"""Numerical error that is allowed whatever the plate, and as a fraction of what its flexibility changes."""
+"""Numerical error that is allowed for any plate, and as a fraction of the effect of its flexibility."""
 
 SAFETY = 1.5
-"""Safety factor on the distance to the limit: between the 1.25 and 3 of ASME V&V 20, since the order is a lower one."""
+"""Safety factor on the distance to the limit: the order is a lower one, so between 1.25 and 3 of ASME V&V 20."""
 
 ORDERS = 0.5, 1.0, 2.0
-"""Order of convergence at a point support, which has no limit in theory, or a patch that no companion resolves; at a
-patch; and of smooth solutions."""
+"""Orders of convergence: at a point support or unresolved patch, at a resolved patch, of smooth solutions."""
 
 RESOLVED = 2.0
-"""Elements along a patch from which on a mesh resolves it."""
+"""Number of elements along a patch from which on a mesh resolves it."""
 
-LATE, LAST = 0.1, 9
-"""Part of the motion over which two runs are compared, and number of the last such part."""
+PART, LAST_PART = 0.1, 9
+"""Fraction of the motion over which two runs are compared, and number of the last such part."""
 
 VELOCITIES = ("v_gx", "v_gy", "omega")
 
-Histories = tuple[Mapping[str, np.ndarray], Mapping[str, np.ndarray]]
+Columns = Mapping[str, NDArray[np.float64]]
+Histories = tuple[Columns, Columns]
+"""Histories of the plate and of the rigid body at the same instants."""
 
 
 @dataclass(frozen=True)
@@ -48,11 +52,11 @@ class Companion:
     Attributes
     ----------
     mesh : str
-        In words.
+        The mesh in words.
     refinement : float
-        Elements along a side over those of the run [-], twice as many for elements of higher order.
+        Elements along a side over those of the run [-]; elements of higher order count twice.
     difference : dict of str to float
-        Of its five quantities from the rigid motion; empty where it came to no result.
+        Relative differences of its five quantities from the rigid motion; empty without a result.
     apart : float
         Distance between the velocities of both runs, see `distance_in_motion`.
     """
@@ -65,9 +69,16 @@ class Companion:
 
 @dataclass(frozen=True)
 class NumericalError:
-    """Relative errors of the five quantities, the largest of them, at most; mesh is NaN without companions.
+    """Bounds of the largest relative error of the five quantities by cause.
 
-    rounding: of the time step and of the sums over all steps. flexibility: what the plate's own flexibility changes.
+    Attributes
+    ----------
+    mesh, contact_spring, damping : float
+        Errors by these; mesh is NaN without companions.
+    rounding : float
+        Error of the time step and of the sums over all steps.
+    flexibility : float
+        Effect of the plate's flexibility, which is no error.
     """
 
     mesh: float
@@ -78,24 +89,28 @@ class NumericalError:
 
     @property
     def total(self) -> float:
-        """All of them together."""
+        """Sum of all errors."""
         return self.mesh + self.contact_spring + self.damping + self.rounding
 
     @property
     def allowed(self) -> float:
-        """The limit of the total."""
+        """Limit of the total."""
         return FLOOR + FRACTION * self.flexibility
 
 
 def numerical_error(
     fe_plan: corner_plan.CornerPlan, difference: Mapping[str, float], companions: Sequence[Companion]
 ) -> NumericalError:
-    """The error of a run with these five differences from the rigid motion, empty if it came to no result."""
+    """Estimate the error of a run.
+
+    difference: its five quantities from the rigid motion, empty without a result.
+    """
     deflection, steps = fe_plan.deflection_ratio, fe_plan.expected_steps
-    flexibility = max(deflection, *(largest(each.difference) for each in companions if each.difference), 0.0)
+    changes = (largest(other.difference) for other in companions if other.difference)
+    flexibility = max(deflection, *changes, 0.0)
     along, corner = fe_plan.plate.counts[0], fe_plan.case.scene.corner
     patch = (corner.patch_length or 0.0) * along / fe_plan.case.scene.vehicle.length
-    order = ORDERS[any(patch * each.refinement >= RESOLVED for each in companions)]
+    order = ORDERS[any(patch * other.refinement >= RESOLVED for other in companions)]
     return NumericalError(
         mesh=mesh_error(difference, companions, order) if companions else math.nan,
         contact_spring=SAFETY * flexibility * fe_plan.spring_ratio / deflection,
@@ -106,16 +121,25 @@ def numerical_error(
 
 
 def mesh_error(difference: Mapping[str, float], companions: Sequence[Companion], order: float) -> float:
-    """Distance of a run to the limit of fine meshes, at most; infinite where a companion has no result.
+    """Bound the distance of a run to the limit of fine meshes.
 
-    difference: of the run. order: of convergence, between two meshes. Meshes of neighbours differ by a factor of two.
+    It is infinite where a companion has no result. Neighbouring meshes differ by a factor of two.
+
+    Parameters
+    ----------
+    difference : dict of str to float
+        Relative differences of the run from the rigid motion.
+    companions : sequence of Companion
+        One or two.
+    order : float
+        Order of convergence that is assumed of two meshes.
     """
-    if not difference or not all(each.difference for each in companions):
+    if not difference or not all(other.difference for other in companions):
         return math.inf
-    own = Companion("", 1.0, difference)
-    runs = sorted((own, *companions), key=lambda each: each.refinement)
+    run = Companion("", 1.0, difference)
+    runs = sorted((run, *companions), key=lambda other: other.refinement)
     steps = [_distance(*pair) for pair in itertools.pairwise(runs)]
-    to_finest = _distance(own, runs[-1])
+    to_finest = _distance(run, runs[-1])
     if len(steps) == 1:
         return SAFETY * (to_finest + steps[0] / (2.0**order - 1.0))
     observed = math.log2(steps[-2] / steps[-1]) if min(steps[-2:]) > 0.0 else order
@@ -124,21 +148,26 @@ def mesh_error(difference: Mapping[str, float], companions: Sequence[Companion],
 
 
 def _distance(coarse: Companion, fine: Companion) -> float:
-    """Distance between two runs, by their velocities over the motion as well where one is the run itself, with 1."""
+    """Return the largest difference between two runs.
+
+    Where one is the run itself, with refinement 1, velocities over the motion count as well.
+    """
     apart = max(coarse.apart, fine.apart) if 1.0 in (coarse.refinement, fine.refinement) else 0.0
     distances = [abs(value - fine.difference[name]) for name, value in coarse.difference.items()]
-    return float(np.max([apart, *distances]))  # NaN if one is
+    return float(np.max([apart, *distances]))  # propagates NaN, unlike max()
 
 
 def _lag_error(fe_plan: corner_plan.CornerPlan, flexibility: float) -> float:
-    """The error by the lag of damping, in proportion to its deflection: no more than all that flexibility changes."""
+    """Bound the error by the lag of damping, proportional to its deflection."""
     lag = fe_plan.damping_lag
     return SAFETY * flexibility * lag / (fe_plan.deflection_ratio + lag)
 
 
 def _oscillation_lost(fe_plan: corner_plan.CornerPlan) -> float:
-    """Part that the damping takes off an unstressed plate's oscillation. Where the plate rang with less of it, the
-    friction that goes with an oscillation that does not grow is not known."""
+    """Estimate how much damping reduces the oscillation of an unstressed plate.
+
+    Where the plate rang with less damping, friction by an oscillation that does not grow is unknown.
+    """
     damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
     if damping is None:
         return 0.0
@@ -147,45 +176,55 @@ def _oscillation_lost(fe_plan: corner_plan.CornerPlan) -> float:
 
 
 def distance_in_motion(
-    ours: Histories, its: Histories, rigid: Mapping[str, float], oscillates: bool
+    run: Histories, other: Histories, rigid: Mapping[str, float], oscillates: bool
 ) -> float:
-    """Root mean square of the distance between two runs' velocities over a tenth of the motion, the largest velocity's.
+    """Return the distance between the velocities of two runs.
 
-    ours, its: histories of the plate and of the rigid body, at the same instants, NaN where the rigid motion has ended;
-    rigid: values at the tail-slap. The tenth is the last one; where the plate oscillates any, as far as the oscillation
-    lasts, since two that drift out of phase may be in phase again at the end. Infinite where a number is not finite.
+    It is taken over a tenth of the motion, and is a root mean square over the velocity of the rigid body, the largest
+    of all velocities, and infinite where a number is not finite.
+
+    Parameters
+    ----------
+    run, other : Histories
+        Histories of both runs; NaN where the rigid motion has ended.
+    rigid : dict of str to float
+        Velocities of the rigid body at the tail-slap.
+    oscillates : bool
+        False: the tenth is the last one. True: any, as far as the oscillation lasts, since two oscillations that drift
+        out of phase may be in phase again at the end.
     """
-    end = min(float(fe["t"][_known(body)][-1]) for fe, body in (ours, its))
-    rows = ours[0]["t"]
+    end = min(float(fe["t"][_rigid_rows(body)][-1]) for fe, body in (run, other))
+    rows = run[0]["t"]
     t = np.append(rows[rows < end], end)
-    tenths = np.minimum((t / (LATE * end)).astype(int), LAST)
-    wanted = np.unique(tenths) if oscillates else np.array([LAST])
-    found = []
+    tenths = np.minimum((t / (PART * end)).astype(int), LAST_PART)
+    compared = np.unique(tenths) if oscillates else np.array([LAST_PART])
+    distances = []
     for name in (name for name in VELOCITIES if rigid[name]):
-        mine, other = _deviation(ours, name, t), _deviation(its, name, t)
-        apart = np.array([np.sqrt(np.mean((mine - other)[tenths == tenth] ** 2)) for tenth in wanted])
-        swing = np.array([np.std(mine[tenths == tenth]) for tenth in wanted])
-        lasts = np.minimum(1.0, np.divide(swing[-1], swing, out=np.ones_like(swing), where=swing > 0.0))
-        found.append(float((apart * lasts).max()) / abs(rigid[name]))
-    return max(found, default=0.0) if np.isfinite(found).all() else math.inf
+        first, second = _deviation(run, name, t), _deviation(other, name, t)
+        apart = np.array([np.sqrt(np.mean((first - second)[tenths == tenth] ** 2)) for tenth in compared])
+        amplitude = np.array([np.std(first[tenths == tenth]) for tenth in compared])
+        ratio = np.divide(amplitude[-1], amplitude, out=np.ones_like(amplitude), where=amplitude > 0.0)
+        distances.append(float((apart * np.minimum(1.0, ratio)).max()) / abs(rigid[name]))
+    return max(distances, default=0.0) if np.isfinite(distances).all() else math.inf
 
 
-def _deviation(histories: Histories, name: str, t: np.ndarray) -> np.ndarray:
-    """Deviation from the rigid motion at these instants."""
+def _deviation(histories: Histories, name: str, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the deviation from the rigid motion at instants [s]."""
     fe, rigid = histories
-    known = _known(rigid)
-    return np.interp(t, fe["t"][known], (fe[name] - rigid[name])[known])
+    rows = _rigid_rows(rigid)
+    return np.interp(t, fe["t"][rows], (fe[name] - rigid[name])[rows])
 
 
-def _known(rigid: Mapping[str, np.ndarray]) -> np.ndarray:
-    """True at instants before the end of the rigid motion."""
+def _rigid_rows(rigid: Columns) -> NDArray[np.bool_]:
+    """Return which rows are before the end of the rigid motion."""
     return np.isfinite(rigid["v_gx"])
 
 
 def friction_by_ringing(fe_plan: corner_plan.CornerPlan, row: Mapping[str, float]) -> float:
-    """Friction follows |N|: where N rings through zero it brakes more than the motion's own reaction would.
+    """Return the relative loss of velocity by oscillations of the reaction N.
 
-    row: of the history. Returns the fraction of v_GX or omega, whichever is more, that this has taken off by then.
+    It is that of v_GX or omega, the larger one. Friction follows |N|: where N oscillates through zero it brakes more
+    than the mean reaction would. row: of the history.
     """
     rectified = row["normal_impulse_magnitude"] - abs(row["normal_impulse"])
     speed = fe_plan.case.scene.corner_friction * rectified / fe_plan.model.mass

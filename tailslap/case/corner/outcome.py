@@ -1,4 +1,4 @@
-"""CornerOutcome: a run of a constrained corner beside the rigid motion, and the evidence that it is judged by."""
+"""Outcome of a run of a constrained corner."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.laws.friction import FRICTION_LAWS, FrictionLaw
 from postprocess.comparison.metrics import Metrics, compare_histories
-from tailslap.case.case import Outcome, energy_surplus
+from tailslap.case.case import Outcome
+from tailslap.case.check import energy_surplus
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.numerical_error import (
     Companion,
@@ -24,10 +26,10 @@ from tailslap.case.corner.numerical_error import (
 if TYPE_CHECKING:
     from fem.run.corner import Run
 
-Columns = Mapping[str, np.ndarray]
+Columns = Mapping[str, NDArray[np.float64]]
 
 COMPARED_HISTORIES = ("v_gx", "v_gy", "omega", "theta", "reaction_normal")
-"""Histories that are compared with the rigid motion's."""
+"""Columns that are compared with the rigid motion."""
 
 STORED_ENERGIES = ("kinetic_energy", "strain_energy", "hourglass_energy", "contact_energy")
 """Columns of the energy that the model stores."""
@@ -35,27 +37,27 @@ STORED_ENERGIES = ("kinetic_energy", "strain_energy", "hourglass_energy", "conta
 
 @dataclass(frozen=True)
 class CornerOutcome(Outcome):
-    """A run of a constrained corner, and the evidence that it is judged by.
+    """A run of a constrained corner beside the rigid motion.
 
     Attributes
     ----------
     rigid_history : dict of str to ndarray, shape (rows,)
-        Columns of the rigid motion by name, SI, at the run's instants.
+        Rigid motion by column at the instants of the run, SI.
     rigid, fe : dict of str to float
-        The five quantities at the tail-slap; `fe`, and `difference`, are empty without a tail-slap.
+        The five quantities at the tail-slap; `fe` and `difference` are empty without a tail-slap.
     companions : tuple of Companion
-        Runs on other meshes, by which the numerical error is judged.
+        Runs on other meshes, by which the numerical error is estimated.
     attempts : int
-        2 where the first run rang.
+        2 where the first run oscillated.
     pictures : tuple of Path
         Contour pictures.
     pictures_s : float
-        Time that the pictures took [s].
+        Time for the pictures [s].
     """
 
     fe_plan: CornerPlan
     run: Run
-    rigid_history: dict[str, np.ndarray]
+    rigid_history: dict[str, NDArray[np.float64]]
     rigid: dict[str, float]
     fe: dict[str, float]
     companions: tuple[Companion, ...] = ()
@@ -65,54 +67,65 @@ class CornerOutcome(Outcome):
 
     @property
     def history(self) -> Columns:
-        """The run's history."""
+        """History of the run."""
         return self.run.history
 
     @cached_property
-    def fe_history(self) -> dict[str, np.ndarray]:
-        """The run's history, and the gap of the energy balance."""
+    def fe_history(self) -> dict[str, NDArray[np.float64]]:
+        """History of the run with the error of the energy balance."""
         return self.run.history | {"energy_error": energy_error(self.run.history)}
 
     @property
     def relieved(self) -> bool:
-        """True where the plate starts by inertia relief."""
+        """True if the plate starts by inertia relief."""
         return self.fe_plan.plate.relieved
 
     @property
     def friction(self) -> FrictionLaw:
-        """The friction law of the scene."""
+        """Friction law of the scene."""
         return FRICTION_LAWS[self.fe_plan.case.scene.corner.reaction]
 
     @cached_property
     def ringing(self) -> float:
-        """Friction by ringing at the end of the run; 0 for an unstressed plate, which rings by itself."""
+        """Effect of friction by an oscillating reaction, at the end.
+
+        It is 0 for an unstressed start, which oscillates in any case.
+        """
         last = {name: float(column[-1]) for name, column in self.history.items()}
         return friction_by_ringing(self.fe_plan, last) if self.relieved else 0.0
 
     @cached_property
     def error(self) -> NumericalError:
-        """Distance of the run from its own limit of fine meshes."""
+        """Numerical error of the run."""
         return numerical_error(self.fe_plan, self.difference, self.companions)
+
+    @property
+    def stated_error(self) -> float:
+        """Largest relative error of the five quantities, NaN without a tail-slap."""
+        return self.error.total if self.fe else float("nan")
 
     @cached_property
     def metrics(self) -> dict[str, Metrics]:
-        """Metrics of each compared history while the rigid solution is known."""
-        fe, rigid, known = self.history, self.rigid_history, np.isfinite(self.rigid_history["v_gx"])
-        pairs = {name: (fe[name][known], rigid[name][known]) for name in COMPARED_HISTORIES}
-        return {name: compare_histories(fe["t"][known], *pair) for name, pair in pairs.items()}
+        """Metrics of the compared histories while the rigid motion lasts."""
+        fe, rigid, rows = self.history, self.rigid_history, np.isfinite(self.rigid_history["v_gx"])
+        pairs = {name: (fe[name][rows], rigid[name][rows]) for name in COMPARED_HISTORIES}
+        return {name: compare_histories(fe["t"][rows], *pair) for name, pair in pairs.items()}
 
     @cached_property
     def lateral_force(self) -> float:
-        """Peak lateral force of the tail-slap [N] by Stage 3, with the plate's speed; NaN without a tail-slap."""
+        """Peak lateral force of the tail-slap by Stage 3 [N].
+
+        It has the speed of the plate. NaN without a tail-slap.
+        """
         return self.fe_plan.case.peak_force(self.fe["v_gy"]) if self.fe else float("nan")
 
     @property
     def by_flexibility(self) -> float:
-        """Change of the answer by the plate's flexibility: that of companions, or by statics alone."""
+        """Effect of the plate's flexibility by companions, without any by statics."""
         ratio = self.fe_plan.deflection_ratio
         return max(ratio, self.error.flexibility) if self.companions else ratio
 
 
-def energy_error(history: Columns) -> np.ndarray:
-    """Energy [J] that the balance has too much at each instant, shape (rows,)."""
+def energy_error(history: Columns) -> NDArray[np.float64]:
+    """Return the error of the energy balance [J], shape (rows,)."""
     return energy_surplus(history, STORED_ENERGIES)

@@ -1,9 +1,11 @@
-"""Stages 1 to 3 of the rigid body: from a scene to the tail-slap, and the texts of `tailslap rigid`."""
+"""Stages 1 to 3 of the rigid body and their texts.
+
+Stage 1 is the impulse at the front corner, Stage 2 the motion with the corner on the wall, Stage 3 the tail-slap.
+"""
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from copy import copy
@@ -12,6 +14,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 import solver
 from fem import cache
@@ -31,7 +34,7 @@ if TYPE_CHECKING:
     from postprocess.figures.set_up import Unit
 
 ROWS = 401
-"""Instants of a history of the rigid motion."""
+"""Number of instants of a history of the rigid motion."""
 
 STAGE_3 = ("impulse", "duration", "peak_force")
 LABELS = {
@@ -50,12 +53,16 @@ LABELS = {
 
 START = {"angle": "angle", "omega": "angular velocity", "corner_speed": "corner speed"}
 CONVENTIONS = {"paper": "the paper's convention (1 - e)", "newton": "Newton's convention (1 + e)"}
-"""Words of the start of Stage 2 and of the conventions of restitution."""
+"""Names of the start of Stage 2 and of the conventions of restitution."""
 
 
 @dataclass(frozen=True)
 class RigidStages(case.Case):
-    """A scene with a constrained corner: Stages 1 to 3 of the rigid body, solved when it is made."""
+    """A scene with a constrained corner and its rigid body.
+
+    The constructor solves Stages 1 to 3. The finite-element model is in `CornerCase`, since plans and runs use this
+    class.
+    """
 
     name = case.CORNER
     compared = quantities.TAIL_SLAP
@@ -64,7 +71,7 @@ class RigidStages(case.Case):
     force_column = "peak_force"
 
     def __post_init__(self) -> None:
-        """Solve the stages. Raises InputError, naming the scene's key, where the rigid-body method has no answer."""
+        """Solve the stages. Raises InputError where they have no solution."""
         if self.scene.contact is not None:
             allowed = (
                 "this command or study requires a constrained corner; for a whole impact use run, rigid, check, sweep, "
@@ -75,61 +82,64 @@ class RigidStages(case.Case):
 
     @cached_property
     def body(self) -> solver.RectangularBody[float]:
-        """The vehicle."""
+        """The vehicle as a rectangle."""
         vehicle = self.scene.vehicle
         with _refusals(self.scene, "vehicle"):
             return solver.RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
 
     @cached_property
     def stage1(self) -> solver.ImpulseResult[float] | None:
-        """Stage 1; None without [impact]."""
+        """Result of Stage 1, None without [impact]."""
         impact = self.scene.impact
         if impact is None or impact.friction is None or impact.restitution is None:
             return None
-        given = (impact.speed, impact.angle, impact.friction, impact.restitution)
+        values = (impact.speed, impact.angle, impact.friction, impact.restitution)
         with _refusals(self.scene, "impact"):
-            return solver.corner_impulse(self.body, *given, convention=impact.convention)
+            return solver.corner_impulse(self.body, *values, convention=impact.convention)
 
     @cached_property
     def start(self) -> RigidStart:
-        """Start of Stage 2 as the scene gives it, else as Stage 1 computes it."""
-        given: dict[str, Any] = self.scene.start.model_dump() if self.scene.start else {}
-        found: dict[str, Any] = {}
+        """State at the start of Stage 2."""
+        specified: dict[str, float | None] = self.scene.start.model_dump() if self.scene.start else {}
+        state: dict[str, float] = {}
         if self.stage1 is not None and self.scene.impact is not None:
-            found = {"angle": self.scene.impact.angle, "omega": self.stage1.omega}
-            found["corner_speed"] = self.stage1.corner_speed
-        return RigidStart(**found | {key: value for key, value in given.items() if value is not None})
+            state = {"angle": self.scene.impact.angle, "omega": self.stage1.omega}
+            state["corner_speed"] = self.stage1.corner_speed
+        return RigidStart(**state | {key: value for key, value in specified.items() if value is not None})
 
     @cached_property
     def motion(self) -> solver.PlaneMotion:
-        """Stage 2, exact."""
+        """Exact solution of Stage 2."""
         return self.motion_of_mass(self.body.mass)
 
     @cached_property
     def force(self) -> solver.StrikeForce[float]:
-        """Stage 3."""
+        """Result of Stage 3."""
         speed, duration = self.motion.strike.v_gy, self.scene.strike.duration
         with _refusals(self.scene, "strike"):
             return solver.strike_force(self.scene.vehicle.mass, speed, duration)
 
     def peak_force(self, v_gy: float) -> float:
-        """Stage 3 of another lateral speed at the tail-slap [m/s]: peak force [N]."""
+        """Return the peak force of a lateral speed [N].
+
+        v_gy: at the tail-slap [m/s].
+        """
         return float(
             solver.strike_force(self.scene.vehicle.mass, v_gy, self.scene.strike.duration).peak_force
         )
 
-    def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Peak force [N] of each of n combinations, by Stages 1 to 3 of the scene with columns in place of numbers.
+    def many(self, inputs: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
+        """Return the peak force of n combinations of inputs [N].
 
         Parameters
         ----------
         inputs : dict of ndarray, shape (n,)
-            By key of the scene [SI]; they are not validated.
+            Values by key of the scene [SI], which are not validated; other keys are those of the scene.
 
         Returns
         -------
         dict of ndarray, shape (n,)
-            "peak_force"; NaN where the theory refuses a combination.
+            "peak_force"; NaN where the theory has no solution.
         """
         scene: Any = self.scene
         for key, value in inputs.items():
@@ -140,16 +150,17 @@ class RigidStages(case.Case):
         body = solver.RectangularBody(vehicle.length, vehicle.width, vehicle.mass)
         begin: tuple[Any, Any, Any] = (start.angle, start.omega, start.corner_speed)
         if impact is not None:
-            given = (impact.speed, impact.angle, impact.friction, impact.restitution, impact.convention)
-            stage_1 = solver.corner_impulse(body, *given, invalid="nan")
+            values = (impact.speed, impact.angle, impact.friction, impact.restitution, impact.convention)
+            stage_1 = solver.corner_impulse(body, *values, invalid="nan")
             computed = (impact.angle, stage_1.omega, stage_1.corner_speed)
-            begin = tuple(own if value is None else value for value, own in zip(begin, computed, strict=True))
-        given = (*begin, scene.corner_friction, scene.corner.rigid_reaction)
-        state = solver.tail_slap(body, *given, invalid="nan")
+            begin = tuple(new if value is None else value for value, new in zip(begin, computed, strict=True))
+        state = solver.tail_slap(
+            body, *begin, scene.corner_friction, scene.corner.rigid_reaction, invalid="nan"
+        )
         speed = np.asarray(state.v_gy)
-        known = np.isfinite(speed)
-        force = solver.strike_force(vehicle.mass, np.where(known, speed, 0.0), scene.strike.duration)
-        return {"peak_force": np.where(known, force.peak_force, np.nan)}
+        valid = np.isfinite(speed)
+        force = solver.strike_force(vehicle.mass, np.where(valid, speed, 0.0), scene.strike.duration)
+        return {"peak_force": np.where(valid, force.peak_force, np.nan)}
 
     @property
     def duration(self) -> float:
@@ -158,30 +169,39 @@ class RigidStages(case.Case):
 
     @property
     def tail_slap(self) -> dict[str, float]:
-        """State at the tail-slap, SI, by the names of `summary.json`."""
+        """State at the tail-slap by the names of `summary.json`, SI."""
         return {name: float(getattr(self.motion.strike, name)) for name in quantities.KEYS}
 
     def motion_of_mass(self, mass: float) -> solver.PlaneMotion:
-        """Stage 2 of a body of this mass [kg]: forces and energies change with it, nothing else."""
+        """Solve Stage 2 of a body of another mass [kg].
+
+        Only forces and energies depend on it.
+        """
         scene, start, body = self.scene, self.start, replace(self.body, mass=mass)
-        given = (start.angle, start.omega, start.corner_speed, scene.corner_friction)
+        values = (start.angle, start.omega, start.corner_speed, scene.corner_friction)
         with _refusals(scene, "start"):
-            motion: solver.PlaneMotion = _solved_motion(body, *given, scene.corner.rigid_reaction)
+            motion: solver.PlaneMotion = _solved_motion(body, *values, scene.corner.rigid_reaction)
         return motion
 
     def with_changes(self, changes: vary.Changes) -> Self:
-        """The case with keys changed on which the rigid motion does not depend: that, and the source, stay as given."""
+        """Return the case with changes that do not affect the rigid motion.
+
+        The source remains that of the scene.
+        """
         changed = copy(self)
         object.__setattr__(changed, "scene", vary.varied(self.scene, changes))
         return changed
 
     def decided(self, decisions: Iterable[Decision]) -> Self:
-        """The case with what the program chose."""
+        """Return the case with the decisions of the program."""
         changes = {decision.key: decision.value for decision in decisions}
         return self.with_changes(changes) if changes else self
 
     def other_convention(self) -> tuple[str, Self] | None:
-        """The other convention of restitution and its case; None where Stage 1 does not set the start."""
+        """Return the other convention of restitution and its case.
+
+        None where Stage 1 does not compute the start, or has no solution with it.
+        """
         impact, start = self.scene.impact, self.scene.start
         if impact is None or (start and start.omega is not None):
             return None
@@ -192,33 +212,37 @@ class RigidStages(case.Case):
             return None
 
     def details(self) -> list[str]:
-        """Start of Stage 2 where the scene gives it, friction and restitution."""
-        scene, given = self.scene, self.source.given.get("start", {})
+        """Return the specified start of Stage 2, friction and restitution."""
+        scene, start = self.scene, self.source.given.get("start", {})
         words = {"omega": "angular velocity"} if scene.starts_later else START
-        found = [f"{name} {self.given(f'start.{key}')}" for key, name in words.items() if key in given]
-        if found:
-            found[0] = f"start of Stage 2: {found[0]}"
+        parts = [f"{name} {self.quantity(f'start.{key}')}" for key, name in words.items() if key in start]
+        if parts:
+            parts[0] = f"start of Stage 2: {parts[0]}"
         law = "" if scene.corner.reaction in ("drag", "none") else f' ("{scene.corner.reaction}")'
-        found.append(f"friction {scene.corner_friction:g}{law}")
-        if scene.impact and "omega" not in given:
-            found.append(
+        parts.append(f"friction {scene.corner_friction:g}{law}")
+        if scene.impact and "omega" not in start:
+            parts.append(
                 f"restitution {scene.impact.restitution:g} by {CONVENTIONS[scene.impact.convention]}"
             )
-        return found
+        return parts
 
-    def force_sentence(self, peak: float) -> str:
-        """Sentence on a peak force of the tail-slap [N]."""
+    def force_sentence(self, peak: float, reliable: bool = True) -> str:
+        """Return a peak force of the tail-slap [N] as a sentence."""
         pulse = f"triangular pulse of {1e3 * self.scene.strike.duration:g} ms, assumed"
-        return f"{self.force_words}: {force(peak)} ({pulse}){self.design_ratio(peak)}."
+        name = self.force_words if reliable else f"{self.force_words}, not reliable"
+        return f"{name}: {force(peak)} ({pulse}){self.design_ratio(peak)}."
 
     def headline(self) -> Headline:
-        """Peak force of the tail-slap."""
+        """Return the peak force of the tail-slap with the set-up."""
         sentence = self.force_sentence(self.force.peak_force)
         certainty = f"Exact solution of the rigid-body equations.{self.other_force()}"
         return Headline(f"Tail-slap force: {self.subject}", sentence, self.set_up, certainty)
 
     def other_force(self) -> str:
-        """Sentence on the peak force by the other convention of restitution; empty where Stage 1 sets no start."""
+        """Return the peak force by the other convention as a sentence.
+
+        Empty where Stage 1 does not compute the start.
+        """
         other = self.other_convention()
         if other is None:
             return ""
@@ -227,7 +251,7 @@ class RigidStages(case.Case):
 
     @property
     def unit(self) -> Unit:
-        """The vehicle at first touch, the start of Stage 2, and at the tail-slap."""
+        """The vehicle at the start of Stage 2 and at the tail-slap."""
         from postprocess.figures.set_up import Unit
 
         body, at = self.body, self.motion.at(np.array([0.0, self.duration]))
@@ -236,7 +260,7 @@ class RigidStages(case.Case):
         return Unit(*place, at.theta, body.length, body.width, 0.5 * body.length)
 
     def drawing(self) -> Chart:
-        """Vehicle at first touch and at the tail-slap."""
+        """Draw the vehicle at first touch and at the tail-slap."""
         from postprocess.figures import set_up
 
         strike = self.motion.strike
@@ -250,14 +274,13 @@ class RigidStages(case.Case):
         )
         return set_up.draw_set_up([self.unit], words, caption)
 
-    def rigid_history(self) -> dict[str, np.ndarray]:
-        """Columns of the rigid motion to the tail-slap, by their names in `history.csv`, SI."""
-
+    def rigid_history(self) -> dict[str, NDArray[np.float64]]:
+        """Return the rigid motion by column of `history.csv`, SI, shape (rows,)."""
         state = self.motion.at(np.linspace(0.0, self.duration, ROWS))
         return {name: getattr(state, name) for name in ("t", *columns.COLUMNS) if hasattr(state, name)}
 
     def rigid_numbers(self) -> dict[str, Any]:
-        """Stages 1 to 3, SI, and what the other convention of restitution would have given."""
+        """Return the results by both conventions of restitution, SI."""
         other = self.other_convention()
         return {
             "scene": self.scene.name,
@@ -271,46 +294,48 @@ class RigidStages(case.Case):
         }
 
     def rigid_text(self, units: str = "si") -> list[str]:
-        """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
-        answer = self.rigid_numbers()
+        """Return the results of Stages 1 to 3 as lines of text.
+
+        units: "si", or "us" for ft, mph and kip.
+        """
+        stages = self.rigid_numbers()
 
         def rows(numbers: Mapping[str, float]) -> list[str]:
             labelled = [(*LABELS[name], value) for name, value in numbers.items()]
             return [value_line(label, value, unit, units) for label, unit, value in labelled]
 
         lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
-        if answer["stage1"]:
-            lines += ["Stage 1, impulse at the front corner", *rows(answer["stage1"])]
-        lines += ["Stage 2, from", *rows(answer["start"]), "to the tail-slap", *rows(answer["stage2"])]
-        lines += ["Stage 3, tail-slap", *rows(answer["stage3"])]
-        return lines
+        if stages["stage1"]:
+            lines += ["Stage 1, impulse at the front corner", *rows(stages["stage1"])]
+        lines += ["Stage 2, from", *rows(stages["start"]), "to the tail-slap", *rows(stages["stage2"])]
+        return [*lines, "Stage 3, tail-slap", *rows(stages["stage3"])]
 
 
 @cache.cached("rigid motion")
-def _solved_motion(body: solver.RectangularBody[float], *given: Any) -> solver.PlaneMotion:
-    return solver.plane_motion(body, *given)
+def _solved_motion(body: solver.RectangularBody[float], *start: Any) -> solver.PlaneMotion:
+    return solver.plane_motion(body, *start)
 
 
 @contextmanager
 def _refusals(scene: schema.Scene, table: str) -> Iterator[None]:
-    """Turn what the theory refuses into a message that names the scene's key."""
+    """Convert errors of the theory into errors of keys of the scene.
+
+    table: of the inputs of the theory.
+    """
     try:
         yield
     except solver.RigidBodyError as error:
         key, allowed = _key(scene, table, error.key), f"{error.why}; allowed: {error.allowed}"
-        if key == "impact.restitution" and scene.impact:  # it shows as an angular velocity of zero
+        if key == "impact.restitution" and scene.impact:  # the theory refuses an angular velocity of zero
             raise InputError(key, scene.impact.restitution, f"{error.why}; allowed: less than 1") from None
-        given = f"{error.given} rad" if key.endswith(".angle") else str(error.given)
-        raise InputError(key, Verbatim(_with_degrees(given)), _with_degrees(allowed)) from None
-
-
-def _with_degrees(text: str) -> str:
-    """Angles in the text in degrees too: they may have been given so."""
-    return re.sub(r"([0-9.]+) rad\b(?!/)", lambda m: f"{m[0]} ({math.degrees(float(m[1])):.4g} deg)", text)
+        value = str(error.given)
+        if key.endswith(".angle"):
+            value = f"{value} rad ({math.degrees(vary.value_at(scene, key)):.4g} deg)"
+        raise InputError(key, Verbatim(value), allowed) from None
 
 
 def _key(scene: schema.Scene, table: str, name: str) -> str:
-    """The key of the scene behind an input of the theory."""
+    """Return the key of the scene behind an input of the theory."""
     if table != "start":
         return f"{table}.{name}"
     if name == "friction":
@@ -322,5 +347,5 @@ def _key(scene: schema.Scene, table: str, name: str) -> str:
     return "impact.restitution" if name == "omega" else f"impact.{'angle' if name == 'angle' else 'speed'}"
 
 
-def _numbers(found: object, *names: str) -> dict[str, float]:
-    return {name: float(getattr(found, name)) for name in names}
+def _numbers(result: object, *names: str) -> dict[str, float]:
+    return {name: float(getattr(result, name)) for name in names}

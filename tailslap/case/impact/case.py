@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from tailslap.case.case import check_columns
+from tailslap.case.case import within_tolerance
+from tailslap.case.check import check_columns
 from tailslap.case.impact import answers, rigid
 from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
     from tailslap.case.impact.plan import ImpactPlan
+    from tailslap.case.impact.report import ImpactReport
     from tailslap.case.impact.run import ImpactOutcome
 
 
@@ -33,25 +34,24 @@ class ImpactCase(rigid.RigidImpact):
 
         return make_impact_plan(self)
 
-    @staticmethod
-    def pages() -> ModuleType:
-        """Import the texts of a whole impact."""
+    def check_lines(self, fe_plan: ImpactPlan | None) -> dict[str, list[str]]:
+        """Return the texts of `tailslap check` by label."""
         from tailslap.case.impact import report
 
-        return report
+        return report.check_lines(self, fe_plan)
 
-    def _run(self) -> ImpactOutcome:
-        from tailslap.case.impact import checks, run
+    def run(self, tolerance: float | None = None) -> ImpactOutcome:
+        """Run the plate, compare it with the rigid vehicle, and check it.
 
-        outcome = run.attempt(self)
-        if self.scene.verify.companion:
-            outcome = run.with_errors(outcome)
-        return replace(outcome, checks=checks.impact_checks(outcome))
+        tolerance: see `within_tolerance`. Raises InputError.
+        """
+        return within_tolerance(self, _run, tolerance)
 
-    @staticmethod
-    def stated_error(outcome: ImpactOutcome) -> float:
-        """The largest of the errors of all quantities; NaN where none is stated."""
-        return max(outcome.stated_errors.values())
+    def report(self, outcome: ImpactOutcome) -> ImpactReport:
+        """Return the report of a run."""
+        from tailslap.case.impact.report import ImpactReport
+
+        return ImpactReport(outcome)
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:
@@ -88,9 +88,19 @@ class ImpactCase(rigid.RigidImpact):
             **_tipping_columns("rigid", outcome.tipping.get("rigid")),
             **_tipping_columns("fe", outcome.tipping.get("FE")),
             **{f"difference.{name}": value for name, value in outcome.difference.items()},
-            "numerical_error": self.stated_error(outcome),
+            "numerical_error": outcome.stated_error,
             **{f"cost.{name}": value for name, value in run_cost(outcome).items()},
         }
+
+
+def _run(case: ImpactCase) -> ImpactOutcome:
+    """Run the plate on the mesh of the scene with its error and checks."""
+    from tailslap.case.impact import checks, run
+
+    outcome = run.attempt(case)
+    if case.scene.verify.companion:
+        outcome = run.with_errors(outcome)
+    return replace(outcome, checks=checks.impact_checks(outcome))
 
 
 def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:

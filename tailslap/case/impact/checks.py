@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from tailslap.case import case
+from tailslap.case import case, check
 from tailslap.case.impact import error, run
 
 STORED = (
@@ -24,7 +24,7 @@ LOSS = 2e-2
 
 def energy_error(outcome: run.ImpactOutcome) -> np.ndarray:
     """Energy [J] that the balance has too much at each instant, shape (rows,)."""
-    return case.energy_surplus(outcome.run.history, STORED)
+    return check.energy_surplus(outcome.run.history, STORED)
 
 
 def _initial_energy(outcome: run.ImpactOutcome) -> float:
@@ -32,23 +32,23 @@ def _initial_energy(outcome: run.ImpactOutcome) -> float:
     return 0.5 * sum(unit.mass for unit in plan.motion.vehicles) * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
 
 
-def _finite(outcome: run.ImpactOutcome) -> case.Evaluation:
+def _finite(outcome: run.ImpactOutcome) -> check.Evaluation:
     arrays = (*outcome.run.history.values(), outcome.run.normal)
     bad = sum(int(np.count_nonzero(~np.isfinite(array))) for array in arrays)
-    return case.Evaluation(bad, 0, "entries of the histories that are not finite numbers")
+    return check.Evaluation(bad, 0, "entries of the histories that are not finite numbers")
 
 
-def _energy(outcome: run.ImpactOutcome) -> case.Evaluation:
+def _energy(outcome: run.ImpactOutcome) -> check.Evaluation:
     worst = np.abs(energy_error(outcome)).max() / _initial_energy(outcome)
     exact = _is_exact(outcome)
     meaning = "largest energy-balance error over the initial energy"
     meaning += "; exact contact dissipates the kinetic energy of nodes on contact" if exact else ""
-    return case.Evaluation(worst, LOSS if exact else 1e-3, meaning)
+    return check.Evaluation(worst, LOSS if exact else 1e-3, meaning)
 
 
-def _gain(outcome: run.ImpactOutcome) -> case.Evaluation:
+def _gain(outcome: run.ImpactOutcome) -> check.Evaluation:
     gain = energy_error(outcome).max() / _initial_energy(outcome)
-    return case.Evaluation(gain, 1e-3, "largest energy gain over the initial energy")
+    return check.Evaluation(gain, 1e-3, "largest energy gain over the initial energy")
 
 
 def _is_exact(outcome: run.ImpactOutcome) -> bool:
@@ -56,37 +56,37 @@ def _is_exact(outcome: run.ImpactOutcome) -> bool:
     return not contact.crushes and contact.enforcement == "exact"
 
 
-def _momentum(outcome: run.ImpactOutcome) -> case.Evaluation:
+def _momentum(outcome: run.ImpactOutcome) -> check.Evaluation:
     h, plan, mass = outcome.run.history, outcome.fe_plan.case, outcome.fe_plan.model.mass
     scale = mass * math.hypot(plan.touch.v_gx, plan.touch.v_gy)
     across = np.abs(mass * (h["v_gy"] - plan.touch.v_gy) - h["normal_impulse"]).max()
     along = np.abs(mass * (h["v_gx"] - plan.touch.v_gx) - h["tangential_impulse"]).max()
     meaning = "momentum minus integral of the wall's force, in both directions"
-    return case.Evaluation(max(across, along) / scale, 1e-9, meaning)
+    return check.Evaluation(max(across, along) / scale, 1e-9, meaning)
 
 
-def _angular(outcome: run.ImpactOutcome) -> case.Evaluation:
+def _angular(outcome: run.ImpactOutcome) -> check.Evaluation:
     h = outcome.run.history
     turned = h["angular_momentum"] - h["moment_impulse"]
     worst = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
-    return case.Evaluation(worst, 1e-9, "angular momentum minus integrated moment of the wall's force")
+    return check.Evaluation(worst, 1e-9, "angular momentum minus integrated moment of the wall's force")
 
 
-def _pull(outcome: run.ImpactOutcome) -> case.Evaluation:
+def _pull(outcome: run.ImpactOutcome) -> check.Evaluation:
     least = -float(outcome.run.normal.min())
-    return case.Evaluation(least, 1e-6 * np.abs(outcome.run.normal).max(), "largest tensile force [N]")
+    return check.Evaluation(least, 1e-6 * np.abs(outcome.run.normal).max(), "largest tensile force [N]")
 
 
-def _strikes(outcome: run.ImpactOutcome) -> case.Evaluation:
+def _strikes(outcome: run.ImpactOutcome) -> check.Evaluation:
     counted = outcome.rigid.counted
     missing = min(counted, len(outcome.rigid.strikes)) - len(outcome.fe.strikes[:counted])
     words = "two" if counted == 2 else f"{counted}"
-    return case.Evaluation(
+    return check.Evaluation(
         missing, 0, f"of the rigid vehicle's first {words} strikes, those absent from the FE run"
     )
 
 
-def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None:
+def _stated(quantity: str, outcome: run.ImpactOutcome) -> check.Evaluation | None:
     verify, found = outcome.fe_plan.case.scene.verify, outcome.stated_errors
     if not verify.companion or quantity not in found:
         return None
@@ -98,20 +98,20 @@ def _stated(quantity: str, outcome: run.ImpactOutcome) -> case.Evaluation | None
         else "largest 50 ms mean of a hinge"
     )
     meaning = f"larger discretisation error of the {what}; limit: verify.mesh"
-    return case.Evaluation(found[quantity], verify.mesh, meaning, HINGED if hinged else "")
+    return check.Evaluation(found[quantity], verify.mesh, meaning, HINGED if hinged else "")
 
 
-def _sampling(outcome: run.ImpactOutcome) -> case.Evaluation:
+def _sampling(outcome: run.ImpactOutcome) -> check.Evaluation:
     shortest = min((strike.duration for strike in error.weighed(outcome.fe.strikes)), default=math.nan)
     meaning = "time between rows over the shorter of the first two major strikes"
-    return case.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
+    return check.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
 
 
-def _articulation(outcome: run.ImpactOutcome) -> case.Evaluation | None:
+def _articulation(outcome: run.ImpactOutcome) -> check.Evaluation | None:
     if not outcome.run.units:
         return None
     largest = max(hinge["largest_angle"] for hinge in outcome.fe.hinges)
-    return case.Evaluation(
+    return check.Evaluation(
         largest, 0.5 * math.pi, "largest angle of a hinge [rad]; beyond it units touch: jack-knifing"
     )
 
@@ -119,35 +119,35 @@ def _articulation(outcome: run.ImpactOutcome) -> case.Evaluation | None:
 MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.STATED.items()}
 """Names of the checks of the stated error by quantity; a run that has none, for others tell it, fails them."""
 
-CLOSER = f"{case.FINER}; contact.patch_length for the force of a corner; a larger verify.mesh"
+CLOSER = f"{check.FINER}; contact.patch_length for the force of a corner; a larger verify.mesh"
 HINGED = CLOSER.replace("corner;", "corner, trailer.hitch_length for that of a hinge;")
 FAULT = "please report it: this is a fault of the program"
 SHORT = "a softer contact: the rows do not resolve strikes as short as these"
-CHECKS = (
-    case.CheckKind("finite numbers", _finite, case.STEP),
-    case.CheckKind("time step", case.time_step, case.STEP),
-    case.CheckKind("energy balance", _energy, case.STEP),
-    case.CheckKind("energy gained", _gain, case.STEP),
-    case.CheckKind("momentum balance", _momentum, FAULT),
-    case.CheckKind("angular momentum", _angular, FAULT),
-    case.CheckKind("no pull", _pull, FAULT),
-    case.CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
-    case.CheckKind("sampling", _sampling, SHORT),
-    case.CheckKind("articulation", _articulation, "a time.end before that, for the model holds until then"),
+CHECKS: tuple[check.CheckKind[run.ImpactOutcome], ...] = (
+    check.CheckKind("finite numbers", _finite, check.STEP),
+    check.CheckKind("time step", case.time_step, check.STEP),
+    check.CheckKind("energy balance", _energy, check.STEP),
+    check.CheckKind("energy gained", _gain, check.STEP),
+    check.CheckKind("momentum balance", _momentum, FAULT),
+    check.CheckKind("angular momentum", _angular, FAULT),
+    check.CheckKind("no pull", _pull, FAULT),
+    check.CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
+    check.CheckKind("sampling", _sampling, SHORT),
+    check.CheckKind("articulation", _articulation, "a time.end before that, for the model holds until then"),
     *(
-        case.CheckKind(name, partial(_stated, quantity), CLOSER, in_percent=True)
+        check.CheckKind(name, partial(_stated, quantity), CLOSER, in_percent=True)
         for quantity, name in MESH_CHECKS.items()
     ),
 )
 """In the order in which they are listed."""
 
 
-def impact_checks(outcome: run.ImpactOutcome) -> tuple[case.Check, ...]:
+def impact_checks(outcome: run.ImpactOutcome) -> tuple[check.Check, ...]:
     """All checks of a run."""
-    return case.evaluated(CHECKS, outcome)
+    return check.evaluated(CHECKS, outcome)
 
 
 def failed_but_mesh(outcome: run.ImpactOutcome) -> tuple[str, ...]:
     """Names of the checks that fail, those of the mesh apart: where others tell its error."""
-    failed = case.failed_names(outcome.checks or impact_checks(outcome))
+    failed = check.failed_names(outcome.checks or impact_checks(outcome))
     return tuple(name for name in failed if name not in MESH_CHECKS.values())

@@ -1,32 +1,39 @@
 """Texts on a whole impact: `tailslap check`, page, summary, histories, terminal."""
 
+from __future__ import annotations
+
 import math
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from postprocess.report import tables
-from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
-from postprocess.units import SI, Units, measure, percent_up
-from tailslap.case import run_report
-from tailslap.case.case import failed_names, failed_sentence, unreliable
+from postprocess.units import Units, measure, milliseconds, percent_up
+from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.impact import checks, error, figures, run
 from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, alike, remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
+from tailslap.case.report_parts import CUT, PEAKS, checks_section, design_table, short, strikes_table
+from tailslap.case.run_report import (
+    FeReport,
+    Lines,
+    chosen_sentences,
+    fe_lines,
+    omitted_lines,
+    plate_sentence,
+)
 from tailslap.scene.schema import Contact, Scene
 
 FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
 """Columns in front of all others."""
-
-KICKER = "Whole impact, unilateral contact: finite elements compared with the rigid vehicle"
-FOOTER = "SI units; X along the wall in the driving direction, Y away from it; strikes by the nearest corner."
 
 FILTERED = (
     Column("curve", "Peak force, by filter"),
@@ -36,8 +43,8 @@ FILTERED = (
 )
 DURATIONS = (
     Column("curve", "Curve"),
-    Column("duration", "Valley to valley", "ms", form=run_report.milliseconds),
-    Column("triangle", "Equal triangle", "ms", form=run_report.milliseconds),
+    Column("duration", "Valley to valley", "ms", form=milliseconds),
+    Column("triangle", "Equal triangle", "ms", form=milliseconds),
     Column("peak_force", "Peak", "N", form=".0f"),
 )
 RISK = (
@@ -74,43 +81,66 @@ WALL_NOTE = (
 )
 
 
-def filled_report(
-    outcome: run.ImpactOutcome,
-    folder: Path,
-    pictures: bool,
-    units: Units = SI,
-    size: tuple[int, int] | None = None,
-) -> Report:
-    """The report of a run; pictures: whether an animation was asked for; units, size [pixels]: of it."""
-    run_report.keep_fields(outcome, folder)
-    if pictures:
-        figures.animation(outcome, folder, units, size)
-    omitted = omitted_parts(outcome.fe_plan.case.scene, pictures)
-    why = run_report.chosen_sentences(outcome.fe_plan)
-    page = run_report.run_page(outcome, KICKER, headline(outcome), _sections(outcome), omitted, FOOTER, why)
-    tables = (
-        peak_table(outcome),
-        run_report.short(run_report.design_table(outcome.fe_plan.case, outcome.lateral_force)),
-        _strikes(outcome),
-        errors_table(outcome),
-        hinges_table(outcome),
+@dataclass(frozen=True)
+class ImpactReport(FeReport):
+    """The report of a run of a whole impact."""
+
+    outcome: run.ImpactOutcome
+
+    kicker = "Whole impact, unilateral contact: finite elements compared with the rigid vehicle"
+    about = (
+        "SI units; X along the wall in the driving direction, Y away from it; strikes by the nearest corner."
     )
-    lines = run_report.terminal_text(outcome, tables)
-    return Report(page, summary(outcome, pictures), lines, histories=histories(outcome))
+
+    @property
+    def headline(self) -> Headline:
+        """Largest 50 ms mean, the set-up, and its accuracy."""
+        return headline(self.outcome)
+
+    @property
+    def histories(self) -> dict[str, dict[str, NDArray[np.float64]]]:
+        """Histories of plate and rigid vehicle by file name, shape (rows,)."""
+        return histories(self.outcome)
+
+    @property
+    def sections(self) -> list[Section]:
+        """Sections of the page, with empty ones, which are not shown."""
+        return _sections(self.outcome)
+
+    @property
+    def tables(self) -> list[Table]:
+        """Forces, strikes, errors and hinges."""
+        outcome = self.outcome
+        design = design_table(outcome.fe_plan.case, outcome.lateral_force)
+        return [
+            *(peak_table(outcome), short(design), _strikes(outcome)),
+            *(errors_table(outcome), hinges_table(outcome)),
+        ]
+
+    def omitted(self, pictures: bool) -> list[tuple[str, str]]:
+        """Return the parts that the scene does without."""
+        return omitted_parts(self.outcome.fe_plan.case.scene, pictures)
+
+    def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> ImpactReport:
+        """Write the animation into a folder."""
+        figures.animation(self.outcome, folder, units, size)
+        return self
+
+    def summary(self, pictures: bool) -> dict[str, Any]:
+        """Return the content of `summary.json`, SI."""
+        return super().summary(pictures) | numbers(self.outcome)
 
 
 def headline(outcome: run.ImpactOutcome) -> Headline:
     """Largest 50 ms mean, the set-up, and the effects of flexibility and mesh."""
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
     failed = failed_names(outcome.checks)
-    sentence = case.force_sentence(outcome.fe, outcome.tipping.get("FE"))
     uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
-    if failed and not uncertain:
-        sentence = unreliable(sentence)
+    sentence = case.force_sentence(outcome.fe, outcome.tipping.get("FE"), not failed or uncertain)
     return Headline(
         case.headline().title,
         failed_sentence(outcome.checks) + sentence,
-        f"{case.set_up} {run_report.plate_sentence(fe_plan)}",
+        f"{case.set_up} {plate_sentence(fe_plan)}",
         _uncertain(outcome) if uncertain else _certainty(outcome),
     )
 
@@ -173,17 +203,17 @@ def peak_table(outcome: run.ImpactOutcome) -> Table:
     rows: list[dict[str, Any]] = []
     for number, strike in enumerate(fe, 1):
         other = rigid[number].peak_force if number in rigid else None
-        cut = run_report.CUT if strike.cut else ""
+        cut = CUT if strike.cut else ""
         rows.append(
             {"what": f"Strike {number}, {strike.corner}{cut}", "fe": strike.peak_force, "rigid": other}
         )
     mean = {"fe": outcome.fe.peaks["mean_50ms"], "rigid": outcome.rigid.peaks["mean_50ms"]}
-    return Table(run_report.PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
+    return Table(PEAKS, [*rows, {"what": "Whole impact, 50 ms mean"} | mean])
 
 
 def _strikes(outcome: run.ImpactOutcome) -> Table:
     answers = {"FE": outcome.fe, "rigid": outcome.rigid}
-    return run_report.strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
+    return strikes_table({model: answer.numbers()["strikes"] for model, answer in answers.items()})
 
 
 def filtered_table(outcome: run.ImpactOutcome) -> Table:
@@ -203,7 +233,7 @@ def durations_table(answer: ImpactAnswer) -> Table:
 
 
 def _sections(outcome: run.ImpactOutcome) -> list[Section]:
-    design = run_report.design_table(outcome.fe_plan.case, outcome.lateral_force)
+    design = design_table(outcome.fe_plan.case, outcome.lateral_force)
     levels = {row["name"]: row["force"] for row in design.rows}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     positions = figures.position_strip(outcome.fe, outcome.fe_plan.case.motion.vehicles)
@@ -236,9 +266,7 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
             is_folded=True,
         ),
         Section("Model", sentences=_statements(outcome), is_folded=True),
-        run_report.checks_section(
-            outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")
-        ),
+        checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
     ]
 
 
@@ -293,16 +321,15 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
         f"The vehicle {contact_words(plan.scene.needed_contact)}.",
         "The rigid vehicle has the same mass, centre of mass, inertia and contact; the plate is flexible (first "
         f"natural frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
-        *run_report.chosen_sentences(outcome.fe_plan),
+        *chosen_sentences(outcome.fe_plan),
         *remarks(outcome.fe),
     ]
 
 
-def summary(outcome: run.ImpactOutcome, pictures: bool) -> dict[str, Any]:
-    """The whole summary, SI."""
+def numbers(outcome: run.ImpactOutcome) -> dict[str, Any]:
+    """Return the numbers of a summary that only a whole impact has, SI."""
     plan, rolls = outcome.fe_plan.case, {n: {"tipping": own.numbers()} for n, own in outcome.tipping.items()}
     return {
-        **run_report.run_summary(outcome, headline(outcome), omitted_parts(plan.scene, pictures)),
         "rigid": outcome.rigid.numbers() | rolls.get("rigid", {}),
         "fe": outcome.fe.numbers() | rolls.get("FE", {}),
         "paper_method": outcome.paper_method,
@@ -374,29 +401,33 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     return [(part, why) for there, part, why in parts if not there]
 
 
-def check_text(case: RigidImpact, fe_plan: ImpactPlan | None) -> list[str]:
-    """All lines of `tailslap check`; of a scene without [plate] those that need no mesh."""
+def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
+    """Return the texts of `tailslap check` by label.
+
+    fe_plan: None for a scene without [plate].
+    """
     motion, touch, vehicle = case.motion, case.touch, case.vehicle
     strikes = ", ".join(
         f"{s.corner} at {s.start:.4g} s for {'at least ' if s.cut else ''}{s.duration:.3g} s"
         for s in motion.strikes
     )
-    lines = [
-        f"start        first touch at {math.degrees(touch.theta):.5g} deg, "
-        + measure(math.hypot(touch.v_gx, touch.v_gy), "m/s", ".5g"),
-        f"vehicle      {measure(vehicle.mass, 'kg', 'g')}, centre of mass "
-        f"{measure(vehicle.front_distance, 'm', 'g')} behind the front, "
-        f"yaw inertia {measure(vehicle.inertia, 'kg m^2', '.6g')}",
-        f"contact      {contact_words(case.scene.needed_contact)}",
-        f"strikes      expected of the rigid vehicle: {strikes or 'none'}",
-        f"end          {motion.t_end:.4g} s",
-        *run_report.omitted_text(omitted_parts(case.scene)),
-    ]
+    speed = measure(math.hypot(touch.v_gx, touch.v_gy), "m/s", ".5g")
+    lines = {
+        "start": [f"first touch at {math.degrees(touch.theta):.5g} deg, {speed}"],
+        "vehicle": [
+            f"{measure(vehicle.mass, 'kg', 'g')}, centre of mass {measure(vehicle.front_distance, 'm', 'g')} "
+            f"behind the front, yaw inertia {measure(vehicle.inertia, 'kg m^2', '.6g')}"
+        ],
+        "contact": [contact_words(case.scene.needed_contact)],
+        "strikes": [f"expected of the rigid vehicle: {strikes or 'none'}"],
+        "end": [f"{motion.t_end:.4g} s"],
+        **omitted_lines(omitted_parts(case.scene)),
+    }
     if fe_plan is None:
         return lines
     rows, points = round(case.duration / fe_plan.sample), fe_plan.model.loop.contact.mobility.size
-    contact = [f"points       {points} may touch the wall; the contact force does not limit the time step"]
+    contact = {"points": [f"{points} may touch the wall; the contact force does not limit the time step"]}
     steps = f", {rows} rows"
     if case.scene.verify.companion:
         steps += "; at least as many on the meshes for the discretisation error"
-    return lines + run_report.fe_text(fe_plan, rows, "", contact, steps)
+    return lines | fe_lines(fe_plan, rows, contact, steps=steps)

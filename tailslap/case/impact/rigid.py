@@ -255,14 +255,14 @@ class RigidImpact(Case):
         contact, wall = self.scene.needed_contact, self.scene.wall
         law = "penalty contact" if contact.enforcement == "penalty" else "exact contact"
         if contact.strike_duration is not None:
-            law = f"crush stiffness of a rear strike of {self.given('contact.strike_duration')}"
+            law = f"crush stiffness of a rear strike of {self.quantity('contact.strike_duration')}"
         elif contact.crushes:
-            law = f"crush stiffness {self.given('contact.stiffness')} a corner"
+            law = f"crush stiffness {self.quantity('contact.stiffness')} a corner"
         given = [law]
         if contact.initial_force:
-            given.append(f"initial crush force {self.given('contact.initial_force')}")
+            given.append(f"initial crush force {self.quantity('contact.initial_force')}")
         if contact.side_stiffness:
-            given.append(f"side layer {self.given('contact.side_stiffness')}")
+            given.append(f"side layer {self.quantity('contact.side_stiffness')}")
         if contact.restitution is not None:
             given.append(f"restitution {contact.restitution:g}")
         return [*given, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
@@ -272,7 +272,7 @@ class RigidImpact(Case):
         """Roll of the rigid vehicle, a `TippingAnswer`; None without [tipping]."""
         return tipping_of(self, self.answer)
 
-    def force_sentence(self, answer: answers.ImpactAnswer, tipping: Any = None) -> str:
+    def force_sentence(self, answer: answers.ImpactAnswer, tipping: Any = None, reliable: bool = True) -> str:
         """Sentence on the largest 50 ms mean of the lateral force and its strike, and with [tipping] on the roll."""
         if not answer.strikes:
             return "The vehicle does not strike the wall."
@@ -282,7 +282,8 @@ class RigidImpact(Case):
         where = f"strike {number + 1} ({strike.corner} corner, from {strike.start:.3f} s)"
         roll = f" {tipping.verdict}" if tipping else ""
         least = "at least " if answer.cut else ""
-        return f"{self.force_words}: {least}{force(peak)} in {where}{self.design_ratio(peak)}.{roll}"
+        name = self.force_words if reliable else f"{self.force_words}, not reliable"
+        return f"{name}: {least}{force(peak)} in {where}{self.design_ratio(peak)}.{roll}"
 
     def headline(self) -> Headline:
         """Largest 50 ms mean of the rigid vehicle."""

@@ -57,6 +57,11 @@ class ImpactOutcome(Outcome):
         return found | ({"hinge": max(self.hinge_error, default=math.nan)} if self.fe.units > 1 else {})
 
     @property
+    def stated_error(self) -> float:
+        """Largest relative error of all quantities; NaN where none is stated."""
+        return max(self.stated_errors.values())
+
+    @property
     def lateral_force(self) -> float:
         """Largest mean over 50 ms of the plate's force on the wall [N]."""
         return float(self.fe.peaks["mean_50ms"])

@@ -8,7 +8,7 @@ from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table, columns, listed
 from postprocess.units import duration, known, measure, percent_up
 from tailslap.campaign.records import Record
-from tailslap.case.run_report import study_page, study_summary
+from tailslap.case.report_parts import study_page, study_summary
 from tailslap.studies.cost import cost_settings, cost_study
 from tailslap.studies.cost.cost_diagrams import Diagram, charts, lines
 from tailslap.studies.cost.cost_settings import FE

@@ -31,7 +31,8 @@ from tailslap.campaign.convergence import Limit, finite, grids_of, halved, limit
 from tailslap.campaign.records import Record
 from tailslap.case import case_of
 from tailslap.case import resources as cost
-from tailslap.case.case import Case, failed_names
+from tailslap.case.case import Case
+from tailslap.case.check import failed_names
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.corner_run import compare

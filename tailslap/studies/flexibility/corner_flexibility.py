@@ -23,7 +23,7 @@ from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
 from tailslap.case import plate_input as model
 from tailslap.case import resources as cost
-from tailslap.case.case import failed_names
+from tailslap.case.check import failed_names
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.outcome import CornerOutcome

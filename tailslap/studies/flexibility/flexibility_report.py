@@ -15,7 +15,7 @@ from tailslap.campaign.levels import hertz
 from tailslap.campaign.records import Record
 from tailslap.case.impact.answers import COLUMNS, COMPARED
 from tailslap.case.impact.answers import QUANTITIES as STRIKE_QUANTITIES
-from tailslap.case.run_report import study_page, study_summary
+from tailslap.case.report_parts import study_page, study_summary
 from tailslap.studies.flexibility.corner_flexibility import CONSERVED, LEVELS, MEASURED, STARTS
 from tailslap.studies.flexibility.impact_flexibility import IMPACT_LEVELS, NAMES
 from tailslap.studies.flexibility.plate_runs import Flexibility

@@ -13,7 +13,8 @@ from fem.plate.kinds import ELEMENT_KINDS
 from postprocess.comparison.quantities import largest
 from tailslap.campaign.records import Record
 from tailslap.case import case_of
-from tailslap.case.case import Outcome, failed_names
+from tailslap.case.case import Outcome
+from tailslap.case.check import failed_names
 from tailslap.case.corner import corner_checks as checks
 from tailslap.case.corner import corner_run as run
 from tailslap.case.corner.corner_plan import CornerPlan
@@ -275,7 +276,7 @@ def against_reference(outcome: CornerOutcome) -> Record:
     if first is None:
         return grade(outcome.difference, failed, None, math.nan)
     oscillates = not fe_plan.plate.relieved
-    motion: Record = {"its": first.histories, "rigid": outcome.rigid, "oscillates": oscillates}
+    motion: Record = {"other": first.histories, "rigid": outcome.rigid, "oscillates": oscillates}
     histories = outcome.fe_history, outcome.rigid_history
     row = grade(outcome.difference, failed, first, distance_in_motion(histories, **motion))
     if row["kind"] != GOOD:
@@ -333,10 +334,10 @@ def references(
         models += [(factor, FLUTTER_DAMPING) for factor in dict.fromkeys((FIRST[0], factors[-1]))]
     for finer, ratio in models:
         try:
-            case = cell.asked.varied(reference_changes(cell.asked.scene, cell.plate, finer, ratio))
+            case = cell.original.varied(reference_changes(cell.original.scene, cell.plate, finer, ratio))
             if expected_effort(case.scene, case.duration).seconds > longest:
                 continue
-            outcome = run.judged(run.settled(case))
+            outcome = run.checked(run.damped_run(case))
         except InputError:
             continue
         if trustworthy(outcome):

@@ -14,10 +14,10 @@ from postprocess.report.tables import Column, Table, columns, text_table
 from postprocess.svg.chart import Chart
 from postprocess.units import known
 from tailslap.campaign.records import Record
-from tailslap.case.case import advice
+from tailslap.case.check import advice
 from tailslap.case.corner.corner_checks import CHECKS
 from tailslap.case.impact import checks as impact_checks
-from tailslap.case.run_report import study_page, study_summary
+from tailslap.case.report_parts import study_page, study_summary
 from tailslap.scene import vary, write
 from tailslap.studies.stability import cell_verdicts
 from tailslap.studies.stability.cell_verdicts import CAUGHT, GOOD, REFUSED, UNKNOWN, WRONG

@@ -11,7 +11,7 @@ from postprocess.units import grouped, measure, percent_up
 from tailslap.campaign import sampling
 from tailslap.campaign.records import Record
 from tailslap.case.impact.tipping import LIMIT_COLUMNS, LIMITS
-from tailslap.case.run_report import study_page, study_summary
+from tailslap.case.report_parts import study_page, study_summary
 from tailslap.studies.sobol_tables import INDEX_METHOD, index_columns, main_source, with_intervals
 from tailslap.studies.tipping.tipping_study import ABRUPT, FINE_STEP, INCH, STEP, WALLS, TippingResult
 

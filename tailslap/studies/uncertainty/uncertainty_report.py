@@ -14,7 +14,7 @@ from postprocess.units import force, grouped
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import PERCENTILES, SEED, points_in_words
 from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
-from tailslap.case.run_report import known_forces, short, study_page, study_summary
+from tailslap.case.report_parts import design_forces_of, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
 from tailslap.studies.sobol_tables import (
     INDEX_METHOD,
@@ -302,7 +302,7 @@ def _levels(result: Spread) -> Table:
     rows = [
         {"name": name, "force": design.force, "source": design.source}
         | {"above": 1.0 - result.band(LARGEST).fraction_below(design.force)}
-        for name, design in known_forces(level).items()
+        for name, design in design_forces_of(level).items()
     ]
     return Table(LEVELS, rows)
 

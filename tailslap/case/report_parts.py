@@ -1,0 +1,166 @@
+"""Tables, sections and pages of reports of runs and studies."""
+
+from __future__ import annotations
+
+import datetime
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import tailslap
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Table, columns
+from postprocess.signals.design_forces import DesignForce, design_forces
+from postprocess.units import milliseconds
+from tailslap.case.case import Case
+from tailslap.case.check import Check, printed_check
+from tailslap.errors import typed_command
+
+PEAKS = (
+    Column("what", "Peak lateral force"),
+    Column("fe", "FE", "N", form="#.4g", style="strong"),
+    Column("rigid", "Rigid", "N", form="#.4g", style="strong"),
+)
+DESIGN = (
+    Column("name", "Design force", style="whole"),
+    Column("force", "Lateral", "N", form="#.4g", style="strong"),
+    Column("ratio", "Ratio", form=".2f"),
+    Column("source", "Source", style="soft"),
+)
+CHECKS = (
+    Column("name", "Check"),
+    *columns({"value": "Value", "limit": "Limit"}, form=str),
+    Column("passed", "Result", form=lambda passed: "passed" if passed else "failed", style="badge"),
+    Column("meaning", "Meaning"),
+)
+FAILED = (
+    Column("name", "Failed check"),
+    Column("value", "Value", form=str, style="strong"),
+    Column("limit", "Limit", form=str),
+    Column("advice", "Remedy"),
+)
+TAIL_SLAP = (
+    *columns({"quantity.title": "Quantity", "quantity.symbol": ""}),
+    *columns({"fe": "FE", "rigid": "Rigid, exact"}, form="#.5g", unit_key="quantity.unit"),
+    Column("quantity.unit", "Unit", is_unit=True),
+    Column("difference", "FE/rigid − 1", form="+.1e", style="strong"),
+)
+"""Columns of the rows of `comparison_rows`."""
+
+STRIKES = (
+    *columns({"title": "Strike", "model": "Model"}),
+    Column("start", "Start", "ms", form=milliseconds),
+    Column("duration", "Duration", "ms", form=milliseconds),
+    Column("peak_force", "Peak", "N", form=".1f", style="strong"),
+    Column("impulse", "Impulse", "N s", form=".2f"),
+    Column("point_of_attack", "Resultant", "m", form="z.2f"),
+)
+ATTACK = "Resultant: distance of the resultant force behind the front bumper."
+CUT = " (cut)"
+AT_LEAST = (
+    "Cut: the strike is not over at the end; its duration, peak force and impulse are at least those given."
+)
+OF_TRACTORS = ("TL-5", "TL-6")
+"""Test levels of tractors with trailers, whose design forces are listed together."""
+
+
+def footer(files: str = "") -> str:
+    """Return version, date and command line of a page.
+
+    files: those beside the page.
+    """
+    command_line = typed_command()
+    command = f"`{command_line}`" if command_line else "from Python"
+    beside = f" Files beside this page: {files}." if files else ""
+    return f"tailslap {tailslap.__version__}, {datetime.date.today().isoformat()}, {command}.{beside}"
+
+
+def study_page(
+    case: Case,
+    kicker: str,
+    headline: Headline,
+    sections: Sequence[Section],
+    files: str,
+    passed: bool | None = None,
+) -> Page:
+    """Make the page of a study of a case.
+
+    files: those beside it; passed: None where nothing is checked.
+    """
+    sections = [Section("Set-up", figures=[case.drawing()]), *sections]
+    return Page(kicker, headline, sections, footer(files), case.source.text, passed)
+
+
+def study_summary(study: str, case: Case) -> dict[str, Any]:
+    """Return the first entries of the summary of a study."""
+    return {"study": study, "scene": case.scene.name, "version": tailslap.__version__}
+
+
+def design_forces_of(level: str | None) -> dict[str, DesignForce]:
+    """Return the design forces of a test level by name.
+
+    A tractor with trailer has those of both of its levels.
+    """
+    levels = OF_TRACTORS if level in OF_TRACTORS else (level,) if level else ()
+    return {f"{force.name}, {name}": force for name in levels for force in design_forces(name)}
+
+
+def design_ratios(case: Case, lateral: float) -> list[dict[str, Any]]:
+    """Return a lateral force [N] over each design force."""
+    impact = case.scene.impact
+    return [
+        {"name": name, "force": design.force, "ratio": lateral / design.force, "source": design.source}
+        for name, design in design_forces_of(impact.test_level if impact else None).items()
+    ]
+
+
+def design_table(case: Case, lateral: float) -> Table:
+    """Return design forces and the ratios of a force [N]."""
+    name, force, ratio, source = DESIGN
+    ratio = replace(ratio, label=f"{case.force_name} / design")
+    return Table((name, force, ratio, source), design_ratios(case, lateral))
+
+
+def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
+    """Return the strikes of each model in order of time.
+
+    strikes: by name of the model, as in the summary.
+    """
+    rows: list[dict[str, Any]] = [
+        {"point_of_attack": None, **strike, "model": model, "number": n}
+        | {"title": f"{n} {strike['corner']}{CUT if strike.get('cut') else ''}"}
+        for model, of_model in strikes.items()
+        for n, strike in enumerate(of_model, 1)
+    ]
+    notes = (ATTACK, *([AT_LEAST] if any(row.get("cut") for row in rows) else []))
+    return Table(STRIKES, sorted(rows, key=lambda row: row["number"]), notes=notes)
+
+
+def short(table: Table) -> Table:
+    """Return a table without its last column, too long for a terminal."""
+    return Table(table.columns[:-1], table.rows)
+
+
+def failed_section(checks: Sequence[Check], diagnosis: Sequence[str]) -> Section:
+    """Return failed checks with remedies and diagnosis, empty without any."""
+    rows = [printed_check(vars(check)) for check in checks if not check.passed]
+    title, sentences = "Failed checks and remedies", diagnosis if rows else ()
+    return Section(title, tables=[Table(FAILED, rows)], sentences=sentences)
+
+
+def passed_text(checks: Sequence[Check]) -> str:
+    """Return the number of checks that passed as a sentence."""
+    return f"Checks: {sum(check.passed for check in checks)} of {len(checks)} passed"
+
+
+def checks_section(checks: Sequence[Check], groups: Mapping[str, str]) -> Section:
+    """Return all checks in tables by group.
+
+    groups: title of the table of each check, by its name.
+    """
+    tables = []
+    for title in dict.fromkeys(groups.get(check.name, "Others") for check in checks):
+        group = [check for check in checks if groups.get(check.name, "Others") == title]
+        marks = {number: "failed" for number, check in enumerate(group) if not check.passed}
+        tables.append(Table(CHECKS, [printed_check(vars(check)) for check in group], title, marks=marks))
+    return Section(passed_text(checks), tables=tables, is_folded=True)
