@@ -157,9 +157,9 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
 def check(
     scene: Scene, changes: Changes | None = None, *, allow_large: bool = False, units: UnitSystem = "si"
 ) -> result.Result:
-    """Show model, automatic choices and estimated cost of a run.
+    """Show the model and estimated cost of a run.
 
-    Nothing is run.
+    Automatic choices are listed; nothing is run.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def modal(
     allow_large: bool = False,
     units: UnitSystem = "si",
 ) -> result.Result:
-    """Run a scene with the modal model of the plate.
+    """Run a scene with the modal model.
 
     Parameters
     ----------
@@ -265,7 +265,7 @@ def modal(
 def modes(
     scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
 ) -> result.Result:
-    """Compute natural frequencies and mode shapes of the free plate.
+    """Compute the free modes of the plate.
 
     They are those in its plane, of a train those of the hinged plates.
 
@@ -384,7 +384,7 @@ def confirm(
     time_limit: float = 600.0,
     allow_large: bool = False,
 ) -> result.Result:
-    """Run a scene in another solver and compare the motions.
+    """Confirm a scene by another solver.
 
     They are those of the other solver, of the rigid body, which is exact, and of this program's plate.
 

@@ -114,7 +114,7 @@ def _is_of(value: object, kind: Any) -> bool:
 
 
 def _is_encodable(text: str) -> bool:
-    """Return True for text that can be a file's name."""
+    """Return True for encodable text."""
     try:
         return b"\0" not in os.fsencode(text)
     except UnicodeEncodeError:

@@ -131,13 +131,13 @@ def _prepare_environment() -> None:
 
 
 def _remark(message: Warning | str, *_: object, **__: object) -> None:
-    """Print the first line of a warning as a remark."""
+    """Print the first line of a warning."""
     first = str(message).strip().partition("\n")[0]  # Numba's warnings continue with a traceback
     click.echo(f"tailslap: remark: {errors.escaped(first)}", err=True)
 
 
 def _complain(message: str, status: int) -> int:
-    """Print an error message and return the exit status."""
+    """Print an error message and return the status."""
     click.echo(f"tailslap: {errors.escaped(message)}", err=True)
     return status
 
@@ -171,7 +171,7 @@ class _Messages(io.FileIO):
 
     @classmethod
     def instead_of(cls, stream: TextIO) -> TextIO:
-        """Return a replacement of standard error, else the stream itself."""
+        """Return a replacement of standard error."""
         if not isinstance(stream, io.TextIOWrapper) or stream.fileno() != STDERR:
             return stream
         buffer = io.BufferedWriter(cls(STDERR, "w", closefd=False))
@@ -179,7 +179,7 @@ class _Messages(io.FileIO):
 
 
 def take_signals_as_interrupts() -> None:
-    """End a command on TERM and HUP as on Ctrl-C.
+    """Treat TERM and HUP as Ctrl-C.
 
     Its cleanup is the same then. HUP is ignored under nohup.
     """

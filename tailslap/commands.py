@@ -25,7 +25,7 @@ from tailslap.studies.study import Study, prepared
 
 if TYPE_CHECKING:
     from postprocess.report.command_report import Report
-    from tailslap.result.result import Fill
+    from tailslap.result.result import Fill, Result
 
 DONE, CHECK_FAILED = 0, 1
 """Exit statuses of a completed command."""
@@ -97,6 +97,15 @@ def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") 
     return DONE if report.passed else CHECK_FAILED
 
 
+def show(result: Result, as_json: bool) -> int:
+    """Print a result, or its summary as JSON.
+
+    Returns the exit status.
+    """
+    options.report(result.summary, result.text, as_json)
+    return CHECK_FAILED if result.passed is False else DONE
+
+
 @click.group(context_settings=HELP)
 @click.version_option(tailslap.__version__, prog_name="tailslap")
 def commands() -> None:
@@ -161,8 +170,7 @@ def rigid(case: Case, as_json: bool, units: UnitSystem) -> int:
     """Solve the rigid-body method, or the whole impact of the rigid vehicle."""
     if as_json and units == "us":
         raise errors.InputError("--units", units, "--json is always in SI; remove one of the two options")
-    result = tailslap.rigid(case, units=units)
-    return options.report(result.summary, result.text, as_json)
+    return show(tailslap.rigid(case, units=units), as_json)
 
 
 class Studies(click.Group):
@@ -265,12 +273,10 @@ def sweep(
     remark_on(varied_source(definition))
     place = folder or default_place(definition.scene, changes_of(definition.source), "-sweep")
     try:
-        result = sweep_result(definition, place, **execution)
+        return show(sweep_result(definition, place, **execution), as_json)
     except StoppedError as stopped:
         click.echo(f"tailslap: {stopped}", err=True)
         return stopped.status
-    options.report(result.summary, result.text, as_json)
-    return DONE if result.passed else CHECK_FAILED
 
 
 @commands.command()
@@ -379,8 +385,7 @@ def check(case: Case, as_json: bool, **arguments: Any) -> int:
 
     Nothing is run.
     """
-    result = tailslap.check(case, **arguments)
-    return options.report(result.summary, result.text, as_json)
+    return show(tailslap.check(case, **arguments), as_json)
 
 
 @commands.command()
@@ -423,9 +428,7 @@ def modes(
 @options.with_options(*options.PRINTED)
 def modal(case: Case, as_json: bool, **arguments: Any) -> int:
     """Run a scene with the modal model of the plate."""
-    result = tailslap.modal(case, **arguments)
-    options.report(result.summary, result.text, as_json)
-    return DONE if result.passed else CHECK_FAILED
+    return show(tailslap.modal(case, **arguments), as_json)
 
 
 @commands.command()

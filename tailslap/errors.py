@@ -88,7 +88,7 @@ def nearest(name: str, known: Iterable[str], form: str = "{}") -> str:
 
 
 def one_of(name: str, known: Iterable[str], which: str = "allowed is one of") -> str:
-    """List allowed names, with the nearest one to `name`.
+    """List allowed names with the nearest one.
 
     A long list is on separate lines.
     """
@@ -100,7 +100,7 @@ def one_of(name: str, known: Iterable[str], which: str = "allowed is one of") ->
 
 
 def place_error(place: object, what: str, error: OSError, key: str = "--out") -> Exception:
-    """Return the error for a result that cannot be written.
+    """Return the error for an unwritable result.
 
     It is an InputError, or an OSError for a fault of the machine.
     """
@@ -132,7 +132,7 @@ def is_there(path: str | os.PathLike[str]) -> bool:
 
 
 def import_fault(error: ImportError) -> str:
-    """Return the message for a library that cannot be loaded.
+    """Return the message for a missing library.
 
     The packages of a missing system library follow.
     """
@@ -150,9 +150,9 @@ def escaped(text: str) -> str:
 
 
 def typed_command(*more: str) -> str:
-    """Return the command line of this process with more arguments.
+    """Return the command line of this process.
 
-    It is quoted for a shell, and "" outside a command.
+    It has the additional arguments at its end, is quoted for a shell, and is "" outside a command.
     """
     import click
 
@@ -172,7 +172,10 @@ def _escape(letter: str) -> str:
 
 
 def _quoted(value: object) -> str:
-    """Return a value as messages show it, texts in quotes."""
+    """Return a value as text for messages.
+
+    Texts are in quotes.
+    """
     if value is Missing:
         return "no value"
     if isinstance(value, str) and not isinstance(value, Verbatim):

@@ -1,4 +1,4 @@
-"""Compute the free modes of the plate beside beam theory."""
+"""Compute free modes of the plate."""
 
 import math
 from collections.abc import Iterator
@@ -93,7 +93,7 @@ def modes_report(case: Case, count: int) -> Report:
 
 
 def modes_with_errors(case: Case, count: int) -> tuple[FePlan, FreeModes, list[Mode]]:
-    """Return plan, shapes and records of the modes, with errors.
+    """Return plan, shapes and records of modes.
 
     Errors are estimated on a mesh that is twice as fine. An automatic mesh is refined until they are small.
     """
@@ -114,7 +114,7 @@ def modes_with_errors(case: Case, count: int) -> tuple[FePlan, FreeModes, list[M
 
 
 def _modes_of(fe_plan: FePlan, count: int) -> tuple[FreeModes, list[Mode]]:
-    """Return the modes of a plan and their records.
+    """Return the modes of a plan.
 
     Raises InputError for a number that the mesh does not allow.
     """
@@ -133,7 +133,7 @@ def _beam(fe_plan: FePlan) -> beams.Beam:
 
 
 def _state_errors(modes: list[Mode], finer: list[Mode]) -> None:
-    """Add the relative error of the frequency to each mode.
+    """Add the relative error to each mode.
 
     It is estimated from the frequency on the finer mesh, of the mode of the same kind and order, or of the same number.
     The change of one frequency may be small by accident: the error is the geometric mean with the largest change of its

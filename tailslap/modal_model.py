@@ -1,4 +1,4 @@
-"""Run a scene with the modal model of the plate.
+"""Run a scene with the modal model.
 
 The model is a floating frame with elastic modes; its error is estimated.
 """
@@ -38,7 +38,7 @@ COLUMNS = (
 
 
 class ModalEstimate(NamedTuple):
-    """Estimated relative errors of the five quantities, by source.
+    """Estimated relative errors of the five quantities.
 
     modes: truncation, from the change at any time with more modes. linear: linearisation of the elastic strain. steps:
     time step, from the change with half as many steps.
@@ -154,7 +154,7 @@ def _estimate(
 
 
 def _checks(motion: ModalMotion, estimate: ModalEstimate, tolerance: float) -> tuple[Check, ...]:
-    """Return the checks of a run of the modal model."""
+    """Return the checks of a run."""
     angle = 0.0 if motion.strike else float(motion.history["theta"][-1])
     more = "relative change of the result with more modes", "a larger --modes"
     linear = (
@@ -187,7 +187,7 @@ def modal_text(fe_plan: CornerPlan, run: ModalRun, units: str = "si") -> str:
 
 
 def modal_headline(fe_plan: CornerPlan, run: ModalRun) -> Headline:
-    """Return the peak force, the modes and the error estimate."""
+    """Return peak force, modes and error estimate."""
     case, estimate = fe_plan.case, run.estimate
     sentence, certainty = "No tail-slap within the run.", ""
     if run.values:

@@ -1,4 +1,4 @@
-"""Define types of the command-line options, and shared options.
+"""Define command-line options and their types.
 
 They are numbers in ASCII digits within bounds, names of folders and non-empty texts.
 """
@@ -10,12 +10,12 @@ from collections.abc import Callable, Mapping
 from contextlib import redirect_stdout
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import click
 
 from tailslap import progress
-from tailslap.arguments import picture_pixels
+from tailslap.arguments import UnitSystem, picture_pixels
 from tailslap.scene import read, schema
 
 WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
@@ -84,7 +84,7 @@ class PictureSize(click.ParamType):
 
 
 def _quiet(context: click.Context, parameter: click.Parameter, is_set: bool) -> None:
-    """Discard standard output and progress until the command ends."""
+    """Discard standard output and progress."""
     if is_set:
         nowhere = context.with_resource(open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
         context.with_resource(redirect_stdout(nowhere))
@@ -98,7 +98,7 @@ def _progress(context: click.Context, parameter: click.Parameter, is_set: bool) 
 
 
 def complete_scene(context: click.Context, parameter: click.Parameter, typed: str) -> list[str]:
-    """Return names of scenes and TOML files for shell completion."""
+    """Return names of scenes for completion."""
     names = [*read.shipped_scenes(), *(str(path) for path in Path().glob("*.toml"))]
     return [name for name in names if name.startswith(typed)]
 
@@ -141,7 +141,7 @@ _flag = partial(click.Option, is_flag=True, expose_value=False, is_eager=True)
 QUIET = _flag(["--quiet", "-q"], callback=_quiet, help="Print only errors.")
 LINES = "Log progress at intervals if standard error is not a terminal."
 PROGRESS = _flag(["--progress"], callback=_progress, help=LINES)
-SYSTEMS = click.Choice(["si", "us"])
+SYSTEMS = click.Choice(get_args(UnitSystem))
 UNITS = click.Option(
     ["--units"], type=SYSTEMS, default="si", help="Units of displayed results; files are in SI."
 )

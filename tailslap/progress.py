@@ -62,7 +62,7 @@ def followed(listener: Callable[[str], None]) -> Iterator[None]:
 
 @contextmanager
 def announced(text: str) -> Iterator[None]:
-    """Show on a terminal that a task is in progress, and its duration."""
+    """Show on a terminal the task in progress and its duration."""
     began = time.monotonic()
     with _shown(lambda: f"{text} {time.monotonic() - began:.0f} s", None, None):
         yield
@@ -86,11 +86,11 @@ def counted(
     logged: float | None = LOG_INTERVAL,
     work_left: Callable[[float], float] | None = None,
 ) -> Iterator[Callable[..., None]]:
-    """Yield a function that takes the number completed of `total`, and a note.
+    """Yield a function that takes the number completed, and a note.
 
-    It logs where standard error is not a terminal. total: 0 where a fraction is shown in per cent. before: number
-    completed at the start, which does not count for the rate. logged: seconds between log lines, None for no log.
-    work_left: remaining work by the number completed, where items differ in cost.
+    It logs where standard error is not a terminal. total: number of items; 0 where a fraction is shown in per cent.
+    before: number completed at the start, which does not count for the rate. logged: seconds between log lines, None
+    for no log. work_left: remaining work by the number completed, where items differ in cost.
     """
     began, completed, note = time.monotonic(), float(before), ""
     remaining = work_left or (lambda count: max(total, 1) - count)
@@ -136,7 +136,7 @@ def clock(seconds: float) -> str:
 
 
 def _time_left(remaining: float, completed: float, elapsed: float) -> str:
-    """Return the remaining time by the rate so far, or the elapsed time."""
+    """Return the remaining time by the rate, or the elapsed time."""
     if completed > 0.0:
         return f"{clock(remaining * elapsed / completed)} left"
     return f"{clock(elapsed)} so far"
@@ -144,7 +144,7 @@ def _time_left(remaining: float, completed: float, elapsed: float) -> str:
 
 @contextmanager
 def _shown(line: Line, fraction: Callable[[], float] | None, logged: float | None) -> Iterator[Line]:
-    """Show or log a line in the present mode; yield the function that logs it.
+    """Show or log a line, and yield the function that logs it.
 
     logged: seconds between log lines.
     """
@@ -177,7 +177,10 @@ def _shown(line: Line, fraction: Callable[[], float] | None, logged: float | Non
 
 @contextmanager
 def _on_terminal(line: Line, fraction: Callable[[], float] | None) -> Iterator[None]:
-    """Update the line, with a bar, from a thread, and erase it at the end."""
+    """Update the line with a bar, and erase it at the end.
+
+    A thread updates it.
+    """
     ended = threading.Event()
     thread = threading.Thread(target=_update, args=(line, fraction, ended), daemon=True)
     thread.start()

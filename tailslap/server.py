@@ -1,4 +1,4 @@
-"""Serve the page of `tailslap explore` to the user who has started it.
+"""Serve the page of `tailslap explore` to the present user.
 
 The secret is the first part of every path, as cookies of 127.0.0.1 are sent to all of its ports.
 """
@@ -65,9 +65,9 @@ def _listen(listener: socket.socket, port: int) -> None:
 
 @contextlib.contextmanager
 def _shown(address: str, headless: bool) -> Iterator[None]:
-    """Open the address in the browser by a private file.
+    """Open the address in the browser.
 
-    The file is removed at the end of the block.
+    It is in a private file, which is removed at the end of the block.
     """
     with tempfile.TemporaryDirectory(prefix="tailslap-") as folder:
         if not headless:
@@ -87,10 +87,10 @@ def redirecting_file(folder: Path, address: str) -> Path:
 
 
 class Guard:
-    """ASGI application that admits requests of its own page alone.
+    """ASGI application for requests of one page.
 
-    A request under another name of the host comes from another site whose name leads here; one with another origin from
-    a page of another site.
+    Others are refused. A request under another name of the host comes from another site whose name leads here; one with
+    another origin from a page of another site.
     """
 
     def __init__(
@@ -114,7 +114,7 @@ class Guard:
             )
 
     def _admits(self, scope: Scope) -> bool:
-        """Return True for the host, the origin and the secret of the page.
+        """Return True for host, origin and secret of the page.
 
         A request need not have an origin.
         """

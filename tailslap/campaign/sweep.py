@@ -108,7 +108,7 @@ def sweep_result(
     force: bool,
     stays: bool = True,
 ) -> result.Result:
-    """Make the runs of a sweep in a folder.
+    """Run a sweep in a folder.
 
     stays: False for a folder that is removed afterwards. Raises StoppedError.
     """

@@ -1,4 +1,4 @@
-"""Make cases from arguments of the functions of `import tailslap`."""
+"""Make cases from arguments of public functions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Changes = Mapping[str, Any] | Sequence[str]
 
 
 def case_of_scene(scene: Scene, changes: Changes | None, level: int = 4) -> Case:
-    """Return the case of a scene with these changes.
+    """Return the case of a changed scene.
 
     level: of the caller's line on the stack. Raises InputError.
     """
@@ -71,7 +71,7 @@ def change_texts(changes: Changes | None) -> tuple[str, ...]:
 
 
 def _plain(value: Any) -> Any:
-    """Convert numbers and arrays of NumPy to those of Python."""
+    """Convert values of NumPy to those of Python."""
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""Compare results with a reference and report the differences."""
+"""Compare results with a reference."""
 
 import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
@@ -62,7 +62,7 @@ NOTE = (
 
 @dataclass(frozen=True)
 class Comparison:
-    """Compared histories, of which the first is the reference.
+    """Histories compared with the first one.
 
     pairs: label of another item and a common column; notes: remarks.
     """
@@ -88,7 +88,7 @@ def compare_items(
     only: Sequence[str] = (),
     force: bool = False,
 ) -> Comparison:
-    """Compare results, folders and files with the first one.
+    """Compare histories with the first one.
 
     force: include damaged ones. Raises InputError.
     """
@@ -113,9 +113,9 @@ def compare_items(
 
 
 def _demand_one_unit_of_time(item: Item, reference: Item) -> None:
-    """Refuse an assumed unit of time where durations differ tenfold.
+    """Refuse an implausible assumed unit of time.
 
-    Raises InputError.
+    Durations of the records then differ more than tenfold. Raises InputError.
     """
     both = item, reference
     spans = [float(record.columns[TIME][-1] - record.columns[TIME][0]) for record in both]
@@ -131,7 +131,7 @@ def _demand_one_unit_of_time(item: Item, reference: Item) -> None:
 
 
 def _in_common(item: Item, reference: Item, only: Sequence[str]) -> tuple[list[Beside], list[str]]:
-    """Return common columns, and names without values at common times.
+    """Return compared columns and names of excluded ones.
 
     Raises InputError where no column has any.
     """
@@ -213,7 +213,7 @@ def compare_report(comparison: Comparison) -> Report:
 
 
 def headline(comparison: Comparison) -> Headline:
-    """Return the verdict by the limits and the largest difference."""
+    """Return the verdict and the largest difference."""
     sizes = [abs(pair.largest[0]) for _, pair in comparison.pairs]
     most = max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
     label, worst = comparison.pairs[most]
@@ -237,10 +237,13 @@ def headline(comparison: Comparison) -> Headline:
 def metrics_table(comparison: Comparison) -> Table:
     """Return the table of metrics, one row per item and column."""
     rows = [{"item": label, **_numbers(pair)} for label, pair in comparison.pairs]
-    marks = {k: "failed" for k, row in enumerate(rows) if not row["within"]}
-    return Table(
-        METRICS, rows, f"Differences from {comparison.reference.label}, in %", notes=(NOTE,), marks=marks
-    )
+    title = f"Differences from {comparison.reference.label}, in %"
+    return Table(METRICS, rows, title, notes=(NOTE,), marks=failed(rows, "within"))
+
+
+def failed(rows: Sequence[dict[str, Any]], key: str) -> dict[int, str]:
+    """Return marks of the rows beyond a limit."""
+    return {k: "failed" for k, row in enumerate(rows) if not row[key]}
 
 
 def _numbers(pair: Beside) -> dict[str, Any]:
@@ -252,7 +255,7 @@ def _numbers(pair: Beside) -> dict[str, Any]:
 
 
 def _quantities(comparison: Comparison) -> Iterator[Table]:
-    """Yield the table of the quantities at the tail-slap."""
+    """Yield the table of tail-slap quantities."""
     summaries = {item.label: item.summary or {} for item in comparison.items}
     results = {
         label: {**summary["fe"], "peak_force": summary.get("peak_force", {}).get("fe")}
@@ -275,7 +278,7 @@ def _quantities(comparison: Comparison) -> Iterator[Table]:
 
 
 def _curves(comparison: Comparison, less: bool = False) -> Iterator[Chart]:
-    """Yield charts of the compared columns, the force first.
+    """Yield charts of the compared columns.
 
     less: of the differences from the reference.
     """

@@ -101,9 +101,9 @@ class Cells:
     lines: list[int]
 
     def numbers(self, name: str) -> Floats:
-        """Return the numbers of a column, NaN for missing ones.
+        """Return the numbers of a column.
 
-        Raises ValueError with the line of a cell without number.
+        Missing ones are NaN. Raises ValueError with the line of a cell without number.
         """
         k, numbers = self.names.index(name), np.empty(len(self.rows))
         for place, (row, line) in enumerate(zip(self.rows, self.lines, strict=True)):
@@ -116,7 +116,7 @@ class Cells:
 
 
 def parse_mapping(text: str) -> dict[str, str]:
-    """Return names of this program with those of the file.
+    """Return column names of a file by those of this program.
 
     The text is like "time=t,v_gy=VY [mph]". Raises InputError.
     """
@@ -163,16 +163,16 @@ def _is_folder(path: Path) -> bool:
 
 
 def _time_as_t(name: str) -> str:
-    """Return "t" for a name of the column of instants."""
+    """Return "t" for a name of time."""
     return TIME if name.lower() in TIMES else name
 
 
 def _read_file(path: Path, mapping: Mapping[str, str], is_listed: bool) -> Item:
-    """Read the columns of a file under this program's names.
+    """Read the columns of a file.
 
-    They are those of the mapping, and those that have such a name already. A name of the mapping that the file does not
-    have, where it has the name of this program, belongs to another file; so does a unit of the mapping where the file
-    has one, as the files of this program do.
+    They are those of the mapping, and those that have names of this program already. A name of the mapping that the
+    file does not have, where it has the name of this program, belongs to another file; so does a unit of the mapping
+    where the file has one, as the files of this program do.
     """
     names, units, lines, numbers = _read(path)
     units = {**units, **column_units(names)} if is_listed else units
@@ -204,9 +204,9 @@ def _read_file(path: Path, mapping: Mapping[str, str], is_listed: bool) -> Item:
 
 
 def _read(path: Path) -> tuple[list[str], dict[str, str], Sequence[int], Callable[[str], Floats]]:
-    """Read names, units, lines and the numbers of the columns of a file.
+    """Read columns of numbers and their names.
 
-    Units are by name; lines are those of the rows, if any; the last value is a function of the name.
+    Returns names, units by name, lines of the rows, if any, and a function from a name to its numbers.
     """
     motion = _readable(path, partial(_read_nodal, path))
     if motion is None:
@@ -255,9 +255,9 @@ def _factor(ours: str, unit: str, si: str) -> float:
 
 
 def _demand_sound(columns: Mapping[str, Floats], place: str, lines: Sequence[int] = ()) -> None:
-    """Demand increasing instants and numbers that can be squared.
+    """Demand increasing instants and moderate numbers.
 
-    Raises InputError with line or row.
+    Numbers must have finite squares. Raises InputError with line or row.
     """
     if TIME not in columns:
         allowed = "it has no time column; allowed is a column t or time, or --columns time=THEIRS"
@@ -276,7 +276,7 @@ def _demand_sound(columns: Mapping[str, Floats], place: str, lines: Sequence[int
 
 
 def _read_nodal(path: Path) -> dict[str, Floats] | None:
-    """Read the motion of the centre of mass from nodes.
+    """Read the mean motion of nodes.
 
     None where the file has no nodes. Raises OSError and ValueError.
     """
@@ -288,7 +288,7 @@ def _read_nodal(path: Path) -> dict[str, Floats] | None:
 
 
 def read_table(path: Path) -> Cells:
-    """Read the cells of a text with named columns.
+    """Read the cells of named columns.
 
     Raises OSError, and ValueError or csv.Error with the reason for a file without named columns of numbers.
     """

@@ -22,7 +22,7 @@ from postprocess.report.page import Headline, Page, Section, page_text
 from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.units import percent
 from tailslap.case.report_parts import footer
-from tailslap.comparing.report import METRICS, WORDS, Comparison
+from tailslap.comparing.report import METRICS, WORDS, Comparison, failed
 from tailslap.comparing.source import Item
 
 Row = dict[str, Any]
@@ -69,7 +69,7 @@ def radius_of_gyration(items: Sequence[Item]) -> float | None:
 
 
 def multi_channel(comparison: Comparison) -> dict[str, dict[str, Any]]:
-    """Return weights of the channels and weighted metrics, by label.
+    """Return weights and weighted metrics by label.
 
     Empty without channels with a momentum. The momentum of a channel is its largest change in the reference, over the
     mass: of a velocity the difference of its extremes [m/s], of the angular velocity that times the radius of gyration.
@@ -147,9 +147,9 @@ def phenomena(comparison: Comparison) -> list[Row]:
 
 
 def with_validation(report: Report, comparison: Comparison, author: str) -> Report:
-    """Return the report of a comparison with its validation.
+    """Add the validation to a report of a comparison.
 
-    The page of the validation is added, and its numbers are in the summary.
+    Its page is added, and its numbers to the summary.
     """
     summary = {
         "multi_channel": multi_channel(comparison),
@@ -233,11 +233,6 @@ def _verification_table(comparison: Comparison, rows: Sequence[Row]) -> Table:
 def yes(within: bool) -> str:
     """Return the word for a criterion."""
     return "yes" if within else "NO"
-
-
-def failed(rows: Sequence[Row], key: str) -> dict[int, str]:
-    """Return marks of the rows beyond a limit."""
-    return {k: "failed" for k, row in enumerate(rows) if not row[key]}
 
 
 def _metrics_table(comparison: Comparison, weighted: dict[str, dict[str, Any]]) -> Table:

@@ -82,7 +82,7 @@ class Confirmation:
 
     @property
     def histories(self) -> dict[str, Mapping[str, np.ndarray]]:
-        """Motions of the rigid body and both solvers, by label."""
+        """Motions of the rigid body and both solvers."""
         return {
             "rigid": self.deck.case.rigid_history(),
             "FE": self.outcome.fe_history,
@@ -91,7 +91,7 @@ class Confirmation:
 
     @property
     def other(self) -> dict[str, float]:
-        """Quantities of the other solver at the tail-slap, SI.
+        """Quantities of the other solver, in SI.
 
         Time is interpolated, velocities are those of the mean motion: a cubic fitted to the last part of the history,
         in which the oscillation averages out.
@@ -122,10 +122,10 @@ class Confirmation:
 
 
 def run_confirmation(deck: Deck, folder: Path, time_limit: float) -> Confirmation:
-    """Write and run the deck, and run this program's model.
+    """Run the deck and this program's model.
 
-    Raises InputError where CalculiX is not installed, and OSError with the last lines of a program that fails, or takes
-    longer than the limit [s].
+    The deck is written to the folder. Raises InputError where CalculiX is not installed, and OSError with the last
+    lines of a program that fails, or takes longer than the limit [s].
     """
     from tailslap.case.corner.corner_run import run_corner
 

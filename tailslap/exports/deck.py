@@ -1,7 +1,7 @@
-"""Write input files of a constrained corner for other programs.
+"""Write input files for other programs.
 
-Their texts are in `templates`. Plates start unstressed with the velocities of the rigid body; masses are those that the
-other program computes from density and thickness.
+They are of scenes with a constrained corner, by the texts in `templates`. Plates start unstressed with the velocities
+of the rigid body; masses are those that the other program computes from density and thickness.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ LAYERS = {"calculix": 2, "abaqus": 1}
 
 @dataclass(frozen=True)
 class Deck:
-    """Plate of a scene for another program, with linear elements.
+    """Plate of a scene for another program.
 
     It is in its position at the start.
 
@@ -120,9 +120,9 @@ def _demand_possible(case: Case, program: str) -> None:
 
 
 def write_deck(deck: Deck, folder: Path) -> None:
-    """Write input files, README, masses and the exact motion.
+    """Write all files of a deck.
 
-    Masses of the nodes are in `nodes.csv`, the motion of the rigid body in `rigid.csv`.
+    They are input files, README, masses of the nodes in `nodes.csv`, and the motion of the rigid body in `rigid.csv`.
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 

@@ -129,9 +129,9 @@ def export(
 
 
 def _export_deck(scene: object, to: str, folder: object, changes: tuple[str, ...], force: bool) -> Path:
-    """Write the deck of a scene and return its folder.
+    """Write the deck of a scene.
 
-    Raises InputError.
+    Returns its folder. Raises InputError.
     """
     from tailslap.case import case_of
     from tailslap.exports.deck import make_deck, write_deck

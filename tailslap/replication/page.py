@@ -120,12 +120,12 @@ def sections(numbers: Numbers, courses: Mapping[str, History]) -> tuple[Section,
 
 
 def printed(key: str, form: Form = "g", group: str = "") -> Column:
-    """Return the column of the printed value of a cell."""
+    """Return the column of a printed value."""
     return Column(f"{key}.printed", "printed", form=form, style="soft", group=group)
 
 
 def computed(key: str, form: Form = "#.5g", group: str = "", decimals: int = 3) -> tuple[Column, Column]:
-    """Return the columns of the computed value and its difference."""
+    """Return columns of computed value and difference."""
     difference = partial(percent, decimals=decimals)
     return (
         Column(f"{key}.computed", "computed", form=form, group=group),
@@ -312,7 +312,7 @@ def _pair(key: str, first: Form, second: Form) -> Iterator[Column]:
 
 
 def earlier_tables(found: Numbers) -> tuple[Table]:
-    """Return the table of the lateral force by four methods."""
+    """Return the lateral force by four methods."""
     heads = (
         *columns({"method": "Method", "what": ""}),
         Column("force", "force", "kN", scaled(1e3, ".1f")),

@@ -97,7 +97,7 @@ def review() -> Numbers:
 
 
 def beside(printed: float, computed: float) -> Cell:
-    """Return the cell of a printed and a computed value.
+    """Return printed and computed value with difference.
 
     Neither is zero.
     """
@@ -113,7 +113,7 @@ def stages(
     duration: float = PULSE,
     start_angle: float | None = None,
 ) -> Stages:
-    """Compute all three stages for the truck of Table 1.
+    """Compute all three stages of the truck.
 
     Friction as in Eqs 66-67. speed [m/s]; angle [rad]; duration of the pulse [s]; start_angle: initial angle of Stage 2
     [rad], by default that of the impact.
@@ -159,14 +159,14 @@ def table_1() -> Numbers:
 
 
 def table_3() -> Numbers:
-    """Compute both columns of Table 3 from the printed start.
+    """Compute both columns of Table 3.
 
-    analytical: that column beside "drag" at the tail-slap; analytical_56: from Stage 1 at 56 mph, theta_0 as printed;
-    analytical_15: from theta_0 = 15 degrees, not rounded. abaqus: its column beside "none" at the tail-slap;
-    abaqus_read: at `reading` [s], four decimals of the instant at which the corner has slid as far as printed;
-    abaqus_drag: beside "drag" at the instant at which it has. crossing: t [s] and slide [m] where "drag" has the
-    printed v_GX. v_gx_25: v_GX without friction for v_P0 = 25 m/s as in Table 2 [m/s]. peak_force: beside that of the
-    printed v_GY, for a pulse of 0.1 s [N].
+    Motions begin at the printed start. analytical: that column beside "drag" at the tail-slap; analytical_56: from
+    Stage 1 at 56 mph, theta_0 as printed; analytical_15: from theta_0 = 15 degrees, not rounded. abaqus: its column
+    beside "none" at the tail-slap; abaqus_read: at `reading` [s], four decimals of the instant at which the corner has
+    slid as far as printed; abaqus_drag: beside "drag" at the instant at which it has. crossing: t [s] and slide [m]
+    where "drag" has the printed v_GX. v_gx_25: v_GX without friction for v_P0 = 25 m/s as in Table 2 [m/s]. peak_force:
+    beside that of the printed v_GY, for a pulse of 0.1 s [N].
     """
     drag, none = printed_motion("drag"), printed_motion("none")
     reading = round(instant(none, "slide", ABAQUS["slide"]), 4)
@@ -273,11 +273,11 @@ def force_row(row: ForceRow, speed: float = MASH_SPEED, angle: float = ANGLE) ->
 
 
 def earlier_methods() -> Numbers:
-    """Compute the forces of Olson, Hirsch and Ritter (Section 2.1).
+    """Compute the forces of earlier methods (Section 2.1).
 
-    56 mph and 15 degrees: inputs, travel [m], time [s], forces [N]. Assumed: centre of mass at half the length, Olson's
-    B half the width, a rigid barrier, D = 0. olson_first_member: the average force by the first member of Eq 1, V
-    sin(theta)/(2 g t), half of its last. paper: that of the tail-slap.
+    Olson, Hirsch and Ritter, at 56 mph and 15 degrees: inputs, travel [m], time [s], forces [N]. Assumed: centre of
+    mass at half the length, Olson's B half the width, a rigid barrier, D = 0. olson_first_member: the average force by
+    the first member of Eq 1, V sin(theta)/(2 g t), half of its last. paper: that of the tail-slap.
     """
     inputs = {"speed": MASH_SPEED, "angle": ANGLE, "front_distance": LENGTH / 2.0}
     inputs |= {"half_width": WIDTH / 2.0, "deflection": 0.0}
@@ -351,9 +351,10 @@ def whole_impact() -> Numbers:
 
 
 def corner_fraction(friction: float) -> float:
-    """Return m_eff/m of a uniform rectangle whose rear corner strikes.
+    """Return m_eff/m of the rear corner.
 
-    Its side is along the wall. 1/m_eff = 1/m + (L/2) (L/2 + mu B/2)/I with I = m (L^2 + B^2)/12.
+    The vehicle is a uniform rectangle with its side along the wall. 1/m_eff = 1/m + (L/2) (L/2 + mu B/2)/I with I = m
+    (L^2 + B^2)/12.
     """
     return 1.0 / (1.0 + 3.0 * LENGTH * (LENGTH + friction * WIDTH) / (LENGTH**2 + WIDTH**2))
 
@@ -369,7 +370,7 @@ def impact_motion(stiffness: float, end: float | None = None) -> ImpactMotion:
 
 
 def impact_case(stiffness: float) -> Numbers:
-    """Compute the whole impact with one crush stiffness [N/m], SI.
+    """Compute the whole impact with one stiffness.
 
     omega: after the first strike; released: its end. rear_...: of the strike of the rear corner; closing: speed of that
     corner into the wall at its start; `share`: impulse over (1 + e) m closing. read: duration of the second strike from

@@ -28,7 +28,7 @@ ENERGY_ERROR = HistoryColumn("energy_error", "J", meaning="energy-balance error"
 
 
 class Columns(dict[str, np.ndarray]):
-    """Arrays by column name, of a history or another table.
+    """Columns of a history or a table.
 
     `pandas.DataFrame` accepts it.
 
@@ -105,7 +105,9 @@ class Columns(dict[str, np.ndarray]):
         return frame
 
     def to_polars(self) -> polars.DataFrame:
-        """Convert the columns to a polars DataFrame, without units.
+        """Convert the columns to a polars DataFrame.
+
+        It has no units.
 
         Returns
         -------
@@ -120,7 +122,7 @@ class Columns(dict[str, np.ndarray]):
         return _library("polars").DataFrame(dict(self))
 
     def _repr_html_(self) -> str:
-        """Return the first and last rows as HTML, for notebooks."""
+        """Return the first and last rows as HTML."""
         numbers = [*range(self.rows)]
         if self.rows > 2 * SHOWN:
             numbers = [*numbers[:SHOWN], -1, *numbers[-SHOWN:]]
@@ -136,7 +138,7 @@ def html_cells(texts: Iterable[str], tag: str = "td") -> str:
 
 
 def _text(value: object) -> str:
-    """Return a number with six digits, other values as text."""
+    """Return a number with six digits."""
     return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value)
 
 
@@ -179,7 +181,7 @@ def train_columns() -> dict[str, HistoryColumn]:
 
 
 def column_units(names: Iterable[str]) -> dict[str, str]:
-    """Return SI units of columns of either calculation by name.
+    """Return SI units of columns by name.
 
     Names may end with the number of a unit of a train. Unknown names are omitted.
     """

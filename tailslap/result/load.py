@@ -51,9 +51,9 @@ class Stored:
             self._complain(f"its manifest {manifest.NAME} is missing or damaged")
 
     def read(self, name: str, parse: Callable[[BufferedReader], Read]) -> Read | None:
-        """Parse a file, None if it is absent or unreadable.
+        """Parse a file, None without one.
 
-        Raises InputError for a damaged file.
+        An unreadable file is omitted with force. Raises InputError for a damaged file.
         """
         if name not in self.names:
             return None
@@ -72,7 +72,10 @@ class Stored:
             return None
 
     def _complain(self, why: str) -> None:
-        """Raise InputError for a damaged result, or with force warn."""
+        """Refuse a damaged result, or warn.
+
+        Raises InputError without force.
+        """
         if not self._force or Stored(self.place).listed != self.listed:
             allowed = f"{why}; --force (Python: force=True) reads the intact files"
             raise errors.InputError("folder", str(self.place), allowed)
@@ -89,9 +92,9 @@ class Stored:
 
 
 def _names_in(place: Path) -> set[str]:
-    """Return names in a folder, none for an absent folder.
+    """Return names in a folder.
 
-    Raises InputError for a folder that cannot be read.
+    An absent folder has none. Raises InputError for a folder that cannot be read.
     """
     try:
         return {*os.listdir(place)}

@@ -348,7 +348,7 @@ def _table_html(title: str, table: Table) -> str:
 
 
 def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) -> Result:
-    """Return the result of a command that makes a report.
+    """Return the result of a report.
 
     page_name: file name of the page; more: other fields of the result.
     """
@@ -367,7 +367,10 @@ def of_report(command: str, report: Report, page_name: str = PAGE, **more: Any) 
 
 
 def of_run(summary: dict[str, Any], partial: Result) -> Result:
-    """Return the result of a run, completed from its summary."""
+    """Return the result of a run.
+
+    Other fields follow from its summary.
+    """
     values = {"scene": summary["scene"], "summary": summary, "passed": summary["passed"]}
     return replace(partial, command="run", tables=_run_tables(summary), **values)
 

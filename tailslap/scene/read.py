@@ -68,7 +68,7 @@ def read_text(path: Path, most: int, undecodable: str = "strict") -> str:
 
 
 def shipped_scenes() -> dict[str, str]:
-    """Return name and text of the scenes of the program."""
+    """Return names and texts of shipped scenes."""
     folder = files("tailslap") / "scene" / "shipped"
     scenes = sorted(folder.iterdir(), key=lambda item: item.name)
     texts = (item for item in scenes if item.name.endswith(".toml"))
@@ -203,7 +203,10 @@ def remarks(source: Source, typed: bool = True) -> Iterator[str]:
 
 
 def _in_two_units(source: Source, key: str, unit: str) -> str:
-    """Return the number of a key in SI and in another unit, as a remark."""
+    """Return the number of a key in two units, as a remark.
+
+    They are the SI unit and another one.
+    """
     value, si = given_at(source.given, key), write.unit_at(key)
     return (
         f"{key} = {value:g} without a unit is {value:g} {si}, {units.converted(value, si, unit):.4g} {unit}"

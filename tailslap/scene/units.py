@@ -1,4 +1,4 @@
-"""Convert quantities of a scene between their units and SI.
+"""Convert quantities of a scene to SI.
 
 Plain numbers are SI, strings carry their unit. A unit is a product of names, each with an integer power of up to 9:
 
@@ -86,7 +86,10 @@ def unit_factors(text: str) -> tuple[Factor, ...]:
 
 
 def _join(text: str, at: int) -> tuple[int, int]:
-    """Return the start of the next factor, and the sign of its power."""
+    """Return the start of the next factor and its sign.
+
+    The sign is that of the power.
+    """
     match = JOIN.match(text, at)
     if not match:
         raise ValueError("it is not a product of units")
@@ -166,7 +169,10 @@ class Quantity:
         )
 
     def allowed(self, unit: str = "") -> str:
-        """Describe the allowed values, with their range in a unit."""
+        """Describe the allowed values.
+
+        unit: of their range.
+        """
         number = f"a number in {self.unit} or a string with its unit" if self.unit else "a plain number"
         return f"allowed is {self.what} {self.limits(unit)}, {number}, like {self.example}"
 
@@ -203,9 +209,9 @@ def value_line(name: str, value: float, unit: str, system: str) -> str:
 
 
 def shown(value: float, unit: str, system: str = "si", width: int = 0, digits: int = 7) -> str:
-    """Return the text of a value in SI, converted to a system of units.
+    """Return the text of a value in a system of units.
 
-    Digits are right-aligned in `width` columns. US speeds are in mph too.
+    The value is in the SI unit. Digits are right-aligned in `width` columns. US speeds are in mph too.
     """
     factor, name = SYSTEMS[system].of(unit)
     also = f" ({value / MPH:.{digits}g} mph)" if (system, unit) == ("us", "m/s") else ""

@@ -1,4 +1,4 @@
-"""Validate scenes key by key, then combinations of keys."""
+"""Validate keys and combinations of keys."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def validate(data: Mapping[str, object]) -> schema.Scene:
 
 
 def key_by_key(data: Mapping[str, object]) -> schema.Scene:
-    """Return the scene of these tables, each key validated separately.
+    """Return the scene with separately validated keys.
 
     Raises InputError.
     """
@@ -77,7 +77,7 @@ def key_by_key(data: Mapping[str, object]) -> schema.Scene:
 
 
 def missing_keys(tables: Mapping[str, object]) -> list[str]:
-    """Return dotted names of all required keys that are missing."""
+    """Return dotted names of missing keys."""
 
     def absent(*keys: str) -> list[str]:
         return [key for key in keys if given_at(tables, key) is None]
@@ -119,7 +119,7 @@ def given_at(tables: object, key: str) -> Any:
 
 
 def _missing_error(keys: list[str]) -> InputError:
-    """Return the error for missing keys, with their substitutes."""
+    """Return the error for missing keys."""
     first, *more = keys
     required = f"this key is required, and so are {', '.join(more)}" if more else "this key is required"
     return InputError(
@@ -150,7 +150,7 @@ def _input_error(error: ValidationError, data: Mapping[str, object]) -> InputErr
 
 
 def _allowed_keys(location: tuple[int | str, ...]) -> str:
-    """List the keys of the table of an unknown key, with the nearest one."""
+    """List the allowed keys of the table of an unknown key."""
     *table, name = map(str, location)
     keys = (schema.TABLES[table[0]] if table else schema.Scene).model_fields
     elsewhere = [key for key in schema.MEANINGS if key.rpartition(".")[2] == name]

@@ -63,7 +63,7 @@ class Source:
 
 
 def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
-    """Return the validated scene with these changes, and its source.
+    """Return the changed scene and its source.
 
     The source notes the changes. The removal of a key that the scene does not have is no change. Raises InputError.
     """
@@ -101,9 +101,9 @@ def changed_tables(given: Mapping[str, object], changes: Changes) -> tuple[Table
 
 
 def parse_changes(texts: Iterable[str], given: Mapping[str, object]) -> dict[str, object]:
-    """Return values by key of KEY=VALUE texts, for a scene with these tables.
+    """Return the changes of KEY=VALUE texts by key.
 
-    Raises InputError.
+    given: tables of the scene. Raises InputError.
     """
     changes: dict[str, object] = {}
     for text in texts:
@@ -209,7 +209,7 @@ def _lists_tables(value: object) -> bool:
 
 
 def _place(tables: object, name: str, key: str, value: object) -> Any:
-    """Return the name of a key of a table, or the number in a list."""
+    """Return the name in a table, or the number in a list."""
     if not isinstance(tables, list):
         return name
     if not name.isdecimal() or int(name) >= len(tables):

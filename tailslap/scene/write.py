@@ -68,7 +68,7 @@ def scene_text(source: vary.Source) -> str:
 
 
 def scene_file(tables: Mapping[str, object], title: str) -> str:
-    """Return the text of a scene file with these tables.
+    """Return the text of a scene file.
 
     Values are numbers in SI.
     """
@@ -76,7 +76,10 @@ def scene_file(tables: Mapping[str, object], title: str) -> str:
 
 
 def _lines(tables: Mapping[str, Any]) -> list[str]:
-    """Return the lines of tables in TOML, values before tables."""
+    """Return the lines of tables in TOML.
+
+    Values are before tables.
+    """
     lines, below = [], list[str]()
     for name, value in tables.items():
         if isinstance(value, Mapping):
@@ -180,7 +183,7 @@ def example(field: FieldInfo) -> str:
 
 @dataclass(frozen=True)
 class SceneInput:
-    """Input of a run, with text, SI value and origin."""
+    """Key of a run with value and origin."""
 
     key: str
     given: str
@@ -190,18 +193,18 @@ class SceneInput:
 
 
 def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, ...]:
-    """Return rows of all keys with a value, defaults included."""
-    rows = _rows(scene, source.given, source.changed, "")
+    """Return rows of all keys with values.
+
+    Defaults are included.
+    """
     unused = ["corner.", "strike."] if scene.contact else ["verify.mesh"]
     unused += [] if scene.plate else ["verify."]
+    origins = {key: f"--set, not in {unit}" for key, unit in plain_numbers(source).items()}
     if scene.contact and scene.contact.strike_duration is not None:
-        origin = "from contact.strike_duration"
-        rows = [replace(row, origin=origin) if row.key == "contact.stiffness" else row for row in rows]
-    plain = plain_numbers(source)
-    rows = [
-        replace(row, origin=f"--set, not in {plain[row.key]}") if row.key in plain else row for row in rows
-    ]
-    return tuple(row for row in rows if not row.key.startswith(tuple(unused)))
+        origins["contact.stiffness"] = "from contact.strike_duration"
+    rows = _rows(scene, source.given, source.changed, "")
+    used = (row for row in rows if not row.key.startswith(tuple(unused)))
+    return tuple(replace(row, origin=origins.get(row.key, row.origin)) for row in used)
 
 
 def plain_numbers(source: vary.Source) -> dict[str, str]:
@@ -238,7 +241,7 @@ def resolved_inputs(
 
 
 def _rows(table: BaseModel, given: vary.Tables, changed: frozenset[str], prefix: str) -> list[SceneInput]:
-    """Return rows of the values of a table and the tables in it."""
+    """Return rows of the values of nested tables."""
     rows = []
     for name, field in type(table).model_fields.items():
         value, key = getattr(table, name), prefix + name
@@ -273,6 +276,6 @@ def unit_at(key: str) -> str:
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Return the SI unit of a key from its annotation, "" without one."""
+    """Return the SI unit of a key, "" without one."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     return next((mark.unit for mark in marks if isinstance(mark, units.Quantity)), "")

@@ -131,9 +131,9 @@ class Checkpoints:
 
 @contextlib.contextmanager
 def checkpointed(place: Path, definition: Mapping[str, object], resume: bool) -> Iterator[None]:
-    """Save checkpoints beside `place` for runs in this block.
+    """Save checkpoints of runs in this block.
 
-    They are removed when the block ends without an error.
+    They are beside `place`, and removed when the block ends without an error.
     """
     checkpoints = Checkpoints(place, definition, resume)
     if resume and not checkpoints.files(own=True):

@@ -1,10 +1,10 @@
-"""Fill result folders so that each has a whole result at any time.
+"""Fill result folders that are complete at any time.
 
-It is the earlier or the new result, whenever a command or the machine ends. The folder itself is never renamed, and
-files of the user in it are never touched. A command has the lock of the folder from its first look to its last write.
-It writes new files into a folder within, and when they are complete a log of the files that they replace, on disk
-before anything is replaced. Then they are renamed one by one, the manifest last, and the log is removed. The next
-process that opens the folder finishes the replacements of a log, or drops new files without one.
+A folder contains the earlier or the new result, whenever a command or the machine ends. The folder itself is never
+renamed, and files of the user in it are never touched. A command has the lock of the folder from its first look to its
+last write. It writes new files into a folder within, and when they are complete a log of the files that they replace,
+on disk before anything is replaced. Then they are renamed one by one, the manifest last, and the log is removed. The
+next process that opens the folder finishes the replacements of a log, or drops new files without one.
 
 Only an absent or empty folder is accepted, or an earlier result of the same command and scene whose files are
 unchanged: the manifest lists them (manifest.py).
@@ -101,7 +101,7 @@ def demand_result(place: Path, force: bool, origin: Origin) -> None:
 
 
 def visible_names(place: Path) -> list[str]:
-    """List names in the folder without the program's auxiliary files."""
+    """List names except the program's auxiliary files."""
     return sorted({*os.listdir(place)} - {manifest.NAME, LOCK, NEW, LOG})
 
 
@@ -142,7 +142,7 @@ def _make_and_lock(place: Path, stack: contextlib.ExitStack) -> None:
 
 
 def _leave(place: Path) -> None:
-    """Remove the lock, and new files that no log lists."""
+    """Remove the lock and unlisted new files."""
     with contextlib.suppress(OSError):
         if _is_held(place) and not errors.is_there(place / LOG):
             _drop(place)
@@ -334,7 +334,7 @@ def _remove_folders(folders: list[Path]) -> None:
 
 
 def foreign_files(place: Path, names: list[str], allowed: str) -> errors.InputError:
-    """Return the error for a place with other files."""
+    """Return the error for other files."""
     listed = ", ".join(names[:2]) + (", ..." if names[2:] else "")
     return errors.InputError("--out", str(place), f"the folder contains other files ({listed}); {allowed}")
 

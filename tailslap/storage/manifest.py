@@ -57,9 +57,9 @@ class Origin(NamedTuple):
 
 
 def open_plain(name: str, flags: int) -> int:
-    """Open a plain file, as an opener of `open`.
+    """Open a plain file.
 
-    Raises OSError or ValueError.
+    Used as an opener of `open`. Raises OSError or ValueError.
     """
     try:
         number = os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
@@ -85,9 +85,9 @@ def entry(path: Path) -> Entry | None:
 
 @contextlib.contextmanager
 def valid_content() -> Iterator[None]:
-    """End the block at an absent, irregular or invalid file.
+    """End the block at an invalid file.
 
-    Raises other errors of the system, after which the file may exist.
+    It is absent, irregular, or has invalid content. Raises other errors of the system, after which the file may exist.
     """
     try:
         yield
@@ -141,9 +141,9 @@ def write_object(path: Path, content: Mapping[str, object]) -> None:
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """Return the object in a JSON file, without its digest.
+    """Return the object in a JSON file.
 
-    It is empty for an absent or damaged file. Raises OSError where the file cannot be read.
+    Its digest is removed. It is empty for an absent or damaged file. Raises OSError where the file cannot be read.
     """
     with valid_content():
         with open(path, encoding="utf-8", opener=open_plain) as file:
@@ -182,9 +182,10 @@ def _is_plain(item: Entry) -> bool:
 
 @contextlib.contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Yield a temporary name, which becomes the file when complete.
+    """Yield a temporary name for a new file.
 
-    On a failure the file is unchanged. Another process that writes the same file waits.
+    It becomes the file when it is complete; on a failure the file is unchanged. Another process that writes the same
+    file waits.
     """
     partial = path.with_name(f".{path.name[:MAX_STEM]}{SUFFIX}")
     with locked_file(partial, wait=True):
