@@ -195,8 +195,8 @@ def test_every_slider_changes_the_answer(page, monkeypatch, scene, keys):
     """Keys of the scene that have no effect beside others have none."""
     monkeypatch.setattr(page.mo, "query_params", lambda: {"scene": scene})
     _, cells = page.app.run()
-    assert set(cells["made"]) == {"vehicle.mass", *keys.split()}
-    for key, (element, value, unit) in cells["made"].items():
+    assert set(cells["elements"]) == {"vehicle.mass", *keys.split()}
+    for key, (element, value, unit) in cells["elements"].items():
         other = next(step for step in element.steps if step > value)
         changed: Any = tailslap.rigid(scene, {key: f"{other} {unit}" if unit else other})
         assert changed.history.to_numpy().tolist() != cells["rigid"].history.to_numpy().tolist(), key
