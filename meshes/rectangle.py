@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Pair = tuple[float, float]
 
 # gmsh has one global state per process, so that one thread at a time may use it.
 _LOCK = threading.Lock()
@@ -132,8 +133,8 @@ def _dimension_and_tag(mesh: meshio.Mesh) -> Indices:
 
 def rectangle_mesh(
     name: str,
-    origin: tuple[float, float],
-    size: tuple[float, float],
+    origin: Pair,
+    size: Pair,
     elements: tuple[int, int],
     corners: tuple[str, str, str, str],
     sides: tuple[str, str, str, str],
@@ -176,11 +177,7 @@ def _row_by_row(mesh: meshio.Mesh) -> meshio.Mesh:
 
 
 def _on_lattice(
-    points: Floats,
-    origin: tuple[float, float],
-    size: tuple[float, float],
-    elements: tuple[int, int],
-    columns: Floats | None,
+    points: Floats, origin: Pair, size: Pair, elements: tuple[int, int], columns: Floats | None
 ) -> Floats:
     """Return the lattice point of each node.
 
@@ -210,7 +207,7 @@ def columns_through(length: float, count: int, places: Sequence[float]) -> Float
 
 
 def _geometry(
-    geo: Any, origin: tuple[float, float], size: tuple[float, float], elements: tuple[int, int]
+    geo: Any, origin: Pair, size: Pair, elements: tuple[int, int]
 ) -> tuple[list[int], list[int], int]:
     (x, y), (width, height) = origin, size
     places = (x, y), (x + width, y), (x + width, y + height), (x, y + height)

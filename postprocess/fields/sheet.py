@@ -343,13 +343,7 @@ class Sheet:
         self.words.append(Lettering(text, pixel, size * self.dot, justify, bold, ground))
 
     def write_at_edge(
-        self,
-        text: str,
-        away: tuple[float, float],
-        size: int = TEXT,
-        *,
-        bold: bool = False,
-        ground: float = 0.0,
+        self, text: str, away: tuple[float, float], size: int = TEXT, bold: bool = False, ground: float = 0.0
     ) -> None:
         """Write a text at a distance from two edges [pixels of `SIZE`].
 

@@ -78,27 +78,27 @@ def draw_positions(
         marks.append(Moving("", moved[..., 0], moved[..., 1], SLOWER * float(np.ptp(t)) / (1.0 - HOLD)))
     for strike, row in zip(strikes, rows, strict=True):
         marks += _strike(strike, row, high[0])
-    return plan_view("positions", caption, marks, low, high, "Motion", ("X along the wall [m]", "Y [m]"))
+    return plan_view(
+        "positions", caption, marks, np.array([low, high]), "Motion", ("X along the wall [m]", "Y [m]")
+    )
 
 
 def plan_view(
     name: str,
     caption: str,
     marks: Sequence[Mark],
-    low: Floats,
-    high: Floats,
+    frame: Floats,
     group: str,
     labels: tuple[str, str] = ("", ""),
 ) -> Chart:
     """Draw marks beside the wall Y <= 0, seen from above.
 
-    low, high: corners of the frame, shape (2,) [m]; labels: of both axes, which without them have no ticks.
+    frame: its lower and upper corner, shape (2, 2) [m]; labels: of both axes, which without them have no ticks.
     """
+    low, high = frame
     wall = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], 0.0), (low[0], 0.0)])
-    x, y = (
-        chart.Axis(label, float(low[k]), float(high[k]), named=None if label else ())
-        for k, label in enumerate(labels)
-    )
+    ends = zip(labels, frame.T.tolist(), strict=True)
+    x, y = (chart.Axis(label, a, b, named=None if label else ()) for label, (a, b) in ends)
     plot = chart.Plot((area(wall, "grey", 0.25), *marks), y, None, "xy", has_grid=False)
     return chart.draw_chart(name, caption, (plot,), x, group, chart.FULL)
 

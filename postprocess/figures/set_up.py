@@ -78,7 +78,7 @@ def draw_set_up(units: Sequence[Unit], words: Mapping[str, str], caption: str) -
         *_arrow(from_point, to_point, size),
         _words(slide, 0.5 * (from_point + to_point), (0.0, -3.0), "middle"),
     ]
-    return plan_view("set-up", caption, marks, np.array([start_x, low]), np.array([end_x, high]), "Set-up")
+    return plan_view("set-up", caption, marks, np.array([(start_x, low), (end_x, high)]), "Set-up")
 
 
 def _line(points: Floats, colour: str = "ink", width: float = 0.8) -> Line:

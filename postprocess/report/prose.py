@@ -6,6 +6,7 @@ import re
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
+from postprocess.svg.marks import SUBSCRIPT
 from postprocess.svg.scales import SUPERSCRIPTS
 from postprocess.units import SI
 
@@ -16,7 +17,6 @@ NO_BREAK = "\N{NO-BREAK SPACE}"
 
 GLUED = re.compile(r"(?<=\d) (?=[a-z%])|(?<=\d x) (?=\d)|(?<==) | (?==)|(?<=row) | (?=[^\[\]]{0,9}\])")
 
-SYMBOL = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 
 CODE = re.compile(r"`([^`]+)`")
 
@@ -48,7 +48,7 @@ def prose(text: str) -> Markup:
 
     parts = CODE.split(glued(str(escape(SI.rendered(text)))))
     parts[1::2] = [f"<code>{part}</code>" for part in parts[1::2]]
-    parts[::2] = [SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", printed_numbers(part)) for part in parts[::2]]
+    parts[::2] = [SUBSCRIPT.sub(r"<i>\1</i><sub>\2</sub>", printed_numbers(part)) for part in parts[::2]]
     parts[::2] = [NAMED.sub(r'<span class="whole">\g<0></span>', part) for part in parts[::2]]
     return Markup("".join(parts))
 

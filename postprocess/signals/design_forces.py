@@ -3,19 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from postprocess.units import FOOT, KIP
+from postprocess.units import KIP
 
 AASHTO = "AASHTO LRFD Bridge Design Specifications, Table A13.2-1; later editions not checked"
 
-LRFD = {
-    "TL-1": (13.5, 4.5, 4.0),
-    "TL-2": (27.0, 9.0, 4.0),
-    "TL-3": (54.0, 18.0, 4.0),
-    "TL-4": (54.0, 18.0, 3.5),
-    "TL-5": (124.0, 41.0, 8.0),
-    "TL-6": (175.0, 58.0, 8.0),
-}
-"""AASHTO's transverse and longitudinal forces [kip], and their length [ft], by test level."""
+LRFD = {"TL-1": 13.5, "TL-2": 27.0, "TL-3": 54.0, "TL-4": 54.0, "TL-5": 124.0, "TL-6": 175.0}
+"""AASHTO's transverse forces by test level [kip]."""
 
 TTI = (
     "Sheikh, Bligh and Menges, Determination of minimum height and lateral design load for MASH test level 4 "
@@ -44,30 +37,17 @@ TALLER = {
 class DesignForce:
     """Transverse force on a railing and its source.
 
-    kip: as published [kip]; longitudinal: force along the rail [kip]; length: of rail over which both act [ft]; None:
-    not published.
+    kip: as published [kip].
     """
 
     name: str
     kip: float
     source: str
-    longitudinal: float | None = None
-    length: float | None = None
 
     @property
     def force(self) -> float:
         """Transverse force [N]."""
         return self.kip * KIP
-
-    @property
-    def longitudinal_force(self) -> float | None:
-        """Force along the rail [N]."""
-        return None if self.longitudinal is None else self.longitudinal * KIP
-
-    @property
-    def length_m(self) -> float | None:
-        """Length over which the forces act [m]."""
-        return None if self.length is None else self.length * FOOT
 
 
 def design_forces(test_level: str) -> Sequence[DesignForce]:
@@ -77,6 +57,5 @@ def design_forces(test_level: str) -> Sequence[DesignForce]:
     """
     if test_level not in LRFD:
         raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LRFD)}")
-    transverse, *along = LRFD[test_level]
-    first = DesignForce("AASHTO LRFD", transverse, AASHTO, *along)
-    return (first, *(DesignForce(*row) for row in TALLER.get(test_level, ())))
+    rows = (("AASHTO LRFD", LRFD[test_level], AASHTO), *TALLER.get(test_level, ()))
+    return [DesignForce(*row) for row in rows]

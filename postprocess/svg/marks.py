@@ -31,7 +31,6 @@ PALETTE = {
     "grid": "#e3e6ea",
 }
 SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
-NO_BREAK = "\N{NO-BREAK SPACE}"
 
 MEAN_WIDTH = 0.6
 """Width of a letter relative to the size of the font."""

@@ -402,17 +402,11 @@ def test_design_forces_of_the_test_levels():
     """The table in kip and in kN, as printed in both."""
     rows = [design_forces(level)[0] for level in LRFD]
     assert [round(row.force / 1e3) for row in rows] == [60, 120, 240, 240, 552, 778]
-    assert [row.longitudinal for row in rows] == [4.5, 9.0, 18.0, 18.0, 41.0, 58.0]
-    assert [row.length for row in rows] == [4.0, 4.0, 4.0, 3.5, 8.0, 8.0]
-    assert rows[3].length_m == pytest.approx(1.0668)
-    assert rows[3].longitudinal_force == pytest.approx(80.07e3, rel=1e-4)
 
 
 def test_design_forces_of_mash():
     _, tti, acceleration = design_forces("TL-4")
     assert round(tti.force / 1e3) == 356
-    assert tti.longitudinal_force is None
-    assert tti.length_m is None
     assert (round(acceleration.kip), acceleration.force) == (99, pytest.approx(440e3, rel=5e-3))
     assert all(row.source for level in LRFD for row in design_forces(level))
 
