@@ -8,6 +8,9 @@ from typing import Any
 
 from machine_code.object_code import ADDRESS, FLOAT, INTEGER, LOGICAL, ObjectCode, UnknownTypeError
 
+NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
+"""Codes of results by Numba's names of their types."""
+
 
 @contextmanager
 def hidden_modules(*modules: str) -> Iterator[None]:
@@ -35,9 +38,6 @@ with hidden_modules("coverage", "cffi"):  # Numba imports them if installed, whi
 # NUMBA_DISABLE_JIT is for functions of users. Without compilation these loops would take days, and parts of them exist
 # only as compiled code.
 numba.config.DISABLE_JIT = 0
-
-NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
-"""Codes of results by Numba's names of their types."""
 
 
 def make_dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
