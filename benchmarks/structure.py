@@ -72,8 +72,7 @@ def reports(path: Path) -> bool:
     """Return True for modules that turn numbers into text, tables, pages or pictures."""
     parts = path.relative_to(ROOT).with_suffix("").parts
     computes = parts[:2] in {("postprocess", "signals"), ("postprocess", "comparison")}
-    named = bool({"report", "reports"} & set(parts)) or parts[-1].endswith("_report")
-    return not computes and (parts[0] == "postprocess" or named)
+    return not computes and (parts[0] == "postprocess" or any("report" in part for part in parts))
 
 
 def module_name(path: Path) -> str:

@@ -21,7 +21,7 @@ from tailslap import progress
 from tailslap.campaign import engine, pools, records, sweep_report, sweep_table
 from tailslap.campaign.records import Record
 from tailslap.campaign.sweep_definition import Definition
-from tailslap.case import resources as cost
+from tailslap.case import resources
 from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
 from tailslap.storage import folder, manifest
 
@@ -165,7 +165,7 @@ def _make_missing(
         failed = rows.statuses[sweep_table.FAILED] + rows.statuses[sweep_table.ERROR]
         show(len(rows), f", {failed} failed{idle}")
 
-    count = cost.worker_count(workers, len(missing))
+    count = resources.worker_count(workers, len(missing))
     with (
         pools.cluster(cluster) if cluster else pools.local(count) as pool,
         progress.counted(definition.scene, definition.runs, len(rows)) as show,

@@ -29,8 +29,7 @@ from tailslap import errors, modal_model, studies
 from tailslap.campaign import engine
 from tailslap.campaign.convergence import Limit, finite, grids_of, halved, limit_of
 from tailslap.campaign.records import Record
-from tailslap.case import case_of
-from tailslap.case import resources as cost
+from tailslap.case import case_of, resources
 from tailslap.case.case import Case
 from tailslap.case.check import failed_names
 from tailslap.case.corner.corner_case import CornerCase
@@ -266,7 +265,7 @@ def _finite_elements(case: Any, setting: Setting) -> Record:
     if impact:
         compiled, _ = _clocked(compile_impact_loop, fe_plan.model)
     else:
-        expected = cost.loop_seconds(case.scene, "quad9", fe_plan.plate.counts, fe_plan.expected_steps)
+        expected = resources.loop_seconds(case.scene, "quad9", fe_plan.plate.counts, fe_plan.expected_steps)
         if expected > TOO_LONG:
             return {"refused": f"omitted: estimated time of the time loop {expected:.0f} s"}
         compiled, _ = _clocked(_simulated, fe_plan, setting, 10, 1e-3)

@@ -21,8 +21,7 @@ from tailslap.campaign import engine, levels
 from tailslap.campaign.convergence import convergence_index, three_meshes
 from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
-from tailslap.case import plate_input as model
-from tailslap.case import resources as cost
+from tailslap.case import plate_input, resources
 from tailslap.case.check import failed_names
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
@@ -83,7 +82,7 @@ class Sweep(NamedTuple):
     def section(self) -> Section:
         """Return the section of the scene's plate."""
         plate = self.fe_plan.plate
-        return plate.thickness, model.plate_density(self.case.scene, plate), plate.modulus
+        return plate.thickness, plate_input.plate_density(self.case.scene, plate), plate.modulus
 
 
 def define(case: CornerCase) -> Sweep:
@@ -136,7 +135,7 @@ def mesh_changes(sweep: Sweep, frequency: float, start: str) -> list[Changes | N
     for elements in sweep.meshes:
         finer = elements[0] / fe_plan.plate.counts[0]
         steps = max(MIN_STEPS, fe_plan.expected_steps * finer * frequency / fe_plan.first_frequency)
-        expected = cost.loop_seconds(sweep.case.scene, fe_plan.plate.element, elements, steps)
+        expected = resources.loop_seconds(sweep.case.scene, fe_plan.plate.element, elements, steps)
         mesh_runs.append(run_changes(sweep, frequency, elements, start) if expected <= TOO_LONG else None)
     return mesh_runs
 

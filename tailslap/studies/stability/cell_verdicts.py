@@ -15,8 +15,7 @@ from tailslap.campaign.records import Record
 from tailslap.case import case_of
 from tailslap.case.case import Outcome
 from tailslap.case.check import failed_names
-from tailslap.case.corner import corner_checks as checks
-from tailslap.case.corner import corner_run as run
+from tailslap.case.corner import corner_checks, corner_run
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.numerical_error import FLOOR, FRACTION, Histories, distance_in_motion
 from tailslap.case.corner.outcome import CornerOutcome
@@ -310,7 +309,7 @@ def grade(
     elif max(change, apart) > _limit(GOOD_TO, refined):
         kind = CAUGHT
     else:
-        kind = GOOD if set(failed) - checks.reaction_checks() else REACTION_ONLY
+        kind = GOOD if set(failed) - corner_checks.reaction_checks() else REACTION_ONLY
     sizes = {"distance": change, "allowed": allowed, "difference": flexibility, "reference": refined}
     return verdict(kind, failed=names, **sizes, **reference.columns())
 
@@ -337,7 +336,7 @@ def references(
             case = cell.original.varied(reference_changes(cell.original.scene, cell.plate, finer, ratio))
             if expected_effort(case.scene, case.duration).seconds > longest:
                 continue
-            outcome = run.checked(run.damped_run(case))
+            outcome = corner_run.checked(corner_run.damped_run(case))
         except InputError:
             continue
         if trustworthy(outcome):
@@ -371,6 +370,8 @@ def trustworthy(outcome: CornerOutcome) -> bool:
     """
     flexibility, error = largest(outcome.difference), outcome.error
     affected = not error.damping + outcome.ringing <= _limit(REFERENCE_TOLERANCE, flexibility)
-    fed = any(check.name == "oscillation" and check.value > checks.OSCILLATES for check in outcome.checks)
+    fed = any(
+        check.name == "oscillation" and check.value > corner_checks.OSCILLATES for check in outcome.checks
+    )
     passed = REQUIRED_CHECKS.isdisjoint(failed_names(outcome.checks))
     return math.isfinite(flexibility) and passed and not affected and not fed

@@ -23,7 +23,7 @@ from tailslap.campaign import sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array, Band
-from tailslap.case import resources as cost
+from tailslap.case import resources
 from tailslap.case.case import Case
 from tailslap.case.impact import answers
 from tailslap.case.impact.case import ImpactCase
@@ -206,7 +206,7 @@ def solved(
     size, out = next(iter(inputs.values())).size, dict[str, Array]()
     block = CORNER_BLOCK if case.scene.contact is None else IMPACT_BLOCK
     blocks = [slice(first, first + block) for first in range(0, size, block)]
-    threads = ThreadPoolExecutor(cost.available_cores())  # compiled code runs beside other threads
+    threads = ThreadPoolExecutor(resources.available_cores())  # compiled code runs beside other threads
 
     def of_block(rows: slice) -> Mapping[str, Array]:
         columns: Mapping[str, Array] = case.many({key: values[rows] for key, values in inputs.items()})
