@@ -6,6 +6,7 @@ with units in the headings, or in the metadata of each column.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,7 +46,8 @@ def write_vtkhdf(path: Path, series: FieldSeries) -> Path:
     import h5py
 
     (elements, corners), count = series.cells.shape, len(series.t)
-    with h5py.File(path, "w") as file:
+    buffer = io.BytesIO()  # HDF5 states no error of the disk when it closes a data set
+    with h5py.File(buffer, "w") as file:
         root = file.create_group("VTKHDF", track_order=True)
         root.attrs["Version"] = (2, 0)
         root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
@@ -69,6 +71,7 @@ def write_vtkhdf(path: Path, series: FieldSeries) -> Path:
                 data = root.create_dataset(f"{group}/{name}", data=stored.reshape(-1, *stored.shape[2:]))
                 data.attrs["units"] = UNITS[name]
                 steps[f"{group}Offsets/{name}"] = stored.shape[1] * np.arange(count, dtype=np.int64)
+    path.write_bytes(buffer.getbuffer())
     return path
 
 
@@ -168,5 +171,6 @@ def write_parquet(path: Path, table: Table) -> Path:
         pa.field(name, array.type, metadata={"unit": units[name]} if units.get(name) else None)
         for name, array in zip(columns, arrays, strict=True)
     ]
-    pq.write_table(pa.Table.from_arrays(arrays, schema=pa.schema(fields)), path)
+    with path.open("wb") as file:  # whose errors have a number
+        pq.write_table(pa.Table.from_arrays(arrays, schema=pa.schema(fields)), file)
     return path

@@ -98,7 +98,7 @@ def write_table(folder: Path, definition: Definition, rows: records.Records) -> 
 
     schema = table_schema(definition, sorted(name for name in rows.columns if name.startswith("check.")))
     path, plain_rows = folder / TABLE, map(data_files.plain, rows.in_order())
-    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+    with path.open("wb") as file, pq.ParquetWriter(file, schema, compression="zstd") as writer:
         while chunk := list(itertools.islice(plain_rows, CHUNK)):
             writer.write_table(pa.Table.from_pylist(chunk, schema=schema))
     return path

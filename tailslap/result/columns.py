@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from html import escape
 from importlib import import_module
-from io import BufferedReader
+from io import BytesIO
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -210,7 +210,7 @@ def table(columns: Mapping[str, np.ndarray]) -> Columns:
     return Columns(columns, {name: units[name] for name in columns if units.get(name)})
 
 
-def read_columns(source: Path | BufferedReader, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
+def read_columns(source: Path | BytesIO, names: Iterable[str] | None = None) -> dict[str, np.ndarray]:
     """Read columns of the table of a sweep, by default all.
 
     Missing numbers are NaN.

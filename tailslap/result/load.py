@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from io import BufferedReader
+from io import BytesIO
 from pathlib import Path
 from typing import TypeVar
 
@@ -50,19 +51,15 @@ class Stored:
         if self.listed is None:
             self._complain(f"its manifest {manifest.NAME} is missing or damaged")
 
-    def read(self, name: str, parse: Callable[[BufferedReader], Read]) -> Read | None:
-        """Parse a file, None without one.
+    def read(self, name: str, parse: Callable[[BytesIO], Read]) -> Read | None:
+        """Parse a file, None if it is absent or unreadable.
 
         An unreadable file is omitted with force. Raises InputError for a damaged file.
         """
         if name not in self.names:
             return None
         try:
-            with open(folder.path_in(self.place, name), "rb", opener=manifest.open_plain) as file:
-                if self.listed is not None and manifest.entry_of(file, name) != self.listed[name]:
-                    self._complain(f"its file {name} is damaged or was modified")
-                file.seek(0)
-                return parse(file)
+            return parse(BytesIO(self._content(name)))
         except (errors.InputError, Warning):
             raise
         except Exception as error:  # damaged bytes may raise any error in a parser
@@ -70,6 +67,18 @@ class Stored:
                 raise
             self._complain(f"its file {name} cannot be read, {type(error).__name__}: {error}")
             return None
+
+    def _content(self, name: str) -> bytes:
+        """Read a file at once, so that parsers meet no error of the system."""
+        with open(folder.path_in(self.place, name), "rb", opener=manifest.open_plain) as file:
+            size = os.fstat(file.fileno()).st_size
+            listed = self.listed[name] if self.listed is not None else None
+            if listed and size != listed.size:
+                self._complain(f"its file {name} is damaged or was modified")
+            content = file.read()
+        if listed and size == listed.size and hashlib.sha256(content).hexdigest() != listed.sha256:
+            self._complain(f"its file {name} is damaged or was modified")
+        return content
 
     def _complain(self, why: str) -> None:
         """Refuse a damaged result, or warn.
@@ -85,7 +94,7 @@ class Stored:
         """Copy these files to another folder."""
         for name in self.names - {manifest.NAME}:
             content = (
-                self.read(name, BufferedReader.read) if pictures or not name.startswith("contour_") else None
+                self.read(name, BytesIO.getvalue) if pictures or not name.startswith("contour_") else None
             )
             if content is not None:
                 (place / name).write_bytes(content)
@@ -167,7 +176,7 @@ def _loaded(stored: Stored) -> result.Result:
     fields = (lambda: stored.read(series.FILE, series.read_fields)) if series.FILE in stored.names else None
     bare = result.Result(*stored.origin, {}, histories=histories, fill=stored.copy, make_fields=fields)
 
-    def with_summary(file: BufferedReader) -> result.Result:
+    def with_summary(file: BytesIO) -> result.Result:
         summary = json.load(file)
         if result.FE in histories:
             complete = result.of_run(summary, bare)

@@ -13,7 +13,6 @@ import os
 import re
 import stat
 from collections.abc import Iterable, Iterator, Mapping
-from io import BufferedReader
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -102,13 +101,8 @@ def read_entry(path: Path) -> Entry:
     Raises OSError for a file that cannot be read, ValueError for one that is not plain.
     """
     with open(path, "rb", opener=open_plain) as file:
-        return entry_of(file, path.name)
-
-
-def entry_of(file: BufferedReader, name: str) -> Entry:
-    """Return the entry of an open file, read to its end."""
-    digest = hashlib.file_digest(file, "sha256").hexdigest()
-    return Entry(name, file.tell(), digest)
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
+        return Entry(path.name, file.tell(), digest)
 
 
 def read_manifest(folder: Path) -> frozenset[Entry] | None:
@@ -234,7 +228,8 @@ def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
                 yield
                 return
         finally:
-            os.close(number)
+            with contextlib.suppress(OSError):  # the lock is released in any case
+                os.close(number)
 
 
 def _is_there(number: int, path: Path) -> bool:

@@ -7,15 +7,27 @@ import socket
 
 import numpy as np
 import pytest
+from failing_calls import is_supported, run_in_child
 
+from postprocess.fields import formats, series
 from tailslap import errors
 from tailslap.campaign import sweep_run
 from tailslap.campaign.records import Records, count
 from tailslap.campaign.sweep_definition import make_definition
+from tailslap.result import load
 from tailslap.scene import read
 from tailslap.storage import checkpoints, folder, manifest
 
 ROWS = {0: {"run": 0, "status": "passed"}}
+FIELDS = series.FieldSeries(
+    "quad",
+    np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]),
+    np.array([[0, 1, 2, 3]]),
+    np.array([0.0, 0.1]),
+    {name: np.full((2, 4, 2), 0.3) for name in series.NODES},
+    {name: np.full((2, 1), 0.7) for name in series.ELEMENTS},
+)
+TABLE = ({"t": np.linspace(0.0, 1.0, 9)}, {"t": "s"})
 UNKNOWN = pytest.mark.parametrize("error", [errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.EIO])
 """Errors after which a file may be there."""
 
@@ -156,3 +168,55 @@ def test_a_socket_is_no_entry(tmp_path):
     with socket.socket(socket.AF_UNIX) as server:
         server.bind(str(tmp_path / "socket"))
         assert manifest.entry(tmp_path / "socket") is None
+
+
+supported = pytest.mark.skipif(not is_supported(), reason="the kernel does not ask about calls")
+
+
+def failed_calls(function, folder):
+    """Yield the answers of a function whose calls to files below a folder fail, one in each turn."""
+    _, calls = run_in_child(function, str(folder))
+    assert calls
+    yield from (run_in_child(function, str(folder), n, errno.EIO)[0] for n in range(1, len(calls) + 1))
+
+
+@supported
+@pytest.mark.parametrize("kind", ["vtkhdf", "xdmf", "vtu", "msh", "csv", "parquet"])
+def test_a_file_for_other_programs_is_whole_or_the_error_is_raised(tmp_path, kind):
+    """Whatever the library does with errors, HDF5 and Arrow among them."""
+    path, content = tmp_path / f"file.{kind}", TABLE if kind in ("csv", "parquet") else FIELDS
+
+    def write():
+        getattr(formats, f"write_{kind}")(path, content)
+        return "written"
+
+    write()
+    whole, failures = path.read_bytes(), 0
+    for text in failed_calls(write, tmp_path):
+        failures += "Input/output error" in text
+        assert "Input/output error" in text or (text, path.read_bytes()) == ("written", whole)
+    assert failures
+
+
+@supported
+def test_a_lock_that_cannot_be_closed_is_released(tmp_path):
+    def hold():
+        with manifest.locked_file(tmp_path / "lock"):
+            return "held"
+
+    assert [*failed_calls(hold, tmp_path)][-1] == "held"
+
+
+@supported
+def test_a_file_that_cannot_be_read_is_not_called_damaged(tmp_path):
+    with folder.result_folder(tmp_path / "result") as new:
+        series.write_fields(new / series.FILE, FIELDS)
+    stored = load.Stored(tmp_path / "result")
+
+    def read():
+        stored.read(series.FILE, series.read_fields)
+        return "read"
+
+    texts = [*failed_calls(read, tmp_path)]
+    assert "damaged" not in "".join(texts)
+    assert [text for text in texts if "Input/output error" not in text and text != "read"] == []
