@@ -1,2 +1,4 @@
-"""Pages of results in Chromium: `made` makes them, `session` opens them, `screen`, `charts` and `paper` look at them,
-`looked` puts together what they find."""
+"""Pages of results in Chromium.
+
+`session` opens them, `screen`, `charts` and `paper` check parts, `inspection` checks all.
+"""

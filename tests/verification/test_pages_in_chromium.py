@@ -18,7 +18,7 @@ from tailslap.cli import _status
 
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
 sys.path.insert(0, BENCHMARKS)
-from browser import charts, looked, paper, screen  # noqa: E402
+from browser import charts, inspection, paper, screen  # noqa: E402
 from browser.session import CHROMIUM, chromium, opened  # noqa: E402
 
 sys.path.remove(BENCHMARKS)
@@ -58,18 +58,14 @@ def changed(page, place, old, new):
     return place
 
 
-def wrong(found):
-    return {kind: texts for kind, texts in found.found.items() if texts}
-
-
 def test_nothing_is_wrong_with_a_small_page(browser, page):
-    assert wrong(looked.look(browser, "modes", page, widths=(390,))) == {}
+    assert inspection.faults(browser, page, widths=(390,)) == {}
 
 
 @pytest.mark.long
 def test_nothing_is_wrong_with_the_page_of_a_run(browser, tmp_path, outcome):
     path = write_page(tmp_path / "report.html", CornerReport(outcome("mash-tl4-sut")).page(pictures=False))
-    assert wrong(looked.look(browser, "run", path)) == {}
+    assert inspection.faults(browser, path) == {}
 
 
 def test_a_link_of_the_contents_opens_the_folded_section(browser, tmp_path):
