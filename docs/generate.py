@@ -67,12 +67,12 @@ def train() -> str:
 
 def scene_page() -> str:
     """Every table and key of a scene."""
-    from tailslap.scene.schema import LISTED, TABLES, Scene
+    from tailslap.scene.schema import LISTED, TABLES, Scene, values_of
 
     parts = ["# Scene keys", "", SCENE_INTRODUCTION, ""]
     parts += [table(KEY_HEADINGS, [_key_row("name", Scene.model_fields["name"], "name of the file")])]
     for name, kind in TABLES.items():
-        keys = [_key_row(f"{name}.{key}", field) for key, field in kind.model_fields.items()]
+        keys = [_key_row(f"{name}.{key}", field) for key, field in values_of(kind).items()]
         heading = f"## [[{name}]]" if name in LISTED else f"## [{name}]"
         parts += [heading, "", inspect.cleandoc(kind.__doc__ or ""), "", table(KEY_HEADINGS, keys)]
     return "\n".join(parts)

@@ -75,11 +75,20 @@ AVERAGE_FORCE = Rule("average_force", "the peak force follows from it", f"{POSIT
 
 STIFFNESS = Rule("stiffness", "crush needs a finite stiffness", f"{POSITIVE}, N/m")
 INITIAL_FORCE = Rule("initial_force", "contact is unilateral", "0 or more, and finite, N")
+PLATEAU = Rule(
+    "plateau_force", "the crush force rises from the initial force to it", "at least {initial:.6g} N, above 0"
+)
+UNLOADING = Rule(
+    "unloading_stiffness",
+    "unloading on a line less steep than loading would return more energy than it takes",
+    "at least the stiffness, {stiffness:.6g} N/m, and finite",
+)
+ONE_UNLOADING = Rule("unloading_stiffness", "the restitution defines the unloading as well", "one of the two")
 RETURNED = Rule("restitution", "unloading returns e^2 of the crush energy", "from 0 to 1")
 LINE = Rule(
     "restitution",
-    "with an initial force, unloading that returns more than half of the energy ends in front of the wall",
-    "at most sqrt(1/2) = 0.707107 with an initial force, or no initial force",
+    "with an initial force or a plateau, unloading that returns more than half of the energy ends in front of the wall",
+    "at most sqrt(1/2) = 0.707107, or neither initial force nor plateau",
 )
 CENTRE = Rule(
     "centre_of_mass",

@@ -24,6 +24,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from fem.laws.contact_forces import coulomb_force
 from machine_code.compiled import OnCompile, compile_once, compiled, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, Number, number, one
@@ -278,7 +279,7 @@ def _drag(body, force, arm, v, w, rate_v, rate_w, h):
     mean = abs(slip + 0.5 * gain)
     sliding = np.hypot(mean, body[SPEED])
     most = body[FRICTION] * force * mean / (sliding + 0.5 * lightness * body[FRICTION] * force)
-    return min(max(-(slip + gain) / lightness, -most), most)
+    return coulomb_force(-(slip + gain) / lightness, most)
 
 
 @compiled

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem.laws.contact_forces import coulomb_force
 from fem.registry import Law, LawRegistry
 
 
@@ -65,8 +66,7 @@ class Drag(NamedTuple):
 
 
 def _drag_force(law: Any, normal: float, stopping: float) -> float:
-    limit = law.coefficient * abs(normal)
-    return min(max(stopping, -limit), limit)
+    return coulomb_force(stopping, law.coefficient * abs(normal))
 
 
 def _drag_slope(law: Any, normal: float, speed: float) -> float:
@@ -113,7 +113,7 @@ class Signed(NamedTuple):
 def _signed_force(law: Any, normal: float, stopping: float) -> float:
     limit = law.coefficient * normal
     if limit >= 0.0:
-        return min(max(stopping, -limit), limit)
+        return coulomb_force(stopping, limit)
     return limit if stopping > 0.0 else -limit
 
 

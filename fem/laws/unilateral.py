@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fem.laws.contact_forces import PointCrush, crush_force, crush_line, item, loading_depth
 from fem.registry import Law, LawRegistry
 
 
@@ -45,51 +46,40 @@ CONTACT_LAWS: LawRegistry[ContactLaw] = LawRegistry("contact law")
 
 
 class Crush(NamedTuple):
-    """Crush with permanent set: F0 + k d on loading; unloading and reloading on a line that returns a fraction of the
-    energy taken up. Taken at the mean of the depths before and ahead, which keeps the energy on either line.
+    """Crush of each point, arrays of the fields of `PointCrush`; None where no point has such a part.
 
-    stiffness: k [N/m] of each point; initial_force: F0 [N] of each; returned: e^2 of the restitution e.
+    returned is a number where it is the same for all points. The law is taken at the mean of the depths before and
+    ahead, which keeps the energy on either line.
     """
 
     stiffness: np.ndarray
     initial_force: np.ndarray
-    returned: float
+    returned: Any
+    plateau: Any = None
+    unloading: Any = None
 
 
-def taken_up(law: Any, i: int, deepest: float) -> float:
-    """Energy [J] that loading to this depth takes."""
-    return deepest * (law.initial_force[i] + 0.5 * law.stiffness[i] * deepest)
-
-
-def unloading_displacement(law: Any, i: int, deepest: float) -> float:
-    """Depth [m] over which the force falls to nothing: the line gives back e^2 of the energy."""
-    peak = law.initial_force[i] + law.stiffness[i] * deepest
-    return 2.0 * law.returned * taken_up(law, i, deepest) / peak if peak > 0.0 else 0.0
+def crush_of(law: Any, i: int) -> PointCrush:
+    """Return the crush of point i."""
+    returned, plateau, unloading = item(law.returned, i), item(law.plateau, i), item(law.unloading, i)
+    return PointCrush(law.stiffness[i], law.initial_force[i], returned, plateau, unloading)
 
 
 def _crush_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
-    initial, stiffness, give = law.initial_force[i], law.stiffness[i], 0.5 / inertia
-    mean = 0.5 * (before + free)  # without this force, which takes give N of it
-    loading = (mean - give * initial) / (1.0 + give * stiffness)
-    if loading > deepest:
-        return initial + stiffness * loading
-    peak, displacement = initial + stiffness * deepest, unloading_displacement(law, i, deepest)
-    # (deepest - d) / displacement = 1 - N / peak on the line, and d = mean - give N; without displacement the force
-    # drops.
-    return (
-        peak * max(displacement - deepest + mean, 0.0) / (displacement + give * peak) if peak > 0.0 else 0.0
-    )
+    crush, compliance, mean = crush_of(law, i), 0.5 / inertia, 0.5 * (before + free)
+    depth = loading_depth(crush, mean, compliance, 1.0)
+    return crush_force(crush, deepest, mean, compliance, depth)
 
 
 def _crush_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
-    displacement, drop = unloading_displacement(law, i, deepest), deepest - depth
-    if displacement <= drop:
-        return 0.0
-    return law.returned * taken_up(law, i, deepest) * (1.0 - drop / displacement) ** 2
+    _, energy, length, returned = crush_line(crush_of(law, i), deepest)
+    drop = deepest - depth
+    return returned * energy * (1.0 - drop / length) ** 2 if drop < length else 0.0
 
 
 def _crush_lost(law: Any, i: int, deepest: float) -> float:
-    return (1.0 - law.returned) * taken_up(law, i, deepest)
+    _, energy, _, returned = crush_line(crush_of(law, i), deepest)
+    return (1.0 - returned) * energy
 
 
 CONTACT_LAWS.register(
@@ -99,8 +89,8 @@ CONTACT_LAWS.register(
         force=_crush_force,
         stored=_crush_stored,
         lost=_crush_lost,
-        helpers=(taken_up, unloading_displacement),
-        text="crush with permanent set: F0 + k d on loading, linear unloading that returns e^2 of the energy",
+        helpers=(crush_of,),
+        text="crush with permanent set: F0 + k d up to the plateau on loading, linear unloading",
     )
 )
 

@@ -83,12 +83,12 @@ def wall_contact(
     corner that crushes and has a layer is present twice. Raises ModelError where the patch of a corner does not lie
     on its side.
     """
-    points, laws, contact = list[Any](), list[list[np.ndarray]](), parts[0][2]
+    points, laws, contact = list[Any](), list[np.ndarray](), parts[0][2]
     for discretisation, numbers, properties in parts:
         boundary, lengths = boundary_of(discretisation)
         patches: list[Any] = [(np.array([node]), np.ones(1)) for node in boundary]
         if properties.law == "crush":
-            patches, *crush = _crushing(discretisation.positions, boundary, lengths, properties)
+            patches, crush = _crushing(discretisation.positions, boundary, lengths, properties)
             laws.append(crush)
         points += [(numbers[nodes], weights) for nodes, weights in patches]
     count = len(points)
@@ -98,14 +98,25 @@ def wall_contact(
         stiffness = unilateral.penalty_stiffness(plate.youngs_modulus, plate.thickness, contact.penalty_scale)
         law = unilateral.PenaltyContact(np.full(count, stiffness))
     elif contact.law == "crush":
-        stiffnesses, initial = map(np.concatenate, zip(*laws, strict=True))
-        law = unilateral.Crush(stiffnesses, initial, contact.restitution**2)
+        law = _crush(np.concatenate(laws, axis=1))
     else:
         raise ValueError(f"there is no contact law {contact.law!r}")
     nodes, weights = (np.concatenate(column) for column in zip(*points, strict=True))
     first = np.cumsum([0, *(len(point[0]) for point in points)])
     mobility = np.add.reduceat(weights**2 / masses[nodes], first[:-1])
     return BoundaryContact(first, nodes.astype(np.int64), weights, mobility, law, contact.friction)
+
+
+def _crush(laws: np.ndarray) -> unilateral.Crush:
+    """Return the crush of all points, without what none of them has; laws: rows of the fields of `PointCrush`."""
+    stiffness, initial, returned, plateau, unloading = map(np.ascontiguousarray, laws)
+    return unilateral.Crush(
+        stiffness,
+        initial,
+        float(returned[0]) if (returned == returned[0]).all() else returned,
+        plateau if np.isfinite(plateau).any() else None,
+        unloading if (unloading > 0.0).any() else None,
+    )
 
 
 def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]:
@@ -124,22 +135,23 @@ def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]
 
 def _crushing(
     positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: ContactProperties
-) -> tuple[list[Any], np.ndarray, np.ndarray]:
-    """Return the points that crush, with stiffness [N/m] and initial force [N].
+) -> tuple[list[Any], np.ndarray]:
+    """Return contact points of a plate that crushes and their laws, a column for each.
 
-    They are the corners, each a node or a patch of its side, and with a layer all nodes of the boundary. Corners are
-    front and rear on the side of the wall, then on the far side.
+    Points are the corners, each a node or a patch of its side, and with a layer all nodes of the boundary. Corners are
+    front and rear on the side of the wall, then on the far side. Rows of laws are the fields of `PointCrush`.
     """
     (rear, low), (front, high) = positions.min(axis=1), positions.max(axis=1)
     places = ((front, low), (rear, low), (front, high), (rear, high))
     nodes = [int(np.linalg.norm(positions.T - place, axis=1).argmin()) for place in places]
     points = [_corner(boundary, positions, node, contact.patch_length) for node in nodes]
-    stiffness, initial = np.full(4, contact.stiffness), np.full(4, contact.initial_force)
+    laws = np.array(2 * [contact.front, contact.rear or contact.front]).T
     if contact.side_stiffness > 0.0:
         points += [(np.array([node]), np.ones(1)) for node in boundary]
-        stiffness = np.concatenate([stiffness, contact.side_stiffness * lengths])
-        initial = np.concatenate([initial, np.zeros(len(boundary))])
-    return points, stiffness, initial
+        layer = np.outer(contact.side, np.ones(len(boundary)))
+        layer[[0, 1, 3, 4]] *= lengths
+        laws = np.concatenate([laws, layer], axis=1)
+    return points, laws
 
 
 def _corner(

@@ -9,6 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from fem.laws.contact_forces import PointCrush
+
 if TYPE_CHECKING:
     import meshio
 
@@ -143,11 +145,18 @@ class ContactProperties:
     restitution : float
         Its square is the fraction of the energy that unloading returns [-].
     side_stiffness : float
-        Of a crush layer along the sides [N/m per m]; with 0 only the corners are in contact.
+        Of a crush layer along the sides [N/m per m]; with 0 only the corners are in contact. It has neither initial
+        force nor plateau, and unloads as the corners do.
     penalty_scale : float
         Of a penalty, multiple of Young's modulus times thickness [-].
     patch_length : float
         Of the long side, over which a corner that crushes is distributed [m]; 0 for its node alone.
+    plateau_force : float
+        Fy of the crush at each corner [N]; infinite without a plateau.
+    unloading_stiffness : float
+        Slope of unloading at each corner [N/m]; with 0 the restitution defines it.
+    rear : PointCrush or None
+        Crush of the rear corners; None: as of the front corners.
     """
 
     friction: Any = None
@@ -158,6 +167,21 @@ class ContactProperties:
     side_stiffness: float = 0.0
     penalty_scale: float = 1.0
     patch_length: float = 0.0
+    plateau_force: float = math.inf
+    unloading_stiffness: float = 0.0
+    rear: PointCrush | None = None
+
+    @property
+    def front(self) -> PointCrush:
+        """Crush of the front corners."""
+        law = self.stiffness, self.initial_force, self.restitution**2
+        return PointCrush(*law, self.plateau_force, self.unloading_stiffness)
+
+    @property
+    def side(self) -> PointCrush:
+        """Crush of the layer, per length of side."""
+        slope = self.unloading_stiffness * self.side_stiffness / self.stiffness
+        return PointCrush(self.side_stiffness, 0.0, self.restitution**2, math.inf, slope)
 
 
 @dataclass(frozen=True)
@@ -171,7 +195,7 @@ class UnitProperties:
     plate : PlateProperties
         Thickness, modulus, material and element are those of the first unit; the density is its own.
     contact : ContactProperties
-        The law, its restitution and friction are those of the first unit; the stiffness is its own.
+        The law and friction are those of the first unit; the crush is its own.
     hitch, kingpin : float
         The hinge, behind the front of the unit ahead and behind its own front [m]; without meaning for the first
         unit.

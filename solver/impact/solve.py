@@ -1,10 +1,11 @@
 """Whole impacts of rigid vehicles on a wall that only pushes: one with its motion, or many with their strikes."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import astuple, dataclass
 from itertools import pairwise
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,9 @@ MANY = 4e-3
 
 MOST_STRIKES = 64
 """Strikes of one impact for which there is room at first."""
+
+BODY = ("length", "width", "mass", "centre_of_mass", "yaw_inertia", "hitch", "kingpin")
+"""Quantities of a unit besides its crush."""
 
 RATES = {"x_g": "v_gx", "y_g": "v_gy"}
 FORCES = {f"impulse_{name}": f"force_{name}" for name in ("normal", "tangential")}
@@ -295,9 +299,12 @@ def solve_impacts(
     speed: Number,
     angle: Number,
     stiffness: Number,
-    restitution: Number,
+    restitution: Number = 0.0,
     friction: Number,
     initial_force: Number = 0.0,
+    plateau_force: Number = math.inf,
+    unloading_stiffness: Number = 0.0,
+    rear: Mapping[str, Number] = MappingProxyType({}),
     centre_of_mass: Number | None = None,
     yaw_inertia: Number | None = None,
     after_second: float = 0.1,
@@ -323,11 +330,15 @@ def solve_impacts(
     stiffness : float or ndarray
         k of the corners [N/m].
     restitution : float or ndarray
-        e [-].
+        e [-]; 0 where the unloading stiffness is above 0.
     friction : float or ndarray
         mu [-].
-    initial_force : float or ndarray
-        F0 [N].
+    initial_force, plateau_force : float or ndarray
+        F0, Fy [N]; Fy is infinite for none.
+    unloading_stiffness : float or ndarray
+        k_u [N/m]; 0: defined by the restitution.
+    rear : dict
+        What is different at the rear corners, by the names in `train.LAW`; floats or ndarrays.
     centre_of_mass : float, ndarray or None
         Behind the front [m]; None: L/2.
     yaw_inertia : float, ndarray or None
@@ -346,7 +357,7 @@ def solve_impacts(
         For how many there is room, and of more than two for all; None: two, of trains all.
     trailers : sequence of dict
         Of each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `HitchedVehicle`, and
-        where it has its own `centre_of_mass`, `yaw_inertia` and `stiffness`.
+        where it has its own `centre_of_mass`, `yaw_inertia`, keys of `train.LAW` and `rear`.
 
     Returns
     -------
@@ -359,31 +370,34 @@ def solve_impacts(
         As `solve_impact`, for the first row that has no answer.
     """
     first: dict[str, Any] = {"length": length, "width": width, "mass": mass, "centre_of_mass": centre_of_mass,
-                             "yaw_inertia": yaw_inertia, "stiffness": stiffness}  # fmt: skip
-    shared: dict[str, Any] = {"initial_force": initial_force, "restitution": restitution, "friction": friction,
-              "speed": speed, "angle": angle}  # fmt: skip
+             "yaw_inertia": yaw_inertia, "rear": rear}  # fmt: skip
+    law = {"stiffness": stiffness, "initial_force": initial_force, "plateau_force": plateau_force,
+           "restitution": restitution, "unloading_stiffness": unloading_stiffness}  # fmt: skip
+    shared: dict[str, Any] = {"friction": friction, "speed": speed, "angle": angle}
+    laws = vehicles.unit_laws([first | law, *trailers])
+    bodies = ({key: unit.get(key) for key in BODY} for unit in (first, *trailers))
     tables: list[dict[str, Any]] = [
         {key: number(key, value) for key, value in table.items() if value is not None}
-        for table in (shared, first, *({"stiffness": stiffness, **each} for each in trailers))
+        for table in (shared, *bodies, *(law for both in laws for law in both))
     ]
     shape = np.broadcast_shapes(*(np.shape(value) for table in tables for value in table.values()))
-    its, *units = (
+    its, *flat = (
         {key: np.broadcast_to(each, shape).ravel() for key, each in table.items()} for table in tables
     )
+    units, crush = flat[: len(laws)], flat[len(laws) :]
     for index, unit in enumerate(units):
-        try:
-            _complete(unit, its)
-        except RigidBodyError as error:
-            if index == 0:
-                raise
-            key = f"trailer.{index - 1}.{error.key}"
-            raise RigidBodyError(key, error.given, error.why, error.allowed) from None
+        own = f"trailer.{index - 1}." if index else ""
+        with _naming(own):
+            _complete(unit)
+            vehicles.demand_law(*(crush[2 * index][key] for key in vehicles.LAW))
+        with _naming(f"{own or 'contact.'}rear."):
+            vehicles.demand_law(*(crush[2 * index + 1][key] for key in vehicles.LAW))
     gate, theta = Gate(), its["angle"]
     gate.positive(rules.SPEED, its["speed"])
     gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
     gate.not_negative(rules.FRICTION, its["friction"])
     found = solve_trains(
-        *_trains(units, its), step=step, interval=interval, impulse_alone=True, after_second=after_second,
+        *_trains(units, crush, its), step=step, interval=interval, impulse_alone=True, after_second=after_second,
         longest=longest, tolerance=tolerance, strikes=strikes or (16 * len(units) if trailers else 2),
     )  # fmt: skip
     room = found.strikes.shape[1]
@@ -394,8 +408,17 @@ def solve_impacts(
     return Impacts(corners, start, end, peak, impulse, force, found.error.reshape(shape))
 
 
-def _complete(unit: dict[str, Array], its: Mapping[str, Array]) -> None:
-    """Put in centre of mass and inertia where a unit has none of its own, and demand what a body and its law can have.
+@contextmanager
+def _naming(table: str) -> Iterator[None]:
+    """Name the table of a unit in what is refused."""
+    try:
+        yield
+    except RigidBodyError as error:
+        raise RigidBodyError(f"{table}{error.key}", error.given, error.why, error.allowed) from None
+
+
+def _complete(unit: dict[str, Array]) -> None:
+    """Set the centre of mass and the inertia that a unit leaves out, and require values that a body can have.
 
     Raises RigidBodyError.
     """
@@ -403,11 +426,15 @@ def _complete(unit: dict[str, Array], its: Mapping[str, Array]) -> None:
     unit.setdefault("centre_of_mass", 0.5 * size[0])
     unit.setdefault("yaw_inertia", vehicles.uniform_inertia(*size))
     vehicles.demand_body(*size, unit["centre_of_mass"], unit["yaw_inertia"], given)
-    vehicles.demand_law(unit["stiffness"], its["initial_force"], its["restitution"])
 
 
-def _trains(units: Sequence[Mapping[str, Array]], its: Mapping[str, Array]) -> tuple[Train, Array]:
-    """Trains and their states at first touch; units: quantities of each, its: those that they have in common."""
+def _trains(
+    units: Sequence[Mapping[str, Array]], laws: Sequence[Mapping[str, Array]], its: Mapping[str, Array]
+) -> tuple[Train, Array]:
+    """Return trains and their states at first touch.
+
+    units: quantities of each; laws: of the front and the rear corners of each; its: what they have in common.
+    """
     places = [vehicles.corner_places(each["centre_of_mass"], each["length"], each["width"]) for each in units]
     n, count = its["speed"].size, len(units)
     hitch, kingpin, behind = np.empty((count - 1, n)), np.empty((count - 1, n)), np.zeros((count, n))
@@ -419,14 +446,13 @@ def _trains(units: Sequence[Mapping[str, Array]], its: Mapping[str, Array]) -> t
     state = vehicles.touching(front["centre_of_mass"], front["width"], its["angle"], its["speed"])
     state = vehicles.cleared(state, places, behind[1:]) if count > 1 else state
     along, across = np.moveaxis(np.concatenate(places), 1, 0)
-    force, e, mu = (np.tile(its[key], (4 * count, 1)) for key in ("initial_force", "restitution", "friction"))
-    mass, inertia, stiffness = (
-        np.array([unit[key] for unit in units]) for key in ("mass", "yaw_inertia", "stiffness")
-    )
-    train = Train(
-        mass, inertia, hitch, kingpin, np.repeat(np.arange(count), 4), np.tile(np.arange(4), count), along, across,
-        np.repeat(stiffness, 4, axis=0), force, e, mu, np.zeros((count, 3, n)),
-    )  # fmt: skip
+    mass, inertia = (np.array([unit[key] for unit in units]) for key in ("mass", "yaw_inertia"))
+    pairs = [(*laws[i : i + 2], *laws[i : i + 2]) for i in range(0, len(laws), 2)]  # in the order of CORNERS
+    crush = {key: np.array([law[key] for pair in pairs for law in pair]) for key in vehicles.LAW}
+    numbers = np.repeat(np.arange(count), 4), np.tile(np.arange(4), count)
+    crush["friction"] = np.tile(its["friction"], (4 * count, 1))
+    load = np.zeros((count, 3, n))
+    train = Train(mass, inertia, hitch, kingpin, *numbers, along, across, load=load, **crush)
     return train, np.ascontiguousarray(np.moveaxis(vehicles.lined_up(state, behind[1:]), -1, 0))
 
 

@@ -17,6 +17,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.laws.contact_forces import (
+    PointCrush,
+    coulomb_force,
+    crush_force,
+    crush_line,
+    loading_depth,
+    loading_force,
+)
 from machine_code.compiled import compiled
 
 SWEEPS = 200
@@ -91,8 +99,8 @@ class Work(NamedTuple):
     sums: np.ndarray
 
 
-ALONG, ACROSS, STIFFNESS, INITIAL, RESTITUTION, FRICTION, X, Y = range(8)
-DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(8, 17)
+ALONG, ACROSS, STIFFNESS, INITIAL, PLATEAU, RESTITUTION, UNLOADING, FRICTION, X, Y = range(10)
+DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(10, 19)
 """Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
 deepest mean so far [m]; forces [N]; part of the step for which the force is there; of trains the rate of the depth
 [m/s] and the depth at which the line of unloading ends [m]."""
@@ -107,7 +115,7 @@ def workspace(units: int, hinges: int, points: int) -> Work:
     """Workspace for one sample of a train of this size."""
     size = 3 * units
     return Work(
-        np.zeros((points, 17)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
+        np.zeros((points, 19)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
         np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
         np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 8)), np.zeros(points, dtype=np.int64),
         np.zeros(columns(units) - 6 * units - 4),
@@ -151,6 +159,7 @@ def _begin(train, i, state, work):
         work.whose[p, 0], work.whose[p, 1] = u, 4 * u + train.corner[p]
         points[p, ALONG], points[p, ACROSS] = train.along[p, i], train.across[p, i]
         points[p, STIFFNESS], points[p, INITIAL] = train.stiffness[p, i], train.initial_force[p, i]
+        points[p, PLATEAU], points[p, UNLOADING] = train.plateau_force[p, i], train.unloading_stiffness[p, i]
         points[p, RESTITUTION], points[p, FRICTION] = train.restitution[p, i], train.friction[p, i]
         reach[u] = max(reach[u], np.hypot(train.along[p, i], train.across[p, i]))
 
@@ -218,7 +227,8 @@ def _parts_of_step(points, clock, i, part, taken, last):
     phase, near = clock.phase * clock.pace[i], NEAR * clock.pace[i]
     shortest = np.inf
     for p in range(points.shape[0]):
-        depth, deepest, upright = points[p, DEPTH], points[p, DEEPEST], points[p, RESTITUTION] == 0.0
+        depth, deepest = points[p, DEPTH], points[p, DEEPEST]
+        upright = points[p, RESTITUTION] == 0.0 and points[p, UNLOADING] == 0.0
         rate = (depth - points[p, EARLIER]) / last
         slowing = (points[p, RATE] - rate) / last
         points[p, RATE] = rate
@@ -235,7 +245,7 @@ def _parts_of_step(points, clock, i, part, taken, last):
             if slowing > 0.0:
                 shortest = min(shortest, near * rate / slowing)
         else:
-            _, _, length = _line(points[p], deepest)
+            length = _length(points[p])
             points[p, FOOT] = deepest - length
             speed = max(abs(rate), 1e-300)
             end = deepest - depth if rate > 0.0 else depth - points[p, FOOT]
@@ -364,12 +374,12 @@ def _solve_point(point, effect, v, j, w, kick, h):
     x, y = point[X], point[Y]
     inertia = 1.0 / (kick * h * (effect[1, j + 1] + x * effect[1, j + 2]))
     ahead = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-    normal = _crush_force(point, ahead + point[NORMAL] / inertia, inertia)
+    normal = _normal_force(point, ahead + point[NORMAL] / inertia, inertia)
     more = normal - point[NORMAL]
     _push(0.0, kick * more, effect, v)
     slip = v[j] - v[j + 2] * y - 0.5 * h * w * w * x
     stopping = point[TANGENTIAL] - slip / (kick * (effect[0, j] - y * effect[0, j + 2]))
-    tangential = min(max(stopping, -point[FRICTION] * normal), point[FRICTION] * normal)
+    tangential = coulomb_force(stopping, point[FRICTION] * normal)
     turned = tangential - point[TANGENTIAL]
     _push(kick * turned, 0.0, effect, v)
     point[NORMAL], point[TANGENTIAL] = normal, tangential
@@ -378,36 +388,37 @@ def _solve_point(point, effect, v, j, w, kick, h):
 
 
 @compiled
-def _line(point, deepest):
-    """The force at the deepest [N], the energy taken up to there [J], and the depth [m] over which the line of
-    unloading, which gives back e^2 of the energy, falls to nothing."""
-    peak = point[INITIAL] + point[STIFFNESS] * deepest
-    taken = deepest * (point[INITIAL] + 0.5 * point[STIFFNESS] * deepest)
-    return peak, taken, 2.0 * point[RESTITUTION] ** 2 * taken / peak if peak > 0.0 else 0.0
+def _crush(point):
+    """Return the crush law of a point."""
+    returned = point[RESTITUTION] ** 2
+    return PointCrush(point[STIFFNESS], point[INITIAL], returned, point[PLATEAU], point[UNLOADING])
 
 
 @compiled
-def _crush_force(point, free, inertia):
+def _length(point):
+    """Return the depth over which the line of unloading falls to zero [m]."""
+    _, _, length, _ = crush_line(_crush(point), point[DEEPEST])
+    return length
+
+
+@compiled
+def _normal_force(point, free, inertia):
     """Normal force of a point that, without it, would end the step at the depth `free` [m]; with it, N/inertia less."""
-    stiffness, initial, deepest, part = point[STIFFNESS], point[INITIAL], point[DEEPEST], point[PART]
-    give, mean = 0.5 / inertia, 0.5 * (point[EARLIER] + free)
-    peak, _, length = _line(point, deepest)
-    loading = (mean - give * part * initial) / (1.0 + give * stiffness)
-    if length <= 0.0:
-        most = part * (initial + stiffness * max(loading, deepest))
+    crush, deepest, part = _crush(point), point[DEEPEST], point[PART]
+    compliance, mean = 0.5 / inertia, 0.5 * (point[EARLIER] + free)
+    depth = loading_depth(crush, mean, compliance, part)
+    if _length(point) <= 0.0:
+        most = part * loading_force(crush, max(depth, deepest))
         return min(max(inertia * (free - max(deepest, point[DEPTH])), 0.0), most)
-    if loading > deepest:
-        return initial + stiffness * loading
-    return peak * max(length - deepest + mean, 0.0) / (length + give * peak)
+    return crush_force(crush, deepest, mean, compliance, depth)
 
 
 @compiled
 def _part(point, ahead):
     """The part of the step, from half a step ago to half a step ahead, that lies behind the touch of a point whose
     force comes on at once."""
-    _, _, length = _line(point, point[DEEPEST])
     closing = ahead - point[DEPTH]
-    if length > 0.0 or closing <= 0.0:
+    if _length(point) > 0.0 or closing <= 0.0:
         return 1.0
     return min(max(0.5 + (point[DEPTH] - point[DEEPEST]) / closing, 0.0), 1.0)
 
@@ -461,7 +472,7 @@ def _count(points, whose, motion, active, groups, strikes, number, last, h, t, k
 @compiled
 def _pressed_during(point, last, h, t):
     """From when, if it has just touched, and until when a point is pressed on about this step, by its speed [s]."""
-    peak, _, length = _line(point, point[DEEPEST])
+    peak, _, length, _ = crush_line(_crush(point), point[DEEPEST])
     rate = (point[AHEAD] - point[EARLIER]) / (0.5 * last + 1.5 * h)
     beyond = point[DEPTH] - max(point[DEEPEST] - length, 0.0)
     first, until = t, t + h
@@ -561,8 +572,8 @@ def _record(points, whose, motion, active, sums, early, h, row):
     for p in range(points.shape[0]):
         deepest = _deepest(points[p])
         if deepest > 0.0:
-            _, taken, length = _line(points[p], deepest)
-            left, returned = length - deepest + points[p, DEPTH], points[p, RESTITUTION] ** 2
+            _, taken, length, returned = crush_line(_crush(points[p]), deepest)
+            left = length - deepest + points[p, DEPTH]
             row[base + 3] += (1.0 - returned) * taken
             if left > 0.0 and length > 0.0:
                 row[base + 2] += returned * taken * min(left / length, 1.0) ** 2

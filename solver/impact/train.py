@@ -4,7 +4,7 @@ Signs are those of `solver.MotionState`; SI units and radians.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 from typing import Any, NamedTuple
 
@@ -17,6 +17,12 @@ from solver.conditions import Array, Gate, Number, functions, one, positive, wit
 CORNERS = ("front", "rear", "front far side", "rear far side")
 HALVES = ((0, 1), (1, 0), (2, 3), (3, 2), (0, 2), (2, 0), (1, 3), (3, 1))
 """Halves of the sides: the corner that each begins at, and the one that its side leads to."""
+
+LAW = ("stiffness", "initial_force", "plateau_force", "restitution", "unloading_stiffness")
+"""Parameters of a crush law, as those of `CrushLaw`."""
+
+DEFAULTS = {"initial_force": 0.0, "plateau_force": math.inf, "restitution": 0.0, "unloading_stiffness": 0.0}
+"""Values of those that are left out."""
 
 SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
 
@@ -34,8 +40,12 @@ class Train(NamedTuple):
         Unit of each point, and the number of the corner whose strikes it belongs to.
     along, across : ndarray, shape (points, n)
         From the unit's centre of mass, along its heading and to the left [m].
-    stiffness, initial_force, restitution, friction : ndarray, shape (points, n)
-        k [N/m], F0 [N], e and mu [-] of each point.
+    stiffness, initial_force, plateau_force : ndarray, shape (points, n)
+        k [N/m], F0 and Fy [N] of each point; Fy is infinite without a plateau.
+    restitution, unloading_stiffness : ndarray, shape (points, n)
+        e [-], and k_u [N/m] where it is above 0.
+    friction : ndarray, shape (points, n)
+        mu [-].
     load : ndarray, shape (units, 3, n)
         Constant outside force along X and Y [N], and moment that closes the angle [N m].
     """
@@ -50,7 +60,9 @@ class Train(NamedTuple):
     across: np.ndarray
     stiffness: np.ndarray
     initial_force: np.ndarray
+    plateau_force: np.ndarray
     restitution: np.ndarray
+    unloading_stiffness: np.ndarray
     friction: np.ndarray
     load: np.ndarray
 
@@ -115,13 +127,20 @@ def demand_body(
     gate.demand(rule, fits, shown, inertia=inertia, most=most)
 
 
-def demand_law(stiffness: Number, initial_force: Number, restitution: Number) -> None:
+def demand_law(
+    stiffness: Number, initial_force: Number, plateau: Number, restitution: Number, unloading: Number
+) -> None:
     """Require numbers that a crush law, or each of many, can have."""
     gate, e = Gate(), restitution
     gate.positive(rules.STIFFNESS, stiffness)
     gate.not_negative(rules.INITIAL_FORCE, initial_force)
+    gate.demand(rules.PLATEAU, (plateau > 0.0) & (plateau >= initial_force), plateau, initial=initial_force)
     gate.demand(rules.RETURNED, (e >= 0.0) & (e <= 1.0), e)
-    gate.demand(rules.LINE, (initial_force == 0.0) | (2.0 * e * e <= 1.0 + 1e-12), e)
+    bilinear = (initial_force == 0.0) & (plateau == math.inf)
+    gate.demand(rules.LINE, bilinear | (2.0 * e * e <= 1.0 + 1e-12), e)
+    steep = (unloading == 0.0) | ((unloading >= stiffness) & (unloading < math.inf))
+    gate.demand(rules.UNLOADING, steep, unloading, stiffness=stiffness)
+    gate.demand(rules.ONE_UNLOADING, (unloading == 0.0) | (e == 0.0), unloading)
 
 
 @dataclass(frozen=True)
@@ -319,9 +338,9 @@ def touching(centre: Number, width: Number, theta: Number, speed: Number) -> tup
 class CrushLaw:
     """Force over crush, of a corner or per metre of side.
 
-    Loading follows the virgin curve F0 + k d. From the greatest crush D the force falls along a straight line which
-    returns e^2 of the energy taken up, W = F0 D + k D^2/2, and ends at the permanent crush D - 2 e^2 W/F(D);
-    reloading follows that line up to D and then the virgin curve. The force is never negative.
+    Loading follows F0 + k d up to the plateau Fy. From the greatest crush D the force falls along a straight line,
+    which reloading follows up to D. The line returns e^2 of the energy taken up, W, and ends at the permanent crush
+    D - 2 e^2 W/F(D); with a given slope k_u it ends at D - F(D)/k_u, or at 0 if that is negative.
 
     Parameters
     ----------
@@ -330,22 +349,54 @@ class CrushLaw:
     initial_force : float
         F0 [N], or per metre of side [N/m].
     restitution : float
-        e [-].
+        e [-]; 0 where the unloading stiffness is given.
+    plateau_force : float
+        Fy [N], or per metre of side [N/m]; infinite for none.
+    unloading_stiffness : float
+        k_u [N/m], or per metre of side [N/m^2]; 0: defined by the restitution.
 
     Raises
     ------
     RigidBodyError
-        Unless the stiffness is positive and finite, the initial force 0 or more and finite, and the restitution from 0
-        to 1; with an initial force up to sqrt(1/2), for a line beyond that would end in front of the wall.
+        Unless the stiffness is positive and finite, the initial force 0 or more and finite, the plateau no less than
+        it, the restitution from 0 to 1, and the unloading stiffness, if any, no less than the stiffness and beside no
+        restitution. With an initial force or a plateau the restitution is at most sqrt(1/2): a line beyond that would
+        end in front of the wall.
     """
 
     stiffness: float
     initial_force: float = 0.0
     restitution: float = 0.0
+    plateau_force: float = math.inf
+    unloading_stiffness: float = 0.0
 
     def __post_init__(self) -> None:
-        names = ("stiffness", "initial_force", "restitution")
-        demand_law(*(one(name, getattr(self, name)) for name in names))
+        demand_law(*(one(name, getattr(self, name)) for name in LAW))
+
+
+def unit_laws(units: Sequence[Mapping[str, Any]]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """Return the crush of the front and of the rear corners of each unit, by the names in `LAW`.
+
+    units: what each gives of its own, and in "rear" what is different there; None: not given. A trailer without a
+    value of its own has that of the first unit, at its rear that of the first unit's rear. Restitution and unloading
+    stiffness replace each other.
+    """
+    first, *trailers = units
+    front = _overlaid(DEFAULTS, first)
+    both = [(front, _overlaid(front, first.get("rear")))]
+    for unit in trailers:
+        before, behind = (_overlaid(law, unit) for law in both[0])
+        both.append((before, _overlaid(behind, unit.get("rear"))))
+    return both
+
+
+def _overlaid(law: Mapping[str, Any], given: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return a law with the values that are given in place of its own."""
+    own = {key: (given or {}).get(key) for key in LAW}
+    own = {key: value for key, value in own.items() if value is not None}
+    unloading = set(own) & {"restitution", "unloading_stiffness"}
+    cleared = {"restitution": 0.0, "unloading_stiffness": 0.0} if unloading else {}
+    return {**law, **cleared, **own}
 
 
 @dataclass(frozen=True)
@@ -362,6 +413,8 @@ class WallContact:
         Of a layer along the four sides, per metre of side; None: the corners alone touch.
     side_points : int
         Gauss points along each half of a side, at which the layer is taken.
+    rear : CrushLaw or None
+        Of the rear corners; None: as of the front corners.
 
     Raises
     ------
@@ -373,6 +426,7 @@ class WallContact:
     friction: float
     side: CrushLaw | None = None
     side_points: int = SIDE_POINTS
+    rear: CrushLaw | None = None
 
     def __post_init__(self) -> None:
         friction = one("friction", self.friction)
@@ -448,15 +502,20 @@ def train_of(
     hitch, kingpin = np.array(joints).reshape(-1, 2).T
     masses = np.array([[v.mass] for v in vehicles]), np.array([[v.inertia] for v in vehicles])
     load, ends = np.zeros((len(vehicles), 3, 1)), (hitch[:, None], kingpin[:, None])
-    along, across, k, force, e, mu = (np.ascontiguousarray(column)[:, None] for column in (*place.T, *laws.T))
-    return Train(*masses, *ends, unit, corner, along, across, k, force, e, mu, load)
+    along, across, *columns = (np.ascontiguousarray(column)[:, None] for column in (*place.T, *laws.T))
+    crush = dict(zip((*LAW, "friction"), columns, strict=True))
+    return Train(*masses, *ends, unit, corner, along, across, load=load, **crush)
 
 
 def _points(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
-    """Places and corners of a vehicle's contact nodes, as of `contact_places`, and their k, F0, e and mu."""
+    """Places and corners of a vehicle's contact nodes, as of `contact_places`, and their laws as of `Train`."""
     places, corner, length = contact_places(vehicle, contact)
-    laws = np.empty((len(length), 4))
-    for law, part in ((contact.crush, slice(4)), (contact.side or contact.crush, slice(4, None))):
-        laws[part] = law.stiffness, law.initial_force, law.restitution, contact.friction
-        laws[part, :2] *= length[part, None]
+    laws = np.empty((len(length), 6))
+    front, rear, side = contact.crush, contact.rear or contact.crush, contact.side or contact.crush
+    for law, part in ((front, slice(4)), (rear, slice(1, 4, 2)), (side, slice(4, None))):
+        laws[part] = (
+            law.stiffness, law.initial_force, law.plateau_force, law.restitution, law.unloading_stiffness,
+            contact.friction,
+        )  # fmt: skip
+    laws[:, [0, 1, 2, 4]] *= length[:, None]
     return places, corner, laws

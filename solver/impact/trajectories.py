@@ -181,7 +181,8 @@ def solve_trains(
         return Trajectories(reached, out, found, rows, h * stride, h, np.zeros(n))
 
     chosen, settled = np.arange(len(state)), np.full(len(state), step is not None)
-    more = np.where((train.restitution == 0.0).any(axis=0) & varies, OF_UPRIGHT, 1.0)
+    upright = (train.restitution == 0.0) & (train.unloading_stiffness == 0.0)
+    more = np.where(upright.any(axis=0) & varies, OF_UPRIGHT, 1.0)
     found = run(chosen, h.copy(), interval)
     weight = tolerance / max(tolerance, DURATIONS)
     error = more * _difference(found, run(chosen, 2.0 * h, None), turning, weight)

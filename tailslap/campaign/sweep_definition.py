@@ -203,7 +203,7 @@ def make_definition(
         row = next((row for row in write.scene_inputs(scene, source) if row.key == key), None)
         if row is None:
             raise InputError("--vary", key, "this is a table; allowed are its keys")
-        return vary.value_at(scene, key), row.unit
+        return schema.value_at(scene, key), row.unit
 
     fractions = latin_hypercube(len(typed), sample, seed).T if sample else [None] * len(typed)
     variations = tuple(

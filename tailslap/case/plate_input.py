@@ -18,8 +18,7 @@ from fem.plate.properties import Inertia, ModelError, PlateProperties, StepPrope
 from meshes import distorted, plate_mesh
 from tailslap.case import resources
 from tailslap.errors import InputError
-from tailslap.scene.schema import Plate, Scene
-from tailslap.scene.vary import value_at
+from tailslap.scene.schema import Plate, Scene, value_at
 
 if TYPE_CHECKING:
     import meshio

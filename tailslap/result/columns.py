@@ -205,7 +205,7 @@ def table(columns: Mapping[str, np.ndarray]) -> Columns:
     units |= {
         f"{name}.{key}": write.unit_of(field)
         for name, kind in schema.TABLES.items()
-        for key, field in kind.model_fields.items()
+        for key, field in schema.values_of(kind).items()
     }
     return Columns(columns, {name: units[name] for name in columns if units.get(name)})
 

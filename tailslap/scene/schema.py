@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticKnownError
 
 from fem.laws import constraints, materials
@@ -142,6 +143,18 @@ class SceneTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+class CrushTable(SceneTable):
+    """Crush of the rear corners. An omitted key has the value of the other corners."""
+
+    stiffness: Stiffness | None = key("crush stiffness k of each rear corner")
+    initial_force: Force | None = key("crush force F0 at zero crush depth")
+    plateau_force: Force | None = key("greatest crush force Fy")
+    restitution: Restitution | None = key(
+        "coefficient of restitution e: unloading returns e^2 of the crush energy"
+    )
+    unloading_stiffness: Stiffness | None = key("slope of unloading, in place of restitution")
+
+
 class Vehicle(SceneTable):
     """Rigid rectangle that represents the vehicle."""
 
@@ -167,6 +180,14 @@ class Trailer(Vehicle):
     )
     kingpin: Kingpin = needed("distance of the hinge behind the front of the trailer; negative for a drawbar")
     stiffness: Stiffness | None = key("crush stiffness of each corner; default: contact.stiffness")
+    initial_force: Force | None = key("crush force F0 at zero crush depth; default: contact.initial_force")
+    plateau_force: Force | None = key(
+        "greatest crush force Fy of each corner; default: contact.plateau_force"
+    )
+    restitution: Restitution | None = key("coefficient of restitution e; default: as in [contact]")
+    unloading_stiffness: Stiffness | None = key(
+        "slope of unloading, in place of restitution; default: as in [contact]"
+    )
     hitch_length: Length | None = key(
         "length of both plates over which the force of the hinge is distributed; default: one node, "
         "or half the vehicle's width if plate.elements is omitted"
@@ -177,6 +198,7 @@ class Trailer(Vehicle):
     suspension: Stiffness | None = key(
         "vertical stiffness of one side, fifth wheel included; default: tipping.suspension"
     )
+    rear: CrushTable | None = key("crush of the rear corners of the trailer")
 
 
 class Impact(SceneTable):
@@ -250,9 +272,10 @@ class CornerTable(SceneTable):
 class Contact(SceneTable):
     """Unilateral contact between vehicle and wall in a whole impact.
 
-    stiffness, initial_force and restitution define the crush law of each corner, F0 + k d, and side_stiffness that of a
-    layer along the sides. strike_duration may replace stiffness. Without both the vehicle does not crush; enforcement
-    and penalty_scale then apply.
+    stiffness, initial_force and plateau_force define the crush law of each corner, F0 + k d up to the plateau;
+    restitution or unloading_stiffness its unloading. side_stiffness is that of a layer along the sides, which has no
+    initial force and no plateau. strike_duration may replace stiffness. Without both the vehicle does not crush;
+    enforcement and penalty_scale then apply.
     """
 
     stiffness: Stiffness | None = key("crush stiffness k of each corner; default: no crush")
@@ -260,9 +283,12 @@ class Contact(SceneTable):
         "duration of a strike of the rear corner, which defines the crush stiffness in place of stiffness"
     )
     initial_force: Force = key("crush force F0 at zero crush depth", 0.0)
+    plateau_force: Force | None = key("greatest crush force Fy of each corner; default: no plateau")
     restitution: Restitution | None = key(
-        "coefficient of restitution e: unloading returns e^2 of the crush energy; required with stiffness"
+        "coefficient of restitution e: unloading returns e^2 of the crush energy; required with stiffness, unless "
+        "unloading_stiffness is given"
     )
+    unloading_stiffness: Stiffness | None = key("slope of unloading of each corner, in place of restitution")
     friction: Friction = needed("coefficient of friction between vehicle and wall")
     side_stiffness: LayerStiffness | None = key(
         "crush stiffness per length of a layer along the sides; default: contact at the corners only"
@@ -275,6 +301,7 @@ class Contact(SceneTable):
     penalty_scale: Scale = key(
         "penalty stiffness of contact without crush, relative to the default stiffness", 1.0
     )
+    rear: CrushTable | None = key("crush of the rear corners")
 
     @property
     def crushes(self) -> bool:
@@ -505,19 +532,47 @@ class Scene(SceneTable):
         return math.nan if given is None else given
 
 
-TABLES: dict[str, type[SceneTable]] = {
-    name: kind
-    for name, field in Scene.model_fields.items()
-    for kind in (field.annotation, *get_args(field.annotation))
-    if isinstance(kind, type) and issubclass(kind, SceneTable)
-}
-"""Tables of a scene by name; of a list of tables, its element."""
+def table_of(field: FieldInfo) -> type[SceneTable] | None:
+    """Return the table that a key holds, of a list of tables its element; None for a value."""
+    kinds = (field.annotation, *get_args(field.annotation))
+    return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, SceneTable)), None)
+
+
+def values_of(table: type[SceneTable]) -> dict[str, FieldInfo]:
+    """Return the keys of a table that are no tables themselves."""
+    return {name: field for name, field in table.model_fields.items() if table_of(field) is None}
+
+
+def _tables(table: type[SceneTable], prefix: str = "") -> dict[str, type[SceneTable]]:
+    """Return the tables in a table by dotted name, each before those in it."""
+    found: dict[str, type[SceneTable]] = {}
+    for name, field in table.model_fields.items():
+        if inner := table_of(field):
+            found |= {f"{prefix}{name}": inner, **_tables(inner, f"{prefix}{name}.")}
+    return found
+
+
+TABLES = _tables(Scene)
+"""Tables of a scene by dotted name; of a list of tables, its element."""
 
 LISTED = ("trailer",)
 """Names of lists of tables, [[NAME]]."""
 
+
+def value_at(scene: Any, key: str) -> Any:
+    """Return the value of a dotted key of a scene, e.g. "trailer.0.mass"; None in a table that is left out."""
+    for name in key.split("."):
+        if scene is not None:
+            scene = scene[int(name)] if isinstance(scene, tuple) else getattr(scene, name)
+    return scene
+
+
 MEANINGS = MappingProxyType(
     {"name": Scene.model_fields["name"].description or ""}
-    | {f"{n}.{k}": own.description or "" for n, its in TABLES.items() for k, own in its.model_fields.items()}
+    | {
+        f"{name}.{k}": own.description or ""
+        for name, table in TABLES.items()
+        for k, own in values_of(table).items()
+    }
 )
 """Meaning of each key of a scene, by its dotted name."""

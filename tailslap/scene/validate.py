@@ -24,6 +24,7 @@ SUBSTITUTES = {
     "impact.speed": "[start] with angle, omega and corner_speed may replace [impact]",
     "plate.youngs_modulus": "plate.first_frequency may replace plate.youngs_modulus",
     "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate]",
+    "contact.restitution": "contact.unloading_stiffness may replace it",
     "wall.height": "without [wall] the wall of a whole impact is rigid",
 }
 """Alternatives to missing keys."""
@@ -44,9 +45,12 @@ CORNER_KEYS = {
 }
 """Keys that require [contact]; keys that [contact] excludes, and why."""
 
-CRUSH_KEYS = tuple(f"contact.{k}" for k in ("initial_force", "restitution", "side_stiffness", "patch_length"))
+LAW = tuple(schema.CrushTable.model_fields)
+CRUSH_KEYS = tuple(
+    f"contact.{key}" for key in (*LAW[1:], "side_stiffness", "patch_length", *(f"rear.{key}" for key in LAW))
+)
 UNCRUSHED_KEYS = ("contact.enforcement", "contact.penalty_scale")
-"""Keys that require crush, and keys that crush excludes."""
+"""Keys of a crush law, keys that require crush, and keys that crush excludes."""
 
 
 def validate(data: Mapping[str, object]) -> schema.Scene:
@@ -94,7 +98,8 @@ def missing_keys(tables: Mapping[str, object]) -> list[str]:
         missing += absent(*(f"{place}.{key}" for place in places or [name] for key in required))
     if "contact" in present:
         crushes = len(absent("contact.stiffness", "contact.strike_duration")) < 2
-        missing += absent("contact.restitution") if crushes else []
+        unloads = len(absent("contact.restitution", "contact.unloading_stiffness")) < 2
+        missing += absent("contact.restitution") if crushes and not unloads else []
         missing += absent("contact.stiffness") if "plate" not in present and not crushes else []
         missing += absent("wall.height", "wall.foundation_stiffness") if "wall" in present else []
     elif "impact" in present:
@@ -152,7 +157,8 @@ def _input_error(error: ValidationError, data: Mapping[str, object]) -> InputErr
 def _allowed_keys(location: tuple[int | str, ...]) -> str:
     """List the allowed keys of the table of an unknown key."""
     *table, name = map(str, location)
-    keys = (schema.TABLES[table[0]] if table else schema.Scene).model_fields
+    place = ".".join(part for part in table if not part.isdecimal())
+    keys = (schema.TABLES[place] if table else schema.Scene).model_fields
     elsewhere = [key for key in schema.MEANINGS if key.rpartition(".")[2] == name]
     hint = nearest(name, keys, ".".join([*table, "{}"]))
     return (
@@ -184,9 +190,8 @@ def _check_corner(scene: schema.Scene) -> None:
 def _refuse(scene: schema.Scene, allowed: str, *keys: str) -> None:
     """Raise InputError for the first of these keys that is set."""
     for key in keys:
-        table, *number, name = key.split(".")
-        values = getattr(scene, table)
-        values = values[int(number[0])] if number else values
+        table, _, name = key.rpartition(".")
+        values = schema.value_at(scene, table)
         value = getattr(values, name) if values and name in values.model_fields_set else None
         if value is not None:
             raise InputError(key, value, allowed)
@@ -255,8 +260,12 @@ def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
     if contact.crushes:
         _refuse(scene, "this key has no effect with contact.stiffness; remove it", *UNCRUSHED_KEYS)
     else:
-        of_units = _of_trailers(scene, "stiffness")
+        of_units = _of_trailers(scene, *LAW, *(f"rear.{key}" for key in LAW))
         _refuse(scene, "this key requires contact.stiffness; remove it", *CRUSH_KEYS, *of_units)
+    for table in ("contact", "contact.rear", *_of_trailers(scene), *_of_trailers(scene, "rear")):
+        if schema.value_at(scene, f"{table}.restitution") is not None:
+            allowed = f"{table}.restitution defines the unloading; remove one of the two (--set {table}.restitution=)"
+            _refuse(scene, allowed, f"{table}.unloading_stiffness")
     if contact.enforcement == "exact":
         _refuse(
             scene, 'contact.enforcement = "exact" has no spring; remove this key', "contact.penalty_scale"
@@ -274,7 +283,8 @@ def _check_strike_duration(scene: schema.Scene) -> None:
         "contact.strike_duration assumes a crush force in proportion to the depth at the corners; remove one "
         "of the two, or use contact.stiffness in its place"
     )
-    _refuse(scene, allowed, "contact.initial_force", "contact.side_stiffness")
+    others = (*LAW[1:3], "unloading_stiffness", "side_stiffness", *(f"rear.{key}" for key in LAW))
+    _refuse(scene, allowed, *(f"contact.{key}" for key in others))
     if scene.trailer:
         allowed = "the effective mass is that of a single vehicle; of a train allowed is contact.stiffness"
         raise InputError("contact.strike_duration", scene.needed_contact.strike_duration, allowed)
@@ -322,8 +332,9 @@ def _check_tipping(scene: schema.Scene) -> None:
 
 
 def _of_trailers(scene: schema.Scene, *names: str) -> list[str]:
-    """Return the dotted keys of these names of all trailers."""
-    return [f"trailer.{number}.{name}" for number in range(len(scene.trailer)) for name in names]
+    """Return the dotted keys of these names of all trailers, without names the trailers."""
+    numbers = range(len(scene.trailer))
+    return [f"trailer.{number}{name and '.'}{name}" for number in numbers for name in names or ("",)]
 
 
 def _check_trailers(scene: schema.Scene) -> None:

@@ -80,13 +80,6 @@ def varied(scene: schema.Scene, changes: Changes) -> schema.Scene:
     return vary(Source.of(scene), changes)[0]
 
 
-def value_at(scene: object, key: str) -> Any:
-    """Return the value of a dotted key of a scene, like "trailer.0.mass"."""
-    for name in key.split("."):
-        scene = scene[int(name)] if isinstance(scene, tuple) else getattr(scene, name)
-    return scene
-
-
 def changed_tables(given: Mapping[str, object], changes: Changes) -> tuple[Tables, dict[str, object]]:
     """Return a changed copy of the tables, and the changes with effect.
 

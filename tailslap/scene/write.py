@@ -75,19 +75,17 @@ def scene_file(tables: Mapping[str, object], title: str) -> str:
     return "\n".join([f"# {title}", *_lines(tables)]) + "\n"
 
 
-def _lines(tables: Mapping[str, Any]) -> list[str]:
-    """Return the lines of tables in TOML.
-
-    Values are before tables.
-    """
+def _lines(tables: Mapping[str, Any], prefix: str = "") -> list[str]:
+    """Return the lines of a scene file; prefix: of the tables' dotted names."""
     lines, below = [], list[str]()
-    for name, value in tables.items():
+    for key, value in tables.items():
+        name = f"{prefix}{key}"
         if isinstance(value, Mapping):
-            below += ["", f"[{name}]", *_lines(value)]
+            below += ["", f"[{name}]", *_lines(value, f"{name}.")]
         elif name in schema.LISTED:
-            below += [line for table in value for line in ("", f"[[{name}]]", *_lines(table))]
+            below += [line for table in value for line in ("", f"[[{name}]]", *_lines(table, f"{name}."))]
         elif value is not None:
-            lines.append(f"{name} = {toml_value(value)}")
+            lines.append(f"{key} = {toml_value(value)}")
     return lines + below
 
 
@@ -152,7 +150,10 @@ def new_scene(name: str) -> str:
         values, examples = EXAMPLE.get(table, {}), OPTIONAL.get(table, {})
         header = f"[[{table}]]" if table in schema.LISTED else f"[{table}]"
         lines += ["", f"{'' if values else '# '}{header}"]
-        lines += [_line(key, f, values.get(key), examples.get(key)) for key, f in kind.model_fields.items()]
+        lines += [
+            _line(key, field, values.get(key), examples.get(key))
+            for key, field in schema.values_of(kind).items()
+        ]
     return "\n".join(lines) + "\n"
 
 
@@ -246,7 +247,7 @@ def _rows(table: BaseModel, given: vary.Tables, changed: frozenset[str], prefix:
     for name, field in type(table).model_fields.items():
         value, key = getattr(table, name), prefix + name
         if isinstance(value, BaseModel):
-            rows += _rows(value, given.get(name, {}), changed, f"{key}.")
+            rows += _rows(value, given.get(name) or {}, changed, f"{key}.")
         elif name in schema.LISTED:
             tables = dict(enumerate(given.get(name, ())))
             for number, unit in enumerate(value):

@@ -173,13 +173,20 @@ def test_another_scene_s_result_is_replaced_by_force_alone(tmp_path, capsys):
     assert json.loads((tmp_path / "a" / "summary.json").read_text())["scene"] == "paper-abaqus"
 
 
-def scene_keys():
-    found = set()
-    for name, field in Scene.model_fields.items():
+def scene_keys(model=Scene, prefix=""):
+    found: set[str] = set()
+    for name, field in model.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
         table = next((k for k in kinds if isinstance(k, type) and issubclass(k, SceneTable)), None)
-        found |= {f"{name}.{key}" for key in table.model_fields} if table else {name}
+        found |= scene_keys(table, f"{prefix}{name}.") if table else {f"{prefix}{name}"}
     return found
+
+
+def leaves(tables, prefix=""):
+    """Dotted keys of values, of lists of tables those of the first."""
+    for key, value in tables.items():
+        inner = value[0] if f"{prefix}{key}" in schema.LISTED else value
+        yield from leaves(inner, f"{prefix}{key}.") if isinstance(inner, dict) else (f"{prefix}{key}",)
 
 
 def test_every_key_has_a_meaning_and_stands_in_a_new_scene():
@@ -191,9 +198,7 @@ def test_every_key_has_a_meaning_and_stands_in_a_new_scene():
         assert any(line.startswith(f"{key.rpartition('.')[2]} = ") for line in bare), key
     everything = "\n".join([line for line in bare if "=" in line or line.startswith("[")])
     tables = tomllib.loads(everything)
-    tables |= {name: tables[name][0] for name in schema.LISTED}
-    keys = {f"{t}.{k}" for t, keys in tables.items() if isinstance(keys, dict) for k in keys}
-    assert keys | {"name"} == set(schema.MEANINGS)
+    assert set(leaves(tables)) == set(schema.MEANINGS)
 
 
 def test_examples_in_a_new_scene_are_allowed():

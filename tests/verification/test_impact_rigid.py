@@ -273,7 +273,7 @@ def pressed_block(mu, speed, end, push=0.0):
     """State of a ton that does not turn, pressed on by the wall with N0 = 10 kN, for a second at 10 m/s, and pushed
     along it by a force [N]."""
     one = np.ones((1, 1))
-    law = 1e-3 * one, 1e4 * one, 0.0 * one, mu * one
+    law = 1e-3 * one, 1e4 * one, math.inf * one, 0.0 * one, 0.0 * one, mu * one
     whose = np.zeros(1, dtype=np.int64)
     load = np.array([push, 0.0, 0.0]).reshape(1, 3, 1)
     block = Train(1e3 * one, 1e30 * one, one[:0], one[:0], whose, whose, 0.0 * one, -one, *law, load)

@@ -330,7 +330,7 @@ def _refusals(scene: schema.Scene, table: str) -> Iterator[None]:
             raise InputError(key, scene.impact.restitution, f"{error.why}; allowed: less than 1") from None
         value = str(error.given)
         if key.endswith(".angle"):
-            value = f"{value} rad ({math.degrees(vary.value_at(scene, key)):.4g} deg)"
+            value = f"{value} rad ({math.degrees(schema.value_at(scene, key)):.4g} deg)"
         raise InputError(key, Verbatim(value), allowed) from None
 
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from fem.laws.contact_forces import PointCrush
 from fem.laws.friction import Drag
 from fem.plate import kinds
 from fem.plate.properties import ContactProperties, Inertia, ModelError, UnitProperties, WallProperties
 from meshes import wall_mesh
+from solver.impact import CrushLaw
 from tailslap.case import plate_input
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
-from tailslap.scene.schema import Contact, Plate, Scene, Wall
-from tailslap.scene.vary import value_at
+from tailslap.scene.schema import Plate, Scene, Wall, value_at
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
@@ -150,12 +151,11 @@ def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
     scene, inertia = case.scene, _inertia(case, number)
     chosen = chosen_lengths(scene)
     properties = plate_input.plate_properties(scene, plate, inertia, number)
-    mesh, contact = plate_input.fe_mesh(scene, plate, number), contact_properties(scene.needed_contact)
+    mesh, contact = plate_input.fe_mesh(scene, plate, number), contact_properties(case, number)
     contact = replace(contact, patch_length=chosen.get("contact.patch_length", contact.patch_length))
     if number == 0:
         return UnitProperties(mesh, properties, contact)
     own = scene.trailer[number - 1]
-    contact = replace(contact, stiffness=own.stiffness or contact.stiffness)
     spread = own.hitch_length or chosen.get(f"trailer.{number - 1}.hitch_length", 0.0)
     return UnitProperties(mesh, properties, contact, own.hitch, own.kingpin, spread)
 
@@ -171,10 +171,36 @@ def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
     return WallProperties(mesh, wall.height, *material, wall.foundation_stiffness)
 
 
-def contact_properties(contact: Contact) -> ContactProperties:
-    """Properties of the contact between the plate's boundary and the wall."""
+def contact_properties(case: RigidImpact, number: int) -> ContactProperties:
+    """Return the properties of the contact between a unit's boundary and the wall."""
+    contact, laws = (
+        case.scene.needed_contact,
+        (case.contact, *(unit.contact for unit in case.trailers))[number],
+    )
     friction = Drag(contact.friction) if contact.friction > 0.0 else None
     if contact.stiffness is None:
         return ContactProperties(friction, contact.enforcement, penalty_scale=contact.penalty_scale)
-    law = contact.stiffness, contact.initial_force, contact.restitution or 0.0, contact.side_stiffness or 0.0
-    return ContactProperties(friction, "crush", *law, patch_length=contact.patch_length or 0.0)
+    crush = laws.crush
+    return ContactProperties(
+        friction,
+        "crush",
+        crush.stiffness,
+        crush.initial_force,
+        crush.restitution,
+        contact.side_stiffness or 0.0,
+        patch_length=contact.patch_length or 0.0,
+        plateau_force=crush.plateau_force,
+        unloading_stiffness=crush.unloading_stiffness,
+        rear=None if laws.rear is None else _point_crush(laws.rear),
+    )
+
+
+def _point_crush(law: CrushLaw) -> PointCrush:
+    """Return the crush of a corner as the plate takes it."""
+    return PointCrush(
+        law.stiffness,
+        law.initial_force,
+        law.restitution**2,
+        law.plateau_force,
+        law.unloading_stiffness,
+    )

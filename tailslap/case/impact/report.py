@@ -380,10 +380,16 @@ def contact_words(contact: Contact) -> str:
     if contact.side_stiffness:
         side = f", a layer of {measure(contact.side_stiffness / 1e6, 'MN/m^2', 'g')} along the sides"
     patch = f", spread over {measure(contact.patch_length, 'm', 'g')}" if contact.patch_length else ""
+    plateau, unloading = "", f"restitution {contact.restitution or 0.0:g}"
+    if contact.plateau_force is not None:
+        plateau = f" up to {measure(contact.plateau_force / 1e3, 'kN', 'g')}"
+    if contact.unloading_stiffness is not None:
+        unloading = f"unloading stiffness {measure(contact.unloading_stiffness / 1e6, 'MN/m', 'g')}"
+    rear = "; rear corners with values of their own" if contact.rear else ""
     return (
         f"crushes at its corners with {initial}{measure(contact.stiffness / 1e6, 'MN/m', 'g')} times the depth"
-        f"{patch}{side}, "
-        f"restitution {contact.restitution:g}; {friction}; unilateral contact"
+        f"{plateau}{patch}{side}, "
+        f"{unloading}{rear}; {friction}; unilateral contact"
     )
 
 

@@ -16,14 +16,15 @@ from postprocess.report.page import Headline
 from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent_up
 from solver import impact
+from solver.impact import train
 from tailslap import progress
 from tailslap.case.case import WHOLE_IMPACT, Case
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact import answers
 from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.scene.schema import Contact, Scene, Vehicle
+from tailslap.scene.schema import Scene, Vehicle, value_at
 from tailslap.scene.units import shown, value_line
-from tailslap.scene.vary import Source, value_at, vary
+from tailslap.scene.vary import Source, vary
 
 AFTER_SECOND, AFTER_TIPPING = 0.1, 0.5
 """Time [s] after the second strike at which an impact ends that has no time.end; with [tipping], where a third strike
@@ -116,11 +117,10 @@ class RigidImpact(Case):
     @cached_property
     def trailers(self) -> tuple[impact.HitchedVehicle, ...]:
         """Rigid trailers behind the vehicle."""
-        found, contact = list[impact.HitchedVehicle](), self.scene.needed_contact
+        found = list[impact.HitchedVehicle]()
         for number, unit in enumerate(self.scene.trailer):
-            own = contact.model_copy(update={"stiffness": unit.stiffness or contact.stiffness})
             with refusals(self.scene, f"trailer.{number}"):
-                laws = wall_contact(self.scene, own)
+                laws = wall_contact(self.scene, number + 1)
                 found.append(impact.HitchedVehicle(rigid_vehicle(unit), laws, unit.hitch, unit.kingpin))
         return tuple(found)
 
@@ -128,7 +128,7 @@ class RigidImpact(Case):
     def contact(self) -> impact.WallContact:
         """Its laws of contact."""
         with refusals(self.scene):
-            return wall_contact(self.scene, self.scene.needed_contact)
+            return wall_contact(self.scene)
 
     @cached_property
     def touch(self) -> impact.ImpactState:
@@ -183,8 +183,13 @@ class RigidImpact(Case):
     @property
     def arguments(self) -> tuple[str, ...]:
         """Keys of the scene that the impact depends on, by the corners alone."""
+        replaced = {"contact.restitution"} if self.scene.needed_contact.unloading_stiffness else set[str]()
         numbers = range(len(self.trailers))
-        return ARGUMENTS + tuple(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
+        found = dict.fromkeys(key for key in ARGUMENTS if key not in replaced)
+        found |= dict.fromkeys(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
+        tables = ("contact", *(f"trailer.{number}" for number in numbers))
+        keys = (f"{table}{part}.{key}" for table in tables for part in ("", ".rear") for key in train.LAW)
+        return tuple(found | dict.fromkeys(key for key in keys if value_at(self.scene, key) is not None))
 
     @property
     def inputs(self) -> dict[str, float]:
@@ -199,12 +204,14 @@ class RigidImpact(Case):
         """Impacts of n vehicles by the corners alone; inputs as of `many`, until: options of `solve_impacts`."""
         middle = self.scene.vehicle.centre_of_mass  # None: of each one's own length
         values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
-        given = {key.split(".")[1]: values[key] for key in ARGUMENTS}
+        if "contact.unloading_stiffness" in inputs and "contact.restitution" not in inputs:
+            values.pop("contact.restitution", None)
+        given = _at_table(values, ("impact", "vehicle", "contact"))
         if (inertia := self.scene.vehicle.yaw_inertia) is not None:
             given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
         trailers = []
         for number, each in enumerate(self.trailers):
-            own = {key: values[f"trailer.{number}.{key}"] for key in OF_A_TRAILER}
+            own = _at_table(values, (f"trailer.{number}",))
             own["yaw_inertia"] = own["yaw_inertia"] * np.asarray(own["mass"]) / each.vehicle.mass
             trailers.append(own)
         with refusals(self.scene):
@@ -216,7 +223,8 @@ class RigidImpact(Case):
         Parameters
         ----------
         inputs : dict of ndarray, shape (n,)
-            By key of `arguments` [SI]; the others are the scene's. Its yaw inertia goes with the mass.
+            By key of `arguments`, or of the crush of contact, of a trailer, or of "rear" of either [SI]; the others are
+            the scene's. Its yaw inertia goes with the mass.
 
         Returns
         -------
@@ -263,8 +271,14 @@ class RigidImpact(Case):
             given.append(f"initial crush force {self.quantity('contact.initial_force')}")
         if contact.side_stiffness:
             given.append(f"side layer {self.quantity('contact.side_stiffness')}")
+        if contact.plateau_force is not None:
+            given.append(f"plateau {self.quantity('contact.plateau_force')}")
         if contact.restitution is not None:
             given.append(f"restitution {contact.restitution:g}")
+        if contact.unloading_stiffness is not None:
+            given.append(f"unloading stiffness {self.quantity('contact.unloading_stiffness')}")
+        if contact.rear is not None:
+            given.append("rear corners of their own")
         return [*given, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
 
     @cached_property
@@ -369,20 +383,56 @@ def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:
     return impact.ImpactVehicle(*sides, unit.mass, unit.centre_of_mass, unit.yaw_inertia)
 
 
-def wall_contact(scene: Scene, contact: Contact) -> impact.WallContact:
-    """The rigid vehicle's contact; one that does not crush has the plate's penalty at its corners, elastic."""
+def _at_table(values: Mapping[str, Any], tables: tuple[str, ...]) -> dict[str, Any]:
+    """Return the values of keys in these tables by name, and under "rear" those in their table of that name."""
+    split = {key: key.rpartition(".") for key in values}
+    found = {name: values[key] for key, (table, _, name) in split.items() if table in tables}
+    behind = {
+        name: values[key]
+        for key, (table, _, name) in split.items()
+        if table.removesuffix(".rear") in tables and table not in tables
+    }
+    return found | ({"rear": behind} if behind else {})
+
+
+def wall_contact(scene: Scene, number: int = 0) -> impact.WallContact:
+    """Return the contact of a unit; one that does not crush has the plate's penalty at its corners, elastic.
+
+    Raises InputError for a law that is not possible.
+    """
+    contact = scene.needed_contact
     if contact.stiffness is None:
         plate = scene.needed_plate
         penalty = penalty_stiffness(plate.modulus, plate.thickness, contact.penalty_scale)
         return impact.WallContact(impact.CrushLaw(penalty, 0.0, 1.0), contact.friction)
-    restitution = contact.restitution or 0.0
-    side = impact.CrushLaw(contact.side_stiffness, 0.0, restitution) if contact.side_stiffness else None
-    corner = impact.CrushLaw(contact.stiffness, contact.initial_force, restitution)
-    return impact.WallContact(corner, contact.friction, side)
+    keys = {*train.LAW, "rear"}
+    units = [table.model_dump(include=keys) for table in (contact, *scene.trailer)]
+    own = [f"trailer.{number - 1}"] if number else []
+    behind = [*(f"{table}.rear" for table in own), *own, "contact.rear", "contact"]
+    ahead, rear = train.unit_laws(units)[number]
+    front, back = _crush_law(scene, ahead, [*own, "contact"]), _crush_law(scene, rear, behind)
+    side = None
+    if contact.side_stiffness:
+        slope = (contact.unloading_stiffness or 0.0) * contact.side_stiffness / contact.stiffness
+        restitution = contact.restitution or 0.0
+        side = impact.CrushLaw(contact.side_stiffness, 0.0, restitution, unloading_stiffness=slope)
+    return impact.WallContact(front, contact.friction, side, rear=None if back == front else back)
 
 
+def _crush_law(scene: Scene, law: Mapping[str, Any], tables: list[str]) -> impact.CrushLaw:
+    """Return a crush law, whose values are of the first of these tables that gives them. Raises InputError."""
+    try:
+        return impact.CrushLaw(**law)
+    except solver.RigidBodyError as error:
+        keys = [f"{table}.{error.key}" for table in tables]
+        key = next((key for key in keys if value_at(scene, key) is not None), keys[-1])
+        raise InputError(key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
+
+
+OF_LAW = tuple(f"contact.{key}" for key in train.LAW)
 KEYS = {
-    key.split(".")[1]: key for key in (*ARGUMENTS, "vehicle.yaw_inertia", "time.end", "tipping.suspension")
+    key.split(".")[1]: key
+    for key in (*ARGUMENTS, *OF_LAW, "vehicle.yaw_inertia", "time.end", "tipping.suspension")
 }
 """Keys of the scene behind the inputs of the theory."""
 

@@ -257,7 +257,7 @@ def input_curves(case: ImpactCase) -> tuple[Record, ...]:
             f"trailer.{number}.yaw_inertia": (0.6 * inertia, 1.3 * inertia),
         }
     curves = []
-    for key, ends in wide.items():
+    for key, ends in ((key, ends) for key, ends in wide.items() if key in nominal):
         spaced = np.geomspace if key.endswith("stiffness") else np.linspace
         values = spaced(*ends, CURVE_POINTS)
         columns = solved(case, {key: values})

@@ -1,0 +1,138 @@
+"""Forces of the wall at one point, compiled for the rigid vehicle and the plate alike.
+
+Crush: F = min(F0 + k d, Fy) on loading. Unloading and reloading follow one line from the deepest point to F = 0; its
+slope is given, or such that the line returns a given part of the energy taken up. A given slope is raised to F/d at the
+deepest point where that is larger, so that the line never ends in front of the undeformed vehicle.
+
+Friction: Coulomb's law, with the force that would stop the point within the step as its value while the point sticks.
+"""
+
+from typing import Any, NamedTuple
+
+from machine_code.compiled import chosen, compiled
+
+
+class PointCrush(NamedTuple):
+    """Crush of one point.
+
+    stiffness: k [N/m]; initial_force: F0 [N]; returned: part of the energy that unloading returns [-]; plateau: Fy [N],
+    infinite or None for none; unloading: its slope [N/m], 0 or None where the returned part defines it. There is no
+    code for what is None.
+    """
+
+    stiffness: float
+    initial_force: float
+    returned: float
+    plateau: Any = None
+    unloading: Any = None
+
+
+def plateau_excess(plateau: Any, force: float, stiffness: float) -> tuple[float, float]:
+    """Return how far a loading curve without plateau is above it: force [N] and energy [J]. Compiled code only."""
+    raise NotImplementedError(type(plateau))
+
+
+@chosen(plateau_excess)
+def _plateau_excess(plateau: Any, force: Any, stiffness: Any) -> Any:
+    def none(plateau: Any, force: Any, stiffness: Any) -> Any:
+        return 0.0, 0.0
+
+    def beyond(plateau: Any, force: Any, stiffness: Any) -> Any:
+        above = max(force - plateau, 0.0)
+        return above, 0.5 * above * above / stiffness if above > 0.0 else 0.0
+
+    return none if _is_none(plateau) else beyond
+
+
+def returned_part(unloading: Any, returned: float, peak: float, energy: float, deepest: float) -> float:
+    """Return the part of the energy that unloading returns from a force and a depth. Compiled code only."""
+    raise NotImplementedError(type(unloading))
+
+
+@chosen(returned_part)
+def _returned_part(unloading: Any, returned: Any, peak: Any, energy: Any, deepest: Any) -> Any:
+    def given(unloading: Any, returned: Any, peak: Any, energy: Any, deepest: Any) -> Any:
+        return returned
+
+    def by_slope(unloading: Any, returned: Any, peak: Any, energy: Any, deepest: Any) -> Any:
+        if unloading <= 0.0:
+            return returned
+        return 0.5 * peak * min(peak / unloading, deepest) / energy if energy > 0.0 else 0.0
+
+    return given if _is_none(unloading) else by_slope
+
+
+def item(values: Any, i: int) -> Any:
+    """Return an item of an array, or what is one for all points. Compiled code only."""
+    raise NotImplementedError(type(values))
+
+
+@chosen(item)
+def _item(values: Any, i: Any) -> Any:
+    from numba import types
+
+    return (lambda values, i: values[i]) if isinstance(values, types.Array) else (lambda values, i: values)
+
+
+def _is_none(kind: Any) -> bool:
+    """Return True for Numba's type of None."""
+    from numba import types
+
+    return isinstance(kind, types.NoneType)
+
+
+@compiled
+def crush_line(crush, deepest):
+    """Return the unloading line from the deepest point.
+
+    The force [N] and the energy taken up [J] at the deepest point; the depth [m] over which the force falls to zero;
+    the part of the energy that unloading returns.
+    """
+    force = crush.initial_force + crush.stiffness * deepest
+    above, saved = plateau_excess(crush.plateau, force, crush.stiffness)
+    peak, energy = force - above, deepest * (crush.initial_force + 0.5 * crush.stiffness * deepest) - saved
+    if not peak > 0.0:
+        return peak, energy, 0.0, crush.returned
+    part = returned_part(crush.unloading, crush.returned, peak, energy, deepest)
+    return peak, energy, 2.0 * part * energy / peak, part
+
+
+@compiled
+def loading_depth(crush, mean, compliance, part):
+    """Return the depth [m] on the loading curve that a force ends at which takes `compliance` times itself off `mean`.
+
+    part: of the step in which the initial force acts.
+    """
+    depth = (mean - compliance * part * crush.initial_force) / (1.0 + compliance * crush.stiffness)
+    force = crush.initial_force + crush.stiffness * depth
+    return depth + compliance * plateau_excess(crush.plateau, force, crush.stiffness)[0]
+
+
+@compiled
+def loading_force(crush, depth):
+    """Return the force [N] on the loading curve."""
+    force = crush.initial_force + crush.stiffness * depth
+    return force - plateau_excess(crush.plateau, force, crush.stiffness)[0]
+
+
+@compiled
+def crush_force(crush, deepest, mean, compliance, depth):
+    """Return the normal force [N] at the end of the step.
+
+    depth: of `loading_depth`, where the force acts all the step. On the line (deepest - d) / length = 1 - N / peak, and
+    d = mean - compliance N; a line without length drops at once.
+    """
+    if depth > deepest:
+        return loading_force(crush, depth)
+    peak, _, length, _ = crush_line(crush, deepest)
+    return peak * max(length - deepest + mean, 0.0) / (length + compliance * peak) if peak > 0.0 else 0.0
+
+
+def coulomb_force(stopping: float, limit: float) -> float:
+    """Return the friction [N]: what stops the point, cut to the limit, 0 or more."""
+    return min(max(stopping, -limit), limit)
+
+
+@chosen(coulomb_force)
+def _coulomb_force(stopping: Any, limit: Any) -> Any:
+    return coulomb_force

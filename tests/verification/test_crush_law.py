@@ -1,0 +1,327 @@
+"""Verification: the crush law with plateau and unloading stiffness, of the rigid vehicle, samples and the plate.
+
+Exact answers of a point mass on the law, the plate beside the rigid vehicle, refusals.
+"""
+
+import math
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fem.laws.contact_forces import PointCrush, crush_line
+from fem.model.impact_model import build_impact_model
+from fem.plate.properties import ContactProperties, PlateProperties, StepProperties, UnitProperties
+from fem.run.impact import FirstTouch, simulate_impact
+from meshes import plate_mesh
+from solver import RigidBodyError
+from solver.impact import (
+    CrushLaw,
+    ImpactState,
+    ImpactVehicle,
+    WallContact,
+    solve_impact,
+    solve_impacts,
+)
+from solver.impact.train import unit_laws
+from tailslap import cli
+from tailslap.case.impact import run
+from tailslap.case.impact.case import ImpactCase
+from tailslap.errors import InputError
+from tailslap.scene.read import read_source
+from tailslap.scene.vary import vary
+
+BOX = ImpactVehicle(4.0, 2.0, 1500.0)
+UPRIGHT = math.pi / 2.0 - math.atan(0.5)  # the front corner is below the centre of mass
+K, CLOSING = 2e6, 7.0
+LAWS: dict[str, dict[str, Any]] = {
+    "plateau": {"plateau_force": 2e5, "restitution": 0.22},
+    "plateau at the initial force": {"initial_force": 2e5, "plateau_force": 2e5, "restitution": 0.1},
+    "initial force, plateau, slope": {"initial_force": 5e4, "plateau_force": 2e5, "unloading_stiffness": 2e7},
+    "slope": {"unloading_stiffness": 8e6},
+    "slope of loading": {"unloading_stiffness": K},
+    "plateau, no return": {"plateau_force": 2e5},
+}
+
+
+def point_mass(initial_force=0.0, plateau_force=math.inf, restitution=0.0, unloading_stiffness=0.0):
+    """Greatest crush, peak, duration, exit speed and residual crush of the mass of BOX, by its equations of motion."""
+    mass, energy = BOX.mass, 0.5 * BOX.mass * CLOSING**2
+    rate, rise = math.sqrt(K / mass), math.hypot(initial_force, CLOSING * math.sqrt(K * mass))
+    peak = min(plateau_force, rise)
+    loading = (math.asin(min(peak / rise, 1.0)) - math.asin(initial_force / rise)) / rate
+    crush, left = (peak - initial_force) / K, energy - (peak**2 - initial_force**2) / (2.0 * K)
+    if peak < rise:
+        crush += left / peak
+        loading += math.sqrt(2.0 * left * mass) / peak
+    slope = unloading_stiffness or (peak**2 / (2.0 * restitution**2 * energy) if restitution else math.inf)
+    duration = loading + 0.5 * math.pi * math.sqrt(mass / slope)
+    return crush, peak, duration, peak / math.sqrt(slope * mass), crush - peak / slope
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_rigid_point_mass_on_the_law(name):
+    crush, peak, duration, exit_speed, residual = point_mass(**LAWS[name])
+    start = ImpactState(0.0, math.hypot(2.0, 1.0), UPRIGHT, 0.0, -CLOSING, 0.0)
+    law = WallContact(CrushLaw(K, **LAWS[name]), 0.0)
+    motion = solve_impact(BOX, law, start, end=0.3, tolerance=1e-7)
+    (strike,) = motion.strikes
+    assert strike.peak_force == pytest.approx(peak, rel=1e-6)
+    assert strike.duration == pytest.approx(duration, rel=1e-5)
+    assert motion.end.v_gy == pytest.approx(exit_speed, rel=1e-6, abs=1e-6 * CLOSING)
+    assert strike.impulse == pytest.approx(BOX.mass * (CLOSING + exit_speed), rel=1e-6)
+    depths = motion.corner_depths(np.linspace(strike.start, strike.end, 20001))[0]
+    assert depths.max() == pytest.approx(crush, rel=1e-6)
+    assert motion.corner_depths([strike.end])[0, 0] == pytest.approx(residual, rel=1e-5, abs=1e-6)
+    at = motion.at([motion.t_end])
+    lost = 0.5 * BOX.mass * (CLOSING**2 - exit_speed**2)
+    assert at.crush_energy_lost[0] + at.crush_energy_stored[0] == pytest.approx(lost, rel=1e-6, abs=0.05)
+
+
+def test_samples_on_the_law():
+    """All laws in one call: a corner that strikes at CLOSING across the wall, below the centre of mass."""
+    names = ("initial_force", "plateau_force", "restitution", "unloading_stiffness")
+    given = [{"plateau_force": math.inf, **law} for law in LAWS.values()]
+    inputs: dict[str, Any] = {key: np.array([law.get(key, 0.0) for law in given]) for key in names}
+    found = solve_impacts(
+        length=4.0,
+        width=2.0,
+        mass=1500.0,
+        speed=CLOSING / math.sin(UPRIGHT),
+        angle=UPRIGHT,
+        stiffness=K,
+        friction=0.0,
+        tolerance=1e-7,
+        **inputs,
+    )
+    for i, law in enumerate(LAWS.values()):
+        _, peak, duration, exit_speed, _ = point_mass(**law)
+        assert found.peak_force[0, i] == pytest.approx(peak, rel=1e-6)
+        assert found.duration[0, i] == pytest.approx(duration, rel=1e-5)
+        assert found.impulse[0, i] == pytest.approx(BOX.mass * (CLOSING + exit_speed), rel=1e-6)
+
+
+MODULUS, STEP = 2e15, 2e-6
+
+
+def plate_run(contact):
+    """The box as a plate without lateral contraction that strikes head-on with its front corner."""
+    plate = PlateProperties(0.05, BOX.mass / (8.0 * 0.05), MODULUS, 0.0, lumping="row-sum")
+    model = build_impact_model(
+        [UnitProperties(plate_mesh(4.0, 2.0, (1, 1)), plate, contact)], StepProperties(longest=STEP)
+    )
+    return simulate_impact(model, FirstTouch(UPRIGHT, 0.0, -CLOSING), 1e-5, 0.13)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_plate_on_the_law(name):
+    """To 1e-6, and half a step of an initial force, which comes on at once; without unloading its springs return."""
+    law = {"restitution": 0.0, **LAWS[name]}
+    crush, peak, _, exit_speed, residual = point_mass(**law)
+    result, momentum = plate_run(ContactProperties(None, "crush", K, **law)), BOX.mass * CLOSING
+    bound = 1e-6 + STEP * law.get("initial_force", 0.0) / momentum
+    if exit_speed == 0.0:
+        bound += peak / (CLOSING * math.sqrt(MODULUS * 0.05 * BOX.mass))
+    force, depth, t = result.normal[:, 0], result.depth[:, 0], result.history["t"]
+    assert force.max() == pytest.approx(peak, rel=bound)
+    assert depth.max() == pytest.approx(crush, rel=bound)
+    assert force.sum() * (t[1] - t[0]) == pytest.approx(momentum + BOX.mass * exit_speed, rel=bound)
+    lost = 0.5 * BOX.mass * (CLOSING**2 - exit_speed**2)
+    taken = result.history["crush_energy"][-1] + result.history["contact_energy"][-1]
+    assert taken == pytest.approx(lost, rel=2.0 * bound, abs=0.05)
+    last = np.flatnonzero(force > 0.0)[-1]
+    assert depth[last] == pytest.approx(residual, abs=2e-5 * CLOSING)
+
+
+def test_a_layer_unloads_as_the_corners_do():
+    """Its slope is in proportion to its stiffness; it has no plateau."""
+    given = ContactProperties(None, "crush", K, 0.0, 0.0, 1e5, plateau_force=2e5, unloading_stiffness=3.0 * K)
+    assert given.side == PointCrush(1e5, 0.0, 0.0, math.inf, 3e5)
+    model = build_impact_model(
+        [
+            UnitProperties(
+                plate_mesh(4.0, 2.0, (2, 1)),
+                PlateProperties(0.05, 7800.0, 2e9, 0.3, lumping="row-sum"),
+                given,
+            )
+        ],
+        StepProperties(),
+    )
+    law = model.loop.contact.law
+    assert (law.plateau[:4] == 2e5).all()
+    assert np.isinf(law.plateau[4:]).all()
+    assert law.unloading[4:] == pytest.approx(3.0 * law.stiffness[4:])
+    assert law.stiffness[4:].sum() == pytest.approx(12.0 * 1e5)
+
+
+@pytest.mark.parametrize(
+    ("law", "deepest", "answer"),
+    [
+        (PointCrush(K, 0.0, 0.04, math.inf, 0.0), 0.1, (2e5, 1e4, 4e-3, 0.04)),
+        (PointCrush(K, 0.0, 0.04, 1e5, 0.0), 0.15, (1e5, 1.25e4, 1e-2, 0.04)),
+        (PointCrush(K, 5e4, 0.0, 1e5, 1e7), 0.125, (1e5, 1.1875e4, 1e-2, 500.0 / 11875.0)),
+        (PointCrush(K, 1e5, 0.0, math.inf, K), 0.05, (2e5, 7.5e3, 0.05, 5e3 / 7.5e3)),
+        (PointCrush(K, 1e5, 0.0, math.inf, K), 0.0, (1e5, 0.0, 0.0, 0.0)),
+        (PointCrush(K, 0.0, 0.0, math.inf, K), 0.0, (0.0, 0.0, 0.0, 0.0)),
+    ],
+)
+def test_the_line_of_unloading(law, deepest, answer):
+    """Force and energy at the deepest point, length of the line, part of the energy that it returns.
+
+    Of a slope below F/d the line is as long as the crush: it does not end in front of the vehicle.
+    """
+    assert crush_line(law, deepest) == pytest.approx(answer, rel=1e-12)
+
+
+def case_of(scene="impact-mash-tl4-sut", **changes):
+    return ImpactCase(*vary(read_source(scene), {key.replace("__", "."): x for key, x in changes.items()}))
+
+
+TRUCK = {
+    "contact.plateau_force": 350e3,
+    "contact.restitution": 0.15,
+    "contact.rear.stiffness": 1.5e6,
+    "contact.rear.plateau_force": 300e3,
+    "contact.rear.unloading_stiffness": 12e6,
+}
+
+
+@pytest.mark.parametrize("elements", [(10, 3), pytest.param((20, 6), marks=pytest.mark.long)])
+def test_the_plate_tends_to_the_rigid_vehicle(elements):
+    """As 1/E, with a plateau, and a rear of its own by its slope; 1e-3 at 2 TPa."""
+    off = []
+    for modulus in (0.2e12, 2e12):
+        own = {"plate.youngs_modulus": modulus, "plate.elements": elements, "plate.element": "quad4"}
+        outcome = run.attempt(case_of(**TRUCK, **own))
+        off.append(max(abs(outcome.difference[f"strike_{k}.impulse"]) for k in (1, 2)))
+    assert off[1] < 1e-3
+    assert off[1] / off[0] == pytest.approx(0.1, abs=0.04)
+
+
+def test_the_rear_has_values_of_its_own():
+    """Peaks are the plateaus; many impacts and one are the same."""
+    case = case_of(**TRUCK)
+    front, rear = case.motion.strikes[:2]
+    assert (front.corner, rear.corner) == ("front", "rear")
+    assert (front.peak_force, rear.peak_force) == (
+        pytest.approx(350e3, rel=1e-9),
+        pytest.approx(300e3, rel=1e-9),
+    )
+    assert set(TRUCK) <= set(case.arguments)
+    sampled = case.many({"contact.rear.plateau_force": np.array([300e3, 250e3])})
+    for k, strike in enumerate((front, rear), 1):
+        assert sampled[f"strike_{k}.impulse"][0] == pytest.approx(strike.impulse, rel=2e-4)
+    assert sampled["strike_2.raw"] == pytest.approx([300e3, 250e3], rel=1e-9)
+    other = case_of(**{**TRUCK, "contact.rear.plateau_force": 250e3})
+    assert sampled["strike_2.impulse"][1] == pytest.approx(other.motion.strikes[1].impulse, rel=2e-4)
+
+
+def test_samples_vary_what_the_scene_does_not_give():
+    case = case_of()
+    given = {"contact.plateau_force": np.array([3e5, 4e5]), "contact.unloading_stiffness": np.full(2, 2e7)}
+    found = case.many(given)
+    for i in range(2):
+        changes = {key: float(values[i]) for key, values in given.items()} | {"contact.restitution": None}
+        strikes = case_of(**changes).motion.strikes
+        assert found["strike_1.impulse"][i] == pytest.approx(strikes[0].impulse, rel=2e-4)
+        assert found["strike_2.impulse"][i] == pytest.approx(strikes[1].impulse, rel=2e-4)
+
+
+TRAIN = {
+    "contact.plateau_force": 400e3,
+    "contact.rear.plateau_force": 300e3,
+    "trailer.0.plateau_force": 500e3,
+    "trailer.0.rear.plateau_force": 250e3,
+    "trailer.0.rear.unloading_stiffness": 2e7,
+}
+
+
+def test_each_trailer_has_values_of_its_own():
+    case = case_of("impact-mash-tl5-tractor-van", **TRAIN)
+    peaks: dict[str, float] = {}
+    for strike in case.motion.strikes:
+        peaks[strike.corner] = max(peaks.get(strike.corner, 0.0), strike.peak_force)
+    limits = {"front": 400e3, "rear": 300e3, "trailer front": 500e3, "trailer rear": 250e3}
+    assert {name: peaks[name] for name in limits} == pytest.approx(limits, rel=1e-6)
+    many = case.many({"trailer.0.rear.plateau_force": np.array([250e3])})
+    assert many["strike_2.raw"] == pytest.approx([250e3], rel=1e-6)
+    assert case.trailers[0].contact.rear == CrushLaw(
+        case.trailers[0].contact.crush.stiffness, 0.0, 0.0, 250e3, 2e7
+    )
+
+
+def test_a_trailer_without_values_has_those_of_the_first_unit():
+    first = {"stiffness": 1.0, "restitution": 0.2, "rear": {"unloading_stiffness": 9.0}}
+    both = unit_laws([first, {}, {"stiffness": 3.0, "rear": {"plateau_force": 5.0, "restitution": 0.3}}])
+    own = {"initial_force": 0.0, "plateau_force": math.inf, "restitution": 0.2, "unloading_stiffness": 0.0}
+    behind = own | {"restitution": 0.0, "unloading_stiffness": 9.0}
+    assert both[1] == both[0] == (own | {"stiffness": 1.0}, behind | {"stiffness": 1.0})
+    last = own | {"stiffness": 3.0, "plateau_force": 5.0, "restitution": 0.3}
+    assert both[2] == (own | {"stiffness": 3.0}, last)
+
+
+REFUSED = [
+    ("plateau_force", partial(CrushLaw, 1e6, 2e5, plateau_force=1e5), "at least 200000 N"),
+    ("plateau_force", partial(CrushLaw, 1e6, plateau_force=0.0), "above 0"),
+    ("plateau_force", partial(CrushLaw, 1e6, plateau_force=math.nan), "above 0"),
+    ("unloading_stiffness", partial(CrushLaw, 1e6, unloading_stiffness=0.9e6), "at least the stiffness"),
+    ("unloading_stiffness", partial(CrushLaw, 1e6, unloading_stiffness=-1.0), "at least the stiffness"),
+    ("unloading_stiffness", partial(CrushLaw, 1e6, 0.0, 0.2, unloading_stiffness=2e6), "one of the two"),
+    ("restitution", partial(CrushLaw, 1e6, 0.0, 0.8, 1e5), "at most sqrt(1/2)"),
+]
+
+
+@pytest.mark.parametrize(("key", "make", "allowed"), REFUSED)
+def test_an_impossible_law_is_refused(key, make, allowed):
+    with pytest.raises(RigidBodyError) as caught:
+        make()
+    assert caught.value.key == key
+    assert allowed in caught.value.allowed
+
+
+SETS = [
+    ("contact.plateau_force", {"contact.initial_force": "50 kN", "contact.plateau_force": "40 kN"}),
+    ("contact.rear.plateau_force", {"contact.initial_force": 5e4, "contact.rear.plateau_force": 4e4}),
+    ("contact.unloading_stiffness", {"contact.unloading_stiffness": "3 MN/m"}),
+    ("contact.unloading_stiffness", {"contact.restitution": None, "contact.unloading_stiffness": "1 MN/m"}),
+    ("contact.rear.unloading_stiffness", {"contact.rear.unloading_stiffness": "1 MN/m"}),
+    (
+        "contact.rear.unloading_stiffness",
+        {"contact.rear.unloading_stiffness": "9 MN/m", "contact.rear.restitution": 0.0},
+    ),
+    ("contact.plateau_force", {"contact.plateau_force": -1.0}),
+    ("contact.plateau_force", {"contact.plateau_force": 0.0}),
+    ("contact.rear.plateau", {"contact.rear.plateau": 1.0}),
+    ("contact.rear", {"contact.rear": 1.0}),
+    ("contact.plateau_force", {"contact.strike_duration": 0.1, "contact.plateau_force": 3e5}),
+    ("contact.rear.stiffness", {"contact.strike_duration": 0.1, "contact.rear.stiffness": 3e6}),
+    (
+        "contact.rear.stiffness",
+        {"contact.stiffness": None, "contact.restitution": None, "contact.rear.stiffness": 1e6},
+    ),
+]
+
+
+@pytest.mark.parametrize(("key", "changes"), SETS)
+def test_a_bad_key_of_the_law_is_named(key, changes):
+    with pytest.raises(InputError) as caught:
+        case_of(**changes)
+    assert caught.value.key == key
+
+
+def test_a_bad_law_of_a_trailer_is_named():
+    for key, value in (("rear.plateau_force", 1e4), ("unloading_stiffness", 1.0), ("plateau_force", 1e4)):
+        name = f"trailer.0.{key}"
+        with pytest.raises(InputError) as caught:
+            case_of("impact-mash-tl5-tractor-van", **{"contact.initial_force": 2e4, name: value})
+        assert caught.value.key == name
+
+
+def test_the_exit_status_and_the_message(capsys):
+    given = ["--set", "contact.initial_force=50 kN", "--set", "contact.plateau_force=40 kN"]
+    assert cli._status(["rigid", "impact-mash-tl4-sut", *given]) == 2
+    said = capsys.readouterr().err.replace("\n", " ")
+    assert "contact.plateau_force" in said
+    assert "40000" in said
+    assert "at least 50000 N" in said
