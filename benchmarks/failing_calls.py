@@ -97,7 +97,9 @@ def run_in_child(
     child = os.fork()
     if not child:
         try:
-            socket.send_fds(theirs, [b"."], [_listener()])
+            listener = _listener()
+            socket.send_fds(theirs, [b"."], [listener])
+            os.close(listener)  # so that nothing waits for a parent that has died
             text = function()
         except BaseException as fault:
             text = f"{type(fault).__name__}: {fault}"

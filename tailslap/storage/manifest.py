@@ -214,22 +214,31 @@ def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
     plain or a file system without locks.
     """
     while True:
-        number = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+        number, is_new = _open_lock(path)
         try:
-            if not stat.S_ISREG(os.fstat(number).st_mode):
-                raise OSError(errno.EINVAL, f"{path.name} is not a regular file")
             try:
+                if not stat.S_ISREG(os.fstat(number).st_mode):
+                    raise OSError(errno.EINVAL, f"{path.name} is not a regular file")
                 fcntl.flock(number, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+                is_there = _is_there(number, path)  # else its last owner has removed the file in between
             except OSError as error:
-                if not isinstance(error, BlockingIOError):
+                if is_new and not isinstance(error, BlockingIOError):
                     path.unlink()
                 raise
-            if _is_there(number, path):  # else its last owner has removed the file in between
+            if is_there:
                 yield
                 return
         finally:
             with contextlib.suppress(OSError):  # the lock is released in any case
                 os.close(number)
+
+
+def _open_lock(path: Path) -> tuple[int, bool]:
+    """Open a lock file, and return its descriptor and whether it is new."""
+    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
+    with contextlib.suppress(FileExistsError):
+        return os.open(path, flags | os.O_EXCL, 0o666), True
+    return os.open(path, flags, 0o666), False
 
 
 def _is_there(number: int, path: Path) -> bool:

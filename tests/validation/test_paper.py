@@ -131,7 +131,7 @@ def test_row_b_with_the_speed_and_angle_of_its_test(said):
 
 TRUCK = RectangularBody(10.0, 2.438, 9979.0)  # Table 1; 22 000 lb
 ANGLE, FRICTION, RESTITUTION = math.radians(15.0), 0.47, 0.22  # Table 1
-MPH, KM_PER_HOUR = 0.44704, 1.0 / 3.6
+MPH = 0.44704
 START = (0.26, 0.707, 25.053)  # section 3.1.1: theta_0, omega_0, v_P0
 
 

@@ -230,3 +230,13 @@ def test_it_opens_as_a_notebook(name):
 
 def test_there_are_six():
     assert {*EXAMPLES} == {"flexible_plate.py", "own_vehicle_and_law.py", "table_3.py", *WRITTEN}
+
+
+def test_every_benchmark_is_listed_and_has_help():
+    folder = ROOT / "benchmarks"
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| `([^`]+\.py)`", text, re.MULTILINE)
+    assert listed
+    assert [path.name for path in folder.glob("*.py") if f"`{path.name}`" not in text] == []
+    sources = {name: (folder / name).read_text(encoding="utf-8") for name in listed}
+    assert [name for name, source in sources.items() if not re.search(r"[pP]arser\(", source)] == []

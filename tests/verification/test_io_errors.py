@@ -1,5 +1,6 @@
 """Verification: a path is absent only by ENOENT or ENOTDIR; after other errors nothing is replaced."""
 
+import contextlib
 import errno
 import io
 import os
@@ -202,9 +203,28 @@ def test_a_file_for_other_programs_is_whole_or_the_error_is_raised(tmp_path, kin
 def test_a_lock_that_cannot_be_closed_is_released(tmp_path):
     def hold():
         with manifest.locked_file(tmp_path / "lock"):
+            (tmp_path / "lock").unlink()
             return "held"
 
-    assert [*failed_calls(hold, tmp_path)][-1] == "held"
+    _, calls = run_in_child(hold, str(tmp_path))
+    assert calls[-1].name == "close"
+    assert run_in_child(hold, str(tmp_path), len(calls), errno.EIO)[0] == "held"
+
+
+@supported
+def test_of_a_lock_that_fails_no_file_remains(tmp_path):
+    """One of another process stays."""
+
+    def names():
+        with contextlib.suppress(OSError), manifest.locked_file(tmp_path / "lock"):
+            (tmp_path / "lock").unlink()
+        return " ".join(os.listdir(tmp_path))
+
+    _, calls = run_in_child(names, str(tmp_path))
+    count = [call.name for call in calls].index("unlink")
+    assert [run_in_child(names, str(tmp_path), n, errno.EIO)[0] for n in range(1, count + 1)] == [""] * count
+    (tmp_path / "lock").touch()
+    assert [run_in_child(names, str(tmp_path), n, errno.EIO)[0] for n in range(1, 4)] == ["lock"] * 3
 
 
 @supported

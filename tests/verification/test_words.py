@@ -23,7 +23,7 @@ READ_IN_AN_EDITOR = (
 )
 DOCUMENTS = [
     *sorted((ROOT / "docs").rglob("*.md")),
-    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "mkdocs.yml")),
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "benchmarks/README.md", "mkdocs.yml")),
     *sorted((ROOT / "examples").glob("*.py")),
     *sorted((ROOT / "tailslap" / "scene" / "shipped").glob("*.toml")),
     *sorted((ROOT / "postprocess" / "templates").glob("*.j2")),
