@@ -129,7 +129,8 @@ def refusal(rule: Rule, given: Number, met: Met = False, **details: Number | str
     index = tuple(int(i) for i in np.argwhere(~met)[0])
     value = value_array[index].item()
     values = {name: array[index] for name, array in zip(details, arrays, strict=True)}
-    values |= {f"{name}_deg": math.degrees(number) for name, number in values.items()}  # of angles
+    numbers = {name: entry for name, entry in values.items() if not isinstance(entry, str)}
+    values |= {f"{name}_deg": math.degrees(number) for name, number in numbers.items()}  # of angles
     why = rule.why.format(**values) if np.isfinite(value) else "it is not a finite number"
     place = f" at index {index if len(index) > 1 else index[0]}" if index else ""
     return RigidBodyError(rule.key, f"{value:.10g}{place}", why, rule.allowed.format(**values))
