@@ -23,7 +23,7 @@ import tailslap
 from fem import FRICTION_LAWS, MATERIALS
 from postprocess.fields import contours
 from postprocess.units import number
-from tailslap import Columns, InputError, api, cli
+from tailslap import Columns, InputError, cli
 from tailslap.campaign import pools, sweep
 from tailslap.campaign.sweep_run import StoppedError
 from tailslap.campaign.sweep_table import CIRCUMSTANCES
