@@ -1,12 +1,15 @@
 """Random whole impacts: failures, stated and true errors, and time.
 
     .venv/bin/python benchmarks/impacts_random.py [--runs 200] [--seed 1] [--meshes default quad4:6 ...]
-        [--trains] [--units N] [--rigid] [--references [MESH ...]] [--every N] [--keep FILE] [--beside CHECKOUT]
+        [--crush] [--trains] [--units N] [--rigid] [--references [MESH ...]] [--every N] [--keep FILE]
+        [--beside CHECKOUT]
 
 Vehicles are cars, pickups, trucks and tractors with their trailer as one body, of ordinary size and mass, as a plate of
 200 GPa and half to twice the thickness that steel would have, their crush within the values that docs/impact.md names.
 Below a restitution of 0.1 a strike ends too suddenly for any mesh.
 
+--crush        the same vehicles with a plateau, rear corners of their own, half of which unload by their slope, and two
+               axles with tyres
 --trains       tractors with one to three trailers instead, each unit with a centre of mass and a yaw inertia of its
                own; in a third of them the hinges are spread over 1.5 m
 --units        trains of at most N units only
@@ -90,6 +93,35 @@ def changes(seed: int, number: int) -> tuple[dict[str, Any], float]:
         "plate.thickness": mass / (7800.0 * length * width) * 2.0 ** random.uniform(-1.0, 1.0),
     }
     return keys, length / width
+
+
+def crush_changes(seed: int, number: int) -> tuple[dict[str, Any], float]:
+    """The keys of a random impact with plateau, rear corners of their own and tyres, and its length over its width.
+
+    Plateaus are 0.3 to 1.2 of the force without one above the initial force.
+    """
+    keys, slenderness = changes(seed, number)
+    random, length = np.random.default_rng((seed, number, 2)), keys["vehicle.length"]
+    initial, stiffness = keys["contact.initial_force"], keys["contact.stiffness"]
+    closing = keys["impact.speed"] * math.sin(keys["impact.angle"])
+    force = closing * math.sqrt(0.35 * stiffness * keys["vehicle.mass"])
+    rear = stiffness * 2.0 ** random.uniform(-1.0, 1.0)
+    keys["contact.plateau_force"] = initial + random.uniform(0.3, 1.2) * force
+    keys["contact.rear.stiffness"] = rear
+    keys["contact.rear.plateau_force"] = initial + random.uniform(0.3, 1.2) * force
+    if number % 2:
+        keys["contact.rear.unloading_stiffness"] = rear * random.uniform(3.0, 30.0)
+    else:
+        keys["contact.rear.restitution"] = random.uniform(0.1, 0.4)
+    keys["axle"] = [
+        {
+            "position": random.uniform(*ends) * length,
+            "friction": random.uniform(0.5, 0.8),
+            "cornering": random.uniform(4.0, 8.0),
+        }
+        for ends in ((0.12, 0.22), (0.7, 0.85))
+    ]
+    return keys, slenderness
 
 
 UNITS = (
@@ -203,7 +235,7 @@ def rigid(seed: int, number: int) -> Record:
     except InputError as error:
         return {"seconds": time.process_time() - began, "refused": str(error)}
     seconds, own = time.process_time() - began, (case.vehicle, case.contact, case.touch, motion.t_end)
-    finer = solve_impact(*own, tolerance=TOLERANCE / 16.0, trailers=case.trailers)
+    finer = solve_impact(*own, tolerance=TOLERANCE / 16.0, trailers=case.trailers, axles=case.axles)
     least = 0.05 * max(strike.impulse for strike in motion.strikes)
     true = 0.0
     for strike in (strike for strike in motion.strikes if strike.impulse >= least):
@@ -380,6 +412,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--meshes", nargs="+", default=["default", *CHOSEN])
+    parser.add_argument("--crush", action="store_true")
     parser.add_argument("--trains", action="store_true")
     parser.add_argument("--units", type=int, default=8)
     parser.add_argument("--rigid", action="store_true")
@@ -389,9 +422,9 @@ def main() -> None:
     parser.add_argument("--beside", type=Path)
     parser.add_argument("--times", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
-    if given.trains:
-        global drawn
-        drawn = train_changes
+    global drawn
+    if given.trains or given.crush:
+        drawn = train_changes if given.trains else crush_changes
     if given.rigid:
         tell_rigid(given.seed, given.runs)
         return

@@ -75,6 +75,14 @@ AVERAGE_FORCE = Rule("average_force", "the peak force follows from it", f"{POSIT
 
 STIFFNESS = Rule("stiffness", "crush needs a finite stiffness", f"{POSITIVE}, N/m")
 INITIAL_FORCE = Rule("initial_force", "contact is unilateral", "0 or more, and finite, N")
+AXLE = Rule("axle", "an axle is below its vehicle", "from 0 to the length, {length:.6g} m")
+AXLE_LOAD = Rule(
+    "axle",
+    "the axles cannot carry the vehicle: the load of this one would be {load:.4g} N",
+    "axles before and behind the centre of mass, of a trailer behind the kingpin",
+)
+AXLE_UNIT = Rule("axle", "there is no such unit", "from 0 to {most}")
+TYRE = Rule("axle", "the side force of the tyres resists sliding", "0 or more, and finite")
 PLATEAU = Rule(
     "plateau_force", "the crush force rises from the initial force to it", "at least {initial:.6g} N, above 0"
 )

@@ -42,6 +42,19 @@ _MEANINGS = {
     "tangential_impulse": ("N s", "impulse of the tangential force on the plate since the start"),
     "moment_impulse": ("N m s", "angular impulse on the plate about the origin since the start"),
     "angular_momentum": ("kg m^2/s", "angular momentum of the plate about the origin"),
+    "tyre_work": ("J", "work of the tyres on the plate since the start; with [[axle]] only"),
+    "tyre_impulse_tangential": (
+        "N s",
+        "impulse of the tyres along the wall since the start; with [[axle]] only",
+    ),
+    "tyre_impulse_normal": (
+        "N s",
+        "impulse of the tyres across the wall since the start; with [[axle]] only",
+    ),
+    "tyre_impulse_angular": (
+        "N m s",
+        "angular impulse of the tyres about the origin since the start; with [[axle]] only",
+    ),
     "gap": ("m", "distance of the corner from the wall"),
     "hourglass_energy": ("J", "energy of hourglass control"),
     "wall_energy": ("J", "kinetic and strain energy of the wall and its foundation; 0 for a rigid wall"),
@@ -67,7 +80,7 @@ _ON_IMPACT = {
 _IMPACT_NAMES = """t x_g y_g theta omega v_gx v_gy force_normal force_tangential kinetic_energy strain_energy
 hourglass_energy contact_energy crush_energy friction_work damping_work vibration_energy normal_impulse
 tangential_impulse moment_impulse angular_momentum wall_energy wall_deflection wall_deflection_place
-foundation_impulse force_foundation"""
+foundation_impulse force_foundation tyre_work tyre_impulse_tangential tyre_impulse_normal tyre_impulse_angular"""
 
 
 class Measures(NamedTuple):

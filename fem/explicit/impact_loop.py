@@ -12,6 +12,7 @@ from fem.explicit.internal_force import Viscosity
 from fem.explicit.measures import elastic_energies, motion, plate_forces
 from fem.explicit.time_loop import add_reaction, advance
 from fem.laws.hinges import Hinges, HingeState, add_impulses, describe_units, join
+from fem.laws.tyres import Axles, AxleState, end_tyre_step, record_tyres, steer
 from fem.laws.wall_contact import (
     BoundaryContact,
     ContactState,
@@ -48,6 +49,7 @@ class ImpactLoopParameters(NamedTuple):
     span: float
     wall: ElasticWall | None
     hinges: Hinges | None = None
+    axles: Axles | None = None
 
 
 class ImpactLoopState(NamedTuple):
@@ -55,7 +57,7 @@ class ImpactLoopState(NamedTuple):
 
     positions, velocities, origin: as in `State`. sums, shape (3,): friction work and damping work on the plate [J];
     moment of the wall's impulse about the wall's frame [N m s]. contact: of each contact point. wall: a `WallMotion`,
-    None for a rigid wall. hinges: a `HingeState`, None for one plate.
+    None for a rigid wall. hinges: a `HingeState`, None for one plate. axles: an `AxleState`, None without axles.
     """
 
     positions: np.ndarray
@@ -65,6 +67,7 @@ class ImpactLoopState(NamedTuple):
     contact: ContactState
     wall: WallMotion | None
     hinges: HingeState | None = None
+    axles: AxleState | None = None
 
 
 class ImpactMeasures(NamedTuple):
@@ -129,7 +132,7 @@ class Rows(NamedTuple):
 
     values, shape (rows, fields of `ImpactMeasures`). normal and tangential impulse [N s], depth behind the face and
     place along the wall [m] of each contact point, shape (rows, points) each. units, shape (rows, columns): of the
-    plates and hinges of a train, see `fem.laws.hinges`.
+    plates and hinges of a train, see `fem.laws.hinges`. tyres, shape (rows, columns): of `fem.laws.tyres.SUMS`.
     """
 
     values: np.ndarray
@@ -138,14 +141,18 @@ class Rows(NamedTuple):
     depth: np.ndarray
     place: np.ndarray
     units: np.ndarray
+    tyres: np.ndarray
 
 
 @implements(add_reaction, ImpactLoopParameters, merged=True)
 def _add_contact_reaction(parameters, state, damping_power, force):
-    """Add the forces of contact and of hinges."""
+    """Add the forces of tyres, contact and hinges."""
     hinges, mass, time_step = parameters.hinges, parameters.mass, parameters.time_step
+    axles, axle_state = parameters.axles, state.axles
+    steer(axles, axle_state, state.positions, state.velocities, mass, time_step, force)
     add_contact(parameters, state, state.contact, state.wall, force)
     join(hinges, state.hinges, state.positions, state.velocities, mass, time_step, force)
+    end_tyre_step(axles, axle_state, state, mass, time_step, force)
     add_impulses(hinges, state.hinges, time_step)
     state.sums[1] -= time_step * damping_power
     return state.positions[0, parameters.contact.nodes[0]]
@@ -175,16 +182,15 @@ def record(state, parameters, viscosity, hourglass, reference, force, scratch, r
     contact, contact_state, wall, wall_motion = parameters.contact, state.contact, parameters.wall, state.wall
     origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]
     normals = tangentials = stored = crushed = 0.0
+    mass, time_step = parameters.mass, parameters.time_step
+    axles, axle_state = parameters.axles, state.axles
+    steer(axles, axle_state, positions, velocities, mass, time_step, force)
     push_back(parameters, state, contact_state, wall_motion, force)
-    hinges, hinge_state, mass, time_step = (
-        parameters.hinges,
-        state.hinges,
-        parameters.mass,
-        parameters.time_step,
-    )
+    hinges, hinge_state = parameters.hinges, state.hinges
     join(hinges, hinge_state, positions, velocities, mass, time_step, force)
     units = rows.units[row]
     describe_units(hinges, hinge_state, state, force, mass, time_step, reference, units)
+    record_tyres(axles, axle_state, state, mass, time_step, force, rows.tyres[row])
     for i in range(contact.mobility.size):
         normal, tangential = contact_state.pushing[i], contact_state.sliding[i]
         face, depth, opening, slip = approach(parameters, state, i)

@@ -5,11 +5,17 @@ slope is given, or such that the line returns a given part of the energy taken u
 deepest point where that is larger, so that the line never ends in front of the undeformed vehicle.
 
 Friction: Coulomb's law, with the force that would stop the point within the step as its value while the point sticks.
+
+Tyres: the side force of an axle, -mu N tanh(C a/mu) across its heading, a = atan2(v_across, max(|v_ahead|, v0)).
 """
 
+import math
 from typing import Any, NamedTuple
 
 from machine_code.compiled import chosen, compiled
+
+LEAST_SPEED = 1.0
+"""Speed ahead v0 [m/s] below which the slip angle no longer grows as the vehicle slows down."""
 
 
 class PointCrush(NamedTuple):
@@ -91,10 +97,9 @@ def crush_line(crush, deepest):
     force = crush.initial_force + crush.stiffness * deepest
     above, saved = plateau_excess(crush.plateau, force, crush.stiffness)
     peak, energy = force - above, deepest * (crush.initial_force + 0.5 * crush.stiffness * deepest) - saved
-    if not peak > 0.0:
-        return peak, energy, 0.0, crush.returned
     part = returned_part(crush.unloading, crush.returned, peak, energy, deepest)
-    return peak, energy, 2.0 * part * energy / peak, part
+    length = 2.0 * part * energy / peak if peak > 0.0 else 0.0
+    return peak, energy, length, part
 
 
 @compiled
@@ -136,3 +141,13 @@ def coulomb_force(stopping: float, limit: float) -> float:
 @chosen(coulomb_force)
 def _coulomb_force(stopping: Any, limit: Any) -> Any:
     return coulomb_force
+
+
+@compiled
+def side_force(load, friction, cornering, ahead, across):
+    """Return the side force of the tyres of an axle [N], to the side to which `across` is positive.
+
+    load [N]; friction mu and cornering C [-]; ahead, across: speeds along and across the heading [m/s].
+    """
+    slip = math.atan2(across, max(abs(ahead), LEAST_SPEED))
+    return -friction * load * math.tanh(cornering * slip / friction) if friction > 0.0 else 0.0

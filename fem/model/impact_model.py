@@ -10,6 +10,7 @@ import numpy as np
 
 from fem.explicit.impact_loop import ImpactLoopParameters
 from fem.laws import unilateral
+from fem.laws.tyres import Axles
 from fem.laws.wall_contact import BoundaryContact
 from fem.model import plate_model
 from fem.model.patch import patch_weights
@@ -18,12 +19,16 @@ from fem.model.wall_model import with_wall
 from fem.plate import spectrum
 from fem.plate.discretisation import Discretisation
 from fem.plate.properties import (
+    AxleProperties,
     ContactProperties,
     PlateProperties,
     StepProperties,
     UnitProperties,
     WallProperties,
 )
+
+AXLE_POINTS = 32
+"""Points of an axle's line at which the displacement of the plate is taken."""
 
 
 def build_impact_model(
@@ -64,9 +69,9 @@ def build_impact_model(
     touching = [(*part, properties.contact) for part, properties in zip(parts, units, strict=True)]
     contact = wall_contact(touching, unit.masses, first.plate)
     densest = replace(first.plate, density=max(properties.plate.density for properties in units))
-    model = plate_model.unfinished_model(
-        unit, densest, ImpactLoopParameters, contact=contact, wall=None, hinges=hinges
-    )
+    axles = _axles([(*part, properties.axles) for part, properties in zip(parts, units, strict=True)])
+    others = {"contact": contact, "wall": None, "hinges": hinges, "axles": axles}
+    model = plate_model.unfinished_model(unit, densest, ImpactLoopParameters, **others)
     # Neither contact nor hinges bound the step, see fem.laws.unilateral and fem.laws.hinges.
     model = plate_model.with_time_step(model, spectrum.FREE, densest, step)
     return model if wall is None else with_wall(model, wall, step)
@@ -117,6 +122,35 @@ def _crush(laws: np.ndarray) -> unilateral.Crush:
         plateau if np.isfinite(plateau).any() else None,
         unloading if (unloading > 0.0).any() else None,
     )
+
+
+def _axles(parts: Sequence[tuple[Discretisation, np.ndarray, tuple[AxleProperties, ...]]]) -> Axles | None:
+    """Return the axles of all plates, None without any; parts: discretisation, nodes in the model and axles of each."""
+    lines = [
+        (every, *_axle_line(discretisation, axle.position), axle)
+        for discretisation, every, axles in parts
+        for axle in axles
+    ]
+    if not lines:
+        return None
+    first = np.cumsum([0, *(len(nodes) for _, nodes, *_ in lines)])
+    nodes = np.concatenate([every[nodes] for every, nodes, *_ in lines]).astype(np.int64)
+    weights, slopes = (np.concatenate([line[k] for line in lines]) for k in (2, 3))
+    load, friction, cornering = np.array([line[4][1:] for line in lines]).T.copy()
+    return Axles(first, nodes, weights, slopes, load, friction, cornering)
+
+
+def _axle_line(discretisation: Discretisation, position: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return nodes of the line across the plate so far behind its front, and their weights and slopes, see `Axles`."""
+    (x, y), scalar = discretisation.positions, discretisation.scalar
+    inside = 1e-9 * np.ptp(x)
+    place = np.clip(x.max() - position, x.min() + inside, x.max() - inside)
+    across = np.ptp(y) * ((np.arange(AXLE_POINTS) + 0.5) / AXLE_POINTS - 0.5)
+    points = np.array([np.full(AXLE_POINTS, place), 0.5 * (y.min() + y.max()) + across])
+    values = scalar.probes(points).toarray()
+    weights, slopes = values.mean(axis=0), across @ values / (across @ across)
+    nodes = np.flatnonzero((weights != 0.0) | (slopes != 0.0))
+    return nodes, weights[nodes], slopes[nodes]
 
 
 def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fem.laws.contact_forces import PointCrush
 
@@ -184,6 +184,15 @@ class ContactProperties:
         return PointCrush(self.side_stiffness, 0.0, self.restitution**2, math.inf, slope)
 
 
+class AxleProperties(NamedTuple):
+    """Axle of a unit: behind its front [m], load [N], coefficients of friction and cornering [-]."""
+
+    position: float
+    load: float
+    friction: float
+    cornering: float
+
+
 @dataclass(frozen=True)
 class UnitProperties:
     """A unit of a train, with the hinge to the unit ahead.
@@ -201,6 +210,8 @@ class UnitProperties:
         unit.
     hitch_length : float
         Of the middle line of both plates, over which the hinge is distributed [m]; 0 for a point.
+    axles : tuple of AxleProperties
+        Axles whose tyres resist sliding across.
     """
 
     mesh: meshio.Mesh
@@ -209,6 +220,7 @@ class UnitProperties:
     hitch: float = 0.0
     kingpin: float = 0.0
     hitch_length: float = 0.0
+    axles: tuple[AxleProperties, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fem.explicit import impact_loop
+from fem.laws import tyres
 from fem.laws.hinges import HINGE, UNIT, unloaded
 from fem.laws.wall_contact import ContactState
 from fem.model.plate_model import PlateModel
@@ -122,7 +123,8 @@ class ImpactStepper(runner.PlateStepper):
             wall = wall_contact.at_rest(self.loop.wall)
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
         sums, origin, hinges = np.zeros(3), np.zeros(1), unloaded(self.loop.hinges)
-        return impact_loop.ImpactLoopState(positions, velocities, sums, origin, contact, wall, hinges)
+        axles = tyres.at_rest(self.loop.axles)
+        return impact_loop.ImpactLoopState(positions, velocities, sums, origin, contact, wall, hinges, axles)
 
     @property
     def points(self) -> np.ndarray:
@@ -150,7 +152,13 @@ class ImpactStepper(runner.PlateStepper):
         """Return arrays for this number of rows."""
         hinges = 0 if self.loop.hinges is None else len(self.loop.hinges.inertia)
         units = len(UNIT) * (hinges + 1) + len(HINGE) * hinges if hinges else 0
-        sizes = (len(impact_loop.ImpactMeasures._fields), *4 * (self.loop.contact.mobility.size,), units)
+        road = 0 if self.loop.axles is None else len(tyres.SUMS)
+        sizes = (
+            len(impact_loop.ImpactMeasures._fields),
+            *4 * (self.loop.contact.mobility.size,),
+            units,
+            road,
+        )
         return impact_loop.Rows(*(np.empty((count, size)) for size in sizes))
 
     def parts(self, rows: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -264,10 +272,11 @@ def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
 
     Impulses become mean forces since the row before; those of the first row are zero.
     """
-    values, normal, tangential, depth, place, units = stepper.parts(rows)
+    values, normal, tangential, depth, place, units, road = stepper.parts(rows)
     interval = stride * stepper.loop.time_step
     history = {"t": interval * np.arange(len(values))}
     history |= dict(zip(impact_loop.ImpactMeasures._fields, values.T, strict=True))
+    history |= dict(zip(tyres.SUMS, road.T, strict=False))  # none without axles
     history["theta"] = np.unwrap(history["theta"])
     push, drag = (
         np.diff(impulse, axis=0, prepend=impulse[:1]) / interval for impulse in (normal, tangential)

@@ -21,10 +21,12 @@ from solver.impact.train import (
     train_of,
 )
 from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
+from solver.impact.tyres import Axle
 
 __all__ = [
     "CORNERS",
     "TOLERANCE",
+    "Axle",
     "CrushLaw",
     "HitchedVehicle",
     "ImpactMotion",

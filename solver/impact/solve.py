@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, astuple, dataclass
 from itertools import pairwise
 from types import MappingProxyType, SimpleNamespace
 from typing import Any
@@ -19,6 +19,8 @@ from solver.impact.step import SUMS, UNIT
 from solver.impact.strikes import Strike, corner_name, strikes_of_rows
 from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, Train, WallContact, train_of
 from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
+from solver.impact.tyres import SUMS as TYRE_SUMS
+from solver.impact.tyres import Axle, tyres_of
 
 MANY = 4e-3
 """Error by which the step of many impacts at once is chosen."""
@@ -29,17 +31,25 @@ MOST_STRIKES = 64
 BODY = ("length", "width", "mass", "centre_of_mass", "yaw_inertia", "hitch", "kingpin")
 """Quantities of a unit besides its crush."""
 
+AXLE = ("position", "friction", "cornering")
+"""Quantities of an axle."""
+
 RATES = {"x_g": "v_gx", "y_g": "v_gy"}
 FORCES = {f"impulse_{name}": f"force_{name}" for name in ("normal", "tangential")}
 """Columns of rows that are integrals of another, and of which; `FORCES` of one unit, for those of each have none."""
 
 
-def column_names(units: int) -> tuple[str, ...]:
-    """Columns of the rows of so many units: those of a trailer end with the unit's number, from 2 on; behind the sums
-    those of each unit's impulses with its number, of a train alone."""
+def column_names(units: int, steered: bool = False) -> tuple[str, ...]:
+    """Return the columns of the rows of so many units.
+
+    Those of a trailer end with the unit's number, from 2 on. Behind the sums are those of each unit's impulses with its
+    number, of a train alone, then with tyres those of each unit's tyres.
+    """
     states = [f"{name}_{unit}" if unit > 1 else name for unit in range(1, units + 1) for name in UNIT]
     each = [f"impulse_{name}_{unit}" for unit in range(1, units + 1) for name in ("normal", "tangential")]
-    return (*states, *SUMS, *(each if units > 1 else ()))
+    ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
+    tyres = [f"{name}{end}" for end in ends for name in TYRE_SUMS] if steered else []
+    return (*states, *SUMS, *(each if units > 1 else ()), *tyres)
 
 
 COLUMNS = column_names(1)
@@ -71,6 +81,10 @@ class ImpactMotion:
         Every step, or as many as there is room for [SI]; columns as of `column_names`.
     trailers : tuple of HitchedVehicle
         As given.
+    axles : tuple of Axle
+        As given.
+    loads : tuple of float
+        Of each axle at rest [N].
     """
 
     vehicle: ImpactVehicle
@@ -83,6 +97,8 @@ class ImpactMotion:
     interval: float
     rows: Array
     trailers: tuple[HitchedVehicle, ...] = ()
+    axles: tuple[Axle, ...] = ()
+    loads: tuple[float, ...] = ()
 
     @property
     def vehicles(self) -> tuple[ImpactVehicle, ...]:
@@ -109,6 +125,8 @@ class ImpactMotion:
             forces on the crush, stored and lost together [J]; `friction_work`, on the vehicle, 0 or less [J]. Of a
             train the motion is that of the first vehicle, with "_2" at the end of the name that of the next and so on;
             `impulse_normal_1`, `impulse_tangential_1` are the wall's on the first alone; the others are of the train.
+            With axles `tyre_work` [J], `tyre_impulse_normal`, `tyre_impulse_tangential` [N s] and
+            `tyre_impulse_angular` [N m s] of the tyres on each unit, likewise.
 
         Raises
         ------
@@ -120,7 +138,7 @@ class ImpactMotion:
         k = np.minimum((t / self.interval).astype(np.int64), len(self.rows) - 2)
         s, before, after = (t / self.interval - k)[..., None], self.rows[k], self.rows[k + 1]
         value = before + s * (after - before)
-        names = column_names(len(self.vehicles))
+        names = column_names(len(self.vehicles), bool(self.axles))
         for name, rate in _rates(len(self.vehicles)):  # by the cubic with both rates
             i, j = names.index(name), names.index(rate)
             one, two, u = before[..., j], after[..., j], s[..., 0]
@@ -150,7 +168,10 @@ class ImpactMotion:
         at, gained = self.at(np.minimum(times, self.t_end)), []
         for unit, each in enumerate(self.trailers, 2):
             momenta = (each.vehicle.mass * getattr(at, f"v_g{axis}_{unit}") for axis in "xy")
-            pushes = (getattr(at, f"impulse_{force}_{unit}") for force in ("tangential", "normal"))
+            pushes = [getattr(at, f"impulse_{force}_{unit}") for force in ("tangential", "normal")]
+            if self.axles:
+                steering = (getattr(at, f"tyre_impulse_{force}_{unit}") for force in ("tangential", "normal"))
+                pushes = [wall + road for wall, road in zip(pushes, steering, strict=True)]
             gained.append([np.diff(wall - own) for own, wall in zip(momenta, pushes, strict=True)])
         found = np.reshape(gained, (-1, 2, times.size - 1)) / np.diff(times)
         return np.cumsum(found[::-1], axis=0)[::-1]
@@ -191,6 +212,7 @@ def solve_impact(
     tolerance: float = TOLERANCE,
     on_compile: OnCompile = ignore_compiling,
     trailers: Sequence[HitchedVehicle] = (),
+    axles: Sequence[Axle] = (),
 ) -> ImpactMotion:
     """The whole impact of a rigid vehicle, or of a train, any number of strikes.
 
@@ -218,6 +240,8 @@ def solve_impact(
         Called when code is compiled, see `machine_code.compiled.compile_once`.
     trailers : sequence of HitchedVehicle
         Behind the vehicle, in a line with it at the start.
+    axles : sequence of Axle
+        Axles whose tyres resist sliding across their unit.
 
     Returns
     -------
@@ -240,8 +264,10 @@ def solve_impact(
         for corner, value in enumerate(vehicles.corner_depths(places, own[1], own[2])):
             met, name = value <= 1e-9 * vehicle.length, corner_name(index, corner)
             Gate().demand(rules.INSIDE, met, value, name=name, depth=value)
+    bodies = np.array([[unit.front_distance, unit.length] for unit in units]).T[..., None]
+    tyres = tyres_of(train, [asdict(axle) for axle in axles], *bodies)
     found = solve_trains(
-        train, start[None], step=step, end=end, interval=0.0, after_second=after_second,
+        train, start[None], tyres=tyres, step=step, end=end, interval=0.0, after_second=after_second,
         longest=longest, tolerance=tolerance, strikes=MOST_STRIKES, on_compile=on_compile,
     )  # fmt: skip
     reached, last = float(found.end[0]), ImpactState(*found.state[0, 0].tolist())
@@ -252,7 +278,8 @@ def solve_impact(
     rows = found.rows[0, : max(written, 2)]
     return ImpactMotion(
         vehicle, contact, strikes, reached, last, float(found.step[0]), float(found.error[0]),
-        float(found.interval[0]), rows, tuple(trailers),
+        float(found.interval[0]), rows, tuple(trailers), tuple(axles),
+        () if tyres is None else tuple(tyres.load[:, 0].tolist()),
     )  # fmt: skip
 
 
@@ -313,7 +340,8 @@ def solve_impacts(
     step: float | None = None,
     tolerance: float = MANY,
     strikes: int | None = None,
-    trailers: Sequence[Mapping[str, Number]] = (),
+    trailers: Sequence[Mapping[str, Any]] = (),
+    axles: Sequence[Mapping[str, Number]] = (),
 ) -> Impacts:
     """Whole impacts of rigid vehicles, or trains, whose corners alone touch; arguments broadcast.
 
@@ -358,6 +386,8 @@ def solve_impacts(
     trailers : sequence of dict
         Of each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `HitchedVehicle`, and
         where it has its own `centre_of_mass`, `yaw_inertia`, keys of `train.LAW` and `rear`.
+    axles : sequence of dict
+        Of each axle the fields of `Axle`, floats or ndarrays; the unit a number.
 
     Returns
     -------
@@ -376,33 +406,38 @@ def solve_impacts(
     shared: dict[str, Any] = {"friction": friction, "speed": speed, "angle": angle}
     laws = vehicles.unit_laws([first | law, *trailers])
     bodies = ({key: unit.get(key) for key in BODY} for unit in (first, *trailers))
+    roads = [{key: axle[key] for key in AXLE} for axle in axles]
     tables: list[dict[str, Any]] = [
         {key: number(key, value) for key, value in table.items() if value is not None}
-        for table in (shared, *bodies, *(law for both in laws for law in both))
+        for table in (shared, *bodies, *(law for both in laws for law in both), *roads)
     ]
     shape = np.broadcast_shapes(*(np.shape(value) for table in tables for value in table.values()))
     its, *flat = (
         {key: np.broadcast_to(each, shape).ravel() for key, each in table.items()} for table in tables
     )
-    units, crush = flat[: len(laws)], flat[len(laws) :]
+    units, crush, tyres = flat[: len(laws)], flat[len(laws) : 3 * len(laws)], flat[3 * len(laws) :]
     for index, unit in enumerate(units):
-        own = f"trailer.{index - 1}." if index else ""
-        with _naming(own):
+        table = f"trailer.{index - 1}." if index else ""
+        with _naming(table):
             _complete(unit)
             vehicles.demand_law(*(crush[2 * index][key] for key in vehicles.LAW))
-        with _naming(f"{own or 'contact.'}rear."):
+        with _naming(f"{table or 'contact.'}rear."):
             vehicles.demand_law(*(crush[2 * index + 1][key] for key in vehicles.LAW))
     gate, theta = Gate(), its["angle"]
     gate.positive(rules.SPEED, its["speed"])
     gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
     gate.not_negative(rules.FRICTION, its["friction"])
+    train, state = _trains(units, crush, its)
+    own = (np.array([unit[key] for unit in units]) for key in ("centre_of_mass", "length"))
+    numbered = [{**road, "unit": axle.get("unit", 0)} for road, axle in zip(tyres, axles, strict=True)]
     found = solve_trains(
-        *_trains(units, crush, its), step=step, interval=interval, impulse_alone=True, after_second=after_second,
-        longest=longest, tolerance=tolerance, strikes=strikes or (16 * len(units) if trailers else 2),
+        train, state, tyres=tyres_of(train, numbered, *own), step=step, interval=interval, impulse_alone=True,
+        after_second=after_second, longest=longest, tolerance=tolerance,
+        strikes=strikes or (16 * len(units) if trailers else 2),
     )  # fmt: skip
     room = found.strikes.shape[1]
-    table = np.moveaxis(found.strikes, -1, 0)[:5]
-    corner, start, end, peak, impulse = (value.T.reshape(room, *shape) for value in table)
+    columns = np.moveaxis(found.strikes, -1, 0)[:5]
+    corner, start, end, peak, impulse = (value.T.reshape(room, *shape) for value in columns)
     corners = np.nan_to_num(corner, nan=-1.0).astype(np.int64)
     force = _mean_forces(found, interval).reshape(-1, *shape)
     return Impacts(corners, start, end, peak, impulse, force, found.error.reshape(shape))

@@ -26,6 +26,7 @@ from fem.laws.contact_forces import (
     loading_force,
 )
 from machine_code.compiled import compiled
+from solver.impact.tyres import end_tyre_step, has_tyres, record_tyres, start_tyres, steer
 
 SWEEPS = 200
 SETTLED = 1e-13
@@ -69,7 +70,7 @@ follow for each the wall's impulses on it, normal and tangential [N s]."""
 
 
 def columns(units):
-    """Number of columns of a row."""
+    """Return the number of columns of a row without those of tyres, which are last."""
     return 6 * units + len(SUMS) + (2 * units if units > 1 else 0)
 
 
@@ -133,12 +134,12 @@ def over_from(start, end):
 
 
 @compiled
-def advance(train, states, clock, work, rows, strikes):
+def advance(train, tyres, states, clock, work, rows, strikes):
     """Follow every sample to its end: its state there into `states`, shape (n, units, 6), rows, shape (n, rows,
     columns) or of the normal impulse alone, and strikes, shape (n, strikes, columns), as many as there is room for."""
     for i in range(train.mass.shape[1]):
         _begin(train, i, states[i], work)
-        clock.reached[i], clock.counted[i] = _follow(states[i], clock, i, work, rows[i], strikes[i])
+        clock.reached[i], clock.counted[i] = _follow(states[i], clock, tyres, i, work, rows[i], strikes[i])
 
 
 @compiled
@@ -165,13 +166,14 @@ def _begin(train, i, state, work):
 
 
 @compiled
-def _follow(state, clock, i, work, rows, strikes):
+def _follow(state, clock, tyres, i, work, rows, strikes):
     """Follow sample i; returns its end [s], NaN if the steps did not do, and its number of strikes."""
     points, motion, active, sums = work.points, work.motion, work.active, work.sums
     whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
     finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
     part, taken, h = 0, parts, whole
     motion[2] -= 0.5 * h * work.load
+    start_tyres(tyres, i, work.masses, work.load, motion, h)
     for k in range(clock.most):
         t, last = part * (whole / parts), h
         _place(points, work.whose, motion, work.headings, last, k == 0)
@@ -181,6 +183,7 @@ def _follow(state, clock, i, work, rows, strikes):
             _look_back(points, last, h)
         kick = 0.5 * (last + h)
         motion[2] += kick * work.load
+        steer(tyres, i, work.masses, motion, last, kick)
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.headings, work.ties, h)
         touching = _press(points, work.whose, motion, work.masses, work.ties, work.effect, active, kick, h)
@@ -192,7 +195,16 @@ def _follow(state, clock, i, work, rows, strikes):
             )
         if np.isnan(reached) and not end < np.inf:
             open_end = _open_end(
-                t, k, number, touching, motion, work.reach, work.groups, strikes, clock.after
+                t,
+                k,
+                number,
+                touching,
+                motion,
+                work.reach,
+                work.groups,
+                strikes,
+                clock.after,
+                has_tyres(tyres),
             )
             finish = min(max(open_end, _all_over(work.groups, k)), clock.longest)
         if np.isnan(reached) and finish < t + h:
@@ -203,6 +215,7 @@ def _follow(state, clock, i, work, rows, strikes):
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
             if rows.shape[1] > 1:
                 _record(points, work.whose, motion, pressed, sums, early, kick, rows[row])
+                record_tyres(tyres, i, motion, early * kick, rows[row])
             else:
                 rows[row, 0] = sums[0]
                 for p in pressed:
@@ -211,6 +224,7 @@ def _follow(state, clock, i, work, rows, strikes):
         if t >= finish and ((row - 1) * stride * parts == part or row == rows.shape[0]):
             break
         _add(points, work.whose, motion, pressed, kick, sums)
+        end_tyre_step(tyres, i, motion, kick)
         _move(points, motion, pressed, h)
         part += taken
     return reached, number
@@ -494,8 +508,11 @@ def _mean_speeds(point, motion, j):
 
 
 @compiled
-def _open_end(t, k, number, touching, motion, reach, groups, strikes, after):
-    """End of the motion [s], as far as it can be said now; infinite while nothing can."""
+def _open_end(t, k, number, touching, motion, reach, groups, strikes, after, steered):
+    """Return the end of the motion [s], as far as it can be said now; infinite while nothing can.
+
+    steered: with tyres a vehicle that heads for the wall will come back to it.
+    """
     last = groups[4 * reach.size - 3]  # of a train the rear of its last unit
     if reach.size > 1 and number >= 2 and last[SLOT] >= 0.0:
         return np.inf if last[STAMP] == k else last[LAST] + after
@@ -508,7 +525,7 @@ def _open_end(t, k, number, touching, motion, reach, groups, strikes, after):
     end = max(after, t)
     for u in range(reach.size):
         v = motion[2, 3 * u + 1]
-        if touching > 0 or v <= 0.0:
+        if touching > 0 or v <= 0.0 or (steered and motion[0, 3 * u + 2] > 0.0):
             return np.inf
         end = max(end, t + max(reach[u] - motion[0, 3 * u + 1], 0.0) / v)
     return end
@@ -568,7 +585,7 @@ def _record(points, whose, motion, active, sums, early, h, row):
         row[base + 1] += points[p, TANGENTIAL]
     for j in range(sums.size):
         row[base + 4 + j] = sums[j]
-    _add(points, whose, motion, active, early * h, row[base + 4 :])
+    _add(points, whose, motion, active, early * h, row[base + 4 : base + 4 + sums.size])
     for p in range(points.shape[0]):
         deepest = _deepest(points[p])
         if deepest > 0.0:

@@ -14,6 +14,7 @@ from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver.conditions import Array, RigidBodyError
 from solver.impact.step import SHORTEST, STRIKE, advance, columns, workspace
 from solver.impact.train import Train
+from solver.impact.tyres import Tyres, chosen_tyres
 
 TOLERANCE = 1e-5
 """Error of peaks, impulses and spin of one impact by which the step is chosen."""
@@ -75,7 +76,8 @@ class Trajectories(NamedTuple):
     strikes : ndarray, shape (n, strikes, columns)
         In the order of their starts, columns as of `step.STRIKE`; NaN where there is none.
     rows : ndarray, shape (n, rows, columns)
-        Columns as of `step.UNIT` of each unit and `step.SUMS`, or the impulse alone; undefined behind the end.
+        Columns as of `step.UNIT` of each unit and `step.SUMS`, with tyres as of `tyres.SUMS` of each unit, or the
+        impulse alone; undefined behind the end.
     interval : ndarray, shape (n,)
         Between rows [s].
     step : ndarray, shape (n,)
@@ -98,6 +100,7 @@ def solve_trains(
     train: Train,
     state: Array,
     *,
+    tyres: Tyres | None = None,
     step: float | None = None,
     end: float | None = None,
     interval: float | None = None,
@@ -116,6 +119,8 @@ def solve_trains(
         n samples.
     state : ndarray, shape (n, units, 6)
         At the start, in the order of `step.UNIT` [m, rad, m/s, rad/s]; hinges closed.
+    tyres : Tyres or None
+        Of its axles; None for none.
     step : float or None
         [s]; None: chosen by the tolerance.
     end : float or None
@@ -167,14 +172,16 @@ def solve_trains(
         if interval is not None:
             stride[:] = np.maximum(np.rint(interval / h), np.ceil(latest / h / MOST_ROWS))
             count = math.ceil(min(float((latest / h / stride).max()), most)) + 2
-        rows = np.empty((n, count, 1 if impulse_alone else columns(out.shape[1])))
+        road = chosen_tyres(tyres, chosen)
+        wide = columns(out.shape[1]) + (0 if road is None else road.sums.size)
+        rows = np.empty((n, count, 1 if impulse_alone else wide))
         found, ends = np.full((n, room, len(STRIKE)), np.nan), np.full(n, math.inf if end is None else end)
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
         clock = Timing(
             h, parts[chosen], stride, PHASE_OF_PARTS * math.sqrt(tolerance), h / asked[chosen], rate[chosen], ends,
             after_second, latest, most, reached, counted,
         )  # fmt: skip
-        given = few, out, clock, workspace(out.shape[1], len(few.hitch), few.unit.size), rows, found
+        given = few, road, out, clock, workspace(out.shape[1], len(few.hitch), few.unit.size), rows, found
         compile_once(lambda: advance(*given), advance, *given, on_compile=on_compile)
         if counted.max() > room > 2:
             return run(chosen, h, interval, int(counted.max()))

@@ -37,6 +37,7 @@ AngularVelocity = Annotated[
     float, Quantity("an angular velocity that closes the angle", "rad/s", "0.707", least=1e-9, most=1e6)
 ]
 Friction = Annotated[float, Quantity("a coefficient of friction", "", "0.47", least=0.0, most=1e3)]
+Cornering = Annotated[float, Quantity("a cornering coefficient", "", "6.0", least=0.0, most=1e3)]
 Restitution = Annotated[float, Quantity("a coefficient of restitution", "", "0.22", least=0.0, most=1.0)]
 Duration = Annotated[float, Quantity("a duration", "s", '"0.1 s"', least=1e-9, most=1e6)]
 EndOfImpact = Annotated[float, Quantity("a time", "s", '"1 s"', least=0.05, most=100.0)]
@@ -309,6 +310,22 @@ class Contact(SceneTable):
         return self.stiffness is not None or self.strike_duration is not None
 
 
+class Axle(SceneTable):
+    """Axle of the vehicle, whose tyres resist sliding across it; whole impacts only.
+
+    Loads of the axles are those of the vehicle at rest.
+    """
+
+    position: Hitch = needed("distance of the axle behind the front of its unit")
+    friction: Friction = key("coefficient of friction of the tyres on the road; 0 for no side force", 0.0)
+    cornering: Cornering = key(
+        "cornering coefficient: side force over load and slip angle at small slip", 6.0
+    )
+    unit: Annotated[int, Field(ge=1, le=8, strict=True)] = key(
+        "number of the unit of a train that has the axle; 1 for the vehicle", 1
+    )
+
+
 class Tipping(SceneTable):
     """Roll of the vehicle over the wall in a whole impact.
 
@@ -470,6 +487,7 @@ class Scene(SceneTable):
     start: StartTable | None = None
     corner: CornerTable = CornerTable()
     contact: Contact | None = None
+    axle: tuple[Axle, ...] = ()
     tipping: Tipping | None = None
     strike: StrikeTable = StrikeTable()
     plate: Plate | None = None
@@ -555,7 +573,7 @@ def _tables(table: type[SceneTable], prefix: str = "") -> dict[str, type[SceneTa
 TABLES = _tables(Scene)
 """Tables of a scene by dotted name; of a list of tables, its element."""
 
-LISTED = ("trailer",)
+LISTED = ("trailer", "axle")
 """Names of lists of tables, [[NAME]]."""
 
 

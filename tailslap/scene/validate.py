@@ -171,6 +171,8 @@ def _check_corner(scene: schema.Scene) -> None:
     _refuse(scene, "this key requires [contact]; remove it", *IMPACT_KEYS)
     if scene.tipping:
         raise InputError("tipping", Verbatim("a table"), "this table requires [contact]; remove it")
+    if scene.axle:
+        raise InputError("axle", f"{len(scene.axle)} tables", "tyres require [contact]; remove these tables")
     if scene.trailer:
         why = (
             "a constrained corner is that of one rigid body; a train requires [contact] in place of [corner]"
@@ -249,6 +251,7 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
         _refuse(scene, allowed, key)
     _check_contact(scene, contact)
     _check_trailers(scene)
+    _check_axles(scene)
     _check_tipping(scene)
     _check_plate_of_impact(scene, contact)
 
@@ -353,6 +356,17 @@ def _check_trailers(scene: schema.Scene) -> None:
     if scene.trailer and scene.damping and scene.damping.kind == "elastic-velocity":
         allowed = "it would damp the hinges; of a train allowed are damping.ratio and damping.bulk_viscosity"
         raise InputError("damping.kind", scene.damping.kind, allowed)
+
+
+def _check_axles(scene: schema.Scene) -> None:
+    """Raise InputError for an axle outside its unit, or of none."""
+    for number, axle in enumerate(scene.axle):
+        if axle.unit > len(scene.units):
+            raise InputError(f"axle.{number}.unit", axle.unit, f"allowed are 1 to {len(scene.units)}")
+        length = scene.units[axle.unit - 1].length
+        if axle.position > length:
+            allowed = f"allowed is from 0 to the length of the unit, {length:g} m"
+            raise InputError(f"axle.{number}.position", axle.position, allowed)
 
 
 def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:

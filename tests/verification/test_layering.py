@@ -17,7 +17,8 @@ def graph():
     return {name: set(structure.imports(path, set(paths))) for name, path in paths.items()}
 
 
-COMPILED = {f"solver.{name}" for name in ("impact.step", "impact.trajectories", "impact.solve", "tipping")}
+STEPS = ("step", "trajectories", "solve", "tyres")
+COMPILED = {"solver.tipping", *(f"solver.impact.{name}" for name in STEPS)}
 """Modules of compiled steps."""
 
 

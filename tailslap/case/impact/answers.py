@@ -23,6 +23,9 @@ WEIGHT = 0.05
 STRIKE = ("corner", "start", "end", "duration", "peak_force", "impulse")
 """First quantities of a strike in a summary; more follow."""
 
+TYRES = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
+"""Columns of the tyres of all units, of scenes with axles."""
+
 Columns = Mapping[str, np.ndarray]
 
 
@@ -133,6 +136,7 @@ class ImpactAnswer:
             "end": self.end,
             "second_strike": self.second_strike,
             **({"hinges": self.hinges} if self.units > 1 else {}),
+            **({"tyre_work": float(self.history["tyre_work"][-1])} if "tyre_work" in self.history else {}),
         }
 
 
@@ -209,6 +213,9 @@ def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:
     history = {name: getattr(at, name) for name in (*MOTION, "kinetic_energy", "friction_work")}
     for force, impulse in (("normal", at.impulse_normal), ("tangential", at.impulse_tangential)):
         history[f"force_{force}"] = np.nan_to_num(np.diff(impulse, prepend=0.0) / step)
+    if motion.axles:
+        ends = ("", *(f"_{unit}" for unit in units[1:]))
+        history |= {name: sum(getattr(at, f"{name}{end}") for end in ends) for name in TYRES}
     history |= {"contact_energy": at.crush_energy_stored, "crush_energy": at.crush_energy_lost}
     if motion.trailers:
         trailers = ({name: getattr(at, f"{name}_{unit}") for name in MOTION} for unit in units[1:])

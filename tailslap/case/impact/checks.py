@@ -24,7 +24,8 @@ LOSS = 2e-2
 
 def energy_error(outcome: run.ImpactOutcome) -> np.ndarray:
     """Energy [J] that the balance has too much at each instant, shape (rows,)."""
-    return check.energy_surplus(outcome.run.history, STORED)
+    history = outcome.run.history
+    return check.energy_surplus(history, STORED) - history.get("tyre_work", 0.0)
 
 
 def _initial_energy(outcome: run.ImpactOutcome) -> float:
@@ -59,17 +60,20 @@ def _is_exact(outcome: run.ImpactOutcome) -> bool:
 def _momentum(outcome: run.ImpactOutcome) -> check.Evaluation:
     h, plan, mass = outcome.run.history, outcome.fe_plan.case, outcome.fe_plan.model.mass
     scale = mass * math.hypot(plan.touch.v_gx, plan.touch.v_gy)
-    across = np.abs(mass * (h["v_gy"] - plan.touch.v_gy) - h["normal_impulse"]).max()
-    along = np.abs(mass * (h["v_gx"] - plan.touch.v_gx) - h["tangential_impulse"]).max()
-    meaning = "momentum minus integral of the wall's force, in both directions"
-    return check.Evaluation(max(across, along) / scale, 1e-9, meaning)
+    across = mass * (h["v_gy"] - plan.touch.v_gy) - h["normal_impulse"] - h.get("tyre_impulse_normal", 0.0)
+    along = (
+        mass * (h["v_gx"] - plan.touch.v_gx) - h["tangential_impulse"] - h.get("tyre_impulse_tangential", 0.0)
+    )
+    worst = max(np.abs(across).max(), np.abs(along).max())
+    meaning = "momentum minus integral of the forces of wall and tyres, in both directions"
+    return check.Evaluation(worst / scale, 1e-9, meaning)
 
 
 def _angular(outcome: run.ImpactOutcome) -> check.Evaluation:
     h = outcome.run.history
-    turned = h["angular_momentum"] - h["moment_impulse"]
+    turned = h["angular_momentum"] - h["moment_impulse"] - h.get("tyre_impulse_angular", 0.0)
     worst = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
-    return check.Evaluation(worst, 1e-9, "angular momentum minus integrated moment of the wall's force")
+    return check.Evaluation(worst, 1e-9, "angular momentum minus integrated moment of wall and tyres")
 
 
 def _pull(outcome: run.ImpactOutcome) -> check.Evaluation:

@@ -20,6 +20,7 @@ PARTS = {
     "crush_energy": "crush, lost",
     "friction_work": "friction",
     "damping_work": "damping",
+    "tyre_work": "tyres",
     "contact_energy": "crush, stored",
     "strain_energy": "strain",
     "hourglass_energy": "hourglass control",
@@ -117,7 +118,7 @@ def train_figures(outcome: ImpactOutcome) -> list[Chart]:
 def energy_figure(outcome: ImpactOutcome) -> Chart:
     """Draw what becomes of the kinetic energy."""
     h = outcome.run.history
-    parts = {label: (-h[key] if key.endswith("work") else h[key]) for key, label in PARTS.items()}
+    parts = {label: (-h[key] if key.endswith("work") else h[key]) for key, label in PARTS.items() if key in h}
     return impact.draw_energies(h["t"], h["kinetic_energy"], parts, marks(outcome.fe))
 
 

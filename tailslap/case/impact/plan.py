@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 from fem.laws.contact_forces import PointCrush
 from fem.laws.friction import Drag
 from fem.plate import kinds
-from fem.plate.properties import ContactProperties, Inertia, ModelError, UnitProperties, WallProperties
+from fem.plate.properties import (
+    AxleProperties,
+    ContactProperties,
+    Inertia,
+    ModelError,
+    UnitProperties,
+    WallProperties,
+)
 from meshes import wall_mesh
 from solver.impact import CrushLaw
 from tailslap.case import plate_input
@@ -153,11 +160,16 @@ def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
     properties = plate_input.plate_properties(scene, plate, inertia, number)
     mesh, contact = plate_input.fe_mesh(scene, plate, number), contact_properties(case, number)
     contact = replace(contact, patch_length=chosen.get("contact.patch_length", contact.patch_length))
+    axles = tuple(
+        AxleProperties(axle.position, load, axle.friction, axle.cornering)
+        for axle, load in zip(case.axles, case.motion.loads, strict=True)
+        if axle.unit == number
+    )
     if number == 0:
-        return UnitProperties(mesh, properties, contact)
+        return UnitProperties(mesh, properties, contact, axles=axles)
     own = scene.trailer[number - 1]
     spread = own.hitch_length or chosen.get(f"trailer.{number - 1}.hitch_length", 0.0)
-    return UnitProperties(mesh, properties, contact, own.hitch, own.kingpin, spread)
+    return UnitProperties(mesh, properties, contact, own.hitch, own.kingpin, spread, axles)
 
 
 def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:

@@ -35,6 +35,7 @@ LONGEST = 5.0
 
 OF_A_WHOLE_IMPACT = (
     "contact",
+    "axle",
     "plate",
     "material",
     "damping",
@@ -65,6 +66,9 @@ TRAIN_TOLERANCE = 1e-4
 
 OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "stiffness", "hitch", "kingpin", "mass", "length", "width")
 """Keys of a trailer that it depends on; what the first three are is known where the scene leaves them out."""
+
+OF_AN_AXLE = ("position", "friction", "cornering")
+"""Keys of an axle that it depends on."""
 
 INTERVAL = 5e-4
 """Time between rows of the forces of many impacts [s]: peaks of a 50 ms mean are within 1e-4."""
@@ -130,6 +134,14 @@ class RigidImpact(Case):
         with refusals(self.scene):
             return wall_contact(self.scene)
 
+    @property
+    def axles(self) -> tuple[impact.Axle, ...]:
+        """Axles whose tyres have friction."""
+        axles = (axle for axle in self.scene.axle if axle.friction)
+        return tuple(
+            impact.Axle(axle.position, axle.friction, axle.cornering, axle.unit - 1) for axle in axles
+        )
+
     @cached_property
     def touch(self) -> impact.ImpactState:
         """State at first touch."""
@@ -153,7 +165,7 @@ class RigidImpact(Case):
         with refusals(self.scene):
             given = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
             tolerance = TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE
-            others: dict[str, Any] = {"tolerance": tolerance, "trailers": self.trailers}
+            others: dict[str, Any] = {"tolerance": tolerance, "trailers": self.trailers, "axles": self.axles}
             return impact.solve_impact(*given, on_compile=progress.compiling, **others)
 
     @property
@@ -189,7 +201,9 @@ class RigidImpact(Case):
         found |= dict.fromkeys(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
         tables = ("contact", *(f"trailer.{number}" for number in numbers))
         keys = (f"{table}{part}.{key}" for table in tables for part in ("", ".rear") for key in train.LAW)
-        return tuple(found | dict.fromkeys(key for key in keys if value_at(self.scene, key) is not None))
+        found |= dict.fromkeys(key for key in keys if value_at(self.scene, key) is not None)
+        axles = (f"axle.{number}.{key}" for number in range(len(self.scene.axle)) for key in OF_AN_AXLE)
+        return (*found, *axles)
 
     @property
     def inputs(self) -> dict[str, float]:
@@ -214,8 +228,12 @@ class RigidImpact(Case):
             own = _at_table(values, (f"trailer.{number}",))
             own["yaw_inertia"] = own["yaw_inertia"] * np.asarray(own["mass"]) / each.vehicle.mass
             trailers.append(own)
+        axles = [
+            {**_at_table(values, (f"axle.{number}",)), "unit": axle.unit - 1}
+            for number, axle in enumerate(self.scene.axle)
+        ]
         with refusals(self.scene):
-            return impact.solve_impacts(**given, trailers=trailers, longest=LONGEST, **until)
+            return impact.solve_impacts(**given, trailers=trailers, axles=axles, longest=LONGEST, **until)
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Both strikes of each of n impacts, by the corners alone.
@@ -279,6 +297,8 @@ class RigidImpact(Case):
             given.append(f"unloading stiffness {self.quantity('contact.unloading_stiffness')}")
         if contact.rear is not None:
             given.append("rear corners of their own")
+        if self.axles:
+            given.append(f"tyres of {len(self.axles)} axles")
         return [*given, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
 
     @cached_property
@@ -360,6 +380,13 @@ class RigidImpact(Case):
         lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
         lines += ["", "At the end, of the first unit" if self.trailers else "At the end"]
         lines += [value_line(label, answer.end[name], unit, units) for name, (label, unit) in ENDS.items()]
+        if "tyre_work" in answer.history:
+            lines += ["", "Tyres"]
+            lines += [
+                value_line(f"load of axle {number}", load, "N", units)
+                for number, load in enumerate(self.motion.loads, 1)
+            ]
+            lines.append(value_line("work", float(answer.history["tyre_work"][-1]), "J", units))
         if self.tipping:
             lines += ["", *self.tipping.text(units)]
         if remarks := answers.remarks(answer):

@@ -1,0 +1,130 @@
+"""Side forces of tyres on plates, at points of each axle's line across the plate; compiled.
+
+The line moves with the plate: its middle gives the velocity of the axle, its slope the direction of the force. Forces
+are taken at the velocities of the instant by the plate's own forces, and act at the nodes that the velocity is read at.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fem.laws.contact_forces import side_force
+from machine_code.compiled import compiled, implements, optional
+
+SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
+"""Work of the tyres on the plates [J], their impulses along and across the wall [N s], and that of their moment about
+the wall's frame [N m s], since the start."""
+
+
+class Axles(NamedTuple):
+    """Axles of all plates.
+
+    first, shape (axles + 1,): where the nodes of each begin in `nodes`, `weights` and `slopes`; weights [-]: of the
+    middle of the line; slopes [1/m]: of its derivative across the plate; load [N], friction and cornering [-], shape
+    (axles,).
+    """
+
+    first: np.ndarray
+    nodes: np.ndarray
+    weights: np.ndarray
+    slopes: np.ndarray
+    load: np.ndarray
+    friction: np.ndarray
+    cornering: np.ndarray
+
+
+class AxleState(NamedTuple):
+    """State of the axles: sums, shape (4,), as of `SUMS`; force [N], shape (2, axles), along and across the wall in the
+    last step: workspace."""
+
+    sums: np.ndarray
+    force: np.ndarray
+
+
+def at_rest(axles: Any) -> AxleState | None:
+    """Return the state of axles before any motion; None without axles."""
+    return None if axles is None else AxleState(np.zeros(4), np.zeros((2, axles.load.size)))
+
+
+@optional(merged=True)
+def steer(axles, axle_state, positions, velocities, mass, time_step, force):
+    """Add the side forces to `force`, which must hold the plates' own, and note them in the state."""
+
+
+@optional(merged=True)
+def add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums):
+    """Add impulses and works of the side forces over `span` to sums of shape (4,), `force` being complete."""
+
+
+@optional(merged=True)
+def end_tyre_step(axles, axle_state, state, mass, time_step, force):
+    """Add impulses and works of a step to the state."""
+
+
+@optional(merged=True)
+def record_tyres(axles, axle_state, state, mass, time_step, force, row):
+    """Fill the row of an instant with the columns `SUMS`."""
+
+
+@compiled
+def _axle_mean(values, axles, a, weights):
+    """Return the weighted sum of nodal values at the nodes of an axle."""
+    total = 0.0
+    for k in range(axles.first[a], axles.first[a + 1]):
+        total += weights[k] * values[axles.nodes[k]]
+    return total
+
+
+@compiled
+def _axle_pull(force, mass, axles, a):
+    """Return the acceleration of the middle of an axle by nodal forces [m/s^2]."""
+    total = 0.0
+    for k in range(axles.first[a], axles.first[a + 1]):
+        total += axles.weights[k] * force[axles.nodes[k]] / mass[axles.nodes[k]]
+    return total
+
+
+@implements(steer, Axles)
+def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
+    half = 0.5 * time_step
+    for a in range(axles.load.size):
+        left_x = _axle_mean(positions[0], axles, a, axles.slopes)
+        left_y = _axle_mean(positions[1], axles, a, axles.slopes)
+        length = math.hypot(left_x, left_y)
+        left_x, left_y = left_x / length, left_y / length
+        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * _axle_pull(force[0], mass, axles, a)
+        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * _axle_pull(force[1], mass, axles, a)
+        ahead, across = u * left_y - v * left_x, u * left_x + v * left_y
+        side = side_force(axles.load[a], axles.friction[a], axles.cornering[a], ahead, across)
+        axle_state.force[0, a], axle_state.force[1, a] = side * left_x, side * left_y
+    for a in range(axles.load.size):
+        for k in range(axles.first[a], axles.first[a + 1]):
+            force[0, axles.nodes[k]] += axles.weights[k] * axle_state.force[0, a]
+            force[1, axles.nodes[k]] += axles.weights[k] * axle_state.force[1, a]
+
+
+@implements(add_tyre_work, Axles)
+def _add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums):
+    half, positions, velocities = 0.5 * time_step, state.positions, state.velocities
+    for a in range(axles.load.size):
+        along, across = axle_state.force[0, a], axle_state.force[1, a]
+        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * _axle_pull(force[0], mass, axles, a)
+        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * _axle_pull(force[1], mass, axles, a)
+        x = _axle_mean(positions[0], axles, a, axles.weights) + state.origin[0]
+        y = _axle_mean(positions[1], axles, a, axles.weights)
+        sums[0] += span * (along * u + across * v)
+        sums[1] += span * along
+        sums[2] += span * across
+        sums[3] += span * (x * across - y * along)
+
+
+@implements(end_tyre_step, Axles)
+def _end_tyre_step(axles, axle_state, state, mass, time_step, force):
+    add_tyre_work(axles, axle_state, state, mass, time_step, force, time_step, axle_state.sums)
+
+
+@implements(record_tyres, Axles)
+def _record_tyres(axles, axle_state, state, mass, time_step, force, row):
+    row[:] = axle_state.sums
+    add_tyre_work(axles, axle_state, state, mass, time_step, force, 0.5 * time_step, row)

@@ -1,0 +1,238 @@
+"""Tyres of the axles of a rigid train: loads in equilibrium, and the compiled side forces.
+
+Loads are those at rest. Axles of a vehicle stand on springs of one stiffness; those of a trailer carry the same load
+each, and its kingpin loads the unit ahead at the hitch. Side forces are taken at the velocities of the instant, which
+are extrapolated from the step before: the scheme stays of second order.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.laws.contact_forces import side_force
+from machine_code.compiled import compiled, implements, optional
+from solver import rules
+from solver.conditions import Array, Gate
+from solver.impact.train import Train
+from solver.tipping import GRAVITY
+
+CORNERING = 6.0
+"""C where it is not given; assumed, for a dual-tyred truck axle."""
+
+SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
+"""Columns of each unit: work of its tyres on it [J], their impulses along and across the wall [N s], and that of their
+moment about the origin [N m s]."""
+
+
+class Tyres(NamedTuple):
+    """Axles of n trains and workspace.
+
+    unit, shape (axles,): of each axle; along, load, friction, cornering, shape (axles, n): from the unit's centre of
+    mass along its heading [m], N [N], mu and C [-]. Workspace of one sample: force, shape (axles,), side force to the
+    left [N]; rate, shape (3 units,), mean accelerations of the step before; sums, shape (units, 4), as of `SUMS`.
+    """
+
+    unit: np.ndarray
+    along: np.ndarray
+    load: np.ndarray
+    friction: np.ndarray
+    cornering: np.ndarray
+    force: np.ndarray
+    rate: np.ndarray
+    sums: np.ndarray
+
+
+@dataclass(frozen=True)
+class Axle:
+    """Axle of a vehicle, whose tyres resist sliding across its heading.
+
+    Parameters
+    ----------
+    position : float
+        Behind the front of its unit [m].
+    friction : float
+        mu of the tyres across, on the road [-]; 0: no side force.
+    cornering : float
+        C, side force over load and slip angle at small slip [-].
+    unit : int
+        Of a train, from 0.
+    """
+
+    position: float
+    friction: float = 0.0
+    cornering: float = CORNERING
+    unit: int = 0
+
+
+def tyres_of(
+    train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, lengths: Array
+) -> "Tyres | None":
+    """Return the tyres of n trains; None without axles.
+
+    Parameters
+    ----------
+    train : Train
+        Its masses and hinges.
+    axles : sequence of dict
+        Of each axle the fields of `Axle`, floats or of shape (n,).
+    centres, lengths : ndarray, shape (units, n)
+        Centre of mass behind the front, and length of each unit [m].
+
+    Returns
+    -------
+    Tyres or None
+        With loads in equilibrium.
+
+    Raises
+    ------
+    RigidBodyError
+        For an axle outside its unit, negative values, and axles that cannot carry a unit.
+    """
+    if not axles:
+        return None
+    count, n = train.mass.shape
+    unit = np.array([int(axle["unit"]) for axle in axles])
+    names = ("position", "friction", "cornering")
+    position, friction, cornering = (
+        np.array([np.broadcast_to(np.asarray(axle[name], dtype=np.float64), n) for axle in axles])
+        for name in names
+    )
+    for a, u in enumerate(unit):
+        gate = Gate()
+        gate.demand(_rule(rules.AXLE_UNIT, a, "unit"), bool(0 <= u < count), u, most=count - 1)
+        inside = (position[a] >= 0.0) & (position[a] <= lengths[u])
+        gate.demand(_rule(rules.AXLE, a, "position"), inside, position[a], length=lengths[u])
+        for name, values in (("friction", friction), ("cornering", cornering)):
+            gate.not_negative(_rule(rules.TYRE, a, name), values[a])
+    along = centres[unit] - position
+    load = _loads(train, unit, along)
+    for a in range(len(unit)):
+        Gate().demand(_rule(rules.AXLE_LOAD, a, "position"), load[a] >= 0.0, position[a], load=load[a])
+    workspace = np.zeros(len(unit)), np.zeros(3 * count), np.zeros((count, len(SUMS)))
+    return Tyres(unit, along, load, friction, cornering, *workspace)
+
+
+def _rule(rule: rules.Rule, axle: int, name: str) -> rules.Rule:
+    return rule._replace(key=f"axle.{axle}.{name}")
+
+
+def _loads(train: Train, unit: NDArray[np.int64], along: Array) -> Array:
+    """Return the loads of the axles at rest [N], shape (axles, n)."""
+    load, pressed = np.zeros_like(along), np.zeros(along.shape[1])  # by the kingpin of the unit behind
+    for u in reversed(range(len(train.mass))):
+        own, weight = unit == u, GRAVITY * train.mass[u]
+        x, count = along[own], np.count_nonzero(own)
+        hitch = train.hitch[u] if u < len(train.hitch) else 0.0
+        if u > 0 and count:
+            kingpin = train.kingpin[u - 1]
+            moment = pressed * (hitch - kingpin) - weight * kingpin
+            load[own] = moment / (x - kingpin).sum(axis=0)
+            pressed = weight + pressed - load[own].sum(axis=0)
+        elif count:
+            force, moment = weight + pressed, pressed * hitch
+            first, second = x.sum(axis=0), (x * x).sum(axis=0)
+            spread = count * second - first**2
+            apart = spread > 1e-9 * np.maximum(second, 1e-300)
+            safe = np.where(apart, spread, 1.0)
+            slope = np.where(apart, (count * moment - first * force) / safe, 0.0)
+            load[own] = (force - slope * first) / count + slope * x
+        else:
+            pressed = np.zeros_like(pressed)
+    return load
+
+
+def chosen_tyres(tyres: "Tyres | None", chosen: NDArray[np.int64]) -> "Tyres | None":
+    """Return the tyres of these samples with a workspace of their own."""
+    if tyres is None:
+        return None
+    columns = (np.ascontiguousarray(values[:, chosen]) for values in tyres[1:5])
+    return Tyres(tyres.unit, *columns, *(np.zeros_like(values) for values in tyres[5:]))
+
+
+@optional(merged=True)
+def has_tyres(tyres):
+    """Return True for a train with tyres."""
+    return False
+
+
+@optional(merged=True)
+def start_tyres(tyres, i, masses, load, motion, h):
+    """Begin sample i: set velocities half a step back to those of the side forces at the start."""
+
+
+@optional(merged=True)
+def steer(tyres, i, masses, motion, last, kick):
+    """Add the side forces of this instant to the velocities ahead."""
+
+
+@optional(merged=True)
+def end_tyre_step(tyres, i, motion, kick):
+    """Add the impulses of the tyres over a step and their works, and keep its accelerations for the next."""
+
+
+@optional(merged=True)
+def record_tyres(tyres, i, motion, h, row):
+    """Fill the columns of the tyres in the row of this instant, h [s] after what has been summed."""
+
+
+@implements(has_tyres, Tyres, merged=True)
+def _has_tyres(tyres):
+    return True
+
+
+@implements(start_tyres, Tyres)
+def _start_tyres(tyres, i, masses, load, motion, h):
+    tyres.sums[:], tyres.rate[:] = 0.0, 0.0
+    for m in range(motion.shape[1]):
+        motion[1, m] = motion[2, m] + 0.5 * h * load[m]
+    steer(tyres, i, masses, motion, 0.0, -0.5 * h)
+    _add_tyres(tyres, i, motion, -0.5 * h, tyres.sums)
+    for m in range(motion.shape[1]):
+        tyres.rate[m] = (motion[1, m] - motion[2, m]) / (0.5 * h)
+
+
+@implements(steer, Tyres)
+def _steer(tyres, i, masses, motion, last, kick):
+    for a in range(tyres.unit.size):
+        j, arm = 3 * tyres.unit[a], tyres.along[a, i]
+        c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
+        u = motion[1, j] + 0.5 * last * tyres.rate[j]
+        v = motion[1, j + 1] + 0.5 * last * tyres.rate[j + 1]
+        w = motion[1, j + 2] + 0.5 * last * tyres.rate[j + 2]
+        ahead, across = u * c - v * s, u * s + v * c + w * arm
+        force = side_force(tyres.load[a, i], tyres.friction[a, i], tyres.cornering[a, i], ahead, across)
+        tyres.force[a] = force
+        motion[2, j] += kick * masses[j] * force * s
+        motion[2, j + 1] += kick * masses[j + 1] * force * c
+        motion[2, j + 2] += kick * masses[j + 2] * force * arm
+
+
+@compiled
+def _add_tyres(tyres, i, motion, h, sums):
+    """Add the impulses of the tyres over h, and their works, to sums of shape (units, 4)."""
+    for a in range(tyres.unit.size):
+        j, arm, impulse, row = 3 * tyres.unit[a], tyres.along[a, i], h * tyres.force[a], sums[tyres.unit[a]]
+        c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
+        u, v = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
+        w = motion[1, j + 2] + motion[2, j + 2]
+        row[0] += 0.5 * impulse * (u * s + v * c + w * arm)
+        row[1] += impulse * s
+        row[2] += impulse * c
+        row[3] += impulse * ((motion[0, j] + arm * c) * c - (motion[0, j + 1] - arm * s) * s)
+
+
+@implements(end_tyre_step, Tyres)
+def _end_tyre_step(tyres, i, motion, kick):
+    _add_tyres(tyres, i, motion, kick, tyres.sums)
+    for m in range(motion.shape[1]):
+        tyres.rate[m] = (motion[2, m] - motion[1, m]) / kick
+
+
+@implements(record_tyres, Tyres)
+def _record_tyres(tyres, i, motion, h, row):
+    columns = row[row.size - tyres.sums.size :].reshape(tyres.sums.shape)
+    columns[:] = tyres.sums
+    _add_tyres(tyres, i, motion, h, columns)

@@ -1,0 +1,408 @@
+"""Verification: tyres of a rigid vehicle, samples, a train and the plate: exact side forces, loads, balances."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from fem.model.impact_model import build_impact_model
+from fem.plate.properties import (
+    AxleProperties,
+    ContactProperties,
+    PlateProperties,
+    StepProperties,
+    UnitProperties,
+)
+from fem.run.impact import FirstTouch, ImpactStepper
+from meshes import plate_mesh
+from solver import RigidBodyError
+from solver.impact import (
+    Axle,
+    CrushLaw,
+    HitchedVehicle,
+    ImpactState,
+    ImpactVehicle,
+    WallContact,
+    first_touch,
+    solve_impact,
+    solve_impacts,
+)
+from tailslap.case.impact import checks, run
+from tailslap.case.impact.case import ImpactCase
+from tailslap.errors import InputError
+from tailslap.scene.read import read_source
+from tailslap.scene.vary import vary
+
+GRAVITY = 9.80665
+TRUCK = ImpactVehicle(10.0, 2.438, 9979.0, 5.5)
+AXLES = (Axle(1.3, 0.7, 6.0), Axle(7.5, 0.6, 5.0))
+LAW = WallContact(CrushLaw(2e6, 0.0, 0.1, 3.5e5), 0.3)
+SPEED, ANGLE = 25.0, math.radians(15.0)
+
+
+def impact(axles=AXLES, law=LAW, **more):
+    return solve_impact(TRUCK, law, first_touch(TRUCK, ANGLE, SPEED), axles=axles, **more)
+
+
+# --- loads ---
+
+
+def test_loads_follow_from_levers():
+    motion = impact(end=0.01)
+    behind = (5.5 - 1.3) / (7.5 - 1.3)
+    weight = TRUCK.mass * GRAVITY
+    assert motion.loads == pytest.approx((weight * (1.0 - behind), weight * behind), rel=1e-12)
+    three = impact((*AXLES, Axle(8.5, 0.6)), end=0.01).loads
+    places = np.array([1.3, 7.5, 8.5])
+    assert sum(three) == pytest.approx(weight, rel=1e-12)
+    assert places @ three == pytest.approx(5.5 * weight, rel=1e-12)
+    assert np.diff(three)[0] / 6.2 == pytest.approx(np.diff(three)[1], rel=1e-9)  # on a rigid body
+    assert impact((Axle(5.5, 0.7),), end=0.01).loads == pytest.approx((weight,), rel=1e-12)
+
+
+TRAILER = ImpactVehicle(12.0, 2.5, 20000.0, 6.0)
+
+
+def train(axles, end=None, tolerance=1e-4):
+    behind = HitchedVehicle(TRAILER, LAW, 7.0, 1.0)
+    start = first_touch(TRUCK, ANGLE, SPEED, [behind])
+    return solve_impact(TRUCK, LAW, start, end, trailers=[behind], axles=axles, tolerance=tolerance)
+
+
+def test_a_trailer_stands_on_its_axles_and_the_kingpin():
+    own = (Axle(1.3, 0.7), Axle(7.5, 0.7), Axle(9.5, 0.7, unit=1), Axle(10.5, 0.7, unit=1))
+    front, rear, *behind = train(own, 0.01).loads
+    trailer, truck = TRAILER.mass * GRAVITY, TRUCK.mass * GRAVITY
+    each = trailer * 5.0 / (8.5 + 9.5)  # moments about the kingpin
+    assert behind == pytest.approx([each, each], rel=1e-12)
+    kingpin = trailer - 2.0 * each
+    assert front + rear == pytest.approx(truck + kingpin, rel=1e-12)
+    assert 1.3 * front + 7.5 * rear == pytest.approx(5.5 * truck + 7.0 * kingpin, rel=1e-12)
+
+
+# --- side force of one axle ---
+
+
+@pytest.mark.parametrize("ahead", [20.0, -20.0, 0.3])
+def test_the_side_force_of_an_axle_that_turns_steadily(ahead):
+    """A vehicle turns steadily for a moment: -mu N tanh(C a/mu), a by the speeds of the axle, its work and moment."""
+    heavy, rate, sideways = ImpactVehicle(10.0, 2.0, 1e12, 4.0), 0.4, -2.0
+    axle = Axle(9.0, 0.7, 6.0)
+    start = ImpactState(0.0, 10.0, 0.0, ahead, sideways, rate)
+    motion = solve_impact(heavy, LAW, start, end=1e-4, axles=[axle], step=1e-5)
+    across = sideways + rate * (4.0 - 9.0)
+    slip = math.atan2(across, max(abs(ahead), 1.0))
+    force = -0.7 * 1e12 * GRAVITY * math.tanh(6.0 * slip / 0.7)
+    at = motion.at([motion.t_end])
+    assert at.tyre_impulse_normal[0] / motion.t_end == pytest.approx(
+        force, rel=2e-4
+    )  # within 1e-4 s it turns by 4e-5
+    short = solve_impact(heavy, LAW, start, end=1e-7, axles=[axle], step=1e-8).at([1e-7])
+    assert short.tyre_impulse_normal[0] / 1e-7 == pytest.approx(force, rel=1e-6)
+    assert short.tyre_work[0] / 1e-7 == pytest.approx(force * across, rel=1e-6)
+    arm = force * (4.0 - 9.0)
+    assert short.tyre_impulse_angular[0] / 1e-7 == pytest.approx(arm, rel=1e-6)
+
+
+def right_side(t, y, axles, loads, vehicle):
+    """Accelerations of a free vehicle on its tyres, for SciPy."""
+    _, _, theta, u, v, w = y
+    c, s, forces = math.cos(theta), math.sin(theta), np.zeros(3)
+    for axle, load in zip(axles, loads, strict=True):
+        arm = vehicle.front_distance - axle.position
+        slip = math.atan2(u * s + v * c + w * arm, max(abs(u * c - v * s), 1.0))
+        force = -axle.friction * load * math.tanh(axle.cornering * slip / axle.friction)
+        forces += force * np.array([s, c, arm])
+    return [u, v, -w, forces[0] / vehicle.mass, forces[1] / vehicle.mass, forces[2] / vehicle.inertia]
+
+
+def test_a_vehicle_on_the_road_alone_follows_its_equations():
+    """1 s of a skid that turns, far from the wall, by SciPy: state to 1e-6; the step is of second order."""
+    start = ImpactState(0.0, 500.0, 0.3, 15.0, 4.0, 0.8)
+    loads = impact(end=0.01).loads
+    first = [start.x_g, start.y_g, start.theta, start.v_gx, start.v_gy, start.omega]
+    exact = solve_ivp(
+        right_side, (0.0, 1.0), first, "DOP853", args=(AXLES, loads, TRUCK), rtol=1e-11, atol=1e-11
+    )
+    steps, off = (4e-3, 2e-3, 1e-3), []
+    for step in steps:
+        end = solve_impact(TRUCK, LAW, start, end=1.0, axles=AXLES, step=step).end
+        own = np.array([end.x_g, end.y_g, end.theta, end.v_gx, end.v_gy, end.omega])
+        off.append(float(np.abs(own - exact.y[:, -1]).max()))
+    assert off[-1] < 2e-5
+    assert np.polyfit(np.log(steps), np.log(off), 1)[0] == pytest.approx(2.0, abs=0.1)
+    end = solve_impact(TRUCK, LAW, start, end=1.0, axles=AXLES, step=1e-4).end
+    own = np.array([end.x_g, end.y_g, end.theta, end.v_gx, end.v_gy, end.omega])
+    assert own == pytest.approx(exact.y[:, -1], rel=1e-6, abs=1e-6)
+
+
+# --- a whole impact ---
+
+
+def balances(motion):
+    """Errors of energy, momentum along and across, and moment of momentum, relative, at the end."""
+    at = motion.at(np.array([0.0, motion.t_end]))
+    bodies, ends = motion.vehicles, ("", *(f"_{k}" for k in range(2, len(motion.vehicles) + 1)))
+    work = sum(getattr(at, f"tyre_work{end}") for end in ends)
+    held = at.kinetic_energy + at.crush_energy_stored + at.crush_energy_lost - at.friction_work - work
+    found = [(held[1] - held[0]) / held[0]]
+    scale = sum(body.mass for body in bodies) * SPEED
+    for force, axis in (("tangential", "x"), ("normal", "y")):
+        momentum = sum(
+            body.mass * getattr(at, f"v_g{axis}{end}") for body, end in zip(bodies, ends, strict=True)
+        )
+        steering = sum(getattr(at, f"tyre_impulse_{force}{end}") for end in ends)
+        found.append((np.diff(momentum)[0] - getattr(at, f"impulse_{force}")[1] - steering[1]) / scale)
+    turned = sum(
+        body.inertia * getattr(at, f"omega{end}")
+        + body.mass * (getattr(at, f"x_g{end}") * getattr(at, f"v_gy{end}")
+                       - getattr(at, f"y_g{end}") * getattr(at, f"v_gx{end}"))
+        for body, end in zip(bodies, ends, strict=True)
+    )  # fmt: skip
+    steering = sum(getattr(at, f"tyre_impulse_angular{end}") for end in ends)
+    found.append((np.diff(turned)[0] - at.impulse_angular[1] - steering[1]) / (10.0 * scale))
+    return np.abs(found), work[1] / at.kinetic_energy[0]
+
+
+def test_energy_and_momentum_of_an_impact_with_tyres():
+    off, work = balances(impact())
+    assert off.max() < 1e-6
+    assert -0.2 < work < -0.01
+
+
+def test_energy_and_momentum_of_a_train_with_tyres():
+    own = (*AXLES, Axle(9.5, 0.7, unit=1), Axle(10.5, 0.7, unit=1))
+    motion = train(own)
+    off, work = balances(motion)
+    assert off[0] < 1e-5
+    assert off[1:].max() < 1e-9
+    assert work < -0.01
+    times = np.linspace(0.0, motion.t_end, 2001)
+    at, forces = motion.at(times), motion.hinge_forces(times)
+    gained = np.diff(TRUCK.mass * at.v_gy - at.impulse_normal_1 - at.tyre_impulse_normal) / np.diff(times)
+    assert np.abs(forces[0, 1] - gained).max() < 1e-6 * np.abs(gained).max()
+
+
+def test_tyres_weaken_the_tail_slap():
+    """By 10 to 30 %: they take away part of the turning."""
+    without, own = impact(()), impact()
+    assert own.strikes[0].impulse == pytest.approx(without.strikes[0].impulse, rel=0.05)
+    assert 0.7 < own.strikes[1].impulse / without.strikes[1].impulse < 0.95
+
+
+def test_an_axle_without_friction_changes_nothing():
+    bare, smooth = impact(()), impact((Axle(1.3), Axle(7.5)))
+    assert [strike.impulse for strike in smooth.strikes] == [strike.impulse for strike in bare.strikes]
+
+
+def test_samples_have_tyres():
+    given: dict[str, Any] = {
+        "length": 10.0,
+        "width": 2.438,
+        "mass": np.array([9979.0, 9000.0]),
+        "speed": SPEED,
+    }
+    given |= {"angle": ANGLE, "stiffness": 2e6, "restitution": 0.1, "plateau_force": 3.5e5, "friction": 0.3}
+    axles: list[dict[str, Any]] = [
+        {"position": 1.3, "friction": np.array([0.7, 0.5]), "cornering": 6.0},
+        {"position": 7.5, "friction": 0.6, "cornering": 5.0},
+    ]
+    found = solve_impacts(**given, centre_of_mass=5.5, axles=axles, tolerance=1e-5)
+    for i, (mass, friction) in enumerate(((9979.0, 0.7), (9000.0, 0.5))):
+        vehicle = replace(TRUCK, mass=mass)
+        own = (Axle(1.3, friction, 6.0), AXLES[1])
+        motion = solve_impact(vehicle, LAW, first_touch(vehicle, ANGLE, SPEED), axles=own)
+        for k in range(2):
+            assert found.impulse[k, i] == pytest.approx(motion.strikes[k].impulse, rel=2e-5)
+
+
+@pytest.mark.parametrize(("axle", "key"), [
+    (Axle(-0.1, 0.7), "axle.0.position"), (Axle(10.1, 0.7), "axle.0.position"),
+    (Axle(math.nan, 0.7), "axle.0.position"), (Axle(1.0, -0.1), "axle.0.friction"),
+    (Axle(1.0, 0.7, -1.0), "axle.0.cornering"), (Axle(1.0, math.inf), "axle.0.friction"),
+    (Axle(1.0, 0.7, unit=1), "axle.0.unit"),
+])  # fmt: skip
+def test_an_impossible_axle_is_refused(axle, key):
+    with pytest.raises(RigidBodyError) as caught:
+        impact((axle,), end=0.01)
+    assert caught.value.key == key
+
+
+def test_axles_that_cannot_carry_the_vehicle_are_refused():
+    with pytest.raises(RigidBodyError) as caught:
+        impact((Axle(1.0, 0.7), Axle(2.0, 0.7)), end=0.01)
+    assert caught.value.key == "axle.0.position"
+    assert "centre of mass" in caught.value.allowed
+
+
+# --- the plate ---
+
+
+@pytest.mark.parametrize("ahead", [20.0, 0.3])
+def test_the_side_force_on_a_plate_that_turns_steadily(ahead):
+    """As of the rigid vehicle, across the heading, at once and far from the wall: force, moment and power."""
+    rate, sideways, theta, load = 0.4, -2.0, 0.2, 7e4
+    unit = UnitProperties(
+        plate_mesh(10.0, 2.4, (5, 2)),
+        PlateProperties(0.05, 7800.0, 2e11, 0.3),
+        ContactProperties(None, "penalty"),
+        axles=(AxleProperties(8.7, load, 0.7, 6.0),),
+    )
+    model = build_impact_model([unit], StepProperties(longest=1e-8))
+    stepper, (c, s) = ImpactStepper(model), (math.cos(theta), math.sin(theta))
+    u, v = ahead * c + sideways * s, sideways * c - ahead * s  # of the corner P, whose frame the start is in
+    state = stepper.at_touch(FirstTouch(theta, u, v, rate))
+    state.positions[1] += 100.0
+    rows, _, _ = stepper.record(state, 1, 3)
+    road = stepper.parts(rows)[-1]
+    work, along, across, moment = (road[2] - road[1]) / model.loop.time_step
+    side = sideways - rate * 8.7
+    slip = math.atan2(side, max(ahead - rate * 1.2, 1.0))
+    force = -0.7 * load * math.tanh(6.0 * slip / 0.7)
+    assert (along, across) == pytest.approx((force * s, force * c), rel=1e-6)
+    assert work == pytest.approx(force * side, rel=1e-6)
+    x, y = -8.7 * c + 1.2 * s, 100.0 + 8.7 * s + 1.2 * c
+    assert moment == pytest.approx(x * across - y * along, rel=1e-6)
+
+
+def case_of(**changes):
+    keys = {key.replace("__", "."): value for key, value in changes.items()}
+    return ImpactCase(*vary(read_source("impact-mash-tl4-sut"), keys))
+
+
+TABLES = [{"position": 1.3, "friction": 0.7}, {"position": 7.5, "friction": 0.7, "cornering": 5.0}]
+
+
+def test_a_plate_with_tyres_tends_to_the_rigid_vehicle():
+    """As 1/E, 1e-3 at 2 TPa; energy and momentum are in balance, and the work of the tyres is the rigid vehicle's."""
+    off = []
+    for modulus in (0.2e12, 2e12):
+        mesh = {"plate.youngs_modulus": modulus, "plate.elements": (10, 3), "plate.element": "quad4"}
+        outcome = run.attempt(case_of(axle=TABLES, contact__plateau_force=350e3, **mesh))
+        off.append(max(abs(outcome.difference[f"strike_{k}.impulse"]) for k in (1, 2)))
+        passed = {check.name: check.passed for check in checks.impact_checks(outcome)}
+        balance = ("energy balance", "energy gained", "momentum balance", "angular momentum")
+        assert all(passed[name] for name in balance)
+        works = [answer.history["tyre_work"][-1] for answer in (outcome.fe, outcome.rigid)]
+        assert works[0] == pytest.approx(works[1], rel=0.02)
+    assert off[1] < 1e-3
+    assert off[1] / off[0] == pytest.approx(0.1, abs=0.04)
+
+
+# --- scenes ---
+
+
+def test_a_scene_with_axles():
+    """Tyres are in the answer, the texts and the samples; axles without friction are as if they were not there."""
+    case = case_of(axle=TABLES)
+    numbers, text = case.rigid_numbers(), "\n".join(case.rigid_text())
+    assert -2e5 < numbers["tyre_work"] < -1e4
+    assert "load of axle 1" in text
+    assert {"axle.0.position", "axle.1.friction"} <= set(case.arguments)
+    found = case.many({"axle.1.friction": np.array([0.7, 0.5])})
+    assert found["strike_2.impulse"][0] == pytest.approx(case.motion.strikes[1].impulse, rel=2e-4)
+    other = case_of(axle=[TABLES[0], TABLES[1] | {"friction": 0.5}])
+    assert found["strike_2.impulse"][1] == pytest.approx(other.motion.strikes[1].impulse, rel=2e-4)
+    smooth, bare = case_of(axle=[{"position": 1.3}]), case_of()
+    assert smooth.rigid_numbers() == bare.rigid_numbers()
+
+
+@pytest.mark.parametrize(("axle", "key"), [
+    ({"position": 10.5}, "axle.0.position"), ({"position": -0.5}, "axle.0.position"),
+    ({"position": 1.0, "friction": -0.1}, "axle.0.friction"), ({"position": 1.0, "unit": 2}, "axle.0.unit"),
+    ({"position": 1.0, "cornering": -6.0}, "axle.0.cornering"), ({}, "axle.0.position"),
+    ({"position": 1.0, "tyre": 1.0}, "axle.0.tyre"),
+])  # fmt: skip
+def test_a_bad_axle_is_named(axle, key):
+    with pytest.raises(InputError) as caught:
+        case_of(axle=[axle])
+    assert caught.value.key == key
+
+
+def test_axles_require_a_whole_impact():
+    with pytest.raises(InputError) as caught:
+        vary(read_source("mash-tl4-sut"), {"axle": TABLES})
+    assert caught.value.key == "axle"
+
+
+# --- an integration that shares no code ---
+
+
+class Peer:
+    """The rigid vehicle by classical Runge-Kutta steps: corners on the crush law, Coulomb's friction, tyres."""
+
+    def __init__(self, laws, friction, axles, loads):
+        (a, b), length, width = (5.5, 4.5), 10.0, 2.438
+        self.corners = [(a, -width / 2), (-b, -width / 2), (a, width / 2), (-b, width / 2)]
+        self.laws, self.friction = [laws[k % 2] for k in range(4)], friction
+        self.axles, self.loads, self.deepest, self.impulse = axles, loads, np.zeros(4), np.zeros(4)
+        self.inertia = 9979.0 * (length**2 + width**2) / 12.0
+
+    def push(self, k, depth):
+        """Force of a corner at a depth [N]."""
+        stiffness, initial, plateau, restitution, slope = self.laws[k]
+        deepest = max(self.deepest[k], depth)
+        if deepest <= 0.0:
+            return 0.0
+        peak = min(initial + stiffness * deepest, plateau)
+        if slope == 0.0:
+            yielding = min(deepest, (plateau - initial) / stiffness)
+            energy = yielding * (initial + stiffness * yielding / 2.0) + peak * (deepest - yielding)
+            slope = peak**2 / (2.0 * restitution**2 * energy)
+        return max(0.0, peak - max(slope, peak / deepest) * (deepest - depth))
+
+    def forces(self, y):
+        """Depths, forces of the corners [N], and the rate of the state."""
+        z, theta, u, v, w = y[1:]
+        c, s = math.cos(theta), math.sin(theta)
+        total, depths, pushes = np.zeros(3), np.zeros(4), np.zeros(4)
+        for k, (along, left) in enumerate(self.corners):
+            p, q = along * c + left * s, left * c - along * s
+            depths[k] = -(z + q)
+            pushes[k] = self.push(k, depths[k])
+            drag = -self.friction * pushes[k] * math.tanh((u - w * q) / 1e-3)
+            total += np.array([drag, pushes[k], p * pushes[k] - q * drag])
+        for axle, load in zip(self.axles, self.loads, strict=True):
+            arm = 5.5 - axle.position
+            slip = math.atan2(u * s + v * c + w * arm, max(abs(u * c - v * s), 1.0))
+            side = -axle.friction * load * math.tanh(axle.cornering * slip / axle.friction)
+            total += side * np.array([s, c, arm])
+        return depths, pushes, np.array([u, v, -w, *(total / (9979.0, 9979.0, self.inertia))])
+
+    def run(self, start, end, step):
+        """Impulses of the corners over the motion [N s]."""
+        y = np.array(start)
+        for _ in range(round(end / step)):
+            depths, one, first = self.forces(y)
+            self.deepest = np.maximum(self.deepest, depths)
+            second = self.forces(y + 0.5 * step * first)
+            third = self.forces(y + 0.5 * step * second[2])
+            fourth = self.forces(y + step * third[2])
+            self.impulse += step / 6.0 * (one + 2.0 * second[1] + 2.0 * third[1] + fourth[1])
+            y = y + step / 6.0 * (first + 2.0 * second[2] + 2.0 * third[2] + fourth[2])
+        return self.impulse
+
+
+PEERS = {
+    "plateau": ((2e6, 0.0, 3.5e5, 0.2, 0.0),) * 2,
+    "rear by its slope": ((2e6, 0.0, 3.5e5, 0.3, 0.0), (1.5e6, 0.0, 3e5, 0.0, 1.2e7)),
+    "initial force": ((1.5e6, 5e4, 3e5, 0.3, 0.0), (1.5e6, 3e4, 2.5e5, 0.25, 0.0)),
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", PEERS)
+def test_impulses_are_those_of_an_integration_that_shares_no_code(name):
+    """To 1e-4 of the largest impulse, over 0.5 s; Coulomb's jump there is a steep slope."""
+    front, rear = (CrushLaw(k, f, e, fy, slope) for k, f, fy, e, slope in PEERS[name])
+    state, law = first_touch(TRUCK, ANGLE, SPEED), WallContact(front, 0.3, rear=rear)
+    motion = solve_impact(TRUCK, law, state, end=0.5, axles=AXLES, tolerance=1e-7)
+    own = dict.fromkeys(("front", "rear"), 0.0)
+    for strike in motion.strikes:
+        own[strike.corner] += strike.impulse
+    start = [state.x_g, state.y_g, state.theta, state.v_gx, state.v_gy, state.omega]
+    peer = Peer(PEERS[name], 0.3, AXLES, motion.loads).run(start, 0.5, 2e-5)
+    assert [own["front"], own["rear"]] == pytest.approx(peer[:2], abs=1e-4 * peer.max())
