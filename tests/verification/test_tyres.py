@@ -328,7 +328,7 @@ def test_axles_require_a_whole_impact():
     assert caught.value.key == "axle"
 
 
-# --- an integration that shares no code ---
+# --- an independent integration ---
 
 
 class Peer:
@@ -395,7 +395,7 @@ PEERS = {
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", PEERS)
-def test_impulses_are_those_of_an_integration_that_shares_no_code(name):
+def test_impulses_are_those_of_an_independent_integration(name):
     """To 1e-4 of the largest impulse, over 0.5 s; Coulomb's jump there is a steep slope."""
     front, rear = (CrushLaw(k, f, e, fy, slope) for k, f, fy, e, slope in PEERS[name])
     state, law = first_touch(TRUCK, ANGLE, SPEED), WallContact(front, 0.3, rear=rear)
