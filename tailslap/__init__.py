@@ -18,6 +18,7 @@ Functions, each the same as the command of its name:
     export      fields and histories for ParaView, Gmsh, data frames; decks for CalculiX, ABAQUS
     load        loading of a result folder
     paper       tables and figures of the paper compared with computed values
+    validate    blind predictions beside published forces, durations and speeds
     scenes      scenes of the program
     new         new scene file with every key
 
@@ -69,5 +70,6 @@ __all__, __getattr__, __dir__ = lazy_names(
         "result.result": "Result",
         "scene.read": "scenes",
         "scene.write": "new",
+        "validation.validation_report": "validate",
     },
 )

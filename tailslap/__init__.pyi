@@ -15,6 +15,7 @@ from tailslap.result.load import load as load
 from tailslap.result.result import Result as Result
 from tailslap.scene.read import scenes as scenes
 from tailslap.scene.write import new as new
+from tailslap.validation.validation_report import validate as validate
 
 __version__: str
 __all__: list[str]

@@ -496,3 +496,15 @@ def paper(out: Path | None, force: bool, as_json: bool) -> int:
 
     compute = lambda: tailslap.paper().fill  # noqa: E731
     return deliver(compute, out or default_place("paper", ()), ("paper", ""), as_json, force=force, page=PAGE)
+
+
+@commands.command()
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/validation]")
+@options.with_options(options.FORCE, options.JSON, options.QUIET)
+def validate(out: Path | None, force: bool, as_json: bool) -> int:
+    """Compare published forces, durations and speeds with blind predictions."""
+    from tailslap.validation.validation_report import PAGE
+
+    place = out or default_place("validation", ())
+    compute = lambda: tailslap.validate().fill  # noqa: E731
+    return deliver(compute, place, ("validate", ""), as_json, force=force, page=PAGE)

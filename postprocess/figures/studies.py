@@ -63,6 +63,17 @@ class BandBar(NamedTuple):
     dots: Sequence[tuple[str, float, bool]] = ()
 
 
+class RatioBar(NamedTuple):
+    """Band of a prediction over the published value.
+
+    ends: 5, 50 and 95 % [-]; inside: whether the published value lies between.
+    """
+
+    label: str
+    ends: tuple[float, ...]
+    inside: bool
+
+
 def _row_plot(names: Sequence[str], marks: Sequence[Mark], row: float) -> chart.Plot:
     """Return a plot of named rows, the first on top.
 
@@ -198,6 +209,34 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
     return chart.draw_chart(
         "bands", caption, (plot,), chart.Axis("peak lateral force [kN]"), width=chart.FULL
     )
+
+
+def draw_ratios(bars: Sequence[RatioBar]) -> chart.Chart:
+    """Draw bands of predictions over published values."""
+    caption = (
+        "Predicted over published: 5 to 95 % and median (stroke) of each row; the published value is at 1"
+    )
+    labels, marks = [bar.label for bar in bars], list[Mark]()
+    heights = _heights(labels)
+    for inside, name, colour in (
+        (True, "published value in the band", "green"),
+        (False, "outside", "difference"),
+    ):
+        chosen = [number for number, bar in enumerate(bars) if bar.inside is inside]
+        if not chosen:
+            continue
+        low, middle, high = np.array([bars[number].ends for number in chosen]).T
+        rows = heights[chosen]
+        texts = [f"{a:.2f} to {c:.2f}, median {b:.2f}" for a, b, c in zip(low, middle, high, strict=True)]
+        strokes = np.array([-0.18, 0.18, np.nan]) + rows[:, None]
+        ends = np.stack([low, high], axis=-1)
+        marks += [
+            Boxes(name, ends, _across(rows), colour, texts, [labels[number] for number in chosen], 0.4),
+            Line("", np.repeat(middle, 3), strokes.ravel(), colour, 2.2),
+        ]
+    marks.append(Span("", 1.0, 1.0, "ink"))
+    axis = chart.Axis("predicted over published", is_log=True)
+    return chart.draw_chart("validation", caption, (_row_plot(labels, marks, 30.0),), axis, width=chart.FULL)
 
 
 def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> list[Mark]:

@@ -302,6 +302,8 @@ class Impacts:
         behind the end, and no rows where no interval was asked for.
     error : ndarray, shape (...)
         Largest relative change of peaks, impulses, durations and spin against twice the step [-].
+    end_speed : ndarray, shape (...)
+        Of the first unit's centre of mass at the end [m/s].
     """
 
     corner: NDArray[np.int64]
@@ -311,6 +313,7 @@ class Impacts:
     impulse: Array
     mean_force: Array
     error: Array
+    end_speed: Array
 
     @property
     def duration(self) -> Array:
@@ -440,7 +443,8 @@ def solve_impacts(
     corner, start, end, peak, impulse = (value.T.reshape(room, *shape) for value in columns)
     corners = np.nan_to_num(corner, nan=-1.0).astype(np.int64)
     force = _mean_forces(found, interval).reshape(-1, *shape)
-    return Impacts(corners, start, end, peak, impulse, force, found.error.reshape(shape))
+    speed = np.asarray(np.hypot(*found.state[:, 0, 3:5].T)).reshape(shape)
+    return Impacts(corners, start, end, peak, impulse, force, found.error.reshape(shape), speed)
 
 
 @contextmanager

@@ -203,7 +203,8 @@ class RigidImpact(Case):
         keys = (f"{table}{part}.{key}" for table in tables for part in ("", ".rear") for key in train.LAW)
         found |= dict.fromkeys(key for key in keys if value_at(self.scene, key) is not None)
         axles = (f"axle.{number}.{key}" for number in range(len(self.scene.axle)) for key in OF_AN_AXLE)
-        return (*found, *axles)
+        inertia = ("vehicle.yaw_inertia",) if self.scene.vehicle.yaw_inertia is not None else ()
+        return (*found, *inertia, *axles)
 
     @property
     def inputs(self) -> dict[str, float]:
@@ -221,7 +222,7 @@ class RigidImpact(Case):
         if "contact.unloading_stiffness" in inputs and "contact.restitution" not in inputs:
             values.pop("contact.restitution", None)
         given = _at_table(values, ("impact", "vehicle", "contact"))
-        if (inertia := self.scene.vehicle.yaw_inertia) is not None:
+        if (inertia := self.scene.vehicle.yaw_inertia) is not None and "vehicle.yaw_inertia" not in inputs:
             given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
         trailers = []
         for number, each in enumerate(self.trailers):

@@ -1,0 +1,170 @@
+"""Blind predictions of published forces, durations and speeds, with 90 % bands.
+
+Vehicles, ranges and published values stand in parameters.toml and were fixed before the first prediction. The band of a
+prediction is the spread of rigid impacts over these ranges; nothing is adjusted to a published value. The plateau of
+the crush law is assumed and limits the force, so that each row states which fraction of its variance the plateaus
+explain alone.
+"""
+
+import math
+import time
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from importlib import resources
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from postprocess.signals.filters import force_curves
+from postprocess.signals.strike_duration import second_strike
+from tailslap import progress
+from tailslap.campaign import input_ranges, sampling
+from tailslap.case.impact.case import ImpactCase
+from tailslap.scene.units import to_si
+from tailslap.scene.vary import Source, vary
+
+Floats = NDArray[np.float64]
+
+SAMPLES = 1024
+"""Impacts of each set of ranges, at least."""
+
+INTERVAL, AFTER_SECOND, STRIKES = 5e-4, 0.1, 32
+"""Time between rows of the forces [s], time after the second strike [s], and strikes with room at first."""
+
+FORCES = ("mean_50ms", "cfc60")
+QUANTITIES = {
+    "mean_50ms": ("largest 50 ms mean", "kN", 1e-3),
+    "cfc60": ("largest force, CFC 60", "kN", 1e-3),
+    "duration": ("duration of the second strike", "ms", 1e3),
+    "exit_speed": ("speed after the last strike", "m/s", 1.0),
+}
+"""Label, shown unit and factor of each quantity."""
+
+BY_THE_PLATEAU = 0.5
+"""Fraction of the variance that the plateaus explain alone, from which on they decide a row."""
+
+
+class Row(NamedTuple):
+    """A published value beside its prediction [SI].
+
+    predicted: median of the samples; lower, upper: 5 and 95 %; ratio: predicted over published; plateau: fraction of
+    the variance that the plateaus explain alone, None where it is not determined.
+    """
+
+    case: str
+    quantity: str
+    predicted: float
+    lower: float
+    upper: float
+    published: float
+    ratio: float
+    inside: bool
+    plateau: float | None
+    source: str
+
+
+@dataclass(frozen=True)
+class Validation:
+    """The rows, the inputs of each vehicle with their sources, and the cost."""
+
+    rows: tuple[Row, ...]
+    inputs: tuple[dict[str, Any], ...]
+    impacts: int
+    seconds: float
+
+    @property
+    def force_ratios(self) -> Floats:
+        """Return predicted over published of the forces, shape (n,)."""
+        return np.array([row.ratio for row in self.rows if row.quantity in FORCES])
+
+    @property
+    def geometric_mean(self) -> float:
+        """Return the geometric mean of the forces' ratios."""
+        return float(np.exp(np.log(self.force_ratios).mean()))
+
+    @property
+    def spread(self) -> float:
+        """Return the geometric standard deviation of the forces' ratios."""
+        return float(np.exp(np.log(self.force_ratios).std(ddof=1)))
+
+    @property
+    def independent(self) -> list[Row]:
+        """Return the rows that the plateaus do not decide."""
+        return [row for row in self.rows if row.plateau is not None and row.plateau < BY_THE_PLATEAU]
+
+
+def validate() -> Validation:
+    """Predict every published value of parameters.toml."""
+    began, published = time.perf_counter(), parameters()
+    rows, predicted = list[Row](), dict[str, tuple[tuple[input_ranges.Range, ...], Mapping[str, Floats]]]()
+    impacts = 0
+    with progress.progress_bar("validation: impacts") as show:
+        for number, case in enumerate(published["cases"], 1):
+            key = f"{case['vehicle']} {case.get('ranges', '')}"
+            if key not in predicted:
+                vehicle = published["vehicles"][case["vehicle"]]
+                predicted[key] = _predict(vehicle["scene"], vehicle["ranges"] | case.get("ranges", {}))
+                impacts += next(iter(predicted[key][1].values())).size
+            rows += [compared(case, value, *predicted[key]) for value in case["published"]]
+            show(number / len(published["cases"]))
+    return Validation(tuple(rows), tuple(_inputs(published)), impacts, time.perf_counter() - began)
+
+
+def parameters() -> dict[str, Any]:
+    """Return vehicles, ranges and published values."""
+    return tomllib.loads(resources.files(__package__).joinpath("parameters.toml").read_text("utf-8"))
+
+
+def _inputs(parameters: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the ranges of every vehicle as rows."""
+    return [
+        {"vehicle": name, "key": key, "lower": lower, "upper": upper, "source": source}
+        for name, vehicle in parameters["vehicles"].items()
+        for key, (lower, upper, source) in vehicle["ranges"].items()
+    ]
+
+
+def _predict(
+    scene: Mapping[str, Any], limits: Mapping[str, Any]
+) -> tuple[tuple[input_ranges.Range, ...], Mapping[str, Floats]]:
+    """Return the ranges and, by quantity, a table as of `sampling.sampled`."""
+    case = ImpactCase(*vary(Source(given=dict(scene)), {}))
+    ranges = input_ranges.ranges_of(case, case.arguments, limits, (), ())
+    _, tables = sampling.sampled(ranges, SAMPLES, partial(quantities, case))
+    return ranges, tables
+
+
+def quantities(case: ImpactCase, inputs: Mapping[str, Floats]) -> dict[str, Floats]:
+    """Return the quantities of impacts, shape (n,) each; NaN without a second strike."""
+    impacts = case.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
+    columns: dict[str, list[float]] = {name: [] for name in (*FORCES, "duration")}
+    for force in impacts.mean_force.T:
+        curves = force_curves(force, INTERVAL, FORCES)
+        for name in FORCES:
+            columns[name].append(float(curves[name].max()))
+        try:
+            columns["duration"].append(second_strike(curves["mean_50ms"], INTERVAL).duration)
+        except ValueError:
+            columns["duration"].append(math.nan)
+    return {name: np.array(values) for name, values in columns.items()} | {"exit_speed": impacts.end_speed}
+
+
+def compared(
+    case: Mapping[str, Any],
+    published: Mapping[str, str],
+    ranges: tuple[input_ranges.Range, ...],
+    tables: Mapping[str, Floats],
+) -> Row:
+    """Return the prediction of one published value beside it."""
+    quantity, (number, unit) = published["quantity"], published["value"].split(" ", 1)
+    value = float(number) * to_si(unit)[0]
+    lower, median, upper = sampling.band_of(tables[quantity]).percentiles
+    sources, _ = sampling.index_rows(ranges, tables[quantity])
+    plateaus = [row["first_order"] for row in sources if row["key"].endswith("plateau_force")]
+    return Row(
+        case["name"], quantity, median, lower, upper, value, median / value, lower <= value <= upper,
+        min(1.0, math.fsum(plateaus)) if sources else None, case["source"],
+    )  # fmt: skip

@@ -1,0 +1,130 @@
+"""Lay out the page of `tailslap validate`: predictions with bands beside published values."""
+
+from collections.abc import Sequence
+
+import tailslap
+from postprocess.figures.studies import RatioBar, draw_ratios
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Page, Section
+from postprocess.report.tables import Column, Table
+from tailslap.arguments import checked_arguments
+from tailslap.case.report_parts import footer
+from tailslap.result.result import Result, of_report
+from tailslap.validation import predictions
+from tailslap.validation.predictions import QUANTITIES, Row, Validation
+
+PAGE = "validation.html"
+
+ROWS = (
+    Column("case", "Case"),
+    Column("label", "Quantity"),
+    Column("predicted", "Predicted", form=".3g", style="strong"),
+    Column("lower", "5 %", form=".3g"),
+    Column("upper", "95 %", form=".3g"),
+    Column("published", "Published", form=".3g"),
+    Column("unit", "Unit"),
+    Column("ratio", "Ratio", form=".2f"),
+    Column("verdict", "In the band"),
+    Column("plateau", "Plateaus", form=".2f"),
+    Column("source", "Source", style="soft"),
+)
+SHORT = tuple(column for column in ROWS if column.key not in ("source", "plateau"))
+INPUTS = (
+    Column("vehicle", "Vehicle"),
+    Column("key", "Key"),
+    Column("lower", "From"),
+    Column("upper", "To"),
+    Column("source", "Source", style="soft"),
+)
+
+METHOD = (
+    "Vehicles, ranges and published values stand in tailslap/validation/parameters.toml, which was committed before "
+    "the first prediction. No value was adjusted to a published one.",
+    "Predicted: median of rigid impacts whose inputs are independent and uniform over the ranges; the band is that of "
+    "5 to 95 % of them. Ratio: predicted over published.",
+    "Plateaus: fraction of the variance that the plateaus of the crush law explain alone (first-order Sobol indices). "
+    "No measured crush of a truck's corner was found; the plateaus are assumed, so that agreement of a row which they "
+    "decide is no evidence for the model.",
+    "The projected forces of Table 5, rows a to e, are the authors' multiples of Table 4 and are omitted. The model is "
+    "plane: it excludes roll, pitch, shifting load and deflection of the barrier, so that speeds kept on barriers on "
+    "posts and forces of vehicles that lean on the wall differ by these.",
+)
+
+
+@checked_arguments
+def validate() -> Result:
+    """Compare published forces, durations and speeds with blind predictions.
+
+    Returns
+    -------
+    Result
+        `summary["rows"]` contains median, band, published value, ratio and source of each row in SI.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.validate().summary["forces"]["geometric_mean"]  # doctest: +SKIP
+    0.9
+    """
+    report = validation_report(predictions.validate())
+    return of_report("validate", report, scene="", page_name=PAGE)
+
+
+def validation_report(validation: Validation) -> Report:
+    """Report the rows with their picture, inputs and method."""
+    rows, forces = validation.rows, validation.force_ratios
+    inside, independent = sum(row.inside for row in rows), validation.independent
+    answer = (
+        f"{inside} of {len(rows)} published values lie in the 90 % band of their blind prediction. Forces: geometric "
+        f"mean of predicted over published {validation.geometric_mean:.2f}, spread by a factor of "
+        f"{validation.spread:.2f}, {len(forces)} values."
+    )
+    certainty = (
+        f"{sum(row.inside for row in independent)} of {len(independent)} rows that the assumed plateaus do not decide "
+        f"lie in the band. {validation.impacts} rigid impacts in {validation.seconds:.0f} s."
+    )
+    headline = Headline("Predictions beside published tests", answer, "", certainty)
+    table = Table(ROWS, [_shown(row) for row in rows], "")
+    sections = (
+        Section("Predicted over published", figures=[draw_ratios(_bars(rows))]),
+        Section("Rows", tables=[table]),
+        Section("Method", sentences=METHOD, layout="half"),
+        Section("Inputs", tables=[Table(INPUTS, validation.inputs, "")]),
+    )
+    summary = {
+        "version": tailslap.__version__,
+        "rows": [row._asdict() for row in rows],
+        "inside": inside,
+        "forces": {
+            "geometric_mean": validation.geometric_mean,
+            "spread": validation.spread,
+            "count": len(forces),
+        },
+        "independent_of_plateaus": {
+            "rows": len(independent),
+            "inside": sum(row.inside for row in independent),
+        },
+        "inputs": validation.inputs,
+        "impacts": validation.impacts,
+        "seconds": validation.seconds,
+    }
+    page = Page("Validation", headline, sections, footer())
+    return Report(page, summary, (Table(SHORT, table.rows, "Blind predictions"),), {"validation.csv": table})
+
+
+def _shown(row: Row) -> dict[str, object]:
+    """Return the entries of a row of the table in its unit."""
+    label, unit, factor = QUANTITIES[row.quantity]
+    scaled = {name: factor * getattr(row, name) for name in ("predicted", "lower", "upper", "published")}
+    words = {"case": row.case, "label": label, "unit": unit, "verdict": "yes" if row.inside else "no"}
+    return {**words, **scaled, "ratio": row.ratio, "plateau": row.plateau, "source": row.source}
+
+
+def _bars(rows: Sequence[Row]) -> list[RatioBar]:
+    """Return the bands of the rows relative to the published values."""
+    bars = []
+    for row in rows:
+        case = row.case.rpartition(":")[0] or row.case
+        ends = tuple(value / row.published for value in (row.lower, row.predicted, row.upper))
+        bars.append(RatioBar(f"{case}: {QUANTITIES[row.quantity][0]}", ends, row.inside))
+    return bars
