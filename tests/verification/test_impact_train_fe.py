@@ -181,7 +181,7 @@ def test_free_flight_of_three_units(hitch_length):
     stepper, state = spinning(model, (0.4, -0.3, 0.2), hinges)
     interval = 40 * model.loop.time_step
     end = stepper.record(state, 40, 500)
-    values, *_, units = stepper.parts(end.rows)
+    values, *_, units, _ = stepper.parts(end.rows)
     fields = dict(zip(ImpactMeasures._fields, values.T, strict=True))
     for name in ("v_gx", "v_gy", "angular_momentum"):
         assert fields[name] == pytest.approx(np.full(500, fields[name][0]), rel=1e-11)
@@ -213,7 +213,7 @@ def test_a_stiff_train_spins_as_the_rigid_one():
         model, _ = train(modulus=modulus, counts=((4, 2), (8, 2)))
         stepper, start = spinning(model, (0.4, -0.3))
         steps = round(0.5 / model.loop.time_step)
-        *_, units = stepper.parts(stepper.record(start, steps, 1).rows)
+        *_, units, _ = stepper.parts(stepper.record(start, steps, 1).rows)
         own = steps * model.loop.time_step / 0.5
         errors.append(np.abs(units[0].reshape(-1)[[2, 8]] / own - expected).max())
     assert errors[1] < 2e-4

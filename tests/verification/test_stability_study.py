@@ -336,7 +336,7 @@ def test_silent_progress_announces_no_time(journal, monkeypatch):
 
 
 def test_the_time_left_is_that_of_the_work_which_is_left(monkeypatch):
-    monkeypatch.setattr(progress, "_left", lambda rest, done, elapsed: f"{rest:g} after {done:g}")
+    monkeypatch.setattr(progress, "_time_left", lambda rest, done, elapsed: f"{rest:g} after {done:g}")
     lines: list[str] = []
     work = [0.0, 0.5, 1.0, 10.0]
     with (
