@@ -42,7 +42,7 @@ def test_each_case_states_a_source_and_known_quantities():
 
 
 def test_a_row_by_hand():
-    """A force of 100 to 300 kN, uniform: percentiles, ratio and share of the only input that matters."""
+    """A force of 100 to 300 kN, uniform: percentiles, ratio, and the variance of the only input with an effect."""
     case = {"name": "by hand", "source": "here", "vehicle": "10000S"}
     ranges = tuple(
         input_ranges.Range(key, 0.0, 1.0, "", None, "")
