@@ -280,7 +280,7 @@ FAILURES = {
     ),
     "old": (
         f"echo '*ERROR reading *ELASTIC'; {OLD_RESULT}",
-        "is older than plate.inp: an earlier run has left it",
+        "is older than plate.inp: it is of an earlier run",
     ),
     "time": ("echo '*ERROR reading *ELASTIC'; exec sleep 60", "ran longer than --time-limit 1 s"),
 }
@@ -304,7 +304,7 @@ def test_result_of_another_run_is_not_compared(elsewhere, capsys, monkeypatch, t
     fake = tmp_path_factory.mktemp("fake")
     fake_ccx(fake, f"{shutil.which('ccx')} $1 && {OLD_RESULT}", monkeypatch)
     assert written("confirm", "paper-table-3", *COARSE) == 3
-    assert "an earlier run has left it" in capsys.readouterr().err
+    assert "it is of an earlier run" in capsys.readouterr().err
 
 
 def test_solver_without_output_and_velocities_is_named_so(elsewhere, capsys, monkeypatch, tmp_path_factory):

@@ -147,8 +147,10 @@ def test_every_column_of_a_history_has_a_row():
 def test_every_column_of_a_run_has_a_row():
     from tailslap.result.columns import corner_columns, impact_columns
 
-    for scene, known in (("paper-table-3", corner_columns()), ("impact-mash-tl4-sut", impact_columns())):
-        history = tailslap.run(scene, {"plate.elements": [8, 2]}).history
+    axle = ["plate.elements=[8,2]", 'axle=[{position="2 m",friction=0.7}]']
+    scenes = {"paper-table-3": ["plate.elements=[8,2]"], "impact-mash-tl4-sut": axle}
+    for (scene, changes), known in zip(scenes.items(), (corner_columns(), impact_columns()), strict=True):
+        history = tailslap.run(scene, changes).history
         assert set(history) == set(known)
         assert [column.name for column in known.values() if not (column.meaning and column.unit)] == []
 
