@@ -8,6 +8,9 @@ from solver.rules import LENGTH, MASS, WIDTH
 
 REACTIONS = ("drag", "none", "signed")
 
+GRAVITY = 9.80665
+"""Standard gravity [m/s^2]."""
+
 
 @dataclass(frozen=True)
 class RectangularBody(Generic[V]):

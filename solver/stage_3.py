@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import Any, Generic
 
 from solver import rules
+from solver.body import GRAVITY
 from solver.conditions import Gate, Number, V, functions, number
-
-STANDARD_GRAVITY = 9.80665  # m/s^2
 
 
 @dataclass(frozen=True)
@@ -131,7 +130,7 @@ def olson_force(
     front_distance: Number,
     half_width: Number,
     deflection: Number = 0.0,
-    gravity: Number = STANDARD_GRAVITY,
+    gravity: Number = GRAVITY,
 ) -> OlsonForce[Any]:
     """Return the average lateral force by Olson's method.
 

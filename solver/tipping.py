@@ -27,10 +27,8 @@ import numpy as np
 from fem.laws.contact_forces import coulomb_force
 from machine_code.compiled import OnCompile, compile_once, compiled, ignore_compiling
 from solver import rules
+from solver.body import GRAVITY
 from solver.conditions import Array, Gate, Number, number, one
-
-GRAVITY = 9.80665
-"""Standard gravity [m/s^2]."""
 
 DAMPING_RATIO = 0.15
 """Assumed damping of the suspension in heave, relative to critical."""

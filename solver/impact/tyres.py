@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from fem.laws.contact_forces import side_force
 from machine_code.compiled import compiled, implements, optional
 from solver import rules
+from solver.body import GRAVITY
 from solver.conditions import Array, Gate
 from solver.impact.train import Train
-from solver.tipping import GRAVITY
 
 CORNERING = 6.0
 """C where it is not given; assumed, for a dual-tyred truck axle."""

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from solver import RigidBodyError, tipping
+from solver.body import GRAVITY
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact
-from solver.tipping import GRAVITY, TIPPED, RollingVehicle
+from solver.tipping import TIPPED, RollingVehicle
 
 MASS, CENTRE, INERTIA, TRACK, SPRING = 9979.0, 1.35, 9979.0 * 1.1**2, 1.85, 1.2e6
 B, WALL, WEIGHT = 0.5 * TRACK, 0.81, 9979.0 * 9.80665
