@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tailslap.case.impact import case as impact_case
 from tailslap.case.impact import checks, error, plan, report, run
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
@@ -216,10 +217,10 @@ def test_finer_meshes_of_a_tolerance_keep_the_chosen_lengths(monkeypatch):
 
     def coarse(self):
         asked.append(self)
-        return SimpleNamespace(fe_plan=self.plan(), with_tolerance=lambda *given: None)
+        error = 0.1 if len(asked) < 2 else 0.0
+        return SimpleNamespace(fe_plan=self.plan(), stated_error=error, with_tolerance=lambda *given: None)
 
-    monkeypatch.setattr(ImpactCase, "_run", coarse)
-    monkeypatch.setattr(ImpactCase, "stated_error", lambda self, outcome: 0.1 if len(asked) < 2 else 0.0)
+    monkeypatch.setattr(impact_case, "_run", coarse)
     case(**OPEN).run(tolerance=0.02)
     _, finer = asked
     assert (finer.scene.plate.elements, finer.scene.contact.patch_length) == ((24, 8), 1.22)
