@@ -122,19 +122,14 @@ def loading_force(crush, depth):
 
 @compiled
 def crush_force(crush, deepest, mean, compliance, depth):
-    """Return the normal force [N] of the step; depth: of `loading_depth`, where the force acts all the step."""
+    """Return the normal force [N] at the end of the step.
+
+    depth: of `loading_depth`, where the force acts all the step. On the line (deepest - d) / length = 1 - N / peak, and
+    d = mean - compliance N; a line without length drops at once.
+    """
     if depth > deepest:
         return loading_force(crush, depth)
     peak, _, length, _ = crush_line(crush, deepest)
-    return line_force(peak, length, deepest, mean, compliance)
-
-
-@compiled
-def line_force(peak, length, deepest, mean, compliance):
-    """Return the force [N] on the line of unloading, see `crush_line`.
-
-    (deepest - d) / length = 1 - N / peak, and d = mean - compliance N. A line without length drops at once.
-    """
     return peak * max(length - deepest + mean, 0.0) / (length + compliance * peak) if peak > 0.0 else 0.0
 
 

@@ -20,8 +20,8 @@ import numpy as np
 from fem.laws.contact_forces import (
     PointCrush,
     coulomb_force,
+    crush_force,
     crush_line,
-    line_force,
     loading_depth,
     loading_force,
 )
@@ -421,13 +421,10 @@ def _normal_force(point, free, inertia):
     crush, deepest, part = _crush(point), point[DEEPEST], point[PART]
     compliance, mean = 0.5 / inertia, 0.5 * (point[EARLIER] + free)
     depth = loading_depth(crush, mean, compliance, part)
-    peak, _, length, _ = crush_line(crush, deepest)
-    if length <= 0.0:
+    if _length(point) <= 0.0:
         most = part * loading_force(crush, max(depth, deepest))
         return min(max(inertia * (free - max(deepest, point[DEPTH])), 0.0), most)
-    if depth > deepest:
-        return loading_force(crush, depth)
-    return line_force(peak, length, deepest, mean, compliance)
+    return crush_force(crush, deepest, mean, compliance, depth)
 
 
 @compiled
