@@ -33,7 +33,7 @@ from tailslap.scene.objects import named
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
 FUNCTIONS = (
     *("check", "compare", "confirm", "export", "load", "modal", "modes", "new", "paper", "rigid", "run"),
-    *("scenes", "study", "sweep"),
+    *("scenes", "study", "sweep", "validate"),
 )
 TIMES = {"setup_s", "time_loop_s", "pictures_s", "integration_s", "estimate_s", "seconds"}
 SECTIONS = ("Parameters", "Returns", "Raises", "Examples")
