@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.laws.contact_forces import side_force
+from fem.laws.wall_contact import pull_of
 from machine_code.compiled import compiled, implements, optional
 
 SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
@@ -76,15 +77,6 @@ def _axle_mean(values, axles, a, weights):
     return total
 
 
-@compiled
-def _axle_pull(force, mass, axles, a):
-    """Return the acceleration of the middle of an axle by nodal forces [m/s^2]."""
-    total = 0.0
-    for k in range(axles.first[a], axles.first[a + 1]):
-        total += axles.weights[k] * force[axles.nodes[k]] / mass[axles.nodes[k]]
-    return total
-
-
 @implements(steer, Axles)
 def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
     half = 0.5 * time_step
@@ -93,8 +85,8 @@ def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
         left_y = _axle_mean(positions[1], axles, a, axles.slopes)
         length = math.hypot(left_x, left_y)
         left_x, left_y = left_x / length, left_y / length
-        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * _axle_pull(force[0], mass, axles, a)
-        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * _axle_pull(force[1], mass, axles, a)
+        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * pull_of(force[0], mass, axles, a)
+        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * pull_of(force[1], mass, axles, a)
         ahead, across = u * left_y - v * left_x, u * left_x + v * left_y
         side = side_force(axles.load[a], axles.friction[a], axles.cornering[a], ahead, across)
         axle_state.force[0, a], axle_state.force[1, a] = side * left_x, side * left_y
@@ -109,8 +101,8 @@ def _add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums)
     half, positions, velocities = 0.5 * time_step, state.positions, state.velocities
     for a in range(axles.load.size):
         along, across = axle_state.force[0, a], axle_state.force[1, a]
-        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * _axle_pull(force[0], mass, axles, a)
-        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * _axle_pull(force[1], mass, axles, a)
+        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * pull_of(force[0], mass, axles, a)
+        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * pull_of(force[1], mass, axles, a)
         x = _axle_mean(positions[0], axles, a, axles.weights) + state.origin[0]
         y = _axle_mean(positions[1], axles, a, axles.weights)
         sums[0] += span * (along * u + across * v)
