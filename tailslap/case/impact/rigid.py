@@ -297,7 +297,7 @@ class RigidImpact(Case):
         if contact.unloading_stiffness is not None:
             given.append(f"unloading stiffness {self.quantity('contact.unloading_stiffness')}")
         if contact.rear is not None:
-            given.append("rear corners of their own")
+            given.append("different crush at the rear corners")
         if self.axles:
             given.append(f"tyres of {len(self.axles)} axles")
         return [*given, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
