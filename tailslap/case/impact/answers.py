@@ -185,8 +185,11 @@ def heavy(strikes: Sequence[Strike]) -> list[Strike]:
 
 
 def alike(strikes: Sequence[Strike], others: Sequence[Strike]) -> dict[int, Strike]:
-    """Strike of another model beside each, by its number from 1: in order for as long as the same corners strike, of
-    all strikes and of the heavy ones, for a corner that bounces may do so another number of times."""
+    """Return the corresponding strike of another model by number, from 1.
+
+    Strikes correspond in order for as long as the same corners strike, of all strikes and of the heavy ones, because
+    a corner that bounces may do so another number of times.
+    """
     found = {}
     for own, its in ((strikes, others), (heavy(strikes), heavy(others))):
         for one, other in zip(own, its, strict=False):

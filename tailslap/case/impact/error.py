@@ -58,9 +58,11 @@ def of_weight(differences: Mapping[str, float], strikes: Sequence[Strike]) -> di
 
 
 def judged_until(answer: ImpactAnswer) -> float:
-    """Instant [s] up to which another mesh is run: as far as a strike that is judged, or the largest, may be taken up
-    again, or its 50 ms mean reaches; to the end where there is a single strike, and of a train, whose hinges may bear
-    their largest force there."""
+    """Return the instant up to which another mesh is run [s].
+
+    A judged or the largest strike may be resumed until then, and its 50 ms mean reaches as far. It is the end for a
+    single strike, and for a train, whose hinges may have their largest force there.
+    """
     end, strikes = float(answer.history["t"][-1]), answer.strikes
     if len(weighed(strikes)) < 2 or answer.units > 1:
         return end
