@@ -222,9 +222,10 @@ class ElasticWall(NamedTuple):
 
 
 class WallMotion(NamedTuple):
-    """Motion of the deformable wall: amplitude [m kg^(1/2)], rate half a step back, and force, workspace, each of
-    shape (modes,); impulse of the foundation on the wall [N s], shape (2,); how far beyond its end it was pressed
-    [m], shape (1,).
+    """Motion of the deformable wall.
+
+    amplitude [m kg^(1/2)], rate half a step back, and force, workspace, each of shape (modes,); impulse of the
+    foundation on the wall [N s], shape (2,); distance beyond its end at which it was pressed [m], shape (1,).
     """
 
     amplitude: np.ndarray

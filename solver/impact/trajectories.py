@@ -41,9 +41,11 @@ MOST_ROWS = 1_000_000
 
 
 class Timing(NamedTuple):
-    """Times of n samples: step [s], its most parts, and steps a row, shape (n,); end [s], shape (n,), infinite where it
-    is open: then `after` [s] from the end of the second strike, or from the start and as soon as nothing can touch any
-    more; and when no strike is in progress.
+    """Steps and ends of n samples.
+
+    step [s], its number of parts, and steps per row, shape (n,). end [s], shape (n,): infinite for an open end, which
+    is `after` [s] behind the end of the second strike, or behind the start as soon as contact is impossible, and at
+    which no strike is in progress.
 
     phase: part of a step in radians of the oscillation on the law, times `pace`, shape (n,), step over the one that the
     tolerance asks for; rate: of the stiffest oscillation [1/s], shape (n,). longest: latest open end [s]; most: steps
