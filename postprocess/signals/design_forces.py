@@ -3,12 +3,24 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from postprocess.units import KIP
+from postprocess.units import FOOT, INCH, KIP
 
-AASHTO = "AASHTO LRFD Bridge Design Specifications, Table A13.2-1; later editions not checked"
+AASHTO = (
+    "AASHTO LRFD Bridge Design Specifications, Table A13.2-1: vehicles of NCHRP Report 350, lighter than those of "
+    "MASH; later editions not checked"
+)
+REPORT_350 = "AASHTO (Report 350)"
+"""Name of AASHTO's loads, whose TL-4 truck has 18 000 lb."""
 
-LRFD = {"TL-1": 13.5, "TL-2": 27.0, "TL-3": 54.0, "TL-4": 54.0, "TL-5": 124.0, "TL-6": 175.0}
-"""AASHTO's transverse forces by test level [kip]."""
+LRFD: dict[str, dict[str, float]] = {
+    "TL-1": {"lateral": 13.5, "longitudinal": 4.5, "length": 4.0},
+    "TL-2": {"lateral": 27.0, "longitudinal": 9.0, "length": 4.0},
+    "TL-3": {"lateral": 54.0, "longitudinal": 18.0, "vertical": 4.5, "height": 24.0, "length": 4.0},
+    "TL-4": {"lateral": 54.0, "longitudinal": 18.0, "vertical": 18.0, "height": 32.0, "length": 3.5},
+    "TL-5": {"lateral": 124.0, "longitudinal": 41.0, "vertical": 80.0, "height": 42.0, "length": 8.0},
+    "TL-6": {"lateral": 175.0, "longitudinal": 58.0, "vertical": 80.0, "height": 56.0, "length": 8.0},
+}
+"""AASHTO's design loads by test level [kip], their height above the road [in] and length [ft]."""
 
 TTI = (
     "Sheikh, Bligh and Menges, Determination of minimum height and lateral design load for MASH test level 4 "
@@ -18,44 +30,53 @@ TTI = (
 UNCONFIRMED = "attributed to NCHRP Project 22-20(2); not verified against the project report"
 
 
-TALLER = {
+MASH = {
+    "TL-3": (("MASH", 71.0, UNCONFIRMED),),
     "TL-4": (
-        ("MASH, TTI", 80.0, TTI),  # for rails of 36 in. or higher
-        ("MASH, 4.5 g", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
+        ("MASH (TTI)", 80.0, TTI),  # for rails of 36 in. or higher
+        ("MASH (4.5 g)", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
     ),
     "TL-5": (
-        ("42 in wall", 160.0, UNCONFIRMED),
+        ("MASH, 42 in wall", 160.0, UNCONFIRMED),
         ("Manitoba, 1250 mm wall", 845e3 / KIP, "Design of the Manitoba tall wall, tac-atc.ca"),
-        ("taller wall", 262.0, UNCONFIRMED),
+        ("MASH, taller wall", 262.0, UNCONFIRMED),
     ),
     "TL-6": (("MwRSF, 62 in wall", 300.0, "MASH TL-6 evaluation, rosap.ntl.bts.gov/view/dot/77847"),),
 }
-"""Further forces by test level: name, force [kip] and source."""
+"""Lateral design loads for the vehicles of MASH by test level: name, force [kip] and source."""
 
 
 @dataclass(frozen=True)
 class DesignForce:
-    """Transverse force on a railing and its source.
+    """Design load of a railing and its source.
 
-    kip: as published [kip].
+    kip: lateral force as published [kip]. longitudinal, vertical: forces [N]. height: above the road [m]. length: [m].
+    None where not published.
     """
 
     name: str
     kip: float
     source: str
+    longitudinal: float | None = None
+    vertical: float | None = None
+    height: float | None = None
+    length: float | None = None
 
     @property
     def force(self) -> float:
-        """Transverse force [N]."""
+        """Lateral force [N]."""
         return self.kip * KIP
 
 
 def design_forces(test_level: str) -> Sequence[DesignForce]:
-    """Return the design forces of a test level, AASHTO's first.
+    """Return the design loads of a test level, those of MASH first.
 
     test_level: "TL-1" to "TL-6", otherwise ValueError.
     """
     if test_level not in LRFD:
         raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LRFD)}")
-    rows = (("AASHTO LRFD", LRFD[test_level], AASHTO), *TALLER.get(test_level, ()))
-    return [DesignForce(*row) for row in rows]
+    units = {"longitudinal": KIP, "vertical": KIP, "height": INCH, "length": FOOT}
+    load = LRFD[test_level]
+    others = {name: load[name] * unit for name, unit in units.items() if name in load}
+    mash = [DesignForce(*row) for row in MASH.get(test_level, ())]
+    return [*mash, DesignForce(REPORT_350, load["lateral"], AASHTO, **others)]

@@ -41,6 +41,9 @@ LOADING, UPRIGHT = 2.0, 0.25
 SHORTEST = 1e-3
 """A corner that is off the wall for less is still in its strike [s]."""
 
+LEANING = 0.1
+"""Force of the wall over the largest, up to which a vehicle with tyres merely leans on it."""
+
 LIGHT = 5e-3
 """Impulse over that of the strike up to which touches of a corner that comes back do not prolong it: whether there are
 such touches at all is a matter of micrometres, and so of the step."""
@@ -172,6 +175,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
     finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
     part, taken, h = 0, parts, whole
+    loaded, largest = 0.0, 0.0
     motion[2] -= 0.5 * h * work.load
     start_tyres(tyres, i, work.masses, work.load, motion, h)
     for k in range(clock.most):
@@ -194,9 +198,14 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
                 points, work.whose, motion, pressed, work.groups, strikes, number, last, h, t, k, left
             )
         if np.isnan(reached) and not end < np.inf:
+            force, is_young = _pressing(work.groups, k, t - clock.after)
+            largest = max(largest, force)
+            if is_young or force > LEANING * largest or not has_tyres(tyres):
+                loaded = t
             open_end = _open_end(
                 t,
                 k,
+                loaded,
                 number,
                 touching,
                 motion,
@@ -206,7 +215,8 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
                 clock.after,
                 has_tyres(tyres),
             )
-            finish = min(max(open_end, _all_over(work.groups, k)), clock.longest)
+            leaning = loaded + clock.after if loaded < t else np.inf
+            finish = min(max(open_end, _all_over(work.groups, k, leaning)), clock.longest)
         if np.isnan(reached) and finish < t + h:
             _leave(kick, h, finish - t, motion, state)
             _name_cut(work.groups, k, finish, strikes)
@@ -508,20 +518,26 @@ def _mean_speeds(point, motion, j):
 
 
 @compiled
-def _open_end(t, k, number, touching, motion, reach, groups, strikes, after, steered):
+def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, after, steered):
     """Return the end of the motion [s], as far as it can be said now; infinite while nothing can.
 
+    loaded: last instant at which the vehicle did more than lean on the wall, where its tyres may hold it for seconds.
     steered: with tyres a vehicle that heads for the wall will come back to it.
     """
     last = groups[4 * reach.size - 3]  # of a train the rear of its last unit
     if reach.size > 1 and number >= 2 and last[SLOT] >= 0.0:
-        return np.inf if last[STAMP] == k else last[LAST] + after
+        if last[STAMP] != k:
+            return last[LAST] + after
+        return loaded + after if loaded < t else np.inf
     if reach.size == 1 and number >= 2:
+        end = 0.0
         for s in range(2):
             group = groups[int(strikes[s, 0])]
-            if group[STAMP] == k and group[SLOT] == s:
+            pressed = group[STAMP] == k and group[SLOT] == s
+            if pressed and not loaded < t:
                 return np.inf
-        return max(strikes[0, 2], strikes[1, 2]) + after
+            end = max(end, loaded if pressed else strikes[s, 2])
+        return end + after
     end = max(after, t)
     for u in range(reach.size):
         v = motion[2, 3 * u + 1]
@@ -532,12 +548,23 @@ def _open_end(t, k, number, touching, motion, reach, groups, strikes, after, ste
 
 
 @compiled
-def _all_over(groups, k):
-    """Instant [s] from which all strikes are over; infinite while a corner is pressed on."""
+def _pressing(groups, k, recent):
+    """Return the normal force of the wall in this step [N], and whether a strike in progress began after `recent`."""
+    force, is_young = 0.0, False
+    for group in groups:
+        if group[STAMP] == k:
+            force += group[FORCE]
+            is_young = is_young or group[FIRST] > recent
+    return force, is_young
+
+
+@compiled
+def _all_over(groups, k, pressed):
+    """Return the instant [s] from which all strikes are over; that of corners in contact is `pressed`."""
     latest = 0.0
     for group in groups:
         if group[SLOT] >= 0.0:
-            latest = max(latest, np.inf if group[STAMP] == k else over_from(group[FIRST], group[LAST]))
+            latest = max(latest, pressed if group[STAMP] == k else over_from(group[FIRST], group[LAST]))
     return latest
 
 

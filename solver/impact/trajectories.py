@@ -85,8 +85,9 @@ class Trajectories(NamedTuple):
     step : ndarray, shape (n,)
         [s].
     error : ndarray, shape (n,)
-        Largest relative change of the first two peaks, impulses and durations, of trains of all strikes of weight, and
-        of the spin at the end, against twice the step; that of durations times tolerance over `DURATIONS`, if less.
+        Largest relative change of the first two peaks, impulses and durations, with hinges or tyres of all strikes of
+        weight, and of the spin at the end, against twice the step; that of durations times tolerance over `DURATIONS`,
+        if less.
     """
 
     end: Array
@@ -155,7 +156,8 @@ def solve_trains(
     latest = longest if end is None else end
     rate, turning = _rates(train, state)
     h = PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
-    varies = step is None and len(train.hitch) > 0
+    many_strikes = len(train.hitch) > 0 or tyres is not None
+    varies = step is None and many_strikes
     if varies:
         h = np.minimum(TURN_OF_PARTS * math.sqrt(tolerance) / turning, 0.5 * SHORTEST)
     if step is not None:
@@ -194,7 +196,7 @@ def solve_trains(
     more = np.where(upright.any(axis=0) & varies, OF_UPRIGHT, 1.0)
     found = run(chosen, h.copy(), interval)
     weight = tolerance / max(tolerance, DURATIONS)
-    error = more * _difference(found, run(chosen, 2.0 * h, None), turning, weight)
+    error = more * _difference(found, run(chosen, 2.0 * h, None), turning, weight, many_strikes)
     while True:
         settled |= (error <= tolerance * h / found.step) | ~(2.0 * found.end <= most * found.step)
         chosen = np.flatnonzero(~settled)
@@ -205,7 +207,7 @@ def solve_trains(
         if settled[chosen].any():
             finer, chosen = _samples(finer, ~settled[chosen]), chosen[~settled[chosen]]
         coarse = _samples(found._replace(rows=found.end), chosen)  # rows are large
-        error[chosen] = more[chosen] * _difference(finer, coarse, turning[chosen], weight)
+        error[chosen] = more[chosen] * _difference(finer, coarse, turning[chosen], weight, many_strikes)
         found = _replaced(found, chosen, finer)
     bad = ~(error <= max(REFUSED, 10.0 * tolerance))
     if bad.any() and step is None:
@@ -253,11 +255,16 @@ WEIGHT = 0.05
 """Impulse of a strike of weight, over the largest of its train."""
 
 
-def _difference(fine: Trajectories, coarse: Trajectories, turning: Array, weight: float) -> Array:
-    """Largest change, of spin against its own and a tenth of speed over size, of durations times the weight; infinite
-    where strikes differ, or anything is not finite."""
+def _difference(
+    fine: Trajectories, coarse: Trajectories, turning: Array, weight: float, many_strikes: bool
+) -> Array:
+    """Return the largest change, infinite where strikes differ or anything is not finite.
+
+    Spin is relative to its own and a tenth of speed over size; that of durations is multiplied by the weight. With
+    many strikes all of weight count, otherwise the first two.
+    """
     spin, other = fine.state[..., 5], coarse.state[..., 5]
-    strikes = _changes if fine.state.shape[1] == 1 else _changes_of_trains
+    strikes = _changes_of_all if many_strikes else _changes
     with np.errstate(invalid="ignore", divide="ignore"):
         changes = strikes(_measures(fine, weight), _measures(coarse, weight))
         spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
@@ -283,7 +290,7 @@ def _changes(fine: Array, coarse: Array) -> Array:
     return np.where(same.all(axis=1), changes, math.inf)
 
 
-def _changes_of_trains(fine: Array, coarse: Array) -> Array:
+def _changes_of_all(fine: Array, coarse: Array) -> Array:
     """Largest change of all strikes of weight, each beside the one of the same corner that begins next to it, for
     others of no weight come and go between; shape (n,)."""
     apart = np.abs(fine[:, :, None, 1] - coarse[:, None, :, 1])

@@ -282,7 +282,7 @@ class Case(ABC):
         if not level:
             return ""
         first = design_forces(level)[0]
-        return f", {peak / first.force:.2g} times {first.name} {level} ({force(first.force)})"
+        return f", {peak / first.force:.2g} times {first.name}, {level} ({force(first.force)})"
 
     @abstractmethod
     def rigid_numbers(self) -> dict[str, Any]:

@@ -62,4 +62,5 @@ def force_tables(case: Any) -> dict[str, Table]:
         return {"Design forces": short(design_table(case, float(case.force.peak_force)))}
     answer = case.answer
     tables = {"Strikes": strikes_table({"rigid": answer.numbers()["strikes"]})}
-    return tables | {"Design forces": short(design_table(case, answer.peaks["mean_50ms"]))}
+    longitudinal = float(answer.longitudinal["mean_50ms"].max())
+    return tables | {"Design forces": short(design_table(case, answer.peaks["mean_50ms"], longitudinal))}

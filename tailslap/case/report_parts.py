@@ -22,11 +22,15 @@ PEAKS = (
     Column("rigid", "Rigid", "N", form="#.4g", style="strong"),
 )
 DESIGN = (
-    Column("name", "Design force", style="whole"),
+    Column("name", "Design load", style="whole"),
     Column("force", "Lateral", "N", form="#.4g", style="strong"),
     Column("ratio", "Ratio", form=".2f"),
+    Column("longitudinal", "Along", "N", form="#.3g"),
+    Column("vertical", "Vertical", "N", form="#.3g"),
+    *columns({"height": "Height", "length": "Length"}, "m", form=".2f"),
     Column("source", "Source", style="soft"),
 )
+OUTSIDE_THE_PLANE = "Height, length and vertical force of this impact are outside the planar model."
 CHECKS = (
     Column("name", "Check"),
     *columns({"value": "Value", "limit": "Limit"}, form=str),
@@ -109,16 +113,27 @@ def design_ratios(case: Case, lateral: float) -> list[dict[str, Any]]:
     """Return a lateral force [N] over each design force."""
     impact = case.scene.impact
     return [
-        {"name": name, "force": design.force, "ratio": lateral / design.force, "source": design.source}
+        {
+            **{"name": name, "force": design.force, "ratio": lateral / design.force, "source": design.source},
+            **{key: getattr(design, key) for key in ("longitudinal", "vertical", "height", "length")},
+        }
         for name, design in design_forces_of(impact.test_level if impact else None).items()
     ]
 
 
-def design_table(case: Case, lateral: float) -> Table:
-    """Return design forces and the ratios of a force [N]."""
-    name, force, ratio, source = DESIGN
+def design_table(case: Case, lateral: float, longitudinal: float | None = None) -> Table:
+    """Return a force [N] above the design loads of the test level."""
+    name, force, ratio, *others = DESIGN
     ratio = replace(ratio, label=f"{case.force_name} / design")
-    return Table((name, force, ratio, source), design_ratios(case, lateral))
+    computed = dict.fromkeys(column.key for column in DESIGN) | {
+        "name": f"This impact, {case.force_name[0].lower()}{case.force_name[1:]}",
+        "force": lateral,
+        "longitudinal": longitudinal,
+    }
+    loads = design_ratios(case, lateral)
+    return Table(
+        (name, force, ratio, *others), [computed, *loads] if loads else [], notes=(OUTSIDE_THE_PLANE,)
+    )
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from pathlib import Path
@@ -111,7 +112,7 @@ class ImpactReport(FeReport):
     def tables(self) -> list[Table]:
         """Forces, strikes, errors and hinges."""
         outcome = self.outcome
-        design = design_table(outcome.fe_plan.case, outcome.lateral_force)
+        design = _design_table(outcome)
         return [
             *(peak_table(outcome), short(design), _strikes(outcome)),
             *(errors_table(outcome), hinges_table(outcome)),
@@ -147,11 +148,16 @@ def headline(outcome: run.ImpactOutcome) -> Headline:
 
 def _certainty(outcome: run.ImpactOutcome) -> str:
     heavy = error.of_weight(outcome.difference, outcome.fe.strikes)
-    impulses = [abs(value) for key, value in heavy.items() if key.endswith("impulse")]
+    changes = {name: _largest(heavy, name) for name in ("impulse", "duration", "peak_force")}
     of = f" of strikes above {100 * WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
     what = "Flexibility of vehicle and wall" if outcome.fe_plan.case.scene.wall else "Vehicle flexibility"
-    text = f"{what} changes the impulses{of} by at most {percent_up(max(impulses, default=math.nan))}"
-    if not impulses:
+    mean = abs(outcome.fe.peaks["mean_50ms"] / outcome.rigid.peaks["mean_50ms"] - 1.0) if heavy else math.nan
+    text = (
+        f"{what} changes the impulses{of} by at most {percent_up(changes['impulse'])}, durations by "
+        f"{percent_up(changes['duration'])}, peak forces by {percent_up(changes['peak_force'])}, the largest 50 ms "
+        f"mean by {percent_up(mean)}"
+    )
+    if not heavy:
         text = "Plate and rigid vehicle do not strike in the same order"
     stated = (
         f"at most {percent_up(max(outcome.stated_errors.values()))}"
@@ -159,6 +165,12 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
         else "not estimated"
     )
     return f"{text}; discretisation error {stated}."
+
+
+def _largest(differences: Mapping[str, float], name: str) -> float:
+    """Return the largest difference of a quantity of the strikes, NaN without any."""
+    values = [abs(value) for key, value in differences.items() if key.endswith(name)]
+    return max(values, default=math.nan)
 
 
 def _uncertain(outcome: run.ImpactOutcome) -> str:
@@ -232,9 +244,15 @@ def durations_table(answer: ImpactAnswer) -> Table:
     return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
 
 
+def _design_table(outcome: run.ImpactOutcome) -> Table:
+    """Return the 50 ms means of the plate's force above the design loads."""
+    longitudinal = float(outcome.fe.longitudinal["mean_50ms"].max())
+    return design_table(outcome.fe_plan.case, outcome.lateral_force, longitudinal)
+
+
 def _sections(outcome: run.ImpactOutcome) -> list[Section]:
-    design = design_table(outcome.fe_plan.case, outcome.lateral_force)
-    levels = {row["name"]: row["force"] for row in design.rows}
+    design = _design_table(outcome)
+    levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
     positions = figures.position_strip(outcome.fe, outcome.fe_plan.case.motion.vehicles)
     return [

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.plate.properties import ModelError
-from solver.impact import ImpactMotion
+from solver.impact import ImpactMotion, Strike
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method, tipping_of
@@ -115,6 +115,10 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
 
     scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end
     end = scene.time.end if end is None else end
+    leaning = {strike.corner for strike in fe_plan.case.motion.strikes if strike.cut}
+
+    def in_progress(strike: Strike) -> bool:
+        return strike.cut and strike.corner not in leaning
 
     def finished(run: ImpactRun) -> bool:
         now = float(run.history["t"][-1])
@@ -122,9 +126,11 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
             return False
         answer = _answer(fe_plan, run)
         last = answers.last_awaited(answer.strikes, answer.units)
-        if now < (last.end + fe_plan.case.after_second if last else BEYOND * until) or answer.cut:
+        leans = last is not None and last.cut and not in_progress(last)
+        awaited = (last.end + fe_plan.case.after_second) if last else BEYOND * until
+        if (now < awaited and not leans) or any(map(in_progress, answer.strikes)):
             return False
-        return not any(strike.cut for strike in rigid_motion(fe_plan.case, now).strikes)
+        return not any(map(in_progress, rigid_motion(fe_plan.case, now).strikes))
 
     try:
         with progress_bar(f"{scene.name}: steps", fe_plan.expected_steps) as progress:

@@ -1,9 +1,10 @@
 """Ranges of uncertain inputs of both kinds of case."""
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from tailslap.campaign.input_ranges import ASSUMED, Range, about, default_limits, ranges_of
+from tailslap.campaign.input_ranges import ASSUMED, Limits, Range, about, default_limits, ranges_of
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Missing
@@ -17,6 +18,19 @@ FROM_LENGTH = "± 5 % of the length, assumed"
 
 HITCH = 0.3
 """Half the default range of a hitch [m]."""
+
+TYRES: Limits = (0.5, 0.8, ASSUMED)
+"""Default range of the friction of tyres."""
+
+CRUSH: dict[str, Callable[[float], Limits]] = {
+    "stiffness": lambda value: about(value, 0.5 * value, "± 50 %, assumed"),
+    "plateau_force": lambda value: about(
+        value, 3.0 / 7.0 * value, "± 43 %, assumed: 200 to 500 kN of 350 kN"
+    ),
+    "restitution": lambda value: (0.1, 0.35, "assumed; 0.22: the paper"),
+    "unloading_stiffness": lambda value: about(value, 0.5 * value, "± 50 %, assumed"),
+}
+"""Default range of each crush parameter of a corner from its value in the scene."""
 
 
 def corner_ranges(
@@ -67,37 +81,54 @@ def impact_ranges(
     By default, they are the tolerances of MASH, and assumed where it has none. Raises InputError for an invalid range
     or key.
     """
-    nominal, defaults = case.inputs, default_limits(case.scene)
-    stiffness, mass, length = (
-        nominal[key] for key in ("contact.stiffness", "vehicle.mass", "vehicle.length")
-    )
-    mass_limits = about(mass, 0.05 * mass, "± 5 %, assumed")
-    limits = {
-        "contact.stiffness": about(stiffness, 0.5 * stiffness, "± 50 %, assumed"),
-        "contact.restitution": (0.0, 0.4, ASSUMED),
-        "contact.friction": (0.3, 0.6, ASSUMED),
-        "vehicle.mass": defaults.get("vehicle.mass", mass_limits),
-        "impact.speed": defaults["impact.speed"],
-        "impact.angle": defaults["impact.angle"],
-        "vehicle.centre_of_mass": (0.45 * length, 0.55 * length, FROM_LENGTH),
-    }
-    if case.scene.vehicle.centre_of_mass is not None:
-        centre = nominal["vehicle.centre_of_mass"]
-        limits["vehicle.centre_of_mass"] = about(centre, 0.05 * length, FROM_LENGTH)
-    for number, (ahead, unit) in enumerate(zip(case.scene.units, case.trailers, strict=False)):
-        key, body = f"trailer.{number}.", unit.vehicle
-        crush, centre = unit.contact.crush.stiffness, body.front_distance
-        ends = max(0.0, unit.hitch - HITCH), min(ahead.length, unit.hitch + HITCH)
-        limits |= {
-            f"{key}stiffness": about(crush, 0.5 * crush, "± 50 %, assumed"),
-            f"{key}centre_of_mass": about(centre, 0.05 * body.length, FROM_LENGTH),
-            f"{key}yaw_inertia": about(body.inertia, 0.2 * body.inertia, "± 20 %, assumed"),
-            f"{key}hitch": (*ends, f"± {HITCH:g} m, assumed"),
-        }
-    varied = ranges_of(case, case.arguments, limits, ranges, fixed)
+    nominal = _nominal(case)
+    varied = ranges_of(case, tuple(nominal), _impact_limits(case, nominal), ranges, fixed)
     for item in varied:
         if item.key == "impact.angle" and not 0.0 < item.lower < item.upper < 0.5 * math.pi:
             raise InputError(
                 item.key, f"{item.lower}:{item.upper}", "allowed are angles above 0 and below 90 deg"
             )
     return tuple(replace(item, given=nominal[item.key]) for item in varied)
+
+
+def _nominal(case: ImpactCase) -> dict[str, float]:
+    """Return the scene's value of every input, also of the rear corners and the yaw inertia [SI]."""
+    values = case.inputs | {"vehicle.yaw_inertia": case.vehicle.inertia}
+    for table in ("contact", *(f"trailer.{number}" for number in range(len(case.trailers)))):
+        ahead = {key: values[f"{table}.{key}"] for key in CRUSH if f"{table}.{key}" in values}
+        values = {f"{table}.rear.{key}": value for key, value in ahead.items()} | values
+    return values
+
+
+def _impact_limits(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, Limits]:
+    """Return the default range of each input."""
+    defaults, scene = default_limits(case.scene), case.scene
+    limits = {key: CRUSH[name](nominal[key]) for key in nominal if (name := key.rpartition(".")[2]) in CRUSH}
+    limits |= {key: TYRES for key in nominal if key.startswith("axle.") and key.endswith(".friction")}
+    mass, length = nominal["vehicle.mass"], nominal["vehicle.length"]
+    limits |= {
+        "contact.friction": (0.2, 0.5, "assumed; 0.2: FHWA/NTRCI model of TL5CMB-2, 0.47: the paper"),
+        "vehicle.mass": defaults.get("vehicle.mass", about(mass, 0.05 * mass, "± 5 %, assumed")),
+        "vehicle.yaw_inertia": _about_inertia(case.vehicle.inertia),
+        "impact.speed": defaults["impact.speed"],
+        "impact.angle": defaults["impact.angle"],
+        "vehicle.centre_of_mass": (0.45 * length, 0.55 * length, FROM_LENGTH),
+    }
+    if scene.vehicle.centre_of_mass is not None:
+        limits["vehicle.centre_of_mass"] = about(
+            nominal["vehicle.centre_of_mass"], 0.05 * length, FROM_LENGTH
+        )
+    for number, (ahead, unit) in enumerate(zip(scene.units, case.trailers, strict=False)):
+        key, body = f"trailer.{number}.", unit.vehicle
+        ends = max(0.0, unit.hitch - HITCH), min(ahead.length, unit.hitch + HITCH)
+        limits |= {
+            f"{key}centre_of_mass": about(body.front_distance, 0.05 * body.length, FROM_LENGTH),
+            f"{key}yaw_inertia": _about_inertia(body.inertia),
+            f"{key}hitch": (*ends, f"± {HITCH:g} m, assumed"),
+        }
+    return limits
+
+
+def _about_inertia(inertia: float) -> Limits:
+    """Return the default range of a yaw inertia."""
+    return about(inertia, 0.2 * inertia, "± 20 %, assumed")
