@@ -77,7 +77,7 @@ def multiply_add_rate(threads: int = 1) -> float:
 
 def flops_per_update(stepper: Stepper) -> float:
     """Additions and multiplications an element and step; see above."""
-    table, nodes = stepper.loop.table, len(stepper.loop.table.per_element)
+    table, nodes = stepper.parameters.table, len(stepper.parameters.table.per_element)
     element = len(table.weights) * (16 * (nodes - 1) + 31) + 4 * (nodes - 1) + 2 * nodes
     if table.mapping is not None and len(table.mapping.gradients[0]) == 2:
         element += len(table.weights) * (96 - 16 * (nodes - 1) - 31) + 2 * (nodes - 1) + 12
@@ -88,7 +88,7 @@ def flops_per_update(stepper: Stepper) -> float:
 
 def bytes_per_update(stepper: Stepper) -> float:
     """Bytes an element and step; see above."""
-    table, nodes = stepper.loop.table, len(stepper.loop.table.per_element)
+    table, nodes = stepper.parameters.table, len(stepper.parameters.table.per_element)
     moved = 152 * _nodes_per_element(stepper)
     if stepper._scratch.lattice is None:
         moved += 4 * nodes
@@ -98,7 +98,7 @@ def bytes_per_update(stepper: Stepper) -> float:
 
 
 def _nodes_per_element(stepper: Stepper) -> float:
-    return float(stepper.loop.mass.size / stepper.loop.table.connectivity.shape[1])
+    return float(stepper.parameters.mass.size / stepper.parameters.table.connectivity.shape[1])
 
 
 def multiply_adds(stepper: Stepper) -> tuple[int, int]:
@@ -108,10 +108,10 @@ def multiply_adds(stepper: Stepper) -> tuple[int, int]:
     scalar twin, for arrays that overlap; the twin is never taken.
     """
     dispatcher = subtract_internal_forces.dispatcher
-    loop, positions = stepper.loop, stepper.model.discretisation.positions
-    parts: tuple[Any, ...] = (loop.viscosity, loop.hourglass, np.zeros_like(positions))
+    parameters, positions = stepper.parameters, stepper.model.discretisation.positions
+    parts: tuple[Any, ...] = (parameters.viscosity, parameters.hourglass, np.zeros_like(positions))
     scratch = stepper._scratch
-    given = (positions, np.zeros_like(positions), *parts, loop.table, loop.material, scratch)
+    given = (positions, np.zeros_like(positions), *parts, parameters.table, parameters.material, scratch)
     dispatcher.compile(tuple(map(numba.typeof, given)))
     found = MULTIPLY_ADD.findall("\n".join(dispatcher.inspect_asm().values()))
     packed = sum(kind == "p" and ("ymm" in operands or "zmm" in operands) for kind, operands in found)

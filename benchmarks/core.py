@@ -87,8 +87,8 @@ def conservation() -> None:
 
 def runaway(fe_plan: CornerPlan, factor: float) -> bool:
     """Whether a disturbed plate runs away at this multiple of the stable step within 20 000 steps."""
-    loop = fe_plan.model.loop._replace(time_step=factor * fe_plan.model.stable_time_step)
-    stepper = Stepper(type(fe_plan.model)(**{**fe_plan.model.__dict__, "loop": loop}))
+    parameters = fe_plan.model.parameters._replace(time_step=factor * fe_plan.model.stable_time_step)
+    stepper = Stepper(type(fe_plan.model)(**{**fe_plan.model.__dict__, "parameters": parameters}))
     state = stepper.advance(stepper.start(fe_plan.start, "unstressed"), 20_000)
     return not np.abs(state.velocities).max() < 1e3
 
@@ -100,7 +100,7 @@ def steps() -> None:
     while high - low > 1e-3:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if runaway(fe_plan, middle) else (middle, high)
-    taken = fe_plan.model.loop.time_step / fe_plan.model.stable_time_step
+    taken = fe_plan.model.parameters.time_step / fe_plan.model.stable_time_step
     row(
         "steps taken over the fewest that are stable (bisected)",
         f"{1 / 0.9:.3f}",
@@ -136,7 +136,8 @@ def elements() -> None:
     ):
         result = outcome("paper-table-3", *changes)
         seconds = best_loop(result)
-        updates = result.run.steps * result.fe_plan.model.loop.table.connectivity.shape[1] / seconds / 1e6
+        table = result.fe_plan.model.parameters.table
+        updates = result.run.steps * table.connectivity.shape[1] / seconds / 1e6
         print(
             f"{', '.join(changes):<44}{worst(result):>11.1e}{result.fe_plan.deflection_ratio:>10.2e}"
             f"{result.run.steps:>8}{seconds:>10.3f}{updates:>13.1f}",

@@ -131,20 +131,22 @@ class BareParameters(NamedTuple):
     time_step: float
 
 
-def bare_parameters(loop: LoopParameters) -> BareParameters:
+def bare_parameters(parameters: LoopParameters) -> BareParameters:
     """The same model without the parts that a bare loop has no code for; ValueError if it has one of them."""
-    parts = (loop.friction, loop.viscosity, loop.hourglass, loop.elastic_damping)
-    if any(part is not None for part in parts) or loop.corner.nodes.size > 1:
+    parts = (parameters.friction, parameters.viscosity, parameters.hourglass, parameters.elastic_damping)
+    if any(part is not None for part in parts) or parameters.corner.nodes.size > 1:
         raise ValueError("the bare loop has no code for a part of this model")
-    if not isinstance(loop.corner.constraint, Penalty) or loop.corner.dashpot:
+    if not isinstance(parameters.corner.constraint, Penalty) or parameters.corner.dashpot:
         raise ValueError("the bare loop has a penalty spring and no other constraint")
-    node, stiffness = int(loop.corner.nodes[0]), float(loop.corner.stiffness)
-    return BareParameters(_stored(loop.table), loop.material, loop.mass, node, stiffness, loop.time_step)
+    node, stiffness = int(parameters.corner.nodes[0]), float(parameters.corner.stiffness)
+    return BareParameters(
+        _stored(parameters.table), parameters.material, parameters.mass, node, stiffness, parameters.time_step
+    )
 
 
-def bare_scratch(loop: LoopParameters) -> Scratch:
+def bare_scratch(parameters: LoopParameters) -> Scratch:
     """Its workspace."""
-    return scratch_for(_stored(loop.table))
+    return scratch_for(_stored(parameters.table))
 
 
 def _stored(table: ElementTable) -> ElementTable:
@@ -221,22 +223,22 @@ def _gradient(others: Any, rows: Any, gradients: Any, slot: Any) -> Any:
 def workspace(fe_plan: CornerPlan) -> tuple[State, Floats, Any]:
     """State at t = 0, forces and scratch of its own: where they lie in memory is then chance, turn by turn."""
     state = copy_state(Stepper(fe_plan.model).start(fe_plan.start, fe_plan.plate.start))
-    loop = fe_plan.model.loop
-    return state, np.zeros_like(state.positions), scratch_for(loop.table, loop.hourglass)
+    parameters = fe_plan.model.parameters
+    return state, np.zeros_like(state.positions), scratch_for(parameters.table, parameters.hourglass)
 
 
 def run_program(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """Return the seconds of the steps of the program's loop and the final positions."""
-    (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
-    arguments = (state, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
+    (state, force, scratch), parameters = workspace(fe_plan), fe_plan.model.parameters
+    arguments = (state, steps, parameters, parameters.viscosity, parameters.hourglass, force, scratch)
     spent = seconds(lambda: advance(*arguments))
     return spent, state.positions + np.array([[state.origin[0]], [0.0]])
 
 
 def run_bare(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """The bare loop on the same model."""
-    (state, force, _), loop = workspace(fe_plan), fe_plan.model.loop
-    arguments = (steps, bare_parameters(loop), force, bare_scratch(loop))
+    (state, force, _), parameters = workspace(fe_plan), fe_plan.model.parameters
+    arguments = (steps, bare_parameters(parameters), force, bare_scratch(parameters))
     return seconds(lambda: advance_bare(state.positions, state.velocities, *arguments)), state.positions
 
 
@@ -286,7 +288,7 @@ def time_loops(models: dict[str, CornerPlan], turns: int) -> dict[str, Floats]:
         best = min(run(model, TRIAL)[0] for _ in range(3))
         steps = int(np.clip(CHUNK_S * TRIAL / best, 1, MAX_STEPS))
         runs.append(lambda run=run, model=model, steps=steps: run(model, steps)[0])
-        updates.append(steps * model.model.loop.table.connectivity.shape[1])
+        updates.append(steps * model.model.parameters.table.connectivity.shape[1])
     times = 1e9 * take_turns(runs, turns) / np.array(updates)
     return dict(zip(loops, times.T, strict=True))
 
@@ -315,14 +317,16 @@ def count(assembly: str) -> MachineCode:
 
 def program_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the program's loop for this model."""
-    (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
-    return count(_assembly(advance, state, 0, loop, loop.viscosity, loop.hourglass, force, scratch))
+    (state, force, scratch), parameters = workspace(fe_plan), fe_plan.model.parameters
+    return count(
+        _assembly(advance, state, 0, parameters, parameters.viscosity, parameters.hourglass, force, scratch)
+    )
 
 
 def bare_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the bare loop for this model."""
-    (state, force, _), loop = workspace(fe_plan), fe_plan.model.loop
-    arguments = (0, bare_parameters(loop), force, bare_scratch(loop))
+    (state, force, _), parameters = workspace(fe_plan), fe_plan.model.parameters
+    arguments = (0, bare_parameters(parameters), force, bare_scratch(parameters))
     return count(_assembly(advance_bare, state.positions, state.velocities, *arguments))
 
 

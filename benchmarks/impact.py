@@ -49,7 +49,7 @@ def bar(elements: int, law: str, **plate: Any) -> Any:
 def bounce(elements: int, law: str, periods: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Instants over tau, force over rho c (v0 + g t), energy over the first; small strains."""
     model, gravity, tau = bar(elements, law), 1e-3, 1.0 / 3.0
-    step, stepper = model.loop.time_step, ImpactStepper(model)
+    step, stepper = model.parameters.time_step, ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(math.pi / 2.0, 0.0, 0.0))
     state.positions[1] += 5e-4
     instants: list[tuple[float, float]] = []
@@ -104,7 +104,7 @@ def striking_bars() -> Iterator[Row]:
             for elements in (50, 100, 200):
                 model = bar(elements, law, **plate)
                 touch = FirstTouch(math.pi / 2.0, 0.0, -speed)
-                run = simulate_impact(model, touch, model.loop.time_step, 3.0 * length / wave)
+                run = simulate_impact(model, touch, model.parameters.time_step, 3.0 * length / wave)
                 t, force = run.history["t"], run.history["force_normal"]
                 errors.append(t[force > 0.5 * force.max()][-1] * wave / (2.0 * length) - 1.0)
             area = plate.get("width", 10.0 / 200) * plate.get("thickness", 1.0)

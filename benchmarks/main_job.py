@@ -102,18 +102,18 @@ def exactness() -> None:
         state = stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed")
         positions = np.ascontiguousarray(to_global(angle) @ body + [[shift], [0.0]])
         positions[1] -= positions[
-            1, model.loop.corner.nodes[0]
+            1, model.parameters.corner.nodes[0]
         ]  # the corner on the wall: its spring is slack
         later = stepper.advance(
             state._replace(positions=positions, velocities=np.zeros_like(positions), sums=zero), 1
         )
-        forces.append(np.abs(later.velocities * model.loop.mass / model.loop.time_step).max())
+        forces.append(np.abs(later.velocities * model.parameters.mass / model.parameters.time_step).max())
     row(
         "rigid translation and rotation: largest force over E t L", "rounding", f"{max(forces) / 1.06e11:.1e}"
     )
     positions, velocities = start_fields(model, RigidStart(0.26, 0.707, 25.053), "unstressed")
-    energy = 0.5 * float((model.loop.mass * velocities**2).sum())
-    v_g = velocities @ model.loop.mass / model.mass
+    energy = 0.5 * float((model.parameters.mass * velocities**2).sum())
+    v_g = velocities @ model.parameters.mass / model.mass
     exact = 0.5 * model.mass * float(v_g @ v_g) + 0.5 * model.mass * (100.0 + 2.438**2) / 12 * 0.707**2
     row("kinetic energy of rigid motion, relative error", "exact", f"{abs(energy / exact - 1):.1e}")
 

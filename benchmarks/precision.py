@@ -39,7 +39,7 @@ def row(what: str, fe_plan: CornerPlan, result: Run) -> str:
     drift = np.abs(energy / energy[0] - 1.0).max()
     numbers = "".join(f"{value:>+12.1e}" for value in difference.values())
     swing = np.ptp(result.history["reaction_normal"])
-    updates = result.steps * fe_plan.model.loop.table.connectivity.shape[1] / result.time_loop_s
+    updates = result.steps * fe_plan.model.parameters.table.connectivity.shape[1] / result.time_loop_s
     return f"{what:<8}{numbers}{drift:>12.1e}{swing:>14.3g}{updates:>12.2g}"
 
 

@@ -41,7 +41,7 @@ from fem.start.inertia_relief import RigidStart
 from meshes import plate_mesh
 counts, steps = (int(sys.argv[1]), int(sys.argv[2])), int(sys.argv[3])
 model = static_model(plate_mesh(10.0, 2.438, counts), PlateProperties(0.053, 7800.0, 2e11, 0.3), CornerProperties())
-model = replace(model, loop=model.loop._replace(time_step=1e-9))
+model = replace(model, parameters=model.parameters._replace(time_step=1e-9))
 steppers = [Stepper(model, threads) for threads in (1, 2)]
 states = [stepper.start(RigidStart(0.26, 0.707, 25.053), "unstressed") for stepper in steppers]
 for _ in range(int(sys.argv[4]) + 1):

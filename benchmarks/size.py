@@ -80,7 +80,7 @@ def measure(elements: tuple[int, int]) -> None:
     stepper, start = Stepper(model), RigidStart(0.26, 0.707, 25.053)
     state = stepper.start(start, "unstressed")
     stepper.advance(state, 1)
-    step, steps = time_per_step(stepper, state), DURATION / model.loop.time_step
+    step, steps = time_per_step(stepper, state), DURATION / model.parameters.time_step
     tell(step_s=step, steps=steps, run_s=step * steps, memory_gib=peak())
     with stage("relief_s"):
         stepper.start(start, "inertia-relief")

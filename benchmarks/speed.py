@@ -71,7 +71,7 @@ def far_corner(count: int, distortion: float, time_step: float) -> list[float]:
     from fem.start.inertia_relief import RigidStart
 
     stepper = make_stepper(count, distortion, bare=True)
-    stepper.loop = stepper.loop._replace(time_step=time_step)
+    stepper.parameters = stepper.parameters._replace(time_step=time_step)
     state = stepper.advance(stepper.start(RigidStart(0.0, 0.707, 25.053), "unstressed"), CHECKED_STEPS)
     far = (stepper.model.discretisation.positions * [[-1.0], [1.0]]).sum(axis=0).argmax()
     return [float(value) for value in state.positions[:, far]]
@@ -120,7 +120,7 @@ def entries(interpreter: str | None, folder: Path) -> tuple[list[Entry], dict[An
             lines.append(entry)
             loops[entry.name, count] = stepper
             if interpreter and way != TWO_THREADS:
-                step, uneven = stepper.loop.time_step, way == UNEVEN
+                step, uneven = stepper.parameters.time_step, way == UNEVEN
                 codes = [code for code in COMPARED[count] if code.endswith(UNEVEN) == uneven]
                 lines += [other(code, count, interpreter, step, folder) for code in codes]
     return lines, loops

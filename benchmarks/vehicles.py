@@ -104,7 +104,7 @@ def judged(changes: tuple[str, ...]) -> Record:
         "beyond": beyond(outcome),
         "difference": largest(outcome.difference),
         "error": outcome.error.total,
-        "damped": outcome.fe_plan.model.loop.elastic_damping is not None,
+        "damped": outcome.fe_plan.model.parameters.elastic_damping is not None,
         "attempts": outcome.attempts,
         "values": outcome.fe,
         "reaction": float(ripple),

@@ -85,8 +85,8 @@ def modes_report(case: Case, count: int) -> Report:
             "youngs_modulus": plate.youngs_modulus,
             "first_frequency": modes[0]["frequency"],
             "mass": model.mass,
-            "elements": int(model.loop.table.connectivity.shape[1]),
-            "nodes": int(model.loop.mass.size),
+            "elements": int(model.parameters.table.connectivity.shape[1]),
+            "nodes": int(model.parameters.mass.size),
         },
     }
     return Report(page, summary, (table,))
@@ -118,7 +118,7 @@ def _modes_of(fe_plan: FePlan, count: int) -> tuple[FreeModes, list[Mode]]:
 
     Raises InputError for a number that the mesh does not allow.
     """
-    most = most_modes(fe_plan.model.loop.mass.size)
+    most = most_modes(fe_plan.model.parameters.mass.size)
     if not 1 <= count <= most:
         raise InputError("--count", count, f"allowed for this mesh are 1 to {most}")
     shapes = free_modes(fe_plan.model, count)
@@ -239,8 +239,8 @@ def _sentences(fe_plan: FePlan, frequencies: NDArray[np.float64], beam: beams.Be
     is_train = bool(fe_plan.case.scene.trailer)
     sentences = (
         f"Free {'hinged plates' if is_train else 'plate'} without wall and corner constraint: "
-        f"{model.loop.table.connectivity.shape[1]} elements ({plate.element}), {plate.lumping} masses. Frequencies of "
-        f"all {len(frequencies)} modes of rigid motion: {rigid} Hz. Error: {MESH_FACTOR:g} times the "
+        f"{model.parameters.table.connectivity.shape[1]} elements ({plate.element}), {plate.lumping} masses. "
+        f"Frequencies of all {len(frequencies)} modes of rigid motion: {rigid} Hz. Error: {MESH_FACTOR:g} times the "
         "change of the frequency on a mesh of twice as many elements in both directions, as geometric mean with the "
         "largest of the modes of its kind, 0.001 % at least.",
         "Kinds: more than half of the kinetic energy of longitudinal and transverse modes is symmetric about the "

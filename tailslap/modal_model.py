@@ -121,7 +121,7 @@ def modal_run(
 def _admit(fe_plan: CornerPlan, modes: int) -> None:
     """Raise InputError for unsupported features."""
     scene, plate = fe_plan.case.scene, fe_plan.plate
-    most = max(0, (most_modes(fe_plan.model.loop.mass.size) - MORE_MODES) // 2)
+    most = max(0, (most_modes(fe_plan.model.parameters.mass.size) - MORE_MODES) // 2)
     if not 0 <= modes <= most:
         raise InputError("--modes", modes, f"allowed for this mesh are 0 to {most}")
     if plate.start != "inertia-relief":

@@ -112,7 +112,7 @@ def make_meshes(is_large: bool, folder: Path) -> list[Mesh]:
 
 def make_mesh(elements: tuple[int, int], distortion: float, angle: float, folder: Path) -> Mesh:
     """A plate with our time step of the model that all run."""
-    time_step = make_model(elements, distortion, bare=True).loop.time_step
+    time_step = make_model(elements, distortion, bare=True).parameters.time_step
     plate = same_plate(elements, distortion, time_step, folder, angle)
     return Mesh(plate, distortion, of_rectangle(plate), of_row_sums(plate))
 

@@ -20,7 +20,7 @@ from fem.laws.wall_contact import (
     WallMotion,
     add_contact,
     approach,
-    held_by,
+    describe_wall,
     lost_energy,
     point_mean,
     push_back,
@@ -210,7 +210,7 @@ def record(state, parameters, viscosity, hourglass, reference, force, scratch, r
     theta, omega, v_x, v_y, kinetic, vibration, c_x, c_y = motion(
         positions, velocities, force, mass, time_step, reference
     )
-    wall_energy, deflection, place, foundation = held_by(wall, wall_motion, half_step)
+    wall_energy, deflection, place, foundation = describe_wall(wall, wall_motion, half_step)
     strain_energy, hourglass_energy = elastic_energies(positions, parameters, hourglass)
     return ImpactMeasures(
         x_g=origin + c_x,

@@ -1,8 +1,9 @@
-"""Constraints that hold the corner on the wall's line. Each is one object; adding one is adding it here, or in any file
-that registers it.
+"""Constraints that hold the corner on the wall's line.
 
-A constraint gives the normal force N [N] from the gap [m], its rate half a step back [m/s], and the closing force that
-would end the step with no gap. It acts both ways: N < 0 pulls the corner back to the wall.
+Each is one object, registered here or in any other file.
+
+A constraint computes the normal force N [N] from the gap [m], its rate half a step back [m/s], and the closing force
+that would end the step with no gap. It acts in both directions: N < 0 pulls the corner back to the wall.
 
 The constrained corner is a two-sided slider on the wall; compiled.
 
@@ -10,7 +11,7 @@ The constrained corner is a two-sided slider on the wall; compiled.
     gap         y_P, its distance from the wall's line Y = 0
     normal      N by the constraint
     stopping    the force that would end this step with the corner at rest
-    tangential  R by the friction law: the stopping force, cut to what the law allows
+    tangential  R by the friction law: the stopping force, within the limits of the law
 
 The law of a scene without friction is None, and is compiled to nothing.
 """
@@ -26,10 +27,13 @@ from fem.laws.friction import FRICTION_LAWS
 from fem.registry import Law, LawRegistry
 from machine_code.compiled import by_law, compiled
 
+CONSTRAINTS: "LawRegistry[Constraint]" = LawRegistry("constraint")
+"""Constraints by their names in a scene."""
+
 
 @dataclass(frozen=True)
 class ConstraintInput:
-    """Properties that a constraint's constants are made from.
+    """Input for the constants of a constraint.
 
     Attributes
     ----------
@@ -54,7 +58,7 @@ class ConstraintInput:
 
 @dataclass(frozen=True, kw_only=True)
 class Constraint(Law):
-    """A constraint of the corner.
+    """Constraint of the corner.
 
     Attributes
     ----------
@@ -67,7 +71,7 @@ class Constraint(Law):
     stiffness, damping : callable
         Stiffness [N/m] and damping [N s/m] of its constants; an exact constraint is infinitely stiff.
     text : str
-        What it is, for reports.
+        Description for reports.
     keys : tuple of str
         Keys of the scene's [corner] that it takes.
     """
@@ -81,23 +85,23 @@ class Constraint(Law):
     keys: tuple[str, ...] = ()
 
 
-CONSTRAINTS: LawRegistry[Constraint] = LawRegistry("constraint")
-"""Constraints by their names in a scene."""
-
-
 class Penalty(NamedTuple):
-    """N = -k y_P - c y_P', the velocity half a step late; stiffness [N/m], damping [N s/m]."""
+    """Spring and dashpot, N = -k y_P - c y_P'.
+
+    The velocity is that of half a step before. stiffness [N/m]; damping [N s/m].
+    """
 
     stiffness: float
     damping: float = 0.0
 
 
 def penalty(given: ConstraintInput) -> Penalty:
-    """The program's spring, 0.3 times Young's modulus times thickness times the scale, and its dashpot.
+    """Return the program's spring and dashpot.
 
-    A spring as stiff as the elements brings the corner's frequency among the plate's: with friction the two flutter
-    sooner, and the time step falls by 14 %. A much softer one shows in the results, and flutters with the plate's
-    lowest modes, which stiffness-proportional damping hardly reaches.
+    The stiffness is 0.3 times Young's modulus times thickness times the scale. A spring as stiff as the elements brings
+    the corner's frequency among the plate's: with friction the two flutter sooner, and the time step falls by 14 %. A
+    much softer one shows in the results, and flutters with the plate's lowest modes, which stiffness-proportional
+    damping hardly reaches.
     """
     stiffness = given.penalty_scale * 0.3 * given.youngs_modulus * given.thickness
     return Penalty(stiffness, given.damping_ratio * 2.0 * math.sqrt(stiffness / given.mobility))
@@ -127,7 +131,10 @@ CONSTRAINTS.register(
 
 
 class Exact(NamedTuple):
-    """N is whatever ends this step with y_P = 0. Its one member is there because a tuple needs one."""
+    """Constraint whose force N ends the step with y_P = 0.
+
+    gap: unused; a tuple needs a member.
+    """
 
     gap: float
 
@@ -154,9 +161,10 @@ CONSTRAINTS.register(
 
 
 class CornerConstraint(NamedTuple):
-    """Nodes that carry the corner and their weights, sum 1; sum of weight^2 / mass [1/kg]; its constraint's constants.
+    """Nodes of the corner and constants of its constraint.
 
-    The properties are for Python; compiled code asks the constraint's kernels.
+    weights: of the nodes, of sum 1; mobility: sum of weight^2 / mass [1/kg]. The properties are for Python; compiled
+    code calls the constraint's kernels.
     """
 
     nodes: np.ndarray
@@ -171,7 +179,7 @@ class CornerConstraint(NamedTuple):
 
     @property
     def stiffness(self) -> float:
-        """Stiffness [N/m] of the constraint; infinite where it is exact."""
+        """Stiffness [N/m] of the constraint, infinite if exact."""
         return CONSTRAINTS.of(self.constraint).stiffness(self.constraint)
 
     @property
@@ -181,12 +189,12 @@ class CornerConstraint(NamedTuple):
 
     @property
     def spring(self) -> float:
-        """Stiffness [N/m] of the constraint's spring; 0 where it has none."""
+        """Stiffness [N/m] of the spring, 0 without one."""
         return 0.0 if self.is_exact else self.stiffness
 
     @property
     def dashpot(self) -> float:
-        """Damping [N s/m] of the constraint's dashpot; 0 where it has none."""
+        """Damping [N s/m] of the dashpot, 0 without one."""
         return CONSTRAINTS.of(self.constraint).damping(self.constraint)
 
 
@@ -197,7 +205,7 @@ friction_force = by_law(FRICTION_LAWS, "force")
 
 @compiled
 def weighted(values, corner):
-    """Weighted mean over the corner's nodes of values of shape (nodes,)."""
+    """Return the weighted mean of nodal values over the corner's nodes."""
     total = 0.0
     for i in range(corner.nodes.size):
         total += corner.weights[i] * values[corner.nodes[i]]

@@ -1,7 +1,7 @@
-"""Forces of the wall at one point, compiled for the rigid vehicle and the plate alike.
+"""Forces at a contact point, compiled for vehicle and plate.
 
-Crush: F = min(F0 + k d, Fy) on loading. Unloading and reloading follow one line from the deepest point to F = 0; its
-slope is given, or such that the line returns a given part of the energy taken up. A given slope is raised to F/d at the
+Crush: F = min(F0 + k d, Fy) on loading. Unloading and reloading follow one line from the deepest point to F = 0. It is
+defined by its slope, or by the part of the absorbed energy that it returns. A prescribed slope is raised to F/d at the
 deepest point where that is larger, so that the line never ends in front of the undeformed vehicle.
 
 Friction: Coulomb's law, with the force that would stop the point within the step as its value while the point sticks.
@@ -34,7 +34,10 @@ class PointCrush(NamedTuple):
 
 
 def plateau_excess(plateau: Any, force: float, stiffness: float) -> tuple[float, float]:
-    """Return how far a loading curve without plateau is above it: force [N] and energy [J]. Compiled code only."""
+    """Return the excess of a loading curve over its plateau.
+
+    Force [N] and energy [J]. Compiled code only.
+    """
     raise NotImplementedError(type(plateau))
 
 
@@ -51,7 +54,10 @@ def _plateau_excess(plateau: Any, force: Any, stiffness: Any) -> Any:
 
 
 def returned_part(unloading: Any, returned: float, peak: float, energy: float, deepest: float) -> float:
-    """Return the part of the energy that unloading returns from a force and a depth. Compiled code only."""
+    """Return the part of the energy that unloading returns.
+
+    peak: force [N], and energy: absorbed [J], at the deepest point [m]. Compiled code only.
+    """
     raise NotImplementedError(type(unloading))
 
 
@@ -69,7 +75,10 @@ def _returned_part(unloading: Any, returned: Any, peak: Any, energy: Any, deepes
 
 
 def item(values: Any, i: int) -> Any:
-    """Return an item of an array, or what is one for all points. Compiled code only."""
+    """Return an item of an array, or a common value itself.
+
+    Compiled code only.
+    """
     raise NotImplementedError(type(values))
 
 
@@ -91,7 +100,7 @@ def _is_none(kind: Any) -> bool:
 def crush_line(crush, deepest):
     """Return the unloading line from the deepest point.
 
-    The force [N] and the energy taken up [J] at the deepest point; the depth [m] over which the force falls to zero;
+    The force [N] and the absorbed energy [J] at the deepest point; the depth [m] over which the force falls to zero;
     the part of the energy that unloading returns.
     """
     force = crush.initial_force + crush.stiffness * deepest
@@ -104,9 +113,10 @@ def crush_line(crush, deepest):
 
 @compiled
 def loading_depth(crush, mean, compliance, part):
-    """Return the depth [m] on the loading curve that a force ends at which takes `compliance` times itself off `mean`.
+    """Return the depth on loading at a step's end [m].
 
-    part: of the step in which the initial force acts.
+    The force N reduces the mean depth without force, `mean`, by compliance N. part: of the step in which the initial
+    force acts.
     """
     depth = (mean - compliance * part * crush.initial_force) / (1.0 + compliance * crush.stiffness)
     force = crush.initial_force + crush.stiffness * depth
@@ -124,8 +134,8 @@ def loading_force(crush, depth):
 def crush_force(crush, deepest, mean, compliance, depth):
     """Return the normal force [N] at the end of the step.
 
-    depth: of `loading_depth`, where the force acts all the step. On the line (deepest - d) / length = 1 - N / peak, and
-    d = mean - compliance N; a line without length drops at once.
+    depth: of `loading_depth`, with a force that acts throughout the step. On the line (deepest - d) / length = 1 - N /
+    peak, and d = mean - compliance N; a line without length drops at once.
     """
     if depth > deepest:
         return loading_force(crush, depth)
@@ -134,7 +144,10 @@ def crush_force(crush, deepest, mean, compliance, depth):
 
 
 def coulomb_force(stopping: float, limit: float) -> float:
-    """Return the friction [N]: what stops the point, cut to the limit, 0 or more."""
+    """Return the stopping force within the limit of friction [N].
+
+    The limit is 0 or more.
+    """
     return min(max(stopping, -limit), limit)
 
 
@@ -145,9 +158,10 @@ def _coulomb_force(stopping: Any, limit: Any) -> Any:
 
 @compiled
 def side_force(load, friction, cornering, ahead, across):
-    """Return the side force of the tyres of an axle [N], to the side to which `across` is positive.
+    """Return the side force [N] of the tyres of an axle.
 
-    load [N]; friction mu and cornering C [-]; ahead, across: speeds along and across the heading [m/s].
+    It is positive to the side to which `across` is positive. load [N]; friction mu and cornering C [-]; ahead, across:
+    speeds along and across the heading [m/s].
     """
     slip = math.atan2(across, max(abs(ahead), LEAST_SPEED))
     return -friction * load * math.tanh(cornering * slip / friction) if friction > 0.0 else 0.0

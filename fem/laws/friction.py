@@ -1,6 +1,8 @@
-"""Friction laws of the corner. Each is one object; adding one is adding it here, or in any file that registers it.
+"""Friction laws of the corner.
 
-A law gives the tangential force R [N] from the normal force N [N], negative where the wall pulls, and from the
+Each is one object, registered here or in any other file.
+
+A law computes the tangential force R [N] from the normal force N [N], negative where the wall pulls, and from the
 stopping force that would end the step with the corner at rest.
 """
 
@@ -15,19 +17,24 @@ import numpy as np
 from fem.laws.contact_forces import coulomb_force
 from fem.registry import Law, LawRegistry
 
+FRICTION_LAWS: "LawRegistry[FrictionLaw]" = LawRegistry("friction law")
+"""Friction laws by their names in a scene."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionLaw(Law):
-    """A friction law; `constants` is made from the scene's coefficient of friction alone.
+    """Friction law of the corner.
+
+    `constants` takes the scene's coefficient of friction alone.
 
     Attributes
     ----------
     force : callable
-        Kernel (constants, normal, stopping) -> R [N]: the stopping force, cut to what the law allows.
+        Kernel (constants, normal, stopping) -> R [N]: the stopping force, within the limits of the law.
     slope : callable
         Kernel (constants, normal, speed) -> R over N while the corner slides at this speed [m/s].
     text : str
-        What it is, for reports.
+        Description for reports.
     rigid : str
         Name of the rigid-body theory's reaction.
     impulse : str
@@ -50,17 +57,19 @@ class FrictionLaw(Law):
         return self.constants is NoneType
 
 
-FRICTION_LAWS: LawRegistry[FrictionLaw] = LawRegistry("friction law")
-"""Friction laws by their names in a scene."""
-
-
 def friction_slope(constants: Any, speed: float) -> float:
-    """Tangential force per normal force while the reaction pulls, the corner sliding at this speed [m/s]."""
+    """Return the tangential force per normal force while the reaction pulls.
+
+    The corner slides at this speed [m/s].
+    """
     return FRICTION_LAWS.of(constants).slope(constants, -1.0, speed)
 
 
 class Drag(NamedTuple):
-    """R = -mu |N| sign(v_P), or less where that is enough to stop the corner."""
+    """Coulomb friction of either sign of N, R = -mu |N| sign(v_P).
+
+    R is smaller where that is enough to stop the corner.
+    """
 
     coefficient: float
 
@@ -105,7 +114,10 @@ FRICTION_LAWS.register(
 
 
 class Signed(NamedTuple):
-    """R = -mu N sign(v_P): where N < 0 this drives the corner on. Kept to show what the sign does."""
+    """Friction with the sign of N, R = -mu N sign(v_P).
+
+    Where N < 0 it accelerates the corner; the law demonstrates the effect of the sign.
+    """
 
     coefficient: float
 

@@ -1,9 +1,11 @@
-"""Hinges between the plates of a train, and the rigid motion of each plate; compiled.
+"""Compiled hinges between the plates of a train.
 
 A hinge joins a point of a plate to a point of the next, each a node or the weighted mean of some. Its force ends every
 step with both in one place: a constraint by forward-increment multipliers (Carpenter, Taylor and Katona, Int. J. Numer.
-Meth. Eng. 32, 1991). Two nodes then move as one that carries both masses, and no energy goes into a hinge, for its gap
-is zero at every instant. A constraint lowers frequencies, so that no hinge bounds the time step.
+Meth. Eng. 32, 1991). Two hinged nodes have the motion of one node with the mass of both, and a hinge absorbs no energy,
+since its gap is zero at every instant. A constraint lowers frequencies, so that no hinge bounds the time step.
+
+Besides, the columns of the rigid motion of each plate.
 """
 
 import math
@@ -23,18 +25,24 @@ SUMS = 11
 
 
 @optional(merged=True)
-def join(hinges, kept, positions, velocities, mass, time_step, force):
-    """Add the forces of the hinges to `force`, which must hold all others, and note them in `kept`."""
+def join(hinges, hinge_state, positions, velocities, mass, time_step, force):
+    """Add the forces of the hinges to `force`.
+
+    `force` must hold all other forces. They are stored in `hinge_state`.
+    """
 
 
 @optional(merged=True)
-def add_impulses(hinges, kept, time_step):
+def add_impulses(hinges, hinge_state, time_step):
     """Add the impulses of the hinges over a step."""
 
 
 @optional(merged=True)
-def describe_units(hinges, kept, state, force, mass, time_step, reference, row):
-    """Fill a row with the columns `UNIT` of each plate and `HINGE` of each hinge, `force` being complete."""
+def describe_units(hinges, hinge_state, state, force, mass, time_step, reference, row):
+    """Fill a row with the columns of plates and hinges.
+
+    They are `UNIT` of each plate and `HINGE` of each hinge. `force` is complete.
+    """
 
 
 class Hinges(NamedTuple):
@@ -53,8 +61,11 @@ class Hinges(NamedTuple):
 
 
 class HingeState(NamedTuple):
-    """State of the hinges: impulse on the plate ahead [N s] and, workspace, its force in the last step [N] and gap [m],
-    each of shape (2, hinges); sums over the nodes of each plate, workspace, shape (units, SUMS)."""
+    """State of the hinges.
+
+    impulse, shape (2, hinges): on the plate ahead [N s]. Workspace: force [N] and gap [m] of the last step, shape (2,
+    hinges) each; sums over the nodes of each plate, shape (units, SUMS).
+    """
 
     impulse: np.ndarray
     force: np.ndarray
@@ -63,7 +74,7 @@ class HingeState(NamedTuple):
 
 
 def unloaded(hinges: Any) -> HingeState | None:
-    """The hinges before any force; None without any."""
+    """Return hinges without forces, None without hinges."""
     if hinges is None:
         return None
     count = len(hinges.inertia)
@@ -72,7 +83,7 @@ def unloaded(hinges: Any) -> HingeState | None:
 
 
 @implements(join, Hinges, merged=True)
-def _join(hinges, kept, positions, velocities, mass, time_step, force):
+def _join(hinges, hinge_state, positions, velocities, mass, time_step, force):
     count = hinges.inertia.shape[0]
     for axis in range(2):
         x, v, f = positions[axis], velocities[axis], force[axis]
@@ -81,26 +92,26 @@ def _join(hinges, kept, positions, velocities, mass, time_step, force):
             for k in range(hinges.first[h], hinges.first[h + 1]):
                 i = hinges.nodes[k]
                 gap += hinges.weights[k] * (x[i] + time_step * (v[i] + time_step * f[i] / mass[i]))
-            kept.gap[axis, h] = gap
+            hinge_state.gap[axis, h] = gap
         for h in range(count):
             closing = 0.0
             for other in range(count):
-                closing -= hinges.inertia[h, other] * kept.gap[axis, other]
-            kept.force[axis, h] = closing / time_step**2
+                closing -= hinges.inertia[h, other] * hinge_state.gap[axis, other]
+            hinge_state.force[axis, h] = closing / time_step**2
             for k in range(hinges.first[h], hinges.first[h + 1]):
-                f[hinges.nodes[k]] += hinges.weights[k] * kept.force[axis, h]
+                f[hinges.nodes[k]] += hinges.weights[k] * hinge_state.force[axis, h]
 
 
 @implements(add_impulses, Hinges, merged=True)
-def _add_impulses(hinges, kept, time_step):
+def _add_impulses(hinges, hinge_state, time_step):
     for axis in range(2):
         for h in range(hinges.inertia.shape[0]):
-            kept.impulse[axis, h] += time_step * kept.force[axis, h]
+            hinge_state.impulse[axis, h] += time_step * hinge_state.force[axis, h]
 
 
 @implements(describe_units, Hinges)
-def _describe_units(hinges, kept, state, force, mass, time_step, reference, row):
-    sums, half = kept.sums, 0.5 * time_step
+def _describe_units(hinges, hinge_state, state, force, mass, time_step, reference, row):
+    sums, half = hinge_state.sums, 0.5 * time_step
     x, y, v_x, v_y = state.positions[0], state.positions[1], state.velocities[0], state.velocities[1]
     sums[:] = 0.0
     for i in range(mass.size):
@@ -128,4 +139,4 @@ def _describe_units(hinges, kept, state, force, mass, time_step, reference, row)
     for h in range(hinges.inertia.shape[0]):
         for axis in range(2):
             place = len(UNIT) * sums.shape[0] + len(HINGE) * h + axis
-            row[place] = kept.impulse[axis, h] + half * kept.force[axis, h]
+            row[place] = hinge_state.impulse[axis, h] + half * hinge_state.force[axis, h]

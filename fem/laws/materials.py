@@ -1,5 +1,6 @@
-"""Materials: stress and energy density from strain, in plane stress. Each is one object; adding one is adding it here,
-or in any file that registers it.
+"""Stress and energy density of materials in plane stress.
+
+Each is one object, registered here or in any other file.
 
 Kernels are functions of the constants and the Green strain (11, 22, twice 12), which comes from the positions of an
 element's nodes. All materials are linear elastic at small strain. `stress` and `energy_density` are those of any
@@ -14,10 +15,16 @@ from typing import Any, NamedTuple
 from fem.registry import Law, LawRegistry
 from machine_code.compiled import by_law, inlined
 
+MATERIALS: "LawRegistry[Material]" = LawRegistry("material")
+"""Materials by their names in a scene."""
+
 
 @inlined
 def deformation_gradient(positions, table, point, element):
-    """F (11, 12, 21, 22) at a quadrature point of an element; of one of no motion, the identity."""
+    """Return the deformation gradient at a quadrature point.
+
+    F (11, 12, 21, 22), the identity for an element at rest.
+    """
     nodes, column = len(table.per_element), 0 if table.gradients.shape[1] == 1 else element
     f_11 = f_12 = f_21 = f_22 = 0.0
     for a in range(nodes):
@@ -33,7 +40,7 @@ def deformation_gradient(positions, table, point, element):
 
 @inlined
 def green_strain(f_11, f_12, f_21, f_22):
-    """Green strain (11, 22, twice 12)."""
+    """Return the Green strain (11, 22, twice 12)."""
     return (
         0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0),
         0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0),
@@ -43,7 +50,9 @@ def green_strain(f_11, f_12, f_21, f_22):
 
 @dataclass(frozen=True, kw_only=True)
 class Material(Law):
-    """A material; strains are Green's, 11, 22 and twice 12.
+    """Material of the plate.
+
+    Strains are Green's, 11, 22 and twice 12.
 
     Attributes
     ----------
@@ -54,9 +63,9 @@ class Material(Law):
     energy_density : callable
         Kernel of the same arguments -> energy per reference volume [J/m^3].
     text : str
-        What it is, for reports.
+        Description for reports.
     nanoseconds : float
-        Time that a stress takes beyond the linear law's, at a point [ns].
+        Time of a stress at a point, beyond that of the linear law [ns].
     """
 
     make: Callable[[float, float], Any]
@@ -66,14 +75,11 @@ class Material(Law):
     nanoseconds: float = 0.0
 
 
-MATERIALS: LawRegistry[Material] = LawRegistry("material")
-"""Materials by their names in a scene."""
-
-
 class StVenantKirchhoff(NamedTuple):
-    """Linear between Green strain and second Piola-Kirchhoff stress: large rotation, small strain.
+    """Linear law of Green strain and second Piola-Kirchhoff stress.
 
-    Plane-stress constants [Pa]. It softens without bound in compression: not for strains above a few per cent.
+    Plane-stress constants [Pa], for large rotation and small strain. It softens without bound in compression: not for
+    strains above a few per cent.
     """
 
     c_11: float
@@ -82,7 +88,7 @@ class StVenantKirchhoff(NamedTuple):
 
 
 def st_venant_kirchhoff(youngs_modulus: float, poissons_ratio: float) -> StVenantKirchhoff:
-    """Plane-stress constants [Pa] from Young's modulus [Pa] and Poisson's ratio."""
+    """Return the plane-stress constants [Pa] of these moduli."""
     c_11 = youngs_modulus / (1.0 - poissons_ratio**2)
     return StVenantKirchhoff(c_11, poissons_ratio * c_11, 0.5 * youngs_modulus / (1.0 + poissons_ratio))
 
@@ -115,23 +121,27 @@ MATERIALS.register(
 
 
 class NeoHookean(NamedTuple):
-    """W = mu/2 (tr C - 3 - 2 ln J) + lambda/2 (ln J)^2, the stretch of the thickness free; Lamé constants [Pa]."""
+    """Neo-Hookean material in plane stress, by its Lamé constants [Pa].
+
+    W = mu/2 (tr C - 3 - 2 ln J) + lambda/2 (ln J)^2; the stretch of the thickness is free.
+    """
 
     lame: float
     shear: float
 
 
 def neo_hookean(youngs_modulus: float, poissons_ratio: float) -> NeoHookean:
-    """Lamé constants [Pa] from Young's modulus [Pa] and Poisson's ratio."""
+    """Return the Lamé constants [Pa] of these moduli."""
     shear = 0.5 * youngs_modulus / (1.0 + poissons_ratio)
     return NeoHookean(2.0 * shear * poissons_ratio / (1.0 - 2.0 * poissons_ratio), shear)
 
 
 def _logarithms(lame: float, shear: float, area: float) -> tuple[float, float]:
-    """ln det C in the plane and ln C_33, from det C - 1 and S_33 = 0: 2 mu (C_33 - 1) + lambda ln(det C C_33) = 0.
+    """Return ln det C in the plane and ln C_33.
 
-    Newton from the series to third order: one step at strains below a per cent, at most five for det C from 0.2 to 20;
-    the function is convex and rising. Written with log1p and expm1, so that small strains keep their digits.
+    area: det C - 1. S_33 = 0 requires 2 mu (C_33 - 1) + lambda ln(det C C_33) = 0, solved by Newton's method from the
+    series to third order: one step at strains below a per cent, at most five for det C from 0.2 to 20; the function is
+    convex and rising. Written with log1p and expm1, so that small strains keep their digits.
     """
     plane = math.log1p(area)
     fraction = 2.0 * shear / (lame + 2.0 * shear)

@@ -1,7 +1,8 @@
-"""Side forces of tyres on plates, at points of each axle's line across the plate; compiled.
+"""Compiled side forces of tyres on plates.
 
-The line moves with the plate: its middle gives the velocity of the axle, its slope the direction of the force. Forces
-are taken at the velocities of the instant by the plate's own forces, and act at the nodes that the velocity is read at.
+Each axle is a material line across the plate. Its middle has the velocity of the axle, and its slope defines the
+direction of the force. Forces are taken at the velocities of the instant by the plate's own forces, and act at the
+nodes that the velocity is read at.
 """
 
 import math
@@ -10,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.laws.contact_forces import side_force
-from fem.laws.wall_contact import pull_of
+from fem.laws.wall_contact import acceleration_of
 from machine_code.compiled import compiled, implements, optional
 
 SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
@@ -36,26 +37,34 @@ class Axles(NamedTuple):
 
 
 class AxleState(NamedTuple):
-    """State of the axles: sums, shape (4,), as of `SUMS`; force [N], shape (2, axles), along and across the wall in the
-    last step: workspace."""
+    """State of the axles.
+
+    sums, shape (4,): as of `SUMS`. Workspace: force [N] of the last step along and across the wall, shape (2, axles).
+    """
 
     sums: np.ndarray
     force: np.ndarray
 
 
 def at_rest(axles: Any) -> AxleState | None:
-    """Return the state of axles before any motion; None without axles."""
+    """Return axles without motion, None without axles."""
     return None if axles is None else AxleState(np.zeros(4), np.zeros((2, axles.load.size)))
 
 
 @optional(merged=True)
 def steer(axles, axle_state, positions, velocities, mass, time_step, force):
-    """Add the side forces to `force`, which must hold the plates' own, and note them in the state."""
+    """Add the side forces to `force`, and store them in the state.
+
+    `force` must hold the forces of the plates themselves.
+    """
 
 
 @optional(merged=True)
 def add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums):
-    """Add impulses and works of the side forces over `span` to sums of shape (4,), `force` being complete."""
+    """Add impulses and works of the side forces to `sums`.
+
+    span: their duration [s]; sums, shape (4,). `force` is complete.
+    """
 
 
 @optional(merged=True)
@@ -70,7 +79,7 @@ def record_tyres(axles, axle_state, state, mass, time_step, force, row):
 
 @compiled
 def _axle_mean(values, axles, a, weights):
-    """Return the weighted sum of nodal values at the nodes of an axle."""
+    """Return the weighted sum of values at an axle's nodes."""
     total = 0.0
     for k in range(axles.first[a], axles.first[a + 1]):
         total += weights[k] * values[axles.nodes[k]]
@@ -85,8 +94,12 @@ def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
         left_y = _axle_mean(positions[1], axles, a, axles.slopes)
         length = math.hypot(left_x, left_y)
         left_x, left_y = left_x / length, left_y / length
-        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * pull_of(force[0], mass, axles, a)
-        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * pull_of(force[1], mass, axles, a)
+        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * acceleration_of(
+            force[0], mass, axles, a
+        )
+        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * acceleration_of(
+            force[1], mass, axles, a
+        )
         ahead, across = u * left_y - v * left_x, u * left_x + v * left_y
         side = side_force(axles.load[a], axles.friction[a], axles.cornering[a], ahead, across)
         axle_state.force[0, a], axle_state.force[1, a] = side * left_x, side * left_y
@@ -101,8 +114,12 @@ def _add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums)
     half, positions, velocities = 0.5 * time_step, state.positions, state.velocities
     for a in range(axles.load.size):
         along, across = axle_state.force[0, a], axle_state.force[1, a]
-        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * pull_of(force[0], mass, axles, a)
-        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * pull_of(force[1], mass, axles, a)
+        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * acceleration_of(
+            force[0], mass, axles, a
+        )
+        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * acceleration_of(
+            force[1], mass, axles, a
+        )
         x = _axle_mean(positions[0], axles, a, axles.weights) + state.origin[0]
         y = _axle_mean(positions[1], axles, a, axles.weights)
         sums[0] += span * (along * u + across * v)

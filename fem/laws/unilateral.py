@@ -1,11 +1,11 @@
-"""Unilateral contact of boundary nodes with the wall: it pushes, and never pulls. Each law is one object; adding one is
-adding it here, or in any file that registers it.
+"""Laws of unilateral contact between boundary nodes and the wall.
 
-A law gives the normal force N >= 0 [N] of point i from its depth behind the wall [m] a step ago and, without this
-force, a step ahead (`before`, `free`), the greatest mean of two such depths so far (`deepest`), and m/dt^2 of the
-point [N/m] (`inertia`): the step ends at the depth free - N/inertia. All laws are solved for
-that end, point by point, so that
-none bounds the time step: with (M + dt^2 K_c/2) in place of M the plate alone does.
+The wall pushes, and never pulls. Each law is one object, registered here or in any other file.
+
+A law computes the normal force N >= 0 [N] of point i. Its arguments are the depth behind the wall [m] a step ago and,
+without this force, a step ahead (`before`, `free`), the greatest mean of two such depths so far (`deepest`), and m/dt^2
+of the point [N/m] (`inertia`). The step ends at the depth free - N/inertia. All laws are solved for that end, point by
+point, so that none bounds the time step: with (M + dt^2 K_c/2) in place of M the plate alone does.
 """
 
 import math
@@ -18,21 +18,24 @@ import numpy as np
 from fem.laws.contact_forces import PointCrush, crush_force, crush_line, item, loading_depth
 from fem.registry import Law, LawRegistry
 
+CONTACT_LAWS: "LawRegistry[ContactLaw]" = LawRegistry("contact law")
+"""Laws of unilateral contact by name."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ContactLaw(Law):
-    """A law of unilateral contact.
+    """Law of unilateral contact.
 
     Attributes
     ----------
     force : callable
         Kernel (constants, i, before, free, deepest, inertia) -> normal force [N].
     stored : callable
-        Kernel (constants, i, before, depth, deepest, force) -> energy that unloading gives back [J].
+        Kernel (constants, i, before, depth, deepest, force) -> energy that unloading returns [J].
     lost : callable
-        Kernel (constants, i, deepest) -> energy that it does not give back [J].
+        Kernel (constants, i, deepest) -> energy that it does not return [J].
     text : str
-        What it is, for reports.
+        Description for reports.
     """
 
     force: Callable[[Any, int, float, float, float, float], float]
@@ -41,15 +44,11 @@ class ContactLaw(Law):
     text: str
 
 
-CONTACT_LAWS: LawRegistry[ContactLaw] = LawRegistry("contact law")
-"""Laws of unilateral contact by name."""
-
-
 class Crush(NamedTuple):
-    """Crush of each point, arrays of the fields of `PointCrush`; None where no point has such a part.
+    """Crush of each point, as arrays of the fields of `PointCrush`.
 
-    returned is a number where it is the same for all points. The law is taken at the mean of the depths before and
-    ahead, which keeps the energy on either line.
+    A part that no point has is None; `returned` is a number where it is the same for all points. The law is taken at
+    the mean of the depths before and ahead, which keeps the energy on either line.
     """
 
     stiffness: np.ndarray
@@ -96,7 +95,9 @@ CONTACT_LAWS.register(
 
 
 class PenaltyContact(NamedTuple):
-    """A spring of energy W = k d^2/2 behind the wall; stiffness: k [N/m] of each point.
+    """Spring of energy W = k d^2/2 behind the wall.
+
+    stiffness: k [N/m] of each point.
 
     N = (W_ahead - W_before) / (d_ahead - d_before), solved for each point: it keeps the energy whatever the time step
     (Armero and Petocz, Comput. Methods Appl. Mech. Eng. 158, 1998), where N = k d gains some at every touch.
@@ -125,7 +126,10 @@ def _penalty_force(law: Any, i: int, before: float, free: float, deepest: float,
 
 
 def _penalty_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
-    """Energy [J] stored: with this the balance, of works by the trapezoidal rule, closes at every instant."""
+    """Return the stored energy [J].
+
+    With it the balance, with works by the trapezoidal rule, closes at every instant.
+    """
     held = 0.25 * law.stiffness[i] * (max(depth, 0.0) ** 2 + max(before, 0.0) ** 2)
     return held + 0.5 * force * (depth - before)
 
@@ -147,11 +151,11 @@ CONTACT_LAWS.register(
 
 
 class ExactContact(NamedTuple):
-    """Signorini's condition by forward-increment multipliers (Carpenter, Taylor and Katona, Int. J. Numer. Meth. Eng.
-    32, 1991): where the step would end behind the wall, N is what ends it on the wall's line.
+    """Signorini's condition by forward-increment multipliers.
 
-    With y >= 0 at every instant its work is -N y_before / 2: it never gains energy, and what a node loses on touching
-    falls with its mass. points: how many there are; a tuple needs a member.
+    Where the step would end behind the wall, N ends it on the wall's line (Carpenter, Taylor and Katona, Int. J. Numer.
+    Meth. Eng. 32, 1991). With y >= 0 at every instant its work is -N y_before / 2: it never gains energy, and the
+    energy that a node loses on touching decreases with its mass. points: their number; a tuple needs a member.
     """
 
     points: int
@@ -178,6 +182,9 @@ CONTACT_LAWS.register(
 
 
 def penalty_stiffness(youngs_modulus: float, thickness: float, scale: float = 1.0) -> float:
-    """The program's stiffness [N/m] of a point that does not crush: three times that of a square element, which is
-    Young's modulus [Pa] times thickness [m], times the scale. A stiffer one costs no time, but its force is noisier."""
+    """Return the stiffness [N/m] of a contact point that does not crush.
+
+    It is three times that of a square element, which is Young's modulus [Pa] times thickness [m], times the scale. A
+    larger stiffness costs no time, but the force is noisier.
+    """
     return 3.0 * scale * youngs_modulus * thickness

@@ -1,21 +1,24 @@
-"""Points of the boundary in unilateral contact with the wall's face, Y = 0 while it is at rest; compiled.
+"""Unilateral contact of boundary points with the wall.
+
+Compiled. The face is Y = 0 while it is at rest.
 
 depth       d of a point behind the face, -y if the wall is rigid; the deepest it ever was is stored
 normal      N by the contact law
 stopping    the force that would end this step with the point at rest along the wall
-tangential  R by the friction law: the stopping force, cut to mu N; so a point sticks or slides, and nothing between
+tangential  R by the friction law: the stopping force, at most mu N; so a point either sticks or slides
 
-Contact asks a few things of the face under a point (`Surface`). A rigid wall is None, and compiled to nothing.
+Contact needs a few properties of the face at a point (`Surface`). A rigid wall is None, and compiled to nothing.
 
 The deformable wall: linear elasticity on a foundation, in the modes that the time step can follow; compiled.
 
 modes       of the free wall, phi^T m phi = 1. The foundation is spread in proportion to the mass, so that they are its
-            modes on the foundation as well, w^2 = w_free^2 + w_0^2, and rigid motion is among them: however many are
-            left out, momentum and moment of momentum are the whole wall's.
+            modes on the foundation as well, w^2 = w_free^2 + w_0^2, and rigid motion is among them: with any number of
+            modes, momentum and moment of momentum are those of the whole wall.
 motion      central differences of each mode, as of the plate; at rest at the start, without damping
 face        displacements of its nodes, linear between them at a point's place along the wall
 reaction    N across the tilted face, (-N slope, N) on the point, and R along the wall; the opposite on the two nodes
-            beside it, with the weights of the interpolation. So momentum is kept, and energy as the depth is measured.
+            beside it, with the weights of the interpolation. This conserves momentum, and energy as the depth is
+            measured.
 """
 
 import math
@@ -29,14 +32,15 @@ from machine_code.compiled import by_law, compiled, implements, inlined, optiona
 
 
 class Surface(NamedTuple):
-    """The face under a contact point; x along the wall, y across it.
+    """Face of the wall at a contact point.
 
-    left, weight: the node of the face before the point, and the next one's weight in the interpolation; beyond: how far
-    beyond the wall's end the point is [m]; sink: the face's y [m], and slope its derivative along the wall [-]; rate:
-    velocity [m/s]; pull: acceleration by the forces that are known [m/s^2]; give: mobility [1/kg].
+    x is along the wall, y across it. node, weight: the node of the face before the point, and the next node's weight in
+    the interpolation; beyond: distance of the point beyond the wall's end [m]; sink: the face's y [m], and slope its
+    derivative along the wall [-]; rate: velocity [m/s]; pull: acceleration by the known forces [m/s^2]; mobility
+    [1/kg].
     """
 
-    left: int
+    node: int
     weight: float
     beyond: float
     sink: float
@@ -45,49 +49,56 @@ class Surface(NamedTuple):
     rate_y: float
     pull_x: float
     pull_y: float
-    give_x: float
-    give_y: float
+    mobility_x: float
+    mobility_y: float
 
 
 @optional(merged=True)
-def resist(wall, moving):
-    """Begin the wall's forces of this instant with its own and its foundation's."""
+def set_wall_forces(wall, wall_motion):
+    """Set the forces of the wall and its foundation."""
 
 
 @optional(merged=True)
-def under(wall, moving, contact, i, positions, origin):
-    """The face under contact point i, positions [m] being counted from the origin."""
+def surface_at(wall, wall_motion, contact, i, positions, origin):
+    """Return the face at contact point i.
+
+    Positions [m] are relative to the origin.
+    """
     return Surface(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @optional(merged=True)
 def tilted(wall, face, value):
-    """The face's slope times a value."""
+    """Return the face's slope times a value."""
     return 0.0
 
 
 @optional(merged=True)
-def press(wall, moving, face, tangential, normal):
-    """Put the reaction to the forces [N] on a contact point onto the face."""
+def add_wall_reaction(wall, wall_motion, face, tangential, normal):
+    """Add the reaction to a contact point's forces [N] to the face."""
 
 
 @optional(merged=True)
-def move(wall, moving, time_step):
-    """Move the wall on by a step, its forces being complete."""
+def advance_wall(wall, wall_motion, time_step):
+    """Advance the wall by a step with complete forces."""
 
 
 @optional(merged=True)
-def held_by(wall, moving, half):
-    """Energy [J] of the wall and its foundation; largest deflection of the face [m] and its place along the wall [m];
-    impulse of the foundation across the wall [N s]; half: of the time step [s]."""
+def describe_wall(wall, wall_motion, half):
+    """Return energy, largest deflection and foundation impulse of the wall.
+
+    Energy [J] of wall and foundation; largest deflection of the face [m] and its place along the wall [m]; impulse of
+    the foundation across the wall [N s]. half: of the time step [s].
+    """
     return 0.0, 0.0, 0.0, 0.0
 
 
 class BoundaryContact(NamedTuple):
-    """Contact nodes of the boundary; constants of the contact law, and of the friction law or None.
+    """Contact points of the boundary and constants of their laws.
 
-    A point is a node, or the weighted mean of some. first, shape (points + 1,): where each point's nodes and weights
-    begin in `nodes` and `weights`; mobility, shape (points,): sum of weight^2 / mass [1/kg].
+    friction is None without friction. A point is a node, or the weighted mean of some. first, shape (points + 1,):
+    where each point's nodes and weights begin in `nodes` and `weights`; mobility, shape (points,): sum of weight^2 /
+    mass [1/kg].
     """
 
     first: np.ndarray
@@ -99,10 +110,10 @@ class BoundaryContact(NamedTuple):
 
 
 class ContactState(NamedTuple):
-    """State of the contact nodes, each of shape (points,).
+    """State of the contact points, each field of shape (points,).
 
-    deepest: greatest depth, as the law takes it [m]; normal, tangential: impulse of the wall on it [N s]; pushing,
-    sliding: force across and along the wall [N], and mean: depth as the law takes it [m], of the last step: workspace.
+    deepest: greatest depth in the sense of the law [m]; normal, tangential: impulse of the wall [N s]. Workspace of the
+    last step: pushing, sliding: force across and along the wall [N]; mean: depth in the sense of the law [m].
     """
 
     deepest: np.ndarray
@@ -120,7 +131,7 @@ lost_energy = by_law(CONTACT_LAWS, "lost")
 
 @compiled
 def point_mean(values, contact, i):
-    """Weighted mean over the nodes of point i of values of shape (nodes,)."""
+    """Return the weighted mean of nodal values at point i."""
     total = 0.0
     for k in range(contact.first[i], contact.first[i + 1]):
         total += contact.weights[k] * values[contact.nodes[k]]
@@ -128,8 +139,8 @@ def point_mean(values, contact, i):
 
 
 @compiled
-def pull_of(force, mass, contact, i):
-    """Acceleration of point i [m/s^2] by nodal forces of shape (nodes,)."""
+def acceleration_of(force, mass, contact, i):
+    """Return the acceleration of point i [m/s^2] by nodal forces."""
     total = 0.0
     for k in range(contact.first[i], contact.first[i + 1]):
         total += contact.weights[k] * force[contact.nodes[k]] / mass[contact.nodes[k]]
@@ -137,79 +148,83 @@ def pull_of(force, mass, contact, i):
 
 
 @inlined
-def approach(loop, state, i):
-    """The wall's face under point i; the point's depth behind it [m], its speed away from it and along it [m/s].
+def approach(parameters, state, i):
+    """Return the wall's face at point i, and the point's relative motion.
 
-    loop, state: an `ImpactLoopParameters` and an `ImpactLoopState`.
+    The depth behind the face [m], and the speeds away from it and along it [m/s]. parameters, state: an
+    `ImpactLoopParameters` and an `ImpactLoopState`.
     """
-    wall, contact, positions, velocities = loop.wall, loop.contact, state.positions, state.velocities
-    face = under(wall, state.wall, contact, i, positions, state.origin[0])
+    wall, contact = parameters.wall, parameters.contact
+    positions, velocities = state.positions, state.velocities
+    face = surface_at(wall, state.wall, contact, i, positions, state.origin[0])
     slip = point_mean(velocities[0], contact, i) - face.rate_x
     opening = point_mean(velocities[1], contact, i) - face.rate_y - tilted(wall, face, slip)
     return face, face.sink - point_mean(positions[1], contact, i), opening, slip
 
 
 @compiled
-def push_back(loop, state, kept, moving, force):
-    """Add the wall's forces on all points to `force`, which must hold the others, and note them in `kept`.
+def push_back(parameters, state, contact_state, wall_motion, force):
+    """Add the wall's forces on all points to `force`.
 
-    kept, moving: the fields `contact` and `wall` of the state; as arguments because Numba, where it inlines, drops what
-    is written to an array in a tuple within a tuple. What a point and the wall's nodes beside it weigh bears the step
-    together: that is what keeps light nodes stable.
+    `force` must hold the other forces. They are stored in `contact_state`. contact_state, wall_motion: the fields
+    `contact` and `wall` of the state; they are arguments because Numba, where it inlines, drops writes to an array in a
+    tuple within a tuple. The inertia is that of a point and of the wall's nodes beside it together, which keeps light
+    nodes stable.
     """
-    contact, wall, mass, time_step = loop.contact, loop.wall, loop.mass, loop.time_step
-    resist(wall, moving)
+    contact, wall = parameters.contact, parameters.wall
+    mass, time_step = parameters.mass, parameters.time_step
+    set_wall_forces(wall, wall_motion)
     for i in range(contact.mobility.size):
-        face, depth, opening, slip = approach(loop, state, i)
-        inertia = 1.0 / ((contact.mobility[i] + face.give_y) * time_step**2)
-        along = pull_of(force[0], mass, contact, i) - face.pull_x
-        away = pull_of(force[1], mass, contact, i) - face.pull_y - tilted(wall, face, along)
+        face, depth, opening, slip = approach(parameters, state, i)
+        inertia = 1.0 / ((contact.mobility[i] + face.mobility_y) * time_step**2)
+        along = acceleration_of(force[0], mass, contact, i) - face.pull_x
+        away = acceleration_of(force[1], mass, contact, i) - face.pull_y - tilted(wall, face, along)
         before = depth + time_step * opening
         free = depth - time_step * (opening + time_step * away)
-        normal = contact_force(contact.law, i, before, free, kept.deepest[i], inertia)
+        normal = contact_force(contact.law, i, before, free, contact_state.deepest[i], inertia)
         tilt = tilted(wall, face, normal)
-        stopping = tilt - (slip / time_step + along) / (contact.mobility[i] + face.give_x)
+        stopping = tilt - (slip / time_step + along) / (contact.mobility[i] + face.mobility_x)
         tangential = friction_force(contact.friction, normal, stopping) - tilt
-        kept.pushing[i], kept.sliding[i] = normal, tangential
-        kept.mean[i] = 0.5 * (before + free - normal / inertia)
-        press(wall, moving, face, tangential, normal)
+        contact_state.pushing[i], contact_state.sliding[i] = normal, tangential
+        contact_state.mean[i] = 0.5 * (before + free - normal / inertia)
+        add_wall_reaction(wall, wall_motion, face, tangential, normal)
         for k in range(contact.first[i], contact.first[i + 1]):
             force[0, contact.nodes[k]] += contact.weights[k] * tangential
             force[1, contact.nodes[k]] += contact.weights[k] * normal
 
 
 @compiled
-def add_contact(loop, state, kept, moving, force):
-    """Add the wall's forces to `force`, what they do to the points' state and to the sums, and move the wall on.
+def add_contact(parameters, state, contact_state, wall_motion, force):
+    """Add the wall's forces to `force`, update the state and advance the wall.
 
-    Arguments: as of `push_back`.
+    Arguments as of `push_back`.
     """
-    contact, wall, time_step = loop.contact, loop.wall, loop.time_step
+    contact, wall, time_step = parameters.contact, parameters.wall, parameters.time_step
     positions, sums = state.positions, state.sums
-    push_back(loop, state, kept, moving, force)
+    push_back(parameters, state, contact_state, wall_motion, force)
     for i in range(contact.mobility.size):
-        kept.deepest[i] = max(kept.deepest[i], kept.mean[i])
-        normal, tangential = kept.pushing[i], kept.sliding[i]
+        contact_state.deepest[i] = max(contact_state.deepest[i], contact_state.mean[i])
+        normal, tangential = contact_state.pushing[i], contact_state.sliding[i]
         if normal == 0.0:
             continue
-        kept.normal[i] += time_step * normal
-        kept.tangential[i] += time_step * tangential
-        face, _, _, slip = approach(loop, state, i)
-        slip += 0.5 * time_step * (pull_of(force[0], loop.mass, contact, i) - face.pull_x)
+        contact_state.normal[i] += time_step * normal
+        contact_state.tangential[i] += time_step * tangential
+        face, _, _, slip = approach(parameters, state, i)
+        slip += 0.5 * time_step * (acceleration_of(force[0], parameters.mass, contact, i) - face.pull_x)
         sums[0] += time_step * (tangential + tilted(wall, face, normal)) * slip
         x = point_mean(positions[0], contact, i) + state.origin[0]
         y = point_mean(positions[1], contact, i)
         sums[2] += time_step * (x * normal - y * tangential)
-    move(wall, moving, time_step)
+    advance_wall(wall, wall_motion, time_step)
 
 
 class ElasticWall(NamedTuple):
-    """The wall in its modes.
+    """Deformable wall by its modes.
 
-    start, spacing: of the nodes of the face along the wall [m]; reach: how far from the wall's line points are looked
-    at [m]; face, shape (2, nodes of the face, modes): their displacements [1/kg^(1/2)]; stiffness, shape (modes,): w^2
-    [1/s^2]; foundation: its part of that, w_0^2 [1/s^2]; momentum, shape (2, modes): of the wall at unit velocity of
-    each mode [kg^(1/2)].
+    start, spacing: of the nodes of the face along the wall [m]; reach: distance from the wall's line up to which points
+    are examined [m]; face, shape (2, nodes of the face, modes): their displacements [1/kg^(1/2)]; stiffness, shape
+    (modes,): w^2 [1/s^2]; foundation: its part of that, w_0^2 [1/s^2]; momentum, shape (2, modes): of the wall at unit
+    velocity of each mode [kg^(1/2)].
     """
 
     start: float
@@ -236,45 +251,48 @@ class WallMotion(NamedTuple):
 
 
 def at_rest(wall: ElasticWall) -> WallMotion:
-    """The wall before it is touched."""
+    """Return the wall before it is touched."""
     modes = wall.stiffness.size
     return WallMotion(np.zeros(modes), np.zeros(modes), np.zeros(modes), np.zeros(2), np.zeros(1))
 
 
-@implements(resist, ElasticWall, merged=True)
-def _resist(wall, moving):
+@implements(set_wall_forces, ElasticWall, merged=True)
+def _set_wall_forces(wall, wall_motion):
     for k in range(wall.stiffness.size):
-        moving.force[k] = -wall.stiffness[k] * moving.amplitude[k]
+        wall_motion.force[k] = -wall.stiffness[k] * wall_motion.amplitude[k]
 
 
 @compiled
-def seat(wall, x):
-    """Node of the face before the place x [m], the next one's weight, and how far beyond the wall's end x is [m]."""
+def locate(wall, x):
+    """Return the node of the face before the place x [m].
+
+    Besides, the weight of the next node, and the distance of x beyond the wall's end [m].
+    """
     place, last = (x - wall.start) / wall.spacing, wall.face.shape[1] - 1
-    left = min(max(math.floor(place), 0), last - 1)
-    return left, min(max(place - left, 0.0), 1.0), wall.spacing * max(-place, place - last, 0.0)
+    node = min(max(math.floor(place), 0), last - 1)
+    return node, min(max(place - node, 0.0), 1.0), wall.spacing * max(-place, place - last, 0.0)
 
 
-@implements(under, ElasticWall, merged=True)
-def _under(wall, moving, contact, i, positions, origin):
+@implements(surface_at, ElasticWall, merged=True)
+def _surface_at(wall, wall_motion, contact, i, positions, origin):
     if not point_mean(positions[1], contact, i) <= wall.reach:
         return Surface(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    left, weight, beyond = seat(wall, origin + point_mean(positions[0], contact, i))
-    x_0, x_1 = wall.face[0, left], wall.face[0, left + 1]
-    y_0, y_1 = wall.face[1, left], wall.face[1, left + 1]
-    sink_0 = sink_1 = rate_x = rate_y = pull_x = pull_y = give_x = give_y = 0.0
+    node, weight, beyond = locate(wall, origin + point_mean(positions[0], contact, i))
+    x_0, x_1 = wall.face[0, node], wall.face[0, node + 1]
+    y_0, y_1 = wall.face[1, node], wall.face[1, node + 1]
+    sink_0 = sink_1 = rate_x = rate_y = pull_x = pull_y = mobility_x = mobility_y = 0.0
     for k in range(wall.stiffness.size):
         x, y = x_0[k] + weight * (x_1[k] - x_0[k]), y_0[k] + weight * (y_1[k] - y_0[k])
-        sink_0 += y_0[k] * moving.amplitude[k]
-        sink_1 += y_1[k] * moving.amplitude[k]
-        rate_x += x * moving.rate[k]
-        rate_y += y * moving.rate[k]
-        pull_x += x * moving.force[k]
-        pull_y += y * moving.force[k]
-        give_x += x * x
-        give_y += y * y
+        sink_0 += y_0[k] * wall_motion.amplitude[k]
+        sink_1 += y_1[k] * wall_motion.amplitude[k]
+        rate_x += x * wall_motion.rate[k]
+        rate_y += y * wall_motion.rate[k]
+        pull_x += x * wall_motion.force[k]
+        pull_y += y * wall_motion.force[k]
+        mobility_x += x * x
+        mobility_y += y * y
     sink, slope = sink_0 + weight * (sink_1 - sink_0), (sink_1 - sink_0) / wall.spacing
-    return Surface(left, weight, beyond, sink, slope, rate_x, rate_y, pull_x, pull_y, give_x, give_y)
+    return Surface(node, weight, beyond, sink, slope, rate_x, rate_y, pull_x, pull_y, mobility_x, mobility_y)
 
 
 @implements(tilted, ElasticWall, merged=True)
@@ -282,47 +300,47 @@ def _tilted(wall, face, value):
     return face.slope * value
 
 
-@implements(press, ElasticWall, merged=True)
-def _press(wall, moving, face, tangential, normal):
+@implements(add_wall_reaction, ElasticWall, merged=True)
+def _add_wall_reaction(wall, wall_motion, face, tangential, normal):
     if normal == 0.0:
         return
-    moving.beyond[0] = max(moving.beyond[0], face.beyond)
-    x_0, x_1 = wall.face[0, face.left], wall.face[0, face.left + 1]
-    y_0, y_1 = wall.face[1, face.left], wall.face[1, face.left + 1]
+    wall_motion.beyond[0] = max(wall_motion.beyond[0], face.beyond)
+    x_0, x_1 = wall.face[0, face.node], wall.face[0, face.node + 1]
+    y_0, y_1 = wall.face[1, face.node], wall.face[1, face.node + 1]
     for k in range(wall.stiffness.size):
         x, y = x_0[k] + face.weight * (x_1[k] - x_0[k]), y_0[k] + face.weight * (y_1[k] - y_0[k])
-        moving.force[k] -= x * tangential + y * normal
+        wall_motion.force[k] -= x * tangential + y * normal
 
 
 @compiled
-def foundation_force(wall, moving, direction):
-    """Force [N] of the foundation on the wall, along it (0) or across (1)."""
+def foundation_force(wall, wall_motion, direction):
+    """Return the foundation's force [N] along (0) or across (1)."""
     total = 0.0
     for k in range(wall.stiffness.size):
-        total += wall.momentum[direction, k] * moving.amplitude[k]
+        total += wall.momentum[direction, k] * wall_motion.amplitude[k]
     return -wall.foundation * total
 
 
-@implements(move, ElasticWall, merged=True)
-def _move(wall, moving, time_step):
+@implements(advance_wall, ElasticWall, merged=True)
+def _advance_wall(wall, wall_motion, time_step):
     for direction in range(2):
-        moving.impulse[direction] += time_step * foundation_force(wall, moving, direction)
+        wall_motion.impulse[direction] += time_step * foundation_force(wall, wall_motion, direction)
     for k in range(wall.stiffness.size):
-        moving.rate[k] += time_step * moving.force[k]
-        moving.amplitude[k] += time_step * moving.rate[k]
+        wall_motion.rate[k] += time_step * wall_motion.force[k]
+        wall_motion.amplitude[k] += time_step * wall_motion.rate[k]
 
 
-@implements(held_by, ElasticWall, merged=True)
-def _held_by(wall, moving, half):
+@implements(describe_wall, ElasticWall, merged=True)
+def _describe_wall(wall, wall_motion, half):
     energy = 0.0
     for k in range(wall.stiffness.size):
-        energy += 0.5 * moving.rate[k] * (moving.rate[k] + 2.0 * half * moving.force[k])
-        energy += 0.5 * wall.stiffness[k] * moving.amplitude[k] ** 2
+        energy += 0.5 * wall_motion.rate[k] * (wall_motion.rate[k] + 2.0 * half * wall_motion.force[k])
+        energy += 0.5 * wall.stiffness[k] * wall_motion.amplitude[k] ** 2
     deflection, place = 0.0, wall.start
     for node in range(wall.face.shape[1]):
         sink = 0.0
         for k in range(wall.stiffness.size):
-            sink += wall.face[1, node, k] * moving.amplitude[k]
+            sink += wall.face[1, node, k] * wall_motion.amplitude[k]
         if -sink > deflection:
             deflection, place = -sink, wall.start + node * wall.spacing
-    return energy, deflection, place, moving.impulse[1] + half * foundation_force(wall, moving, 1)
+    return energy, deflection, place, wall_motion.impulse[1] + half * foundation_force(wall, wall_motion, 1)

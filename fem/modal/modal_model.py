@@ -98,14 +98,14 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     ValueError
         For a count that the mesh does not have, a dashpot at the corner, and damping of the plate.
     """
-    loop, modes = plate.loop, free_modes(plate, count)
-    if loop.corner.dashpot:
+    parameters, modes = plate.parameters, free_modes(plate, count)
+    if parameters.corner.dashpot:
         raise ValueError("the modal model does not support a dashpot at the corner")
-    if loop.viscosity is not None:
+    if parameters.viscosity is not None:
         raise ValueError("the modal model does not support damping of the plate")
-    masses, positions = loop.mass, plate.discretisation.positions
+    masses, positions = parameters.mass, plate.discretisation.positions
     body = positions - (positions @ masses / masses.sum())[:, None]
-    loads = _loads(masses, body, loop.corner)
+    loads = _loads(masses, body, parameters.corner)
     fields = np.array([plate.elastic(load.ravel()).reshape(2, -1) for load in loads])
     fractions = np.tensordot(modes.shapes, loads, ((1, 2), (1, 2)))  # of the loads in the modes, (modes, 3)
     squares, weighted = modes.frequencies**2, modes.shapes * masses
@@ -113,15 +113,15 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
     model = ModalModel(
         mass=float(masses.sum()),
         inertia=float(masses @ (body**2).sum(axis=0)),
-        arm=_at(body, loop.corner),
+        arm=_at(body, parameters.corner),
         squares=squares,
         corner=np.ascontiguousarray(fractions[:, :2].T),
         growth=np.ascontiguousarray(fractions[:, 2]),
         turning=np.ascontiguousarray(turning - turning.T),
         flexibility=np.tensordot(loads, fields, ((1, 2), (1, 2)))
         - fractions.T @ (fractions / squares[:, None]),
-        compliance=1.0 / loop.corner.stiffness,
-        friction=loop.friction,
+        compliance=1.0 / parameters.corner.stiffness,
+        friction=parameters.friction,
     )
     return ModalPlate(model, weighted)
 
@@ -231,6 +231,6 @@ def _split(plate: PlateModel, modal: ModalPlate, field: np.ndarray) -> tuple[np.
 
     The field vanishes at the corner. The displacement is that by the omitted modes, relative to the mass centre.
     """
-    masses = plate.loop.mass
+    masses = plate.parameters.mass
     coordinates = np.tensordot(modal.weighted, field, 2)
     return coordinates, -field @ masses / masses.sum() - modal.model.corner @ coordinates

@@ -36,7 +36,7 @@ def mode_kinds(model: PlateModel, modes: FreeModes, thickness: float) -> ModeKin
 
     thickness: [m].
     """
-    masses, shapes, hinges = model.loop.mass, modes.shapes, getattr(model.loop, "hinges", None)
+    masses, shapes, hinges = model.parameters.mass, modes.shapes, getattr(model.parameters, "hinges", None)
     unit = np.zeros(masses.size) if hinges is None else hinges.unit
     mirrored = shapes[:, :, _mirror_nodes(model.discretisation.positions, unit)]
     symmetric = 0.5 * (1.0 + (shapes[:, 0] * mirrored[:, 0] - shapes[:, 1] * mirrored[:, 1]) @ masses)

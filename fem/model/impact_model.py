@@ -50,7 +50,7 @@ def build_impact_model(
     Returns
     -------
     PlateModel
-        Its `loop` is an `ImpactLoopParameters`, of a train with hinges.
+        Its `parameters` are an `ImpactLoopParameters`, of a train with hinges.
 
     Raises
     ------

@@ -123,7 +123,7 @@ class PlateModel:
         Including the corner's constraint [rad/s].
     undamped_time_step, stable_time_step : float
         Largest stable step without damping of elastic velocities, and with it [s].
-    loop : LoopParameters or ImpactLoopParameters
+    parameters : LoopParameters or ImpactLoopParameters
         Parameters of the time loop.
     tangent_moduli : StVenantKirchhoff
         At small strain [Pa].
@@ -141,7 +141,7 @@ class PlateModel:
     highest_frequency: float
     undamped_time_step: float
     stable_time_step: float
-    loop: Any
+    parameters: Any
     tangent_moduli: materials.StVenantKirchhoff
     thickness: float
     elastic: ElasticSolver
@@ -158,7 +158,7 @@ class PlateModel:
     @property
     def mass(self) -> float:
         """Mass of the plate [kg]."""
-        return float(self.loop.mass.sum())
+        return float(self.parameters.mass.sum())
 
 
 def build_model(
@@ -203,7 +203,7 @@ def finished_model(
 
     The result has highest frequency, damping and time step.
     """
-    support = corner_support(model.loop.corner, corner.angles, plate.youngs_modulus)
+    support = corner_support(model.parameters.corner, corner.angles, plate.youngs_modulus)
     return with_time_step(model, support, plate, step)
 
 
@@ -219,7 +219,7 @@ def with_time_step(
         highest_frequency=spectrum.frequency,
         highest_mode=spectrum.mode,
         undamped_time_step=spectrum.stable_time_step(damping),
-        loop=model.loop._replace(viscosity=viscosity),
+        parameters=model.parameters._replace(viscosity=viscosity),
     )
     return with_elastic_damping(model, step)
 
@@ -231,13 +231,14 @@ def _spectrum(model: PlateModel, support: Support, step: StepProperties) -> Scal
     """
     damped = support.dashpot or step.damping_ratio or step.bulk_viscosity
     if (
-        model.loop.mass.size >= WINDOWS_FROM
+        model.parameters.mass.size >= WINDOWS_FROM
         and model.discretisation.table.weights.shape[1] == 1
         and not damped
     ):
         from fem.plate.windows import Windows
 
-        windows = Windows(model.discretisation, model.loop.mass, model.tangent_moduli, model.loop.hourglass)
+        mass, hourglass = model.parameters.mass, model.parameters.hourglass
+        windows = Windows(model.discretisation, mass, model.tangent_moduli, hourglass)
         if windows.are_representative:
             return windows.bound(support.of_modulus(model.elastic.modulus))
     return spectrum_of(model.elastic, support)
@@ -245,8 +246,8 @@ def _spectrum(model: PlateModel, support: Support, step: StepProperties) -> Scal
 
 def with_constraint(model: PlateModel, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
     """Return the static model with another constraint of its corner."""
-    constrained = _corner(model.discretisation, model.loop.mass, plate, corner)
-    return replace(model, loop=model.loop._replace(corner=constrained))
+    constrained = _corner(model.discretisation, model.parameters.mass, plate, corner)
+    return replace(model, parameters=model.parameters._replace(corner=constrained))
 
 
 def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
@@ -256,10 +257,10 @@ def with_elastic_damping(model: PlateModel, step: StepProperties) -> PlateModel:
     """
     # The mode of this frequency bounds the step, both without damping and with it.
     stable = elastic_damping.damped_time_step(2.0 / model.undamped_time_step, step.elastic_rate)
-    damping = elastic_damping.elastic_damping(step.elastic_rate, model.loop.mass)
+    damping = elastic_damping.elastic_damping(step.elastic_rate, model.parameters.mass)
     time_step = min(step.safety_factor * stable, step.longest)
-    loop = model.loop._replace(elastic_damping=damping, time_step=time_step)
-    return replace(model, stable_time_step=stable, loop=loop)
+    parameters = model.parameters._replace(elastic_damping=damping, time_step=time_step)
+    return replace(model, stable_time_step=stable, parameters=parameters)
 
 
 def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties) -> PlateModel:
@@ -274,15 +275,15 @@ def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProper
     )
 
 
-def unfinished_model(unit: UnitPlate, plate: PlateProperties, loop: Any, **fields: Any) -> PlateModel:
+def unfinished_model(unit: UnitPlate, plate: PlateProperties, kind: Any, **fields: Any) -> PlateModel:
     """Return a model without frequency, time step and damping.
 
-    loop: type of the parameters of the time loop. fields: its fields for corner or contact.
+    kind: type of the parameters of the time loop. fields: its fields for corner or contact.
     """
     d, modulus, hourglass = unit.discretisation, plate.youngs_modulus, unit.hourglass
     if hourglass is not None:
         hourglass = hourglass._replace(stiffness=modulus * hourglass.stiffness)
-    parameters = loop(
+    parameters = kind(
         table=d.table,
         material=materials.MATERIALS[plate.material].make(modulus, plate.poissons_ratio),
         mass=unit.masses,
@@ -299,7 +300,7 @@ def unfinished_model(unit: UnitPlate, plate: PlateProperties, loop: Any, **field
         highest_frequency=math.nan,
         undamped_time_step=math.nan,
         stable_time_step=math.nan,
-        loop=parameters,
+        parameters=parameters,
         tangent_moduli=materials.st_venant_kirchhoff(modulus, plate.poissons_ratio),
         thickness=plate.thickness,
         elastic=ElasticSolver(unit.inverse, modulus),

@@ -44,8 +44,8 @@ def with_wall(model: PlateModel, wall: WallProperties, step: StepProperties) -> 
         scalar, masses, modes[:, :, retained], frequencies[retained] ** 2, foundation, depth
     )
     time_step = min(step.safety_factor * stable, step.longest)
-    loop = model.loop._replace(wall=elastic, time_step=time_step)
-    return replace(model, undamped_time_step=stable, stable_time_step=stable, loop=loop)
+    parameters = model.parameters._replace(wall=elastic, time_step=time_step)
+    return replace(model, undamped_time_step=stable, stable_time_step=stable, parameters=parameters)
 
 
 def _basis(wall: WallProperties) -> Any:

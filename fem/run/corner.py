@@ -89,7 +89,7 @@ class Stepper(runner.PlateStepper):
         if threads > 1:
             from fem.explicit.parallel import Team
 
-            self._team = Team(self.loop, self._scratch, threads)
+            self._team = Team(self.parameters, self._scratch, threads)
 
     @property
     def template(self) -> time_loop.State:
@@ -107,13 +107,13 @@ class Stepper(runner.PlateStepper):
     def start(self, start: inertia_relief.RigidStart, kind: str) -> time_loop.State:
         """Return the state at t = 0, with velocities half a step back."""
         positions, velocities = map(np.ascontiguousarray, start_kinds.start_fields(self.model, start, kind))
-        loop, state = self.loop, time_loop.State(positions, velocities, np.zeros(4), np.zeros(1))
+        parameters, state = self.parameters, time_loop.State(positions, velocities, np.zeros(4), np.zeros(1))
         self._react(state)
-        state.velocities[:] -= 0.5 * loop.time_step * self._force / loop.mass
+        state.velocities[:] -= 0.5 * parameters.time_step * self._force / parameters.mass
         normal, tangential, _, _, damping = self._react(state)
         # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
-        friction = tangential * float(velocities[0, loop.corner.nodes] @ loop.corner.weights)
-        state.sums[:] = -0.5 * loop.time_step * np.array([friction, damping, normal, abs(normal)])
+        friction = tangential * float(velocities[0, parameters.corner.nodes] @ parameters.corner.weights)
+        state.sums[:] = -0.5 * parameters.time_step * np.array([friction, damping, normal, abs(normal)])
         return state
 
     def _react(self, state: time_loop.State) -> tuple[float, ...]:
@@ -231,7 +231,7 @@ def simulate(
         History and tail-slap.
     """
     entered = time.perf_counter()
-    stepper, time_step = make_stepper(model, threads), model.loop.time_step
+    stepper, time_step = make_stepper(model, threads), model.parameters.time_step
     stride = max(1, round(duration / time_step / rows))
     interval = time_step * stride
 
@@ -289,7 +289,7 @@ def _locate_strike(stepper: Stepper, state: time_loop.State, step: int) -> tuple
     steps, states, rows = zip(*instants, strict=True)
     weights = _lagrange(np.array([row[0] for row in rows]), 0.0)
     values = dict(zip(columns.COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))
-    values |= {"t": float(weights @ np.array(steps)) * stepper.loop.time_step, "theta": 0.0}
+    values |= {"t": float(weights @ np.array(steps)) * stepper.parameters.time_step, "theta": 0.0}
     nodal = zip(*map(stepper.nodal, states), strict=True)
     return StrikeState(values, *(np.tensordot(weights, values_at, 1) for values_at in nodal)), step
 

@@ -110,20 +110,20 @@ class ImpactStepper(runner.PlateStepper):
 
         No force acts on the plate yet, so that its velocities half a step back are the same.
         """
-        points, wall = self.loop.contact.mobility.size, None
+        points, wall = self.parameters.contact.mobility.size, None
         body = self._reference - self._reference[:, [self.model.discretisation.corner]]
         arm = inertia_relief.to_global(touch.angle) @ body
-        if self.loop.hinges is not None:  # a trailer that is wider may touch first
+        if self.parameters.hinges is not None:  # a trailer that is wider may touch first
             arm[1] -= arm[1].min()
         velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
         contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
-        if self.loop.wall is not None:
+        if self.parameters.wall is not None:
             from fem.laws import wall_contact
 
-            wall = wall_contact.at_rest(self.loop.wall)
+            wall = wall_contact.at_rest(self.parameters.wall)
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
-        sums, origin, hinges = np.zeros(3), np.zeros(1), unloaded(self.loop.hinges)
-        axles = tyres.at_rest(self.loop.axles)
+        sums, origin, hinges = np.zeros(3), np.zeros(1), unloaded(self.parameters.hinges)
+        axles = tyres.at_rest(self.parameters.axles)
         return impact_loop.ImpactLoopState(positions, velocities, sums, origin, contact, wall, hinges, axles)
 
     @property
@@ -132,7 +132,7 @@ class ImpactStepper(runner.PlateStepper):
 
         They are in the body frames of their plates.
         """
-        contact, hinges = self.loop.contact, self.loop.hinges
+        contact, hinges = self.parameters.contact, self.parameters.hinges
         places = np.add.reduceat(
             contact.weights * self._reference[:, contact.nodes], contact.first[:-1], axis=1
         )
@@ -144,18 +144,18 @@ class ImpactStepper(runner.PlateStepper):
     @property
     def unit(self) -> np.ndarray:
         """Number of the plate of each contact point, shape (points,)."""
-        contact, hinges = self.loop.contact, self.loop.hinges
+        contact, hinges = self.parameters.contact, self.parameters.hinges
         nodes = contact.nodes[contact.first[:-1]]
         return np.zeros(nodes.size, dtype=int) if hinges is None else np.asarray(hinges.unit[nodes])
 
     def _new_rows(self, count: int) -> impact_loop.Rows:
         """Return arrays for this number of rows."""
-        hinges = 0 if self.loop.hinges is None else len(self.loop.hinges.inertia)
+        hinges = 0 if self.parameters.hinges is None else len(self.parameters.hinges.inertia)
         units = len(UNIT) * (hinges + 1) + len(HINGE) * hinges if hinges else 0
-        road = 0 if self.loop.axles is None else len(tyres.SUMS)
+        road = 0 if self.parameters.axles is None else len(tyres.SUMS)
         sizes = (
             len(impact_loop.ImpactMeasures._fields),
-            *4 * (self.loop.contact.mobility.size,),
+            *4 * (self.parameters.contact.mobility.size,),
             units,
             road,
         )
@@ -239,8 +239,8 @@ def simulate_impact(
         Where contact extends beyond the end of a deformable wall.
     """
     stepper = ImpactStepper(model)
-    stride = max(1, round(sample / model.loop.time_step))
-    interval = stride * model.loop.time_step
+    stride = max(1, round(sample / model.parameters.time_step))
+    interval = stride * model.parameters.time_step
 
     def over(rows: np.ndarray) -> bool:
         return not np.isfinite(rows[-1]).all() or finished(_run(stepper, rows, stride))
@@ -273,7 +273,7 @@ def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
     Impulses become mean forces since the row before; those of the first row are zero.
     """
     values, normal, tangential, depth, place, units, road = stepper.parts(rows)
-    interval = stride * stepper.loop.time_step
+    interval = stride * stepper.parameters.time_step
     history = {"t": interval * np.arange(len(values))}
     history |= dict(zip(impact_loop.ImpactMeasures._fields, values.T, strict=True))
     history |= dict(zip(tyres.SUMS, road.T, strict=False))  # none without axles

@@ -85,18 +85,18 @@ class PlateStepper:
     record: Callable[[Any, int, int], Recorded]
 
     def __init__(self, model: PlateModel) -> None:
-        self.model, self.loop = model, model.loop
+        self.model, self.parameters = model, model.parameters
         self._reference = model.discretisation.positions
-        self._parts = (self.loop.viscosity, self.loop.hourglass)
+        self._parts = (self.parameters.viscosity, self.parameters.hourglass)
         self._force = np.zeros_like(self._reference)
-        self._scratch = internal_force.scratch_for(self.loop.table, self.loop.hourglass)
-        self._workspace, self._prepared = Prepared(self._scratch), Prepared(self.loop)
+        self._scratch = internal_force.scratch_for(self.parameters.table, self.parameters.hourglass)
+        self._workspace, self._prepared = Prepared(self._scratch), Prepared(self.parameters)
 
     @property
     def _fixed(self) -> Prepared:
         """Parameters of the loop, prepared again where they have been replaced."""
-        if self._prepared.value is not self.loop:
-            self._prepared = Prepared(self.loop)
+        if self._prepared.value is not self.parameters:
+            self._prepared = Prepared(self.parameters)
         return self._prepared
 
     @property

@@ -39,12 +39,13 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     float
         Frequency [rad/s]; infinite where the forces are not finite.
     """
-    loop = model.loop
-    root, shape = 1.0 / np.sqrt(loop.mass), positions.shape
-    add_springs = _springs(loop)
+    parameters = model.parameters
+    table, hourglass = parameters.table, parameters.hourglass
+    root, shape = 1.0 / np.sqrt(parameters.mass), positions.shape
+    add_springs = _springs(parameters)
     size = RELATIVE_DISPLACEMENT * math.sqrt(float(model.discretisation.scalar.dx.sum(axis=1).min()))
     place, force = positions.copy(), np.zeros(shape)
-    parts = (loop.hourglass, force, loop.table, loop.material, scratch_for(loop.table, loop.hourglass))
+    parts = (hourglass, force, table, parameters.material, scratch_for(table, hourglass))
     subtract = subtract_internal_forces.bound(place, np.zeros(shape), None, *parts)
 
     def forces() -> np.ndarray:
@@ -81,22 +82,22 @@ def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
     some = np.cos(1.7 * np.arange(positions.size)) + 0.1  # fixed, so that runs repeat to the bit
     if model.highest_mode is None:
         return some
-    fraction, body = model.loop.mass / model.mass, model.discretisation.positions
+    fraction, body = model.parameters.mass / model.mass, model.discretisation.positions
     x, y = positions - (positions @ fraction)[:, None]
     r_x, r_y = (body - (body @ fraction)[:, None]) * fraction
     angle = math.atan2((r_y * x - r_x * y).sum(), (r_x * x + r_y * y).sum())
     return np.asarray((to_global(angle) @ model.highest_mode).ravel() + 1e-3 * some)
 
 
-def _springs(loop: Any) -> Callable[[np.ndarray, np.ndarray], None]:
+def _springs(parameters: Any) -> Callable[[np.ndarray, np.ndarray], None]:
     """Return a function that adds the forces of the corner's spring.
 
     It takes a displacement [m] and forces [N], shape (2, nodes) each. Unilateral contact does not bound the time
     step, and adds nothing.
     """
-    if not isinstance(loop, LoopParameters):
+    if not isinstance(parameters, LoopParameters):
         return lambda displacement, forces: None
-    nodes, weights, spring = loop.corner.nodes, loop.corner.weights, loop.corner.spring
+    nodes, weights, spring = parameters.corner.nodes, parameters.corner.weights, parameters.corner.spring
 
     def add_spring(displacement: np.ndarray, forces: np.ndarray) -> None:
         forces[1, nodes] += spring * (displacement[1, nodes] @ weights) * weights

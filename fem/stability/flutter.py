@@ -99,7 +99,7 @@ def predict_flutter(
     Flutter
         The fastest growth.
     """
-    slope = friction_slope(model.loop.friction, start.corner_speed)
+    slope = friction_slope(model.parameters.friction, start.corner_speed)
     if slope == 0.0:
         return Flutter(0.0, 0.0)  # a symmetric stiffness has no growth
     modes = corner_modes(model)
@@ -115,13 +115,13 @@ def viscous_rate(model: PlateModel) -> float:
 
     It is that of any mode. The bulk part is neglected.
     """
-    viscosity = model.loop.viscosity
+    viscosity = model.parameters.viscosity
     return 0.0 if viscosity is None else 0.5 * viscosity.c_33 / model.tangent_moduli.c_33
 
 
 def corner_modes(model: PlateModel) -> CornerModes:
     """Return all modes of the free plate at the corner."""
-    corner, nodes = model.loop.corner, model.loop.mass.size
+    corner, nodes = model.parameters.corner, model.parameters.mass.size
     squares, shapes = _unit_modes(model.elastic.inverse)
     corner_motion = np.einsum("n,inm->im", corner.weights, shapes.reshape(2, nodes, -1)[:, corner.nodes])
     return CornerModes(model.elastic.modulus * squares, corner_motion)
@@ -150,7 +150,7 @@ def _rate(
     residues[2] = residues[:3].sum()  # rigid motions have no stiffness
     squares, residues = modes.squares[2:], residues[2:]
     squares[0] = 0.0
-    stiffness, dashpot = model.loop.corner.stiffness, model.loop.corner.dashpot
+    stiffness, dashpot = model.parameters.corner.stiffness, model.parameters.corner.dashpot
     top, rates = 1.5 * highest_mode(squares, residues, stiffness), [least]
     while rates[-1] < top:
         rates.append(rates[-1] * RATE_RATIO)

@@ -80,12 +80,12 @@ def rounding_noise(model: PlateModel) -> RoundingNoise:
     RoundingNoise
         Power and ripple.
     """
-    loop, step = model.loop, model.loop.time_step
-    corner = loop.corner
+    parameters, step = model.parameters, model.parameters.time_step
+    corner = parameters.corner
     rounding = np.finfo(float).eps * float(np.ptp(model.discretisation.positions)) / math.sqrt(12.0)
     # Half the largest eigenvalue is a typical diagonal element of the stiffness over the mass.
     energy = 0.25 * model.mass * (model.highest_frequency * rounding) ** 2
     stiffness = 1.0 / (corner.mobility * step**2) if corner.is_exact else corner.stiffness
     return RoundingNoise(
-        energy / step, MEASURED_RATIO * math.sqrt(stiffness / loop.mass.size), model.highest_frequency
+        energy / step, MEASURED_RATIO * math.sqrt(stiffness / parameters.mass.size), model.highest_frequency
     )

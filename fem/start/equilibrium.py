@@ -40,7 +40,7 @@ def equilibrium(
             return place
         if not np.isfinite(size):
             break
-        solve = elastic_solver(tangent_matrix(model, place), model.loop.mass, place)
+        solve = elastic_solver(tangent_matrix(model, place), model.parameters.mass, place)
         place, before = place + solve(residual.ravel()).reshape(2, -1), size
     raise ValueError(
         "the plate is too soft for a start by inertia relief: no equilibrium exists under the reaction"
@@ -49,10 +49,11 @@ def equilibrium(
 
 def internal_forces(model: PlateModel, place: np.ndarray) -> np.ndarray:
     """Return the nodal forces [N] of the deformed plate, shape (2, nodes)."""
-    loop, force, place = model.loop, np.zeros(place.shape), np.ascontiguousarray(place)
-    scratch = internal_force.scratch_for(loop.table, loop.hourglass)
+    parameters, force, place = model.parameters, np.zeros(place.shape), np.ascontiguousarray(place)
+    table, hourglass = parameters.table, parameters.hourglass
+    scratch = internal_force.scratch_for(table, hourglass)
     internal_force.subtract_internal_forces(
-        place, np.zeros(place.shape), None, loop.hourglass, force, loop.table, loop.material, scratch
+        place, np.zeros(place.shape), None, hourglass, force, table, parameters.material, scratch
     )
     return -force
 
@@ -79,8 +80,8 @@ def tangent_matrix(model: PlateModel, place: np.ndarray) -> sp.csr_matrix:
 
     coupling = block(0, 1)
     matrix = sp.csr_matrix(model.thickness * sp.bmat([[block(0, 0), coupling], [coupling.T, block(1, 1)]]))
-    if model.loop.hourglass is not None:
-        matrix = matrix + hourglass_matrix(d.table, model.loop.hourglass, model.loop.mass.size)
+    if model.parameters.hourglass is not None:
+        matrix = matrix + hourglass_matrix(d.table, model.parameters.hourglass, model.parameters.mass.size)
     return matrix
 
 

@@ -97,7 +97,7 @@ def relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray
     Spin [rad/s] and corner speed [m/s] follow from the momentum. The elastic state depends on the spin,
     and is computed again for it.
     """
-    fraction, turn = model.loop.mass / model.mass, to_global(start.angle)
+    fraction, turn = model.parameters.mass / model.mass, to_global(start.angle)
     arm = turn @ (body @ fraction)
     target = np.array([start.corner_speed - start.omega * arm[1], start.omega * arm[0]])
     corrected = start
@@ -115,10 +115,10 @@ def lag_by_damping(model: PlateModel, rate: np.ndarray) -> np.ndarray:
 
     rate: of the elastic state [m/s], body frame. The result has no rigid motion, shape (2, nodes).
     """
-    damping = model.loop.elastic_damping
+    damping = model.parameters.elastic_damping
     if damping is None:
         return np.zeros_like(rate)
-    masses, positions = model.loop.mass, model.discretisation.positions
+    masses, positions = model.parameters.mass, model.discretisation.positions
     elastic = without_rigid_motion(rate.ravel(), masses, positions)
     return model.elastic(-damping.rate * np.tile(masses, 2) * elastic).reshape(2, -1)
 
@@ -177,7 +177,7 @@ def _unturned(model: PlateModel, body: np.ndarray, place: np.ndarray) -> np.ndar
 
     The result has no rigid rotation in the mass-weighted sense.
     """
-    fraction = model.loop.mass / model.mass
+    fraction = model.parameters.mass / model.mass
     x, y = place - (place @ fraction)[:, None]
     r_x, r_y = (body - (body @ fraction)[:, None]) * fraction
     turned = np.arctan2((r_x * y - r_y * x).sum(), (r_x * x + r_y * y).sum())
@@ -216,7 +216,7 @@ def statics(model: PlateModel, start: RigidStart) -> Statics:
     """
     elastic, gap = relieved_displacement(model, start)
     moved = (to_global(start.angle) @ elastic)[1] + gap
-    return Statics(-float(model.loop.mass @ moved / model.mass), gap)
+    return Statics(-float(model.parameters.mass @ moved / model.mass), gap)
 
 
 def damping_lag(model: PlateModel, start: RigidStart) -> float:
@@ -235,5 +235,5 @@ def elastic_energy(model: PlateModel, start: RigidStart) -> float:
     """
     elastic, gap = relieved_displacement(model, start)
     displacement = elastic.ravel()
-    spring = model.loop.corner.spring
+    spring = model.parameters.corner.spring
     return float(0.5 * (displacement @ (model.stiffness @ displacement) + spring * gap**2))

@@ -70,7 +70,7 @@ class FePlan:
     @property
     def expected_steps(self) -> int:
         """Number of time steps to the end of the rigid motion."""
-        return math.ceil(self.case.duration / self.model.loop.time_step)
+        return math.ceil(self.case.duration / self.model.parameters.time_step)
 
     @property
     def expected_seconds(self) -> float:
@@ -399,6 +399,7 @@ def within_tolerance(case: CaseT, run: Callable[[CaseT], OutcomeT], tolerance: f
 def time_step(outcome: Outcome) -> Evaluation:
     """Compare the time step of a run with the stable one."""
     model, run = outcome.fe_plan.model, outcome.run
-    ratio = model.loop.time_step / model.stable_time_step * run.highest_frequency / model.highest_frequency
+    step = model.parameters.time_step
+    ratio = step / model.stable_time_step * run.highest_frequency / model.highest_frequency
     meaning = "time step over the stable one at the highest frequency of the deformed plate"
     return Evaluation(ratio, 1.0, meaning)

@@ -157,10 +157,11 @@ def demand_steps(scene: Scene, duration: float, model: PlateModel) -> None:
 
     duration: of the run [s].
     """
-    if model.loop.time_step * MAX_STEPS > duration:
+    step = model.parameters.time_step
+    if step * MAX_STEPS > duration:
         return
     key, value = resources.costly_key(scene, duration)
-    allowed = f"the time step would be {model.loop.time_step:.1e} s; allowed are at most {MAX_STEPS:g} steps"
+    allowed = f"the time step would be {step:.1e} s; allowed are at most {MAX_STEPS:g} steps"
     raise InputError(key, value, allowed)
 
 

@@ -59,14 +59,14 @@ def _cells(model: PlateModel) -> tuple[str, NDArray[np.int64]]:
     element = type(scalar.elem).__name__
     kind = next((kind for kind in ELEMENT_KINDS.values() if kind.element == element), None)
     if kind and kind.cell_type:
-        return kind.cell_type, np.ascontiguousarray(model.loop.table.connectivity.T)
+        return kind.cell_type, np.ascontiguousarray(model.parameters.table.connectivity.T)
     cells = model.discretisation.cells
     return ("quad" if cells.shape[1] == 4 else "triangle"), np.ascontiguousarray(cells)
 
 
 def _rigid_place(model: PlateModel, positions: Array) -> Array:
     """Return the unstrained plate at its best fit, shape (2, nodes) [m]."""
-    fraction = model.loop.mass / model.loop.mass.sum()
+    fraction = model.parameters.mass / model.parameters.mass.sum()
     body = model.discretisation.positions
     body = body - (body @ fraction)[:, None]
     centre = (positions @ fraction)[:, None]

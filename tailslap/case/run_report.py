@@ -186,12 +186,12 @@ class FeReport(RunReport):
 
 def run_cost(outcome: Outcome) -> dict[str, float | int]:
     """Return sizes and times of a run."""
-    loop = outcome.fe_plan.model.loop
+    parameters = outcome.fe_plan.model.parameters
     return {
-        "elements": int(loop.table.connectivity.shape[1]),
-        "nodes": int(loop.mass.size),
+        "elements": int(parameters.table.connectivity.shape[1]),
+        "nodes": int(parameters.mass.size),
         "steps": outcome.run.steps,
-        "time_step": loop.time_step,
+        "time_step": parameters.time_step,
         "setup_s": outcome.setup_s,
         "time_loop_s": outcome.run.time_loop_s,
     }
@@ -206,7 +206,7 @@ def fe_lines(
     more: further texts.
     """
     model, plate = fe_plan.model, fe_plan.plate
-    elements, step = model.loop.table.connectivity.shape[1], model.loop.time_step
+    elements, step = model.parameters.table.connectivity.shape[1], model.parameters.time_step
     mass, modulus = units.measure(model.mass, "kg", ".1f"), units.measure(plate.modulus, "Pa", ".6g")
     seconds = resources.loop_seconds(
         fe_plan.case.scene, plate.element, plate.counts, fe_plan.expected_steps, rows
@@ -214,7 +214,7 @@ def fe_lines(
     chosen = [decision.text for decision in fe_plan.decisions]
     return {
         "plate": [
-            f"{elements} elements, {model.loop.mass.size} nodes, {mass}, {plate.element}, "
+            f"{elements} elements, {model.parameters.mass.size} nodes, {mass}, {plate.element}, "
             f"{plate.lumping} masses{start}"
         ],
         "stiffness": [

@@ -30,7 +30,7 @@ class PressedBlock:
         contact, step = ContactProperties(Drag(friction), "penalty"), StepProperties(damping_ratio=0.3)
         self.model = build_impact_model([UnitProperties(plate_mesh(1.0, 0.1, (8, 2)), plate, contact)], step)
         self.stepper, self.across = ImpactStepper(self.model), across
-        self.mass, self.time_step = self.model.loop.mass, self.model.loop.time_step
+        self.mass, self.time_step = self.model.parameters.mass, self.model.parameters.time_step
         self.state = self.stepper.at_touch(FirstTouch(0.0, 0.0, 0.0))
         for _ in range(2000):
             self.state.velocities[:] *= 0.98
@@ -114,12 +114,12 @@ def test_ssnv128_plate_with_friction_on_a_rigid_plane(law):
     left, right, top = np.isclose(x, -2.0 * size), np.isclose(x, 0.0), np.isclose(y, size)
     along = edge_loads(y, left, 15e7) - edge_loads(y, right, 15e7)
     loads = np.array([along, edge_loads(x, top, -5e7)])
-    dt, period = model.loop.time_step, 4.0 * size / math.sqrt(plate.youngs_modulus / density)
+    dt, period = model.parameters.time_step, 4.0 * size / math.sqrt(plate.youngs_modulus / density)
     state, ramp = stepper.at_touch(FirstTouch(0.0, 0.0, 0.0)), 30.0 * period
     start = state.positions[0] - x
     for n in range(round(1.3 * ramp / dt)):
         state.velocities[:] *= 1.0 - 4.0 * dt / period
-        state.velocities[:] += dt * min(1.0, n * dt / ramp) * loads / model.loop.mass
+        state.velocities[:] += dt * min(1.0, n * dt / ramp) * loads / model.parameters.mass
         state = stepper.record(state, 1, 1).state
     moved = state.positions[0] + state.origin[0] - x - start
     face = np.flatnonzero(np.isclose(y, 0.0))

@@ -225,7 +225,7 @@ def test_a_start_by_another_law_than_the_scene_s(run, monkeypatch):
     """It changes the five quantities by 1e-5, and the work at the start by that of a step."""
 
     def swapped(stepper, state):
-        other = Stepper(replace(stepper.model, loop=stepper.loop._replace(friction=LAWS[run])))
+        other = Stepper(replace(stepper.model, parameters=stepper.parameters._replace(friction=LAWS[run])))
         found = react(other, state)
         stepper._force[:] = other._force
         return found
@@ -292,9 +292,12 @@ def off_by(result, distance, refinement=0.5):
 
 def test_a_soft_spring_is_stated(result):
     """It displaces the plate by N over its stiffness, in proportion to the effect of the plate's own deflection."""
-    loop = result.fe_plan.model.loop
-    spring = loop.corner.constraint._replace(stiffness=1e-4 * loop.corner.stiffness)
-    soft = replace(result.fe_plan.model, loop=loop._replace(corner=loop.corner._replace(constraint=spring)))
+    parameters = result.fe_plan.model.parameters
+    spring = parameters.corner.constraint._replace(stiffness=1e-4 * parameters.corner.stiffness)
+    soft = replace(
+        result.fe_plan.model,
+        parameters=parameters._replace(corner=parameters.corner._replace(constraint=spring)),
+    )
     softened = replace(result, fe_plan=replace(result.fe_plan, model=soft))
     assert failed(softened) >= {"numerical error"}
     assert softened.error.contact_spring == pytest.approx(1e4 * result.error.contact_spring)
@@ -392,7 +395,7 @@ def test_runs_that_strike_late_are_compared_while_the_rigid_motion_lasts(result)
 
 def test_mass_that_the_geometry_has_not(result):
     model = result.fe_plan.model
-    heavier = replace(model, loop=model.loop._replace(mass=model.loop.mass * (1.0 + 2e-9)))
+    heavier = replace(model, parameters=model.parameters._replace(mass=model.parameters.mass * (1.0 + 2e-9)))
     changed = replace(result, fe_plan=replace(result.fe_plan, model=heavier))
     assert failed(changed) == {"added mass"}
 

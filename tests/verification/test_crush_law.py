@@ -148,7 +148,7 @@ def test_a_layer_unloads_as_the_corners_do():
         ],
         StepProperties(),
     )
-    law = model.loop.contact.law
+    law = model.parameters.contact.law
     assert (law.plateau[:4] == 2e5).all()
     assert np.isinf(law.plateau[4:]).all()
     assert law.unloading[4:] == pytest.approx(3.0 * law.stiffness[4:])

@@ -113,7 +113,7 @@ def test_free_mode_decays_at_half_the_rate(plate_model):
         row = stepper.measure(state)._asdict()
         energies.append(row["kinetic_energy"] + row["strain_energy"])
         state = stepper.advance(state, steps)
-    slope = np.polyfit(steps * model.loop.time_step * np.arange(30), np.log(energies), 1)[0]
+    slope = np.polyfit(steps * model.parameters.time_step * np.arange(30), np.log(energies), 1)[0]
     assert slope == pytest.approx(-rate, rel=0.02)
 
 
@@ -130,8 +130,8 @@ def test_stable_step_with_damping():
 
 
 def test_without_it_there_is_no_code(plate_model):
-    assert plate_model(reaction="drag").loop.elastic_damping is None
-    assert plate_model(reaction="drag", elastic_rate=1.0).loop.elastic_damping.rate == 1.0
+    assert plate_model(reaction="drag").parameters.elastic_damping is None
+    assert plate_model(reaction="drag", elastic_rate=1.0).parameters.elastic_damping.rate == 1.0
 
 
 DURATION = 0.384
@@ -139,13 +139,13 @@ DURATION = 0.384
 
 def growth_rates(model, angle, ratio=0.0):
     """Rates [1/s] of all modes by dense eigenvalues of the first-order system, damping included."""
-    corner, masses, nodes = model.loop.corner, model.loop.mass, model.loop.mass.size
+    corner, masses, nodes = model.parameters.corner, model.parameters.mass, model.parameters.mass.size
     along, across = to_global(angle)
     spread = np.zeros(nodes)
     spread[corner.nodes] = corner.weights
     root = 1.0 / np.sqrt(np.tile(masses, 2))
     gap = np.kron(across, spread) * root
-    push = gap + friction_slope(model.loop.friction, START.corner_speed) * np.kron(along, spread) * root
+    push = gap + friction_slope(model.parameters.friction, START.corner_speed) * np.kron(along, spread) * root
     plate = root[:, None] * model.stiffness.toarray() * root
     stiffness = plate.copy()
     if isinstance(corner.constraint, Exact):
@@ -154,7 +154,7 @@ def growth_rates(model, angle, ratio=0.0):
         stiffness += corner.stiffness * np.outer(push, gap)
     damping = np.outer(push, gap) * getattr(corner.constraint, "damping", 0.0)
     if ratio:
-        viscous = stiffness_matrix(model.discretisation.scalar, model.thickness, model.loop.viscosity)
+        viscous = stiffness_matrix(model.discretisation.scalar, model.thickness, model.parameters.viscosity)
         damping += root[:, None] * viscous.toarray() * root
     size = 2 * nodes
     system = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -damping]])
@@ -173,9 +173,9 @@ CORNERS = {
 def test_number_of_growing_modes_is_that_of_the_eigenvalues(plate_model, corner, ratio):
     """At three angles and seven rates: the modes with a larger real part are as many as the criterion counts."""
     model = plate_model((10, 3), "drag", corner=CORNERS[corner], damping_ratio=ratio)
-    modes, slope = flutter.corner_modes(model), friction_slope(model.loop.friction, START.corner_speed)
-    viscous = 0.5 * model.loop.viscosity.c_33 / model.tangent_moduli.c_33 if ratio else 0.0
-    constraint, seen = model.loop.corner.constraint, 0
+    modes, slope = flutter.corner_modes(model), friction_slope(model.parameters.friction, START.corner_speed)
+    viscous = 0.5 * model.parameters.viscosity.c_33 / model.tangent_moduli.c_33 if ratio else 0.0
+    constraint, seen = model.parameters.corner.constraint, 0
     for angle in (0.26, 0.1, 0.0):
         rates = growth_rates(model, angle, ratio)
         along, across = to_global(angle) @ modes.corner
@@ -208,7 +208,7 @@ def test_steps_along_the_line_grow_with_the_modes_alone(plate_model, monkeypatch
 
     monkeypatch.setattr(flutter, "_response", counted)
     squares, residues = np.append(0.0, modes.squares[3:]), modes.corner[1, 2:] ** 2
-    stiffness = model.loop.corner.stiffness
+    stiffness = model.parameters.corner.stiffness
     top = flutter.highest_mode(squares, residues, stiffness)
     flutter.growing_modes.py_func(squares, residues, stiffness, 0.0, 0.0, 100.0 * slower, top)
     assert len(made) < squares.size * (40.0 - 20.0 * math.log10(slower))
@@ -240,7 +240,7 @@ def measured_rate(model, size, calls):
     state = stepper.start(START, "inertia-relief")
     noise = size * np.random.default_rng(4).normal(size=state.positions.shape)
     state = state._replace(velocities=state.velocities + noise)
-    energies, instants = [], 1000 * model.loop.time_step * np.arange(calls.stop)
+    energies, instants = [], 1000 * model.parameters.time_step * np.arange(calls.stop)
     for _ in instants:
         state = stepper.advance(state, 1000)
         energies.append(stepper.measure(state).vibration_energy)
@@ -257,7 +257,7 @@ def test_flutter_is_foreseen_and_suppressed(outcome, changes, flutters):
     forbidden = outcome("paper-table-3", *changes, "damping.kind=none")
     assert forbidden.passed is not flutters
     free = outcome("paper-table-3", *changes)
-    assert (free.fe_plan.model.loop.elastic_damping is not None) is flutters
+    assert (free.fe_plan.model.parameters.elastic_damping is not None) is flutters
     assert free.passed
     assert max(map(abs, free.difference.values())) < 5e-6
 
@@ -278,7 +278,7 @@ def test_only_meshes_that_can_be_analysed_are_made(monkeypatch):
     monkeypatch.setattr(decisions, "static_models", counted)
     plan = corner_case.CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
     models = list(decisions._coarser_models(plan, plan.scene.needed_plate, flutter.MAX_UNKNOWNS))
-    assert [2 * model.loop.mass.size <= flutter.MAX_UNKNOWNS for model in models] == [True, True]
+    assert [2 * model.parameters.mass.size <= flutter.MAX_UNKNOWNS for model in models] == [True, True]
     assert made == [(35, 10), (23, 7)]  # (53, 15) has 1 728 unknowns
 
 

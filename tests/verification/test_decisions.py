@@ -29,7 +29,7 @@ def decided(*changes):
 def test_shipped_scene_leaves_nothing_to_decide():
     """Linear elements and the penalty spring are good enough for steel, and nothing grows."""
     assert decided() == {}
-    assert fe_plan().model.loop.elastic_damping is None
+    assert fe_plan().model.parameters.elastic_damping is None
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_constraint_left_open_is_exact_where_the_spring_would_be_seen():
     assert decided("plate.start=unstressed")["corner.constraint"] == "exact"
     for given in ("corner.penalty_scale=2", "corner.constraint=penalty", "corner.damping_ratio=0.1"):
         assert "corner.constraint" not in decided(*SOFT, given)
-        assert fe_plan(*SOFT, given).model.loop.corner.stiffness > 0.0
+        assert fe_plan(*SOFT, given).model.parameters.corner.stiffness > 0.0
 
 
 def test_damping_is_decided_unless_the_scene_says_what_it_wants():
@@ -71,7 +71,7 @@ def test_damping_is_decided_unless_the_scene_says_what_it_wants():
     assert rate > 0.0
     assert "damping.rate" not in decided(*FLUTTERS, "damping.kind=none")
     given = fe_plan(*FLUTTERS, "damping.kind=elastic-velocity", "damping.rate=7")
-    assert given.model.loop.elastic_damping.rate == 7.0
+    assert given.model.parameters.elastic_damping.rate == 7.0
     assert given.decisions == ()
     lighter = decided(*FLUTTERS, "damping.ratio=0.002")["damping.rate"]
     assert 0.0 < lighter < rate  # it takes growth off, and is no word on the rest
@@ -86,10 +86,10 @@ def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without():
     plan = corner_case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *SLENDER)))
     first, again = plan.plan(), make_corner_plan(plan, more_damping=4.0)
     assert first.growth.overdamps
-    assert first.model.loop.elastic_damping is None
+    assert first.model.parameters.elastic_damping is None
     assert "sufficient damping would change the result" in first.decisions[-1].text
     assert flutter_sentence(first).startswith("possible")
-    assert again.model.loop.elastic_damping.rate == 4.0 * decisions.suppressing_rate(again.growth)
+    assert again.model.parameters.elastic_damping.rate == 4.0 * decisions.suppressing_rate(again.growth)
     assert "the first run oscillated" in again.decisions[-2].text
     assert not decisions.harms(plan, first.plate, first.model, first.growth, deflection_ratio=1e-4)
     unseen = decisions.open_damping(first.original, first.growth)
@@ -101,13 +101,13 @@ def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without():
     swings = ("plate.first_frequency=25 Hz", "plate.elements=[40, 12]", "plate.start=unstressed")
     soft = fe_plan("plate.youngs_modulus=", *swings, "corner.patch_length=1", "corner.constraint=exact")
     assert soft.growth.rate > 0.0
-    assert soft.model.loop.elastic_damping is None
+    assert soft.model.parameters.elastic_damping is None
     steel = ("plate.youngs_modulus=2 TPa", *swings[1:], "corner.patch_length=1", "corner.constraint=exact")
     stiff, rough = fe_plan(*steel), fe_plan(*steel, "corner.friction=0.8")
     assert stiff.growth.rate > 0.0
-    assert stiff.model.loop.elastic_damping is not None
+    assert stiff.model.parameters.elastic_damping is not None
     # The part of friction due to the oscillation would be missing.
-    assert rough.model.loop.elastic_damping is None
+    assert rough.model.parameters.elastic_damping is None
 
 
 @pytest.mark.parametrize("modulus", ["20 GPa", "200 GPa", "2 TPa"])
@@ -131,7 +131,7 @@ def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome):
     told = numerical_error.numerical_error(
         replace(fe_plan, rang=False), damped.difference, damped.companions
     ).damping
-    added = static_models.friction_lost(fe_plan.case, fe_plan.model.loop.elastic_damping.rate)
+    added = static_models.friction_lost(fe_plan.case, fe_plan.model.parameters.elastic_damping.rate)
     assert told == pytest.approx(damped.error.damping + added)
     assert added > 3e-4
 

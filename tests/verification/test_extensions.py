@@ -91,8 +91,9 @@ def test_a_run_with_all_of_them_is_right(result):
 
 
 def test_the_loop_is_made_of_them(result):
-    loop = result.fe_plan.model.loop
-    kinds = [type(part).__name__ for part in (loop.friction, loop.corner.constraint, loop.material)]
+    parameters = result.fe_plan.model.parameters
+    parts = (parameters.friction, parameters.corner.constraint, parameters.material)
+    kinds = [type(part).__name__ for part in parts]
     assert kinds == ["Smoothed", "Cubic", "Hardening"]
     history = result.run.history
     limit = 0.47 * np.sqrt(history["reaction_normal"] ** 2 + 1.0)
@@ -100,7 +101,7 @@ def test_the_loop_is_made_of_them(result):
 
 
 def test_its_energies_are_in_the_ledger(result):
-    history, constraint = result.run.history, result.fe_plan.model.loop.corner.constraint
+    history, constraint = result.run.history, result.fe_plan.model.parameters.corner.constraint
     gap = history["gap"][:-1]
     energy = 0.5 * constraint.stiffness * gap**2 * (1.0 + 0.5 * gap**2)
     np.testing.assert_allclose(history["contact_energy"][:-1], energy, rtol=1e-12)
@@ -123,7 +124,7 @@ def test_the_files_and_the_page_show_them(result, folder):
 def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
     """The plate's motion is nearly rigid, for the rotary inertia of this lumping is not quite that of the plate."""
     model, fe_plan = plate_result.fe_plan.model, plate_result.fe_plan
-    assert len(model.loop.table.per_element) == 8
+    assert len(model.parameters.table.per_element) == 8
     assert model.mass == pytest.approx(53.0 * 7.8 * 24.38, rel=1e-12)
     assert max(map(abs, plate_result.difference.values())) < 0.02
     assert plate_result.run.history["gap"][0] == pytest.approx(statics(model, fe_plan.start).gap, rel=1e-6)

@@ -397,7 +397,7 @@ def test_a_distorted_mesh_and_triangles_are_told_apart(outcome):
     moved = outcome("paper-table-3", "plate.distortion=0.2").fe_plan.model
     cut = outcome("paper-table-3", "plate.element=tri3").fe_plan.model
     assert np.abs(plain.discretisation.positions - moved.discretisation.positions).max() > 0.05
-    assert cut.loop.table.connectivity.shape == (3, 240)
+    assert cut.parameters.table.connectivity.shape == (3, 240)
 
 
 def test_the_exact_constraint_holds_the_corner_on_the_wall(outcome):

@@ -83,7 +83,7 @@ def test_kinetic_energy_of_rigid_motion_is_exact(plate_model):
 
 def test_highest_frequency_against_a_dense_solution(plate_model):
     model = plate_model(elements=(6, 3), corner={"penalty_scale": 3.0})
-    masses, corner = model.loop.mass, model.loop.corner
+    masses, corner = model.parameters.mass, model.parameters.corner
     stiffness = model.stiffness.toarray()
     unknowns, highest = [corner.nodes[0], corner.nodes[0] + masses.size], []
     for angle in (0.26, 0.13, 0.0):
@@ -99,10 +99,10 @@ def test_highest_frequency_against_a_dense_solution(plate_model):
 def test_stiffness_has_three_rigid_motions_and_a_bar_s_frequency(plate_model):
     """The first stretching frequency of a slender free bar is pi sqrt(E / rho) / L."""
     model = plate_model(mesh=plate_mesh(10.0, 0.2, (60, 2)))
-    squares, shapes = scipy.linalg.eigh(model.stiffness.toarray(), np.diag(np.tile(model.loop.mass, 2)))
+    squares, shapes = scipy.linalg.eigh(model.stiffness.toarray(), np.diag(np.tile(model.parameters.mass, 2)))
     assert np.abs(squares[:3]).max() < 1e-7 * squares[3]
     assert squares[3] > 1.0
-    nodes = model.loop.mass.size
+    nodes = model.parameters.mass.size
     along = np.abs(shapes[:nodes]).sum(axis=0) > 2.0 * np.abs(shapes[nodes:]).sum(axis=0)
     first = np.sqrt(squares[3:][along[3:]][0])
     assert first == pytest.approx(np.pi * np.sqrt(200e9 / 7800.0) / 10.0, rel=1e-3)
@@ -131,9 +131,9 @@ def test_damped_step_of_a_plate_that_hardly_touches_its_spring(plate_model):
 def test_highest_frequency_counts_the_penalty_spring(plate_model):
     """A very stiff spring on the corner's mass alone: w^2 tends to k / m."""
     model = plate_model(elements=(6, 3))
-    node, mass = model.loop.corner.nodes[0], model.loop.mass
-    stiff = 1e5 * model.loop.corner.stiffness
-    corner = model.loop.corner._replace(constraint=Penalty(stiff))
+    node, mass = model.parameters.corner.nodes[0], model.parameters.mass
+    stiff = 1e5 * model.parameters.corner.stiffness
+    corner = model.parameters.corner._replace(constraint=Penalty(stiff))
     found = Spectrum(model.stiffness, mass, corner_support(corner)).frequency
     assert found == pytest.approx(np.sqrt(stiff / mass[node]), rel=1e-4)
 

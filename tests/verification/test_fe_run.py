@@ -115,7 +115,7 @@ def test_a_free_plate_flies_straight_and_turns_evenly(plate_model):
         assert rows[1][name] == pytest.approx(rows[0][name], rel=1e-12)
     # Turning stretches the plate by about rho omega^2 L^2 / E, 2e-6: set off unstretched, it rings by that.
     assert rows[1]["omega"] == pytest.approx(0.707, rel=1e-6)
-    assert 0.26 - rows[1]["theta"] == pytest.approx(0.707 * 5000 * model.loop.time_step, rel=1e-6)
+    assert 0.26 - rows[1]["theta"] == pytest.approx(0.707 * 5000 * model.parameters.time_step, rel=1e-6)
 
 
 def test_a_quiet_start_does_not_ring(outcome):

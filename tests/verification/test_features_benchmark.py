@@ -71,8 +71,8 @@ def test_the_bare_loop_computes_what_the_program_s_does(plate_model, kind):
     stepper = Stepper(model)
     start = stepper.start(START, "inertia-relief")
     later, mine = stepper.advance(start, STEPS), copy_state(start)
-    force, scratch = np.zeros_like(mine.positions), benchmark.bare_scratch(model.loop)
-    bare = benchmark.bare_parameters(model.loop)
+    force, scratch = np.zeros_like(mine.positions), benchmark.bare_scratch(model.parameters)
+    bare = benchmark.bare_parameters(model.parameters)
     benchmark.advance_bare(mine.positions, mine.velocities, STEPS, bare, force, scratch)
     assert np.abs(later.positions - start.positions).max() > 0.1
     np.testing.assert_allclose(mine.positions, later.positions, rtol=0.0, atol=1e-12)
@@ -89,21 +89,24 @@ def test_the_bare_loop_computes_what_the_program_s_does(plate_model, kind):
 ])  # fmt: skip
 def test_the_bare_loop_refuses_what_it_has_no_code_for(plate_model, changes):
     with pytest.raises(ValueError, match="bare loop"):
-        benchmark.bare_parameters(plate_model((8, 4), **changes).loop)
+        benchmark.bare_parameters(plate_model((8, 4), **changes).parameters)
 
 
 def test_each_part_is_added_alone(models):
     """Whatever parts the scene itself has, a model has the one of its name and no other."""
     for name, model in models.items():
-        loop = model.model.loop
-        corner, neo_hookean = loop.corner, isinstance(loop.material, materials.NeoHookean)
-        found = {"friction": isinstance(loop.friction, Drag), "damping": loop.viscosity is not None}
+        parameters = model.model.parameters
+        corner, neo_hookean = parameters.corner, isinstance(parameters.material, materials.NeoHookean)
+        found = {
+            "friction": isinstance(parameters.friction, Drag),
+            "damping": parameters.viscosity is not None,
+        }
         found |= {"dashpot": corner.dashpot > 0.0, "patch": corner.nodes.size > 1, "neo-Hookean": neo_hookean}
         found["exact constraint"] = isinstance(corner.constraint, constraints.Exact)
-        found["hourglass control"] = loop.hourglass is not None
+        found["hourglass control"] = parameters.hourglass is not None
         assert {part for part, there in found.items() if there} == {name} - {benchmark.PLAIN}
     assert len(models) == 8
-    assert isinstance(models[benchmark.PLAIN].model.loop.corner.constraint, constraints.Penalty)
+    assert isinstance(models[benchmark.PLAIN].model.parameters.corner.constraint, constraints.Penalty)
     plain = benchmark.plain_scene(scene_of())
     assert benchmark.plain_scene(plain) == plain
 

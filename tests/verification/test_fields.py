@@ -37,15 +37,15 @@ def series(outcome):
 def test_fields_agree_with_the_history(ran):
     """Strain energy over the volume, and the centre's velocity by mass, are those of the rows of the same instants."""
     outcome = ran(KEPT)
-    found, history, loop = series(outcome), outcome.run.history, outcome.fe_plan.model.loop
+    found, history, parameters = series(outcome), outcome.run.history, outcome.fe_plan.model.parameters
     rows = np.searchsorted(history["t"], found.t - 1e-12)
     assert_allclose(history["t"][rows], found.t, rtol=0, atol=1e-12)
     assert (found.t[0], found.t[-1]) == (0.0, history["t"][-1])
-    volumes = loop.table.weights.sum(axis=0)
+    volumes = parameters.table.weights.sum(axis=0)
     energy = (found.elemental["strain_energy_density"] * volumes).sum(axis=1)
     # At the tail-slap positions and energy are interpolated apart from each other.
     assert_allclose(energy[:-1], history["strain_energy"][rows][:-1], rtol=1e-9, atol=1e-12)
-    share = loop.mass / loop.mass.sum()
+    share = parameters.mass / parameters.mass.sum()
     assert_allclose(
         np.einsum("n,tnc->tc", share, found.nodal["velocity"]),
         np.array([history["v_gx"][rows], history["v_gy"][rows]]).T,

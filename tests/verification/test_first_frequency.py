@@ -19,7 +19,7 @@ EIGHT = ("plate.youngs_modulus=", "plate.first_frequency=8 Hz")
 
 def dense_frequencies(model):
     """All frequencies of the free plate [Hz], by LAPACK."""
-    masses = np.tile(model.loop.mass, 2)
+    masses = np.tile(model.parameters.mass, 2)
     squares = scipy.linalg.eigvalsh(model.stiffness.toarray() / np.sqrt(np.outer(masses, masses)))
     return np.sqrt(np.abs(squares)) / (2.0 * math.pi)
 

@@ -69,7 +69,7 @@ def truck(foundation, law="crush", layer=0.0):
 
 def static(foundation, elements, length=48.0):
     """Places along the face, and its displacements in x and y under 1 N into the middle of the wall."""
-    wall = truck_model(concrete(foundation, elements, length, -0.5 * length)).loop.wall
+    wall = truck_model(concrete(foundation, elements, length, -0.5 * length)).parameters.wall
     places = wall.start + wall.spacing * np.arange(wall.face.shape[1])
     middle = int(np.abs(places).argmin())
     return places, wall.face @ (-wall.face[1, middle] / wall.stiffness)
@@ -114,7 +114,7 @@ def test_modes_that_the_step_leaves_out_hardly_deflect():
 
     def deflection(modulus):
         """Under 1 N, and the highest frequency over that of the foundation."""
-        wall = truck_model(concrete(1e8, 72), modulus=modulus).loop.wall
+        wall = truck_model(concrete(1e8, 72), modulus=modulus).parameters.wall
         below = float((wall.face[1, wall.face.shape[1] // 3] ** 2 / wall.stiffness).sum())
         return below, math.sqrt(wall.stiffness[-1] / wall.foundation)
 
@@ -127,7 +127,7 @@ def test_modes_that_the_step_leaves_out_hardly_deflect():
 def test_the_wall_swings_on_its_foundation():
     """Uniform velocity V: V/w0 sin w0 t all along it, w0^2 = k' over mass per length, and no other motion."""
     model = truck_model(concrete(1e8))
-    wall, stepper = model.loop.wall, ImpactStepper(model)
+    wall, stepper = model.parameters.wall, ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(0.0, 0.0, 0.0))
     state.positions[1] += 5.0
     assert state.wall is not None
@@ -135,7 +135,7 @@ def test_the_wall_swings_on_its_foundation():
     assert masses == pytest.approx(2400.0 * DEPTH * 36.0 * np.eye(2), rel=1e-9, abs=1e-6)
     frequency, speed = math.sqrt(1e8 / (2400.0 * DEPTH)), -0.3
     state.wall.rate[:] = speed * wall.momentum[1]
-    count = round(0.5 * math.pi / frequency / model.loop.time_step)
+    count = round(0.5 * math.pi / frequency / model.parameters.time_step)
     last = dict(zip(ImpactMeasures._fields, stepper.record(state, count, 1).rows[0], strict=False))
     assert last["wall_deflection"] == pytest.approx(-speed / frequency, rel=1e-3)
     assert last["wall_energy"] == pytest.approx(0.5 * masses[1, 1] * speed**2, rel=1e-3)
@@ -169,12 +169,12 @@ def test_energy_of_plate_and_wall(case):
 @pytest.mark.parametrize("case", CASES)
 def test_momentum_of_plate_and_wall_is_what_the_foundation_gives(case):
     model, _ = truck(1e8, **CASES[case])
-    stepper, wall = ImpactStepper(model), model.loop.wall
+    stepper, wall = ImpactStepper(model), model.parameters.wall
     state: Any = stepper.at_touch(touch())
-    start = state.velocities @ model.loop.mass
+    start = state.velocities @ model.parameters.mass
     for _ in range(6):
         state = stepper.record(state, 1000, 1).state
-        gained = state.velocities @ model.loop.mass + wall.momentum @ state.wall.rate - start
+        gained = state.velocities @ model.parameters.mass + wall.momentum @ state.wall.rate - start
         assert np.abs(gained - state.wall.impulse).max() < 1e-9 * TRUCK_MASS * SPEED
     assert np.abs(state.wall.impulse).min() > 0.05 * TRUCK_MASS * SPEED * math.sin(ANGLE)
 
@@ -226,7 +226,7 @@ def test_figures_of_a_concrete_parapet():
 
 def test_a_rigid_wall_has_no_part_in_the_record():
     model, run = truck(math.inf)
-    assert model.loop.wall is None
+    assert model.parameters.wall is None
     assert ImpactStepper(model).at_touch(touch()).wall is None
     for name in ("wall_energy", "wall_deflection", "wall_deflection_place", "foundation_impulse"):
         assert not run.history[name].any()

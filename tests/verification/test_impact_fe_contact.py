@@ -54,7 +54,7 @@ class Bounce(NamedTuple):
 @functools.cache
 def bounce(elements, law, periods):
     model = bar(elements, law)
-    step, gravity = model.loop.time_step, 10.0 * SMALL
+    step, gravity = model.parameters.time_step, 10.0 * SMALL
     stepper = ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(HEAD_ON, 0.0, 0.0))
     state.positions[1] += 5.0 * SMALL
@@ -113,7 +113,7 @@ def strike(elements, law, speed, **plate):
     length = float(np.ptp(model.discretisation.positions[0]))
     wave = math.sqrt(plate.get("youngs_modulus", 900.0) / plate.get("density", 1.0))
     touch, until = FirstTouch(HEAD_ON, 0.0, -speed), 3.0 * length / wave
-    return model, simulate_impact(model, touch, model.loop.time_step, until), 2.0 * length / wave
+    return model, simulate_impact(model, touch, model.parameters.time_step, until), 2.0 * length / wave
 
 
 @pytest.mark.parametrize("law", ["exact", "penalty"])
@@ -208,7 +208,7 @@ def test_a_pressed_block_slides_to_rest_and_sticks():
     plate = PlateProperties(0.01, 7800.0, 200e9, 0.3)
     unit = UnitProperties(plate_mesh(1.0, 0.2, (4, 2)), plate, ContactProperties(Drag(0.3), "penalty"))
     model = build_impact_model([unit], StepProperties())
-    gravity, speed, step = 1e3, 3.0, model.loop.time_step
+    gravity, speed, step = 1e3, 3.0, model.parameters.time_step
     stepper = ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(0.0, speed, 0.0))
     for n in range(round(0.02 / step)):  # stops after 0.01 s
@@ -217,14 +217,14 @@ def test_a_pressed_block_slides_to_rest_and_sticks():
         state = stepper.record(state, 1, 1).state
     moved = state.positions[0, model.discretisation.corner] + state.origin[0]
     assert moved == pytest.approx(speed**2 / (2.0 * 0.3 * gravity), rel=0.01)
-    assert abs(model.loop.mass @ state.velocities[0]) < 1e-3 * speed * model.mass
+    assert abs(model.parameters.mass @ state.velocities[0]) < 1e-3 * speed * model.mass
 
 
 @pytest.mark.parametrize("centre", [4.0, 6.0])
 def test_nodal_masses_carry_a_given_centre_and_yaw_inertia(centre):
     yaw_inertia = 9979.0 * 7.0
     model, run = truck(inertia=Inertia(centre, yaw_inertia))
-    masses, (x, y) = model.loop.mass, model.discretisation.positions
+    masses, (x, y) = model.parameters.mass, model.discretisation.positions
     assert masses.min() > 0.0
     assert masses.sum() == pytest.approx(9979.0, rel=1e-12)
     assert masses @ x / masses.sum() == pytest.approx(-centre, rel=1e-10)

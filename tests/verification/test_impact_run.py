@@ -521,10 +521,10 @@ def test_a_mesh_left_open_is_of_quadratic_elements_and_takes_smaller_steps():
     assert {decision.key: decision.value for decision in made.decisions} == {
         "plate.elements": (16, 4), "plate.element": "quad9", "time.safety_factor": 0.7,
     }  # fmt: skip
-    assert made.model.loop.time_step <= 0.7 * made.model.stable_time_step
+    assert made.model.parameters.time_step <= 0.7 * made.model.stable_time_step
     given = planned(*OPEN, "time.safety_factor=0.9").plan()
     assert "time.safety_factor" not in {decision.key for decision in given.decisions}
-    assert given.model.loop.time_step > 1.2 * made.model.loop.time_step
+    assert given.model.parameters.time_step > 1.2 * made.model.parameters.time_step
 
 
 @pytest.mark.long

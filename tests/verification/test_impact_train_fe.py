@@ -105,7 +105,7 @@ def test_a_column_of_nodes_moves_onto_each_hinge_and_none_is_a_sliver():
 def test_the_mean_of_a_hinge_is_the_hinge_in_every_rigid_motion(counts, element, place, length):
     vehicle = replace(TRAILER, width=2.44)
     model, _ = train((vehicle, TRACTOR), ((1.0, 1.0),), (counts, (8, 4)), element=element)
-    own = model.discretisation.positions[:, model.loop.hinges.unit == 0]
+    own = model.discretisation.positions[:, model.parameters.hinges.unit == 0]
     if length and length < 14.6 / counts[0] * 1.5:
         length = 1.5
     nodes, weights = hinge_weights(own, place, length)
@@ -114,7 +114,7 @@ def test_the_mean_of_a_hinge_is_the_hinge_in_every_rigid_motion(counts, element,
 
 
 def test_a_hinge_on_a_node_has_that_node_alone():
-    hinges = train()[0].loop.hinges
+    hinges = train()[0].parameters.hinges
     assert (hinges.first.tolist(), hinges.weights.tolist()) == ([0, 2], [1.0, -1.0])
     positions = train()[0].discretisation.positions[:, hinges.nodes]
     assert positions[:, 0] == pytest.approx(positions[:, 1], abs=1e-12)
@@ -135,7 +135,7 @@ def spinning(model, spins, hinges=(HINGE,)):
     x, v_y, velocities = -hinges[0][0], 1.0, state.velocities
     y = 0.5 * (state.positions[1].min() + state.positions[1].max())
     for number, spin in enumerate(spins):
-        own = model.loop.hinges.unit == number
+        own = model.parameters.hinges.unit == number
         arm = state.positions[:, own] - [[x], [y]]
         velocities[0, own], velocities[1, own] = 3.0 - spin * arm[1], v_y + spin * arm[0]
         if 0 < number < len(hinges):
@@ -148,17 +148,17 @@ def test_a_trailer_that_is_wider_and_close_touches_first():
     """The train starts at the distance where its deepest corner is on the wall."""
     model, _ = train((TRACTOR, replace(TRAILER, width=6.0)), ((1.0, 0.9),))
     state = ImpactStepper(model).at_touch(TOUCH)
-    corners = model.loop.contact.nodes
+    corners = model.parameters.contact.nodes
     assert state.positions[1, corners].min() == state.positions[1].min() == 0.0
-    assert model.loop.hinges.unit[corners[state.positions[1, corners].argmin()]] == 1
+    assert model.parameters.hinges.unit[corners[state.positions[1, corners].argmin()]] == 1
 
 
 def test_the_hinge_is_a_node_that_carries_both_masses():
     """Against central differences with one unknown for both nodes, written out."""
     model, _ = train(counts=((4, 2), (16, 2)))
     stepper, state = spinning(model, (0.4, -0.3))
-    one, other = model.loop.hinges.nodes
-    mass, dt = model.loop.mass.copy(), model.loop.time_step
+    one, other = model.parameters.hinges.nodes
+    mass, dt = model.parameters.mass.copy(), model.parameters.time_step
     mass[[one, other]] = mass[one] + mass[other]
     x, v = state.positions.copy(), state.velocities.copy()
     v[:, other] = v[:, one]
@@ -179,7 +179,7 @@ def test_free_flight_of_three_units(hitch_length):
     vehicles, hinges = (TRACTOR, TRAILER, TRAILER), (HINGE, (13.0, 1.2))
     model, _ = train(vehicles, hinges, ((8, 4), (16, 4), (16, 4)), hitch_length)
     stepper, state = spinning(model, (0.4, -0.3, 0.2), hinges)
-    interval = 40 * model.loop.time_step
+    interval = 40 * model.parameters.time_step
     end = stepper.record(state, 40, 500)
     values, *_, units, _ = stepper.parts(end.rows)
     fields = dict(zip(ImpactMeasures._fields, values.T, strict=True))
@@ -187,7 +187,7 @@ def test_free_flight_of_three_units(hitch_length):
         assert fields[name] == pytest.approx(np.full(500, fields[name][0]), rel=1e-11)
     energy = fields["kinetic_energy"] + fields["strain_energy"]
     assert energy == pytest.approx(np.full(500, energy[0]), rel=1e-5)
-    ties = model.loop.hinges
+    ties = model.parameters.hinges
     gaps = np.add.reduceat(ties.weights * end.state.positions[:, ties.nodes], ties.first[:-1], axis=1)
     assert np.abs(gaps).max() < 1e-11
     motions, impulses = units[:, :18].reshape(-1, 3, 6), units[:, 18:].reshape(-1, 2, 2)
@@ -212,9 +212,9 @@ def test_a_stiff_train_spins_as_the_rigid_one():
     for modulus in (2e9, 2e10):
         model, _ = train(modulus=modulus, counts=((4, 2), (8, 2)))
         stepper, start = spinning(model, (0.4, -0.3))
-        steps = round(0.5 / model.loop.time_step)
+        steps = round(0.5 / model.parameters.time_step)
         *_, units, _ = stepper.parts(stepper.record(start, steps, 1).rows)
-        own = steps * model.loop.time_step / 0.5
+        own = steps * model.parameters.time_step / 0.5
         errors.append(np.abs(units[0].reshape(-1)[[2, 8]] / own - expected).max())
     assert errors[1] < 2e-4
     assert errors[1] < 0.2 * errors[0]
@@ -240,8 +240,8 @@ def test_momentum_energy_and_no_pull_of_a_train(hitch_length):
 def test_units_have_the_masses_centres_and_inertias_that_are_given():
     model, _ = train()
     for number, vehicle in enumerate((TRACTOR, TRAILER)):
-        own = model.loop.hinges.unit == number
-        masses, (x, y) = model.loop.mass[own], model.discretisation.positions[:, own]
+        own = model.parameters.hinges.unit == number
+        masses, (x, y) = model.parameters.mass[own], model.discretisation.positions[:, own]
         front = 0.0 if number == 0 else HINGE[1] - HINGE[0]
         assert masses.sum() == pytest.approx(vehicle.mass, rel=1e-12)
         assert masses @ x / vehicle.mass == pytest.approx(front - vehicle.front_distance, rel=1e-10)
@@ -322,8 +322,8 @@ def test_free_modes_of_a_train_are_those_of_its_matrices_with_closed_hinges(hitc
     """Against a dense solution in the null space of the hinges; four rigid motions, one of them the hinge's."""
     model, _ = train(hitch_length=hitch_length, counts=((6, 2), (12, 2)))
     found = free_modes(model, 6)
-    closed = null_space(gap_matrix(model.loop.hinges).toarray())
-    mass = np.tile(model.loop.mass, 2)
+    closed = null_space(gap_matrix(model.parameters.hinges).toarray())
+    mass = np.tile(model.parameters.mass, 2)
     squares = eigh(
         closed.T @ model.stiffness @ closed, closed.T @ (mass[:, None] * closed), eigvals_only=True
     )
@@ -332,7 +332,7 @@ def test_free_modes_of_a_train_are_those_of_its_matrices_with_closed_hinges(hitc
     assert found.rigid_frequencies.max() < 1e-5 * found.frequencies[0]
     shapes = np.concatenate([found.rigid, found.shapes]).reshape(10, -1)
     assert shapes * mass @ shapes.T == pytest.approx(np.eye(10), abs=1e-9)
-    assert np.abs(gap_matrix(model.loop.hinges) @ shapes.T).max() < 1e-12 * np.abs(shapes).max()
+    assert np.abs(gap_matrix(model.parameters.hinges) @ shapes.T).max() < 1e-12 * np.abs(shapes).max()
 
 
 @pytest.mark.long

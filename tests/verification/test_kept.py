@@ -84,7 +84,7 @@ def test_recording_ends_at_the_wall_with_the_state_before(plate_model):
     model = plate_model(elements=(6, 2))
     stepper = Stepper(model)
     state = stepper.start(START, "unstressed")
-    stride = round(0.05 / model.loop.time_step)
+    stride = round(0.05 / model.parameters.time_step)
     found = stepper.record(state, stride, 100)
     assert len(found.rows) < 15
     assert found.rows[-1][0] <= 0.0 < found.rows[-2][0]

@@ -109,10 +109,10 @@ class Manufactured:
     def run(self, longest):
         """Positions at END with steps of this length at most [m], shape (2, nodes)."""
         stepper, body = ImpactStepper(self.model), self.model.discretisation.positions
-        mass = self.model.loop.mass
-        steps = math.ceil(END / min(longest, self.model.loop.time_step))
+        mass = self.model.parameters.mass
+        steps = math.ceil(END / min(longest, self.model.parameters.time_step))
         dt = END / steps
-        stepper.loop = stepper.loop._replace(time_step=dt)
+        stepper.parameters = stepper.parameters._replace(time_step=dt)
         state = stepper.at_touch(FirstTouch(0.0, 0.0, 0.0))
         state.positions[:], state.velocities[:] = exact(body, 0.0)
         kick = stepper.record(state, 1, 1).state.velocities - state.velocities + dt * self.loads(0.0) / mass
@@ -159,7 +159,7 @@ def test_order_in_space(kind, expected):
 def test_order_in_time(kind):
     """On one mesh, against steps eight times as short."""
     plate = Manufactured(kind, (8, 4))
-    longest = plate.model.loop.time_step
+    longest = plate.model.parameters.time_step
     *found, reference = (plate.run(longest / k) for k in (4, 8, 16, 128))
     errors = [float(np.sqrt(np.mean((each - reference) ** 2))) for each in found]
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))

@@ -130,7 +130,7 @@ def test_newtons_law_on_the_nodes(plate_model):
     plate = plate_model(reaction="drag", plate={"youngs_modulus": 2e7})
     own, count, step = modal_plate(plate, 5), 5, 2e-4
     model = own.model._replace(flexibility=np.zeros((3, 3)))
-    masses = plate.loop.mass
+    masses = plate.parameters.mass
     body = plate.discretisation.positions
     body = body - (body @ masses / masses.sum())[:, None]
     shapes = own.weighted / masses

@@ -76,7 +76,7 @@ def test_a_loop_that_takes_too_long_is_left_and_reckoned(monkeypatch):
 def test_the_other_codes_have_our_mesh_and_masses(distortion, tmp_path):
     plate = same_plate(ELEMENTS, distortion, 1e-5, tmp_path)
     ours = make_model(ELEMENTS, distortion, bare=True)
-    body = np.vstack([ours.discretisation.positions, ours.loop.mass]).T
+    body = np.vstack([ours.discretisation.positions, ours.parameters.mass]).T
     theirs = np.column_stack([plate.body(), plate.masses()])
     for nodes in (body, theirs):
         nodes[:] = nodes[np.lexsort(nodes.T.round(9))]

@@ -32,7 +32,7 @@ MESHES = ((6, 3), (10, 3), (20, 6), (3, 12))
 
 def damped_eigenvalue(model, angle, step, damping):
     """Largest eigenvalue of dt^2 K + 2 dt C, with the corner's spring and dashpot, against the masses."""
-    masses, corner = model.loop.mass, model.loop.corner
+    masses, corner = model.parameters.mass, model.parameters.corner
     unknowns = np.concatenate([corner.nodes, corner.nodes + masses.size])
     across = np.kron((-np.sin(angle), np.cos(angle)), corner.weights)
     plate = 0.0 if damping is None else damping.toarray()
@@ -46,8 +46,8 @@ def damped_eigenvalue(model, angle, step, damping):
 @pytest.mark.parametrize("elements", MESHES)
 def test_bound_is_safe_at_every_angle_and_close(plate_model, elements, scale):
     model = plate_model(elements=elements, corner={"penalty_scale": scale})
-    hold = corner_support(model.loop.corner, ANGLES)
-    found, highest = Spectrum(model.stiffness, model.loop.mass, hold), dense_frequency(model, hold)
+    hold = corner_support(model.parameters.corner, ANGLES)
+    found, highest = Spectrum(model.stiffness, model.parameters.mass, hold), dense_frequency(model, hold)
     assert highest <= found.bound <= (1.0 + spectrum.TOLERANCE) * highest
     assert found.frequency == pytest.approx(highest, rel=1e-5)
 
@@ -58,7 +58,7 @@ def test_damped_step_is_safe_and_close(plate_model, given):
     from fem.plate.discretisation import stiffness_matrix
 
     model = plate_model(elements=(6, 3), **given)
-    viscosity = model.loop.viscosity
+    viscosity = model.parameters.viscosity
     damping = viscosity and stiffness_matrix(model.discretisation.scalar, model.thickness, viscosity)
     step = model.undamped_time_step
     worst = max(damped_eigenvalue(model, angle, step, damping) for angle in ANGLES)
@@ -68,7 +68,7 @@ def test_damped_step_is_safe_and_close(plate_model, given):
 def test_residual_is_in_the_bound(plate_model, monkeypatch):
     """Lanczos that ends far too early finds a frequency that is too low; its bound is not."""
     model = plate_model()
-    masses = model.loop.mass
+    masses = model.parameters.mass
     exact = Spectrum(model.stiffness, masses).frequency
     monkeypatch.setattr(spectrum, "TOLERANCE", 0.03)
     monkeypatch.setattr("fem.plate.lanczos.GROWTH_LIMIT", np.inf)
@@ -86,7 +86,7 @@ def test_angles_that_are_lower_are_not_looked_at_closely(plate_model, monkeypatc
         return plain(self, *given)
 
     monkeypatch.setattr(Spectrum, "_largest", counted)
-    Spectrum(model.stiffness, model.loop.mass, corner_support(model.loop.corner, ANGLES))
+    Spectrum(model.stiffness, model.parameters.mass, corner_support(model.parameters.corner, ANGLES))
     assert tolerances == [spectrum.TOLERANCE, spectrum.ROUGH, spectrum.ROUGH]
 
 
@@ -133,7 +133,7 @@ def test_time_step_has_the_same_digits_whatever_the_rounding(plate_model, monkey
     models = [plate_model(elements=each, damping_ratio=0.05) for each in ((6, 3), (20, 6), (40, 12))]
 
     def steps():
-        spectra = (spectrum.Spectrum(each.stiffness, each.loop.mass) for each in models)
+        spectra = (spectrum.Spectrum(each.stiffness, each.parameters.mass) for each in models)
         return np.array([each.stable_time_step() for each in spectra])
 
     def noisy(values):
@@ -155,7 +155,7 @@ PLATES: list[dict[str, Any]] = (
 
 def solver_of(model):
     """A solver of its own, that has solved nothing."""
-    return Inverse(model.stiffness, model.loop.mass, model.discretisation.positions)
+    return Inverse(model.stiffness, model.parameters.mass, model.discretisation.positions)
 
 
 @pytest.fixture
@@ -170,7 +170,7 @@ def all_large(monkeypatch):
 def test_iteration_gives_what_a_factorisation_gives(plate_model, plate):
     model = plate_model(elements=(40, 12), plate=plate)
     solver, body = solver_of(model), model.discretisation.positions
-    masses = np.tile(model.loop.mass, 2)
+    masses = np.tile(model.parameters.mass, 2)
     load = masses * np.sin(3.0 * np.arange(masses.size) / masses.size)
     rigid = elastic.rigid_motions(body)
     load -= masses * (rigid @ np.linalg.solve(rigid.T @ (masses[:, None] * rigid), rigid.T @ load))
@@ -183,7 +183,7 @@ def test_iteration_gives_what_a_factorisation_gives(plate_model, plate):
 @pytest.mark.usefixtures("all_large")
 def test_iteration_repeats_to_the_bit(plate_model):
     model = plate_model(elements=(40, 12))
-    load = model.stiffness @ np.cos(np.arange(2.0 * model.loop.mass.size))
+    load = model.stiffness @ np.cos(np.arange(2.0 * model.parameters.mass.size))
     np.random.seed(1)  # noqa: NPY002
     first = solver_of(model)(load)
     np.random.seed(2)  # noqa: NPY002
@@ -202,7 +202,7 @@ def test_lowest_frequency_by_iteration(plate_model, plate, monkeypatch):
 @pytest.mark.usefixtures("all_large")
 def test_without_convergence_a_factorisation_takes_over(plate_model, monkeypatch):
     model = plate_model(elements=(40, 12))
-    load = model.stiffness @ np.cos(np.arange(2.0 * model.loop.mass.size))
+    load = model.stiffness @ np.cos(np.arange(2.0 * model.parameters.mass.size))
     monkeypatch.setattr(multigrid, "MAX_ITERATIONS", 2)
     solver = solver_of(model)
     np.testing.assert_array_equal(solver(load), solver.factorised(load))
@@ -319,9 +319,9 @@ def test_order_in_the_mesh(plate_model):
 @pytest.mark.parametrize("element", ["quad4", "quad4-reduced", "quad9", "tri3", "tri6"])
 def test_all_modes_against_lapack(plate_model, element):
     model = plate_model(elements=(6, 2), plate={"element": element})
-    count = most_modes(model.loop.mass.size)
+    count = most_modes(model.parameters.mass.size)
     modes = free_modes(model, count)
-    masses = np.tile(model.loop.mass, 2)
+    masses = np.tile(model.parameters.mass, 2)
     squares = scipy.linalg.eigvalsh(model.stiffness.toarray() / np.sqrt(np.outer(masses, masses)))
     assert modes.frequencies**2 == pytest.approx(squares[3 : 3 + count], rel=1e-9)
     shapes = np.concatenate([modes.rigid, modes.shapes]).reshape(3 + count, -1)
@@ -415,12 +415,14 @@ def test_wrong_count_writes_nothing(tmp_path, count):
 
 def windows_of(model):
     """The windows of a model's plate."""
-    return Windows(model.discretisation, model.loop.mass, model.tangent_moduli, model.loop.hourglass)
+    return Windows(
+        model.discretisation, model.parameters.mass, model.tangent_moduli, model.parameters.hourglass
+    )
 
 
 def dense_frequency(model, hold=FREE):
     """Highest circular frequency over all angles [rad/s]."""
-    masses, unknowns = model.loop.mass, np.concatenate([hold.nodes, hold.nodes]).astype(int)
+    masses, unknowns = model.parameters.mass, np.concatenate([hold.nodes, hold.nodes]).astype(int)
     unknowns[len(hold.nodes) :] += masses.size
     squares = []
     for across in hold.across:
@@ -443,9 +445,9 @@ def small_windows(monkeypatch):
 @pytest.mark.parametrize("element", ["quad4", "quad4-reduced", "quad9"])
 def test_an_element_s_stiffness_assembled_is_the_plate_s(plate_model, element):
     model = plate_model(elements=(5, 3), plate={"element": element})
-    table, loop = model.discretisation.table, model.loop
-    one = element_stiffness(table, model.tangent_moduli, loop.hourglass)
-    found = windows._assembled(one, table.connectivity, loop.mass.size).toarray()
+    table, parameters = model.discretisation.table, model.parameters
+    one = element_stiffness(table, model.tangent_moduli, parameters.hourglass)
+    found = windows._assembled(one, table.connectivity, parameters.mass.size).toarray()
     expected = model.stiffness.toarray()
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
 
@@ -458,7 +460,7 @@ def test_bound_is_safe_and_close(plate_model, plate, scale, patch):
     """At most by the unevenness of the masses above, and by what windows of five elements miss."""
     corner = {"penalty_scale": scale or 1.0, "patch_length": patch}
     model = plate_model(elements=(22, 11), plate=plate, corner=corner)
-    hold = corner_support(model.loop.corner, ANGLES) if scale else FREE
+    hold = corner_support(model.parameters.corner, ANGLES) if scale else FREE
     found, exact = windows_of(model), dense_frequency(model, hold)
     assert found.are_representative
     assert len(windows._window_ends(22, np.array([21]))) > 1
@@ -481,10 +483,10 @@ def test_no_node_has_less_mass_than_its_elements_say(plate_model):
     """The elements' masses, less the factor, lie below the exact ones everywhere, and meet them at one node."""
     model = plate_model(elements=(22, 11))
     nodes = model.discretisation.table.connectivity
-    shares, surplus = windows._element_masses(nodes, model.loop.mass)
+    shares, surplus = windows._element_masses(nodes, model.parameters.mass)
     assembled = np.bincount(nodes.ravel(), np.repeat(shares, nodes.shape[1])) / surplus
     assert surplus > 1.001
-    assert (assembled / model.loop.mass).max() == pytest.approx(1.0, abs=1e-14)
+    assert (assembled / model.parameters.mass).max() == pytest.approx(1.0, abs=1e-14)
 
 
 def test_windows_are_all_of_the_plate(monkeypatch):
@@ -503,12 +505,12 @@ def test_windows_are_all_of_the_plate(monkeypatch):
 @pytest.mark.usefixtures("small_windows")
 def test_a_large_uniform_plate_takes_its_step_from_the_bound(plate_model):
     model = plate_model(elements=(22, 11), corner={"penalty_scale": 30.0})
-    exact = dense_frequency(model, corner_support(model.loop.corner, ANGLES))
+    exact = dense_frequency(model, corner_support(model.parameters.corner, ANGLES))
     most = model.highest_frequency
     assert dense_frequency(model) < 0.5 * exact < exact * (1.0 + 1e-5) < most < 1.02 * exact
     assert model.stable_time_step == pytest.approx(2.0 / model.highest_frequency, rel=1e-15)
     assert deformed_frequency(model, model.discretisation.positions) <= model.highest_frequency
-    mode, node = model.highest_mode, model.loop.corner.nodes[0]
+    mode, node = model.highest_mode, model.parameters.corner.nodes[0]
     assert np.hypot(*mode[:, node]) > 0.9 * np.linalg.norm(mode) == pytest.approx(0.9, rel=1e-9)
 
 
@@ -521,7 +523,7 @@ def test_a_window_of_each_size_is_looked_at(plate_model, monkeypatch):
         return plain(self, window, hold)
 
     monkeypatch.setattr(Windows, "_highest", spied)
-    windows_of(model).bound(corner_support(model.loop.corner, ANGLES))
+    windows_of(model).bound(corner_support(model.parameters.corner, ANGLES))
     sizes = {(along, across) for along in (5, 6) for across in (5, 6)}  # 22 = 5 + 5 + 6 + 6, 11 = 5 + 6
     assert seen == {((6, 6), True), *((each, False) for each in sizes)}
 

@@ -46,7 +46,7 @@ def model(request, plate_model):
 
 def at_corner(model, values):
     """A nodal field at the corner, shape (2,)."""
-    corner = model.loop.corner
+    corner = model.parameters.corner
     return np.asarray(values[:, corner.nodes] @ corner.weights)
 
 
@@ -59,7 +59,7 @@ def rigid_velocities(model, start):
 
 def best_angle(model, positions):
     """Clockwise angle [rad] of the rotation that carries the body onto these positions, by singular values."""
-    masses = model.loop.mass
+    masses = model.parameters.mass
     fields = (model.discretisation.positions, positions)
     body, place = (field - (field @ masses / masses.sum())[:, None] for field in fields)
     left, _, right = np.linalg.svd((place * masses) @ body.T)
@@ -81,7 +81,8 @@ class Balance(NamedTuple):
 
 def balance(model, positions):
     """What balances the internal forces of these positions: m (a + alpha x r - omega^2 r) = f + F at the corner."""
-    masses, corner, none = model.loop.mass, model.loop.corner, np.zeros_like(model.loop.mass)
+    masses, corner = model.parameters.mass, model.parameters.corner
+    none = np.zeros_like(masses)
     x, y = (positions - at_corner(model, positions)[:, None]) * masses
     held = none.copy()
     held[corner.nodes] = corner.weights
@@ -97,15 +98,15 @@ def balance(model, positions):
 @pytest.mark.parametrize("kind", ["inertia-relief-momenta", "unstressed"])
 def test_momenta_of_the_rigid_body(model, kind):
     velocities = start_fields(model, START, kind)[1]
-    expected = rigid_velocities(model, START) @ model.loop.mass
-    np.testing.assert_allclose(velocities @ model.loop.mass, expected, rtol=1e-12)
+    expected = rigid_velocities(model, START) @ model.parameters.mass
+    np.testing.assert_allclose(velocities @ model.parameters.mass, expected, rtol=1e-12)
 
 
 def test_inertia_relief_alone_has_another_momentum(plate_model):
     """So that the others do not have the rigid body's by chance: the centre, bent away, turns on a longer arm."""
     model = plate_model(plate=SOFT)
     velocities, rigid = start_fields(model, START, "inertia-relief")[1], rigid_velocities(model, START)
-    assert (velocities @ model.loop.mass)[1] / (rigid @ model.loop.mass)[1] > 1.01
+    assert (velocities @ model.parameters.mass)[1] / (rigid @ model.parameters.mass)[1] > 1.01
 
 
 @pytest.mark.parametrize("kind", ["inertia-relief", "unstressed"])
@@ -128,7 +129,7 @@ def test_the_corner_stays_on_the_wall(model, kind):
     positions, velocities = start_fields(model, START, kind)
     (slide, height), rate = at_corner(model, positions), at_corner(model, velocities)[1]
     assert slide == pytest.approx(0.0, abs=1e-14)
-    corner = model.loop.corner
+    corner = model.parameters.corner
     if kind == "unstressed" or isinstance(corner.constraint, Exact):
         assert (height, rate) == (pytest.approx(0.0, abs=1e-14), pytest.approx(0.0, abs=1e-13))
         return
@@ -138,7 +139,7 @@ def test_the_corner_stays_on_the_wall(model, kind):
 
 def _gap_rate(model, kind):
     """Change [m/s] from 1 to 5 ms of the gap that belongs to the angle, spin and speed of a run."""
-    stepper, gaps, step = Stepper(model), [], model.loop.time_step
+    stepper, gaps, step = Stepper(model), [], model.parameters.time_step
     counts = [round(time / step) for time in (1e-3, 5e-3)]
     for count in counts:
         values = stepper.measure(stepper.advance(stepper.start(START, kind), count))
@@ -156,7 +157,7 @@ def test_the_elastic_state_is_in_equilibrium(model, kind):
     assert found.left < (1e-5 if steel else 1e-10)
     assert found.normal < -3000.0
     assert abs(found.across) < 1e-5 * abs(found.along)
-    friction = 0.47 if model.loop.friction else 0.0
+    friction = 0.47 if model.parameters.friction else 0.0
     assert found.tangential / found.normal == pytest.approx(friction, abs=1e-6)
     if kind == "inertia-relief":
         assert found.spin_squared == pytest.approx(START.omega**2, rel=1e-6)
@@ -171,8 +172,8 @@ def test_a_strip_is_in_equilibrium_too(plate_model, kind):
     assert balance(strip, positions).left < 1e-6
     assert best_angle(strip, positions) == pytest.approx(SLOW.angle, rel=1e-10)
     if kind == "inertia-relief-momenta":
-        expected = rigid_velocities(strip, SLOW) @ strip.loop.mass
-        np.testing.assert_allclose(velocities @ strip.loop.mass, expected, rtol=1e-12)
+        expected = rigid_velocities(strip, SLOW) @ strip.parameters.mass
+        np.testing.assert_allclose(velocities @ strip.parameters.mass, expected, rtol=1e-12)
     with pytest.raises(TooSoftError):
         start_fields(strip, START, kind)
 
@@ -209,26 +210,26 @@ def test_positions_stay_within_the_span(plate_model, threads):
     model = plate_model(reaction="drag")
     stepper = Stepper(model, threads)
     state = stepper.start(START, "inertia-relief")
-    corner = model.loop.corner.nodes[0]
+    corner = model.parameters.corner.nodes[0]
     for _ in range(20):
         state = stepper.advance(state, 250)
-        assert abs(state.positions[0, corner]) <= model.loop.span + 1e-2
+        assert abs(state.positions[0, corner]) <= model.parameters.span + 1e-2
     row = stepper.measure(state)
     assert state.origin[0] > 7.0
     assert row.slide == pytest.approx(state.positions[0, corner] + state.origin[0], rel=1e-14)
-    assert row.slide == pytest.approx(25.053 * 5000 * model.loop.time_step, rel=0.05)
+    assert row.slide == pytest.approx(25.053 * 5000 * model.parameters.time_step, rel=0.05)
 
 
 def test_span_has_one_digit_in_binary(plate_model):
     """A power of two: setting back by it rounds nothing that is larger."""
-    mantissa, _ = np.frexp(plate_model().loop.span)
+    mantissa, _ = np.frexp(plate_model().parameters.span)
     assert mantissa == 0.5
 
 
 def test_origin_changes_nothing_but_rounding(plate_model):
     model = plate_model(reaction="drag")
-    far = model.loop._replace(span=1e9)
-    near, fixed = (simulate(m, START, 0.384) for m in (model, replace(model, loop=far)))
+    far = model.parameters._replace(span=1e9)
+    near, fixed = (simulate(m, START, 0.384) for m in (model, replace(model, parameters=far)))
     assert near.strike is not None
     assert fixed.strike is not None
     for name, value in near.strike.values.items():

@@ -79,7 +79,7 @@ def test_a_plate_has_the_stiffness_of_the_rigid_vehicle():
     case = ImpactCase(*vary(read_source(SCENE), {KEY: "0.1 s"}))
     assert case.scene.contact is not None
     plate = ImpactCase(*vary(read_source(SCENE), {"contact.stiffness": case.scene.contact.stiffness}))
-    np.testing.assert_equal(case.plan().model.loop.contact, plate.plan().model.loop.contact)
+    np.testing.assert_equal(case.plan().model.parameters.contact, plate.plan().model.parameters.contact)
 
 
 @pytest.mark.parametrize(("changes", "key", "allowed"), [

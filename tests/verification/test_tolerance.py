@@ -120,7 +120,7 @@ def test_a_companion_is_damped_where_the_scene_forbids_it(outcome):
     rest = ("corner.patch_length=3.6", "impact.restitution=0.19", "damping.kind=none")
     result = outcome("mash-tl4-sut", *vehicle, *plate, *soft, *rest)
     alike = attempt(with_damping_of(result.fe_plan, on_plate(result.fe_plan, refined(result.fe_plan.plate))))
-    assert result.fe_plan.model.loop.elastic_damping is None
+    assert result.fe_plan.model.parameters.elastic_damping is None
     assert rings(alike)
     assert result.passed
     assert result.companions[0].mesh == "quad4, 20 x 10"
@@ -216,7 +216,7 @@ def test_setting_that_would_flutter_is_damped_by_the_run(monkeypatch):
     changes = ("plate.youngs_modulus=100 TPa", "impact.friction=0.8", "corner.penalty_scale=1")
     result = case_of("paper-table-3", *changes).run(1e-4)
     assert result.passed
-    assert result.fe_plan.model.loop.elastic_damping is not None
+    assert result.fe_plan.model.parameters.elastic_damping is not None
     monkeypatch.setattr("tailslap.case.case.MOST_ELEMENTS", 200)
     assert not case_of("paper-table-3", *changes, "damping.kind=none").run(1e-4).passed
 

@@ -79,7 +79,7 @@ def test_the_set_up_counts_the_elements_of_both_plates():
     plan = attempted().fe_plan
     sentence = plate_sentence(plan)
     assert sentence.startswith(
-        f"Hinged plates of {plan.model.loop.table.connectivity.shape[1]} {plan.plate.element} "
+        f"Hinged plates of {plan.model.parameters.table.connectivity.shape[1]} {plan.plate.element} "
     )
     assert sentence.endswith(f"{plan.first_frequency:.4g} Hz.")
 
@@ -195,7 +195,7 @@ def test_a_train_without_elements_spreads_the_forces_whose_length_is_left_out(ch
     mesh = {"plate.elements": found.plate.counts, "plate.element": found.plate.element}
     same = made.varied(dict.fromkeys(keys, 1.22) | mesh).plan()
     for part in ("contact", "hinges"):
-        own, other = (getattr(each.model.loop, part) for each in (found, same))
+        own, other = (getattr(each.model.parameters, part) for each in (found, same))
         assert (own.nodes.tolist(), own.weights.tolist()) == (other.nodes.tolist(), other.weights.tolist())
 
 
@@ -231,7 +231,7 @@ def test_a_drawbar_at_a_tow_ball_and_a_third_unit_run():
     trailer = TRAILER | {"kingpin": -1.0, "hitch": 7.0, "stiffness": 1e6}
     outcome = run.attempt(case(trailer=[trailer, TRAILER | {"hitch": 13.0}], time__end=0.3))
     assert outcome.fe.units == 3
-    law = outcome.fe_plan.model.loop.contact.law
+    law = outcome.fe_plan.model.parameters.contact.law
     assert law.stiffness.tolist() == [2e6] * 4 + [1e6] * 4 + [2e6] * 4
     failed = [check.name for check in checks.impact_checks(outcome) if not check.passed]
     assert set(failed) <= set(checks.MESH_CHECKS.values())

@@ -258,7 +258,7 @@ def test_the_side_force_on_a_plate_that_turns_steadily(ahead):
     state.positions[1] += 100.0
     rows, _, _ = stepper.record(state, 1, 3)
     road = stepper.parts(rows)[-1]
-    work, along, across, moment = (road[2] - road[1]) / model.loop.time_step
+    work, along, across, moment = (road[2] - road[1]) / model.parameters.time_step
     side = sideways - rate * 8.7
     slip = math.atan2(side, max(ahead - rate * 1.2, 1.0))
     force = -0.7 * load * math.tanh(6.0 * slip / 0.7)

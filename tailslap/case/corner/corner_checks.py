@@ -168,7 +168,7 @@ def _oscillation(outcome: CornerOutcome) -> Evaluation | None:
     fe_plan, reaction = outcome.fe_plan, outcome.rigid_history["reaction_normal"]
     reaction = reaction[np.isfinite(reaction)]
     scale = float((reaction**2).max() / reaction[0] ** 2) * fe_plan.elastic_energy
-    undamped = fe_plan.model.loop.elastic_damping is None
+    undamped = fe_plan.model.parameters.elastic_damping is None
     limit = OSCILLATES * math.exp(fe_plan.growth.harmless if undamped else 0.0)
     meaning = (
         "largest kinetic energy of the oscillation over the elastic energy of the plate under its reaction; at most 1 "
@@ -229,7 +229,7 @@ def _contact_work(outcome: CornerOutcome) -> Evaluation:
 
     An exact constraint stores no energy.
     """
-    history, corner = outcome.history, outcome.fe_plan.model.loop.corner
+    history, corner = outcome.history, outcome.fe_plan.model.parameters.corner
     if corner.is_exact:
         fraction = np.abs(history["contact_energy"]).max() / history["kinetic_energy"][0]
         meaning = "energy of the constraint over the initial energy; 0 for an exact constraint"
@@ -260,7 +260,7 @@ def _friction_law(outcome: CornerOutcome) -> Evaluation:
     A sliding corner has the largest friction that the law allows. One that may stop within the step, or is at rest, may
     have any smaller one.
     """
-    law, loop = outcome.friction, outcome.fe_plan.model.loop
+    law, parameters = outcome.friction, outcome.fe_plan.model.parameters
     coefficient = outcome.fe_plan.case.scene.corner_friction
     constants = law.constants(coefficient) if coefficient and not law.frictionless else None
     stepped = slice(-1 if outcome.history["t"].size > 2 else None)  # the last row is interpolated
@@ -272,7 +272,7 @@ def _friction_law(outcome: CornerOutcome) -> Evaluation:
         by_law = [law.force(constants, *pair) if constants else 0.0 for pair in pairs]
         return np.asarray(np.abs(force[rows] - by_law))
 
-    slides = np.abs(speed) > STOPS * loop.time_step * loop.corner.mobility * np.abs(force).max()
+    slides = np.abs(speed) > STOPS * parameters.time_step * parameters.corner.mobility * np.abs(force).max()
     distance, at_rest = distance_from_law(np.ones_like(slides), -np.copysign(np.inf, speed)), ~slides
     distance[at_rest] = np.minimum(distance[at_rest], distance_from_law(at_rest, force))
     meaning = (
@@ -291,7 +291,8 @@ def _friction(outcome: CornerOutcome) -> Evaluation | None:
     )
     difference = _over(np.abs(recorded - recorded[0] - work).max(), np.abs(work).max())
     step = (
-        outcome.fe_plan.model.loop.time_step * np.abs(history["reaction_tangential"] * history["v_p"]).max()
+        outcome.fe_plan.model.parameters.time_step
+        * np.abs(history["reaction_tangential"] * history["v_p"]).max()
     )
     meaning = (
         "friction work minus coefficient x impulse x corner speed, over its largest value; initial work over that of a "
@@ -352,7 +353,7 @@ def _hourglass_of_strain(outcome: CornerOutcome) -> Evaluation:
     """
     energy, strain = outcome.history["hourglass_energy"], outcome.history["strain_energy"]
     meaning = f"largest hourglass energy over the largest strain energy; {NCHRP}"
-    if outcome.fe_plan.model.loop.hourglass is None:
+    if outcome.fe_plan.model.parameters.hourglass is None:
         return Evaluation(energy.max(), 0.0, f"{meaning}; the elements are fully integrated and have none")
     small = outcome.error.total <= outcome.error.allowed
     why = "; not required here: it is bending energy, and the numerical error bounds the effect of the mesh"

@@ -78,7 +78,7 @@ def draw_pictures(
     began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
     if strike is None:
         return outcome
-    discretisation, masses, wall = fe_plan.model.discretisation, fe_plan.model.loop.mass, fe_plan.wall
+    discretisation, masses, wall = fe_plan.model.discretisation, fe_plan.model.parameters.mass, fe_plan.wall
     spin = nodal_spin(discretisation.scalar, strike.positions, strike.velocities)
     # Nodes on the sides of quadratic elements come after the corner nodes.
     corners = discretisation.cells.max() + 1

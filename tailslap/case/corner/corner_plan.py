@@ -89,7 +89,7 @@ class CornerPlan(FePlan):
 
         It is 0 without a spring.
         """
-        stiffness = self.model.loop.corner.stiffness
+        stiffness = self.model.parameters.corner.stiffness
         normal = self.case.motion_of_mass(self.model.mass).at(0.0).reaction_normal
         return abs(float(normal)) / stiffness / centre_travel(self.case)
 

@@ -132,7 +132,7 @@ class CornerReport(FeReport):
             "plate": {
                 **common["plate"],
                 "deflection_ratio": fe_plan.deflection_ratio,
-                "penalty_stiffness": fe_plan.model.loop.corner.spring or None,
+                "penalty_stiffness": fe_plan.model.parameters.corner.spring or None,
             },
             "tolerance": next((check.limit for check in outcome.checks if check.name == "tolerance"), None),
         }
@@ -245,7 +245,7 @@ def check_lines(case: RigidStages, fe_plan: CornerPlan | None) -> Lines:
     """
     if fe_plan is None:
         return _rigid_lines(case)
-    model, corner = fe_plan.model, fe_plan.model.loop.corner
+    model, corner = fe_plan.model, fe_plan.model.parameters.corner
     where = "one node" if len(corner.nodes) == 1 else f"a patch of {len(corner.nodes)} nodes"
     stiffness = "" if corner.is_exact else f" of {measure(corner.stiffness, 'N/m', '.4g')}"
     contact = {

@@ -131,7 +131,7 @@ def on_plate(fe_plan: CornerPlan, plate: Plate) -> RigidStages:
 
 def with_damping_of(fe_plan: CornerPlan, case: RigidStages) -> RigidStages:
     """Return the case with the damping of elastic velocities of a plan."""
-    damping = fe_plan.model.loop.elastic_damping
+    damping = fe_plan.model.parameters.elastic_damping
     if damping is not None:
         return case.with_changes({"damping.kind": "elastic-velocity", "damping.rate": damping.rate})
     return case if case.scene.damping else case.with_changes({"damping.kind": "none"})

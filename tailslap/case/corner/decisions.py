@@ -258,9 +258,9 @@ def predict_growth(case: RigidStages, plate: Plate, model: PlateModel, normal: f
     noise, viscous = rounding.rounding_noise(model), flutter.viscous_rate(model)
     ripple = noise.ripple(duration) / abs(normal)
     ripple_rate = noise.rate_for(RIPPLE_LIMIT * abs(normal)) if ripple > RIPPLE_LIMIT else 0.0
-    if model.loop.friction is None:
+    if model.parameters.friction is None:
         growth = Growth(0.0, 0.0, 0.0)
-    elif 2 * model.loop.mass.size <= flutter.MAX_UNKNOWNS:
+    elif 2 * model.parameters.mass.size <= flutter.MAX_UNKNOWNS:
         growth = _growth(flutter.predict_flutter(model, start, duration, viscous, harmless), harmless)
     else:
         coarser = _coarser_models(case, plate, flutter.MAX_UNKNOWNS)
@@ -300,7 +300,7 @@ def _coarser_models(case: RigidStages, plate: Plate, most_unknowns: int) -> Iter
             (model,) = static_models(case, [plate], [fe_mesh(case.scene, plate)])
         except InputError:
             continue
-        if 2 * model.loop.mass.size <= most_unknowns:
+        if 2 * model.parameters.mass.size <= most_unknowns:
             count += 1
             yield model
 

@@ -168,7 +168,7 @@ def _oscillation_lost(fe_plan: corner_plan.CornerPlan) -> float:
 
     Where the plate rang with less damping, friction by an oscillation that does not grow is unknown.
     """
-    damping, mass = fe_plan.model.loop.elastic_damping, fe_plan.model.mass
+    damping, mass = fe_plan.model.parameters.elastic_damping, fe_plan.model.mass
     if damping is None:
         return 0.0
     lost = static_models.oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, damping.rate)

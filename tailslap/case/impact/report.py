@@ -449,7 +449,7 @@ def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
     }
     if fe_plan is None:
         return lines
-    rows, points = round(case.duration / fe_plan.sample), fe_plan.model.loop.contact.mobility.size
+    rows, points = round(case.duration / fe_plan.sample), fe_plan.model.parameters.contact.mobility.size
     contact = {"points": [f"{points} may touch the wall; the contact force does not limit the time step"]}
     steps = f", {rows} rows"
     if case.scene.verify.companion:

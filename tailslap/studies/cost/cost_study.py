@@ -315,12 +315,12 @@ class SingleStepper(Stepper):
     """
 
     def __init__(self, model: PlateModel, threads: int = 1) -> None:
-        table, mesh = model.loop.table, model.discretisation
+        table, mesh = model.parameters.table, model.discretisation
         singles = {name: _single(getattr(table, name)) for name in ("gradients", "weights")}
         table = table._replace(**singles, mapping=None)
         mesh = replace(mesh, positions=_single(mesh.positions), table=table)
-        loop = model.loop._replace(table=table, mass=_single(model.loop.mass))
-        super().__init__(replace(model, discretisation=mesh, loop=loop), threads)
+        parameters = model.parameters._replace(table=table, mass=_single(model.parameters.mass))
+        super().__init__(replace(model, discretisation=mesh, parameters=parameters), threads)
         self._scratch = self._scratch._replace(rows=_single(self._scratch.rows))
         self._double = Stepper(model)
 

@@ -294,7 +294,7 @@ def fe_record(case: CornerCase) -> Record:
     return {
         "youngs_modulus": fe_plan.plate.youngs_modulus,
         "thickness": fe_plan.plate.thickness,
-        "damping": getattr(fe_plan.model.loop.elastic_damping, "rate", 0.0),
+        "damping": getattr(fe_plan.model.parameters.elastic_damping, "rate", 0.0),
         "values": outcome.fe,
         "failed": [name for name in failed_names(outcome.checks) if name != REPLACED_CHECK],
         "departure": {name: float(fe[name][0] / rigid[name][0] - 1.0) for name in CONSERVED},
