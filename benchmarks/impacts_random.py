@@ -194,7 +194,7 @@ def read(answer: Any) -> Record:
     """The quantities of the first two strikes of weight, and of hinges."""
     from tailslap.case.impact import error
 
-    strikes = error.weighed(answer.strikes)
+    strikes = error.assessed_strikes(answer.strikes)
     values = {
         f"strike_{k}.{name}": error.value(answer, strike, name)
         for k, strike in enumerate(strikes, 1)

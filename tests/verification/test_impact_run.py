@@ -377,7 +377,7 @@ def test_half_a_row_is_unknown_of_a_duration():
 
 def test_a_strike_without_weight_is_none():
     """Of 4 % of the largest impulse; of 6 % it is the second one."""
-    light, heavy = (error.weighed(answer(blip=blip).strikes) for blip in (0.04, 0.06))
+    light, heavy = (error.assessed_strikes(answer(blip=blip).strikes) for blip in (0.04, 0.06))
     assert [strike.corner for strike in light] == ["front", "rear"]
     assert [strike.corner for strike in heavy] == ["front", "front"]
     assert set(error.estimate(answer(blip=0.04), [answer()] * 2)) == {
@@ -601,16 +601,18 @@ def test_strikes_of_two_models_are_paired_by_their_weight_where_one_bounces_more
     """A corner that bounces twice in one model and once in the other: the strikes behind it stand beside their own."""
     fe = [strike("front", 100.0), strike("front", 1.0), strike("rear", 50.0)]
     rigid_vehicle = [strike("front", 101.0), strike("front", 2.0), strike("front", 1.0), strike("rear", 51.0)]
-    assert {k: each.impulse for k, each in answers.alike(fe, rigid_vehicle).items()} == {
+    assert {k: each.impulse for k, each in answers.matched_strikes(fe, rigid_vehicle).items()} == {
         1: 101.0,
         2: 2.0,
         3: 51.0,
     }
-    assert {k: each.impulse for k, each in answers.alike(fe[:1] + fe[2:], rigid_vehicle).items()} == {
+    assert {
+        k: each.impulse for k, each in answers.matched_strikes(fe[:1] + fe[2:], rigid_vehicle).items()
+    } == {
         1: 101.0,
         2: 51.0,
     }
-    assert answers.alike([strike("rear", 1.0)], rigid_vehicle) == {}
+    assert answers.matched_strikes([strike("rear", 1.0)], rigid_vehicle) == {}
     found = answers.differences(ImpactAnswer(tuple(fe), {}, 2), ImpactAnswer(tuple(rigid_vehicle), {}, 2))
     assert found["strike_3.impulse"] == pytest.approx(50.0 / 51.0 - 1.0)
 

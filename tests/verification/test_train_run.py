@@ -86,7 +86,7 @@ def test_the_set_up_counts_the_elements_of_both_plates():
 
 def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
     outcome = case(plate__elements=(6, 2), plate__element="quad9", time__end=1.0).run()
-    corners = [strike.corner for strike in error.weighed(outcome.fe.strikes)]
+    corners = [strike.corner for strike in error.assessed_strikes(outcome.fe.strikes)]
     assert corners == ["front", "trailer front", "trailer rear"]
     (hinge,), table = outcome.hinge_error, report.hinges_table(outcome)
     assert 1e-3 < hinge < 0.05

@@ -1,1 +1,1 @@
-"""The whole impact of a scene with [contact], by the rigid vehicle and by the FE plate."""
+"""Whole impact by the rigid vehicle and by the FE plate."""

@@ -1,4 +1,7 @@
-"""Answers that an impact is read for: strikes, filtered forces, their peaks, the second strike's duration, risk."""
+"""Results of an impact by one of both models.
+
+Strikes, filtered forces and their peaks, the duration of the second strike, occupant risk.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -26,12 +29,36 @@ STRIKE = ("corner", "start", "end", "duration", "peak_force", "impulse")
 TYRES = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
 """Columns of the tyres of all units, of scenes with axles."""
 
+MOTION = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
+"""Columns of the motion of each unit."""
+
+JACK_KNIFE = 0.5 * math.pi
+"""Articulation angle beyond which units that touch would hinder each other [rad]."""
+
+QUANTITIES = {
+    "raw": ("raw", "kN", 1e3),
+    "mean_50ms": ("50 ms mean", "kN", 1e3),
+    "cfc60": ("CFC 60", "kN", 1e3),
+    "impulse": ("impulse", "kN s", 1e3),
+    "duration": ("duration", "ms", 1e-3),
+}
+"""Quantities of both strikes: label, displayed unit, and its size in SI. Raw is the peak of the force of the corner,
+the next two are peaks of the filtered total force in the strike."""
+
+COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANTITIES)
+
+LARGEST = "peak.mean_50ms"
+"""Column of the largest 50 ms mean of a train's impact."""
+
+SAME_STRIKE, MEAN_WINDOW = 0.05, 0.05
+"""Gap [s] below which contacts of a corner are one strike: a mean over 50 ms does not separate them."""
+
 Columns = Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True)
 class ImpactAnswer:
-    """An impact by one of the two models.
+    """Impact by one of the two models.
 
     Attributes
     ----------
@@ -55,18 +82,22 @@ class ImpactAnswer:
 
     @property
     def hinges(self) -> list[dict[str, float]]:
-        """Largest force, unfiltered and as a 50 ms mean [N], and articulation angle [rad] of each hinge of a train."""
-        h, found = self.history, []
+        """Largest force and articulation angle of each hinge.
+
+        Force [N] unfiltered and as a 50 ms mean, angle [rad]; empty for a single vehicle.
+        """
+        h, hinges = self.history, []
         rows = min(round(MEAN_WINDOW / self.interval), h["t"].size - 1)
         for k in range(1, self.units):
             force = np.array([h[f"hinge_force_{axis}_{k}"] for axis in "xy"])
             sums = np.cumsum(force, axis=1)  # no window reaches beyond the end, where the force may still act
             peak, mean = (
-                float(np.hypot(*each).max()) for each in (force, (sums[:, rows:] - sums[:, :-rows]) / rows)
+                float(np.hypot(*values).max())
+                for values in (force, (sums[:, rows:] - sums[:, :-rows]) / rows)
             )
             angle = float(np.abs(h[f"articulation_{k}"]).max())
-            found.append({"peak_force": peak, "mean_50ms": mean, "largest_angle": angle})
-        return found
+            hinges.append({"peak_force": peak, "mean_50ms": mean, "largest_angle": angle})
+        return hinges
 
     @property
     def interval(self) -> float:
@@ -75,17 +106,17 @@ class ImpactAnswer:
 
     @property
     def cut(self) -> list[int]:
-        """Numbers from 1 of the strikes that are not over at the end."""
+        """Numbers from 1 of the incomplete strikes."""
         return [number for number, strike in enumerate(self.strikes, 1) if strike.cut]
 
     @cached_property
     def lateral(self) -> dict[str, np.ndarray]:
-        """Force on the wall across it, raw and filtered [N], shape (rows - 1,)."""
+        """Lateral force on the wall, raw and filtered [N]."""
         return filters.force_curves(self.history["force_normal"][1:], self.interval)
 
     @cached_property
     def longitudinal(self) -> dict[str, np.ndarray]:
-        """Force on the wall along it, raw and filtered [N], shape (rows - 1,)."""
+        """Longitudinal force on the wall, raw and filtered [N]."""
         return filters.force_curves(-self.history["force_tangential"][1:], self.interval)
 
     @cached_property
@@ -100,9 +131,11 @@ class ImpactAnswer:
 
     @cached_property
     def second_strike(self) -> dict[str, dict[str, float]]:
-        """Duration of the second strike as the paper reads it off a curve, and of the equal triangle; empty for curves
-        with a single peak."""
-        found = {}
+        """Duration of the second strike by the paper's reading of a curve.
+
+        Besides, that of the equal triangle. Curves with a single peak are omitted.
+        """
+        by_curve = {}
         for name in ("mean_50ms", "cfc60", "cutoff_60hz"):
             try:
                 strike = strike_duration.second_strike(self.lateral[name], self.interval)
@@ -110,26 +143,29 @@ class ImpactAnswer:
                 continue
             if self.cut and strike.end + self.interval >= self.history["t"][-1]:
                 continue
-            found[name] = {
+            by_curve[name] = {
                 "duration": strike.duration,
                 "triangle": strike.triangle,
                 "peak_force": strike.peak,
                 "impulse": strike.impulse,
             }
-        return found
+        return by_curve
 
     def occupant_risk(self, mass: float) -> tuple[occupant.RiskMeasure, ...]:
-        """Measures of the planar motion; mass [kg]. Of a train those of its first unit, at its centre of mass."""
+        """Return measures of the planar motion.
+
+        mass [kg]. For a train they are those of its first unit, at its centre of mass.
+        """
         h = {name: values[1:] for name, values in self.history.items()}
         along, across = h["force_tangential"] / mass, h["force_normal"] / mass
         if self.units > 1:
             along, across = (np.diff(self.history[name]) / self.interval for name in ("v_gx", "v_gy"))
         sine, cosine = np.sin(h["theta"]), np.cos(h["theta"])
-        ahead, left = cosine * along - sine * across, sine * along + cosine * across
-        return occupant.occupant_risk(occupant.VehicleMotion(h["t"], ahead, left, h["omega"], -h["theta"]))
+        ahead, lateral = cosine * along - sine * across, sine * along + cosine * across
+        return occupant.occupant_risk(occupant.VehicleMotion(h["t"], ahead, lateral, h["omega"], -h["theta"]))
 
     def numbers(self) -> dict[str, Any]:
-        """Part of `summary.json` on one of the two models."""
+        """Return the part of `summary.json` on this model."""
         return {
             "strikes": [strike_numbers(strike) for strike in self.strikes],
             "peaks": self.peaks,
@@ -141,76 +177,85 @@ class ImpactAnswer:
 
 
 def counted(units: int) -> int:
-    """Number of strikes that count: two of a single vehicle, of a train as many as bring its last rear."""
+    """Return the number of strikes that are compared.
+
+    Two of a single vehicle; of a train the strikes up to that of its last rear.
+    """
     return 3 * units - 1
 
 
 def last_awaited(strikes: Sequence[Strike], units: int) -> Strike | None:
-    """The strike that an impact is followed to: the second, of a train the first of its last rear."""
+    """Return the strike up to which an impact is computed.
+
+    It is the second, for a train the first of its last rear.
+    """
     rear = corner_name(units - 1, CORNERS.index("rear"))
-    found = [each for each in strikes if each.corner == rear][:1] if units > 1 else strikes[1:2]
-    return found[0] if found else None
+    candidates = [strike for strike in strikes if strike.corner == rear][:1] if units > 1 else strikes[1:2]
+    return candidates[0] if candidates else None
 
 
 def places(columns: Columns, vehicles: Sequence[ImpactVehicle]) -> list[tuple[Any, ...]]:
-    """x_g, y_g [m] and theta [rad] of each unit, shape (rows,), its length and width, and the distance of its centre of
-    mass behind its front [m]."""
-    found = []
+    """Return motion and size of each unit.
+
+    x_g, y_g [m] and theta [rad], shape (rows,), length, width, and distance of the centre of mass behind the front [m].
+    """
+    units = []
     for number, unit in enumerate(vehicles, 1):
         end = f"_{number}" if number > 1 else ""
         motion = (columns[f"{name}{end}"] for name in ("x_g", "y_g", "theta"))
-        found.append((*motion, unit.length, unit.width, unit.front_distance))
-    return found
+        units.append((*motion, unit.length, unit.width, unit.front_distance))
+    return units
 
 
 def strike_numbers(strike: Strike) -> dict[str, Any]:
-    """A strike, SI, the contract's names first."""
-    rest = {
-        name: value for name, value in asdict(strike).items() if value == value
-    }  # without what is not known
+    """Return the known quantities of a strike, SI."""
+    rest = {name: value for name, value in asdict(strike).items() if value == value}
     return {name: getattr(strike, name) for name in STRIKE} | rest
 
 
 def mean_peak(answer: ImpactAnswer, strike: Strike) -> float:
-    """Largest 50 ms mean of the lateral force [N] about an instant of the strike."""
+    """Return the largest 50 ms mean force [N] about the strike."""
     t, mean = answer.history["t"][1:], answer.lateral["mean_50ms"]
     during = (t >= strike.start) & (t - answer.interval <= strike.end)
     return float(mean[during].max())
 
 
 def heavy(strikes: Sequence[Strike]) -> list[Strike]:
-    """Strikes whose impulse is `WEIGHT` of the largest or more."""
+    """Return the strikes whose impulse is at least `WEIGHT` of the largest."""
     largest = max((strike.impulse for strike in strikes), default=0.0)
     return [strike for strike in strikes if strike.impulse >= WEIGHT * largest]
 
 
-def alike(strikes: Sequence[Strike], others: Sequence[Strike]) -> dict[int, Strike]:
+def matched_strikes(strikes: Sequence[Strike], other_strikes: Sequence[Strike]) -> dict[int, Strike]:
     """Return the corresponding strike of another model by number, from 1.
 
     Strikes correspond in order for as long as the same corners strike, of all strikes and of the heavy ones, because
     a corner that bounces may do so another number of times.
     """
-    found = {}
-    for own, its in ((strikes, others), (heavy(strikes), heavy(others))):
-        for one, other in zip(own, its, strict=False):
+    matched = {}
+    for first, second in ((strikes, other_strikes), (heavy(strikes), heavy(other_strikes))):
+        for one, other in zip(first, second, strict=False):
             if one.corner != other.corner:
                 break
-            found[1 + strikes.index(one)] = other
-    return found
+            matched[1 + strikes.index(one)] = other
+    return matched
 
 
 def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:
-    """FE/rigid - 1 of the strikes that count and are alike."""
+    """Return FE/rigid - 1 of the matched strikes that are compared."""
     return {
         f"strike_{k}.{name}": getattr(fe.strikes[k - 1], name) / getattr(other, name) - 1.0
-        for k, other in sorted(alike(fe.strikes, rigid.strikes).items())
+        for k, other in sorted(matched_strikes(fe.strikes, rigid.strikes).items())
         for name in COMPARED
         if k <= fe.counted
     }
 
 
 def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:
-    """The rigid impact at these even instants [s]; forces are means since the instant before."""
+    """Return the rigid impact at uniform instants [s].
+
+    Forces are means since the previous instant.
+    """
     at = motion.at(np.minimum(instants, motion.t_end))
     step, units = np.diff(instants, prepend=np.nan), range(1, len(motion.vehicles) + 1)
     history = {name: getattr(at, name) for name in (*MOTION, "kinetic_energy", "friction_work")}
@@ -231,14 +276,10 @@ def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:
     return ImpactAnswer(motion.strikes, {"t": instants} | history, len(motion.vehicles))
 
 
-MOTION = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
-"""Columns of the motion of each unit."""
-
-
 def train_columns(
     motions: Sequence[Columns], forces: np.ndarray, hinges: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Columns of a train by name.
+    """Return the columns of a train by name.
 
     Parameters
     ----------
@@ -254,38 +295,34 @@ def train_columns(
     dict of ndarray, shape (rows,)
         By name with the number of the unit, or hinge, from 1.
     """
-    found = {f"{name}_{k}": motion[name] for k, motion in enumerate(motions[1:], 2) for name in MOTION}
-    for name, each in zip(("normal", "tangential"), forces, strict=True):
-        found |= {f"force_{name}_{k}": force for k, force in enumerate(each, 1)}
+    columns = {f"{name}_{k}": motion[name] for k, motion in enumerate(motions[1:], 2) for name in MOTION}
+    for name, by_unit in zip(("normal", "tangential"), forces, strict=True):
+        columns |= {f"force_{name}_{k}": force for k, force in enumerate(by_unit, 1)}
     for k, ((x, y), ahead, behind) in enumerate(zip(hinges, motions, motions[1:], strict=False), 1):
-        found |= {f"hinge_force_x_{k}": x, f"hinge_force_y_{k}": y}
-        found[f"articulation_{k}"] = behind["theta"] - ahead["theta"]
-    return found
+        columns |= {f"hinge_force_x_{k}": x, f"hinge_force_y_{k}": y}
+        columns[f"articulation_{k}"] = behind["theta"] - ahead["theta"]
+    return columns
 
 
 def remarks(answer: ImpactAnswer) -> list[str]:
-    """List sentences on strikes that the end cuts and on trains outside the limits of the model."""
-    found = [
+    """List sentences on incomplete strikes and on limits of the model."""
+    sentences = [
         f"Strike {number} ({answer.strikes[number - 1].corner} corner) is not over at the end, "
         f"{answer.end['t']:.4g} s: its duration, peak force and impulse, and the filtered forces, are at least those "
         "given."
         for number in answer.cut
     ]
     if answer.strikes and answer.strikes[0].corner.startswith("trailer"):
-        found.append("A trailer is so wide that it touches the wall first.")
+        sentences.append("A trailer is so wide that it touches the wall first.")
     for k in range(1, answer.units):
         angle = np.abs(answer.history[f"articulation_{k}"])
         if angle.max() > JACK_KNIFE:
             t = answer.history["t"][np.argmax(angle > JACK_KNIFE)]
-            found.append(
+            sentences.append(
                 f"The train jack-knifes: from {t:.3f} s on hinge {k} is bent by more than 90 deg. That is beyond the "
                 "model, in which units do not touch one another."
             )
-    return found
-
-
-JACK_KNIFE = 0.5 * math.pi
-"""Articulation angle beyond which units that touch would hinder each other [rad]."""
+    return sentences
 
 
 def sampled_answer(
@@ -296,7 +333,7 @@ def sampled_answer(
     place: np.ndarray,
     corner: np.ndarray,
 ) -> ImpactAnswer:
-    """An impact from sampled forces of contact points.
+    """Return an impact from sampled forces of contact points.
 
     Parameters
     ----------
@@ -316,79 +353,64 @@ def sampled_answer(
     """
     pushes, drags, stations, places = {}, {}, {}, {}
     for i in np.unique(corner):
-        name, own = corner_name(*divmod(int(i), len(CORNERS))), corner == i
-        force = normal[1:, own]
+        name, members = corner_name(*divmod(int(i), len(CORNERS))), corner == i
+        force = normal[1:, members]
         total = force.sum(axis=1)
         if not total.any():
             continue
-        pushes[name], drags[name] = total, tangential[1:, own].sum(axis=1)
+        pushes[name], drags[name] = total, tangential[1:, members].sum(axis=1)
         weight = np.where(total > 0.0, total, 1.0)
-        stations[name] = force @ -points[0, own] / weight
-        places[name] = (force * place[1:, own]).sum(axis=1) / weight
+        stations[name] = force @ -points[0, members] / weight
+        places[name] = (force * place[1:, members]).sum(axis=1) / weight
     strikes = strikes_of(history["t"], pushes, drags, stations, places)
     return ImpactAnswer(strikes, history, 1 + int(corner.max()) // len(CORNERS))
 
 
 def nearest_corner(points: np.ndarray, length: float) -> np.ndarray:
-    """Number of the nearest corner in `CORNERS` of points in the body frame, shape (points,)."""
+    """Return the nearest corner's index in `CORNERS`, shape (points,).
+
+    points: in the body frame [m].
+    """
     rear = points[0] < -0.5 * length
     far = points[1] > 0.5 * points[1].max()
     return np.asarray(rear + 2 * far)
 
 
-QUANTITIES = {
-    "raw": ("raw", "kN", 1e3),
-    "mean_50ms": ("50 ms mean", "kN", 1e3),
-    "cfc60": ("CFC 60", "kN", 1e3),
-    "impulse": ("impulse", "kN s", 1e3),
-    "duration": ("duration", "ms", 1e-3),
-}
-"""Quantities of each of both strikes: words, the unit that it is shown in, and what of SI makes one of that. Raw is the
-peak of the corner's own force, the next two those of the filtered total force in the strike."""
-
-COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANTITIES)
-
-LARGEST = "peak.mean_50ms"
-"""Column of the largest 50 ms mean of a train's impact."""
-
-SAME_STRIKE, MEAN_WINDOW = 0.05, 0.05
-"""Contacts of a corner that are closer than this [s] are one strike: a mean over 50 ms does not tell them apart."""
-
-
 def filtered(force: np.ndarray, interval: float) -> dict[str, np.ndarray]:
-    """The force by the filters of `QUANTITIES`, shape (rows,) each."""
+    """Return the force by the filters of `QUANTITIES`."""
     return filters.force_curves(force, interval, ("mean_50ms", "cfc60"))
 
 
 def peaks_within(
     curves: Mapping[str, np.ndarray], interval: float, start: float, end: float
 ) -> dict[str, float]:
-    """The largest values of the filtered curves in a strike from start to end [s]; NaN where these are no instants.
+    """Return the peaks of filtered curves in a strike.
 
-    Of the means over 50 ms those that lie in the strike, or over its middle where it is shorter: the next strike may
-    follow at once.
+    start, end [s]: without such instants peaks are NaN. A 50 ms mean counts if its window lies in the strike, or about
+    the middle of a shorter one, because the next strike may follow at once.
     """
     if not np.isfinite(start + end):
         return dict.fromkeys(curves, float("nan"))
-    half, found = min(0.5 * MEAN_WINDOW, 0.5 * (end - start)), {}
+    half, peaks = min(0.5 * MEAN_WINDOW, 0.5 * (end - start)), {}
     for name, values in curves.items():
         inset = half if name == "mean_50ms" else 0.0
         first, last = int((start + inset) / interval), int(np.ceil((end - inset) / interval))
-        found[name] = float(values[first : max(first + 1, last)].max())
-    return found
+        peaks[name] = float(values[first : max(first + 1, last)].max())
+    return peaks
 
 
 def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[str, float]:
-    """The `COLUMNS` of the first strike of the front and of the rear corner, of a train of its last rear [SI]; NaN
-    without one. Of a train with `LARGEST`.
+    """Return the `COLUMNS` of both first strikes [SI].
 
-    forces: of each corner, shape (rows,) [N], where several touch at once; else the filters take the total force.
+    They are those of the front and rear corner. The rear corner of a train is that of its last unit, and its columns
+    include `LARGEST`. A missing strike is NaN. forces: of each corner, shape (rows,) [N], where several touch at once;
+    otherwise the total force is filtered.
     """
     total = filtered(answer.history["force_normal"][1:], answer.interval)
     contacts = first_strikes(answer.strikes, answer.units)
     curves = [
-        filtered(forces[each[0].corner][1:], answer.interval) if forces and each else total
-        for each in contacts
+        filtered(forces[group[0].corner][1:], answer.interval) if forces and group else total
+        for group in contacts
     ]
     largest = {LARGEST: float(total["mean_50ms"].max())} if answer.units > 1 else {}
     return largest | strike_columns(contacts, curves, answer.interval)
@@ -397,13 +419,16 @@ def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[st
 def strike_columns(
     contacts: Sequence[Sequence[Strike]], curves: Sequence[Mapping[str, np.ndarray]], interval: float
 ) -> dict[str, float]:
-    """The `COLUMNS` of two strikes, each of some contacts, with the filtered curves of its force [SI]."""
+    """Return the `COLUMNS` of two strikes [SI].
+
+    contacts: of each strike; curves: filtered, of its force.
+    """
     values: dict[str, float] = {}
-    for number, (own, filtered_force) in enumerate(zip(contacts, curves, strict=True), 1):
-        start, end = (own[0].start, own[-1].end) if own else (math.nan, math.nan)
+    for number, (group, filtered_force) in enumerate(zip(contacts, curves, strict=True), 1):
+        start, end = (group[0].start, group[-1].end) if group else (math.nan, math.nan)
         measures = peaks_within(filtered_force, interval, start, end) | {
-            "raw": max((each.peak_force for each in own), default=math.nan),
-            "impulse": math.fsum(each.impulse for each in own) if own else math.nan,
+            "raw": max((contact.peak_force for contact in group), default=math.nan),
+            "impulse": math.fsum(contact.impulse for contact in group) if group else math.nan,
             "duration": end - start,
         }
         values |= {f"strike_{number}.{name}": measures[name] for name in QUANTITIES}
@@ -411,16 +436,19 @@ def strike_columns(
 
 
 def first_strikes(strikes: Sequence[Strike], units: int) -> list[list[Strike]]:
-    """Contacts of the first strike of the front corner, and of the rear corner of the last unit."""
+    """Return the contacts of the first front and last unit's rear strike."""
     corners = "front", corner_name(units - 1, 1)
-    return [first_strike([each for each in strikes if each.corner == corner]) for corner in corners]
+    return [first_strike([strike for strike in strikes if strike.corner == corner]) for corner in corners]
 
 
 def first_strike(contacts: Sequence[Strike]) -> list[Strike]:
-    """The contacts of one corner, in order of time, that make up its first strike."""
-    found = list(contacts[:1])
+    """Return the contacts that form a corner's first strike.
+
+    contacts: of the corner, in order of time.
+    """
+    group = list(contacts[:1])
     for contact in contacts[1:]:
-        if contact.start - found[-1].end > SAME_STRIKE:
+        if contact.start - group[-1].end > SAME_STRIKE:
             break
-        found.append(contact)
-    return found
+        group.append(contact)
+    return group

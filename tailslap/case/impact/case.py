@@ -1,4 +1,4 @@
-"""ImpactCase: the rigid vehicle's whole impact, and the FE plate's beside it."""
+"""Whole impact of the rigid vehicle and of the FE plate."""
 
 from __future__ import annotations
 
@@ -24,12 +24,15 @@ SPENT = {"cost.steps": int, "cost.time_step": float}
 
 @dataclass(frozen=True)
 class ImpactCase(rigid.RigidImpact):
-    """A scene with [contact], see `Case`."""
+    """Calculation of a scene with [contact], see `Case`."""
 
-    least_tolerance = 5e-3  # half a row of a duration is half of it
+    least_tolerance = 5e-3  # half a row has half this effect on a duration
 
     def plan(self, more_damping: float = 1.0) -> ImpactPlan:
-        """Decide what the scene leaves open, mesh and assemble; no damping is chosen."""
+        """Choose omitted values, mesh and assemble.
+
+        No damping is chosen.
+        """
         from tailslap.case.impact.plan import make_impact_plan
 
         return make_impact_plan(self)
@@ -55,7 +58,10 @@ class ImpactCase(rigid.RigidImpact):
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:
-        """Columns that the table of a sweep has whatever its rows, and the type of their values."""
+        """Return the columns of a sweep's table with their types.
+
+        These exist in any row.
+        """
         models = ("rigid",) if scene.plate is None else ("rigid", "fe")
         kinds: dict[str, type] = {}
         strikes = range(1, 1 + answers.counted(len(scene.units)))
@@ -75,7 +81,10 @@ class ImpactCase(rigid.RigidImpact):
         return {**kinds, **dict.fromkeys([*names, "numerical_error"], float), **SPENT}
 
     def row(self, outcome: ImpactOutcome | None) -> dict[str, Any]:
-        """A run as columns of that table, SI; without an outcome, the rigid vehicle alone."""
+        """Return a run as a row of that table, SI.
+
+        Without an outcome it is that of the rigid vehicle alone.
+        """
         from tailslap.case.run_report import run_cost
 
         if outcome is None:
@@ -94,7 +103,7 @@ class ImpactCase(rigid.RigidImpact):
 
 
 def _run(case: ImpactCase) -> ImpactOutcome:
-    """Run the plate on the mesh of the scene with its error and checks."""
+    """Run the plate with error and checks."""
     from tailslap.case.impact import checks, run
 
     outcome = run.attempt(case)
@@ -104,7 +113,10 @@ def _run(case: ImpactCase) -> ImpactOutcome:
 
 
 def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
-    """Columns of one of the two models, of the strikes that count; what it lacks is missing."""
+    """Return the columns of one model with its compared strikes.
+
+    Columns of strikes that do not occur are missing.
+    """
     row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes), f"{model}.strikes_cut": len(answer.cut)}
     for k, strike in enumerate(answer.strikes[: answer.counted], 1):
         row[f"{model}.strike_{k}.corner"] = strike.corner
@@ -117,6 +129,6 @@ def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
 
 
 def _tipping_columns(model: str, answer: Any) -> dict[str, float]:
-    """Columns of the roll by the forces of one of the two models; none without [tipping]."""
-    found = answer.numbers() if answer else {}
-    return {f"{model}.tipping.{name}": found[name] for name in TIPPING if found}
+    """Return the columns of the roll, none without [tipping]."""
+    numbers = answer.numbers() if answer else {}
+    return {f"{model}.tipping.{name}": numbers[name] for name in TIPPING if numbers}

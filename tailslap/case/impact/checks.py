@@ -1,4 +1,7 @@
-"""The checks that a run of a whole impact must pass before its numbers are believed. What is not finite fails."""
+"""Checks of a run of a whole impact.
+
+A value that is not finite fails.
+"""
 
 import math
 from functools import partial
@@ -16,14 +19,22 @@ STORED = (
     "crush_energy",
     "wall_energy",
 )
-"""Columns of the energy that the model holds, or has taken for good."""
+"""Columns of the stored and dissipated energy of the model."""
 
 LOSS = 2e-2
-"""Energy, over the initial, that exact contact may take: what its nodes bring on touching."""
+"""Energy over the initial that exact contact may dissipate: that of its nodes on contact."""
+
+MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.STATED.items()}
+"""Names of the checks of the stated error by quantity. A run without a stated error fails them."""
+
+CLOSER = f"{check.FINER}; contact.patch_length for the force of a corner; a larger verify.mesh"
+HINGED = CLOSER.replace("corner;", "corner, trailer.hitch_length for that of a hinge;")
+FAULT = "please report it: this is a fault of the program"
+SHORT = "a softer contact: the rows do not resolve strikes as short as these"
 
 
 def energy_error(outcome: run.ImpactOutcome) -> np.ndarray:
-    """Energy [J] that the balance has too much at each instant, shape (rows,)."""
+    """Return the surplus of the energy balance [J], shape (rows,)."""
     history = outcome.run.history
     return check.energy_surplus(history, STORED) - history.get("tyre_work", 0.0)
 
@@ -91,8 +102,8 @@ def _strikes(outcome: run.ImpactOutcome) -> check.Evaluation:
 
 
 def _stated(quantity: str, outcome: run.ImpactOutcome) -> check.Evaluation | None:
-    verify, found = outcome.fe_plan.case.scene.verify, outcome.stated_errors
-    if not verify.companion or quantity not in found:
+    verify, errors = outcome.fe_plan.case.scene.verify, outcome.stated_errors
+    if not verify.companion or quantity not in errors:
         return None
     hinged = bool(outcome.run.units)
     which = f"first two major strikes{' and the largest' if hinged else ''}"
@@ -102,11 +113,13 @@ def _stated(quantity: str, outcome: run.ImpactOutcome) -> check.Evaluation | Non
         else "largest 50 ms mean of a hinge"
     )
     meaning = f"larger discretisation error of the {what}; limit: verify.mesh"
-    return check.Evaluation(found[quantity], verify.mesh, meaning, HINGED if hinged else "")
+    return check.Evaluation(errors[quantity], verify.mesh, meaning, HINGED if hinged else "")
 
 
 def _sampling(outcome: run.ImpactOutcome) -> check.Evaluation:
-    shortest = min((strike.duration for strike in error.weighed(outcome.fe.strikes)), default=math.nan)
+    shortest = min(
+        (strike.duration for strike in error.assessed_strikes(outcome.fe.strikes)), default=math.nan
+    )
     meaning = "time between rows over the shorter of the first two major strikes"
     return check.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
 
@@ -120,13 +133,6 @@ def _articulation(outcome: run.ImpactOutcome) -> check.Evaluation | None:
     )
 
 
-MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.STATED.items()}
-"""Names of the checks of the stated error by quantity; a run that has none, for others tell it, fails them."""
-
-CLOSER = f"{check.FINER}; contact.patch_length for the force of a corner; a larger verify.mesh"
-HINGED = CLOSER.replace("corner;", "corner, trailer.hitch_length for that of a hinge;")
-FAULT = "please report it: this is a fault of the program"
-SHORT = "a softer contact: the rows do not resolve strikes as short as these"
 CHECKS: tuple[check.CheckKind[run.ImpactOutcome], ...] = (
     check.CheckKind("finite numbers", _finite, check.STEP),
     check.CheckKind("time step", case.time_step, check.STEP),
@@ -147,11 +153,11 @@ CHECKS: tuple[check.CheckKind[run.ImpactOutcome], ...] = (
 
 
 def impact_checks(outcome: run.ImpactOutcome) -> tuple[check.Check, ...]:
-    """All checks of a run."""
+    """Evaluate all checks of a run."""
     return check.evaluated(CHECKS, outcome)
 
 
 def failed_but_mesh(outcome: run.ImpactOutcome) -> tuple[str, ...]:
-    """Names of the checks that fail, those of the mesh apart: where others tell its error."""
+    """Return the names of failed checks except those of the mesh."""
     failed = check.failed_names(outcome.checks or impact_checks(outcome))
     return tuple(name for name in failed if name not in MESH_CHECKS.values())

@@ -26,52 +26,60 @@ PARTS = {
     "hourglass_energy": "hourglass control",
     "wall_energy": "wall",
 }
-"""Places where the motion's energy goes, by column; works are done on the plate, and count with the other sign."""
+"""Labels of the energy by column. Works are those on the plate, and have the opposite sign."""
 
 INSTANTS = 9
-"""Positions of the vehicle that the strip shows, beside those of the strikes."""
+"""Number of drawn positions of the vehicle, besides those of the strikes."""
 
 
 def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
-    """The strikes as figures mark them."""
+    """Return the marks of the strikes in figures."""
     t, x = answer.history["t"], answer.history["x_g"]
 
     def place(strike_position: float, instant: float, middle: float) -> float:
         return strike_position + float(np.interp(instant, t, x) - np.interp(middle, t, x))
 
-    found = []
+    strike_marks = []
     for strike in answer.strikes:
         middle = 0.5 * (strike.start + strike.end)
         places = (place(strike.position, strike.start, middle), place(strike.position, strike.end, middle))
-        found.append(StrikeMark(strike.corner.removesuffix(" far side"), strike.start, strike.end, places))
-    return found
+        strike_marks.append(
+            StrikeMark(strike.corner.removesuffix(" far side"), strike.start, strike.end, places)
+        )
+    return strike_marks
 
 
 def outlines(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicle]) -> np.ndarray:
-    """Corners of the vehicle at every row, shape (rows, 4, 2) [m]; of a train one line about all its units."""
+    """Return the corners of the vehicle at every row [m].
+
+    Shape (rows, 4, 2); for a train one line about all its units.
+    """
     units = answers.places(answer.history, vehicles)
-    right, left = list[np.ndarray](), list[np.ndarray]()
+    right_side, left_side = list[np.ndarray](), list[np.ndarray]()
     for k, place in enumerate(units, 1):
-        each = vehicle_outlines(*place)
-        ahead, behind = 0.5 * (each[:, 0] + each[:, 3]), 0.5 * (each[:, 1] + each[:, 2])
-        for side, ends in ((right, (0, 1)), (left, (3, 2))):
+        corners = vehicle_outlines(*place)
+        ahead, behind = 0.5 * (corners[:, 0] + corners[:, 3]), 0.5 * (corners[:, 1] + corners[:, 2])
+        for side, ends in ((right_side, (0, 1)), (left_side, (3, 2))):
             side += [] if k == 1 else [ahead]
-            side += [each[:, end] for end in ends] + ([behind] if k < len(units) else [])
-    return np.stack([*right, *left[::-1]], axis=1)
+            side += [corners[:, end] for end in ends] + ([behind] if k < len(units) else [])
+    return np.stack([*right_side, *left_side[::-1]], axis=1)
 
 
 def position_strip(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicle]) -> Chart:
-    """Draw the vehicle at even instants, a train where each strike begins, and how it moves."""
+    """Draw positions and motion of the vehicle.
+
+    A train is drawn at the start of each strike, a single vehicle at uniform instants.
+    """
     t = answer.history["t"]
-    shown = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
+    rows = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
     if answer.units > 1:
-        shown = np.unique(np.searchsorted(t, [*(strike.start for strike in answer.strikes), t[-1]]))
+        rows = np.unique(np.searchsorted(t, [*(strike.start for strike in answer.strikes), t[-1]]))
     every = outlines(answer, vehicles)
-    return draw_positions(every[shown], t[shown], marks(answer), motion=(t, every))
+    return draw_positions(every[rows], t[rows], marks(answer), motion=(t, every))
 
 
 def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
-    """Lateral and longitudinal force, raw and filtered; the rigid vehicle's lateral force beside the plate's."""
+    """Draw the raw and filtered forces of plate and rigid vehicle."""
     strikes, t = marks(outcome.fe), outcome.fe.history["t"][1:]
     lateral = "Lateral force on the wall, FE; lines across: design forces" if levels else "Lateral force, FE"
     return [
@@ -90,8 +98,10 @@ def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Char
 
 
 def train_figures(outcome: ImpactOutcome) -> list[Chart]:
-    """Forces of each unit of a train on the wall, force and articulation angle of each hinge beside the rigid train's;
-    none of a single vehicle."""
+    """Draw forces of units, and forces and angles of hinges.
+
+    There are none for a single vehicle.
+    """
     h, strikes, units = outcome.fe.history, marks(outcome.fe), range(1, outcome.fe.units + 1)
     hinges, t = units[:-1], h["t"]
     if not hinges:
@@ -99,11 +109,11 @@ def train_figures(outcome: ImpactOutcome) -> list[Chart]:
     pushes = {f"unit {k}": h[f"force_normal_{k}"] / 1e3 for k in units}
     drags = {f"unit {k}": -h[f"force_tangential_{k}"] / 1e3 for k in units}
     forces, angles = {}, {}
-    for model, its in (("FE", h), ("rigid", outcome.rigid.history)):
+    for model, columns in (("FE", h), ("rigid", outcome.rigid.history)):
         for k in hinges:
-            pulled = np.hypot(its[f"hinge_force_x_{k}"], its[f"hinge_force_y_{k}"])
+            pulled = np.hypot(columns[f"hinge_force_x_{k}"], columns[f"hinge_force_y_{k}"])
             forces[f"hinge {k}, {model}"] = pulled / 1e3
-            angles[f"hinge {k}, {model}"] = np.degrees(its[f"articulation_{k}"])
+            angles[f"hinge {k}, {model}"] = np.degrees(columns[f"articulation_{k}"])
     return [
         impact.draw_curves(name, caption, axis, t, curves, strikes)
         for name, caption, axis, curves in (
@@ -116,15 +126,17 @@ def train_figures(outcome: ImpactOutcome) -> list[Chart]:
 
 
 def energy_figure(outcome: ImpactOutcome) -> Chart:
-    """Draw what becomes of the kinetic energy."""
+    """Draw the parts of the energy over time."""
     h = outcome.run.history
     parts = {label: (-h[key] if key.endswith("work") else h[key]) for key, label in PARTS.items() if key in h}
     return impact.draw_energies(h["t"], h["kinetic_energy"], parts, marks(outcome.fe))
 
 
 def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
-    """Force over crush of the corners that struck, and with more points than corners the force along the side, of
-    a train that of its first unit."""
+    """Draw force over crush of corners, and force along the side.
+
+    The latter requires more points than corners; for a train it is that of the first unit.
+    """
     run, corner = outcome.run, corners_of(outcome.fe_plan, outcome.run)
     loops = {}
     for i in np.unique(corner):
@@ -146,7 +158,10 @@ def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
 def animation(
     outcome: ImpactOutcome, folder: Path, units: Units = SI, size: tuple[int, int] | None = None
 ) -> Path:
-    """Write the impact as a GIF of this size [pixels], its axes in these units."""
+    """Write the impact as a GIF.
+
+    units: of the axes; size [pixels].
+    """
     h = outcome.run.history
     with progress.announced("Drawing the animation ..."):
         return write_animation(

@@ -1,4 +1,4 @@
-"""The finite-element side of a whole impact: the plate's model, its first touch, the rows of its history."""
+"""Finite-element model of a whole impact."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from fem.run.impact import FirstTouch
 
 ACROSS, ACROSS_LINEAR = 4, 6
-"""Elements across the vehicle where the scene leaves their number out, of linear kinds as in the paper's Table 2; even,
-for the error is told by half as many."""
+"""Elements across the vehicle where the scene has no number, of linear kinds as in the paper's Table 2. They are even,
+because the error is estimated by half as many."""
 
 CALM = 0.7
 """Fraction of the stable time step of quadratic elements: without restitution four of twelve random vehicles gained
@@ -58,7 +58,7 @@ class ImpactPlan(FePlan):
 
 
 def make_impact_plan(case: RigidImpact) -> ImpactPlan:
-    """Decide what the scene leaves open, mesh and assemble.
+    """Choose omitted values, mesh and assemble.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
     Raises
     ------
     InputError
-        For keys that make no model.
+        For values without a possible model.
     """
     from fem.run.impact import FirstTouch
 
@@ -87,18 +87,21 @@ def make_impact_plan(case: RigidImpact) -> ImpactPlan:
         plate_input.Decision(key, length, why) for key, length in chosen_lengths(case.scene).items()
     )
     touch, sample = case.touch, case.sample
-    made, plate = impact_model(case, plate, sample)
-    plate_input.demand_steps(case.scene, case.duration, made)
+    model, plate = impact_model(case, plate, sample)
+    plate_input.demand_steps(case.scene, case.duration, model)
     first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
     decisions = (
         *decisions,
         *plate_input.threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact uses one"),
     )
-    return ImpactPlan(case, plate, decisions, made, first, sample)
+    return ImpactPlan(case, plate, decisions, model, first, sample)
 
 
 def chosen_plate(scene: Scene) -> tuple[Plate, tuple[plate_input.Decision, ...]]:
-    """The plate with elements, and what was decided of it: quadratic ones where their kind is left out."""
+    """Return the plate with elements, and the decisions.
+
+    Elements are quadratic where their kind is omitted.
+    """
     plate, vehicle = scene.needed_plate, scene.vehicle
     if plate.elements is not None:
         return plate, ()
@@ -113,8 +116,10 @@ def chosen_plate(scene: Scene) -> tuple[Plate, tuple[plate_input.Decision, ...]]
 
 
 def chosen_lengths(scene: Scene) -> dict[str, float]:
-    """Lengths over which forces of corners and hinges are spread [m], by key: of trains that leave them and their
-    elements out."""
+    """Return the lengths over which forces are spread [m], by key.
+
+    They are those of corners and hinges of trains whose scene has neither lengths nor elements.
+    """
     if scene.needed_plate.elements is not None or not scene.trailer:
         return {}
     length = min(SPREAD * scene.vehicle.width, *(unit.length for unit in scene.units))
@@ -124,14 +129,20 @@ def chosen_lengths(scene: Scene) -> dict[str, float]:
 
 
 def safety_factor(scene: Scene, plate: Plate) -> float:
-    """Fraction of the stable time step: the scene's, or where that leaves it open one for this plate."""
+    """Return the fraction of the stable time step.
+
+    It is the value of the scene, or one for this plate.
+    """
     left_open = "safety_factor" not in scene.time.model_fields_set and scene.needed_contact.crushes
     linear = kinds.ELEMENT_KINDS[plate.element].higher_order
     return scene.time.safety_factor if linear or not left_open else CALM
 
 
 def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
-    """The model of a plate with elements, and the plate with its modulus. Raises InputError."""
+    """Return the model of a plate with elements.
+
+    Besides, the plate with its modulus. Raises InputError.
+    """
     from fem.model.impact_model import build_impact_model
 
     scene = case.scene
@@ -147,14 +158,14 @@ def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[
 
 
 def _inertia(case: RigidImpact, number: int) -> Inertia | None:
-    """Inertia that the masses of a unit carry; None for the uniform rectangle's."""
-    given, vehicle = case.scene.units[number], case.motion.vehicles[number]
-    uniform = given.centre_of_mass is None and given.yaw_inertia is None
+    """Return the inertia of a unit, None for the uniform rectangle."""
+    unit, vehicle = case.scene.units[number], case.motion.vehicles[number]
+    uniform = unit.centre_of_mass is None and unit.yaw_inertia is None
     return None if uniform else Inertia(vehicle.front_distance, vehicle.inertia)
 
 
 def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
-    """A unit on a plate that has its modulus."""
+    """Return a unit on a plate with its modulus."""
     scene, inertia = case.scene, _inertia(case, number)
     chosen = chosen_lengths(scene)
     properties = plate_input.plate_properties(scene, plate, inertia, number)
@@ -167,13 +178,13 @@ def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
     )
     if number == 0:
         return UnitProperties(mesh, properties, contact, axles=axles)
-    own = scene.trailer[number - 1]
-    spread = own.hitch_length or chosen.get(f"trailer.{number - 1}.hitch_length", 0.0)
-    return UnitProperties(mesh, properties, contact, own.hitch, own.kingpin, spread, axles)
+    trailer = scene.trailer[number - 1]
+    spread = trailer.hitch_length or chosen.get(f"trailer.{number - 1}.hitch_length", 0.0)
+    return UnitProperties(mesh, properties, contact, trailer.hitch, trailer.kingpin, spread, axles)
 
 
 def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
-    """A deformable wall, its middle where the rigid vehicle's strikes have theirs."""
+    """Return a deformable wall about the rigid vehicle's strikes."""
     places = [strike.position for strike in case.motion.strikes] or [0.0]
     start = 0.5 * (min(places) + max(places) - wall.length)
     assert wall.height is not None
@@ -184,7 +195,7 @@ def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
 
 
 def contact_properties(case: RigidImpact, number: int) -> ContactProperties:
-    """Return the properties of the contact between a unit's boundary and the wall."""
+    """Return the contact properties of a unit's boundary."""
     contact, laws = (
         case.scene.needed_contact,
         (case.contact, *(unit.contact for unit in case.trailers))[number],
@@ -208,7 +219,7 @@ def contact_properties(case: RigidImpact, number: int) -> ContactProperties:
 
 
 def _point_crush(law: CrushLaw) -> PointCrush:
-    """Return the crush of a corner as the plate takes it."""
+    """Return the crush of a corner for the plate."""
     return PointCrush(
         law.stiffness,
         law.initial_force,

@@ -1,4 +1,4 @@
-"""Texts on a whole impact: `tailslap check`, page, summary, histories, terminal."""
+"""Report of a whole impact on page, terminal and in files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from postprocess.signals import filters
 from postprocess.units import Units, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.impact import checks, error, figures, run
-from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, alike, remarks
+from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, matched_strikes, remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
 from tailslap.case.report_parts import CUT, PEAKS, checks_section, design_table, short, strikes_table
@@ -84,7 +84,7 @@ WALL_NOTE = (
 
 @dataclass(frozen=True)
 class ImpactReport(FeReport):
-    """The report of a run of a whole impact."""
+    """Report of a run of a whole impact."""
 
     outcome: run.ImpactOutcome
 
@@ -119,7 +119,7 @@ class ImpactReport(FeReport):
         ]
 
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:
-        """Return the parts that the scene does without."""
+        """List the parts that the scene does not use."""
         return omitted_parts(self.outcome.fe_plan.case.scene, pictures)
 
     def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> ImpactReport:
@@ -133,7 +133,7 @@ class ImpactReport(FeReport):
 
 
 def headline(outcome: run.ImpactOutcome) -> Headline:
-    """Largest 50 ms mean, the set-up, and the effects of flexibility and mesh."""
+    """Return the largest 50 ms mean, set-up and accuracy."""
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
     failed = failed_names(outcome.checks)
     uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
@@ -174,22 +174,22 @@ def _largest(differences: Mapping[str, float], name: str) -> float:
 
 
 def _uncertain(outcome: run.ImpactOutcome) -> str:
-    """Quantities whose error is above the scene's limit, and the error of the others."""
+    """Return a sentence on the errors above the scene's limit."""
     limit = outcome.fe_plan.case.scene.verify.mesh
-    found = {f"{error.STATED[name]}s": each for name, each in outcome.stated_errors.items()}
+    errors = {f"{error.STATED[name]}s": value for name, value in outcome.stated_errors.items()}
     parts = [
-        f"{words} to {percent_up(each)} (limit {100 * limit:g} %)"
-        for words, each in found.items()
-        if not each <= limit
+        f"{words} to {percent_up(value)} (limit {100 * limit:g} %)"
+        for words, value in errors.items()
+        if not value <= limit
     ]
-    if others := {words: each for words, each in found.items() if each <= limit}:
-        parts.append(f"{', '.join(others)} to {percent_up(max(others.values()))}")
+    if within := {words: value for words, value in errors.items() if value <= limit}:
+        parts.append(f"{', '.join(within)} to {percent_up(max(within.values()))}")
     return f"Known within the discretisation error: {'; '.join(parts)}."
 
 
 def errors_table(outcome: run.ImpactOutcome) -> Table:
-    """The stated error of the first two strikes of weight; empty where none is stated."""
-    strikes = error.weighed(outcome.fe.strikes) if outcome.mesh_error else []
+    """Return the stated errors of strikes, empty without any."""
+    strikes = error.assessed_strikes(outcome.fe.strikes) if outcome.mesh_error else []
     rows = [
         {"strike": f"{1 + outcome.fe.strikes.index(strike)} {strike.corner}"}
         | {name: outcome.mesh_error[f"strike_{number}.{name}"] for name in error.QUANTITIES}
@@ -199,7 +199,7 @@ def errors_table(outcome: run.ImpactOutcome) -> Table:
 
 
 def hinges_table(outcome: run.ImpactOutcome) -> Table:
-    """Force and articulation angle of the hinges of a train; empty for a single vehicle."""
+    """Return force and angle of the hinges of a train."""
     models = {"FE": (outcome.fe, outcome.hinge_error), "rigid": (outcome.rigid, [])}
     rows = [
         {"title": f"Hinge {k}", "model": model, "error": error, **hinge}
@@ -210,8 +210,8 @@ def hinges_table(outcome: run.ImpactOutcome) -> Table:
 
 
 def peak_table(outcome: run.ImpactOutcome) -> Table:
-    """Peak force of each strike, and of the whole impact as a mean over 50 ms."""
-    fe, rigid = outcome.fe.strikes, alike(outcome.fe.strikes, outcome.rigid.strikes)
+    """Return peak forces of strikes, and the largest 50 ms mean."""
+    fe, rigid = outcome.fe.strikes, matched_strikes(outcome.fe.strikes, outcome.rigid.strikes)
     rows: list[dict[str, Any]] = []
     for number, strike in enumerate(fe, 1):
         other = rigid[number].peak_force if number in rigid else None
@@ -229,7 +229,7 @@ def _strikes(outcome: run.ImpactOutcome) -> Table:
 
 
 def filtered_table(outcome: run.ImpactOutcome) -> Table:
-    """Peaks of raw and filtered forces."""
+    """Return peaks of raw and filtered forces."""
     fe, rigid, along = outcome.fe.peaks, outcome.rigid.peaks, filters.force_peaks(outcome.fe.longitudinal)
     rows = [
         {"curve": label, "fe": fe[name], "rigid": rigid[name], "along": along[name]}
@@ -239,8 +239,8 @@ def filtered_table(outcome: run.ImpactOutcome) -> Table:
 
 
 def durations_table(answer: ImpactAnswer) -> Table:
-    """Duration of the second strike as the paper reads it."""
-    rows = [{"curve": CURVES[name], **found} for name, found in answer.second_strike.items()]
+    """Return the second strike's duration by the paper's reading."""
+    rows = [{"curve": CURVES[name], **values} for name, values in answer.second_strike.items()]
     return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
 
 
@@ -289,7 +289,7 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
 
 
 def tipping_sections(outcome: run.ImpactOutcome) -> list[Section]:
-    """The section on tipping; none without [tipping]."""
+    """Return the section on tipping, none without [tipping]."""
     if not outcome.tipping:
         return []
     from tailslap.case.impact import tipping
@@ -298,23 +298,26 @@ def tipping_sections(outcome: run.ImpactOutcome) -> list[Section]:
 
 
 def _wall(outcome: run.ImpactOutcome) -> list[Table]:
-    """Table of the response of a deformable wall; none for a rigid one."""
-    found = wall_numbers(outcome)
-    if found is None:
+    """Return the response of a deformable wall, none for a rigid one."""
+    response = wall_numbers(outcome)
+    if response is None:
         return []
     rows = [
-        ("largest deflection of the face", 1e3 * found["deflection"], "mm"),
-        ("position along the wall", found["place"], "m"),
-        ("time", found["t"], "s"),
-        ("force of the foundation, 50 ms mean", found["foundation_mean_50ms"], "N"),
-        ("contact force, 50 ms mean", found["contact_mean_50ms"], "N"),
-        ("force of the foundation, largest", found["foundation_force"], "N"),
+        ("largest deflection of the face", 1e3 * response["deflection"], "mm"),
+        ("position along the wall", response["place"], "m"),
+        ("time", response["t"], "s"),
+        ("force of the foundation, 50 ms mean", response["foundation_mean_50ms"], "N"),
+        ("contact force, 50 ms mean", response["contact_mean_50ms"], "N"),
+        ("force of the foundation, largest", response["foundation_force"], "N"),
     ]
     return [tables.pairs(rows, notes=(WALL_NOTE,))]
 
 
 def _paper(outcome: run.ImpactOutcome) -> list[Table]:
-    """The three stages of the paper for the same vehicle, where the scene feeds them."""
+    """Return the paper's three stages for the same vehicle.
+
+    There is none where the scene has not their input.
+    """
     beside = outcome.paper_method
     if beside is None:
         return []
@@ -345,8 +348,11 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
 
 
 def numbers(outcome: run.ImpactOutcome) -> dict[str, Any]:
-    """Return the numbers of a summary that only a whole impact has, SI."""
-    plan, rolls = outcome.fe_plan.case, {n: {"tipping": own.numbers()} for n, own in outcome.tipping.items()}
+    """Return the numbers of a whole impact's summary, SI."""
+    plan, rolls = (
+        outcome.fe_plan.case,
+        {n: {"tipping": roll.numbers()} for n, roll in outcome.tipping.items()},
+    )
     return {
         "rigid": outcome.rigid.numbers() | rolls.get("rigid", {}),
         "fe": outcome.fe.numbers() | rolls.get("FE", {}),
@@ -362,8 +368,10 @@ def numbers(outcome: run.ImpactOutcome) -> dict[str, Any]:
 
 
 def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
-    """Largest deflection of a deformable wall, where and when, and the foundation's largest force beside the contact's;
-    None for a rigid wall."""
+    """Return deflection and forces of a deformable wall.
+
+    Largest deflection, its place and time, and the largest forces of foundation and contact. None for a rigid wall.
+    """
     if outcome.fe_plan.case.scene.wall is None:
         return None
 
@@ -381,7 +389,7 @@ def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
 
 
 def histories(outcome: run.ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
-    """Columns of `history.csv` and `rigid.csv`, SI, shape (rows,) each."""
+    """Return the columns of `history.csv` and `rigid.csv`, SI."""
     h = dict(outcome.fe.history)
     ordered = {name: h[name] for name in FIRST} | h | {"energy_error": checks.energy_error(outcome)}
     return {"history.csv": ordered, "rigid.csv": dict(outcome.rigid.history)}
@@ -412,7 +420,7 @@ def contact_words(contact: Contact) -> str:
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
-    """Parts that this scene does without, each with the reason."""
+    """List the parts that this scene does not use, with reasons."""
     contact = scene.needed_contact
     sides = contact.side_stiffness or not contact.crushes
     parts = [

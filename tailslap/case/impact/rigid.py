@@ -1,4 +1,4 @@
-"""The rigid vehicle of a whole impact: its contact, first touch and motion, and the texts of `tailslap rigid`."""
+"""Rigid vehicle of a whole impact, and the texts of `tailslap rigid`."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -27,8 +27,8 @@ from tailslap.scene.units import shown, value_line
 from tailslap.scene.vary import Source, vary
 
 AFTER_SECOND, AFTER_TIPPING = 0.1, 0.5
-"""Time [s] after the second strike at which an impact ends that has no time.end; with [tipping], where a third strike
-adds to the roll."""
+"""Time [s] from the second strike to the end of an impact without time.end; the second with [tipping], where a third
+strike adds to the roll."""
 
 LONGEST = 5.0
 """Time [s] after which an impact without a second strike ends."""
@@ -46,13 +46,13 @@ OF_A_WHOLE_IMPACT = (
     "vehicle.yaw_inertia",
     "impact.test_level",
 )
-"""Tables and keys that the scene of the paper's method does without."""
+"""Tables and keys that the paper's method does not use."""
 
 SAMPLE = 2e-4
-"""Longest time between rows [s]: 5 kHz, above what CFC 180 asks for."""
+"""Longest time between rows [s]: 5 kHz, above the requirement of CFC 180."""
 
 ROWS_A_STRIKE, MOST_ROWS = 200, 200_000
-"""Rows in the shorter of the rigid vehicle's first two strikes, and of a history, at most."""
+"""Rows in the shorter of the rigid vehicle's first two strikes; most rows of a history."""
 
 ARGUMENTS = (
     *(f"vehicle.{name}" for name in ("length", "width", "mass", "centre_of_mass")),
@@ -61,11 +61,18 @@ ARGUMENTS = (
 )
 """Keys of the scene that the rigid vehicle's impact depends on, by the corners alone."""
 
+OF_LAW = tuple(f"contact.{key}" for key in train.LAW)
+KEYS = {
+    key.split(".")[1]: key
+    for key in (*ARGUMENTS, *OF_LAW, "vehicle.yaw_inertia", "time.end", "tipping.suspension")
+}
+"""Keys of the scene by names of the theory's inputs."""
+
 TRAIN_TOLERANCE = 1e-4
-"""Error by which the step of a train is chosen; what it leaves is a hundredth of that."""
+"""Error by which the step of a train is chosen; the actual error is a hundredth of that."""
 
 OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "stiffness", "hitch", "kingpin", "mass", "length", "width")
-"""Keys of a trailer that it depends on; what the first three are is known where the scene leaves them out."""
+"""Keys of a trailer that it depends on; the first three have computed values where the scene omits them."""
 
 OF_AN_AXLE = ("position", "friction", "cornering")
 """Keys of an axle that it depends on."""
@@ -97,7 +104,10 @@ ENDS = {
 
 @dataclass(frozen=True)
 class RigidImpact(Case):
-    """A scene with [contact]: the rigid vehicle, its contact and first touch; its impact is solved when asked for."""
+    """Rigid vehicle of a scene with [contact].
+
+    Its impact is solved on first use.
+    """
 
     name = WHOLE_IMPACT
     compared = quantities.STRIKES
@@ -106,7 +116,7 @@ class RigidImpact(Case):
     force_column = "peak.mean_50ms"
 
     def __post_init__(self) -> None:
-        """Raise InputError, naming the scene's key, where there is no such vehicle, or no impact."""
+        """Raise InputError for an impossible vehicle, or without an impact."""
         if self.scene.impact is None or self.scene.contact is None:
             raise InputError("contact", Missing, "a whole impact needs this table and [impact]")
         _ = self.touch
@@ -121,16 +131,16 @@ class RigidImpact(Case):
     @cached_property
     def trailers(self) -> tuple[impact.HitchedVehicle, ...]:
         """Rigid trailers behind the vehicle."""
-        found = list[impact.HitchedVehicle]()
+        trailers = list[impact.HitchedVehicle]()
         for number, unit in enumerate(self.scene.trailer):
             with refusals(self.scene, f"trailer.{number}"):
                 laws = wall_contact(self.scene, number + 1)
-                found.append(impact.HitchedVehicle(rigid_vehicle(unit), laws, unit.hitch, unit.kingpin))
-        return tuple(found)
+                trailers.append(impact.HitchedVehicle(rigid_vehicle(unit), laws, unit.hitch, unit.kingpin))
+        return tuple(trailers)
 
     @cached_property
     def contact(self) -> impact.WallContact:
-        """Its laws of contact."""
+        """Laws of the vehicle's contact."""
         with refusals(self.scene):
             return wall_contact(self.scene)
 
@@ -145,32 +155,35 @@ class RigidImpact(Case):
     @cached_property
     def touch(self) -> impact.ImpactState:
         """State at first touch."""
-        given = self.scene.impact
+        table = self.scene.impact
         assert self.contact
-        assert given
+        assert table
         with refusals(self.scene):
-            return impact.first_touch(self.vehicle, given.angle, given.speed, self.trailers)
+            return impact.first_touch(self.vehicle, table.angle, table.speed, self.trailers)
 
     @cached_property
     def motion(self) -> impact.ImpactMotion:
-        """The rigid vehicle's impact, to the scene's end."""
+        """Impact of the rigid vehicle, to the scene's end."""
         return self.motion_until(self.scene.time.end)
 
     def motion_until(self, end: float | None) -> impact.ImpactMotion:
         """Return the impact to another end [s].
 
-        None: to `after_second` after the second strike, of a train the last rear, and on until no strike is in
-        progress.
+        None: `after_second` after the second strike, for a train after that of the last rear, or when a strike then in
+        progress is over.
         """
         with refusals(self.scene):
-            given = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
+            arguments = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
             tolerance = TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE
-            others: dict[str, Any] = {"tolerance": tolerance, "trailers": self.trailers, "axles": self.axles}
-            return impact.solve_impact(*given, on_compile=progress.compiling, **others)
+            options: dict[str, Any] = {"tolerance": tolerance, "trailers": self.trailers, "axles": self.axles}
+            return impact.solve_impact(*arguments, on_compile=progress.compiling, **options)
 
     @property
     def after_second(self) -> float:
-        """Time after the second strike at which the impact ends that has no time.end [s]."""
+        """Time from the second strike to the end [s].
+
+        It applies without time.end.
+        """
         return AFTER_TIPPING if self.scene.tipping else AFTER_SECOND
 
     @property
@@ -180,7 +193,7 @@ class RigidImpact(Case):
 
     @cached_property
     def sample(self) -> float:
-        """Time between rows [s] that resolves both strikes of the rigid vehicle."""
+        """Time between rows [s] that resolves both strikes."""
         motion = self.motion
         counted = motion.strikes[: answers.counted(len(motion.vehicles))]
         shortest = min((strike.duration for strike in counted), default=SAMPLE * ROWS_A_STRIKE)
@@ -188,62 +201,66 @@ class RigidImpact(Case):
 
     @cached_property
     def answer(self) -> answers.ImpactAnswer:
-        """The rigid vehicle's impact, sampled."""
+        """Sampled impact of the rigid vehicle."""
         rows = max(2, int(np.ceil(self.duration / self.sample)))
         return answers.rigid_answer(self.motion, np.linspace(0.0, self.duration, rows + 1))
 
     @property
     def arguments(self) -> tuple[str, ...]:
-        """Keys of the scene that the impact depends on, by the corners alone."""
+        """Keys of the scene that the impact of the corners depends on."""
         replaced = {"contact.restitution"} if self.scene.needed_contact.unloading_stiffness else set[str]()
         numbers = range(len(self.trailers))
-        found = dict.fromkeys(key for key in ARGUMENTS if key not in replaced)
-        found |= dict.fromkeys(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
+        keys = dict.fromkeys(key for key in ARGUMENTS if key not in replaced)
+        keys |= dict.fromkeys(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
         tables = ("contact", *(f"trailer.{number}" for number in numbers))
-        keys = (f"{table}{part}.{key}" for table in tables for part in ("", ".rear") for key in train.LAW)
-        found |= dict.fromkeys(key for key in keys if value_at(self.scene, key) is not None)
+        crush = (f"{table}{part}.{key}" for table in tables for part in ("", ".rear") for key in train.LAW)
+        keys |= dict.fromkeys(key for key in crush if value_at(self.scene, key) is not None)
         axles = (f"axle.{number}.{key}" for number in range(len(self.scene.axle)) for key in OF_AN_AXLE)
         inertia = ("vehicle.yaw_inertia",) if self.scene.vehicle.yaw_inertia is not None else ()
-        return (*found, *inertia, *axles)
+        return (*keys, *inertia, *axles)
 
     @property
     def inputs(self) -> dict[str, float]:
-        """The scene's own number of each key of `arguments`."""
-        own = {key: value_at(self.scene, key) or 0.0 for key in self.arguments}
-        for number, each in enumerate(self.trailers):
-            known = (each.vehicle.front_distance, each.vehicle.inertia, each.contact.crush.stiffness)
-            own |= {f"trailer.{number}.{key}": value for key, value in zip(OF_A_TRAILER, known, strict=False)}
-        return own | {"vehicle.centre_of_mass": self.vehicle.front_distance}
+        """Value of each key of `arguments` in the scene."""
+        values = {key: value_at(self.scene, key) or 0.0 for key in self.arguments}
+        for number, trailer in enumerate(self.trailers):
+            body, stiffness = trailer.vehicle, trailer.contact.crush.stiffness
+            computed = zip(OF_A_TRAILER, (body.front_distance, body.inertia, stiffness), strict=False)
+            values |= {f"trailer.{number}.{key}": value for key, value in computed}
+        return values | {"vehicle.centre_of_mass": self.vehicle.front_distance}
 
     def impacts(self, inputs: Mapping[str, np.ndarray], **until: Any) -> impact.Impacts:
-        """Impacts of n vehicles by the corners alone; inputs as of `many`, until: options of `solve_impacts`."""
-        middle = self.scene.vehicle.centre_of_mass  # None: of each one's own length
+        """Return the impacts of n vehicles by the corners alone.
+
+        inputs: as of `many`; until: options of `solve_impacts`.
+        """
+        middle = self.scene.vehicle.centre_of_mass  # None: at half the length of each
         values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
         if "contact.unloading_stiffness" in inputs and "contact.restitution" not in inputs:
             values.pop("contact.restitution", None)
-        given = _at_table(values, ("impact", "vehicle", "contact"))
+        arguments = _at_table(values, ("impact", "vehicle", "contact"))
         if (inertia := self.scene.vehicle.yaw_inertia) is not None and "vehicle.yaw_inertia" not in inputs:
-            given["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
+            arguments["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
         trailers = []
-        for number, each in enumerate(self.trailers):
-            own = _at_table(values, (f"trailer.{number}",))
-            own["yaw_inertia"] = own["yaw_inertia"] * np.asarray(own["mass"]) / each.vehicle.mass
-            trailers.append(own)
+        for number, trailer in enumerate(self.trailers):
+            unit = _at_table(values, (f"trailer.{number}",))
+            unit["yaw_inertia"] = unit["yaw_inertia"] * np.asarray(unit["mass"]) / trailer.vehicle.mass
+            trailers.append(unit)
         axles = [
             {**_at_table(values, (f"axle.{number}",)), "unit": axle.unit - 1}
             for number, axle in enumerate(self.scene.axle)
         ]
         with refusals(self.scene):
-            return impact.solve_impacts(**given, trailers=trailers, axles=axles, longest=LONGEST, **until)
+            return impact.solve_impacts(**arguments, trailers=trailers, axles=axles, longest=LONGEST, **until)
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Both strikes of each of n impacts, by the corners alone.
+        """Return both strikes of n impacts, by the corners alone.
 
         Parameters
         ----------
         inputs : dict of ndarray, shape (n,)
             By key of `arguments`, or of the crush of contact, of a trailer, or of "rear" of either [SI]; the others are
-            the scene's. Its yaw inertia goes with the mass.
+            those of the scene. The yaw inertia is in proportion to the mass.
 
         Returns
         -------
@@ -255,10 +272,12 @@ class RigidImpact(Case):
         InputError
             Where the theory refuses one of them.
         """
-        found = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
-        columns = found.corner, found.start, found.end, found.peak_force, found.impulse
+        impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
+        columns = impacts.corner, impacts.start, impacts.end, impacts.peak_force, impacts.impulse
         rows = []
-        for mean, *own in zip(found.mean_force.T, *(each.T for each in columns), strict=True):
+        for mean, *strike_columns in zip(
+            impacts.mean_force.T, *(column.T for column in columns), strict=True
+        ):
             strikes = [
                 impact.Strike(
                     impact.corner_name(*divmod(int(corner), 4)),
@@ -267,7 +286,7 @@ class RigidImpact(Case):
                     float(peak),
                     float(push),
                 )
-                for corner, start, end, peak, push in zip(*own, strict=True)
+                for corner, start, end, peak, push in zip(*strike_columns, strict=True)
                 if corner >= 0
             ]
             both = answers.first_strikes(strikes, len(self.scene.units))
@@ -278,37 +297,37 @@ class RigidImpact(Case):
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def details(self) -> list[str]:
-        """Contact of vehicle and wall."""
+        """List the properties of the contact."""
         contact, wall = self.scene.needed_contact, self.scene.wall
         law = "penalty contact" if contact.enforcement == "penalty" else "exact contact"
         if contact.strike_duration is not None:
             law = f"crush stiffness of a rear strike of {self.quantity('contact.strike_duration')}"
         elif contact.crushes:
             law = f"crush stiffness {self.quantity('contact.stiffness')} a corner"
-        given = [law]
+        parts = [law]
         if contact.initial_force:
-            given.append(f"initial crush force {self.quantity('contact.initial_force')}")
+            parts.append(f"initial crush force {self.quantity('contact.initial_force')}")
         if contact.side_stiffness:
-            given.append(f"side layer {self.quantity('contact.side_stiffness')}")
+            parts.append(f"side layer {self.quantity('contact.side_stiffness')}")
         if contact.plateau_force is not None:
-            given.append(f"plateau {self.quantity('contact.plateau_force')}")
+            parts.append(f"plateau {self.quantity('contact.plateau_force')}")
         if contact.restitution is not None:
-            given.append(f"restitution {contact.restitution:g}")
+            parts.append(f"restitution {contact.restitution:g}")
         if contact.unloading_stiffness is not None:
-            given.append(f"unloading stiffness {self.quantity('contact.unloading_stiffness')}")
+            parts.append(f"unloading stiffness {self.quantity('contact.unloading_stiffness')}")
         if contact.rear is not None:
-            given.append("different crush at the rear corners")
+            parts.append("different crush at the rear corners")
         if self.axles:
-            given.append(f"tyres of {len(self.axles)} axles")
-        return [*given, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
+            parts.append(f"tyres of {len(self.axles)} axles")
+        return [*parts, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
 
     @cached_property
     def tipping(self) -> Any:
-        """Roll of the rigid vehicle, a `TippingAnswer`; None without [tipping]."""
+        """Roll of the rigid vehicle, None without [tipping]."""
         return tipping_of(self, self.answer)
 
     def force_sentence(self, answer: answers.ImpactAnswer, tipping: Any = None, reliable: bool = True) -> str:
-        """Sentence on the largest 50 ms mean of the lateral force and its strike, and with [tipping] on the roll."""
+        """Return a sentence on the largest 50 ms mean and the roll."""
         if not answer.strikes:
             return "The vehicle does not strike the wall."
         means = [answers.mean_peak(answer, strike) for strike in answer.strikes]
@@ -321,7 +340,7 @@ class RigidImpact(Case):
         return f"{name}: {least}{force(peak)} in {where}{self.design_ratio(peak)}.{roll}"
 
     def headline(self) -> Headline:
-        """Largest 50 ms mean of the rigid vehicle."""
+        """Return the largest 50 ms mean of the rigid vehicle."""
         return Headline(
             f"Impact force: {self.subject}",
             self.force_sentence(self.answer, self.tipping),
@@ -330,7 +349,10 @@ class RigidImpact(Case):
         )
 
     def drawing(self) -> Chart:
-        """Vehicle at first touch and at its second strike, a train at that of its last rear; without one at the end."""
+        """Draw the vehicle at first touch and at its second strike.
+
+        For a train it is the strike of its last rear; without one, the end.
+        """
         from postprocess.figures import set_up
 
         motion = self.motion
@@ -349,21 +371,24 @@ class RigidImpact(Case):
         return set_up.draw_set_up(units, words, caption)
 
     def rigid_history(self) -> dict[str, np.ndarray]:
-        """Columns of the rigid vehicle's impact by name, SI."""
+        """Return the columns of the impact by name, SI."""
         return dict(self.answer.history)
 
     def rigid_numbers(self) -> dict[str, Any]:
-        """Strikes, peaks and end, SI."""
-        beside, found = paper_method(self.scene, self.answer), self.answer.numbers()
+        """Return strikes, peaks and state at the end, SI."""
+        beside, numbers = paper_method(self.scene, self.answer), self.answer.numbers()
         if self.tipping:
-            found["tipping"] = self.tipping.numbers()
+            numbers["tipping"] = self.tipping.numbers()
         if self.trailers:
-            found["error"] = self.motion.error
-        found["remarks"] = answers.remarks(self.answer)
-        return {"scene": self.scene.name, **found, "paper_method": beside}
+            numbers["error"] = self.motion.error
+        numbers["remarks"] = answers.remarks(self.answer)
+        return {"scene": self.scene.name, **numbers, "paper_method": beside}
 
     def rigid_text(self, units: str = "si") -> list[str]:
-        """The answer as a person reads it, in SI or, with units "us", in ft, mph and kip."""
+        """Return the lines for a terminal.
+
+        units: "si", or "us" for ft, mph and kip.
+        """
         answer = self.answer
         lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
         lines += ["Strikes"] if answer.strikes else ["no strike"]
@@ -396,7 +421,7 @@ class RigidImpact(Case):
 
 
 def tipping_of(case: RigidImpact, answer: answers.ImpactAnswer) -> Any:
-    """Roll of the vehicle by the forces of one of the two models, a `TippingAnswer`; None without [tipping]."""
+    """Return the roll by the forces of one model, None without [tipping]."""
     if case.scene.tipping is None:
         return None
     from tailslap.case.impact import tipping
@@ -406,27 +431,34 @@ def tipping_of(case: RigidImpact, answer: answers.ImpactAnswer) -> Any:
 
 
 def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:
-    """The rigid body of a unit of the scene. Raises RigidBodyError."""
+    """Return the rigid body of a unit of the scene.
+
+    Raises RigidBodyError.
+    """
     sides = unit.length, unit.width
     return impact.ImpactVehicle(*sides, unit.mass, unit.centre_of_mass, unit.yaw_inertia)
 
 
 def _at_table(values: Mapping[str, Any], tables: tuple[str, ...]) -> dict[str, Any]:
-    """Return the values of keys in these tables by name, and under "rear" those in their table of that name."""
+    """Return the values of keys in these tables by name.
+
+    Under "rear" stand those of their tables of that name.
+    """
     split = {key: key.rpartition(".") for key in values}
-    found = {name: values[key] for key, (table, _, name) in split.items() if table in tables}
+    values_by_name = {name: values[key] for key, (table, _, name) in split.items() if table in tables}
     behind = {
         name: values[key]
         for key, (table, _, name) in split.items()
         if table.removesuffix(".rear") in tables and table not in tables
     }
-    return found | ({"rear": behind} if behind else {})
+    return values_by_name | ({"rear": behind} if behind else {})
 
 
 def wall_contact(scene: Scene, number: int = 0) -> impact.WallContact:
-    """Return the contact of a unit; one that does not crush has the plate's penalty at its corners, elastic.
+    """Return the contact of a unit.
 
-    Raises InputError for a law that is not possible.
+    A unit that does not crush has the elastic penalty of the plate at its corners. Raises InputError for a law that is
+    not possible.
     """
     contact = scene.needed_contact
     if contact.stiffness is None:
@@ -435,10 +467,10 @@ def wall_contact(scene: Scene, number: int = 0) -> impact.WallContact:
         return impact.WallContact(impact.CrushLaw(penalty, 0.0, 1.0), contact.friction)
     keys = {*train.LAW, "rear"}
     units = [table.model_dump(include=keys) for table in (contact, *scene.trailer)]
-    own = [f"trailer.{number - 1}"] if number else []
-    behind = [*(f"{table}.rear" for table in own), *own, "contact.rear", "contact"]
+    trailer = [f"trailer.{number - 1}"] if number else []
+    behind = [*(f"{table}.rear" for table in trailer), *trailer, "contact.rear", "contact"]
     ahead, rear = train.unit_laws(units)[number]
-    front, back = _crush_law(scene, ahead, [*own, "contact"]), _crush_law(scene, rear, behind)
+    front, back = _crush_law(scene, ahead, [*trailer, "contact"]), _crush_law(scene, rear, behind)
     side = None
     if contact.side_stiffness:
         slope = (contact.unloading_stiffness or 0.0) * contact.side_stiffness / contact.stiffness
@@ -448,7 +480,10 @@ def wall_contact(scene: Scene, number: int = 0) -> impact.WallContact:
 
 
 def _crush_law(scene: Scene, law: Mapping[str, Any], tables: list[str]) -> impact.CrushLaw:
-    """Return a crush law, whose values are of the first of these tables that gives them. Raises InputError."""
+    """Return a crush law.
+
+    Each value is from the first of these tables that contains it. Raises InputError.
+    """
     try:
         return impact.CrushLaw(**law)
     except solver.RigidBodyError as error:
@@ -457,17 +492,12 @@ def _crush_law(scene: Scene, law: Mapping[str, Any], tables: list[str]) -> impac
         raise InputError(key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
 
 
-OF_LAW = tuple(f"contact.{key}" for key in train.LAW)
-KEYS = {
-    key.split(".")[1]: key
-    for key in (*ARGUMENTS, *OF_LAW, "vehicle.yaw_inertia", "time.end", "tipping.suspension")
-}
-"""Keys of the scene behind the inputs of the theory."""
-
-
 @contextmanager
 def refusals(scene: Scene, unit: str = "vehicle") -> Iterator[None]:
-    """Turn what the theory refuses into a message that names the scene's key; unit: the table of the body."""
+    """Turn errors of the theory into messages with the scene's key.
+
+    unit: the table of the body.
+    """
     try:
         yield
     except solver.RigidBodyError as error:
@@ -476,7 +506,7 @@ def refusals(scene: Scene, unit: str = "vehicle") -> Iterator[None]:
 
 
 def _paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
-    """The paper's method beside it."""
+    """Return lines on the paper's method."""
     if beside is None:
         return []
     impulse = shown(beside["impulse"], "N s", units, digits=4)
@@ -494,7 +524,9 @@ def _paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
 
 
 def paper_method(scene: Scene, answer: answers.ImpactAnswer) -> dict[str, Any] | None:
-    """The paper's method for the same vehicle and impact, of the uniform rectangle.
+    """Return the results of the paper's method for the same impact.
+
+    It is that of the uniform rectangle.
 
     Parameters
     ----------
@@ -509,10 +541,10 @@ def paper_method(scene: Scene, answer: answers.ImpactAnswer) -> dict[str, Any] |
         omega after Stage 1 [rad/s]; t and impulse of the tail-slap [s], [N s], the whole mass stopped; duration that
         the paper reads off crash tests [s], and peak_force with it [N]; computed_duration, computed_peak_force: with
         the duration of the second strike as the paper would read it off the computed 50 ms mean, or None. None where
-        [impact] does not give friction and restitution, where the method has no answer, and of trains.
+        [impact] has no friction or restitution, where the method has no answer, and of trains.
     """
-    given = scene.impact
-    if given is None or given.friction is None or given.restitution is None or scene.trailer:
+    table = scene.impact
+    if table is None or table.friction is None or table.restitution is None or scene.trailer:
         return None
     try:
         case = CornerCase(*vary(Source.of(scene), dict.fromkeys(OF_A_WHOLE_IMPACT)))

@@ -1,4 +1,7 @@
-"""A run of a whole impact: the FE plate, the rigid vehicle at the same instants, and the same on other meshes."""
+"""Run of a whole impact, compared with the rigid vehicle.
+
+The numerical error is that by runs on other meshes.
+"""
 
 from __future__ import annotations
 
@@ -25,17 +28,17 @@ if TYPE_CHECKING:
     from fem.run.impact import ImpactRun
 
 BEYOND = 1.5
-"""Multiples of the rigid vehicle's time after which a plate without a second strike is given up."""
+"""Multiples of the rigid vehicle's time after which a plate without a second strike is not continued."""
 
 
 @dataclass(frozen=True)
 class ImpactOutcome(Outcome):
-    """A finished run of a whole impact.
+    """Finished run of a whole impact.
 
     Attributes
     ----------
     rigid, fe : ImpactAnswer
-        What both models answer, at the same instants.
+        Results of both models at the same instants.
     mesh_error : dict of float
         Numerical error of each quantity of the first two strikes of weight, relative, by `strike_1.impulse` and so on;
         empty where none is stated.
@@ -52,36 +55,43 @@ class ImpactOutcome(Outcome):
 
     @property
     def stated_errors(self) -> dict[str, float]:
-        """Largest error of each quantity by its name in `error.STATED`; NaN where none is stated."""
-        found = {name: error.largest(self.mesh_error, name) for name in error.QUANTITIES}
-        return found | ({"hinge": max(self.hinge_error, default=math.nan)} if self.fe.units > 1 else {})
+        """Largest error of each quantity of `error.STATED`.
+
+        NaN where none is stated.
+        """
+        errors = {name: error.largest(self.mesh_error, name) for name in error.QUANTITIES}
+        return errors | ({"hinge": max(self.hinge_error, default=math.nan)} if self.fe.units > 1 else {})
 
     @property
     def stated_error(self) -> float:
-        """Largest relative error of all quantities; NaN where none is stated."""
+        """Largest relative error, NaN where none is stated."""
         return max(self.stated_errors.values())
 
     @property
     def lateral_force(self) -> float:
-        """Largest mean over 50 ms of the plate's force on the wall [N]."""
+        """Largest 50 ms mean of the plate's force [N]."""
         return float(self.fe.peaks["mean_50ms"])
 
     @cached_property
     def tipping(self) -> dict[str, Any]:
-        """Roll over the wall by the forces of both models, by their names; empty without [tipping]."""
-        found = {
-            name: tipping_of(self.fe_plan.case, own) for name, own in (("FE", self.fe), ("rigid", self.rigid))
+        """Roll over the wall by model, empty without [tipping]."""
+        rolls = {
+            name: tipping_of(self.fe_plan.case, answer)
+            for name, answer in (("FE", self.fe), ("rigid", self.rigid))
         }
-        return {name: each for name, each in found.items() if each}
+        return {name: roll for name, roll in rolls.items() if roll}
 
     @cached_property
     def paper_method(self) -> dict[str, Any] | None:
-        """The paper's method beside the rigid vehicle's impact."""
+        """Results of the paper's method."""
         return paper_method(self.fe_plan.case.scene, self.rigid)
 
 
 def attempt(case: RigidImpact) -> ImpactOutcome:
-    """A single run beside the rigid vehicle, without a second run and checks. Raises InputError."""
+    """Run the plate once, and compare it with the rigid vehicle.
+
+    There are no further runs and no checks. Raises InputError.
+    """
     began = time.perf_counter()
     with announced("Building the model ..."):
         from fem.run import impact
@@ -93,7 +103,7 @@ def attempt(case: RigidImpact) -> ImpactOutcome:
 
 
 def compared(fe_plan: plan.ImpactPlan, run: ImpactRun) -> ImpactOutcome:
-    """A run beside the rigid vehicle at the same instants."""
+    """Compare a run with the rigid vehicle at the same instants."""
     fe = _answer(fe_plan, run)
     motion = rigid_motion(fe_plan.case, float(run.history["t"][-1]))
     rigid = answers.rigid_answer(motion, run.history["t"])
@@ -101,15 +111,16 @@ def compared(fe_plan: plan.ImpactPlan, run: ImpactRun) -> ImpactOutcome:
 
 
 def rigid_motion(case: RigidImpact, end: float) -> ImpactMotion:
-    """The rigid vehicle's impact, no less than to this end [s]."""
+    """Return the rigid impact to this end [s] at least."""
     return case.motion if end <= case.motion.t_end else case.motion_until(end)
 
 
 def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = None) -> ImpactRun:
-    """The run of the model, to the scene's end, or 0.1 s after the second strike, of a train after its last rear's, no
-    less than the rigid's, and until neither is in a strike.
+    """Integrate the model to the end of the impact.
 
-    snapshots: instants at which the motion of all nodes is kept; end: another end [s].
+    It is the scene's end, or `after_second` after the second strike, for a train after that of its last rear, not
+    before the rigid vehicle's end, and when neither is in a strike. snapshots: number of instants at which the motion
+    of all nodes is stored; end: another end [s].
     """
     from fem.run import impact
 
@@ -153,8 +164,8 @@ def _answer(fe_plan: plan.ImpactPlan, run: ImpactRun) -> answers.ImpactAnswer:
     history = run.history
     if run.units:
         forces = [
-            [each[:, run.unit == number].sum(axis=1) for number in range(len(run.units))]
-            for each in (run.normal, run.tangential)
+            [forces_of[:, run.unit == number].sum(axis=1) for number in range(len(run.units))]
+            for forces_of in (run.normal, run.tangential)
         ]
         history = history | run.units[0] | answers.train_columns(run.units, np.array(forces), run.hinges)
     points = run.points, run.normal, run.tangential, run.place
@@ -162,17 +173,22 @@ def _answer(fe_plan: plan.ImpactPlan, run: ImpactRun) -> answers.ImpactAnswer:
 
 
 def corners_of(fe_plan: plan.ImpactPlan, run: ImpactRun) -> np.ndarray:
-    """Number of the corner that each contact point belongs to, see `answers.sampled_answer`; shape (points,)."""
+    """Return the corner number of each contact point.
+
+    Shape (points,), as of `answers.sampled_answer`.
+    """
     corner = np.empty_like(run.unit)
     for number, vehicle in enumerate(fe_plan.case.motion.vehicles):
-        own = run.unit == number
-        corner[own] = 4 * number + answers.nearest_corner(run.points[:, own], vehicle.length)
+        members = run.unit == number
+        corner[members] = 4 * number + answers.nearest_corner(run.points[:, members], vehicle.length)
     return corner
 
 
 def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
-    """The outcome with its error by two other meshes, and by a third where that may still be within what was asked for;
-    without, where they make no model."""
+    """Return the outcome with its error by two other meshes.
+
+    A third mesh is used where the error may then be within the limit. Without possible meshes no error is added.
+    """
     limit = outcome.fe_plan.case.scene.verify.mesh
     for coarse, fine in error.companions(outcome.fe_plan.plate):
         try:
@@ -190,7 +206,7 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
 
 
 def _estimated(outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer]) -> ImpactOutcome:
-    """The outcome with its errors by the answers of other meshes."""
+    """Return the outcome with its errors by other meshes."""
     return replace(
         outcome,
         mesh_error=error.estimate(outcome.fe, sequence),
@@ -199,7 +215,10 @@ def _estimated(outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer]) -> 
 
 
 def _on(outcome: ImpactOutcome, plate: Plate) -> answers.ImpactAnswer:
-    """The impact on another mesh, or the run's own. Raises InputError for one that makes no model."""
+    """Return the impact on another mesh, or that of the run.
+
+    Raises InputError for an impossible mesh.
+    """
     from fem.run import impact
 
     fe_plan = outcome.fe_plan
@@ -215,7 +234,10 @@ def _on(outcome: ImpactOutcome, plate: Plate) -> answers.ImpactAnswer:
 
 
 def cut_alone(answer: answers.ImpactAnswer, own: answers.ImpactAnswer) -> bool:
-    """True where a judged strike is not over on another mesh, while all of the run's own are."""
-    return any(each.cut for each in error.weighed(answer.strikes)) and not any(
-        each.cut for each in error.weighed(own.strikes)
+    """Return True for an incomplete strike on another mesh alone.
+
+    All assessed strikes of the run itself are complete.
+    """
+    return any(strike.cut for strike in error.assessed_strikes(answer.strikes)) and not any(
+        strike.cut for strike in error.assessed_strikes(own.strikes)
     )

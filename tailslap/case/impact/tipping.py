@@ -1,4 +1,7 @@
-"""Tipping over the wall: roll of the vehicle of a whole impact, the lowest wall that holds it, margins, limits."""
+"""Tipping over the wall in a whole impact.
+
+Roll of the vehicle, lowest wall that retains it, margins, limits of the model.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -19,7 +22,7 @@ from tailslap.scene.schema import Scene, Tipping, Trailer, Vehicle
 TITLE, INCH = "Tipping over the wall", 0.0254
 
 GYRATION = 0.45
-"""Radius of gyration in roll, over the width, where the scene leaves the roll inertia out: assumed."""
+"""Assumed radius of gyration in roll over the width, where the scene has no roll inertia."""
 
 ROWS = (
     Column("force", "Force by"),
@@ -62,25 +65,25 @@ LIMIT_COLUMNS = columns({"0": "Omitted", "1": "Effect", "2": "Roll"})
 
 @dataclass(frozen=True)
 class TippingAnswer:
-    """Roll of a vehicle by the force of one of both models.
+    """Roll of a vehicle by the force of one model.
 
     Attributes
     ----------
-    given : Tipping
-        The scene's.
+    settings : Tipping
+        Table [tipping] of the scene.
     vehicle : RollingVehicle
-        What rolls.
+        Body that rolls.
     motion : RollMotion
         Its motion.
     lowest_wall, highest_centre : float
-        Lowest wall that holds the vehicle, and highest centre of mass that the wall holds [m].
+        Lowest wall that retains the vehicle, and highest centre of mass that the wall retains [m].
     lost_mass : float
-        What the roll would take off the contact's effective mass, over that mass [-].
+        Reduction of the contact's effective mass by the roll, over that mass [-].
     units : tuple of TippingAnswer
         Of a train, the roll of each unit by the force on it; this is the one that needs the highest wall.
     """
 
-    given: Tipping
+    settings: Tipping
     vehicle: tipping.RollingVehicle
     motion: tipping.RollMotion
     lowest_wall: float
@@ -89,14 +92,17 @@ class TippingAnswer:
     units: "tuple[TippingAnswer, ...]" = ()
 
     def numbers(self) -> dict[str, Any]:
-        """Part of `summary.json`, SI; wheels are those "near" the wall and "far" from it."""
+        """Return the part of `summary.json`, SI.
+
+        Wheels are "near" the wall or "far" from it.
+        """
         lifted = self.motion.lifted()
-        each = {"units": [unit.numbers() for unit in self.units]} if self.units else {}
-        return each | {
+        units = {"units": [unit.numbers() for unit in self.units]} if self.units else {}
+        return units | {
             "tips": self.motion.tips,
             "largest_roll": self.motion.largest_roll,
             "lowest_safe_wall": self.lowest_wall,
-            "wall_margin": self.given.wall_height - self.lowest_wall,
+            "wall_margin": self.settings.wall_height - self.lowest_wall,
             "highest_safe_centre": self.highest_centre,
             "centre_margin": self.highest_centre - float(self.vehicle.centre_height),
             "lifted": [{"wheels": side, "start": a, "duration": b - a} for side, a, b in lifted],
@@ -107,10 +113,10 @@ class TippingAnswer:
 
     @property
     def verdict(self) -> str:
-        """Say whether the wall holds the vehicle, and which one would."""
-        heights = self.given.wall_height, self.lowest_wall
+        """Sentence on whether the wall retains the vehicle."""
+        heights = self.settings.wall_height, self.lowest_wall
         wall, lowest = (f"{measure(height, 'm', '.3f')} ({height / INCH:.1f} in)" for height in heights)
-        if self.vehicle.centre_height <= self.given.wall_height:
+        if self.vehicle.centre_height <= self.settings.wall_height:
             return f"The vehicle cannot tip over this wall: its centre of mass is below the top of the wall, {wall}."
         roll = measure(self.motion.largest_roll, "rad", ".1f")
         said = f"The wall of {wall} retains the vehicle with a roll of {roll}"
@@ -121,10 +127,11 @@ class TippingAnswer:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Sentences on margins, wheels, the force and the error."""
-        found = self.numbers()
-        wall, centre = (measure(found[f"{name}_margin"], "m", "+.3f") for name in ("wall", "centre"))
+        numbers = self.numbers()
+        wall, centre = (measure(numbers[f"{name}_margin"], "m", "+.3f") for name in ("wall", "centre"))
         lifted = (
-            f"{x['wheels']} side's from {x['start']:.3f} s for {x['duration']:.3f} s" for x in found["lifted"]
+            f"{x['wheels']} side's from {x['start']:.3f} s for {x['duration']:.3f} s"
+            for x in numbers["lifted"]
         )
         return (
             f"Margin of the wall height {wall}, of the height of the centre of mass {centre}.",
@@ -134,79 +141,88 @@ class TippingAnswer:
         )
 
     def text(self, units: str) -> list[str]:
-        """Lines for a terminal, without the verdict."""
+        """Return the lines for a terminal, without the verdict."""
         return [TITLE, *(f"  {SYSTEMS[units].rendered(said)}" for said in self.sentences)]
 
 
 def solve(scene: Scene, bodies: Sequence[ImpactVehicle], answer: ImpactAnswer) -> TippingAnswer:
-    """Roll of a scene's vehicle, or of each unit of a train, by the forces of one of both models.
+    """Compute the roll of each unit by the forces of one model.
 
-    Units roll by themselves: what a fifth wheel carries depends on its play, which is not known. It would hold the unit
-    that rolls more, and turn the other. Raises RigidBodyError for springs that are too stiff.
+    Units roll independently: the moment in a fifth wheel depends on its play, which is unknown. It would restrain the
+    unit that rolls more, and rotate the other. Raises RigidBodyError for springs that are too stiff.
     """
     numbers = (
         [f"force_normal_{unit}" for unit in range(1, len(bodies) + 1)] if scene.trailer else ["force_normal"]
     )
     both = zip(scene.units, bodies, numbers, strict=True)
-    found = [
+    rolls = [
         _rolled(scene, unit, body, answer.history[name][1:], answer.interval) for unit, body, name in both
     ]
-    worst = max(found, key=lambda each: each.lowest_wall)
-    return replace(worst, units=tuple(found)) if scene.trailer else worst
+    worst = max(rolls, key=lambda roll: roll.lowest_wall)
+    return replace(worst, units=tuple(rolls)) if scene.trailer else worst
 
 
 def _rolled(
     scene: Scene, unit: Vehicle, body: ImpactVehicle, force: np.ndarray, interval: float
 ) -> TippingAnswer:
-    given = scene.tipping
-    assert given
-    vehicle = rolling_vehicle(scene, given, unit)
-    motion = tipping.solve_roll(vehicle, given.wall_height, force, interval, on_compile=progress.compiling)
+    settings = scene.tipping
+    assert settings
+    vehicle = rolling_vehicle(scene, settings, unit)
+    motion = tipping.solve_roll(vehicle, settings.wall_height, force, interval, on_compile=progress.compiling)
     lowest = float(tipping.lowest_walls(vehicle, force, interval))
-    highest = float(tipping.highest_centres(vehicle, given.wall_height, force, interval))
-    return TippingAnswer(given, vehicle, motion, lowest, highest, lost_mass(scene, body, vehicle))
+    highest = float(tipping.highest_centres(vehicle, settings.wall_height, force, interval))
+    return TippingAnswer(settings, vehicle, motion, lowest, highest, lost_mass(scene, body, vehicle))
 
 
-def rolling_vehicle(scene: Scene, given: Tipping, unit: Vehicle) -> tipping.RollingVehicle:
-    """A unit of the scene as it rolls; what a trailer leaves out is tipping's."""
-    own, impact = unit if isinstance(unit, Trailer) else given, scene.impact
+def rolling_vehicle(scene: Scene, settings: Tipping, unit: Vehicle) -> tipping.RollingVehicle:
+    """Return a unit of the scene as a rolling vehicle.
+
+    Values that a trailer does not have are those of [tipping].
+    """
+    values, impact = unit if isinstance(unit, Trailer) else settings, scene.impact
     assert impact
-    inertia = own.roll_inertia or unit.mass * (GYRATION * unit.width) ** 2
-    heights = own.centre_height or given.centre_height, inertia
-    wheels = own.track or given.track, own.suspension or given.suspension, given.damping_ratio
+    inertia = values.roll_inertia or unit.mass * (GYRATION * unit.width) ** 2
+    heights = values.centre_height or settings.centre_height, inertia
+    wheels = values.track or settings.track, values.suspension or settings.suspension, settings.damping_ratio
     along = impact.speed * math.cos(impact.angle)
-    return tipping.RollingVehicle(unit.mass, *heights, *wheels, unit.width, given.friction, along)
+    return tipping.RollingVehicle(unit.mass, *heights, *wheels, unit.width, settings.friction, along)
 
 
 def lost_mass(scene: Scene, body: ImpactVehicle, vehicle: tipping.RollingVehicle) -> float:
-    """Fraction that the roll would take off the effective mass of the front corner at first touch, which is the last
-    term's of 1/m_eff = 1/m + X (X - mu |Y|)/I_yaw + (z - h)^2/I."""
-    impact, given, friction = scene.impact, scene.tipping, scene.needed_contact.friction
+    """Return the relative reduction of the effective mass by the roll.
+
+    It is that of the front corner at first touch, by the last term of
+    1/m_eff = 1/m + X (X - mu |Y|)/I_yaw + (z - h)^2/I.
+    """
+    impact, settings, friction = scene.impact, scene.tipping, scene.needed_contact.friction
     assert impact
-    assert given
+    assert settings
     s, c, half = math.sin(impact.angle), math.cos(impact.angle), 0.5 * body.width
     x, y = body.front_distance * c - half * s, body.front_distance * s + half * c
     planar = 1.0 / body.mass + x * (x - friction * y) / body.inertia
-    roll = (vehicle.centre_height - given.wall_height) ** 2 / vehicle.roll_inertia
+    roll = (vehicle.centre_height - settings.wall_height) ** 2 / vehicle.roll_inertia
     return float(roll / (planar + roll))
 
 
 def section(answers: Mapping[str, TippingAnswer]) -> Section:
-    """The section of a page, of what each model answers, by its name; the first is drawn."""
+    """Return the section of a page.
+
+    answers: of each model by its name; the first is drawn.
+    """
     from postprocess.figures import tipping as figures
 
     rolls, rows = {}, []
-    for name, each in answers.items():
-        found, history = each.numbers(), dict(zip(tipping.ROW, each.motion.rows.T, strict=True))
-        t = each.motion.interval * np.arange(len(each.motion.rows), dtype=np.float64)
+    for name, answer in answers.items():
+        numbers, history = answer.numbers(), dict(zip(tipping.ROW, answer.motion.rows.T, strict=True))
+        t = answer.motion.interval * np.arange(len(answer.motion.rows), dtype=np.float64)
         rolls[name] = figures.Roll(t, history["roll"], history["load_near"], history["load_far"])
-        far = math.fsum(its["duration"] for its in found["lifted"] if its["wheels"] == "far")
-        rows.append({"force": name, "far_lifted": far, **found})
+        far = math.fsum(lift["duration"] for lift in numbers["lifted"] if lift["wheels"] == "far")
+        rows.append({"force": name, "far_lifted": far, **numbers})
     first = next(iter(answers.values()))
     height, roll = max(first.motion.rows[:, :2].tolist(), key=lambda row: row[1])
-    given, width = first.given, float(first.vehicle.width)
+    settings, width = first.settings, float(first.vehicle.width)
     shape = figures.Leaning(
-        width, float(first.vehicle.track), float(first.vehicle.centre_height), given.wall_height
+        width, float(first.vehicle.track), float(first.vehicle.centre_height), settings.wall_height
     )
     drawn = figures.draw_roll(rolls), figures.draw_leaning(shape, height, roll)
     step, error = f"{first.motion.step:.1e} s", f"{first.motion.error:.1e}"

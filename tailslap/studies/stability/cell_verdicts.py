@@ -22,7 +22,7 @@ from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.impact import run as whole_impact
 from tailslap.case.impact.answers import ImpactAnswer, differences
 from tailslap.case.impact.checks import failed_but_mesh
-from tailslap.case.impact.error import weighed
+from tailslap.case.impact.error import assessed_strikes
 from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.impact.run import ImpactOutcome
 from tailslap.case.resources import expected_effort
@@ -232,7 +232,7 @@ def _corners_agree(*answers: ImpactAnswer) -> bool:
 
 def _judged(difference: Mapping[str, float], answer: ImpactAnswer) -> float:
     """Return the largest difference with a stated error."""
-    stated = {f"strike_{1 + answer.strikes.index(strike)}" for strike in weighed(answer.strikes)}
+    stated = {f"strike_{1 + answer.strikes.index(strike)}" for strike in assessed_strikes(answer.strikes)}
     return _largest({name: value for name, value in difference.items() if name.partition(".")[0] in stated})
 
 
