@@ -1,4 +1,6 @@
-"""The whole impact of a rigid vehicle on a wall that only pushes: crush law, friction, all strikes.
+"""Whole impact of a rigid vehicle on a wall.
+
+The wall only pushes; the impact includes all strikes, with crush law and friction.
 
 The vehicle is a rectangle with its centre of mass on the long axis; the wall is the line Y = 0. Its corners, and a
 layer along its sides, follow a crush law (`CrushLaw`) and Coulomb's friction. One compiled scheme of second order
@@ -21,12 +23,11 @@ from solver.impact.train import (
     train_of,
 )
 from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
-from solver.impact.tyres import Axle
+from solver.impact.tyres import TyreAxle
 
 __all__ = [
     "CORNERS",
     "TOLERANCE",
-    "Axle",
     "CrushLaw",
     "HitchedVehicle",
     "ImpactMotion",
@@ -36,6 +37,7 @@ __all__ = [
     "Strike",
     "Train",
     "Trajectories",
+    "TyreAxle",
     "WallContact",
     "corner_name",
     "first_touch",

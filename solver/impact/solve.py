@@ -1,4 +1,7 @@
-"""Whole impacts of rigid vehicles on a wall that only pushes: one with its motion, or many with their strikes."""
+"""Whole impacts of rigid vehicles on a wall.
+
+The wall only pushes. One impact is solved with its motion, or many with their strikes.
+"""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,13 +23,13 @@ from solver.impact.strikes import Strike, corner_name, strikes_of_rows
 from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, Train, WallContact, train_of
 from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
 from solver.impact.tyres import SUMS as TYRE_SUMS
-from solver.impact.tyres import Axle, tyres_of
+from solver.impact.tyres import TyreAxle, tyres_of
 
 MANY = 4e-3
 """Error by which the step of many impacts at once is chosen."""
 
 MOST_STRIKES = 64
-"""Strikes of one impact for which there is room at first."""
+"""Initial capacity for strikes of one impact."""
 
 BODY = ("length", "width", "mass", "centre_of_mass", "yaw_inertia", "hitch", "kingpin")
 """Quantities of a unit besides its crush."""
@@ -36,53 +39,50 @@ AXLE = ("position", "friction", "cornering")
 
 RATES = {"x_g": "v_gx", "y_g": "v_gy"}
 FORCES = {f"impulse_{name}": f"force_{name}" for name in ("normal", "tangential")}
-"""Columns of rows that are integrals of another, and of which; `FORCES` of one unit, for those of each have none."""
+"""Rates of columns that are integrals. `FORCES` apply to a single unit; those of each unit are not recorded."""
 
 
 def column_names(units: int, steered: bool = False) -> tuple[str, ...]:
-    """Return the columns of the rows of so many units.
+    """Return the columns of rows of this number of units.
 
-    Those of a trailer end with the unit's number, from 2 on. Behind the sums are those of each unit's impulses with its
-    number, of a train alone, then with tyres those of each unit's tyres.
+    Those of a trailer end with the unit's number, from 2 on. After the sums follow, for a train alone, the impulses of
+    each unit with its number, then with tyres those of each unit's tyres.
     """
     states = [f"{name}_{unit}" if unit > 1 else name for unit in range(1, units + 1) for name in UNIT]
-    each = [f"impulse_{name}_{unit}" for unit in range(1, units + 1) for name in ("normal", "tangential")]
+    impulses = [f"impulse_{name}_{unit}" for unit in range(1, units + 1) for name in ("normal", "tangential")]
     ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
     tyres = [f"{name}{end}" for end in ends for name in TYRE_SUMS] if steered else []
-    return (*states, *SUMS, *(each if units > 1 else ()), *tyres)
-
-
-COLUMNS = column_names(1)
+    return (*states, *SUMS, *(impulses if units > 1 else ()), *tyres)
 
 
 @dataclass(frozen=True)
 class ImpactMotion:
-    """One whole impact; made by `solve_impact`.
+    """Whole impact, a result of `solve_impact`.
 
     Attributes
     ----------
     vehicle : ImpactVehicle
-        As given.
+        The vehicle.
     contact : WallContact
-        As given.
+        Laws of its contact.
     strikes : tuple of Strike
         In order of time.
     t_end : float
-        How far the motion was followed [s].
+        End of the motion [s].
     end : ImpactState
-        The state there.
+        State at the end.
     step : float
-        [s].
+        Time step [s].
     error : float
         Largest relative change of the first two peaks and impulses, and of the spin, against twice the step [-].
     interval : float
         Between rows [s].
     rows : ndarray, shape (rows, columns)
-        Every step, or as many as there is room for [SI]; columns as of `column_names`.
+        All steps, or as many as memory allows [SI]; columns as of `column_names`.
     trailers : tuple of HitchedVehicle
-        As given.
-    axles : tuple of Axle
-        As given.
+        Trailers behind the vehicle.
+    axles : tuple of TyreAxle
+        Axles with tyres.
     loads : tuple of float
         Of each axle at rest [N].
     """
@@ -97,16 +97,16 @@ class ImpactMotion:
     interval: float
     rows: Array
     trailers: tuple[HitchedVehicle, ...] = ()
-    axles: tuple[Axle, ...] = ()
+    axles: tuple[TyreAxle, ...] = ()
     loads: tuple[float, ...] = ()
 
     @property
     def vehicles(self) -> tuple[ImpactVehicle, ...]:
-        """The vehicle and its trailers."""
-        return self.vehicle, *(each.vehicle for each in self.trailers)
+        """Vehicle and trailers."""
+        return self.vehicle, *(trailer.vehicle for trailer in self.trailers)
 
     def at(self, times: ArrayLike) -> SimpleNamespace:
-        """The motion at given instants.
+        """Return the motion at these instants.
 
         Parameters
         ----------
@@ -121,7 +121,7 @@ class ImpactMotion:
             [rad/s]; `v_gx`, `v_gy` [m/s]; `force_normal`, `force_tangential`, of the wall on the vehicle along +Y and
             +X [N]; `impulse_normal`, `impulse_tangential`, their integrals [N s]; `impulse_angular`, the integral of
             their moment about X = Y = 0 [N m s]; `kinetic_energy` [J]; `crush_energy_stored`, `crush_energy_lost`,
-            taken up by the crush, that unloading would return and that it would not [J]; `crush_work`, of the normal
+            absorbed by the crush, which unloading would return and which it would not [J]; `crush_work`, of the normal
             forces on the crush, stored and lost together [J]; `friction_work`, on the vehicle, 0 or less [J]. Of a
             train the motion is that of the first vehicle, with "_2" at the end of the name that of the next and so on;
             `impulse_normal_1`, `impulse_tangential_1` are the wall's on the first alone; the others are of the train.
@@ -145,39 +145,41 @@ class ImpactMotion:
             secant = after[..., i] - before[..., i]
             one, two = one * self.interval - secant, two * self.interval - secant
             value[..., i] += u * (1.0 - u) * ((1.0 - u) * one - u * two)
-        found = SimpleNamespace(t=t, **dict(zip(names, np.moveaxis(value, -1, 0), strict=True)))
-        found.kinetic_energy = 0.0
+        values = SimpleNamespace(t=t, **dict(zip(names, np.moveaxis(value, -1, 0), strict=True)))
+        values.kinetic_energy = 0.0
         for unit, vehicle in enumerate(self.vehicles):
             u, v, w = np.moveaxis(value[..., 6 * unit + 3 : 6 * unit + 6], -1, 0)
-            found.kinetic_energy += 0.5 * (vehicle.mass * (u**2 + v**2) + vehicle.inertia * w**2)
-        return found
+            values.kinetic_energy += 0.5 * (vehicle.mass * (u**2 + v**2) + vehicle.inertia * w**2)
+        return values
 
     def hinge_forces(self, times: Array) -> Array:
-        """Mean forces of each hinge between instants, on the vehicle ahead of it, by what all behind it gain.
+        """Return the mean forces of hinges between instants.
+
+        They act on the vehicle ahead, and follow from the momentum of all units behind.
 
         Parameters
         ----------
         times : ndarray, shape (n,)
-            From 0 to `t_end`, rising [s].
+            From 0 to `t_end`, increasing [s].
 
         Returns
         -------
         ndarray
             Along X and Y [N], shape (hinges, 2, n - 1).
         """
-        at, gained = self.at(np.minimum(times, self.t_end)), []
-        for unit, each in enumerate(self.trailers, 2):
-            momenta = (each.vehicle.mass * getattr(at, f"v_g{axis}_{unit}") for axis in "xy")
+        at, changes = self.at(np.minimum(times, self.t_end)), []
+        for unit, trailer in enumerate(self.trailers, 2):
+            momenta = (trailer.vehicle.mass * getattr(at, f"v_g{axis}_{unit}") for axis in "xy")
             pushes = [getattr(at, f"impulse_{force}_{unit}") for force in ("tangential", "normal")]
             if self.axles:
                 steering = (getattr(at, f"tyre_impulse_{force}_{unit}") for force in ("tangential", "normal"))
                 pushes = [wall + road for wall, road in zip(pushes, steering, strict=True)]
-            gained.append([np.diff(wall - own) for own, wall in zip(momenta, pushes, strict=True)])
-        found = np.reshape(gained, (-1, 2, times.size - 1)) / np.diff(times)
-        return np.cumsum(found[::-1], axis=0)[::-1]
+            changes.append([np.diff(wall - momentum) for momentum, wall in zip(momenta, pushes, strict=True)])
+        increments = np.reshape(changes, (-1, 2, times.size - 1)) / np.diff(times)
+        return np.cumsum(increments[::-1], axis=0)[::-1]
 
     def corner_depths(self, times: ArrayLike) -> Array:
-        """Depths of the corners behind the wall at given instants.
+        """Return the depths of the corners behind the wall.
 
         Parameters
         ----------
@@ -187,7 +189,7 @@ class ImpactMotion:
         Returns
         -------
         ndarray
-            In the order of `CORNERS`, below 0 in front of the wall [m], shape (4, ...).
+            In the order of `CORNERS`, negative in front of the wall [m], shape (4, ...).
         """
         at, size = self.at(times), (self.vehicle.front_distance, self.vehicle.length, self.vehicle.width)
         places = vehicles.corner_places(*size).reshape(4, 2, *[1] * np.ndim(times))
@@ -195,10 +197,13 @@ class ImpactMotion:
 
 
 def _rates(units: int) -> list[tuple[str, str]]:
-    """Columns that are integrals of another, and of which; those of trailers too."""
+    """Return columns that are integrals, with their rates.
+
+    Those of trailers are included.
+    """
     ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
-    found = [(f"{name}{end}", f"{rate}{end}") for end in ends for name, rate in RATES.items()]
-    return found if units > 1 else [*found, *FORCES.items()]
+    integrals = [(f"{name}{end}", f"{rate}{end}") for end in ends for name, rate in RATES.items()]
+    return integrals if units > 1 else [*integrals, *FORCES.items()]
 
 
 def solve_impact(
@@ -212,9 +217,9 @@ def solve_impact(
     tolerance: float = TOLERANCE,
     on_compile: OnCompile = ignore_compiling,
     trailers: Sequence[HitchedVehicle] = (),
-    axles: Sequence[Axle] = (),
+    axles: Sequence[TyreAxle] = (),
 ) -> ImpactMotion:
-    """The whole impact of a rigid vehicle, or of a train, any number of strikes.
+    """Solve the whole impact of a rigid vehicle or train.
 
     Parameters
     ----------
@@ -225,28 +230,28 @@ def solve_impact(
     state : ImpactState
         At the start, outside the wall or touching it.
     end : float or None
-        How far to follow the motion [s]; None: `after_second` after the first two strikes, or of a train after the
-        strike of its last rear, and without one until nothing can touch any more, but for `after_second` at least; and
-        on until no strike is in progress.
+        End of the motion [s]. None: `after_second` after the first two strikes, for a train after that of its last
+        rear; without these when contact is no longer possible, `after_second` at the earliest; and not before the end
+        of a strike in progress.
     after_second : float
-        [s].
+        See `end` [s].
     longest : float
-        With end None: how far at most [s], be it in a strike.
+        Latest end without `end` [s], even within a strike.
     step : float or None
-        [s]; None: chosen by the tolerance.
+        Time step [s]; None: chosen by the tolerance.
     tolerance : float
         Of peaks, impulses and spin, by which the step is chosen [-].
     on_compile : callable
         Called when code is compiled, see `machine_code.compiled.compile_once`.
     trailers : sequence of HitchedVehicle
-        Behind the vehicle, in a line with it at the start.
-    axles : sequence of Axle
+        Trailers behind the vehicle, in line with it at the start.
+    axles : sequence of TyreAxle
         Axles whose tyres resist sliding across their unit.
 
     Returns
     -------
     ImpactMotion
-        Gives the motion at any instant.
+        Motion at any instant.
 
     Raises
     ------
@@ -257,40 +262,40 @@ def solve_impact(
         if value is not None:
             positive(rules.END, value)
     units, contacts = [vehicle, *(t.vehicle for t in trailers)], [contact, *(t.contact for t in trailers)]
-    train = train_of(units, contacts, [(each.hitch, each.kingpin) for each in trailers])
+    train = train_of(units, contacts, [(trailer.hitch, trailer.kingpin) for trailer in trailers])
     start = vehicles.lined_up(astuple(state), vehicles.distances(vehicle, trailers))
-    for index, (unit, own) in enumerate(zip(units, start, strict=True)):
+    for index, (unit, placed) in enumerate(zip(units, start, strict=True)):
         places = vehicles.corner_places(unit.front_distance, unit.length, unit.width)
-        for corner, value in enumerate(vehicles.corner_depths(places, own[1], own[2])):
+        for corner, value in enumerate(vehicles.corner_depths(places, placed[1], placed[2])):
             met, name = value <= 1e-9 * vehicle.length, corner_name(index, corner)
             Gate().demand(rules.INSIDE, met, value, name=name, depth=value)
     bodies = np.array([[unit.front_distance, unit.length] for unit in units]).T[..., None]
     tyres = tyres_of(train, [asdict(axle) for axle in axles], *bodies)
-    found = solve_trains(
+    trajectories = solve_trains(
         train, start[None], tyres=tyres, step=step, end=end, interval=0.0, after_second=after_second,
         longest=longest, tolerance=tolerance, strikes=MOST_STRIKES, on_compile=on_compile,
     )  # fmt: skip
-    reached, last = float(found.end[0]), ImpactState(*found.state[0, 0].tolist())
-    strikes = strikes_of_rows(found.strikes[0], [unit.front_distance for unit in units], reached)
+    reached, last = float(trajectories.end[0]), ImpactState(*trajectories.state[0, 0].tolist())
+    strikes = strikes_of_rows(trajectories.strikes[0], [unit.front_distance for unit in units], reached)
     if end is None:
         Gate().demand(rules.NEVER, bool(strikes), state.v_gy)
-    written = math.ceil(reached / found.interval[0] * (1.0 - 1e-12)) + 1  # no row behind the end is
-    rows = found.rows[0, : max(written, 2)]
+    written = math.ceil(reached / trajectories.interval[0] * (1.0 - 1e-12)) + 1  # no rows exist after the end
+    rows = trajectories.rows[0, : max(written, 2)]
     return ImpactMotion(
-        vehicle, contact, strikes, reached, last, float(found.step[0]), float(found.error[0]),
-        float(found.interval[0]), rows, tuple(trailers), tuple(axles),
+        vehicle, contact, strikes, reached, last, float(trajectories.step[0]), float(trajectories.error[0]),
+        float(trajectories.interval[0]), rows, tuple(trailers), tuple(axles),
         () if tyres is None else tuple(tyres.load[:, 0].tolist()),
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Impacts:
-    """The first strikes of many impacts.
+    """First strikes of many impacts.
 
     Attributes
     ----------
     corner : ndarray, shape (strikes, ...)
-        Of each strike, index into `CORNERS`, of a trailer 4 more for each unit; -1 where there is no such strike [-].
+        Index of each strike into `CORNERS`, plus 4 for each unit ahead; -1 where there is no such strike [-].
     start, end : ndarray, shape (strikes, ...)
         [s]; NaN where there is no such strike.
     peak_force : ndarray, shape (strikes, ...)
@@ -298,8 +303,8 @@ class Impacts:
     impulse : ndarray, shape (strikes, ...)
         Of the normal force [N s].
     mean_force : ndarray, shape (rows, ...)
-        Total normal force [N], each row the mean since the even instant before, the first from first touch on; none
-        behind the end, and no rows where no interval was asked for.
+        Total normal force [N], means since the previous instant, the first from first touch on; undefined after the
+        end, and without rows if there is no interval.
     error : ndarray, shape (...)
         Largest relative change of peaks, impulses, durations and spin against twice the step [-].
     end_speed : ndarray, shape (...)
@@ -317,7 +322,7 @@ class Impacts:
 
     @property
     def duration(self) -> Array:
-        """From start to end [s], shape (strikes, ...)."""
+        """Duration of each strike [s], shape (strikes, ...)."""
         return self.end - self.start
 
 
@@ -346,7 +351,9 @@ def solve_impacts(
     trailers: Sequence[Mapping[str, Any]] = (),
     axles: Sequence[Mapping[str, Number]] = (),
 ) -> Impacts:
-    """Whole impacts of rigid vehicles, or trains, whose corners alone touch; arguments broadcast.
+    """Solve whole impacts of many rigid vehicles or trains.
+
+    Only their corners touch. Arguments broadcast.
 
     Parameters
     ----------
@@ -369,28 +376,28 @@ def solve_impacts(
     unloading_stiffness : float or ndarray
         k_u [N/m]; 0: defined by the restitution.
     rear : dict
-        What is different at the rear corners, by the names in `train.LAW`; floats or ndarrays.
+        Values that differ at the rear corners, by the names in `train.LAW`; floats or ndarrays.
     centre_of_mass : float, ndarray or None
         Behind the front [m]; None: L/2.
     yaw_inertia : float, ndarray or None
         [kg m^2]; None: m (L^2 + B^2)/12.
     after_second : float
-        Each ends so long after its second strike, or when a strike then in progress is over [s].
+        Time from the second strike to the end of each [s]; a strike then in progress is completed.
     longest : float
-        And after this at the latest [s].
+        Latest end [s].
     interval : float or None
-        Between the rows of the force history [s]; None: there is none.
+        Time between the rows of the force history [s]; None: no history.
     step : float or None
-        Of all [s]; None: chosen for each by the tolerance.
+        Time step of all [s]; None: chosen for each by the tolerance.
     tolerance : float
         Of peaks, impulses, durations and spin, by which the step of each is chosen [-].
     strikes : int or None
-        For how many there is room, and of more than two for all; None: two, of trains all.
+        Number of strikes in the result, extended to all if it is above two; None: two, of trains all.
     trailers : sequence of dict
         Of each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `HitchedVehicle`, and
-        where it has its own `centre_of_mass`, `yaw_inertia`, keys of `train.LAW` and `rear`.
+        optionally `centre_of_mass`, `yaw_inertia`, keys of `train.LAW` and `rear`.
     axles : sequence of dict
-        Of each axle the fields of `Axle`, floats or ndarrays; the unit a number.
+        Fields of `TyreAxle` for each axle, floats or ndarrays; the unit is a number.
 
     Returns
     -------
@@ -400,7 +407,7 @@ def solve_impacts(
     Raises
     ------
     RigidBodyError
-        As `solve_impact`, for the first row that has no answer.
+        As `solve_impact`, for the first row without a solution.
     """
     first: dict[str, Any] = {"length": length, "width": width, "mass": mass, "centre_of_mass": centre_of_mass,
              "yaw_inertia": yaw_inertia, "rear": rear}  # fmt: skip
@@ -415,8 +422,8 @@ def solve_impacts(
         for table in (shared, *bodies, *(law for both in laws for law in both), *roads)
     ]
     shape = np.broadcast_shapes(*(np.shape(value) for table in tables for value in table.values()))
-    its, *flat = (
-        {key: np.broadcast_to(each, shape).ravel() for key, each in table.items()} for table in tables
+    common, *flat = (
+        {key: np.broadcast_to(quantity, shape).ravel() for key, quantity in table.items()} for table in tables
     )
     units, crush, tyres = flat[: len(laws)], flat[len(laws) : 3 * len(laws)], flat[3 * len(laws) :]
     for index, unit in enumerate(units):
@@ -426,30 +433,30 @@ def solve_impacts(
             vehicles.demand_law(*(crush[2 * index][key] for key in vehicles.LAW))
         with _naming(f"{table or 'contact.'}rear."):
             vehicles.demand_law(*(crush[2 * index + 1][key] for key in vehicles.LAW))
-    gate, theta = Gate(), its["angle"]
-    gate.positive(rules.SPEED, its["speed"])
+    gate, theta = Gate(), common["angle"]
+    gate.positive(rules.SPEED, common["speed"])
     gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
-    gate.not_negative(rules.FRICTION, its["friction"])
-    train, state = _trains(units, crush, its)
-    own = (np.array([unit[key] for unit in units]) for key in ("centre_of_mass", "length"))
+    gate.not_negative(rules.FRICTION, common["friction"])
+    train, state = _trains(units, crush, common)
+    sizes = (np.array([unit[key] for unit in units]) for key in ("centre_of_mass", "length"))
     numbered = [{**road, "unit": axle.get("unit", 0)} for road, axle in zip(tyres, axles, strict=True)]
-    found = solve_trains(
-        train, state, tyres=tyres_of(train, numbered, *own), step=step, interval=interval, impulse_alone=True,
+    trajectories = solve_trains(
+        train, state, tyres=tyres_of(train, numbered, *sizes), step=step, interval=interval, impulse_alone=True,
         after_second=after_second, longest=longest, tolerance=tolerance,
         strikes=strikes or (16 * len(units) if trailers else 2),
     )  # fmt: skip
-    room = found.strikes.shape[1]
-    columns = np.moveaxis(found.strikes, -1, 0)[:5]
+    room = trajectories.strikes.shape[1]
+    columns = np.moveaxis(trajectories.strikes, -1, 0)[:5]
     corner, start, end, peak, impulse = (value.T.reshape(room, *shape) for value in columns)
     corners = np.nan_to_num(corner, nan=-1.0).astype(np.int64)
-    force = _mean_forces(found, interval).reshape(-1, *shape)
-    speed = np.asarray(np.hypot(*found.state[:, 0, 3:5].T)).reshape(shape)
-    return Impacts(corners, start, end, peak, impulse, force, found.error.reshape(shape), speed)
+    force = _mean_forces(trajectories, interval).reshape(-1, *shape)
+    speed = np.asarray(np.hypot(*trajectories.state[:, 0, 3:5].T)).reshape(shape)
+    return Impacts(corners, start, end, peak, impulse, force, trajectories.error.reshape(shape), speed)
 
 
 @contextmanager
 def _naming(table: str) -> Iterator[None]:
-    """Name the table of a unit in what is refused."""
+    """Add the table of a unit to the key of an error."""
     try:
         yield
     except RigidBodyError as error:
@@ -457,51 +464,54 @@ def _naming(table: str) -> Iterator[None]:
 
 
 def _complete(unit: dict[str, Array]) -> None:
-    """Set the centre of mass and the inertia that a unit leaves out, and require values that a body can have.
+    """Set omitted centre of mass and inertia, and validate the body.
 
     Raises RigidBodyError.
     """
-    size, given = (unit["length"], unit["width"], unit["mass"]), "yaw_inertia" in unit
+    size, is_prescribed = (unit["length"], unit["width"], unit["mass"]), "yaw_inertia" in unit
     unit.setdefault("centre_of_mass", 0.5 * size[0])
     unit.setdefault("yaw_inertia", vehicles.uniform_inertia(*size))
-    vehicles.demand_body(*size, unit["centre_of_mass"], unit["yaw_inertia"], given)
+    vehicles.demand_body(*size, unit["centre_of_mass"], unit["yaw_inertia"], is_prescribed)
 
 
 def _trains(
-    units: Sequence[Mapping[str, Array]], laws: Sequence[Mapping[str, Array]], its: Mapping[str, Array]
+    units: Sequence[Mapping[str, Array]], laws: Sequence[Mapping[str, Array]], common: Mapping[str, Array]
 ) -> tuple[Train, Array]:
     """Return trains and their states at first touch.
 
-    units: quantities of each; laws: of the front and the rear corners of each; its: what they have in common.
+    units: quantities of each; laws: of the front and the rear corners of each; common: quantities of all.
     """
-    places = [vehicles.corner_places(each["centre_of_mass"], each["length"], each["width"]) for each in units]
-    n, count = its["speed"].size, len(units)
+    places = [vehicles.corner_places(unit["centre_of_mass"], unit["length"], unit["width"]) for unit in units]
+    n, count = common["speed"].size, len(units)
     hitch, kingpin, behind = np.empty((count - 1, n)), np.empty((count - 1, n)), np.zeros((count, n))
     for i, (ahead, unit) in enumerate(pairwise(units)):
         hitch[i] = ahead["centre_of_mass"] - unit["hitch"]
         kingpin[i] = unit["centre_of_mass"] - unit["kingpin"]
         behind[i + 1] = behind[i] - hitch[i] + kingpin[i]
     front = units[0]
-    state = vehicles.touching(front["centre_of_mass"], front["width"], its["angle"], its["speed"])
+    state = vehicles.touching(front["centre_of_mass"], front["width"], common["angle"], common["speed"])
     state = vehicles.cleared(state, places, behind[1:]) if count > 1 else state
     along, across = np.moveaxis(np.concatenate(places), 1, 0)
     mass, inertia = (np.array([unit[key] for unit in units]) for key in ("mass", "yaw_inertia"))
     pairs = [(*laws[i : i + 2], *laws[i : i + 2]) for i in range(0, len(laws), 2)]  # in the order of CORNERS
     crush = {key: np.array([law[key] for pair in pairs for law in pair]) for key in vehicles.LAW}
     numbers = np.repeat(np.arange(count), 4), np.tile(np.arange(4), count)
-    crush["friction"] = np.tile(its["friction"], (4 * count, 1))
+    crush["friction"] = np.tile(common["friction"], (4 * count, 1))
     load = np.zeros((count, 3, n))
     train = Train(mass, inertia, hitch, kingpin, *numbers, along, across, load=load, **crush)
     return train, np.ascontiguousarray(np.moveaxis(vehicles.lined_up(state, behind[1:]), -1, 0))
 
 
-def _mean_forces(found: Trajectories, interval: float | None) -> Array:
-    """Mean forces between rows, shape (rows, n): none behind the end of each."""
+def _mean_forces(trajectories: Trajectories, interval: float | None) -> Array:
+    """Return mean forces between rows up to the end of each.
+
+    Shape (rows, n).
+    """
     if interval is None:
-        return np.zeros((0, len(found.end)))
-    count = math.ceil(float(found.end.max()) / interval)
+        return np.zeros((0, len(trajectories.end)))
+    count = math.ceil(float(trajectories.end.max()) / interval)
     instants = interval * np.arange(count + 1)
-    impulse = found.rows[:, : count + 1, 0]
-    over = instants >= found.end[:, None] + (1.0 - 1e-9) * interval  # rows that were never written
+    impulse = trajectories.rows[:, : count + 1, 0]
+    over = instants >= trajectories.end[:, None] + (1.0 - 1e-9) * interval  # rows that were never written
     last = np.where(over, -math.inf, impulse)
     return np.diff(np.maximum.accumulate(last, axis=1), axis=1).T / interval

@@ -1,16 +1,17 @@
-"""The compiled step of rigid trains that strike a wall, and the motion of any number of them to their ends.
+"""Compiled motion of rigid trains that strike a wall.
 
-A train is rigid units in a row, joined by hinges, with points on them that the wall, Y = 0, may push. A step is the one
-of the finite-element loop: forces where the points are, velocities half a step ahead, then places a step ahead.
+A train consists of rigid units joined by hinges, with points that the wall, Y = 0, may push. The step is that of the
+finite-element loop: forces at the positions of the points, velocities half a step ahead, then positions a step ahead.
     depth       d of a point behind the wall, -y; the crush law takes its mean a step before and a step ahead
     normal      N by the crush law: F0 + k d, and the line of unloading below the deepest
     stopping    the force that would end the step with the point at rest along the wall
-    tangential  the stopping force, cut to mu N: a point sticks or slides, and nothing between
-The forces, and those in the hinges, are solved together by Gauss-Seidel over the points that touch. A force that comes
-on at once, as F0 does at first touch, counts for its part of the step; an upright line of unloading (e = 0) is solved
-for the end of the step. All of it is of second order.
+    tangential  the stopping force, at most mu N: a point either sticks or slides
+The forces, and those in the hinges, are solved together by Gauss-Seidel over the points in contact. A force that begins
+suddenly, as F0 does at first touch, counts for its part of the step; a vertical line of unloading (e = 0) is solved for
+the end of the step. The scheme is of second order.
 
-Steps of a train are taken in parts, for its unloading lasts a millisecond and its motion a second: `_parts_of_step`.
+Steps of a train are divided into parts, because its unloading lasts a millisecond and its motion a second:
+`_parts_of_step`.
 """
 
 from typing import NamedTuple
@@ -30,23 +31,24 @@ from solver.impact.tyres import end_tyre_step, has_tyres, record_tyres, start_ty
 
 SWEEPS = 200
 SETTLED = 1e-13
-"""Relative change of a force at which Gauss-Seidel ends; SWEEPS: its most sweeps."""
+"""Relative change of a force at which Gauss-Seidel ends; SWEEPS: largest number of sweeps."""
 
 NEAR = 0.25
-"""Step over the time that is left to the next jump of stiffness, at the tolerance."""
+"""Step over the remaining time to the next jump of stiffness, at the tolerance."""
 
 LOADING, UPRIGHT = 2.0, 0.25
-"""Phase of a step on loading, over that on a line of unloading; the same where the line is upright, and force jumps."""
+"""Phase of a step on loading over that on a line of unloading; the second where the line is vertical and force
+jumps."""
 
 SHORTEST = 1e-3
-"""A corner that is off the wall for less is still in its strike [s]."""
+"""Shortest separation that ends a strike [s]."""
 
 LEANING = 0.1
 """Force of the wall over the largest, up to which a vehicle with tyres merely leans on it."""
 
 LIGHT = 5e-3
-"""Impulse over that of the strike up to which touches of a corner that comes back do not prolong it: whether there are
-such touches at all is a matter of micrometres, and so of the step."""
+"""Impulse of later touches of a corner, over that of the strike, below which they do not prolong it. Whether such
+touches occur depends on micrometres, and therefore on the step."""
 
 STRIKE = (
     "corner",
@@ -71,25 +73,36 @@ SUMS = ("force_normal", "force_tangential", "crush_energy_stored", "crush_energy
 [N s] and that of their moment about the origin [N m s], works of friction and on the crush [J]. Of more units than one
 follow for each the wall's impulses on it, normal and tangential [N s]."""
 
+ALONG, ACROSS, STIFFNESS, INITIAL, PLATEAU, RESTITUTION, UNLOADING, FRICTION, X, Y = range(10)
+DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(10, 19)
+"""Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
+deepest mean so far [m]; forces [N]; part of the step in which the force acts; for trains the rate of the depth
+[m/s] and the depth at which the line of unloading ends [m]."""
+
+SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
+"""Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
+before [N]; the step of the last contact; impulses of the strike and of touches after its end so far, the latest
+included [N s]."""
+
 
 def columns(units):
-    """Return the number of columns of a row without those of tyres, which are last."""
+    """Return the number of a row's columns before those of tyres."""
     return 6 * units + len(SUMS) + (2 * units if units > 1 else 0)
 
 
 class Work(NamedTuple):
-    """Workspace of one sample; columns of its tables are named below.
+    """Workspace of one sample.
 
-    points: a row a point, and `whose`, its unit and its corner; motion, shape (3, 3 units): places and angles,
-    velocities half a step ago and half a step ahead; masses: inverse, of each velocity, load: accelerations by the
-    outside load; headings: cosine and sine of each unit's angle; joints: hitch and kingpin of each hinge; ties: its two
-    conditions, see `_tie`; reach: from each centre of mass to the farthest point; effect: velocities by a unit impulse
-    along and across on each point; groups: a row a corner; active: points that may touch in this step; sums: impulses
-    and works so far.
+    Columns of its tables are named above. points: a row for each point; point_owner: its unit and corner; motion, shape
+    (3, 3 units): places and angles, velocities half a step ago and half a step ahead; masses: inverse mass of each
+    velocity; load: accelerations by the external load; headings: cosine and sine of each unit's angle; joints: hitch
+    and kingpin of each hinge; ties: its two conditions, see `_tie`; reach: from each centre of mass to the farthest
+    point; effect: velocities by a unit impulse along and across on each point; groups: a row for each corner; active:
+    points that may touch in this step; sums: impulses and works so far.
     """
 
     points: np.ndarray
-    whose: np.ndarray
+    point_owner: np.ndarray
     motion: np.ndarray
     masses: np.ndarray
     load: np.ndarray
@@ -103,20 +116,8 @@ class Work(NamedTuple):
     sums: np.ndarray
 
 
-ALONG, ACROSS, STIFFNESS, INITIAL, PLATEAU, RESTITUTION, UNLOADING, FRICTION, X, Y = range(10)
-DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(10, 19)
-"""Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
-deepest mean so far [m]; forces [N]; part of the step for which the force is there; of trains the rate of the depth
-[m/s] and the depth at which the line of unloading ends [m]."""
-
-SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
-"""Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
-before [N]; the step in which it was pressed last; impulses of the strike and of touches after its end so
-far, the latest included [N s]."""
-
-
 def workspace(units: int, hinges: int, points: int) -> Work:
-    """Workspace for one sample of a train of this size."""
+    """Return a workspace for one sample of this size."""
     size = 3 * units
     return Work(
         np.zeros((points, 19)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
@@ -128,18 +129,21 @@ def workspace(units: int, hinges: int, points: int) -> Work:
 
 @compiled
 def over_from(start, end):
-    """Return the instant [s] from which a strike is over that began at `start` and last pressed at `end`.
+    """Return the instant [s] from which a strike is over.
 
-    The corner has then been off the wall for as long as the strike has lasted. The hops of a plate are one strike; else
-    a gap that a mesh opens or closes would decide how many there are.
+    start, end: its first and latest contact [s]. The corner has then been off the wall for as long as the strike has
+    lasted. The repeated contacts of a plate are one strike; otherwise their number would depend on the mesh.
     """
     return end + max(SHORTEST, end - start)
 
 
 @compiled
 def advance(train, tyres, states, clock, work, rows, strikes):
-    """Follow every sample to its end: its state there into `states`, shape (n, units, 6), rows, shape (n, rows,
-    columns) or of the normal impulse alone, and strikes, shape (n, strikes, columns), as many as there is room for."""
+    """Integrate every sample to its end.
+
+    Results are written to states, shape (n, units, 6), rows, shape (n, rows, columns) or of the normal impulse alone,
+    and strikes, shape (n, strikes, columns), as many as fit.
+    """
     for i in range(train.mass.shape[1]):
         _begin(train, i, states[i], work)
         clock.reached[i], clock.counted[i] = _follow(states[i], clock, tyres, i, work, rows[i], strikes[i])
@@ -147,7 +151,7 @@ def advance(train, tyres, states, clock, work, rows, strikes):
 
 @compiled
 def _begin(train, i, state, work):
-    """Set the workspace to the start of sample i: its state, its numbers, no contact."""
+    """Set the workspace to the start of sample i, without contact."""
     points, reach = work.points, work.reach
     points[:], work.sums[:], work.groups[:], reach[:] = 0.0, 0.0, -1.0, 0.0
     for u in range(state.shape[0]):
@@ -160,7 +164,7 @@ def _begin(train, i, state, work):
         work.joints[hinge, 0], work.joints[hinge, 1] = train.hitch[hinge, i], train.kingpin[hinge, i]
     for p in range(train.unit.size):
         u = train.unit[p]
-        work.whose[p, 0], work.whose[p, 1] = u, 4 * u + train.corner[p]
+        work.point_owner[p, 0], work.point_owner[p, 1] = u, 4 * u + train.corner[p]
         points[p, ALONG], points[p, ACROSS] = train.along[p, i], train.across[p, i]
         points[p, STIFFNESS], points[p, INITIAL] = train.stiffness[p, i], train.initial_force[p, i]
         points[p, PLATEAU], points[p, UNLOADING] = train.plateau_force[p, i], train.unloading_stiffness[p, i]
@@ -170,32 +174,48 @@ def _begin(train, i, state, work):
 
 @compiled
 def _follow(state, clock, tyres, i, work, rows, strikes):
-    """Follow sample i; returns its end [s], NaN if the steps did not do, and its number of strikes."""
+    """Integrate sample i, and return its end [s] and number of strikes.
+
+    The end is NaN if the steps did not suffice.
+    """
     points, motion, active, sums = work.points, work.motion, work.active, work.sums
     whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
     finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
-    part, taken, h = 0, parts, whole
+    part, parts_taken, h = 0, parts, whole
     loaded, largest = 0.0, 0.0
     motion[2] -= 0.5 * h * work.load
     start_tyres(tyres, i, work.masses, work.load, motion, h)
     for k in range(clock.most):
         t, last = part * (whole / parts), h
-        _place(points, work.whose, motion, work.headings, last, k == 0)
+        _place(points, work.point_owner, motion, work.headings, last, k == 0)
         if parts > 1:
-            taken = _parts_of_step(points, clock, i, part, taken, last)
-            h = taken * (whole / parts)
+            parts_taken = _parts_of_step(points, clock, i, part, parts_taken, last)
+            h = parts_taken * (whole / parts)
             _look_back(points, last, h)
         kick = 0.5 * (last + h)
         motion[2] += kick * work.load
         steer(tyres, i, work.masses, motion, last, kick)
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.headings, work.ties, h)
-        touching = _press(points, work.whose, motion, work.masses, work.ties, work.effect, active, kick, h)
+        touching = _press(
+            points, work.point_owner, motion, work.masses, work.ties, work.effect, active, kick, h
+        )
         pressed = active[:touching]
         if touching > 0 and t < finish + h:
-            left = min((finish - t) / kick, 1.0)
+            steps_left = min((finish - t) / kick, 1.0)
             number = _count(
-                points, work.whose, motion, pressed, work.groups, strikes, number, last, h, t, k, left
+                points,
+                work.point_owner,
+                motion,
+                pressed,
+                work.groups,
+                strikes,
+                number,
+                last,
+                h,
+                t,
+                k,
+                steps_left,
             )
         if np.isnan(reached) and not end < np.inf:
             force, is_young = _pressing(work.groups, k, t - clock.after)
@@ -224,7 +244,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
         if row * stride * parts == part and row < rows.shape[0]:
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
             if rows.shape[1] > 1:
-                _record(points, work.whose, motion, pressed, sums, early, kick, rows[row])
+                _record(points, work.point_owner, motion, pressed, sums, early, kick, rows[row])
                 record_tyres(tyres, i, motion, early * kick, rows[row])
             else:
                 rows[row, 0] = sums[0]
@@ -233,20 +253,21 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             row += 1
         if t >= finish and ((row - 1) * stride * parts == part or row == rows.shape[0]):
             break
-        _add(points, work.whose, motion, pressed, kick, sums)
+        _add(points, work.point_owner, motion, pressed, kick, sums)
         end_tyre_step(tyres, i, motion, kick)
         _move(points, motion, pressed, h)
-        part += taken
+        part += parts_taken
     return reached, number
 
 
 @compiled
-def _parts_of_step(points, clock, i, part, taken, last):
-    """Choose the next step, in parts of a whole one: a power of two, at most twice the last, that ends a larger one.
+def _parts_of_step(points, clock, i, part, parts_taken, last):
+    """Choose the next step in parts of a whole step.
 
-    On the law a step is a phase of its oscillation, whose stiffness on the line of unloading is larger by 1/e^2. Where
-    it jumps, at touch, at the deepest and at the foot of the line, steps shrink with the time that is left; not so on
-    an upright line, whose force is what stops a point within a step.
+    Their number is a power of two, at most twice the last, and divides the position in the whole step. On the law a
+    step is a phase of its oscillation, whose stiffness on the line of unloading is larger by 1/e^2. Near jumps of
+    stiffness, at touch, at the deepest point and at the foot of the line, steps decrease with the remaining time. On a
+    vertical line they do not, because its force stops a point within a step.
     """
     phase, near = clock.phase * clock.pace[i], NEAR * clock.pace[i]
     shortest = np.inf
@@ -259,8 +280,8 @@ def _parts_of_step(points, clock, i, part, taken, last):
         pressed = (UPRIGHT if upright else LOADING) * phase / clock.rate[i]
         if depth <= points[p, FOOT]:
             if rate > 0.0:
-                left = near * (points[p, FOOT] - depth) / rate
-                shortest = min(shortest, max(left, pressed) if upright else left)
+                time_left = near * (points[p, FOOT] - depth) / rate
+                shortest = min(shortest, max(time_left, pressed) if upright else time_left)
             continue
         shortest = min(shortest, pressed)
         if upright:
@@ -275,31 +296,36 @@ def _parts_of_step(points, clock, i, part, taken, last):
             end = deepest - depth if rate > 0.0 else depth - points[p, FOOT]
             swing = max(speed, np.sqrt(length * abs(slowing)))
             shortest = min(shortest, phase * length / swing, near * end / speed)
-    taken = min(2 * taken, clock.parts[i])
-    while part % taken > 0 or (taken > 1 and taken * clock.step[i] > shortest * clock.parts[i]):
-        taken //= 2
-    return taken
+    parts_taken = min(2 * parts_taken, clock.parts[i])
+    while part % parts_taken > 0 or (
+        parts_taken > 1 and parts_taken * clock.step[i] > shortest * clock.parts[i]
+    ):
+        parts_taken //= 2
+    return parts_taken
 
 
 @compiled
 def _look_back(points, last, h):
-    """Set the depth before, where the step changes, so that the mean of depths stands in the middle of the kick."""
+    """Set the earlier depth where the step changes.
+
+    The mean of the depths is then that of the middle of the kick.
+    """
     if h != last:
         for p in range(points.shape[0]):
             points[p, EARLIER] = points[p, DEPTH] - 0.5 * (last + h) * points[p, RATE]
 
 
 @compiled
-def _place(points, whose, motion, headings, h, start):
-    """Update arms of all points, and their depths now and a step ago; what was ahead is now before."""
+def _place(points, point_owner, motion, headings, h, start):
+    """Update arms and depths of all points at the new instant."""
     for j in range(motion.shape[1]):
         motion[1, j] = motion[2, j]
     j, c, s = -1, 1.0, 0.0
     for p in range(points.shape[0]):
-        if 3 * whose[p, 0] != j:
-            j = 3 * whose[p, 0]
+        if 3 * point_owner[p, 0] != j:
+            j = 3 * point_owner[p, 0]
             c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
-            headings[whose[p, 0], 0], headings[whose[p, 0], 1] = c, s
+            headings[point_owner[p, 0], 0], headings[point_owner[p, 0], 1] = c, s
         x = points[p, ALONG] * c + points[p, ACROSS] * s
         y = points[p, ACROSS] * c - points[p, ALONG] * s
         depth = -(motion[0, j + 1] + y)
@@ -310,11 +336,11 @@ def _place(points, whose, motion, headings, h, start):
 
 @compiled
 def _tie(motion, masses, joints, headings, ties, h):
-    """Give the train velocities that keep its hinges closed at the end of the step.
+    """Correct velocities so that hinges are closed at the step's end.
 
     A row of `ties` is a hinge's condition along or across: velocities by a unit impulse in it, the condition itself,
-    and the rate at which the gap opens. Rows are made orthogonal by the masses, and of length one, so that none undoes
-    what another has closed.
+    and the rate at which the gap opens. Rows are orthonormal in the inverse masses, so that corrections are
+    independent.
     """
     size = masses.size
     ties[:] = 0.0
@@ -348,11 +374,14 @@ def _tie(motion, masses, joints, headings, ties, h):
 
 
 @compiled
-def _press(points, whose, motion, masses, ties, effect, active, kick, h):
-    """Forces of the wall, and velocities after them: returns the number of contact nodes in reach."""
+def _press(points, point_owner, motion, masses, ties, effect, active, kick, h):
+    """Solve for the wall's forces and the velocities.
+
+    Returns the number of points that may touch.
+    """
     v, touching = motion[2], 0
     for p in range(points.shape[0]):
-        j = 3 * whose[p, 0]
+        j = 3 * point_owner[p, 0]
         x, y, w = points[p, X], points[p, Y], motion[1, j + 2]
         ahead = points[p, DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
         if ahead <= points[p, FOOT] and points[p, DEPTH] <= points[p, FOOT]:
@@ -378,7 +407,7 @@ def _press(points, whose, motion, masses, ties, effect, active, kick, h):
         settled = True
         for a in range(touching):
             p = active[a]
-            j = 3 * whose[p, 0]
+            j = 3 * point_owner[p, 0]
             settled &= _solve_point(points[p], effect[p], v, j, motion[1, j + 2], kick, h)
         if settled:
             break
@@ -393,8 +422,10 @@ def _push(along, across, effect, v):
 
 @compiled
 def _solve_point(point, effect, v, j, w, kick, h):
-    """Forces of a point beside those of the others, j its unit's first velocity, w the turning; True if they stay as
-    they were."""
+    """Solve for the forces of one point.
+
+    Returns True without a change. j: its unit's first velocity; w: angular velocity.
+    """
     x, y = point[X], point[Y]
     inertia = 1.0 / (kick * h * (effect[1, j + 1] + x * effect[1, j + 2]))
     ahead = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
@@ -420,14 +451,17 @@ def _crush(point):
 
 @compiled
 def _length(point):
-    """Return the depth over which the line of unloading falls to zero [m]."""
+    """Return the length of the line of unloading [m]."""
     _, _, length, _ = crush_line(_crush(point), point[DEEPEST])
     return length
 
 
 @compiled
 def _normal_force(point, free, inertia):
-    """Normal force of a point that, without it, would end the step at the depth `free` [m]; with it, N/inertia less."""
+    """Return the normal force of a point.
+
+    The step ends at the depth `free` [m] without it, and N/inertia less with it.
+    """
     crush, deepest, part = _crush(point), point[DEEPEST], point[PART]
     compliance, mean = 0.5 / inertia, 0.5 * (point[EARLIER] + free)
     depth = loading_depth(crush, mean, compliance, part)
@@ -439,8 +473,10 @@ def _normal_force(point, free, inertia):
 
 @compiled
 def _part(point, ahead):
-    """The part of the step, from half a step ago to half a step ahead, that lies behind the touch of a point whose
-    force comes on at once."""
+    """Return the part of the step after the touch of a point.
+
+    The step is from half a step ago to half a step ahead. It applies to a force that begins suddenly.
+    """
     closing = ahead - point[DEPTH]
     if _length(point) > 0.0 or closing <= 0.0:
         return 1.0
@@ -448,14 +484,17 @@ def _part(point, ahead):
 
 
 @compiled
-def _count(points, whose, motion, active, groups, strikes, number, last, h, t, k, left):
-    """Add this step's forces to the strikes; returns how many there are. left: steps from now to the end, up to 1."""
+def _count(points, point_owner, motion, active, groups, strikes, number, last, h, t, k, steps_left):
+    """Add this step's forces to the strikes, and return their number.
+
+    steps_left: from now to the end, up to 1.
+    """
     kick = 0.5 * (last + h)
-    part = min(max(left + 0.5 * last / kick, 0.0), 1.0)
+    part = min(max(steps_left + 0.5 * last / kick, 0.0), 1.0)
     for p in active:
         if points[p, NORMAL] <= 0.0:
             continue
-        group = groups[whose[p, 1]]
+        group = groups[point_owner[p, 1]]
         first, until = _pressed_during(points[p], last, h, t)
         if group[STAMP] < k:
             comes = group[STAMP] < k - 1
@@ -479,10 +518,10 @@ def _count(points, whose, motion, active, groups, strikes, number, last, h, t, k
             group[LAST] = max(group[LAST], until)
         if group[SLOT] >= strikes.shape[0]:
             continue
-        strike, j = strikes[int(group[SLOT])], 3 * whose[p, 0]
+        strike, j = strikes[int(group[SLOT])], 3 * point_owner[p, 0]
         impulse, along = part * kick * points[p, NORMAL], part * kick * points[p, TANGENTIAL]
-        strike[0], strike[1], strike[2] = whose[p, 1], group[FIRST], group[LAST]
-        strike[3] = max(strike[3], group[FORCE] + min(left, 0.0) * (group[FORCE] - group[BEFORE]))
+        strike[0], strike[1], strike[2] = point_owner[p, 1], group[FIRST], group[LAST]
+        strike[3] = max(strike[3], group[FORCE] + min(steps_left, 0.0) * (group[FORCE] - group[BEFORE]))
         strike[4] += impulse
         strike[5] += along
         strike[6] += impulse * points[p, ALONG]
@@ -495,7 +534,10 @@ def _count(points, whose, motion, active, groups, strikes, number, last, h, t, k
 
 @compiled
 def _pressed_during(point, last, h, t):
-    """From when, if it has just touched, and until when a point is pressed on about this step, by its speed [s]."""
+    """Return start and end of a point's contact in this step [s].
+
+    They follow from its speed; the start applies to a new contact.
+    """
     peak, _, length, _ = crush_line(_crush(point), point[DEEPEST])
     rate = (point[AHEAD] - point[EARLIER]) / (0.5 * last + 1.5 * h)
     beyond = point[DEPTH] - max(point[DEEPEST] - length, 0.0)
@@ -511,7 +553,10 @@ def _pressed_during(point, last, h, t):
 
 @compiled
 def _mean_speeds(point, motion, j):
-    """Speeds of a point along and across the wall, means of both half steps: with these energy is conserved."""
+    """Return mean speeds of a point along and across the wall.
+
+    They are means of both half steps, with which energy is conserved.
+    """
     w = motion[1, j + 2] + motion[2, j + 2]
     along, across = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
     return 0.5 * (along - w * point[Y]), 0.5 * (across + w * point[X])
@@ -519,12 +564,12 @@ def _mean_speeds(point, motion, j):
 
 @compiled
 def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, after, steered):
-    """Return the end of the motion [s], as far as it can be said now; infinite while nothing can.
+    """Return the end of the motion [s], infinite while it is unknown.
 
     loaded: last instant at which the vehicle did more than lean on the wall, where its tyres may hold it for seconds.
-    steered: with tyres a vehicle that heads for the wall will come back to it.
+    steered: with tyres a vehicle that is directed towards the wall will return to it.
     """
-    last = groups[4 * reach.size - 3]  # of a train the rear of its last unit
+    last = groups[4 * reach.size - 3]  # the rear of a train's last unit
     if reach.size > 1 and number >= 2 and last[SLOT] >= 0.0:
         if last[STAMP] != k:
             return last[LAST] + after
@@ -588,7 +633,7 @@ def _leave(kick, h, ahead, motion, state):
 
 @compiled
 def _early(points, active, before):
-    """Part of the impulse of this step that falls before its instant."""
+    """Return the part of this step's impulse before its instant."""
     total, early = 0.0, 0.0
     for p in active:
         part, normal = points[p, PART], points[p, NORMAL]
@@ -600,7 +645,7 @@ def _early(points, active, before):
 
 
 @compiled
-def _record(points, whose, motion, active, sums, early, h, row):
+def _record(points, point_owner, motion, active, sums, early, h, row):
     """Fill the row of this instant."""
     base = 2 * motion.shape[1]
     for m in range(motion.shape[1]):
@@ -612,29 +657,29 @@ def _record(points, whose, motion, active, sums, early, h, row):
         row[base + 1] += points[p, TANGENTIAL]
     for j in range(sums.size):
         row[base + 4 + j] = sums[j]
-    _add(points, whose, motion, active, early * h, row[base + 4 : base + 4 + sums.size])
+    _add(points, point_owner, motion, active, early * h, row[base + 4 : base + 4 + sums.size])
     for p in range(points.shape[0]):
         deepest = _deepest(points[p])
         if deepest > 0.0:
-            _, taken, length, returned = crush_line(_crush(points[p]), deepest)
-            left = length - deepest + points[p, DEPTH]
-            row[base + 3] += (1.0 - returned) * taken
-            if left > 0.0 and length > 0.0:
-                row[base + 2] += returned * taken * min(left / length, 1.0) ** 2
+            _, absorbed, length, returned = crush_line(_crush(points[p]), deepest)
+            length_left = length - deepest + points[p, DEPTH]
+            row[base + 3] += (1.0 - returned) * absorbed
+            if length_left > 0.0 and length > 0.0:
+                row[base + 2] += returned * absorbed * min(length_left / length, 1.0) ** 2
 
 
 @compiled
 def _deepest(point):
-    """The deepest mean, that of this step included."""
+    """Return the deepest mean, including that of this step."""
     mean = 0.5 * (point[EARLIER] + point[AHEAD]) if point[NORMAL] > 0.0 else 0.0
     return max(point[DEEPEST], mean)
 
 
 @compiled
-def _add(points, whose, motion, active, h, sums):
-    """Add the impulses of the wall's forces over h, and their works."""
+def _add(points, point_owner, motion, active, h, sums):
+    """Add impulses and works of the wall's forces over h."""
     for p in active:
-        j = 3 * whose[p, 0]
+        j = 3 * point_owner[p, 0]
         normal, along = h * points[p, NORMAL], h * points[p, TANGENTIAL]
         slip, opening = _mean_speeds(points[p], motion, j)
         sums[0] += normal
@@ -643,13 +688,13 @@ def _add(points, whose, motion, active, h, sums):
         sums[3] += along * slip
         sums[4] -= normal * opening
         if sums.size > 5:
-            sums[5 + 2 * whose[p, 0]] += normal
-            sums[6 + 2 * whose[p, 0]] += along
+            sums[5 + 2 * point_owner[p, 0]] += normal
+            sums[6 + 2 * point_owner[p, 0]] += along
 
 
 @compiled
 def _move(points, motion, active, h):
-    """Move points and units to the end of the step."""
+    """Advance points and units to the end of the step."""
     for p in active:
         points[p, DEEPEST] = _deepest(points[p])
     for m in range(motion.shape[1]):

@@ -1,4 +1,4 @@
-"""Strikes of a whole impact: found in sampled forces, or as the compiled step has counted them."""
+"""Strikes of a whole impact, from sampled forces or rows."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -13,16 +13,17 @@ from solver.impact.train import CORNERS
 
 @dataclass(frozen=True)
 class Strike:
-    """One strike: a corner, or its half of each side, is pressed on, until it is off the wall for as long.
+    """Contact of a corner with the wall.
 
-    Touches until then are part of it, and prolong it where they bring `LIGHT` of its impulse or more.
+    The corner includes its half of each side. The strike ends when the corner is off the wall for as long as the strike
+    has lasted. Touches until then belong to it, and prolong it if they have `LIGHT` of its impulse or more.
 
     Attributes
     ----------
     corner : str
         One of `CORNERS`; of a trailer with its name in front, as of `corner_name`.
     start, end : float
-        [s]; `end` is that of the motion where the corner is pressed on there.
+        [s]; `end` is that of the motion where the contact lasts until then.
     peak_force : float
         Greatest normal force [N].
     impulse : float
@@ -55,7 +56,7 @@ class Strike:
 
     @property
     def duration(self) -> float:
-        """From start to end [s]."""
+        """Duration [s]."""
         return self.end - self.start
 
     @property
@@ -71,12 +72,14 @@ def strikes_of(
     station_by_corner: Mapping[str, Array] | None = None,
     position_by_corner: Mapping[str, Array] | None = None,
 ) -> tuple[Strike, ...]:
-    """Strikes from sampled forces, by the rule of the rigid impact.
+    """Return strikes from sampled forces.
+
+    The rule is that of the rigid impact.
 
     Every sample is the mean over an interval, the increment of the impulse over the time between two instants, so that
-    impulses are exact. The start lies within the first interval with a force where a straight rise would put it that
-    has the means of that interval and the next, and the end likewise; the peak is that of the parabola with the means
-    of the highest sample and its neighbours.
+    impulses are exact. The start lies within the first interval with a force, at the foot of the linear rise with the
+    means of that interval and the next, and the end likewise. The peak is that of the parabola with the means of the
+    highest sample and its neighbours.
 
     Parameters
     ----------
@@ -92,30 +95,33 @@ def strikes_of(
     Returns
     -------
     tuple of Strike
-        In order of time; what was not given is NaN.
+        In order of time; omitted quantities are NaN.
     """
     tangential, station = tangential_by_corner or {}, station_by_corner or {}
-    found = []
+    strikes = []
     for corner, force in force_by_corner.items():
         beside = [values.get(corner) for values in (tangential, station, position_by_corner or {})]
         touches = _touches(np.asarray(t), np.asarray(force))
-        found += [_sampled(corner, np.asarray(t), np.asarray(force), own, beside) for own in touches]
-    return tuple(sorted(found, key=lambda strike: strike.start))
+        strikes += [_sampled(corner, np.asarray(t), np.asarray(force), touch, beside) for touch in touches]
+    return tuple(sorted(strikes, key=lambda strike: strike.start))
 
 
 def _touches(t: Array, force: Array) -> list[tuple[int, int, int]]:
-    """Samples of each strike: the first, the end of those that prolong it, and the end of all."""
+    """Return the samples of each strike.
+
+    The first, the end of those that prolong it, and the end of all.
+    """
     edges = np.flatnonzero(np.diff(np.concatenate([[0], force > 0.0, [0]]))).reshape(-1, 2)
     impulse = np.concatenate([[0.0], np.cumsum(force * np.diff(t))])
-    found: list[tuple[int, int, int]] = []
+    strikes: list[tuple[int, int, int]] = []
     for first, last in edges.tolist():
-        if not found or t[first] >= over_from.py_func(t[found[-1][0]], t[found[-1][1]]):
-            found.append((first, last, last))
+        if not strikes or t[first] >= over_from.py_func(t[strikes[-1][0]], t[strikes[-1][1]]):
+            strikes.append((first, last, last))
             continue
-        start, until, _ = found[-1]
+        start, until, _ = strikes[-1]
         is_light = impulse[last] - impulse[until] < LIGHT * (impulse[last] - impulse[start])
-        found[-1] = start, until if is_light else last, last
-    return found
+        strikes[-1] = start, until if is_light else last, last
+    return strikes
 
 
 def _sampled(
@@ -137,7 +143,10 @@ def _sampled(
 
 
 def _pressed_fraction(force: Array) -> float:
-    """Fraction of the first interval that is under force: u^2/(2 u + 1) = F1/F2 for a straight rise."""
+    """Return the fraction of the first interval with a force.
+
+    u^2/(2 u + 1) = F1/F2 for a linear rise.
+    """
     if force.size < 2 or force[0] >= force[1] / 3.0:
         return 1.0
     ratio = float(force[0] / force[1])
@@ -145,7 +154,10 @@ def _pressed_fraction(force: Array) -> float:
 
 
 def _parabola_peak(t: Array, force: Array, run: tuple[int, int]) -> float:
-    """Peak of the parabola that has the three highest samples' means; the highest sample where there are not three."""
+    """Return the peak of a parabola through three means.
+
+    They are the highest sample and its neighbours; with fewer samples it is the highest.
+    """
     k = run[0] + int(np.argmax(force[slice(*run)]))
     if k <= run[0] or k >= run[1] - 1:
         return float(force[k])
@@ -159,7 +171,7 @@ def _parabola_peak(t: Array, force: Array, run: tuple[int, int]) -> float:
 
 
 def corner_name(unit: int, corner: int) -> str:
-    """Name of a corner of a train.
+    """Return the name of a corner of a train.
 
     Parameters
     ----------
@@ -178,15 +190,18 @@ def corner_name(unit: int, corner: int) -> str:
 
 
 def strikes_of_rows(rows: Array, fronts: Sequence[float], end: float) -> tuple[Strike, ...]:
-    """Rows of `step.STRIKE` as strikes of units whose centres of mass are so far behind their fronts [m]."""
-    found, known = [], (rows[:, 4] > 0.0) & (rows[:, 1] < end)
+    """Convert rows of `step.STRIKE` to strikes.
+
+    fronts: distance of each unit's centre of mass behind its front [m].
+    """
+    strikes, occurred = [], (rows[:, 4] > 0.0) & (rows[:, 1] < end)
     for group, start, last, peak, impulse, along, station, place, crush, friction, cut in rows[
-        known
+        occurred
     ].tolist():
         unit, corner = divmod(int(group), 4)
         attack, position, until = round(fronts[unit] - station / impulse, 12), place / impulse, min(last, end)
         name = corner_name(unit, corner)
-        found.append(
+        strikes.append(
             Strike(name, start, until, peak, impulse, along, attack, position, crush, friction, cut=bool(cut))
         )
-    return tuple(sorted(found, key=lambda strike: strike.start))
+    return tuple(sorted(strikes, key=lambda strike: strike.start))

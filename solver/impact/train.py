@@ -1,4 +1,4 @@
-"""The vehicle that strikes the wall: its size and state, the laws of its contact, and its points as a `Train`.
+"""Vehicles and trains that strike the wall, and their contact.
 
 Signs are those of `solver.MotionState`; SI units and radians.
 """
@@ -16,28 +16,28 @@ from solver.conditions import Array, Gate, Number, functions, one, positive, wit
 
 CORNERS = ("front", "rear", "front far side", "rear far side")
 HALVES = ((0, 1), (1, 0), (2, 3), (3, 2), (0, 2), (2, 0), (1, 3), (3, 1))
-"""Halves of the sides: the corner that each begins at, and the one that its side leads to."""
+"""Halves of the sides, by the corner of the half and the opposite corner."""
 
 LAW = ("stiffness", "initial_force", "plateau_force", "restitution", "unloading_stiffness")
 """Parameters of a crush law, as those of `CrushLaw`."""
 
 DEFAULTS = {"initial_force": 0.0, "plateau_force": math.inf, "restitution": 0.0, "unloading_stiffness": 0.0}
-"""Values of those that are left out."""
+"""Values of omitted parameters."""
 
 SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
 
 
 class Train(NamedTuple):
-    """Trains of one make, n samples: units (units, n), hinges (hinges, n), points (points, n).
+    """Trains with equal numbers of units and points, n samples.
 
     Attributes
     ----------
     mass, inertia : ndarray, shape (units, n)
         [kg], [kg m^2].
     hitch, kingpin : ndarray, shape (hinges, n)
-        Where hinge h joins unit h and unit h + 1: from the centre of mass of each along its heading [m].
+        Position of hinge h between units h and h + 1, from the centre of mass of each along its heading [m].
     unit, corner : ndarray, shape (points,)
-        Unit of each point, and the number of the corner whose strikes it belongs to.
+        Unit of each point, and the corner to whose strikes it belongs.
     along, across : ndarray, shape (points, n)
         From the unit's centre of mass, along its heading and to the left [m].
     stiffness, initial_force, plateau_force : ndarray, shape (points, n)
@@ -47,7 +47,7 @@ class Train(NamedTuple):
     friction : ndarray, shape (points, n)
         mu [-].
     load : ndarray, shape (units, 3, n)
-        Constant outside force along X and Y [N], and moment that closes the angle [N m].
+        Constant external force along X and Y [N], and moment that closes the angle [N m].
     """
 
     mass: np.ndarray
@@ -68,12 +68,15 @@ class Train(NamedTuple):
 
 
 def uniform_inertia(length: Number, width: Number, mass: Number) -> Any:
-    """Yaw inertia of the uniform rectangle, m (L^2 + B^2)/12 [kg m^2]."""
+    """Return the uniform rectangle's inertia, m (L^2 + B^2)/12 [kg m^2]."""
     return mass * (length**2 + width**2) / 12.0
 
 
 def greatest_inertia(length: Number, width: Number, mass: Number, centre: Number) -> Any:
-    """Greatest yaw inertia of any such body, with all mass at the corners, m (a (L - a) + B^2/4) [kg m^2]."""
+    """Return the greatest yaw inertia of such a body [kg m^2].
+
+    With all mass at the corners it is m (a (L - a) + B^2/4).
+    """
     return mass * (centre * (length - centre) + width**2 / 4.0)
 
 
@@ -86,7 +89,7 @@ def stiffness_of_duration(
     width: Number,
     centre: Number,
 ) -> Any:
-    """Compute the crush stiffness of a corner from the duration of a strike of the rear corner.
+    """Compute the crush stiffness from a rear strike's duration.
 
     dt = (pi/2) (1 + e) sqrt(m_eff/k), a point mass on the bilinear law, with the effective mass of the corner of a side
     that is parallel to the wall, without friction: 1/m_eff = 1/m + a^2/I, a the distance of the rear behind the centre
@@ -114,23 +117,26 @@ def stiffness_of_duration(
 
 
 def demand_body(
-    length: Number, width: Number, mass: Number, centre: Number, inertia: Number, given: bool
+    length: Number, width: Number, mass: Number, centre: Number, inertia: Number, is_prescribed: bool
 ) -> None:
-    """Require sizes and masses that a body, or each of many, can have; `given`: the inertia is not the uniform one."""
+    """Require possible sizes and masses of one or many bodies.
+
+    is_prescribed: the inertia is not the uniform one.
+    """
     gate = Gate()
     for rule, value in ((rules.LENGTH, length), (rules.WIDTH, width), (rules.MASS, mass)):
         gate.positive(rule, value)
     gate.demand(rules.CENTRE, (centre > 0.0) & (centre < length), centre, length=length)
     most = greatest_inertia(length, width, mass, centre)
     fits = (inertia >= rules.MIN_INERTIA * most) & (inertia <= most * (1.0 + 1e-12))
-    rule, shown = (rules.INERTIA, inertia) if given else (rules.UNIFORM, centre)
-    gate.demand(rule, fits, shown, inertia=inertia, most=most)
+    rule, value = (rules.INERTIA, inertia) if is_prescribed else (rules.UNIFORM, centre)
+    gate.demand(rule, fits, value, inertia=inertia, most=most)
 
 
 def demand_law(
     stiffness: Number, initial_force: Number, plateau: Number, restitution: Number, unloading: Number
 ) -> None:
-    """Require numbers that a crush law, or each of many, can have."""
+    """Require possible values of one or many crush laws."""
     gate, e = Gate(), restitution
     gate.positive(rules.STIFFNESS, stiffness)
     gate.not_negative(rules.INITIAL_FORCE, initial_force)
@@ -145,7 +151,7 @@ def demand_law(
 
 @dataclass(frozen=True)
 class ImpactVehicle:
-    """Rigid rectangle whose centre of mass lies on its long axis.
+    """Rigid rectangle with its centre of mass on the long axis.
 
     Parameters
     ----------
@@ -165,7 +171,7 @@ class ImpactVehicle:
     RigidBodyError
         Unless length, width and mass are positive and finite, the centre of mass is in the vehicle, and a body of that
         mass, size and centre can have that inertia: it is greatest, m (a (L - a) + B^2/4), with all mass at the
-        corners; of vehicles at least a thousandth of that is taken.
+        corners; vehicles must have a thousandth of that at least.
     """
 
     length: float
@@ -200,7 +206,9 @@ class ImpactVehicle:
 
 @dataclass(frozen=True)
 class ImpactState:
-    """Position and velocity of the vehicle; the wall is the line Y = 0, and the vehicle above it.
+    """Position and velocity of the vehicle.
+
+    The wall is the line Y = 0, and the vehicle above it.
 
     Parameters
     ----------
@@ -233,7 +241,7 @@ class ImpactState:
 
 @dataclass(frozen=True)
 class HitchedVehicle:
-    """A vehicle hinged to the one ahead, on the centre lines of both.
+    """Vehicle hinged to the one ahead on both centre lines.
 
     Parameters
     ----------
@@ -242,9 +250,9 @@ class HitchedVehicle:
     contact : WallContact
         Its laws of contact.
     hitch : float
-        Where the hinge is, behind the front of the vehicle ahead [m].
+        Distance of the hinge behind the front of the vehicle ahead [m].
     kingpin : float
-        Where the hinge is, behind the trailer's own front; negative for a drawbar [m].
+        Distance of the hinge behind the trailer's front; negative for a drawbar [m].
     """
 
     vehicle: ImpactVehicle
@@ -256,7 +264,9 @@ class HitchedVehicle:
 def first_touch(
     vehicle: ImpactVehicle, angle: float, speed: float, trailers: Sequence[HitchedVehicle] = ()
 ) -> ImpactState:
-    """The state at first touch: the front corner of the wall side at X = Y = 0, the velocity along the heading.
+    """Return the state at first touch.
+
+    The front corner of the wall side is at X = Y = 0, the velocity along the heading.
 
     Parameters
     ----------
@@ -267,7 +277,7 @@ def first_touch(
     speed : float
         [m/s].
     trailers : sequence of HitchedVehicle
-        Behind it in a line. One so wide that it touches first is on the wall, and the vehicle's corner off it.
+        Trailers in line behind it. A trailer that is wider touches first, with the vehicle's corner off the wall.
 
     Returns
     -------
@@ -283,52 +293,65 @@ def first_touch(
     v = positive(rules.SPEED, speed)
     state = touching(vehicle.front_distance, vehicle.width, theta, v)
     if trailers:
-        units = vehicle, *(each.vehicle for each in trailers)
+        units = vehicle, *(trailer.vehicle for trailer in trailers)
         places = [corner_places(unit.front_distance, unit.length, unit.width) for unit in units]
         state = cleared(state, places, distances(vehicle, trailers))
     return ImpactState(*state)
 
 
 def distances(vehicle: ImpactVehicle, trailers: Sequence[HitchedVehicle]) -> list[float]:
-    """Distances from the vehicle's centre of mass back to that of each trailer, all in a line [m]."""
-    found, ahead, place = list[float](), vehicle, 0.0
-    for each in trailers:
-        place += each.hitch - ahead.front_distance + each.vehicle.front_distance - each.kingpin
-        found.append(place)
-        ahead = each.vehicle
-    return found
+    """Return the distances of trailers behind the vehicle [m].
+
+    They are between centres of mass of units in line.
+    """
+    values, ahead, distance = list[float](), vehicle, 0.0
+    for trailer in trailers:
+        distance += trailer.hitch - ahead.front_distance + trailer.vehicle.front_distance - trailer.kingpin
+        values.append(distance)
+        ahead = trailer.vehicle
+    return values
 
 
 def lined_up(state: Sequence[Any], behind: Sequence[Number] | Array) -> Array:
-    """States of a vehicle and of those so far behind it [m] in a line that moves as one body, shape (units, 6, ...)."""
+    """Return the states of units in line with the motion of one body.
+
+    behind: distances of trailers behind the vehicle [m]. Shape (units, 6, ...).
+    """
     x, y, theta, u, v, w = state
     s, c = np.sin(theta), np.cos(theta)
-    others = [(x - d * c, y + d * s, theta, u - d * w * s, v - d * w * c, w) for d in behind]
-    return np.array([np.broadcast_arrays(*each) for each in ((x, y, theta, u, v, w), *others)])
+    trailers = [(x - d * c, y + d * s, theta, u - d * w * s, v - d * w * c, w) for d in behind]
+    return np.array([np.broadcast_arrays(*unit) for unit in ((x, y, theta, u, v, w), *trailers)])
 
 
 def cleared(
     state: Sequence[Any], places: Sequence[Array], behind: Sequence[Number] | Array
 ) -> tuple[Any, ...]:
-    """The state of the first vehicle, moved off the wall so far that no trailer is inside.
+    """Return the first vehicle's state with no trailer inside the wall.
 
-    places: corners of each unit, as of `corner_places`; behind: as of `lined_up`.
+    It is displaced from the wall as far as required. places: corners of each unit, as of `corner_places`; behind: as of
+    `lined_up`.
     """
     states = lined_up(state, behind)[1:]
     depths = [
-        corner_depths(corners, each[1], each[2]) for corners, each in zip(places[1:], states, strict=True)
+        corner_depths(corners, unit[1], unit[2]) for corners, unit in zip(places[1:], states, strict=True)
     ]
     x, y, *rest = state
     return x, y + np.maximum(np.max(depths, axis=(0, 1)), 0.0), *rest
 
 
 def corner_depths(places: Array, y_g: Any, theta: Any) -> Array:
-    """Depths of the corners of a vehicle behind the wall [m], shape (4, ...); places: as of `corner_places`."""
+    """Return the depths of a vehicle's corners behind the wall [m].
+
+    places: as of `corner_places`. Shape (4, ...).
+    """
     return np.asarray(-(y_g + places[:, 1] * np.cos(theta) - places[:, 0] * np.sin(theta)))
 
 
 def touching(centre: Number, width: Number, theta: Number, speed: Number) -> tuple[Any, ...]:
-    """The state at first touch, in the order of `step.UNIT`, of one vehicle or of many."""
+    """Return the state at first touch in the order of `step.UNIT`.
+
+    It is that of one vehicle or of many.
+    """
     f, b = functions(theta), width / 2.0
     s, c = f.sin(theta), f.cos(theta)
     return b * s - centre * c, centre * s + b * c, theta, speed * c, -speed * s, 0.0 * speed
@@ -339,8 +362,8 @@ class CrushLaw:
     """Force over crush, of a corner or per metre of side.
 
     Loading follows F0 + k d up to the plateau Fy. From the greatest crush D the force falls along a straight line,
-    which reloading follows up to D. The line returns e^2 of the energy taken up, W, and ends at the permanent crush
-    D - 2 e^2 W/F(D); with a given slope k_u it ends at D - F(D)/k_u, or at 0 if that is negative.
+    which reloading follows up to D. The line returns e^2 of the absorbed energy W, and ends at the permanent crush
+    D - 2 e^2 W/F(D); with a slope k_u it ends at D - F(D)/k_u, or at 0 if that is negative.
 
     Parameters
     ----------
@@ -349,7 +372,7 @@ class CrushLaw:
     initial_force : float
         F0 [N], or per metre of side [N/m].
     restitution : float
-        e [-]; 0 where the unloading stiffness is given.
+        e [-]; 0 beside an unloading stiffness.
     plateau_force : float
         Fy [N], or per metre of side [N/m]; infinite for none.
     unloading_stiffness : float
@@ -375,10 +398,10 @@ class CrushLaw:
 
 
 def unit_laws(units: Sequence[Mapping[str, Any]]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Return the crush of the front and of the rear corners of each unit, by the names in `LAW`.
+    """Return the crush of front and rear corners of each unit.
 
-    units: what each gives of its own, and in "rear" what is different there; None: not given. A trailer without a
-    value of its own has that of the first unit, at its rear that of the first unit's rear. Restitution and unloading
+    units: values of each by the names in `LAW`, and under "rear" those that differ there; None: omitted. Omitted values
+    of a trailer are those of the first unit, at its rear those of the first unit's rear. Restitution and unloading
     stiffness replace each other.
     """
     first, *trailers = units
@@ -391,12 +414,12 @@ def unit_laws(units: Sequence[Mapping[str, Any]]) -> list[tuple[dict[str, Any], 
 
 
 def _overlaid(law: Mapping[str, Any], given: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return a law with the values that are given in place of its own."""
-    own = {key: (given or {}).get(key) for key in LAW}
-    own = {key: value for key, value in own.items() if value is not None}
-    unloading = set(own) & {"restitution", "unloading_stiffness"}
+    """Return a law with these values replaced."""
+    values = {key: (given or {}).get(key) for key in LAW}
+    values = {key: value for key, value in values.items() if value is not None}
+    unloading = set(values) & {"restitution", "unloading_stiffness"}
     cleared = {"restitution": 0.0, "unloading_stiffness": 0.0} if unloading else {}
-    return {**law, **cleared, **own}
+    return {**law, **cleared, **values}
 
 
 @dataclass(frozen=True)
@@ -410,9 +433,9 @@ class WallContact:
     friction : float
         Coulomb's coefficient mu [-].
     side : CrushLaw or None
-        Of a layer along the four sides, per metre of side; None: the corners alone touch.
+        Of a layer along the four sides, per metre of side; None: only the corners touch.
     side_points : int
-        Gauss points along each half of a side, at which the layer is taken.
+        Gauss points of the layer along each half of a side.
     rear : CrushLaw or None
         Of the rear corners; None: as of the front corners.
 
@@ -435,13 +458,16 @@ class WallContact:
 
 
 def corner_places(front: Number, length: Number, width: Number) -> Array:
-    """The four corners from the centre of mass, along the heading and to its left [m], shape (4, 2, ...)."""
+    """Return the corners relative to the centre of mass [m].
+
+    Along the heading and to its left, shape (4, 2, ...).
+    """
     rear, b = front - length, width / 2.0
     return np.array([[front, -b], [rear, -b], [front, b], [rear, b]])
 
 
 def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
-    """Contact nodes of a vehicle: their places, the nearest corner of their side, and their part of the law.
+    """Return the contact points of a vehicle.
 
     Parameters
     ----------
@@ -457,7 +483,7 @@ def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array,
     corner : ndarray, shape (points,)
         Index into `CORNERS` [-].
     length : ndarray, shape (points,)
-        Of side that a point of the layer stands for [m]; 1 for a corner.
+        Length of side that a point of the layer represents [m]; 1 for a corner.
     """
     corners = corner_places(vehicle.front_distance, vehicle.length, vehicle.width)
     if contact.side is None:
@@ -477,7 +503,7 @@ def train_of(
     contact: WallContact | Sequence[WallContact],
     hinges: Sequence[tuple[float, float]] = (),
 ) -> Train:
-    """One train of vehicles joined by hinges, as a sample of `solve_trains`.
+    """Return one train of vehicles, as a sample of `solve_trains`.
 
     Parameters
     ----------
@@ -486,7 +512,7 @@ def train_of(
     contact : WallContact or sequence of WallContact
         Of all of them, or of each.
     hinges : sequence of (float, float)
-        Between each vehicle and the next: how far behind the front of the one, and of the other [m].
+        Between each vehicle and the next: distances behind the fronts of both [m].
 
     Returns
     -------
@@ -494,9 +520,9 @@ def train_of(
         Arrays of shape (units, 1), (hinges, 1), (points, 1).
     """
     contacts = [contact] * len(vehicles) if isinstance(contact, WallContact) else contact
-    found = [_points(*both) for both in zip(vehicles, contacts, strict=True)]
-    place, corner, laws = (np.concatenate(values) for values in zip(*found, strict=True))
-    unit = np.repeat(np.arange(len(vehicles)), [len(values[1]) for values in found])
+    points = [_points(*both) for both in zip(vehicles, contacts, strict=True)]
+    place, corner, laws = (np.concatenate(values) for values in zip(*points, strict=True))
+    unit = np.repeat(np.arange(len(vehicles)), [len(values[1]) for values in points])
     joints = [(v.front_distance - a, w.front_distance - b)
               for (a, b), v, w in zip(hinges, vehicles, vehicles[1:], strict=False)]  # fmt: skip
     hitch, kingpin = np.array(joints).reshape(-1, 2).T
@@ -508,7 +534,10 @@ def train_of(
 
 
 def _points(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
-    """Places and corners of a vehicle's contact nodes, as of `contact_places`, and their laws as of `Train`."""
+    """Return places, corners and laws of a vehicle's contact points.
+
+    Places and corners as of `contact_places`, laws as of `Train`.
+    """
     places, corner, length = contact_places(vehicle, contact)
     laws = np.empty((len(length), 6))
     front, rear, side = contact.crush, contact.rear or contact.crush, contact.side or contact.crush

@@ -1,7 +1,7 @@
-"""Motions of rigid trains that strike a wall, one or a million, in steps of one length, of hinged units in parts of it.
+"""Motions of any number of rigid trains that strike a wall.
 
-The step is taken from the stiffest contact, the turning and the tolerance; what it leaves of error is stated from a run
-at twice the step, and where that is more than the tolerance, which doubles with it, the step is halved.
+The step follows from the stiffest contact, the rotation and the tolerance; hinged units use parts of a step. The error
+is estimated by a run with twice the step, and the step is halved where it is above the tolerance.
 """
 
 import math
@@ -20,36 +20,39 @@ TOLERANCE = 1e-5
 """Error of peaks, impulses and spin of one impact by which the step is chosen."""
 
 PHASE, TURN = 0.7, 0.025
-"""The step, over the tolerance's root: of the stiffest oscillation's radian, and of that times size over speed."""
+"""Step over the square root of the tolerance: in radians of the stiffest oscillation, and times speed over size."""
 
 PHASE_OF_PARTS, TURN_OF_PARTS, PARTS = 0.32, 0.1, 1024
-"""Phase of a part of a step of a train, and turning of its whole step, as above; most parts of a step."""
+"""Phase of a part of a step of a train, rotation in its whole step, as above; largest number of parts of a step."""
 
 OF_UPRIGHT = 4.0
-"""Stated error of a train whose line of unloading is upright, over its change: the order of its steps is one."""
+"""Factor on the error of a train with a vertical line of unloading, whose steps are of first order."""
 
 DURATIONS = 4e-3
-"""Change of durations that is allowed where the tolerance is smaller: their order is one where unloading is abrupt."""
+"""Allowed change of durations where the tolerance is smaller: they are of first order where unloading is abrupt."""
 
 REFUSED = 1e-3
-"""Error, or ten times the tolerance, at which there is no answer."""
+"""Error above which there is no solution; with a larger tolerance it is ten times that."""
 
 LONGEST_RUN, STEP_COST, POINT_COST = 4.0, 3e-7, 2e-8
-"""Seconds that an impact may take at most, and about what a step and a point of it cost."""
+"""Longest computation of an impact, and approximate costs of a step and of a point in a step [s]."""
 
 MOST_ROWS = 1_000_000
+
+WEIGHT = 0.05
+"""Least impulse of a heavy strike, over the largest of its train."""
 
 
 class Timing(NamedTuple):
     """Steps and ends of n samples.
 
     step [s], its number of parts, and steps per row, shape (n,). end [s], shape (n,): infinite for an open end, which
-    is `after` [s] behind the end of the second strike, or behind the start as soon as contact is impossible, and at
+    is `after` [s] after the end of the second strike, or after the start as soon as contact is impossible, and at
     which no strike is in progress.
 
     phase: part of a step in radians of the oscillation on the law, times `pace`, shape (n,), step over the one that the
-    tolerance asks for; rate: of the stiffest oscillation [1/s], shape (n,). longest: latest open end [s]; most: steps
-    at most. reached, shape (n,): the end, NaN where the steps did not do; counted, shape (n,): strikes.
+    tolerance requires; rate: of the stiffest oscillation [1/s], shape (n,). longest: latest open end [s]; most: largest
+    number of steps. reached, shape (n,): the end, NaN where the steps did not suffice; counted, shape (n,): strikes.
     """
 
     step: np.ndarray
@@ -72,22 +75,22 @@ class Trajectories(NamedTuple):
     Attributes
     ----------
     end : ndarray, shape (n,)
-        How far each was followed [s].
+        End of each [s].
     state : ndarray, shape (n, units, 6)
-        There, in the order of `step.UNIT`.
+        State at the end, in the order of `step.UNIT`.
     strikes : ndarray, shape (n, strikes, columns)
         In the order of their starts, columns as of `step.STRIKE`; NaN where there is none.
     rows : ndarray, shape (n, rows, columns)
         Columns as of `step.UNIT` of each unit and `step.SUMS`, with tyres as of `tyres.SUMS` of each unit, or the
-        impulse alone; undefined behind the end.
+        impulse alone; undefined after the end.
     interval : ndarray, shape (n,)
         Between rows [s].
     step : ndarray, shape (n,)
         [s].
     error : ndarray, shape (n,)
-        Largest relative change of the first two peaks, impulses and durations, with hinges or tyres of all strikes of
-        weight, and of the spin at the end, against twice the step; that of durations times tolerance over `DURATIONS`,
-        if less.
+        Largest relative change, against twice the step, of the first two peaks, impulses and durations, with hinges or
+        tyres of all heavy strikes, and of the spin at the end; that of durations times tolerance over `DURATIONS`, if
+        less.
     """
 
     end: Array
@@ -114,7 +117,7 @@ def solve_trains(
     strikes: int = 2,
     on_compile: OnCompile = ignore_compiling,
 ) -> Trajectories:
-    """Whole impacts of rigid trains.
+    """Solve whole impacts of rigid trains.
 
     Parameters
     ----------
@@ -123,34 +126,34 @@ def solve_trains(
     state : ndarray, shape (n, units, 6)
         At the start, in the order of `step.UNIT` [m, rad, m/s, rad/s]; hinges closed.
     tyres : Tyres or None
-        Of its axles; None for none.
+        Of its axles, if any.
     step : float or None
         [s]; None: chosen by the tolerance.
     end : float or None
-        How far to follow the motion [s]; None: `after_second` after the first two strikes, and without a second until
-        nothing can touch any more, but for `after_second` at least; and on until no strike is in progress.
+        End of the motion [s]. None: `after_second` after the first two strikes, without a second when contact is no
+        longer possible, `after_second` at the earliest; and not before the end of a strike in progress.
     interval : float or None
-        Between rows [s]; 0: every step, or what `MOST_ROWS` allow; None: no rows.
+        Between rows [s]; 0: every step, or as `MOST_ROWS` allows; None: no rows.
     impulse_alone : bool
         Rows have one column, the normal impulse of the wall; new memory for all would take longer than the motions.
     after_second, longest : float
-        [s]; with end None: how far at most.
+        See `end`; latest end without `end` [s].
     tolerance : float
         Of peaks, impulses and spin, by which the step is chosen [-].
     strikes : int
-        For how many there is room.
+        Initial capacity for strikes.
     on_compile : callable
         Called when code is compiled, see `machine_code.compiled.compile_once`.
 
     Returns
     -------
     Trajectories
-        With their errors.
+        Motions with their errors.
 
     Raises
     ------
     RigidBodyError
-        Where the steps become too short, or what they leave of error too large.
+        Where the steps become too short, or the error remains too large.
     """
     most = int(LONGEST_RUN / (STEP_COST + POINT_COST * train.unit.size))
     latest = longest if end is None else end
@@ -162,9 +165,9 @@ def solve_trains(
         h = np.minimum(TURN_OF_PARTS * math.sqrt(tolerance) / turning, 0.5 * SHORTEST)
     if step is not None:
         h = np.full(len(state), step)
-    h = np.maximum(h, latest / most)  # coarser, and finer then, as far as the end that is found allows
+    h = np.maximum(h, latest / most)  # first coarser, then finer as far as the computed end allows
     whole = interval or latest
-    h = asked = whole / np.ceil(whole / h)
+    h = aimed_step = whole / np.ceil(whole / h)
     parts = np.ones(len(state), dtype=np.int64)
     if varies:
         parts <<= np.log2(np.clip(most * h / latest, 1, PARTS)).astype(np.int64)
@@ -179,69 +182,71 @@ def solve_trains(
         road = chosen_tyres(tyres, chosen)
         wide = columns(out.shape[1]) + (0 if road is None else road.sums.size)
         rows = np.empty((n, count, 1 if impulse_alone else wide))
-        found, ends = np.full((n, room, len(STRIKE)), np.nan), np.full(n, math.inf if end is None else end)
+        strike_rows = np.full((n, room, len(STRIKE)), np.nan)
+        ends = np.full(n, math.inf if end is None else end)
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
         clock = Timing(
-            h, parts[chosen], stride, PHASE_OF_PARTS * math.sqrt(tolerance), h / asked[chosen], rate[chosen], ends,
+            h, parts[chosen], stride, PHASE_OF_PARTS * math.sqrt(tolerance), h / aimed_step[chosen], rate[chosen], ends,
             after_second, latest, most, reached, counted,
         )  # fmt: skip
-        given = few, road, out, clock, workspace(out.shape[1], len(few.hitch), few.unit.size), rows, found
-        compile_once(lambda: advance(*given), advance, *given, on_compile=on_compile)
+        space = workspace(out.shape[1], len(few.hitch), few.unit.size)
+        arguments = few, road, out, clock, space, rows, strike_rows
+        compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
         if counted.max() > room > 2:
             return run(chosen, h, interval, int(counted.max()))
-        return Trajectories(reached, out, found, rows, h * stride, h, np.zeros(n))
+        return Trajectories(reached, out, strike_rows, rows, h * stride, h, np.zeros(n))
 
     chosen, settled = np.arange(len(state)), np.full(len(state), step is not None)
     upright = (train.restitution == 0.0) & (train.unloading_stiffness == 0.0)
     more = np.where(upright.any(axis=0) & varies, OF_UPRIGHT, 1.0)
-    found = run(chosen, h.copy(), interval)
+    motions = run(chosen, h.copy(), interval)
     weight = tolerance / max(tolerance, DURATIONS)
-    error = more * _difference(found, run(chosen, 2.0 * h, None), turning, weight, many_strikes)
+    error = more * _difference(motions, run(chosen, 2.0 * h, None), turning, weight, many_strikes)
     while True:
-        settled |= (error <= tolerance * h / found.step) | ~(2.0 * found.end <= most * found.step)
+        settled |= (error <= tolerance * h / motions.step) | ~(2.0 * motions.end <= most * motions.step)
         chosen = np.flatnonzero(~settled)
         if not chosen.size:
             break
-        finer = run(chosen, 0.5 * found.step[chosen], interval)
-        settled[chosen] = np.isnan(finer.end)  # steps did not do: what is there stays
+        finer = run(chosen, 0.5 * motions.step[chosen], interval)
+        settled[chosen] = np.isnan(finer.end)  # steps did not suffice: the previous result stays
         if settled[chosen].any():
             finer, chosen = _samples(finer, ~settled[chosen]), chosen[~settled[chosen]]
-        coarse = _samples(found._replace(rows=found.end), chosen)  # rows are large
+        coarse = _samples(motions._replace(rows=motions.end), chosen)  # rows are large
         error[chosen] = more[chosen] * _difference(finer, coarse, turning[chosen], weight, many_strikes)
-        found = _replaced(found, chosen, finer)
+        motions = _replaced(motions, chosen, finer)
     bad = ~(error <= max(REFUSED, 10.0 * tolerance))
     if bad.any() and step is None:
         i = int(np.argmax(bad))
         place = f" at index {i}" if len(bad) > 1 else ""
-        why = f"steps of {found.step[i]:.2g} s leave an error of {error[i]:.2g}{place}"
+        why = f"steps of {motions.step[i]:.2g} s leave an error of {error[i]:.2g}{place}"
         raise RigidBodyError("contact", "this law", why, "a smaller stiffness or friction")
-    return found._replace(error=error)
+    return motions._replace(error=error)
 
 
-def _samples(found: Trajectories, chosen: NDArray[Any]) -> Trajectories:
-    return Trajectories(*(value[chosen] for value in found))
+def _samples(motions: Trajectories, chosen: NDArray[Any]) -> Trajectories:
+    return Trajectories(*(value[chosen] for value in motions))
 
 
-def _replaced(found: Trajectories, chosen: NDArray[np.int64], finer: Trajectories) -> Trajectories:
-    """These samples replaced by finer ones, which may have more strikes."""
-    if len(chosen) == len(found.end) or not chosen.size:
-        return finer if chosen.size else found
-    room = max(found.strikes.shape[1], finer.strikes.shape[1])
-    found, finer = _with_room(found, room), _with_room(finer, room)
+def _replaced(motions: Trajectories, chosen: NDArray[np.int64], finer: Trajectories) -> Trajectories:
+    """Replace samples by finer ones, which may have more strikes."""
+    if len(chosen) == len(motions.end) or not chosen.size:
+        return finer if chosen.size else motions
+    room = max(motions.strikes.shape[1], finer.strikes.shape[1])
+    motions, finer = _with_room(motions, room), _with_room(finer, room)
     written = math.ceil(float((finer.end / finer.interval).max())) + 2
-    for old, new in zip(found._replace(rows=found.rows[:, :written]), finer, strict=True):
+    for old, new in zip(motions._replace(rows=motions.rows[:, :written]), finer, strict=True):
         old[chosen] = new[:, :written] if new is finer.rows else new
-    return found
+    return motions
 
 
-def _with_room(found: Trajectories, room: int) -> Trajectories:
+def _with_room(motions: Trajectories, room: int) -> Trajectories:
     """Pad the table of strikes to this number of rows."""
-    more = ((0, 0), (0, room - found.strikes.shape[1]), (0, 0))
-    return found._replace(strikes=np.pad(found.strikes, more, constant_values=np.nan))
+    more = ((0, 0), (0, room - motions.strikes.shape[1]), (0, 0))
+    return motions._replace(strikes=np.pad(motions.strikes, more, constant_values=np.nan))
 
 
 def _rates(train: Train, state: Array) -> tuple[Array, Array]:
-    """The stiffest oscillation on loading, and speed over size [1/s], shape (n,)."""
+    """Return the stiffest rate on loading, and speed over size [1/s]."""
     reach2, stiffness = np.zeros_like(train.mass), np.zeros_like(train.mass)
     np.maximum.at(reach2, train.unit, train.along**2 + train.across**2)
     np.add.at(stiffness, train.unit, 0.5 * train.stiffness)  # two corners and one side at once
@@ -251,39 +256,39 @@ def _rates(train: Train, state: Array) -> tuple[Array, Array]:
     return rate, np.maximum(turning.max(axis=0), 1e-300)
 
 
-WEIGHT = 0.05
-"""Impulse of a strike of weight, over the largest of its train."""
-
-
 def _difference(
     fine: Trajectories, coarse: Trajectories, turning: Array, weight: float, many_strikes: bool
 ) -> Array:
-    """Return the largest change, infinite where strikes differ or anything is not finite.
+    """Return the largest relative change of strikes and spin.
 
-    Spin is relative to its own and a tenth of speed over size; that of durations is multiplied by the weight. With
-    many strikes all of weight count, otherwise the first two.
+    Spin is compared with itself plus a tenth of speed over size, durations count times the weight. With many strikes
+    all heavy ones count, otherwise the first two. The change is infinite where strikes differ, or a value is not
+    finite.
     """
     spin, other = fine.state[..., 5], coarse.state[..., 5]
     strikes = _changes_of_all if many_strikes else _changes
     with np.errstate(invalid="ignore", divide="ignore"):
         changes = strikes(_measures(fine, weight), _measures(coarse, weight))
         spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
-    known = np.isfinite(fine.state).all(axis=(1, 2)) & np.isfinite(fine.end + coarse.end)
-    return np.where(known, np.maximum(changes, spins), math.inf)
+    is_finite = np.isfinite(fine.state).all(axis=(1, 2)) & np.isfinite(fine.end + coarse.end)
+    return np.where(is_finite, np.maximum(changes, spins), math.inf)
 
 
-def _measures(found: Trajectories, weight: float) -> Array:
-    """Return corner, start, impulse, peak and duration of strikes, shape (n, strikes, 5).
+def _measures(motions: Trajectories, weight: float) -> Array:
+    """Return the compared measures of strikes.
 
-    The duration is raised to the power of its weight, so that relative changes are those of the duration times the
-    weight.
+    Corner, start, impulse, peak and duration, shape (n, strikes, 5). The duration is raised to the power of its weight,
+    so that relative changes are those of the duration times the weight.
     """
-    corner, start, end, peak, impulse = np.moveaxis(found.strikes, -1, 0)[:5]
+    corner, start, end, peak, impulse = np.moveaxis(motions.strikes, -1, 0)[:5]
     return np.stack([corner, start, impulse, peak, (end - start) ** weight], axis=-1)
 
 
 def _changes(fine: Array, coarse: Array) -> Array:
-    """Largest change of the first two strikes, columns as of `_measures`, shape (n,)."""
+    """Return the largest change of the first two strikes.
+
+    Columns as of `_measures`.
+    """
     one, two = fine[:, :2], coarse[:, :2]
     same = (one[..., 0] == two[..., 0]) | (np.isnan(one[..., 0]) & np.isnan(two[..., 0]))
     changes = np.nan_to_num(np.abs(two[..., 2:] / one[..., 2:] - 1.0), nan=0.0).max(axis=(1, 2))
@@ -291,8 +296,11 @@ def _changes(fine: Array, coarse: Array) -> Array:
 
 
 def _changes_of_all(fine: Array, coarse: Array) -> Array:
-    """Largest change of all strikes of weight, each beside the one of the same corner that begins next to it, for
-    others of no weight come and go between; shape (n,)."""
+    """Return the largest change of heavy strikes.
+
+    Each is compared with the strike of the same corner with the nearest start, because light strikes between may
+    differ.
+    """
     apart = np.abs(fine[:, :, None, 1] - coarse[:, None, :, 1])
     apart = np.where(fine[:, :, None, 0] == coarse[:, None, :, 0], apart, math.inf)
     beside = np.take_along_axis(coarse, apart.argmin(axis=2)[..., None], axis=1)

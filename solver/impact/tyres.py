@@ -1,7 +1,7 @@
-"""Tyres of the axles of a rigid train: loads in equilibrium, and the compiled side forces.
+"""Tyres of a rigid train, with loads in equilibrium.
 
-Loads are those at rest. Axles of a vehicle stand on springs of one stiffness; those of a trailer carry the same load
-each, and its kingpin loads the unit ahead at the hitch. Side forces are taken at the velocities of the instant, which
+Loads are those at rest. Axles of a vehicle have springs of one stiffness; those of a trailer have equal loads, and its
+kingpin loads the unit ahead at the hitch. Compiled side forces are taken at the velocities of the instant, which
 are extrapolated from the step before: the scheme stays of second order.
 """
 
@@ -20,7 +20,7 @@ from solver.conditions import Array, Gate
 from solver.impact.train import Train
 
 CORNERING = 6.0
-"""C where it is not given; assumed, for a dual-tyred truck axle."""
+"""Assumed value of C for a dual-tyred truck axle."""
 
 SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
 """Columns of each unit: work of its tyres on it [J], their impulses along and across the wall [N s], and that of their
@@ -46,8 +46,8 @@ class Tyres(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Axle:
-    """Axle of a vehicle, whose tyres resist sliding across its heading.
+class TyreAxle:
+    """Axle whose tyres oppose sliding across the heading.
 
     Parameters
     ----------
@@ -70,14 +70,14 @@ class Axle:
 def tyres_of(
     train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, lengths: Array
 ) -> "Tyres | None":
-    """Return the tyres of n trains; None without axles.
+    """Return the tyres of n trains, None without axles.
 
     Parameters
     ----------
     train : Train
         Its masses and hinges.
     axles : sequence of dict
-        Of each axle the fields of `Axle`, floats or of shape (n,).
+        Fields of `TyreAxle` for each axle, floats or of shape (n,).
     centres, lengths : ndarray, shape (units, n)
         Centre of mass behind the front, and length of each unit [m].
 
@@ -123,14 +123,14 @@ def _loads(train: Train, unit: NDArray[np.int64], along: Array) -> Array:
     """Return the loads of the axles at rest [N], shape (axles, n)."""
     load, pressed = np.zeros_like(along), np.zeros(along.shape[1])  # by the kingpin of the unit behind
     for u in reversed(range(len(train.mass))):
-        own, weight = unit == u, GRAVITY * train.mass[u]
-        x, count = along[own], np.count_nonzero(own)
+        on_unit, weight = unit == u, GRAVITY * train.mass[u]
+        x, count = along[on_unit], np.count_nonzero(on_unit)
         hitch = train.hitch[u] if u < len(train.hitch) else 0.0
         if u > 0 and count:
             kingpin = train.kingpin[u - 1]
             moment = pressed * (hitch - kingpin) - weight * kingpin
-            load[own] = moment / (x - kingpin).sum(axis=0)
-            pressed = weight + pressed - load[own].sum(axis=0)
+            load[on_unit] = moment / (x - kingpin).sum(axis=0)
+            pressed = weight + pressed - load[on_unit].sum(axis=0)
         elif count:
             force, moment = weight + pressed, pressed * hitch
             first, second = x.sum(axis=0), (x * x).sum(axis=0)
@@ -138,14 +138,14 @@ def _loads(train: Train, unit: NDArray[np.int64], along: Array) -> Array:
             apart = spread > 1e-9 * np.maximum(second, 1e-300)
             safe = np.where(apart, spread, 1.0)
             slope = np.where(apart, (count * moment - first * force) / safe, 0.0)
-            load[own] = (force - slope * first) / count + slope * x
+            load[on_unit] = (force - slope * first) / count + slope * x
         else:
             pressed = np.zeros_like(pressed)
     return load
 
 
 def chosen_tyres(tyres: "Tyres | None", chosen: NDArray[np.int64]) -> "Tyres | None":
-    """Return the tyres of these samples with a workspace of their own."""
+    """Return the tyres of these samples with a new workspace."""
     if tyres is None:
         return None
     columns = (np.ascontiguousarray(values[:, chosen]) for values in tyres[1:5])
@@ -160,7 +160,10 @@ def has_tyres(tyres):
 
 @optional(merged=True)
 def start_tyres(tyres, i, masses, load, motion, h):
-    """Begin sample i: set velocities half a step back to those of the side forces at the start."""
+    """Begin sample i.
+
+    Velocities half a step back are those by the side forces at the start.
+    """
 
 
 @optional(merged=True)
@@ -170,12 +173,18 @@ def steer(tyres, i, masses, motion, last, kick):
 
 @optional(merged=True)
 def end_tyre_step(tyres, i, motion, kick):
-    """Add the impulses of the tyres over a step and their works, and keep its accelerations for the next."""
+    """Add impulses and works of the tyres over a step.
+
+    Its accelerations are stored for the next.
+    """
 
 
 @optional(merged=True)
 def record_tyres(tyres, i, motion, h, row):
-    """Fill the columns of the tyres in the row of this instant, h [s] after what has been summed."""
+    """Fill the columns of the tyres in the row of this instant.
+
+    h: time since the end of the sums [s].
+    """
 
 
 @implements(has_tyres, Tyres, merged=True)
@@ -212,7 +221,10 @@ def _steer(tyres, i, masses, motion, last, kick):
 
 @compiled
 def _add_tyres(tyres, i, motion, h, sums):
-    """Add the impulses of the tyres over h, and their works, to sums of shape (units, 4)."""
+    """Add impulses and works of the tyres over h to the sums.
+
+    sums: shape (units, 4).
+    """
     for a in range(tyres.unit.size):
         j, arm, impulse, row = 3 * tyres.unit[a], tyres.along[a, i], h * tyres.force[a], sums[tyres.unit[a]]
         c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])

@@ -20,11 +20,11 @@ from fem.run.impact import FirstTouch, ImpactStepper
 from meshes import plate_mesh
 from solver import RigidBodyError
 from solver.impact import (
-    Axle,
     CrushLaw,
     HitchedVehicle,
     ImpactState,
     ImpactVehicle,
+    TyreAxle,
     WallContact,
     first_touch,
     solve_impact,
@@ -38,7 +38,7 @@ from tailslap.scene.vary import vary
 
 GRAVITY = 9.80665
 TRUCK = ImpactVehicle(10.0, 2.438, 9979.0, 5.5)
-AXLES = (Axle(1.3, 0.7, 6.0), Axle(7.5, 0.6, 5.0))
+AXLES = (TyreAxle(1.3, 0.7, 6.0), TyreAxle(7.5, 0.6, 5.0))
 LAW = WallContact(CrushLaw(2e6, 0.0, 0.1, 3.5e5), 0.3)
 SPEED, ANGLE = 25.0, math.radians(15.0)
 
@@ -55,12 +55,12 @@ def test_loads_follow_from_levers():
     behind = (5.5 - 1.3) / (7.5 - 1.3)
     weight = TRUCK.mass * GRAVITY
     assert motion.loads == pytest.approx((weight * (1.0 - behind), weight * behind), rel=1e-12)
-    three = impact((*AXLES, Axle(8.5, 0.6)), end=0.01).loads
+    three = impact((*AXLES, TyreAxle(8.5, 0.6)), end=0.01).loads
     places = np.array([1.3, 7.5, 8.5])
     assert sum(three) == pytest.approx(weight, rel=1e-12)
     assert places @ three == pytest.approx(5.5 * weight, rel=1e-12)
     assert np.diff(three)[0] / 6.2 == pytest.approx(np.diff(three)[1], rel=1e-9)  # on a rigid body
-    assert impact((Axle(5.5, 0.7),), end=0.01).loads == pytest.approx((weight,), rel=1e-12)
+    assert impact((TyreAxle(5.5, 0.7),), end=0.01).loads == pytest.approx((weight,), rel=1e-12)
 
 
 TRAILER = ImpactVehicle(12.0, 2.5, 20000.0, 6.0)
@@ -73,7 +73,7 @@ def train(axles, end=None, tolerance=1e-4):
 
 
 def test_a_trailer_stands_on_its_axles_and_the_kingpin():
-    own = (Axle(1.3, 0.7), Axle(7.5, 0.7), Axle(9.5, 0.7, unit=1), Axle(10.5, 0.7, unit=1))
+    own = (TyreAxle(1.3, 0.7), TyreAxle(7.5, 0.7), TyreAxle(9.5, 0.7, unit=1), TyreAxle(10.5, 0.7, unit=1))
     front, rear, *behind = train(own, 0.01).loads
     trailer, truck = TRAILER.mass * GRAVITY, TRUCK.mass * GRAVITY
     each = trailer * 5.0 / (8.5 + 9.5)  # moments about the kingpin
@@ -90,7 +90,7 @@ def test_a_trailer_stands_on_its_axles_and_the_kingpin():
 def test_the_side_force_of_an_axle_that_turns_steadily(ahead):
     """A vehicle turns steadily for a moment: -mu N tanh(C a/mu), a by the speeds of the axle, its work and moment."""
     heavy, rate, sideways = ImpactVehicle(10.0, 2.0, 1e12, 4.0), 0.4, -2.0
-    axle = Axle(9.0, 0.7, 6.0)
+    axle = TyreAxle(9.0, 0.7, 6.0)
     start = ImpactState(0.0, 10.0, 0.0, ahead, sideways, rate)
     motion = solve_impact(heavy, LAW, start, end=1e-4, axles=[axle], step=1e-5)
     across = sideways + rate * (4.0 - 9.0)
@@ -174,7 +174,7 @@ def test_energy_and_momentum_of_an_impact_with_tyres():
 
 
 def test_energy_and_momentum_of_a_train_with_tyres():
-    own = (*AXLES, Axle(9.5, 0.7, unit=1), Axle(10.5, 0.7, unit=1))
+    own = (*AXLES, TyreAxle(9.5, 0.7, unit=1), TyreAxle(10.5, 0.7, unit=1))
     motion = train(own)
     off, work = balances(motion)
     assert off[0] < 1e-5
@@ -194,7 +194,7 @@ def test_tyres_weaken_the_tail_slap():
 
 
 def test_an_axle_without_friction_changes_nothing():
-    bare, smooth = impact(()), impact((Axle(1.3), Axle(7.5)))
+    bare, smooth = impact(()), impact((TyreAxle(1.3), TyreAxle(7.5)))
     assert [strike.impulse for strike in smooth.strikes] == [strike.impulse for strike in bare.strikes]
 
 
@@ -213,17 +213,17 @@ def test_samples_have_tyres():
     found = solve_impacts(**given, centre_of_mass=5.5, axles=axles, tolerance=1e-5)
     for i, (mass, friction) in enumerate(((9979.0, 0.7), (9000.0, 0.5))):
         vehicle = replace(TRUCK, mass=mass)
-        own = (Axle(1.3, friction, 6.0), AXLES[1])
+        own = (TyreAxle(1.3, friction, 6.0), AXLES[1])
         motion = solve_impact(vehicle, LAW, first_touch(vehicle, ANGLE, SPEED), axles=own)
         for k in range(2):
             assert found.impulse[k, i] == pytest.approx(motion.strikes[k].impulse, rel=2e-5)
 
 
 @pytest.mark.parametrize(("axle", "key"), [
-    (Axle(-0.1, 0.7), "axle.0.position"), (Axle(10.1, 0.7), "axle.0.position"),
-    (Axle(math.nan, 0.7), "axle.0.position"), (Axle(1.0, -0.1), "axle.0.friction"),
-    (Axle(1.0, 0.7, -1.0), "axle.0.cornering"), (Axle(1.0, math.inf), "axle.0.friction"),
-    (Axle(1.0, 0.7, unit=1), "axle.0.unit"),
+    (TyreAxle(-0.1, 0.7), "axle.0.position"), (TyreAxle(10.1, 0.7), "axle.0.position"),
+    (TyreAxle(math.nan, 0.7), "axle.0.position"), (TyreAxle(1.0, -0.1), "axle.0.friction"),
+    (TyreAxle(1.0, 0.7, -1.0), "axle.0.cornering"), (TyreAxle(1.0, math.inf), "axle.0.friction"),
+    (TyreAxle(1.0, 0.7, unit=1), "axle.0.unit"),
 ])  # fmt: skip
 def test_an_impossible_axle_is_refused(axle, key):
     with pytest.raises(RigidBodyError) as caught:
@@ -233,7 +233,7 @@ def test_an_impossible_axle_is_refused(axle, key):
 
 def test_axles_that_cannot_carry_the_vehicle_are_refused():
     with pytest.raises(RigidBodyError) as caught:
-        impact((Axle(1.0, 0.7), Axle(2.0, 0.7)), end=0.01)
+        impact((TyreAxle(1.0, 0.7), TyreAxle(2.0, 0.7)), end=0.01)
     assert caught.value.key == "axle.0.position"
     assert "centre of mass" in caught.value.allowed
 

@@ -145,11 +145,11 @@ class RigidImpact(Case):
             return wall_contact(self.scene)
 
     @property
-    def axles(self) -> tuple[impact.Axle, ...]:
+    def axles(self) -> tuple[impact.TyreAxle, ...]:
         """Axles whose tyres have friction."""
         axles = (axle for axle in self.scene.axle if axle.friction)
         return tuple(
-            impact.Axle(axle.position, axle.friction, axle.cornering, axle.unit - 1) for axle in axles
+            impact.TyreAxle(axle.position, axle.friction, axle.cornering, axle.unit - 1) for axle in axles
         )
 
     @cached_property
