@@ -60,7 +60,7 @@ class Units:
         return 1.0, unit
 
     def rendered(self, text: str, gap: str = " ") -> str:
-        """Return a text with its measures in these units.
+        """Return a text with measures in these units.
 
         gap: between number and unit.
         """
@@ -120,7 +120,7 @@ def shown(value: float | str | None, form: str) -> str:
 
 
 def known(form: str, negligible: float = 0.0) -> Callable[[float], str]:
-    """Return a format with a dash for unknown values.
+    """Return a format with dashes for unknown values.
 
     Values that are not finite are unknown. Values below `negligible` are shown as 0.
     """
@@ -134,7 +134,7 @@ def known(form: str, negligible: float = 0.0) -> Callable[[float], str]:
 
 
 def number(value: object, digits: int = 7) -> str:
-    """Format a number with at most `digits` significant digits.
+    """Format a number to `digits` significant digits.
 
     Words remain unchanged, and None is a dash.
     """
@@ -191,7 +191,7 @@ def grouped(count: int) -> str:
 
 
 def milliseconds(seconds: float) -> str:
-    """Return a time [s] as a number of milliseconds."""
+    """Return a time [s] in milliseconds."""
     return f"{1e3 * seconds:.1f}"
 
 

@@ -1,4 +1,4 @@
-"""Rigid-body theory of a vehicle that strikes a wall.
+"""Rigid-body theory of vehicles that strike a wall.
 
 Impulse, sliding rotation and tail-slap after B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307; equation
 numbers are the paper's. SI units and radians. NumPy alone is imported; `integrate_odes` imports SciPy when it is

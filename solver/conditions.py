@@ -29,7 +29,7 @@ _SCALAR = SimpleNamespace(
 
 
 class RigidBodyError(ValueError):
-    """Input for which the rigid-body equations have no solution.
+    """Input for which the equations have no solution.
 
     `str()` is a sentence made of all attributes.
 
@@ -65,7 +65,7 @@ class Rule(NamedTuple):
 
 
 def choose(key: str, given: str, options: tuple[str, ...]) -> str:
-    """Return an option if it exists, otherwise raise RigidBodyError."""
+    """Return an option, or raise RigidBodyError without it."""
     if given in options:
         return given
     names = ", ".join(f'"{option}"' for option in options)
@@ -137,7 +137,7 @@ def refusal(rule: Rule, given: Number, met: Met = False, **details: Number | str
 
 
 def functions(*values: object) -> Any:
-    """Return `math` if all values are floats, otherwise NumPy."""
+    """Return `math` if values are floats, otherwise NumPy."""
     for value in values:
         if not isinstance(value, float):
             return np

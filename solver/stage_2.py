@@ -46,7 +46,7 @@ SMALLEST_D = (
 
 
 class Path(NamedTuple):
-    """Parameters of the angle's course, as floats or arrays.
+    """Parameters of the angle's course, floats or arrays.
 
     Angles [rad]; mu has the sign of its model.
     """
@@ -177,7 +177,7 @@ def _panel(path: Path, lower: Number, upper: Number) -> tuple[Any, Any]:
 
 
 def _bisected(path: Path, scale: Array) -> Array:
-    """Integrate each row, halving panels until both rules agree.
+    """Integrate rows, halving panels until both rules agree.
 
     scale: a first estimate.
     """

@@ -16,7 +16,7 @@ from solver.conditions import Gate, Number, V, functions, number
 
 @dataclass(frozen=True)
 class StrikeForce(Generic[V]):
-    """Lateral force of the tail-slap, as floats or arrays.
+    """Lateral force of the tail-slap, floats or arrays.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ def olson_force(
 
 
 def hirsch_force(average_force: Number) -> Any:
-    """Return the peak lateral force of a linear spring.
+    """Return a linear spring's peak lateral force.
 
     It is pi/2 times the average force (Hirsch).
 

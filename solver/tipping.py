@@ -75,7 +75,7 @@ LARGEST, LOWEST, HIGHEST = range(3)
 
 @dataclass(frozen=True)
 class RollingVehicle:
-    """Vehicles that roll, as floats or arrays that broadcast.
+    """Vehicles that roll, floats or broadcast arrays.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ def _largest_lever(body, push, interval, parts, start, varied, scan):
 
 @compiled
 def _follow(body, push, interval, parts, start, is_verdict, rows):
-    """Integrate a body to its verdict or its return.
+    """Integrate a body to its verdict or return.
 
     Returns the largest roll [rad], `TIPPED` where it tips, and the number of rows written. Without a verdict it ends
     when the body stands on its wheels again.
@@ -267,7 +267,7 @@ def _wheels(body, side, z, s, c, v, w):
 
 @compiled
 def _drag(body, force, arm, v, w, rate_v, rate_w, h):
-    """Return the friction of the wall's face, upwards [N].
+    """Return the upward friction of the wall [N].
 
     It would stop the side by the end of the step, but is limited to the component of Coulomb's friction along the
     mean sliding up or down in the step, including the change of that by the friction.
@@ -335,7 +335,7 @@ def _answered(
 
 
 def largest_rolls(vehicle: RollingVehicle, wall_height: Number, force: Array, interval: float) -> Array:
-    """Return the largest rolls of one vehicle or many.
+    """Return the largest roll of each vehicle.
 
     Values of vehicles and the wall's height broadcast.
 

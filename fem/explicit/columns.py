@@ -16,6 +16,9 @@ from fem.registry import Registry
 COLUMNS: Registry[HistoryColumn] = Registry("column")
 """Columns by name in the order of the history, those of the record first."""
 
+IMPACT_COLUMNS: Registry[HistoryColumn] = Registry("column of a whole impact")
+"""Columns of a whole impact's history by name, in its order."""
+
 _MEANINGS = {
     "t": ("s", "time since first contact"),
     "x_g": ("m", "position of the centre of mass along the wall, from the point of first contact"),
@@ -157,12 +160,9 @@ class HistoryColumn:
 for _name in Measures._fields:
     COLUMNS.register(HistoryColumn(_name, _MEANINGS[_name][0], meaning=_MEANINGS[_name][1]))
 
-
-IMPACT_COLUMNS: dict[str, HistoryColumn] = {
-    name: HistoryColumn(name, _MEANINGS[name][0], meaning=_ON_IMPACT.get(name, _MEANINGS[name][1]))
-    for name in _IMPACT_NAMES.split()
-}
-"""Columns of a whole impact's history by name, in its order."""
+for _name in _IMPACT_NAMES.split():
+    _meaning = _ON_IMPACT.get(_name, _MEANINGS[_name][1])
+    IMPACT_COLUMNS.register(HistoryColumn(_name, _MEANINGS[_name][0], meaning=_meaning))
 
 
 def row_of(measures: Measures, state: Any, model: Any) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""Constraints that hold the corner on the wall's line.
+"""Constraints of the corner on the wall's line.
 
 Each is one object, registered here or in any other file.
 
@@ -161,7 +161,7 @@ CONSTRAINTS.register(
 
 
 class CornerConstraint(NamedTuple):
-    """Nodes of the corner and constants of its constraint.
+    """Nodes of the corner and its constraint's constants.
 
     weights: of the nodes, of sum 1; mobility: sum of weight^2 / mass [1/kg]. The properties are for Python; compiled
     code calls the constraint's kernels.
@@ -194,7 +194,7 @@ class CornerConstraint(NamedTuple):
 
     @property
     def dashpot(self) -> float:
-        """Damping [N s/m] of the dashpot, 0 without one."""
+        """Damping of the dashpot [N s/m], or 0."""
         return CONSTRAINTS.of(self.constraint).damping(self.constraint)
 
 

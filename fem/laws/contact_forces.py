@@ -54,7 +54,7 @@ def _plateau_excess(plateau: Any, force: Any, stiffness: Any) -> Any:
 
 
 def returned_part(unloading: Any, returned: float, peak: float, energy: float, deepest: float) -> float:
-    """Return the part of the energy that unloading returns.
+    """Return the part of energy that unloading returns.
 
     peak: force [N], and energy: absorbed [J], at the deepest point [m]. Compiled code only.
     """

@@ -34,7 +34,7 @@ def join(hinges, hinge_state, positions, velocities, mass, time_step, force):
 
 @optional(merged=True)
 def add_impulses(hinges, hinge_state, time_step):
-    """Add the impulses of the hinges over a step."""
+    """Add the impulses of hinges over a step."""
 
 
 @optional(merged=True)

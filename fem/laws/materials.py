@@ -1,4 +1,4 @@
-"""Stress and energy density of materials in plane stress.
+"""Stress and energy of materials in plane stress.
 
 Each is one object, registered here or in any other file.
 

@@ -55,7 +55,7 @@ class Surface(NamedTuple):
 
 @optional(merged=True)
 def set_wall_forces(wall, wall_motion):
-    """Set the forces of the wall and its foundation."""
+    """Set the forces of wall and foundation."""
 
 
 @optional(merged=True)
@@ -80,7 +80,7 @@ def add_wall_reaction(wall, wall_motion, face, tangential, normal):
 
 @optional(merged=True)
 def advance_wall(wall, wall_motion, time_step):
-    """Advance the wall by a step with complete forces."""
+    """Advance the wall, whose forces are complete."""
 
 
 @optional(merged=True)
@@ -164,7 +164,7 @@ def approach(parameters, state, i):
 
 @compiled
 def push_back(parameters, state, contact_state, wall_motion, force):
-    """Add the wall's forces on all points to `force`.
+    """Add the wall's forces on points to `force`.
 
     `force` must hold the other forces. They are stored in `contact_state`. contact_state, wall_motion: the fields
     `contact` and `wall` of the state; they are arguments because Numba, where it inlines, drops writes to an array in a

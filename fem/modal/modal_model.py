@@ -168,7 +168,7 @@ def _at(field: np.ndarray, corner: Any) -> np.ndarray:
 class ModalMotion:
     """A run of the modal model.
 
-    strike: MEASURED and t at the tail-slap; None if it was not reached. history: t and MEASURED, SI, shape
+    strike: measures and t at the tail-slap; None if it was not reached. history: t and measures, SI, shape
     (instants,). iterations: of Newton's method, in all steps.
     """
 
@@ -219,9 +219,9 @@ def integrate(
     began = time.perf_counter()
     end, rows, iterations = run_to_strike(duration / steps, modal.model, table, *workspace)
     elapsed = time.perf_counter() - began
-    measured = np.empty((rows, len(motion.MEASURED)))
+    measured = np.empty((rows, len(motion.ModalMeasures._fields)))
     motion.measure_rows(table[:rows], modal.model, measured)
-    history = {"t": table[:rows, 0], **dict(zip(motion.MEASURED, measured.T, strict=True))}
+    history = {"t": table[:rows, 0], **dict(zip(motion.ModalMeasures._fields, measured.T, strict=True))}
     strike = {name: float(column[-1]) for name, column in history.items()} if end == REACHED else None
     return ModalMotion(history, strike, ENDS[end], rows - 1, iterations, elapsed)
 

@@ -28,10 +28,6 @@ class ModalMeasures(NamedTuple):
     energy: float
 
 
-MEASURED = ModalMeasures._fields
-"""Columns that `measure_rows` fills."""
-
-
 class Reaction(NamedTuple):
     """Reaction of the wall with the flexibility in the wall's frame.
 
@@ -188,7 +184,7 @@ def measure_state(place, speed, model):
 def measure_rows(table, model, result):
     """Fill `result` with the measures of all rows of `table`.
 
-    result: shape (rows, MEASURED). table: times, places and speeds.
+    result: shape (rows, fields of `ModalMeasures`). table: times, places and speeds.
     """
     modes = model.squares.size
     for row in range(table.shape[0]):

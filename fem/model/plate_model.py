@@ -30,7 +30,8 @@ from fem.plate.elastic import ElasticSolver, Inverse
 from fem.plate.free_modes import lowest_frequency
 from fem.plate.nodal_masses import prescribed_inertia_masses
 from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
-from fem.plate.spectrum import ScaledSpectrum, Support, corner_support, spectrum_of
+from fem.plate.spectrum import ScaledSpectrum, spectrum_of
+from fem.plate.support import Support, corner_support
 
 if TYPE_CHECKING:
     import meshio

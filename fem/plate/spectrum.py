@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.cache import cached
-from fem.laws.constraints import CornerConstraint
 from fem.plate.elastic import ElasticSolver, Inverse
 from fem.plate.lanczos import largest_eigenpair
+from fem.plate.support import Support
 
 TOLERANCE, ROUGH = 1e-4, 2e-4
 """Residual over the eigenvalue at which Lanczos ends.
@@ -33,29 +33,8 @@ LARGE = 10_000
 STEP_SETTLED = 1e-6
 """Relative change of the damped time step at which Newton's method ends."""
 
-
-class Support(NamedTuple):
-    """Constraint of the corner in the form that the spectrum needs.
-
-    nodes: on which the constraint acts. across: weights of their x and then their y unknowns in the direction across
-    the wall in the body frame, for each angle of the plate that is examined. spring [N/m]; dashpot [N s/m].
-    """
-
-    nodes: tuple[int, ...]
-    across: tuple[tuple[float, ...], ...]
-    spring: float
-    dashpot: float
-
-    def of_modulus(self, modulus: float) -> Support:
-        """Return the support of a plate of this modulus [Pa].
-
-        This one is that of the plate of unit modulus.
-        """
-        return self._replace(spring=modulus * self.spring, dashpot=math.sqrt(modulus) * self.dashpot)
-
-
-FREE = Support((), ((),), 0.0, 0.0)
-"""A plate without support."""
+FREE = Support()
+"""Plate without support."""
 
 
 class Peak(NamedTuple):
@@ -217,7 +196,7 @@ class ScaledSpectrum:
 def spectrum_of(elastic: ElasticSolver, support: Support = FREE) -> ScaledSpectrum:
     """Return the spectrum of the plate of this solver.
 
-    support: see `corner_support`.
+    support: see `support.corner_support`.
     """
     plate = elastic.inverse
     unit_spectrum = _unit_spectrum if plate.masses.size < LARGE else _unit_spectrum.__wrapped__
@@ -227,29 +206,3 @@ def spectrum_of(elastic: ElasticSolver, support: Support = FREE) -> ScaledSpectr
 @cached("spectrum")
 def _unit_spectrum(plate: Inverse, support: Support) -> Spectrum:
     return Spectrum(plate.stiffness, plate.masses, support)
-
-
-def corner_support(
-    corner: CornerConstraint, angles: tuple[float, ...] = (0.0,), modulus: float = 1.0
-) -> Support:
-    """Return the support of a plate of unit modulus by this corner.
-
-    modulus [Pa]: of the plate that the corner belongs to. angles [rad]: of the plate during its run; the constraint
-    acts across the wall, and therefore rotates in the body frame.
-    """
-    if not corner.spring:  # the angle makes no difference
-        return FREE
-    weights, nodes = corner.weights.tolist(), corner.nodes.tolist()
-    turned = ((-math.sin(angle), math.cos(angle)) for angle in angles)
-    across = tuple(tuple(part * weight for part in direction for weight in weights) for direction in turned)
-    return Support(
-        tuple(nodes), across, _rounded(corner.spring / modulus), _rounded(corner.dashpot / math.sqrt(modulus))
-    )
-
-
-def _rounded(value: float) -> float:
-    """Round to twelve digits.
-
-    In these the quotients of proportional springs and moduli are equal.
-    """
-    return float(f"{value:.12g}")

@@ -16,7 +16,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.plate.discretisation import Discretisation, ElementTable, Hourglass
-from fem.plate.spectrum import FREE, Spectrum, Support
+from fem.plate.spectrum import FREE, Spectrum
+from fem.plate.support import Support
 
 SIZE = 24
 """Smallest number of elements along each side of a window, and beside supported nodes."""

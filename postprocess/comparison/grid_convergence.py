@@ -1,4 +1,4 @@
-"""Discretisation error from three systematically refined meshes or steps.
+"""Discretisation error from three refined meshes or steps.
 
 Observed order, extrapolated value and grid convergence index after Roache, P. J. (1994), J. Fluids Eng. 116, 405, and
 ASME V&V 20-2009, section 2-4. With values f_1 on the finest grid, f_2, f_3, and refinement ratios r_21, r_32, the
@@ -49,7 +49,7 @@ class GridConvergence:
 
 
 def grid_convergence(values: tuple[float, float, float], ratios: tuple[float, float]) -> GridConvergence:
-    """Estimate the discretisation error from values on three grids.
+    """Estimate discretisation errors from values on three grids.
 
     values: fine, medium, coarse; ratios: r_21 = h_2/h_1 and r_32 = h_3/h_2, above 1, otherwise ValueError. Values
     that oscillate, diverge or hardly converge are not extrapolated; their indices are the relative changes times the

@@ -63,7 +63,7 @@ class Metrics:
 def compare_histories(
     instants: Floats, history: Floats, reference: Floats, is_known: NDArray[np.bool_] | bool = True
 ) -> Metrics:
-    """Return the metrics of a history against its reference.
+    """Return metrics of a history against its reference.
 
     Both have shape (instants,) and any common unit. Instants [s] rise, and need not be evenly spaced; is_known, shape
     (instants - 1,): intervals that count. Numbers that are not finite, less than two instants, and a reference that

@@ -6,7 +6,8 @@ the wall.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+
+from postprocess.comparison.records import Compared, ComparedQuantity, ComparisonRow, by_key
 
 PAPER_SOURCE = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307, Table 3"
 
@@ -16,42 +17,7 @@ PAPER_TABLE_3: Mapping[str, Mapping[str, float]] = {
     "abaqus": {"t": 0.37, "v_gx": 23.305, "v_gy": -3.289, "omega": 0.66, "slide": 8.915},
 }
 
-
-@dataclass(frozen=True)
-class ComparedQuantity:
-    """Compared quantity with its key, title, symbol and SI unit."""
-
-    key: str
-    title: str
-    symbol: str
-    unit: str
-
-    @property
-    def label(self) -> str:
-        """Symbol with unit."""
-        return f"{self.symbol} [{self.unit}]"
-
-
-@dataclass(frozen=True)
-class ComparisonRow:
-    """Row of the comparison table, in SI.
-
-    difference: fe/rigid - 1.
-    """
-
-    quantity: ComparedQuantity
-    fe: float
-    rigid: float
-    difference: float
-    paper_analytical: float | None = None
-    paper_abaqus: float | None = None
-
-
-def _by_key(*quantities: ComparedQuantity) -> dict[str, ComparedQuantity]:
-    return {quantity.key: quantity for quantity in quantities}
-
-
-QUANTITIES = _by_key(
+QUANTITIES = by_key(
     ComparedQuantity("t", "Time to the tail-slap", "t", "s"),
     ComparedQuantity("v_gx", "Velocity of G along the wall", "v_GX", "m/s"),
     ComparedQuantity("v_gy", "Velocity of G across the wall", "v_GY", "m/s"),
@@ -60,24 +26,11 @@ QUANTITIES = _by_key(
 )
 KEYS = tuple(QUANTITIES)
 
-
-@dataclass(frozen=True)
-class Compared:
-    """Quantities compared between FE and rigid vehicle.
-
-    mapped: the one that a map shows; where: instant of both.
-    """
-
-    quantities: Mapping[str, ComparedQuantity]
-    mapped: str
-    where: str
-
-
-FORCE = _by_key(ComparedQuantity("peak_force", "Peak lateral force", "F", "N"))
+FORCE = by_key(ComparedQuantity("peak_force", "Peak lateral force", "F", "N"))
 TAIL_SLAP = Compared(FORCE | QUANTITIES, "peak_force", "at the tail-slap")
 """Quantities of the constrained corner: the force of Stage 3, and the five that determine it."""
 
-OF_STRIKES = _by_key(
+OF_STRIKES = by_key(
     ComparedQuantity("strike_1.mean_50ms", "First strike's peak, 50 ms mean", "F₁, 50 ms", "N"),
     ComparedQuantity("strike_1.impulse", "First strike's impulse", "J₁", "N s"),
     ComparedQuantity("strike_2.mean_50ms", "Second strike's peak, 50 ms mean", "F₂, 50 ms", "N"),

@@ -44,7 +44,7 @@ class ContourField:
 
 @dataclass(frozen=True)
 class Situation:
-    """Geometry and texts of all pictures of one instant.
+    """Geometry and texts of pictures of one instant.
 
     plate: deformed nodes [m] and elements; wall: the same, None for the line Y = 0; corner, centroid: points P and G
     [m] to be marked; time: of the strike [s].
@@ -65,7 +65,7 @@ def draw_contours(
     units: Units = SI,
     size: Size = SIZE,
 ) -> list[Path]:
-    """Draw each field as `contour_NAME.png` and return the paths.
+    """Draw fields as `contour_NAME.png` and return the paths.
 
     units: of the texts; size: [pixels].
     """

@@ -1,4 +1,4 @@
-"""Fields and histories in the formats of other programs.
+"""Fields and histories in formats of other programs.
 
 VTKHDF, one HDF5 file that ParaView opens as a time series; XDMF, VTU and Gmsh's MSH by meshio; CSV and Parquet tables
 with units in the headings, or in the metadata of each column.

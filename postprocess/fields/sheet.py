@@ -90,7 +90,7 @@ def view_of_plate(points: Floats, size: Size = SIZE) -> View:
 
 
 def round_between(low: float, high: float, most: int) -> list[float]:
-    """Return about `most` round numbers between low and high.
+    """Return up to about `most` round numbers.
 
     They are multiples of 1, 2 or 5 times a power of ten.
     """
@@ -99,7 +99,7 @@ def round_between(low: float, high: float, most: int) -> list[float]:
 
 @dataclass(frozen=True)
 class ColourScale:
-    """Range of colours with its labels, low to high.
+    """Range of colours with labels, low to high.
 
     uniform: whether the field is almost constant.
     """
@@ -153,7 +153,7 @@ def _labels(low: float, high: float, steps: int) -> list[str]:
 
 
 def choose_window() -> None:
-    """Select an EGL window for VTK without a display.
+    """Select EGL windows for VTK without a display.
 
     Raises RuntimeError without an EGL library.
     """
@@ -228,7 +228,7 @@ class Sheet:
         self.words.clear()
 
     def image(self) -> Image.Image:
-        """Return the current picture as an image of Pillow."""
+        """Return the current picture as a Pillow image."""
         from PIL import Image
 
         self.plotter.render()
@@ -238,7 +238,7 @@ class Sheet:
         return image
 
     def draw_wall(self, wall: Mesh | None, unit: str) -> None:
-        """Draw the hatched wall, or its line, with rulers.
+        """Draw the hatched wall or line, with rulers.
 
         One ruler is along the wall, one beside the plate.
         """
@@ -309,7 +309,7 @@ class Sheet:
             self.write(scale.labels[k], (place, top + 10 * dot), justify="center")
 
     def write_title(self, title: str, note: str) -> None:
-        """Write title and note into the upper left corner."""
+        """Write title and note at the upper left."""
         self.write_at_edge(title, (24, -50), TITLE, bold=True)
         self.write_at_edge(note, (24, -88), NOTE)
 

@@ -30,7 +30,7 @@ MAX_EDGES = 3000
 
 @dataclass(frozen=True)
 class MapAxis:
-    """Axis of a map with its label and values.
+    """Axis of a map with label and values.
 
     Values are evenly spaced, at even ratios, or 0 and then at even ratios.
     """
@@ -94,7 +94,7 @@ def _rounded(value: float) -> str:
 
 
 def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:
-    """Draw the meaning of every colour of all maps."""
+    """Draw the meaning of every colour of maps."""
     keys = [Swatch(f"{kind}: {meaning}", VERDICTS[kind]) for kind, meaning in meanings.items()]
     return chart.draw_legend("map-legend", caption, keys, "Maps")
 

@@ -51,7 +51,7 @@ def draw_positions(
     strikes: Strikes = (),
     motion: tuple[Floats, Floats] | None = None,
 ) -> Chart:
-    """Draw outlines at several instants, later ones more opaque.
+    """Draw outlines at instants, later ones more opaque.
 
     outlines: shape (k, points, 2) [m]; instants [s]; strikes: drawn as bars below the face of the wall Y = 0; motion:
     even instants [s] and outlines there, which are animated `SLOWER` times slower.

@@ -97,7 +97,7 @@ def _across(rows: Floats) -> Floats:
 def draw_histogram(
     edges: Floats, counts: Floats, percentiles: Sequence[tuple[int, float]], scene_value: float
 ) -> chart.Chart:
-    """Draw the distribution of the peak force in kN.
+    """Draw the distribution of peak forces in kN.
 
     counts between edges [N], percentiles, and the value of the scene.
     """
@@ -117,7 +117,7 @@ def draw_histogram(
 
 
 def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak force") -> chart.Chart:
-    """Draw first-order and total indices of inputs as bars.
+    """Draw first-order and total indices as bars.
 
     inputs: rows with `key`, `first_order`, `total`, and their intervals, `first_order_interval` and `total_interval`;
     the first is on top.
@@ -309,7 +309,7 @@ def draw_precision(
 
 
 def _end_names(series: Sequence[Series], x: Range, y: Range) -> list[Words]:
-    """Return the names of lines beside their last points.
+    """Return names of lines beside their last points.
 
     Names near the right edge stand on the left; all are shifted until none overlap.
     """
@@ -343,7 +343,7 @@ def _end_names(series: Sequence[Series], x: Range, y: Range) -> list[Words]:
 
 
 def _decades(values: Sequence[float]) -> tuple[float, float]:
-    """Return the powers of ten that enclose all values."""
+    """Return powers of ten that enclose all values."""
     logs: Floats = np.log10(values)
     low, high = math.floor(logs.min()), math.ceil(logs.max())
     return 10.0**low, 10.0 ** max(high, low + 1)
@@ -390,7 +390,7 @@ def draw_sweep(
     levels: Sequence[float],
     width: float = chart.HALF,
 ) -> chart.Chart:
-    """Draw lines over the first frequency, in per cent.
+    """Draw percentages over the first frequency.
 
     levels: sizes marked by lines. Runs that failed a check are red, and their plates are shaded up to the midpoints
     to their neighbours.
@@ -431,7 +431,7 @@ def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str, number: int) -> 
 
 
 def _per_cent(values: Sequence[float]) -> Floats:
-    """Return positive values in per cent, NaN for others."""
+    """Return positive values in per cent, otherwise NaN."""
     percentages = 100.0 * np.array(values, dtype=float)
     return np.where(np.isfinite(percentages) & (percentages > 0.0), percentages, np.nan)
 

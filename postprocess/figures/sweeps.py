@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison import quantities
+from postprocess.comparison.records import Compared
 from postprocess.svg.chart import FULL, PART, Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Boxes, Line, Mark, Swatch, Words
 from postprocess.svg.scales import Scale, Shades, cells_about, power_text
@@ -63,7 +64,7 @@ class SweepRows:
     fe: Mapping[str, Values]
     rigid: Mapping[str, Values]
     difference: Mapping[str, Values]
-    compared: quantities.Compared = quantities.TAIL_SLAP
+    compared: Compared = quantities.TAIL_SLAP
 
     @property
     def worst(self) -> Values:
@@ -99,7 +100,7 @@ def draw_sweep(rows: SweepRows) -> tuple[Chart, ...]:
 
 
 def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
-    """Draw results and the largest difference against one key.
+    """Draw results and largest difference against one key.
 
     The main result comes first. Points are connected if the key is the only one.
     """
@@ -180,7 +181,7 @@ def draw_maps(rows: SweepRows, across: Varied, up: Varied) -> list[Chart]:
 
 
 def _shaded(values: Values, unit: str, is_log: bool = False) -> tuple[Values, Values, Sequence[Swatch]]:
-    """Return colours of values, their texts, and the legend.
+    """Return colours and texts of values, and legend.
 
     Values that are not finite have empty texts.
     """
@@ -196,7 +197,7 @@ def _shaded(values: Values, unit: str, is_log: bool = False) -> tuple[Values, Va
 def _draw_map(
     name: str, title: str, colours: Values, said: Values, keys: Sequence[Swatch], across: Varied, up: Varied
 ) -> Chart:
-    """Draw cells of a complete grid, or small boxes."""
+    """Draw cells of a complete grid, or boxes."""
     x, y, coloured = across.values, up.values, colours != ""
     counts = np.unique(x).size, np.unique(y).size
     is_grid = counts[0] * counts[1] == x.size and min(counts) > 1
@@ -210,7 +211,7 @@ def _draw_map(
 
 
 def _ends(item: Varied, is_grid: bool) -> Values:
-    """Return the ends of the cell about each value.
+    """Return the ends of cells about values.
 
     Runs that make no grid have boxes of a fortieth of the range.
     """
@@ -249,7 +250,7 @@ def scaled(label: str, values: Values, is_log: bool) -> Scaled:
 
 
 def draw_parallels(rows: SweepRows) -> Chart:
-    """Draw each row as a line across parallel scales.
+    """Draw rows as lines across parallel scales.
 
     The scales are its inputs, its FE results and its largest difference, which colours it; failed rows are red. The
     rigid solution is drawn below these lines.

@@ -1,4 +1,4 @@
-"""Charts of a vehicle that rolls over a wall.
+"""Charts of vehicles that roll over a wall.
 
 Roll and wheel loads over time, the largest roll, and rolls over heights of centre and wall.
 """
@@ -38,7 +38,7 @@ class Roll(NamedTuple):
 
 
 class Leaning(NamedTuple):
-    """Vehicle from behind with the wall on its left.
+    """Vehicle from behind beside the wall.
 
     Width, track, heights of centre of mass and wall [m].
     """

@@ -57,7 +57,7 @@ class Report:
 
 
 def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
-    """Write all files of a report into a folder.
+    """Write the report into a folder.
 
     Page, summary, tables, histories, texts, figures as SVG, and the description of all files.
     """

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Picture:
-    """PNG file, embedded in the page, and its caption."""
+    """PNG file embedded in the page, with caption."""
 
     path: Path
     caption: str
@@ -37,7 +37,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Section:
-    """Part of a page with figures, tables and sentences.
+    """Part of a page with figures, tables, sentences.
 
     Empty parts are not shown. layout: "half" sections stand side by side; figures stand "narrow", three or four in a
     row, "wide", two, or "tall", one below the other. is_folded: shown on request.

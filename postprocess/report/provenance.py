@@ -26,7 +26,7 @@ def file_digest(path: Path) -> str:
 
 
 def files_digest(folder: Path, page: str) -> str:
-    """Return the digest of the files of a folder.
+    """Return the digest of a folder's files.
 
     Page and crate are excluded.
     """

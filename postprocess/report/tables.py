@@ -191,7 +191,7 @@ def text_table(
 def pairs(
     entries: Mapping[str, object] | Sequence[tuple[object, ...]], title: str = "", notes: tuple[str, ...] = ()
 ) -> Table:
-    """Return a table of names and values without headings.
+    """Tabulate names and values without headings.
 
     It has a column of units if there are any.
     """

@@ -39,7 +39,7 @@ def line_width() -> int:
 
 
 def wrapped(text: str, before: str = "") -> list[str]:
-    """Wrap a text to the terminal's width between words.
+    """Wrap a text to the terminal's width.
 
     before: text in front of the first line.
     """

@@ -67,7 +67,7 @@ def second_strike(curve: Floats, interval: float) -> StrikeDuration:
 
 
 def _turning_points(values: Floats, change: float) -> list[int]:
-    """Return valleys and peaks in turn, from a valley.
+    """Return alternating valleys and peaks, from a valley.
 
     Values between two of them differ by at least `change`, which is the least prominence of the peaks.
     """
@@ -84,7 +84,7 @@ def _turning_points(values: Floats, change: float) -> list[int]:
 
 
 def _valley(falling: Floats) -> int:
-    """Return the samples from a peak to its valley.
+    """Return samples from a peak to its valley.
 
     falling: force from the peak on.
     """

@@ -51,7 +51,7 @@ class Axis:
     named: tuple[tuple[float, str], ...] | None = None
 
     def scale(self, data: tuple[float, float]) -> scales.Scale:
-        """Return the scale of a range, not yet placed."""
+        """Return the scale of a range, without place."""
         low, high = scales.fitted(*data, self.margin, self.is_log)
         low = low if self.low is None else self.low
         high = high if self.high is None else self.high
@@ -100,7 +100,7 @@ class Plot:
 
 @dataclass(frozen=True)
 class Frame:
-    """Plot with its scales in place, and its ticks."""
+    """Plot with placed scales and ticks."""
 
     plot: Plot
     x: scales.Scale
@@ -186,7 +186,7 @@ def _stroked(opening: str, colour: str) -> str:
 
 
 def _levels(plot: Plot) -> list[tuple[Level, list[str]]]:
-    """Return the levels in rising order with their texts."""
+    """Return the levels and texts in rising order."""
     levels = sorted((mark for mark in plot.marks if isinstance(mark, Level)), key=lambda level: level.value)
     values = [f"{level.value:.4g} {plot.y.unit}".rstrip() for level in levels]
     return [

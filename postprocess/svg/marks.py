@@ -78,13 +78,13 @@ def path(places: Floats) -> str:
 
 
 def coloured(elements: str, colour: str) -> str:
-    """Return the elements as a group of this colour."""
+    """Return a group of elements in this colour."""
     name = f'class="{colour}" ' if colour in PALETTE else ""
     return f'<g {name}color="{PALETTE.get(colour, colour)}" fill="currentColor">{elements}</g>'
 
 
 def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12.0, more: str = "") -> str:
-    """Return a text element with subscripts, as in v_GY.
+    """Return a text element with subscripts.
 
     Without text it is empty.
     """
@@ -246,7 +246,7 @@ class Level(Mark):
 
 @dataclass(frozen=True)
 class Words(Mark):
-    """Text at a point, shifted by pixels, y downwards.
+    """Text at a point, shifted by pixels.
 
     anchor: "start", "middle" or "end".
     """
@@ -413,11 +413,11 @@ class Boxes(Mark):
         return f'<g>{elements}<path {labelled(self.label)}d="{invisible}"/></g>'
 
     def samples(self, x: Scale, y: Scale) -> Samples:
-        """Return the values of the boxes and their places."""
+        """Return values and places of the boxes."""
         return self.at or np.mean(self.x, axis=-1), self.values
 
     def key(self) -> str:
-        """Return a patch if all boxes have one colour."""
+        """Return a patch if boxes have one colour."""
         return patch(self.colour, self.strength) if isinstance(self.colour, str) else ""
 
 

@@ -201,14 +201,14 @@ class Shades:
         return [table[number] for number in np.rint((COUNT - 1) * fraction).astype(int)]
 
     def keys(self, unit: str) -> list[tuple[str, str]]:
-        """Return round values and their colours for the legend."""
+        """Return round values and colours for the legend."""
         ticks = Scale(self.low, self.high, is_log=self.is_log).ticks(6)
         texts = [measure(tick, unit, "g") for tick in ticks] if unit else tick_texts(ticks, self.is_log)
         return list(zip(texts, self.colours(np.array(ticks)), strict=True))
 
 
 def cells_about(values: Floats, is_log: bool) -> Floats:
-    """Return the ends of the cell about each value.
+    """Return the ends of cells about values.
 
     values: shape (n,), at least two of them different; ends: shape (n, 2). A cell ends midway between neighbours,
     with is_log at their geometric mean. No cell extends below zero unless a value does.

@@ -1,4 +1,4 @@
-"""Whole impact of a rigid vehicle on a wall.
+"""Whole impacts of rigid vehicles on a wall.
 
 The wall only pushes; the impact includes all strikes, with crush law and friction.
 

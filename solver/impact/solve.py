@@ -179,7 +179,7 @@ class ImpactMotion:
         return np.cumsum(increments[::-1], axis=0)[::-1]
 
     def corner_depths(self, times: ArrayLike) -> Array:
-        """Return the depths of the corners behind the wall.
+        """Return depths of the corners behind the wall.
 
         Parameters
         ----------
@@ -351,7 +351,7 @@ def solve_impacts(
     trailers: Sequence[Mapping[str, Any]] = (),
     axles: Sequence[Mapping[str, Number]] = (),
 ) -> Impacts:
-    """Solve whole impacts of many rigid vehicles or trains.
+    """Solve whole impacts of many vehicles or trains.
 
     Only their corners touch. Arguments broadcast.
 

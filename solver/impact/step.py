@@ -1,4 +1,4 @@
-"""Compiled motion of rigid trains that strike a wall.
+"""Compiled motion of trains that strike a wall.
 
 A train consists of rigid units joined by hinges, with points that the wall, Y = 0, may push. The step is that of the
 finite-element loop: forces at the positions of the points, velocities half a step ahead, then positions a step ahead.
@@ -117,7 +117,7 @@ class Work(NamedTuple):
 
 
 def workspace(units: int, hinges: int, points: int) -> Work:
-    """Return a workspace for one sample of this size."""
+    """Return a workspace for one sample."""
     size = 3 * units
     return Work(
         np.zeros((points, 19)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
@@ -451,7 +451,7 @@ def _crush(point):
 
 @compiled
 def _length(point):
-    """Return the length of the line of unloading [m]."""
+    """Return the length of the unloading line [m]."""
     _, _, length, _ = crush_line(_crush(point), point[DEEPEST])
     return length
 
@@ -670,7 +670,7 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
 
 @compiled
 def _deepest(point):
-    """Return the deepest mean, including that of this step."""
+    """Return the deepest mean up to this step."""
     mean = 0.5 * (point[EARLIER] + point[AHEAD]) if point[NORMAL] > 0.0 else 0.0
     return max(point[DEEPEST], mean)
 

@@ -154,7 +154,7 @@ def _pressed_fraction(force: Array) -> float:
 
 
 def _parabola_peak(t: Array, force: Array, run: tuple[int, int]) -> float:
-    """Return the peak of a parabola through three means.
+    """Return the peak of a fitted parabola.
 
     They are the highest sample and its neighbours; with fewer samples it is the highest.
     """
@@ -171,7 +171,7 @@ def _parabola_peak(t: Array, force: Array, run: tuple[int, int]) -> float:
 
 
 def corner_name(unit: int, corner: int) -> str:
-    """Return the name of a corner of a train.
+    """Return the name of a train's corner.
 
     Parameters
     ----------

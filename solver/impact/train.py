@@ -89,7 +89,7 @@ def stiffness_of_duration(
     width: Number,
     centre: Number,
 ) -> Any:
-    """Compute the crush stiffness from a rear strike's duration.
+    """Compute crush stiffness from a rear strike's duration.
 
     dt = (pi/2) (1 + e) sqrt(m_eff/k), a point mass on the bilinear law, with the effective mass of the corner of a side
     that is parallel to the wall, without friction: 1/m_eff = 1/m + a^2/I, a the distance of the rear behind the centre
@@ -136,7 +136,7 @@ def demand_body(
 def demand_law(
     stiffness: Number, initial_force: Number, plateau: Number, restitution: Number, unloading: Number
 ) -> None:
-    """Require possible values of one or many crush laws."""
+    """Require possible values of crush laws."""
     gate, e = Gate(), restitution
     gate.positive(rules.STIFFNESS, stiffness)
     gate.not_negative(rules.INITIAL_FORCE, initial_force)
@@ -300,7 +300,7 @@ def first_touch(
 
 
 def distances(vehicle: ImpactVehicle, trailers: Sequence[HitchedVehicle]) -> list[float]:
-    """Return the distances of trailers behind the vehicle [m].
+    """Return distances of trailers behind the vehicle [m].
 
     They are between centres of mass of units in line.
     """

@@ -259,7 +259,7 @@ def _rates(train: Train, state: Array) -> tuple[Array, Array]:
 def _difference(
     fine: Trajectories, coarse: Trajectories, turning: Array, weight: float, many_strikes: bool
 ) -> Array:
-    """Return the largest relative change of strikes and spin.
+    """Return the largest change of strikes and spin.
 
     Spin is compared with itself plus a tenth of speed over size, durations count times the weight. With many strikes
     all heavy ones count, otherwise the first two. The change is infinite where strikes differ, or a value is not
@@ -285,7 +285,7 @@ def _measures(motions: Trajectories, weight: float) -> Array:
 
 
 def _changes(fine: Array, coarse: Array) -> Array:
-    """Return the largest change of the first two strikes.
+    """Return the largest change of two strikes.
 
     Columns as of `_measures`.
     """

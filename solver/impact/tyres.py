@@ -1,4 +1,4 @@
-"""Tyres of a rigid train, with loads in equilibrium.
+"""Tyres of a train, with loads in equilibrium.
 
 Loads are those at rest. Axles of a vehicle have springs of one stiffness; those of a trailer have equal loads, and its
 kingpin loads the unit ahead at the hitch. Compiled side forces are taken at the velocities of the instant, which

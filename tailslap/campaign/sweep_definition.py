@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 import tailslap
-from postprocess.comparison.quantities import TAIL_SLAP, Compared
+from postprocess.comparison.quantities import TAIL_SLAP
+from postprocess.comparison.records import Compared
 from tailslap.campaign import records
 from tailslap.case import kind_of
 from tailslap.errors import InputError

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.quantities import ComparedQuantity
+from postprocess.comparison.records import ComparedQuantity
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
 from postprocess.report.command_report import Report, write_report
 from postprocess.report.page import Headline, Page, Section

@@ -22,7 +22,7 @@ def case_of(scene: Scene, source: Source) -> Case:
 
 
 def kind_of(scene: Scene) -> type[Case]:
-    """Return the class of the case of a scene.
+    """Return the class of a scene's case.
 
     A scene with [contact] is a whole impact, others are constrained corners. Only the modules of this kind are
     imported.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.comparison.quantities import Compared
+from postprocess.comparison.records import Compared
 from postprocess.signals.design_forces import design_forces
 from postprocess.units import SI, Units, force, measure
 from tailslap.case import plate_input, resources
@@ -48,7 +48,7 @@ CORNER, WHOLE_IMPACT = "a constrained corner", "a whole impact"
 
 @dataclass(frozen=True)
 class FePlan:
-    """The finite-element model of a run and its scene.
+    """Finite-element model of a run and its scene.
 
     Attributes
     ----------
@@ -256,7 +256,7 @@ class Case(ABC):
         """Return the set-up beyond vehicle, speed and angle, in parts."""
 
     def drawing_words(self, angle: float) -> dict[str, str]:
-        """Return the texts of the drawing of the set-up.
+        """Return the texts of the set-up's drawing.
 
         angle: at first touch [rad].
         """
@@ -350,7 +350,7 @@ class Case(ABC):
 
     @abstractmethod
     def row(self, outcome: Any | None) -> dict[str, Any]:
-        """Return a run as columns of a sweep, SI.
+        """Return a run as a sweep's row, SI.
 
         Without an outcome the rigid vehicle alone. Raises InputError for a scene whose kind of case needs a plate.
         """

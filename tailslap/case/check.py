@@ -14,8 +14,10 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.registry import Registry
 from postprocess.units import percent_up, shown
 
+T = TypeVar("T")
 OutcomeT = TypeVar("OutcomeT", contravariant=True)
 """Outcome of a run of one kind of case."""
 
@@ -26,7 +28,7 @@ STEP = "a smaller time.safety_factor"
 
 @dataclass(frozen=True)
 class Check:
-    """The result of a check of one run.
+    """Result of a check of one run.
 
     Attributes
     ----------
@@ -68,7 +70,7 @@ class Evaluation(NamedTuple):
 
 @dataclass(frozen=True)
 class CheckKind(Generic[OutcomeT]):
-    """A check of every run of a kind of case.
+    """Check of every run of a kind of case.
 
     Attributes
     ----------
@@ -98,6 +100,21 @@ class CheckKind(Generic[OutcomeT]):
         """Return the check of this run, None where it does not apply."""
         result = self.evaluate(outcome)
         return result and Check.at_most(self.name, *result[:3], result.advice or self.advice, self.in_percent)
+
+
+class CheckRegistry(Registry[CheckKind[T]]):
+    """Checks of a kind of case by name, in the order of the report."""
+
+    def add(
+        self, name: str, advice: str, group: str = "Others", **flags: bool
+    ) -> Callable[[Callable[[T], Evaluation | None]], Callable[[T], Evaluation | None]]:
+        """Register a function as a check, see `CheckKind`."""
+
+        def register(evaluate: Callable[[T], Evaluation | None]) -> Callable[[T], Evaluation | None]:
+            self.register(CheckKind(name, evaluate, advice, group, **flags))
+            return evaluate
+
+        return register
 
 
 @np.errstate(all="ignore")  # diverged runs fail their checks; warnings would add nothing

@@ -41,7 +41,7 @@ HIGHER_ORDER_UP_TO = 20_000
 
 @dataclass(frozen=True)
 class Decision:
-    """A value that the program chose, and the reason.
+    """Value that the program chose, and reason.
 
     value None: the key is removed.
     """
@@ -215,7 +215,7 @@ def refined(
 
 
 def comparable_plate(plate: Plate) -> Plate:
-    """Return the plate by which statics judges the mesh.
+    """Return the plate for static mesh tests.
 
     It has higher-order elements, or a coarser mesh than a large one.
     """

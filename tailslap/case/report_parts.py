@@ -69,7 +69,7 @@ OF_TRACTORS = ("TL-5", "TL-6")
 
 
 def footer(files: str = "") -> str:
-    """Return version, date and command line of a page.
+    """Return a page's version, date and command line.
 
     files: those beside the page.
     """
@@ -87,7 +87,7 @@ def study_page(
     files: str,
     passed: bool | None = None,
 ) -> Page:
-    """Make the page of a study of a case.
+    """Make the page of a case's study.
 
     files: those beside it; passed: None where nothing is checked.
     """
@@ -110,7 +110,7 @@ def design_forces_of(level: str | None) -> dict[str, DesignForce]:
 
 
 def design_ratios(case: Case, lateral: float) -> list[dict[str, Any]]:
-    """Return a lateral force [N] over each design force."""
+    """Return a lateral force [N] over design forces."""
     impact = case.scene.impact
     return [
         {

@@ -53,7 +53,7 @@ class Effort:
 
 
 def loop_seconds(scene: Scene, element: str, counts: tuple[int, int], steps: float, rows: int = 0) -> float:
-    """Return the expected time of the time loop [s].
+    """Return the expected time of the loop [s].
 
     counts: elements along and across; rows: of the history.
     """
@@ -95,7 +95,7 @@ def costly_key(scene: Scene, duration: float) -> tuple[str, object]:
 
 
 def expected_effort(scene: Scene, duration: float) -> Effort:
-    """Estimate the steps of a run and their time.
+    """Estimate a run's steps and their time.
 
     An open mesh counts as the first one that the program tries, with quadratic elements. duration: of the motion [s].
     """
@@ -125,7 +125,7 @@ def _wave_speed(body: Vehicle, plate: Plate) -> float:
 
 
 def beam_frequency(scene: Scene, length: float, width: float, modulus: float) -> float:
-    """Return the first frequency of a slender plate [Hz].
+    """Return a slender plate's first frequency [Hz].
 
     It has mass and thickness of the scene, these sides [m] and this Young's modulus [Pa].
     """

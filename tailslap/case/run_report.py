@@ -232,7 +232,7 @@ def fe_lines(
 
 
 def omitted_lines(omitted: Parts) -> Lines:
-    """Return the texts of `tailslap check` on omitted parts."""
+    """Return texts of `tailslap check` on omitted parts."""
     return {"omitted": [f"{part}: {why}" for part, why in omitted]} if omitted else {}
 
 

@@ -69,6 +69,12 @@ Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', least=1e-9, most=
 Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", least=1e-15, below=1.0)]
 Distortion = Annotated[float, Quantity("a fraction of the element size", "", "0.2", least=0.0, most=0.3)]
 
+FORMER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
+"""Former names of starts, with the present ones."""
+
+LISTED = ("trailer", "axle")
+"""Names of lists of tables, [[NAME]]."""
+
 
 def _registered(registry: Registry[Any]) -> BeforeValidator:
     """Return a validator that accepts the present names of a registry."""
@@ -89,10 +95,6 @@ def _element_counts(given: object) -> object:
     if any(type(n) is not int or n < 1 for n in given) or given[0] * given[1] > MAX_ELEMENTS:
         raise ValueError(allowed)
     return tuple(given)
-
-
-FORMER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
-"""Former names of starts, with the present ones."""
 
 
 def _start_name(given: object) -> object:
@@ -572,9 +574,6 @@ def _tables(table: type[SceneTable], prefix: str = "") -> dict[str, type[SceneTa
 
 TABLES = _tables(Scene)
 """Tables of a scene by dotted name; of a list of tables, its element."""
-
-LISTED = ("trailer", "axle")
-"""Names of lists of tables, [[NAME]]."""
 
 
 def value_at(scene: Any, key: str) -> Any:

@@ -8,7 +8,8 @@ from fem.laws.constraints import CornerConstraint, Penalty, add_corner_reaction
 from fem.laws.friction import Drag, Signed
 from fem.plate.discretisation import discretise
 from fem.plate.nodal_masses import exact_inertia_masses, row_sum_masses
-from fem.plate.spectrum import Spectrum, corner_support
+from fem.plate.spectrum import Spectrum
+from fem.plate.support import corner_support
 from fem.run.corner import Stepper
 from fem.start.inertia_relief import RigidStart
 from meshes import plate_mesh

@@ -12,7 +12,7 @@ import pytest
 
 from fem.modal import modal_model
 from fem.modal.modal_model import integrate, modal_plate, modal_start, with_fewer_modes
-from fem.modal.motion import MEASURED, accelerate, measure_rows
+from fem.modal.motion import ModalMeasures, accelerate, measure_rows
 from fem.modal.motion import reaction as corner_reaction
 from fem.start.inertia_relief import RigidStart, relieved_fields, to_global
 from postprocess.comparison.quantities import KEYS
@@ -116,9 +116,9 @@ def test_the_energy_changes_by_frictions_work(plate_model, reaction):
         result = np.empty(8)
         accelerate(place, speed, model, np.empty((2, 5)), result)
         rows = [np.concatenate([[0.0], *moved(place, speed, result, s)]) for s in (-step, step)]
-        measured = np.empty((2, len(MEASURED)))
+        measured = np.empty((2, len(ModalMeasures._fields)))
         measure_rows(np.array(rows), model, measured)
-        change = dict(zip(MEASURED, (measured[1] - measured[0]) / (2.0 * step), strict=True))
+        change = dict(zip(ModalMeasures._fields, (measured[1] - measured[0]) / (2.0 * step), strict=True))
         wall = corner_reaction(place, speed, model)
         power = wall.sigma * wall.normal * change["slide"]
         exchanged = np.abs(result[3:] * speed[3:]).sum()

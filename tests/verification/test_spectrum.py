@@ -16,7 +16,8 @@ from fem.plate import elastic, multigrid, spectrum, windows
 from fem.plate.elastic import ElasticSolver, Inverse
 from fem.plate.free_modes import free_modes, lowest_frequency, most_modes
 from fem.plate.lanczos import largest_eigenpair
-from fem.plate.spectrum import FREE, Spectrum, corner_support
+from fem.plate.spectrum import FREE, Spectrum
+from fem.plate.support import corner_support
 from fem.plate.windows import Windows, element_stiffness
 from fem.stability.deformed import deformed_frequency
 from fem.start.inertia_relief import RigidStart, relieved_fields

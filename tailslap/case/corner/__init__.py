@@ -1,1 +1,1 @@
-"""The paper's constrained corner, rigid and by finite elements."""
+"""Constrained corner, rigid and by finite elements."""

@@ -55,7 +55,7 @@ class CornerCase(RigidStages):
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:
-        """Return the columns of a sweep and their types.
+        """Return the columns of sweeps with their types.
 
         Raises InputError for a scene without [plate].
         """
@@ -66,7 +66,7 @@ class CornerCase(RigidStages):
         return {**real, **cost}
 
     def row(self, outcome: CornerOutcome | None) -> dict[str, Any]:
-        """Return a run as columns of a sweep, SI.
+        """Return a run as a sweep's row, SI.
 
         Quantities of the tail-slap are missing where it was not reached.
         """

@@ -23,22 +23,19 @@ PRACTICE contains checks that are customary in crash analysis, with their custom
 """
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.registry import Registry
 from postprocess.comparison.quantities import largest
 from tailslap.case.case import time_step
-from tailslap.case.check import FINER, STEP, CheckKind, Evaluation, evaluated
+from tailslap.case.check import FINER, STEP, CheckRegistry, Evaluation, evaluated
 from tailslap.case.corner.numerical_error import FLOOR, FRACTION, RINGING
 from tailslap.case.corner.outcome import STORED_ENERGIES, CornerOutcome, energy_error
 from tailslap.case.plate_input import plate_density
 
 Array = NDArray[np.float64]
-Evaluate = Callable[[CornerOutcome], Evaluation | None]
 
 STIFFER = 'a larger corner.penalty_scale, or corner.constraint = "exact"'
 MORE_DAMPING = "remove damping.kind, or specify damping.rate"
@@ -82,28 +79,18 @@ METRICS = {
 MECHANICS, CONTACT, PRACTICE = "Mechanics", "Work of the contact", "Customary in crash analysis"
 """Groups of checks."""
 
-CHECKS: Registry[CheckKind[CornerOutcome]] = Registry("check")
-"""Checks by name, in the order of the report."""
+CHECKS: CheckRegistry[CornerOutcome] = CheckRegistry("check")
+"""Checks of a run of a constrained corner."""
 
 
-def _check(name: str, advice: str, group: str, **flags: bool) -> Callable[[Evaluate], Evaluate]:
-    """Register a function as a check, see `CheckKind`."""
-
-    def register(evaluate: Evaluate) -> Evaluate:
-        CHECKS.register(CheckKind(name, evaluate, advice, group, **flags))
-        return evaluate
-
-    return register
-
-
-@_check("tail-slap reached", f"{MORE_DAMPING}; {SOFT}", MECHANICS, shows_ringing=True)
+@CHECKS.add("tail-slap reached", f"{MORE_DAMPING}; {SOFT}", MECHANICS, shows_ringing=True)
 def _reached(outcome: CornerOutcome) -> Evaluation:
     meaning = "angle [rad] between side and wall at the end of the run; 0 at the tail-slap"
     angle = 0.0 if outcome.run.strike else abs(outcome.history["theta"][-1]) or math.inf
     return Evaluation(angle, 0.0, meaning)
 
 
-@_check("finite numbers", f"{STEP}; {MORE_DAMPING}", MECHANICS, shows_ringing=True)
+@CHECKS.add("finite numbers", f"{STEP}; {MORE_DAMPING}", MECHANICS, shows_ringing=True)
 def _finite(outcome: CornerOutcome) -> Evaluation:
     force = outcome.fe_plan.case.force
     theory = (*outcome.fe_plan.case.tail_slap.values(), force.impulse, force.peak_force)
@@ -112,16 +99,16 @@ def _finite(outcome: CornerOutcome) -> Evaluation:
     return Evaluation(bad, 0, "entries of the histories and results that are not finite numbers")
 
 
-_check("time step", STEP, MECHANICS)(time_step)
+CHECKS.add("time step", STEP, MECHANICS)(time_step)
 
 
-@_check("energy balance", STEP, MECHANICS)
+@CHECKS.add("energy balance", STEP, MECHANICS)
 def _energy(outcome: CornerOutcome) -> Evaluation:
     worst = np.abs(energy_error(outcome.history)).max() / outcome.history["kinetic_energy"][0]
     return Evaluation(worst, 1e-6, "largest energy-balance error over the initial energy")
 
 
-@_check("momentum balance", STEP, MECHANICS)
+@CHECKS.add("momentum balance", STEP, MECHANICS)
 def _momentum(outcome: CornerOutcome) -> Evaluation:
     mass, speed = outcome.fe_plan.model.mass, outcome.history["v_gy"]
     change, scale = mass * (speed - speed[0]), mass * np.abs(speed).max()
@@ -131,13 +118,13 @@ def _momentum(outcome: CornerOutcome) -> Evaluation:
     )
 
 
-@_check("penetration", STIFFER, MECHANICS)
+@CHECKS.add("penetration", STIFFER, MECHANICS)
 def _penetration(outcome: CornerOutcome) -> Evaluation:
     gap = np.abs(outcome.history["gap"]).max() / outcome.fe_plan.case.body.width
     return Evaluation(gap, 0.01, "largest distance of the corner from the wall's line over the plate's width")
 
 
-@_check("friction by ringing", ROUGH, MECHANICS, shows_ringing=True)
+@CHECKS.add("friction by ringing", ROUGH, MECHANICS, shows_ringing=True)
 def _ringing(outcome: CornerOutcome) -> Evaluation | None:
     if not outcome.relieved:
         return None
@@ -145,7 +132,7 @@ def _ringing(outcome: CornerOutcome) -> Evaluation | None:
     return Evaluation(outcome.ringing, max(RINGING, FRACTION * outcome.by_flexibility), meaning)
 
 
-@_check("reaction against rigid", ROUGH, MECHANICS, shows_ringing=True, of_reaction=True)
+@CHECKS.add("reaction against rigid", ROUGH, MECHANICS, shows_ringing=True, of_reaction=True)
 def _reaction(outcome: CornerOutcome) -> Evaluation | None:
     if not outcome.relieved:
         return None
@@ -157,7 +144,7 @@ def _reaction(outcome: CornerOutcome) -> Evaluation | None:
     return Evaluation(value, 0.1 + EXPLAINED * outcome.fe_plan.deflection_ratio, meaning)
 
 
-@_check("oscillation", ROUGH, MECHANICS, shows_ringing=True)
+@CHECKS.add("oscillation", ROUGH, MECHANICS, shows_ringing=True)
 def _oscillation(outcome: CornerOutcome) -> Evaluation | None:
     """Compare the oscillation of an unstressed plate with its elastic energy.
 
@@ -177,7 +164,7 @@ def _oscillation(outcome: CornerOutcome) -> Evaluation | None:
     return Evaluation(float(outcome.history["vibration_energy"].max()) / scale, limit, meaning)
 
 
-@_check("numerical error", FINER, MECHANICS)
+@CHECKS.add("numerical error", FINER, MECHANICS)
 def _numerical_error(outcome: CornerOutcome) -> Evaluation | None:
     """Bound the numerical error.
 
@@ -194,7 +181,7 @@ def _numerical_error(outcome: CornerOutcome) -> Evaluation | None:
     return Evaluation(outcome.error.total, outcome.error.allowed, meaning, advice)
 
 
-@_check("agreement with rigid", "a stiffer plate, or a larger verify.tolerance", MECHANICS)
+@CHECKS.add("agreement with rigid", "a stiffer plate, or a larger verify.tolerance", MECHANICS)
 def _agreement(outcome: CornerOutcome) -> Evaluation | None:
     """Compare with the rigid body where the scene demands it.
 
@@ -207,7 +194,7 @@ def _agreement(outcome: CornerOutcome) -> Evaluation | None:
     return Evaluation(largest(outcome.difference), tolerance, meaning)
 
 
-@_check("energy ratio", STEP, PRACTICE)
+@CHECKS.add("energy ratio", STEP, PRACTICE)
 def _energy_ratio(outcome: CornerOutcome) -> Evaluation:
     """Compare the total energy with initial energy and work of friction.
 
@@ -223,7 +210,7 @@ def _energy_ratio(outcome: CornerOutcome) -> Evaluation:
     return Evaluation(np.abs(ratio - 1.0).max(), 0.02, meaning)
 
 
-@_check("contact work", STEP, CONTACT)
+@CHECKS.add("contact work", STEP, CONTACT)
 def _contact_work(outcome: CornerOutcome) -> Evaluation:
     """Compare the loss of the spring's energy with its work.
 
@@ -244,7 +231,7 @@ def _contact_work(outcome: CornerOutcome) -> Evaluation:
     return Evaluation(_over(np.abs(surplus).max(), scale), 1e-6, meaning)
 
 
-@_check("contact energy", STIFFER, CONTACT)
+@CHECKS.add("contact energy", STIFFER, CONTACT)
 def _stored(outcome: CornerOutcome) -> Evaluation:
     stored = outcome.history["contact_energy"] + outcome.history["hourglass_energy"]
     meaning = (
@@ -253,7 +240,7 @@ def _stored(outcome: CornerOutcome) -> Evaluation:
     return Evaluation(stored.max() / outcome.history["kinetic_energy"][0], 0.15, meaning)
 
 
-@_check("friction law", "empty the folder of compiled code, under ~/.cache/tailslap", CONTACT)
+@CHECKS.add("friction law", "empty the folder of compiled code, under ~/.cache/tailslap", CONTACT)
 def _friction_law(outcome: CornerOutcome) -> Evaluation:
     """Compare friction with the law of the scene.
 
@@ -281,7 +268,7 @@ def _friction_law(outcome: CornerOutcome) -> Evaluation:
     return Evaluation(_over(distance.max(), np.abs(force).max()), 1e-9, meaning)
 
 
-@_check("friction work", "a larger time.rows", CONTACT)
+@CHECKS.add("friction work", "a larger time.rows", CONTACT)
 def _friction(outcome: CornerOutcome) -> Evaluation | None:
     if not outcome.friction.impulse:
         return None
@@ -301,7 +288,7 @@ def _friction(outcome: CornerOutcome) -> Evaluation | None:
     return Evaluation(max(difference, _over(abs(recorded[0]), step)), 0.01, meaning)
 
 
-@_check("friction takes energy", MORE_DAMPING, CONTACT)
+@CHECKS.add("friction takes energy", MORE_DAMPING, CONTACT)
 def _dissipation(outcome: CornerOutcome) -> Evaluation | None:
     if outcome.friction.frictionless or not outcome.friction.dissipative:
         return None
@@ -313,7 +300,7 @@ def _dissipation(outcome: CornerOutcome) -> Evaluation | None:
     return Evaluation(value, 1e-9, meaning)
 
 
-@_check("friction work against rigid", ROUGH, CONTACT, of_reaction=True)
+@CHECKS.add("friction work against rigid", ROUGH, CONTACT, of_reaction=True)
 def _against_rigid(outcome: CornerOutcome) -> Evaluation | None:
     """Compare the work of friction with the rigid body's.
 
@@ -344,7 +331,7 @@ def _over(part: float, whole: float) -> float:
     return 0.0 if part == 0.0 else float(part / whole)
 
 
-@_check("hourglass over strain energy", ELEMENTS, PRACTICE)
+@CHECKS.add("hourglass over strain energy", ELEMENTS, PRACTICE)
 def _hourglass_of_strain(outcome: CornerOutcome) -> Evaluation:
     """Compare hourglass and strain energy.
 
@@ -361,13 +348,13 @@ def _hourglass_of_strain(outcome: CornerOutcome) -> Evaluation:
     return Evaluation(worst, 1.0, meaning + why) if small else Evaluation(worst, 0.1, meaning)
 
 
-@_check("hourglass over total energy", ELEMENTS, PRACTICE)
+@CHECKS.add("hourglass over total energy", ELEMENTS, PRACTICE)
 def _hourglass_of_total(outcome: CornerOutcome) -> Evaluation:
     ratio = outcome.history["hourglass_energy"].max() / outcome.history["kinetic_energy"][0]
     return Evaluation(ratio, 0.05, f"largest hourglass energy over the initial energy; {NCHRP}")
 
 
-@_check("added mass", 'plate.lumping = "exact"', PRACTICE)
+@CHECKS.add("added mass", 'plate.lumping = "exact"', PRACTICE)
 def _added_mass(outcome: CornerOutcome) -> Evaluation:
     scene, plate = outcome.fe_plan.case.scene, outcome.fe_plan.plate
     body = plate_density(scene, plate) * plate.thickness * scene.vehicle.length * scene.vehicle.width
@@ -394,7 +381,7 @@ def _metric(metric: str, customary: float, what: str, outcome: CornerOutcome) ->
 
 
 for _name, _how in METRICS.items():
-    _check(_name, ROUGH, PRACTICE, of_reaction=True)(partial(_metric, *_how))
+    CHECKS.add(_name, ROUGH, PRACTICE, of_reaction=True)(partial(_metric, *_how))
 
 
 @np.errstate(all="ignore")  # diverged runs fail their checks; warnings would add nothing

@@ -162,7 +162,7 @@ def _completed(case: RigidStages, mesh: decisions.Mesh, normal: float) -> tuple[
 
 
 def _demand_wall(case: RigidStages) -> None:
-    """Raise InputError where the corner slides beyond the wall."""
+    """Raise InputError for sliding beyond the wall."""
     wall, slide = case.scene.wall, case.motion.strike.slide
     if wall is not None and wall.length < abs(slide):
         allowed = f"the corner slides {slide:.4g} m along the wall; allowed is a length of at least that"

@@ -60,7 +60,7 @@ METRICS_NOTE = (
 
 @dataclass(frozen=True)
 class CornerReport(FeReport):
-    """The report of a run of a constrained corner."""
+    """Report of a run of a constrained corner."""
 
     outcome: CornerOutcome
 
@@ -107,7 +107,7 @@ class CornerReport(FeReport):
         return omitted_parts(self.outcome.fe_plan.case.scene, pictures)
 
     def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> CornerReport:
-        """Draw the contours at the tail-slap into a folder."""
+        """Draw contours at the tail-slap into a folder."""
         return CornerReport(draw_pictures(self.outcome, folder, units, size))
 
     def summary(self, pictures: bool) -> dict[str, Any]:

@@ -210,7 +210,7 @@ def compare(fe_plan: CornerPlan, run: Run, setup: float) -> CornerOutcome:
 def rigid_columns(
     fe_plan: CornerPlan, history: dict[str, NDArray[np.float64]]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the rigid motion as columns of a history.
+    """Return the rigid motion as history columns.
 
     The body has the mass of the plate. Instants after the end of the rigid motion are NaN; elastic energy and damping
     are 0.

@@ -47,7 +47,7 @@ Histories = tuple[Columns, Columns]
 
 @dataclass(frozen=True)
 class Companion:
-    """A run of the same plate on another mesh.
+    """Run of the same plate on another mesh.
 
     Attributes
     ----------
@@ -178,7 +178,7 @@ def _oscillation_lost(fe_plan: corner_plan.CornerPlan) -> float:
 def distance_in_motion(
     run: Histories, other: Histories, rigid: Mapping[str, float], oscillates: bool
 ) -> float:
-    """Return the distance between the velocities of two runs.
+    """Return the distance between two runs' velocities.
 
     It is taken over a tenth of the motion, and is a root mean square over the velocity of the rigid body, the largest
     of all velocities, and infinite where a number is not finite.

@@ -120,7 +120,7 @@ class RigidStages(case.Case):
             return solver.strike_force(self.scene.vehicle.mass, speed, duration)
 
     def peak_force(self, v_gy: float) -> float:
-        """Return the peak force of a lateral speed [N].
+        """Return a lateral speed's peak force [N].
 
         v_gy: at the tail-slap [m/s].
         """
@@ -193,7 +193,7 @@ class RigidStages(case.Case):
         return changed
 
     def decided(self, decisions: Iterable[Decision]) -> Self:
-        """Return the case with the decisions of the program."""
+        """Return the case with the program's decisions."""
         changes = {decision.key: decision.value for decision in decisions}
         return self.with_changes(changes) if changes else self
 

@@ -31,7 +31,7 @@ from a tenth to ten times the stiffness of steel."""
 
 
 def fe_input(case: RigidStages, plate: Plate) -> tuple[PlateProperties, CornerProperties, StepProperties]:
-    """Return the properties of plate, corner and time step.
+    """Return properties of plate, corner and time step.
 
     plate: with its Young's modulus.
     """

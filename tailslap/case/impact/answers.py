@@ -1,4 +1,4 @@
-"""Results of an impact by one of both models.
+"""Results of an impact by one model.
 
 Strikes, filtered forces and their peaks, the duration of the second strike, occupant risk.
 """
@@ -111,17 +111,17 @@ class ImpactAnswer:
 
     @cached_property
     def lateral(self) -> dict[str, np.ndarray]:
-        """Lateral force on the wall, raw and filtered [N]."""
+        """Lateral force on the wall by filter [N]."""
         return filters.force_curves(self.history["force_normal"][1:], self.interval)
 
     @cached_property
     def longitudinal(self) -> dict[str, np.ndarray]:
-        """Longitudinal force on the wall, raw and filtered [N]."""
+        """Longitudinal force on the wall by filter [N]."""
         return filters.force_curves(-self.history["force_tangential"][1:], self.interval)
 
     @cached_property
     def peaks(self) -> dict[str, float]:
-        """Peaks of the lateral force, raw and filtered [N]."""
+        """Peaks of the lateral force by filter [N]."""
         return filters.force_peaks(self.lateral)
 
     @property
@@ -333,7 +333,7 @@ def sampled_answer(
     place: np.ndarray,
     corner: np.ndarray,
 ) -> ImpactAnswer:
-    """Return an impact from sampled forces of contact points.
+    """Return an impact from sampled contact forces.
 
     Parameters
     ----------
@@ -384,7 +384,7 @@ def filtered(force: np.ndarray, interval: float) -> dict[str, np.ndarray]:
 def peaks_within(
     curves: Mapping[str, np.ndarray], interval: float, start: float, end: float
 ) -> dict[str, float]:
-    """Return the peaks of filtered curves in a strike.
+    """Return peaks of filtered curves in a strike.
 
     start, end [s]: without such instants peaks are NaN. A 50 ms mean counts if its window lies in the strike, or about
     the middle of a shorter one, because the next strike may follow at once.
@@ -442,7 +442,7 @@ def first_strikes(strikes: Sequence[Strike], units: int) -> list[list[Strike]]:
 
 
 def first_strike(contacts: Sequence[Strike]) -> list[Strike]:
-    """Return the contacts that form a corner's first strike.
+    """Return the contacts of a corner's first strike.
 
     contacts: of the corner, in order of time.
     """

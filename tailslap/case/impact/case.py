@@ -129,6 +129,6 @@ def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
 
 
 def _tipping_columns(model: str, answer: Any) -> dict[str, float]:
-    """Return the columns of the roll, none without [tipping]."""
+    """Return the columns of the roll, if any."""
     numbers = answer.numbers() if answer else {}
     return {f"{model}.tipping.{name}": numbers[name] for name in TIPPING if numbers}

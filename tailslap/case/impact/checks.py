@@ -30,7 +30,9 @@ MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.STATED
 CLOSER = f"{check.FINER}; contact.patch_length for the force of a corner; a larger verify.mesh"
 HINGED = CLOSER.replace("corner;", "corner, trailer.hitch_length for that of a hinge;")
 FAULT = "please report it: this is a fault of the program"
-SHORT = "a softer contact: the rows do not resolve strikes as short as these"
+
+CHECKS: check.CheckRegistry[run.ImpactOutcome] = check.CheckRegistry("check")
+"""Checks of a run of a whole impact."""
 
 
 def energy_error(outcome: run.ImpactOutcome) -> np.ndarray:
@@ -44,12 +46,17 @@ def _initial_energy(outcome: run.ImpactOutcome) -> float:
     return 0.5 * sum(unit.mass for unit in plan.motion.vehicles) * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
 
 
+@CHECKS.add("finite numbers", check.STEP)
 def _finite(outcome: run.ImpactOutcome) -> check.Evaluation:
     arrays = (*outcome.run.history.values(), outcome.run.normal)
     bad = sum(int(np.count_nonzero(~np.isfinite(array))) for array in arrays)
     return check.Evaluation(bad, 0, "entries of the histories that are not finite numbers")
 
 
+CHECKS.add("time step", check.STEP)(case.time_step)
+
+
+@CHECKS.add("energy balance", check.STEP)
 def _energy(outcome: run.ImpactOutcome) -> check.Evaluation:
     worst = np.abs(energy_error(outcome)).max() / _initial_energy(outcome)
     exact = _is_exact(outcome)
@@ -58,6 +65,7 @@ def _energy(outcome: run.ImpactOutcome) -> check.Evaluation:
     return check.Evaluation(worst, LOSS if exact else 1e-3, meaning)
 
 
+@CHECKS.add("energy gained", check.STEP)
 def _gain(outcome: run.ImpactOutcome) -> check.Evaluation:
     gain = energy_error(outcome).max() / _initial_energy(outcome)
     return check.Evaluation(gain, 1e-3, "largest energy gain over the initial energy")
@@ -68,6 +76,7 @@ def _is_exact(outcome: run.ImpactOutcome) -> bool:
     return not contact.crushes and contact.enforcement == "exact"
 
 
+@CHECKS.add("momentum balance", FAULT)
 def _momentum(outcome: run.ImpactOutcome) -> check.Evaluation:
     h, plan, mass = outcome.run.history, outcome.fe_plan.case, outcome.fe_plan.model.mass
     scale = mass * math.hypot(plan.touch.v_gx, plan.touch.v_gy)
@@ -80,6 +89,7 @@ def _momentum(outcome: run.ImpactOutcome) -> check.Evaluation:
     return check.Evaluation(worst / scale, 1e-9, meaning)
 
 
+@CHECKS.add("angular momentum", FAULT)
 def _angular(outcome: run.ImpactOutcome) -> check.Evaluation:
     h = outcome.run.history
     turned = h["angular_momentum"] - h["moment_impulse"] - h.get("tyre_impulse_angular", 0.0)
@@ -87,17 +97,38 @@ def _angular(outcome: run.ImpactOutcome) -> check.Evaluation:
     return check.Evaluation(worst, 1e-9, "angular momentum minus integrated moment of wall and tyres")
 
 
+@CHECKS.add("no pull", FAULT)
 def _pull(outcome: run.ImpactOutcome) -> check.Evaluation:
     least = -float(outcome.run.normal.min())
     return check.Evaluation(least, 1e-6 * np.abs(outcome.run.normal).max(), "largest tensile force [N]")
 
 
+@CHECKS.add("strikes found", "a stiffer plate, or a later time.end")
 def _strikes(outcome: run.ImpactOutcome) -> check.Evaluation:
     counted = outcome.rigid.counted
     missing = min(counted, len(outcome.rigid.strikes)) - len(outcome.fe.strikes[:counted])
     words = "two" if counted == 2 else f"{counted}"
     return check.Evaluation(
         missing, 0, f"of the rigid vehicle's first {words} strikes, those absent from the FE run"
+    )
+
+
+@CHECKS.add("sampling", "a softer contact: the rows do not resolve strikes as short as these")
+def _sampling(outcome: run.ImpactOutcome) -> check.Evaluation:
+    shortest = min(
+        (strike.duration for strike in error.assessed_strikes(outcome.fe.strikes)), default=math.nan
+    )
+    meaning = "time between rows over the shorter of the first two major strikes"
+    return check.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
+
+
+@CHECKS.add("articulation", "a time.end before that, for the model holds until then")
+def _articulation(outcome: run.ImpactOutcome) -> check.Evaluation | None:
+    if not outcome.run.units:
+        return None
+    largest = max(hinge["largest_angle"] for hinge in outcome.fe.hinges)
+    return check.Evaluation(
+        largest, 0.5 * math.pi, "largest angle of a hinge [rad]; beyond it units touch: jack-knifing"
     )
 
 
@@ -116,45 +147,13 @@ def _stated(quantity: str, outcome: run.ImpactOutcome) -> check.Evaluation | Non
     return check.Evaluation(errors[quantity], verify.mesh, meaning, HINGED if hinged else "")
 
 
-def _sampling(outcome: run.ImpactOutcome) -> check.Evaluation:
-    shortest = min(
-        (strike.duration for strike in error.assessed_strikes(outcome.fe.strikes)), default=math.nan
-    )
-    meaning = "time between rows over the shorter of the first two major strikes"
-    return check.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
-
-
-def _articulation(outcome: run.ImpactOutcome) -> check.Evaluation | None:
-    if not outcome.run.units:
-        return None
-    largest = max(hinge["largest_angle"] for hinge in outcome.fe.hinges)
-    return check.Evaluation(
-        largest, 0.5 * math.pi, "largest angle of a hinge [rad]; beyond it units touch: jack-knifing"
-    )
-
-
-CHECKS: tuple[check.CheckKind[run.ImpactOutcome], ...] = (
-    check.CheckKind("finite numbers", _finite, check.STEP),
-    check.CheckKind("time step", case.time_step, check.STEP),
-    check.CheckKind("energy balance", _energy, check.STEP),
-    check.CheckKind("energy gained", _gain, check.STEP),
-    check.CheckKind("momentum balance", _momentum, FAULT),
-    check.CheckKind("angular momentum", _angular, FAULT),
-    check.CheckKind("no pull", _pull, FAULT),
-    check.CheckKind("strikes found", _strikes, "a stiffer plate, or a later time.end"),
-    check.CheckKind("sampling", _sampling, SHORT),
-    check.CheckKind("articulation", _articulation, "a time.end before that, for the model holds until then"),
-    *(
-        check.CheckKind(name, partial(_stated, quantity), CLOSER, in_percent=True)
-        for quantity, name in MESH_CHECKS.items()
-    ),
-)
-"""In the order in which they are listed."""
+for _quantity, _name in MESH_CHECKS.items():
+    CHECKS.add(_name, CLOSER, in_percent=True)(partial(_stated, _quantity))
 
 
 def impact_checks(outcome: run.ImpactOutcome) -> tuple[check.Check, ...]:
     """Evaluate all checks of a run."""
-    return check.evaluated(CHECKS, outcome)
+    return check.evaluated(CHECKS.values(), outcome)
 
 
 def failed_but_mesh(outcome: run.ImpactOutcome) -> tuple[str, ...]:

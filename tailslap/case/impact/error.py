@@ -1,4 +1,4 @@
-"""Numerical error of a whole impact by other meshes.
+"""Numerical error of whole impacts by other meshes.
 
 The differences are evaluated as in ASME V&V 20.
 """
@@ -126,7 +126,7 @@ def changes(one: ImpactAnswer, other: ImpactAnswer) -> dict[str, float]:
 
 
 def value(answer: ImpactAnswer, strike: Strike, name: str) -> float:
-    """Return a quantity of `QUANTITIES` of a strike [SI]."""
+    """Return a strike's quantity of `QUANTITIES` [SI]."""
     return mean_peak(answer, strike) if name == "mean_50ms" else float(getattr(strike, name))
 
 
@@ -206,7 +206,7 @@ def hinge_means(answer: ImpactAnswer, hinge: int, starts: np.ndarray, width: flo
 
 
 def _judged(apart: Sequence[float], step: float) -> float:
-    """Return the error from the distances to other meshes.
+    """Return the error from distances to other meshes.
 
     apart: the finest mesh last; step: between the last two, at its least value.
     """
@@ -218,7 +218,7 @@ def _judged(apart: Sequence[float], step: float) -> float:
 
 
 def safety(ratio: float) -> float:
-    """Return the factor of safety on the last step.
+    """Return the factor on the last step.
 
     Its product with the step is the error of the finest of three meshes. ratio: of the first step to the last. Without
     an order it is that of two meshes of first order.

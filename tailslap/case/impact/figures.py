@@ -1,4 +1,4 @@
-"""Figures of a whole impact's report, from its histories."""
+"""Figures of a whole impact's report."""
 
 from collections.abc import Sequence
 from pathlib import Path

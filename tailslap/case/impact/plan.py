@@ -165,7 +165,7 @@ def _inertia(case: RigidImpact, number: int) -> Inertia | None:
 
 
 def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
-    """Return a unit on a plate with its modulus."""
+    """Return a unit on this plate."""
     scene, inertia = case.scene, _inertia(case, number)
     chosen = chosen_lengths(scene)
     properties = plate_input.plate_properties(scene, plate, inertia, number)
@@ -184,7 +184,7 @@ def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
 
 
 def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
-    """Return a deformable wall about the rigid vehicle's strikes."""
+    """Return a deformable wall about the rigid strikes."""
     places = [strike.position for strike in case.motion.strikes] or [0.0]
     start = 0.5 * (min(places) + max(places) - wall.length)
     assert wall.height is not None
@@ -219,7 +219,7 @@ def contact_properties(case: RigidImpact, number: int) -> ContactProperties:
 
 
 def _point_crush(law: CrushLaw) -> PointCrush:
-    """Return the crush of a corner for the plate."""
+    """Return a corner's crush for the plate."""
     return PointCrush(
         law.stiffness,
         law.initial_force,

@@ -95,7 +95,7 @@ class ImpactReport(FeReport):
 
     @property
     def headline(self) -> Headline:
-        """Largest 50 ms mean, the set-up, and its accuracy."""
+        """Largest 50 ms mean, set-up and accuracy."""
         return headline(self.outcome)
 
     @property
@@ -119,7 +119,7 @@ class ImpactReport(FeReport):
         ]
 
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:
-        """List the parts that the scene does not use."""
+        """List the parts that the scene omits."""
         return omitted_parts(self.outcome.fe_plan.case.scene, pictures)
 
     def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> ImpactReport:
@@ -133,7 +133,7 @@ class ImpactReport(FeReport):
 
 
 def headline(outcome: run.ImpactOutcome) -> Headline:
-    """Return the largest 50 ms mean, set-up and accuracy."""
+    """Return largest 50 ms mean, set-up and accuracy."""
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
     failed = failed_names(outcome.checks)
     uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
@@ -188,7 +188,7 @@ def _uncertain(outcome: run.ImpactOutcome) -> str:
 
 
 def errors_table(outcome: run.ImpactOutcome) -> Table:
-    """Return the stated errors of strikes, empty without any."""
+    """Return the stated errors of strikes, if any."""
     strikes = error.assessed_strikes(outcome.fe.strikes) if outcome.mesh_error else []
     rows = [
         {"strike": f"{1 + outcome.fe.strikes.index(strike)} {strike.corner}"}
@@ -239,7 +239,7 @@ def filtered_table(outcome: run.ImpactOutcome) -> Table:
 
 
 def durations_table(answer: ImpactAnswer) -> Table:
-    """Return the second strike's duration by the paper's reading."""
+    """Return the second strike's durations."""
     rows = [{"curve": CURVES[name], **values} for name, values in answer.second_strike.items()]
     return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
 
@@ -314,7 +314,7 @@ def _wall(outcome: run.ImpactOutcome) -> list[Table]:
 
 
 def _paper(outcome: run.ImpactOutcome) -> list[Table]:
-    """Return the paper's three stages for the same vehicle.
+    """Return the paper's stages for the same vehicle.
 
     There is none where the scene has not their input.
     """
@@ -348,7 +348,7 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
 
 
 def numbers(outcome: run.ImpactOutcome) -> dict[str, Any]:
-    """Return the numbers of a whole impact's summary, SI."""
+    """Return numbers of a whole impact's summary, SI."""
     plan, rolls = (
         outcome.fe_plan.case,
         {n: {"tipping": roll.numbers()} for n, roll in outcome.tipping.items()},

@@ -163,7 +163,7 @@ class RigidImpact(Case):
 
     @cached_property
     def motion(self) -> impact.ImpactMotion:
-        """Impact of the rigid vehicle, to the scene's end."""
+        """Impact of the vehicle to the scene's end."""
         return self.motion_until(self.scene.time.end)
 
     def motion_until(self, end: float | None) -> impact.ImpactMotion:
@@ -180,7 +180,7 @@ class RigidImpact(Case):
 
     @property
     def after_second(self) -> float:
-        """Time from the second strike to the end [s].
+        """Time after the second strike [s].
 
         It applies without time.end.
         """
@@ -221,7 +221,7 @@ class RigidImpact(Case):
 
     @property
     def inputs(self) -> dict[str, float]:
-        """Value of each key of `arguments` in the scene."""
+        """Values of `arguments` in the scene."""
         values = {key: value_at(self.scene, key) or 0.0 for key in self.arguments}
         for number, trailer in enumerate(self.trailers):
             body, stiffness = trailer.vehicle, trailer.contact.crush.stiffness
@@ -371,11 +371,11 @@ class RigidImpact(Case):
         return set_up.draw_set_up(units, words, caption)
 
     def rigid_history(self) -> dict[str, np.ndarray]:
-        """Return the columns of the impact by name, SI."""
+        """Return columns of the impact by name, SI."""
         return dict(self.answer.history)
 
     def rigid_numbers(self) -> dict[str, Any]:
-        """Return strikes, peaks and state at the end, SI."""
+        """Return strikes, peaks and end state, SI."""
         beside, numbers = paper_method(self.scene, self.answer), self.answer.numbers()
         if self.tipping:
             numbers["tipping"] = self.tipping.numbers()

@@ -69,12 +69,12 @@ class ImpactOutcome(Outcome):
 
     @property
     def lateral_force(self) -> float:
-        """Largest 50 ms mean of the plate's force [N]."""
+        """Largest 50 ms mean force [N]."""
         return float(self.fe.peaks["mean_50ms"])
 
     @cached_property
     def tipping(self) -> dict[str, Any]:
-        """Roll over the wall by model, empty without [tipping]."""
+        """Roll over the wall by model, if any."""
         rolls = {
             name: tipping_of(self.fe_plan.case, answer)
             for name, answer in (("FE", self.fe), ("rigid", self.rigid))
@@ -116,7 +116,7 @@ def rigid_motion(case: RigidImpact, end: float) -> ImpactMotion:
 
 
 def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = None) -> ImpactRun:
-    """Integrate the model to the end of the impact.
+    """Integrate the model to the impact's end.
 
     It is the scene's end, or `after_second` after the second strike, for a train after that of its last rear, not
     before the rigid vehicle's end, and when neither is in a strike. snapshots: number of instants at which the motion
@@ -206,7 +206,7 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
 
 
 def _estimated(outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer]) -> ImpactOutcome:
-    """Return the outcome with its errors by other meshes."""
+    """Return the outcome with errors by other meshes."""
     return replace(
         outcome,
         mesh_error=error.estimate(outcome.fe, sequence),

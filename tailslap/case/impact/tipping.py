@@ -126,7 +126,7 @@ class TippingAnswer:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Sentences on margins, wheels, the force and the error."""
+        """Sentences on margins, wheels and force."""
         numbers = self.numbers()
         wall, centre = (measure(numbers[f"{name}_margin"], "m", "+.3f") for name in ("wall", "centre"))
         lifted = (
@@ -141,7 +141,7 @@ class TippingAnswer:
         )
 
     def text(self, units: str) -> list[str]:
-        """Return the lines for a terminal, without the verdict."""
+        """Return lines for a terminal without the verdict."""
         return [TITLE, *(f"  {SYSTEMS[units].rendered(said)}" for said in self.sentences)]
 
 

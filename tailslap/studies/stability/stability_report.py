@@ -200,7 +200,7 @@ def advised(failed: Iterable[str], impact: bool = False) -> str:
 
     `impact` selects those of a whole impact.
     """
-    kinds = {kind.name: kind for kind in (impact_checks.CHECKS if impact else CHECKS.values())}
+    kinds = {kind.name: kind for kind in (impact_checks.CHECKS.values() if impact else CHECKS.values())}
     return advice(kinds[name].advice for name in failed if name in kinds)
 
 
