@@ -66,7 +66,7 @@ class Laws(Protocol):
 
 
 def _numba_code() -> Any:
-    """Return the compiling module with all functions registered."""
+    """Return the module that compiles, with all functions registered."""
     from machine_code import numba_code
 
     numba_code.register_kernel_type(Kernel)
@@ -287,7 +287,7 @@ def implements(generic: Function, kind: type, merged: bool = False) -> Function:
 
 
 def chosen(generic: Function) -> Function:
-    """Decorate a function that chooses `generic`'s implementation.
+    """Decorate a function that returns the implementation of `generic`.
 
     It receives Numba's types of the arguments.
     """

@@ -44,7 +44,7 @@ def cache_folder() -> Path:
 
 
 def sources() -> str:
-    """Return the digest of PACKAGES and registered laws."""
+    """Return the digest of PACKAGES and of registered laws."""
     digest = _own_digest().copy()
     for source in outside_sources():
         digest.update(source)

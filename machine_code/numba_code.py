@@ -46,7 +46,7 @@ def make_dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> An
 
 
 def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> ObjectCode:
-    """Return the machine code for these argument types."""
+    """Return the machine code for arguments of these types."""
     types = tuple(map(numba.typeof, arguments))
     dispatcher.compile(types)
     specialised, convention = dispatcher.overloads[types], dispatcher.targetctx.call_conv
@@ -58,7 +58,7 @@ def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> ObjectCode:
 
 
 def register_numba_symbols() -> None:
-    """Register the addresses of Numba's functions with LLVM.
+    """Register the addresses of Numba's own functions with LLVM.
 
     Numba does the same when it compiles.
     """
@@ -86,7 +86,7 @@ def python_type(kind: Any) -> type | None:
 
 @functools.cache
 def make_callable(helper: Callable[..., Any]) -> None:
-    """Register a function for calls from compiled code."""
+    """Register a plain function for calls from compiled code."""
     register_jitable(helper)
 
 

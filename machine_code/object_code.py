@@ -155,7 +155,7 @@ class KernelError(RuntimeError):
 
 
 def encoded(code: ObjectCode, identity: dict[str, Any]) -> bytes:
-    """Return the content of an object code file.
+    """Return the content of a file of object code.
 
     It is a digest of the remainder, a line with the identity, and the code.
     """
@@ -197,12 +197,12 @@ def machine() -> dict[str, Any]:
 
 
 def helpers_of(code: ObjectCode) -> set[str]:
-    """Return Numba's functions that the code needs."""
+    """Return the functions of Numba that the code needs."""
     return {name.decode() for name in HELPER.findall(code.code)} - set(UNUSED)
 
 
 def load_code(code: ObjectCode) -> Call:
-    """Load object code and return its call.
+    """Load object code into memory and return its call.
 
     The call raises KernelError if the kernel ends with an error.
     """

@@ -14,7 +14,7 @@ REGISTERED: list[Callable[[], Iterable[Any]]] = []
 
 
 def outside_sources() -> tuple[bytes, ...]:
-    """Return sources of registered functions outside the packages.
+    """Return the sources of registered functions outside the packages.
 
     They are kernels and helpers of laws, which are merged into compiled code.
     """

@@ -116,8 +116,11 @@ SIDES = '<geom type="box" size="{length} {half} {high}" pos="0 0 0" condim="1" s
 
 
 def struck(case: Case) -> tuple[float, np.ndarray, float, float]:
-    """Largest roll [rad] of a box that strikes a box of a wall by the engine's own contact, without friction; its force
-    across the wall in each step [N], the part of the impulse that points upwards, and its mean height [m]."""
+    """Simulate a box that strikes a box-shaped wall by the engine's contact without friction.
+
+    Returns the largest roll [rad], the force across the wall in each step [N], the upward part of the impulse over the
+    whole, and the mean height of the force [m].
+    """
     sides = SIDES.format(length=0.5 * LENGTH, half=0.5 * WIDTH, high=case.centre - 0.3)
     model = body(case, WALL.format(half=0.5 * case.wall) + sides)
     data, rest = mujoco.MjData(model), MASS * tipping.GRAVITY / (2.0 * SPRING)

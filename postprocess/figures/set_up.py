@@ -110,7 +110,7 @@ def _dimensions(place: Floats, size: float, words: Mapping[str, str]) -> list[Ma
 
 
 def _speed(unit: Unit, size: float, text: str) -> list[Mark]:
-    """Return the arrow of speed at first touch."""
+    """Return the arrow of the speed at first touch."""
     start, theta = np.array([unit.x_g[0], unit.y_g[0]]), float(unit.theta[0])
     end = start + 0.3 * size * np.array([np.cos(theta), -np.sin(theta)])
     return [*_arrow(start, end, size), _words(text, end, (0.0, -8.0), "middle")]

@@ -75,14 +75,14 @@ def test_a_run_has_the_bits_of_the_command(result, tmp_path, capsys):
 
 
 def test_a_whole_impact_has_the_bits_of_the_command(tmp_path, capsys):
-    found = tailslap.run("impact-mash-tl4-sut", {"plate.elements": (10, 3), "time.end": "0.4 s"})
+    result = tailslap.run("impact-mash-tl4-sut", {"plate.elements": (10, 3), "time.end": "0.4 s"})
     words = ("--set", "plate.elements=[10,3]", "--set", "time.end=0.4 s", "--no-pictures")
     command(capsys, "run", "impact-mash-tl4-sut", *words, "--out", str(tmp_path / "a"))
     expected = json.loads((tmp_path / "a" / "summary.json").read_text())
-    mine, its = without_times(found.summary), without_times(expected)
-    assert its.pop("left_out") != mine.pop("left_out")  # the pictures
-    assert mine == its
-    saved = found.save(tmp_path / "b", pictures=False)
+    mine, theirs = without_times(result.summary), without_times(expected)
+    assert theirs.pop("left_out") != mine.pop("left_out")  # the pictures
+    assert mine == theirs
+    saved = result.save(tmp_path / "b", pictures=False)
     assert (saved / "history.csv").read_bytes() == (tmp_path / "a" / "history.csv").read_bytes()
 
 
@@ -121,10 +121,10 @@ def test_editors_and_type_checkers_see_the_names(tmp_path):
     code = "\n".join((*lines, "tailslap.walk()", ""))
     (tmp_path / "a.py").write_text(code)
     command = [sys.executable, "-m", "mypy", "--config-file=", "--follow-imports=silent", "a.py"]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
-    assert 'note: Revealed type is "dict[str, str]"' in done.stdout.replace("builtins.", "")
-    assert 'error: Module has no attribute "walk"' in done.stdout
-    assert '"rolling"' not in done.stdout, "columns have the methods of a series of pandas"
+    process = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert 'note: Revealed type is "dict[str, str]"' in process.stdout.replace("builtins.", "")
+    assert 'error: Module has no attribute "walk"' in process.stdout
+    assert '"rolling"' not in process.stdout, "columns have the methods of a series of pandas"
 
 
 UNTYPED: Any = tailslap
@@ -162,9 +162,9 @@ VALID = {"scene": "mash-tl4-sut", "name": "uncertainty", "vary": {"impact.speed"
 @pytest.mark.parametrize(("function", "name"), TAKEN, ids=lambda part: getattr(part, "__qualname__", part))
 @pytest.mark.parametrize("wrong", [object(), b"x", 1j])
 def test_an_argument_of_another_type_is_refused_by_its_name(function, name, wrong):
-    known = inspect.signature(function).parameters
-    options = {other: VALID[other] for other in known if other in VALID}
-    several = known[name].kind is inspect.Parameter.VAR_POSITIONAL
+    parameters = inspect.signature(function).parameters
+    options = {other: VALID[other] for other in parameters if other in VALID}
+    several = parameters[name].kind is inspect.Parameter.VAR_POSITIONAL
     with pytest.raises(InputError) as caught:
         function("x", wrong) if several else function(**options | {name: wrong})
     assert (caught.value.key, caught.value.given) == (name, repr(wrong))
@@ -200,9 +200,9 @@ def test_numbers_and_rows_of_numpy_are_taken():
 def test_scenes_paper_and_new_have_the_bits_of_the_commands(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert tailslap.scenes() == json.loads(command(capsys, "scenes", "--json"))
-    found = tailslap.paper()
-    assert found.summary == json.loads(command(capsys, "paper", "--json"))
-    assert {path.name for path in found.save("a").iterdir()} == {
+    report = tailslap.paper()
+    assert report.summary == json.loads(command(capsys, "paper", "--json"))
+    assert {path.name for path in report.save("a").iterdir()} == {
         p.name for p in Path("results/paper").iterdir()
     }
     assert tailslap.new("one") == Path("one.toml")
@@ -215,25 +215,25 @@ def test_scenes_paper_and_new_have_the_bits_of_the_commands(tmp_path, monkeypatc
 def test_tables_of_changes_are_merged():
     changes = {"impact": {"speed": "20 m/s"}, "plate.thickness": "60 mm"}
     keys = {"impact.speed": 20.0, "plate.thickness": 0.06}
-    merged, named = (tailslap.rigid("mash-tl4-sut", given).summary for given in (changes, keys))
+    merged, named = (tailslap.rigid("mash-tl4-sut", table).summary for table in (changes, keys))
     assert merged == named
 
 
 def test_a_run_shows_its_force():
-    found = tailslap.run("mash-tl4-sut", {"impact": {"speed": "20 m/s"}})
-    force = found.summary["peak_force"]["fe"] / 1e3
-    assert f"Peak lateral force at the tail-slap: {force:.0f} kN (triangular" in repr(found)
+    result = tailslap.run("mash-tl4-sut", {"impact": {"speed": "20 m/s"}})
+    force = result.summary["peak_force"]["fe"] / 1e3
+    assert f"Peak lateral force at the tail-slap: {force:.0f} kN (triangular" in repr(result)
 
 
 def test_the_headline_of_a_whole_impact_has_units():
     """Those that people read, not the form in which a page keeps quantities."""
-    found = tailslap.run("impact-mash-tl4-sut", {"plate.elements": [8, 2]})
-    force = found.summary["fe"]["peaks"]["mean_50ms"]
-    assert found.headline.answer.startswith(
+    result = tailslap.run("impact-mash-tl4-sut", {"plate.elements": [8, 2]})
+    force = result.summary["fe"]["peaks"]["mean_50ms"]
+    assert result.headline.answer.startswith(
         f"Largest 50 ms mean of the lateral force: {force / 1e3:.0f} kN in strike 2"
     )
-    assert "".join(found.headline.lines).isprintable()
-    assert str(found).startswith(found.headline.answer[:60])
+    assert "".join(result.headline.lines).isprintable()
+    assert str(result).startswith(result.headline.answer[:60])
 
 
 def test_another_scenes_result_is_replaced_by_force_alone(tmp_path):
@@ -249,10 +249,10 @@ def test_another_scenes_result_is_replaced_by_force_alone(tmp_path):
 
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "impact-mash-tl4-sut"])
 def test_rigid_has_the_bits_of_the_command(scene, capsys):
-    found = tailslap.rigid(scene)
-    assert found.summary == json.loads(command(capsys, "rigid", scene, "--json"))
-    assert f"{found}\n" == command(capsys, "rigid", scene)
-    assert found.history["t"][0] == 0.0
+    result = tailslap.rigid(scene)
+    assert result.summary == json.loads(command(capsys, "rigid", scene, "--json"))
+    assert f"{result}\n" == command(capsys, "rigid", scene)
+    assert result.history["t"][0] == 0.0
 
 
 @pytest.mark.parametrize(("scene", "group", "name"), [
@@ -260,18 +260,18 @@ def test_rigid_has_the_bits_of_the_command(scene, capsys):
 ])  # fmt: skip
 def test_the_rigid_force_stands_beside_the_design_forces(scene, group, name):
     """As a chart over time, whose area over the tail-slap is its impulse, and over each force of AASHTO and MASH."""
-    found = tailslap.rigid(scene)
-    assert list(found.charts) == ["force", "set-up"]
-    (first, *_) = found.tables["Design forces"].rows
+    result = tailslap.rigid(scene)
+    assert list(result.charts) == ["force", "set-up"]
+    (first, *_) = result.tables["Design forces"].rows
     assert first["force"] == pytest.approx(54.0 * 4448.2216, rel=1e-6)  # AASHTO LRFD A13.2, TL-4: 54 kip
-    assert first["ratio"] == pytest.approx(found.summary[group][name] / first["force"])
-    assert ("Strikes" in found.tables) == (scene != "mash-tl4-sut")
-    header, *lines = csv.reader(io.StringIO(found.charts["force"].csv))
+    assert first["ratio"] == pytest.approx(result.summary[group][name] / first["force"])
+    assert ("Strikes" in result.tables) == (scene != "mash-tl4-sut")
+    header, *lines = csv.reader(io.StringIO(result.charts["force"].csv))
     drawn = np.array([row[:2] for row in lines if row[0]], dtype=float)
     assert header[:2] == ["t [s]", "raw: force on the wall [kN]"]
     if scene == "mash-tl4-sut":
-        pulse = drawn[drawn[:, 0] > found.summary["stage2"]["t"]]
-        impulse = found.summary["stage3"]["impulse"]
+        pulse = drawn[drawn[:, 0] > result.summary["stage2"]["t"]]
+        impulse = result.summary["stage3"]["impulse"]
         assert np.trapezoid(pulse[:, 1], pulse[:, 0]) * 1e3 == pytest.approx(impulse, rel=2e-3)
 
 
@@ -280,24 +280,24 @@ def test_check_modal_and_modes_have_the_bits_of_the_commands(tmp_path, capsys):
     checked = tailslap.check(scene)
     assert f"{checked}\n" == command(capsys, "check", scene)
     assert checked.summary == json.loads(command(capsys, "check", scene, "--json"))
-    found = tailslap.modal(scene, modes=2)
+    modal_result = tailslap.modal(scene, modes=2)
     expected = json.loads(command(capsys, "modal", scene, "--modes", "2", "--json"))
-    assert without_times(found.summary) == without_times(expected)
+    assert without_times(modal_result.summary) == without_times(expected)
     command(capsys, "modes", scene, "--count", "3", "--out", str(tmp_path / "a"))
-    its = json.loads((tmp_path / "a" / "summary.json").read_text())
-    assert tailslap.modes(scene, count=3).summary == its
+    summary = json.loads((tmp_path / "a" / "summary.json").read_text())
+    assert tailslap.modes(scene, count=3).summary == summary
 
 
 def test_a_study_has_the_bits_of_the_command(tmp_path, capsys):
     words = ("--samples", "1000", "--range", "impact.friction=0.2:0.5", "--fix", "impact.speed")
     command(capsys, "study", "uncertainty", "mash-tl4-sut", *words, "--out", str(tmp_path / "a"))
-    found = tailslap.study(
+    result = tailslap.study(
         "uncertainty", "mash-tl4-sut", samples=1000, range={"impact.friction": "0.2:0.5"},
         fix=["impact.speed"],
     )  # fmt: skip
     expected = json.loads((tmp_path / "a" / "summary.json").read_text())
-    assert without_times(found.summary) == without_times(expected)
-    saved = found.save(tmp_path / "b")
+    assert without_times(result.summary) == without_times(expected)
+    saved = result.save(tmp_path / "b")
     pages = [(folder / "report.html").read_text().partition("<footer>") for folder in (saved, tmp_path / "a")]
     assert pages[0][0] == pages[1][0]
     assert "from Python" in pages[0][2]
@@ -318,16 +318,16 @@ def test_changes_may_be_texts_as_a_command_takes_them():
     texts = ["impact.speed=50 mph", "impact.friction="]
     with pytest.raises(InputError, match=r"^impact.friction: "):
         tailslap.rigid("mash-tl4-sut", texts)
-    found = tailslap.rigid("mash-tl4-sut", texts[:1], units="us")
-    assert found.summary == tailslap.rigid("mash-tl4-sut", {"impact.speed": "50 mph"}).summary
-    assert "mph" in found.text
+    result = tailslap.rigid("mash-tl4-sut", texts[:1], units="us")
+    assert result.summary == tailslap.rigid("mash-tl4-sut", {"impact.speed": "50 mph"}).summary
+    assert "mph" in result.text
 
 
 def test_a_sweep_has_a_row_a_run(tmp_path):
     values = {"corner.friction": [0.2, 0.47]}
-    found = tailslap.sweep("paper-table-3", values, folder=tmp_path / "s", workers=1)
-    assert list(found.history["corner.friction"]) == [0.2, 0.47]
-    assert (set(found.history["status"]), len(tailslap.load(tmp_path / "s").history["run"])) == (
+    result = tailslap.sweep("paper-table-3", values, folder=tmp_path / "s", workers=1)
+    assert list(result.history["corner.friction"]) == [0.2, 0.47]
+    assert (set(result.history["status"]), len(tailslap.load(tmp_path / "s").history["run"])) == (
         {"passed"},
         2,
     )
@@ -339,22 +339,22 @@ def test_without_a_folder_a_sweep_writes_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
     monkeypatch.setattr(pools, "Pool", None)  # no process is started
     values = {"corner.friction": [0.2, 0.3, 0.47]}
-    found = tailslap.sweep("paper-table-3", values)
+    unstored = tailslap.sweep("paper-table-3", values)
     assert list(tmp_path.iterdir()) == []
-    kept = tailslap.sweep("paper-table-3", values, folder="kept")
-    assert repr(found) == repr(kept)
-    assert repr(found).startswith("<sweep paper-table-3 passed: Peak lateral force at the tail-slap: 65")
-    assert [*found.tables] == [*kept.tables] != []
-    for name in set(found.history) - {*CIRCUMSTANCES}:
-        np.testing.assert_array_equal(found.history[name], kept.history[name])
-    assert {f"{name}.svg" for name in found.charts} == {path.name for path in Path("kept").glob("*.svg")}
-    assert found.charts["against-corner-friction-v_gy"]._repr_svg_().startswith("<svg")
+    stored = tailslap.sweep("paper-table-3", values, folder="kept")
+    assert repr(unstored) == repr(stored)
+    assert repr(unstored).startswith("<sweep paper-table-3 passed: Peak lateral force at the tail-slap: 65")
+    assert [*unstored.tables] == [*stored.tables] != []
+    for name in set(unstored.history) - {*CIRCUMSTANCES}:
+        np.testing.assert_array_equal(unstored.history[name], stored.history[name])
+    assert {f"{name}.svg" for name in unstored.charts} == {path.name for path in Path("kept").glob("*.svg")}
+    assert unstored.charts["against-corner-friction-v_gy"]._repr_svg_().startswith("<svg")
     result = {path.name for path in Path("kept").iterdir()} - {"sweep.json", "records.sqlite"}
-    assert {path.name for path in found.save("saved").iterdir()} == result
-    assert tailslap.load("saved").summary["statuses"] == found.summary["statuses"]
-    assert tailslap.load("saved").history.attrs["units"] == found.history.attrs["units"]
-    (axes,) = found.plot("fe.v_gy").figure.axes
-    assert (axes.get_ylabel(), found.history.attrs["units"]["rigid.peak_force"]) == ("fe.v_gy [m/s]", "N")
+    assert {path.name for path in unstored.save("saved").iterdir()} == result
+    assert tailslap.load("saved").summary["statuses"] == unstored.summary["statuses"]
+    assert tailslap.load("saved").history.attrs["units"] == unstored.history.attrs["units"]
+    (axes,) = unstored.plot("fe.v_gy").figure.axes
+    assert (axes.get_ylabel(), unstored.history.attrs["units"]["rigid.peak_force"]) == ("fe.v_gy [m/s]", "N")
     assert (axes.get_xlabel(), np.asarray(axes.lines[0].get_xdata()).tolist()) == (
         "corner.friction",
         [0.2, 0.3, 0.47],
@@ -364,13 +364,15 @@ def test_without_a_folder_a_sweep_writes_nothing(tmp_path, monkeypatch):
 def test_without_a_folder_a_study_writes_nothing(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
-    found = tailslap.study("uncertainty", "mash-tl4-sut", samples=1000)
+    unstored = tailslap.study("uncertainty", "mash-tl4-sut", samples=1000)
     assert list(tmp_path.iterdir()) == []
-    kept = tailslap.study("uncertainty", "mash-tl4-sut", samples=1000, folder="kept")
-    assert repr(found) == repr(kept)
-    assert {path.name for path in found.save("saved").iterdir()} == {p.name for p in Path("kept").iterdir()}
+    stored = tailslap.study("uncertainty", "mash-tl4-sut", samples=1000, folder="kept")
+    assert repr(unstored) == repr(stored)
+    assert {path.name for path in unstored.save("saved").iterdir()} == {
+        p.name for p in Path("kept").iterdir()
+    }
     assert (
-        {f"{name}.svg" for name in found.charts}
+        {f"{name}.svg" for name in unstored.charts}
         == {path.name for path in Path("kept").glob("*.svg")}
         != set()
     )
@@ -387,8 +389,8 @@ print(found.summary["effort"]["threads"], len(found.history["run"]), found.passe
 def test_a_script_needs_no_guard(tmp_path):
     """Processes do not import it: its first line is printed once."""
     (tmp_path / "script.py").write_text(SCRIPT)
-    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True)
-    assert done.stdout.splitlines() == ["begun", f"{min(2, available_cores())} 5 True"], done.stderr
+    process = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True)
+    assert process.stdout.splitlines() == ["begun", f"{min(2, available_cores())} 5 True"], process.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["script.py"]
 
 
@@ -397,15 +399,15 @@ def test_a_script_needs_no_guard(tmp_path):
 ])  # fmt: skip
 def test_where_the_runs_of_a_sweep_are_made(count, own, workers, expected, monkeypatch):
     """Up to three, and those with an object of one's own, in this process."""
-    asked = []
+    arguments = []
     monkeypatch.setattr(
-        sweep, "sweep_result", lambda definition, place, cluster, workers, *a, **k: asked.append(workers)
+        sweep, "sweep_result", lambda definition, place, cluster, workers, *a, **k: arguments.append(workers)
     )
     reaction = law(3.0) if own else "drag"
     try:
         values = {"corner.friction": list(np.linspace(0.1, 0.4, count))}
         tailslap.sweep("paper-table-3", values, {"corner.reaction": reaction}, workers=workers)
-        assert asked == [expected]
+        assert arguments == [expected]
         if own:
             with pytest.raises(
                 InputError, match=r"corner\.reaction = own is registered in this process only"
@@ -431,8 +433,10 @@ def test_a_scene_may_be_tables_or_a_path(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(scene_text("paper-table-3"))
     changes = {"vehicle.mass": np.float64(9000.0)}
-    found = [tailslap.rigid(scene, changes).summary for scene in (tables, path, str(path), "paper-table-3")]
-    assert all(each == found[0] for each in found)
+    summaries = [
+        tailslap.rigid(scene, changes).summary for scene in (tables, path, str(path), "paper-table-3")
+    ]
+    assert all(summary == summaries[0] for summary in summaries)
 
 
 def law(rounding, name="own"):
@@ -497,12 +501,12 @@ def test_a_result_is_a_line_a_page_and_a_plot(result, tmp_path):
 def test_a_field_is_a_picture(result, tmp_path):
     """The pixels of those that `export` writes in 256 colours, with the scale and view of its instant; v_gy is the
     velocity across the wall."""
-    kept = tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa", "output.fields": 2})
+    with_fields = tailslap.run("mash-tl4-sut", {"plate.youngs_modulus": "2 TPa", "output.fields": 2})
     for k, t in ((0, 0.0), (1, None)):
-        (path,) = contours.draw_instants(tmp_path, kept.fields.at(k), "velocity_y")
+        (path,) = contours.draw_instants(tmp_path, with_fields.fields.at(k), "velocity_y")
         exported = Image.open(path).convert("RGB")
-        assert kept.plot_field("v_gy", t).quantize(256).convert("RGB").tobytes() == exported.tobytes()
-    assert result.plot_field("stress_von_mises").size == kept.plot_field("velocity_y").size
+        assert with_fields.plot_field("v_gy", t).quantize(256).convert("RGB").tobytes() == exported.tobytes()
+    assert result.plot_field("stress_von_mises").size == with_fields.plot_field("velocity_y").size
     assert result.plot_field("v_gx").tobytes() != result.plot_field("v_gy").tobytes()
     with pytest.raises(InputError, match=r"did you mean stress_von_mises\?"):
         result.plot_field("von_mises")
@@ -511,10 +515,10 @@ def test_a_field_is_a_picture(result, tmp_path):
 
 
 def test_what_failed_is_told():
-    found = tailslap.run("paper-table-3", {"verify.tolerance": 1e-9})
-    assert not found.passed
-    assert repr(found).startswith("<run paper-table-3 FAILED: ")
-    assert "agreement with rigid motion" in found._repr_html_() or "Failed check" in found._repr_html_()
+    result = tailslap.run("paper-table-3", {"verify.tolerance": 1e-9})
+    assert not result.passed
+    assert repr(result).startswith("<run paper-table-3 FAILED: ")
+    assert "agreement with rigid motion" in result._repr_html_() or "Failed check" in result._repr_html_()
 
 
 def test_a_history_is_a_data_frame(result):
@@ -525,9 +529,9 @@ def test_a_history_is_a_data_frame(result):
     ):
         assert isinstance(frame, pandas.DataFrame)
         assert frame.attrs["units"] == columns.units
-        for each in (frame, pandas.DataFrame(frame), pandas.DataFrame(columns)):
-            assert list(each) == list(columns)
-            np.testing.assert_array_equal(each.to_numpy(), np.column_stack(list(columns.values())))
+        for table in (frame, pandas.DataFrame(frame), pandas.DataFrame(columns)):
+            assert list(table) == list(columns)
+            np.testing.assert_array_equal(table.to_numpy(), np.column_stack(list(columns.values())))
 
 
 def test_without_pandas_a_history_behaves_like_one_column_by_column(result, monkeypatch):

@@ -62,31 +62,31 @@ def test_metrics_of_a_scaled_and_of_a_late_history():
 
 def test_residuals_of_a_shifted_history():
     reference = {"t": T, "v": 4.0 - T}
-    found = metrics.beside("v", {"t": T, "v": reference["v"] + 0.4}, reference)
-    assert found is not None
-    assert found.metrics.mean_residual == pytest.approx(0.1)
-    assert found.metrics.deviation == pytest.approx(0.0, abs=1e-12)
-    assert found.at_end == pytest.approx(0.4 / 3.0)
-    assert not found.within  # the mean residual is beyond 5 %
+    measures = metrics.beside("v", {"t": T, "v": reference["v"] + 0.4}, reference)
+    assert measures is not None
+    assert measures.metrics.mean_residual == pytest.approx(0.1)
+    assert measures.metrics.deviation == pytest.approx(0.0, abs=1e-12)
+    assert measures.at_end == pytest.approx(0.4 / 3.0)
+    assert not measures.within  # the mean residual is beyond 5 %
 
 
 def test_only_the_common_time_counts():
     reference = {"t": T, "v": T}
-    found = metrics.beside("v", {"t": T[200:500:3] + 1e-5, "v": T[200:500:3] + 1e-5}, reference)
-    assert found is not None
-    assert (found.t[0], found.t[-1]) == (T[200] + 1e-5, T[497] + 1e-5)
-    assert found.covered == pytest.approx(0.297, rel=1e-10)
-    assert not found.within  # less than half of the reference's time
-    np.testing.assert_allclose(found.value, found.reference, atol=1e-12)
+    measures = metrics.beside("v", {"t": T[200:500:3] + 1e-5, "v": T[200:500:3] + 1e-5}, reference)
+    assert measures is not None
+    assert (measures.t[0], measures.t[-1]) == (T[200] + 1e-5, T[497] + 1e-5)
+    assert measures.covered == pytest.approx(0.297, rel=1e-10)
+    assert not measures.within  # less than half of the reference's time
+    np.testing.assert_allclose(measures.value, measures.reference, atol=1e-12)
     assert metrics.beside("v", {"t": T + 2.0, "v": T}, reference) is None
 
 
 def test_rows_that_are_not_finite_are_left_out():
     values = np.where(T > 0.5, np.nan, T)
-    found = metrics.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
-    assert found is not None
-    assert found.t[-1] == 0.5
-    assert found.covered == pytest.approx(0.5, rel=1e-12)
+    measures = metrics.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
+    assert measures is not None
+    assert measures.t[-1] == 0.5
+    assert measures.covered == pytest.approx(0.5, rel=1e-12)
 
 
 def test_a_gap_is_not_interpolated():
@@ -94,19 +94,19 @@ def test_a_gap_is_not_interpolated():
     wild = {"t": T, "v": np.where((T > 0.25) & (T < 0.625), 50.0, T)}
     rows = T[(T <= 0.25) | (T >= 0.625)]
     part = {"t": rows, "v": rows}
-    for found in (metrics.beside("v", part, wild), metrics.beside("v", wild, part)):
-        assert found is not None
-        assert found.gaps == ((0.25, 0.625),)
-        assert found.covered == pytest.approx(0.625, rel=1e-12)
-        assert {*vars(found.metrics).values()} == {0.0}
-        assert found.largest[0] == 0.0
+    for measures in (metrics.beside("v", part, wild), metrics.beside("v", wild, part)):
+        assert measures is not None
+        assert measures.gaps == ((0.25, 0.625),)
+        assert measures.covered == pytest.approx(0.625, rel=1e-12)
+        assert {*vars(measures.metrics).values()} == {0.0}
+        assert measures.largest[0] == 0.0
 
 
 def test_a_gap_of_missing_values_is_one_too():
     values = np.where((T > 0.25) & (T < 0.625), np.nan, T)
-    found = metrics.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
-    assert found is not None
-    assert found.gaps == ((0.25, 0.625),)
+    measures = metrics.beside("v", {"t": T, "v": values}, {"t": T, "v": T})
+    assert measures is not None
+    assert measures.gaps == ((0.25, 0.625),)
 
 
 def test_even_and_dense_rows_have_no_gaps():
@@ -114,30 +114,30 @@ def test_even_and_dense_rows_have_no_gaps():
     coarse = np.linspace(0.0, 1.0, 5)
     crowded = np.unique(np.r_[np.linspace(0.0, 1.0, 26), np.linspace(0.5, 0.6, 1001)])
     for t in (coarse, crowded):
-        found = metrics.beside("v", {"t": t, "v": t}, {"t": T, "v": T})
-        assert found is not None
-        assert (found.gaps, found.covered) == ((), 1.0)
+        measures = metrics.beside("v", {"t": t, "v": t}, {"t": T, "v": T})
+        assert measures is not None
+        assert (measures.gaps, measures.covered) == ((), 1.0)
 
 
 def test_rows_of_the_finer_history_count_too():
     """Between two rows of the reference, whose value is 2, a peak of 1 over a width of 0.002: area 0.001."""
     reference = {"t": np.linspace(0.0, 1.0, 11), "v": np.full(11, 2.0)}
     value = 2.0 + (np.arange(T.size) == 250)
-    found = metrics.beside("v", {"t": T, "v": value}, reference)
-    assert found is not None
-    assert found.metrics.mean_residual == pytest.approx(0.0005, rel=1e-10)
-    assert found.largest == (pytest.approx(0.5, rel=1e-12), T[250])
+    measures = metrics.beside("v", {"t": T, "v": value}, reference)
+    assert measures is not None
+    assert measures.metrics.mean_residual == pytest.approx(0.0005, rel=1e-10)
+    assert measures.largest == (pytest.approx(0.5, rel=1e-12), T[250])
 
 
 def test_another_programs_file_is_compared_in_si(result, folder, tmp_path):
     path = their_file(tmp_path / "abaqus.csv", result, "# made by hand\nTIME;VY;VX\n[ms];[m/s];[mph]\n", 1.02)
-    found = tailslap.compare(folder, path, columns={"v_gy": "-VY", "v_gx": "VX"})
-    columns = found.summary["compared"]["abaqus"]
+    comparison = tailslap.compare(folder, path, columns={"v_gy": "-VY", "v_gx": "VX"})
+    columns = comparison.summary["compared"]["abaqus"]
     assert columns["v_gy"]["magnitude"] == pytest.approx(0.02, rel=1e-6)
     assert columns["v_gx"]["largest"] == pytest.approx(0.0, abs=1e-5)
     assert 0.01 <= columns["v_gx"]["from"] < columns["v_gx"]["to"] <= 0.37
-    assert found.passed
-    assert found.summary["notes"] == []
+    assert comparison.passed
+    assert comparison.summary["notes"] == []
 
 
 def test_units_may_be_in_the_names_or_in_the_mapping(result, folder, tmp_path):
@@ -151,9 +151,9 @@ def test_units_may_be_in_the_names_or_in_the_mapping(result, folder, tmp_path):
 
 def test_a_mapping_is_of_the_files_that_need_it(result, folder, tmp_path):
     path = their_file(tmp_path / "their.csv", result, "time [ms];VY;VX [mph]\n")
-    found = tailslap.compare(folder / "rigid.csv", path, columns="time=time,v_gy=-VY,v_gx=VX")
-    assert found.passed
-    assert {*found.summary["compared"]["their"]} == {"v_gx", "v_gy"}
+    comparison = tailslap.compare(folder / "rigid.csv", path, columns="time=time,v_gy=-VY,v_gx=VX")
+    assert comparison.passed
+    assert {*comparison.summary["compared"]["their"]} == {"v_gx", "v_gy"}
 
 
 def test_results_are_compared_by_command_and_function(result, folder, tmp_path, capsys):
@@ -168,7 +168,7 @@ def test_results_are_compared_by_command_and_function(result, folder, tmp_path, 
     number = said["compared"]["soft"]["v_gy"]
     assert 0.0 < abs(number["largest"]) < 1e-4
     same = tailslap.compare(result, folder).summary["compared"]["reference"]
-    assert {each["combined"] for each in same.values()} == {0.0}
+    assert {measures["combined"] for measures in same.values()} == {0.0}
 
 
 def test_beyond_the_limits_the_exit_status_is_one(result, folder, tmp_path):
@@ -242,14 +242,14 @@ def test_a_name_is_no_formula_of_a_spreadsheet(result, folder, tmp_path):
 
 
 def test_what_is_not_there_is_refused(folder, tmp_path):
-    for given, only, message in (
+    for mapping, only, message in (
         ((folder, tmp_path / "none.csv"), (), "the file or folder does not exist"),
         ((folder,), (), "two or more results are required"),
         ((folder, folder), ("colour",), "allowed are the common columns"),
         ((folder, tmp_path), (), r"it has no readable summary\.json"),
     ):
         with pytest.raises(InputError, match=message):
-            tailslap.compare(*given, only=only)
+            tailslap.compare(*mapping, only=only)
     assert command(str(folder), str(tmp_path / "none.csv")) == 2
 
 
@@ -328,9 +328,9 @@ def test_many_columns_are_refused(folder, tmp_path):
 
 def part_of(result, first=0.0, last=1.0, rows=400):
     """Instants and v_gy between parts of the time of a result."""
-    own, v_gy = (np.asarray(result.history[name]) for name in ("t", "v_gy"))
-    t = np.linspace(first * own[-1], last * own[-1], rows)
-    return t, np.interp(t, own, v_gy)
+    times, v_gy = (np.asarray(result.history[name]) for name in ("t", "v_gy"))
+    t = np.linspace(first * times[-1], last * times[-1], rows)
+    return t, np.interp(t, times, v_gy)
 
 
 def test_milliseconds_without_a_unit_are_refused_with_the_option_that_gives_it(
@@ -350,10 +350,10 @@ def test_a_unit_in_a_file_holds_against_one_of_the_option(result, folder, tmp_pa
     t, v_gy = part_of(result)
     path = written(tmp_path / "their.csv", 1e3 * t, "", v_gy=v_gy).rename(tmp_path / "a.csv")
     path.write_text(path.read_text().replace("time", "t"))
-    found = tailslap.compare(folder / "rigid.csv", path, columns="time=t [ms],v_gy=v_gy [m/s]")
-    assert found.passed
-    assert found.summary["compared"]["a"]["v_gy"]["to"] == pytest.approx(t[-1])
-    assert found.summary["notes"] == ["rigid.csv: t is in s by the file, not in ms."]
+    comparison = tailslap.compare(folder / "rigid.csv", path, columns="time=t [ms],v_gy=v_gy [m/s]")
+    assert comparison.passed
+    assert comparison.summary["compared"]["a"]["v_gy"]["to"] == pytest.approx(t[-1])
+    assert comparison.summary["notes"] == ["rigid.csv: t is in s by the file, not in ms."]
     copy = tmp_path / "copy.csv"
     copy.write_bytes((folder / "rigid.csv").read_bytes())
     with pytest.raises(InputError, match=r"a lasts 0\.384 s and copy 0\.000384 s"):
@@ -375,12 +375,12 @@ def test_a_few_rows_of_the_record_are_not_enough(result, folder, tmp_path, capsy
 def test_half_of_the_record_is_enough_and_named(result, folder, tmp_path):
     for part, passed in ((0.55, True), (0.45, False)):
         t, v_gy = part_of(result, 0.0, part)
-        found = tailslap.compare(folder, written(tmp_path / "their.csv", t, v_gy=v_gy))
-        assert found.passed == passed
-        assert found.summary["notes"] == [
+        comparison = tailslap.compare(folder, written(tmp_path / "their.csv", t, v_gy=v_gy))
+        assert comparison.passed == passed
+        assert comparison.summary["notes"] == [
             f"their: v_gy compared for {100 * part:g} % of the 0.384 s of reference."
         ]
-        assert found.summary["compared"]["their"]["v_gy"]["within"] == passed
+        assert comparison.summary["compared"]["their"]["v_gy"]["within"] == passed
 
 
 def test_missing_values_and_gaps_are_named_everywhere(result, folder, tmp_path, capsys):
@@ -407,8 +407,8 @@ def test_missing_values_and_gaps_are_named_everywhere(result, folder, tmp_path, 
 def test_a_column_without_values_is_named(result, folder, tmp_path):
     t, v_gy = part_of(result)
     path = written(tmp_path / "their.csv", t, v_gy=v_gy, v_gx=np.nan * t)
-    found = tailslap.compare(folder, path)
-    assert found.summary["notes"] == ["their: no values at times of reference, not compared: v_gx."]
+    comparison = tailslap.compare(folder, path)
+    assert comparison.summary["notes"] == ["their: no values at times of reference, not compared: v_gx."]
     with pytest.raises(InputError, match="it has no v_gx with two values"):
         tailslap.compare(folder, path, only=["v_gx", "v_gy"])
 
@@ -419,11 +419,11 @@ def test_a_spike_between_rows_of_a_coarser_reference_is_seen(tmp_path):
     force = 650e3 * np.sin(np.pi * t / 0.4)
     spiked = force - 500e3 * (np.arange(t.size) == 2050)
     reference = written(tmp_path / "test.csv", t[::100], force_normal=force[::100])
-    found = tailslap.compare(reference, written(tmp_path / "fine.csv", t, force_normal=spiked))
-    numbers = found.summary["compared"]["fine"]["force_normal"]
+    comparison = tailslap.compare(reference, written(tmp_path / "fine.csv", t, force_normal=spiked))
+    numbers = comparison.summary["compared"]["fine"]["force_normal"]
     assert numbers["largest"] == pytest.approx(-500.0 / 650.0, rel=2e-3)
     assert numbers["at"] == pytest.approx(0.205)
-    (note,) = found.summary["notes"]
+    (note,) = comparison.summary["notes"]
     assert note.startswith(
         "fine: force_normal differs by 77 % of the peak at 0.205 s; the metrics, means over time"
     )
@@ -489,48 +489,48 @@ PERIODS = np.linspace(0.0, 6.0 * np.pi, 3001)
 @pytest.mark.parametrize("factor", [0.3, 1.0, 1.0 + 1e-9, 2.5])
 def test_a_scaled_signal_differs_in_magnitude_alone(factor):
     signal = np.exp(-0.1 * PERIODS) * np.cos(PERIODS)
-    found = metrics.compare_histories(PERIODS, factor * signal, signal)
-    assert found.magnitude == pytest.approx(factor - 1.0, abs=1e-14)
-    assert found.phase == pytest.approx(0.0, abs=1e-14)
-    assert found.combined == pytest.approx(abs(factor - 1.0), abs=1e-14)
+    measures = metrics.compare_histories(PERIODS, factor * signal, signal)
+    assert measures.magnitude == pytest.approx(factor - 1.0, abs=1e-14)
+    assert measures.phase == pytest.approx(0.0, abs=1e-14)
+    assert measures.combined == pytest.approx(abs(factor - 1.0), abs=1e-14)
 
 
 @pytest.mark.parametrize("shift", [1e-9, 1e-3, 0.5, 2.0, math.pi])
 def test_a_sine_with_a_phase_shift(shift):
-    found = metrics.compare_histories(PERIODS, np.sin(PERIODS - shift), np.sin(PERIODS))
-    assert found.phase == pytest.approx(shift / math.pi, rel=1e-6, abs=1e-15)
-    assert found.magnitude == pytest.approx(0.0, abs=1e-13)
+    measures = metrics.compare_histories(PERIODS, np.sin(PERIODS - shift), np.sin(PERIODS))
+    assert measures.phase == pytest.approx(shift / math.pi, rel=1e-6, abs=1e-15)
+    assert measures.magnitude == pytest.approx(0.0, abs=1e-13)
 
 
 def test_magnitude_and_phase_combine_as_the_sides_of_a_right_angle():
-    found = metrics.compare_histories(PERIODS, 1.3 * np.sin(PERIODS - 0.4 * math.pi), np.sin(PERIODS))
-    assert found.combined == pytest.approx(0.5, abs=1e-12)
+    measures = metrics.compare_histories(PERIODS, 1.3 * np.sin(PERIODS - 0.4 * math.pi), np.sin(PERIODS))
+    assert measures.combined == pytest.approx(0.5, abs=1e-12)
 
 
 def test_a_constant_offset_is_all_mean_and_no_deviation():
     """Over the peak of the reference, whatever its sign; and signed."""
     reference = -4.0 - np.sin(PERIODS)
-    found = metrics.compare_histories(PERIODS, reference - 0.25, reference)
-    assert found.mean_residual == pytest.approx(-0.05, abs=1e-14)
-    assert found.deviation == pytest.approx(0.0, abs=1e-14)
+    measures = metrics.compare_histories(PERIODS, reference - 0.25, reference)
+    assert measures.mean_residual == pytest.approx(-0.05, abs=1e-14)
+    assert measures.deviation == pytest.approx(0.0, abs=1e-14)
 
 
 def test_a_wave_on_top_is_all_deviation():
     reference = 2.0 + 0.0 * PERIODS
-    found = metrics.compare_histories(PERIODS, reference + 0.6 * np.sin(PERIODS), reference)
-    assert found.mean_residual == pytest.approx(0.0, abs=1e-14)
-    assert found.deviation == pytest.approx(0.3 / math.sqrt(2.0), abs=1e-12)
+    measures = metrics.compare_histories(PERIODS, reference + 0.6 * np.sin(PERIODS), reference)
+    assert measures.mean_residual == pytest.approx(0.0, abs=1e-14)
+    assert measures.deviation == pytest.approx(0.3 / math.sqrt(2.0), abs=1e-12)
 
 
 def test_it_is_time_that_counts_and_not_rows():
     """Rows crowd where the two differ: the mean over time is that of the trapezoids, -0.07, not that of the rows."""
     instants = np.array([0.0, 0.01, 0.02, 0.03, 0.04, 0.1, 0.9, 1.0])
     residual = np.where(instants < 0.05, -1.0, 0.0)
-    found = metrics.compare_histories(instants, 10.0 + 10.0 * residual, np.full(8, 10.0))
-    assert found.mean_residual == pytest.approx(-(0.04 + 0.5 * 0.06), abs=1e-15)
+    measures = metrics.compare_histories(instants, 10.0 + 10.0 * residual, np.full(8, 10.0))
+    assert measures.mean_residual == pytest.approx(-(0.04 + 0.5 * 0.06), abs=1e-15)
     later = metrics.compare_histories(7.0 + 3.0 * instants, 10.0 + 10.0 * residual, np.full(8, 10.0))
     for name in ("magnitude", "phase", "mean_residual", "deviation"):
-        assert getattr(later, name) == pytest.approx(getattr(found, name), abs=1e-13)
+        assert getattr(later, name) == pytest.approx(getattr(measures, name), abs=1e-13)
 
 
 def test_the_trapezoidal_rule_converges_in_second_order():
@@ -540,8 +540,8 @@ def test_the_trapezoidal_rule_converges_in_second_order():
     errors = []
     for rows in (20, 40, 80):
         t = np.linspace(0.0, 1.0, rows + 1)
-        found = metrics.compare_histories(t, np.exp(t), np.ones_like(t))
-        errors.append([abs(found.magnitude - exact[0]), abs(found.phase - exact[1])])
+        measures = metrics.compare_histories(t, np.exp(t), np.ones_like(t))
+        errors.append([abs(measures.magnitude - exact[0]), abs(measures.phase - exact[1])])
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     np.testing.assert_allclose(orders, 2.0, atol=0.01)
     assert max(errors[-1]) < 1e-4
@@ -551,8 +551,8 @@ def test_the_trapezoidal_rule_converges_in_second_order():
 def test_numbers_that_are_not_finite_give_none_that_could_pass(value):
     history = np.sin(PERIODS)
     history[7] = value
-    found = metrics.compare_histories(PERIODS, history, np.sin(PERIODS))
-    assert all(math.isnan(x) for x in vars(found).values())
+    measures = metrics.compare_histories(PERIODS, history, np.sin(PERIODS))
+    assert all(math.isnan(x) for x in vars(measures).values())
 
 
 def test_nothing_to_compare_gives_none():
@@ -565,12 +565,15 @@ def test_nothing_to_compare_gives_none():
 
 def test_published_example():
     """NPARC Alliance, "Examining Spatial (Grid) Convergence": p = 1.786170, 0.97130, GCI 0.103083 and 0.356249 %."""
-    found = grid_convergence.grid_convergence((0.97050, 0.96854, 0.96178), (2.0, 2.0))
-    assert found.order == pytest.approx(1.786170, abs=5e-7)
-    assert found.extrapolated == pytest.approx(0.97130, abs=5e-6)
-    assert 100.0 * found.gci_fine == pytest.approx(0.103083, abs=5e-7)
-    assert (100.0 * found.gci_coarse, found.behaviour) == (pytest.approx(0.356249, abs=5e-7), "converging")
-    assert found.asymptotic == pytest.approx(1.0, abs=3e-3)
+    estimate = grid_convergence.grid_convergence((0.97050, 0.96854, 0.96178), (2.0, 2.0))
+    assert estimate.order == pytest.approx(1.786170, abs=5e-7)
+    assert estimate.extrapolated == pytest.approx(0.97130, abs=5e-6)
+    assert 100.0 * estimate.gci_fine == pytest.approx(0.103083, abs=5e-7)
+    assert (100.0 * estimate.gci_coarse, estimate.behaviour) == (
+        pytest.approx(0.356249, abs=5e-7),
+        "converging",
+    )
+    assert estimate.asymptotic == pytest.approx(1.0, abs=3e-3)
 
 
 @pytest.mark.parametrize("order", [0.8, 1.7, 4.0])
@@ -578,12 +581,12 @@ def test_published_example():
 def test_power_law_is_found_exactly(order, ratios):
     sizes = (1.0, ratios[0], ratios[0] * ratios[1])
     values = tuple(5.0 - 0.01 * size**order for size in sizes)
-    found = grid_convergence.grid_convergence(values, ratios)
-    assert found.order == pytest.approx(order, rel=1e-9)
-    assert found.extrapolated == pytest.approx(5.0, rel=1e-12)
-    assert found.error == pytest.approx(0.01 / 4.99, rel=1e-9)
-    assert found.gci_fine == pytest.approx(1.25 * found.error, rel=1e-9)
-    assert found.gci_coarse == pytest.approx(1.25 * 0.01 * sizes[1] ** order / values[1], rel=1e-9)
+    estimate = grid_convergence.grid_convergence(values, ratios)
+    assert estimate.order == pytest.approx(order, rel=1e-9)
+    assert estimate.extrapolated == pytest.approx(5.0, rel=1e-12)
+    assert estimate.error == pytest.approx(0.01 / 4.99, rel=1e-9)
+    assert estimate.gci_fine == pytest.approx(1.25 * estimate.error, rel=1e-9)
+    assert estimate.gci_coarse == pytest.approx(1.25 * 0.01 * sizes[1] ** order / values[1], rel=1e-9)
 
 
 @pytest.mark.parametrize(("values", "behaviour"), [
@@ -591,10 +594,10 @@ def test_power_law_is_found_exactly(order, ratios):
     ((3.9, 3.6, 3.29), "slow"),  # a logarithm: it grows by the same with every halving
 ])  # fmt: skip
 def test_values_that_do_not_converge_are_not_extrapolated(values, behaviour):
-    found = grid_convergence.grid_convergence(values, (2.0, 2.0))
-    assert (found.behaviour, found.extrapolated) == (behaviour, values[0])
+    estimate = grid_convergence.grid_convergence(values, (2.0, 2.0))
+    assert (estimate.behaviour, estimate.extrapolated) == (behaviour, values[0])
     if behaviour != "settled":
-        assert found.gci_fine == pytest.approx(3.0 * abs(values[0] - values[1]) / values[0])
+        assert estimate.gci_fine == pytest.approx(3.0 * abs(values[0] - values[1]) / values[0])
 
 
 def test_no_order_for_a_quotient_that_no_power_law_has():

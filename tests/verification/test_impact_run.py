@@ -397,8 +397,11 @@ def test_other_corners_or_a_run_that_diverged_bound_nothing(other):
     (answer(impulse=0.01), 0.3), (answer(impulse=2.0, blip=0.2), 0.27),
 ])  # fmt: skip
 def test_other_meshes_run_as_long_as_a_strike_is_judged(own, until):
-    """Until the rear strike is over: 50 ms, or 1.1 times as long as it was, but no longer than the run itself, as where
-    there is no second one; also where it is the largest, and two before it are judged."""
+    """Other meshes run to the end of the assessed strikes.
+
+    They include 50 ms or 1.1 durations of the rear strike, and end with the run itself, in particular without a second
+    strike. The largest strike counts even behind two assessed ones.
+    """
     assert error.judged_until(own) == pytest.approx(until, rel=1e-12)
 
 

@@ -42,8 +42,8 @@ def gain(apply, frequency, rate):
 @pytest.mark.parametrize("samples", [84, 167, 1000])
 def test_a_class_is_3_db_down_at_its_cutoff(frequency_class, samples):
     """Sampled at 84 to 1000 times the class; for CFC 60 at 5, 10 and 60 kHz."""
-    found = gain(FILTERS[f"CFC {frequency_class}"], frequency_class / 0.6, samples * frequency_class)
-    assert found == pytest.approx(math.sqrt(0.5), abs=1e-3)
+    amplitude = gain(FILTERS[f"CFC {frequency_class}"], frequency_class / 0.6, samples * frequency_class)
+    assert amplitude == pytest.approx(math.sqrt(0.5), abs=1e-3)
 
 
 @pytest.mark.parametrize("frequency", [10.0, 40.0, 100.0, 150.0, 250.0])
@@ -71,8 +71,8 @@ def test_coefficients_are_a_butterworth_filter_of_scipy():
 @pytest.mark.parametrize("name", FILTERS)
 @pytest.mark.parametrize("size", [800, 801])
 def test_a_constant_passes_unchanged_to_both_ends(name, size):
-    found = FILTERS[name](np.full(size, -3.7), 1e-4)
-    np.testing.assert_allclose(found, -3.7, rtol=1e-9)
+    filtered = FILTERS[name](np.full(size, -3.7), 1e-4)
+    np.testing.assert_allclose(filtered, -3.7, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", [name for name in FILTERS if name != "50 ms"])
@@ -86,9 +86,9 @@ def test_an_end_is_that_of_a_signal_that_holds_its_value(name):
 def test_no_mean_reaches_beyond_the_end():
     """Near the end stands the last mean over 50 ms that lies within, whatever the force is there."""
     force = np.linspace(0.0, 1.0, 1000)
-    found = moving_mean(force, 1e-4, 0.05)
-    assert found[-250:] == pytest.approx(force[-500:].mean())
-    assert found[500] == pytest.approx(force[250:751].mean(), rel=1e-3)
+    means = moving_mean(force, 1e-4, 0.05)
+    assert means[-250:] == pytest.approx(force[-500:].mean())
+    assert means[500] == pytest.approx(force[250:751].mean(), rel=1e-3)
 
 
 @pytest.mark.parametrize("name", ["cfc60", "cfc180", "cutoff_60hz"])
@@ -98,10 +98,10 @@ def test_a_force_that_is_cut_is_filtered_as_far_as_later_values_do_not_count(nam
     pulse = np.maximum(0.0, np.sin(20.0 * np.pi * (t - 0.1)))
     whole = force_curves(pulse, 1e-4)[name]
     for rows in (1200, 1300, 1450):
-        found = force_curves(pulse[:rows], 1e-4)[name]
+        filtered = force_curves(pulse[:rows], 1e-4)[name]
         settled = rows - filters.settling_rows(filters.CUTOFFS[name], 1e-4)
-        assert found[:settled] == pytest.approx(whole[:settled], abs=2e-3)
-        assert np.ptp(found[settled:]) == 0.0
+        assert filtered[:settled] == pytest.approx(whole[:settled], abs=2e-3)
+        assert np.ptp(filtered[settled:]) == 0.0
 
 
 @pytest.mark.parametrize("name", FILTERS)
@@ -109,9 +109,9 @@ def test_nothing_is_delayed_or_lost(name):
     """A pulse keeps its impulse and its middle."""
     t = 2e-5 * (np.arange(30001) + 0.5)
     pulse = np.where(np.abs(t - 0.3) < 0.04, np.cos(np.pi * (t - 0.3) / 0.08), 0.0)
-    found = FILTERS[name](pulse, 2e-5)
-    assert found.sum() == pytest.approx(pulse.sum(), rel=1e-7)
-    assert found @ t / found.sum() == pytest.approx(pulse @ t / pulse.sum(), rel=1e-7)
+    filtered = FILTERS[name](pulse, 2e-5)
+    assert filtered.sum() == pytest.approx(pulse.sum(), rel=1e-7)
+    assert filtered @ t / filtered.sum() == pytest.approx(pulse @ t / pulse.sum(), rel=1e-7)
 
 
 @pytest.mark.parametrize("width", [0.05, 0.049, 0.0333, 0.0500001])
@@ -122,15 +122,15 @@ def test_peak_of_the_mean_of_a_half_sine(width, length):
     edges = np.arange(-8001, 8001) * interval + 0.5 * interval
     phase = math.pi * (np.clip(edges, -0.5 * length, 0.5 * length) / length + 0.5)
     integral = -length / math.pi * np.cos(phase)
-    found = moving_mean(np.diff(integral) / interval, interval, width).max()
+    peak_mean = moving_mean(np.diff(integral) / interval, interval, width).max()
     exact = 2.0 * length / (math.pi * width) * math.sin(0.5 * math.pi * width / length)
-    assert found == pytest.approx(exact, rel=1e-6)
+    assert peak_mean == pytest.approx(exact, rel=1e-6)
 
 
 def test_a_mean_over_odd_samples_is_their_mean():
     values = np.random.default_rng(3).normal(size=40)
-    found = moving_mean(values, 0.01, 0.05)
-    np.testing.assert_allclose(found[2:-2], np.convolve(values, np.full(5, 0.2), "valid"), atol=1e-14)
+    means = moving_mean(values, 0.01, 0.05)
+    np.testing.assert_allclose(means[2:-2], np.convolve(values, np.full(5, 0.2), "valid"), atol=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -183,12 +183,12 @@ def half_sine(start, length, peak):
 def test_peaks_of_a_half_sine_by_name():
     """Strike 1 of a truck of k = 2 MN/m; the filters in the order of how much they smooth."""
     length, peak = 0.0812, 553.4e3
-    found = force_peaks(force_curves(half_sine(0.0, length, peak), INTERVAL))
-    assert list(found) == ["raw", "mean_50ms", "cfc60", "cfc180", "cutoff_60hz"]
-    assert found["raw"] == pytest.approx(peak, rel=1e-5)
+    peaks = force_peaks(force_curves(half_sine(0.0, length, peak), INTERVAL))
+    assert list(peaks) == ["raw", "mean_50ms", "cfc60", "cfc180", "cutoff_60hz"]
+    assert peaks["raw"] == pytest.approx(peak, rel=1e-5)
     exact = peak * 2.0 * length / (math.pi * 0.05) * math.sin(0.025 * math.pi / length)
-    assert found["mean_50ms"] == pytest.approx(exact, rel=1e-5)
-    assert found["raw"] > found["cfc180"] > found["cfc60"] > found["cutoff_60hz"] > found["mean_50ms"]
+    assert peaks["mean_50ms"] == pytest.approx(exact, rel=1e-5)
+    assert peaks["raw"] > peaks["cfc180"] > peaks["cfc60"] > peaks["cutoff_60hz"] > peaks["mean_50ms"]
 
 
 def test_before_first_touch_there_is_no_force():
@@ -205,20 +205,20 @@ def test_a_triangular_pulse_gives_back_its_duration(length):
     """Alone between two others and a rest of zero, by valleys and by 2 J / F."""
     force = triangle(T, 0.05, 0.08, 500e3) + triangle(T, 0.25005, length, 654e3)
     force += triangle(T, 0.45, 0.04, 300e3)
-    found = second_strike(force, INTERVAL)
-    assert found.duration == pytest.approx(length, abs=2.0 * INTERVAL)
-    assert found.triangle == pytest.approx(length, rel=1e-5)
-    assert found.peak == pytest.approx(654e3, rel=1e-9)
-    assert found.impulse == pytest.approx(0.5 * 654e3 * length, rel=1e-5)
+    strike = second_strike(force, INTERVAL)
+    assert strike.duration == pytest.approx(length, abs=2.0 * INTERVAL)
+    assert strike.triangle == pytest.approx(length, rel=1e-5)
+    assert strike.peak == pytest.approx(654e3, rel=1e-9)
+    assert strike.impulse == pytest.approx(0.5 * 654e3 * length, rel=1e-5)
 
 
 def test_valleys_of_strikes_that_run_into_each_other():
     """Lowest points lie at 0.2 and 0.34 s, the first at 60 kN; no strike ends at zero force."""
     kilonewtons = np.array([0, 400, 60, 500, 100, 450, 0])
     force = np.interp(T, [0.0, 0.1, 0.2, 0.26, 0.34, 0.4, 0.6], 1e3 * kilonewtons)
-    found = second_strike(force, INTERVAL)
-    assert (found.start, found.end) == pytest.approx((0.2, 0.34), abs=INTERVAL)
-    assert found.impulse == pytest.approx(1e3 * (280 * 0.06 + 300 * 0.08), rel=1e-4)
+    strike = second_strike(force, INTERVAL)
+    assert (strike.start, strike.end) == pytest.approx((0.2, 0.34), abs=INTERVAL)
+    assert strike.impulse == pytest.approx(1e3 * (280 * 0.06 + 300 * 0.08), rel=1e-4)
 
 
 def test_ripple_is_no_strike():
@@ -226,8 +226,8 @@ def test_ripple_is_no_strike():
     force = half_sine(0.02, 0.1, 400e3) + half_sine(0.3, 0.1, 450e3)
     ripple = force * (1.0 + 0.08 * np.sin(2.0 * math.pi * 130.0 * T))
     small = ripple + half_sine(0.18, 0.04, 80e3)
-    found = second_strike(small, INTERVAL)
-    assert (found.start, found.end) == pytest.approx((0.3, 0.4), abs=2.0 * INTERVAL)
+    strike = second_strike(small, INTERVAL)
+    assert (strike.start, strike.end) == pytest.approx((0.3, 0.4), abs=2.0 * INTERVAL)
 
 
 def test_rounding_is_no_valley():
@@ -245,17 +245,17 @@ def test_a_50_ms_mean_widens_a_strike_by_50_ms():
     """A duration read off such a curve includes this beside the strike's own."""
     curves = force_curves(half_sine(0.0, 0.0812, 550e3) + half_sine(0.2944, 0.0664, 630e3), INTERVAL)
     for name, duration, rows in (("raw", 0.0664, 4), ("mean_50ms", 0.1164, 6)):
-        found = second_strike(curves[name], INTERVAL).duration
-        assert found == pytest.approx(duration, abs=rows * INTERVAL)
+        widened = second_strike(curves[name], INTERVAL).duration
+        assert widened == pytest.approx(duration, abs=rows * INTERVAL)
 
 
 @pytest.mark.parametrize(("name", "more"), [("cfc180", 0.004), ("cfc60", 0.01), ("cutoff_60hz", 0.015)])
 def test_undershoot_of_a_filter_elsewhere_is_no_valley(name, more):
     """A filter adds its own rise; the dip after strike 1, though lower, is not where strike 2 begins."""
     force = half_sine(0.02, 0.03, 600e3) + half_sine(0.2, 0.08, 500e3) + half_sine(0.4, 0.03, 600e3)
-    found = second_strike(force_curves(force, INTERVAL)[name], INTERVAL)
-    assert 0.08 - 2.0 * INTERVAL < found.duration < 0.08 + more
-    assert 0.5 * (found.start + found.end) == pytest.approx(0.24, abs=2.0 * INTERVAL)
+    strike = second_strike(force_curves(force, INTERVAL)[name], INTERVAL)
+    assert 0.08 - 2.0 * INTERVAL < strike.duration < 0.08 + more
+    assert 0.5 * (strike.start + strike.end) == pytest.approx(0.24, abs=2.0 * INTERVAL)
 
 
 @pytest.mark.parametrize(("force", "peaks"), [(np.zeros(6000), 0), (half_sine(0.1, 0.1, 1e5), 1)])
@@ -282,35 +282,35 @@ def straight(ax, ay):
 )
 def test_constant_deceleration(ax, ay, distance):
     """The axis that is first through: v = sqrt(2 a d), t = sqrt(2 d / a); nothing else changes in either case."""
-    found, first = measures(straight(ax, ay)), abs(ay or ax)
+    risk_values, first = measures(straight(ax, ay)), abs(ay or ax)
     time = math.sqrt(2.0 * distance / first)
-    assert found["OIV longitudinal"].time == pytest.approx(time, rel=1e-12)
-    assert found["OIV longitudinal"].value == pytest.approx(abs(ax) * time, rel=1e-12)
-    assert found["OIV lateral"].value == pytest.approx(abs(ay) * time, rel=1e-12)
+    assert risk_values["OIV longitudinal"].time == pytest.approx(time, rel=1e-12)
+    assert risk_values["OIV longitudinal"].value == pytest.approx(abs(ax) * time, rel=1e-12)
+    assert risk_values["OIV lateral"].value == pytest.approx(abs(ay) * time, rel=1e-12)
     assert max(abs(ax), abs(ay)) * time == pytest.approx(math.sqrt(2.0 * first * distance))
-    assert found["THIV"].value == pytest.approx(math.hypot(ax, ay) * time, rel=1e-12)
-    assert found["ORA longitudinal"].value == pytest.approx(abs(ax) / risk.GRAVITY, rel=1e-9)
-    assert found["ORA lateral"].value == pytest.approx(abs(ay) / risk.GRAVITY, rel=1e-9)
-    assert found["PHD"].value == pytest.approx(math.hypot(ax, ay) / risk.GRAVITY, rel=1e-9)
+    assert risk_values["THIV"].value == pytest.approx(math.hypot(ax, ay) * time, rel=1e-12)
+    assert risk_values["ORA longitudinal"].value == pytest.approx(abs(ax) / risk.GRAVITY, rel=1e-9)
+    assert risk_values["ORA lateral"].value == pytest.approx(abs(ay) / risk.GRAVITY, rel=1e-9)
+    assert risk_values["PHD"].value == pytest.approx(math.hypot(ax, ay) / risk.GRAVITY, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["ASI 1998, 50 ms mean", "ASI 2010, 13 Hz"])
 def test_severity_of_constant_accelerations(name):
-    found = measures(straight(-6.0 * risk.GRAVITY, 4.5 * risk.GRAVITY))[name]
-    assert found.value == pytest.approx(math.sqrt(0.5), rel=0.1 if "2010" in name else 1e-9)
-    assert "lower bound" in found.lacks
+    severity = measures(straight(-6.0 * risk.GRAVITY, 4.5 * risk.GRAVITY))[name]
+    assert severity.value == pytest.approx(math.sqrt(0.5), rel=0.1 if "2010" in name else 1e-9)
+    assert "lower bound" in severity.lacks
 
 
 def test_severity_of_a_half_sine():
     """Of 50 ms means the closed form; of 13 Hz the gain of a long wave."""
     length = 0.12
     pulse = 5.0 * risk.GRAVITY * np.sin(math.pi * np.clip(TIMES / length, 0.0, 1.0))
-    found = measures(straight(0.0, pulse))["ASI 1998, 50 ms mean"]
+    severity = measures(straight(0.0, pulse))["ASI 1998, 50 ms mean"]
     exact = 5.0 / 9.0 * 2.0 * length / (math.pi * 0.05) * math.sin(0.025 * math.pi / length)
-    assert (found.value, found.time) == (pytest.approx(exact, rel=1e-5), pytest.approx(0.06, abs=2e-4))
+    assert (severity.value, severity.time) == (pytest.approx(exact, rel=1e-5), pytest.approx(0.06, abs=2e-4))
     wave = 5.0 * risk.GRAVITY * np.sin(math.pi * TIMES / 0.6) ** 2 * np.sin(2.0 * math.pi * 13.0 * TIMES)
-    found = measures(straight(0.0, wave))["ASI 2010, 13 Hz"]
-    assert found.value == pytest.approx(5.0 / 9.0 * math.sqrt(0.5), rel=0.02)
+    severity = measures(straight(0.0, wave))["ASI 2010, 13 Hz"]
+    assert severity.value == pytest.approx(5.0 / 9.0 * math.sqrt(0.5), rel=0.02)
 
 
 def test_growing_deceleration_of_few_instants():
@@ -340,10 +340,10 @@ def test_ridedown_begins_after_contact():
     """A pulse before the contact does not count, one after it does, as its mean over 10 ms."""
     early = 60.0 * ((TIMES > 0.01) & (TIMES < 0.05))
     late = 100.0 * ((TIMES > 0.4) & (TIMES < 0.405))
-    found = measures(straight(-early - late, 0.0))
-    assert found["OIV longitudinal"].value == pytest.approx(2.4, rel=1e-2)
-    assert found["ORA longitudinal"].time == pytest.approx(0.4025, abs=0.006)
-    assert found["ORA longitudinal"].value == pytest.approx(50.0 / risk.GRAVITY, rel=0.03)
+    risk_values = measures(straight(-early - late, 0.0))
+    assert risk_values["OIV longitudinal"].value == pytest.approx(2.4, rel=1e-2)
+    assert risk_values["ORA longitudinal"].time == pytest.approx(0.4025, abs=0.006)
+    assert risk_values["ORA longitudinal"].value == pytest.approx(50.0 / risk.GRAVITY, rel=0.03)
 
 
 def test_head_goes_straight_on_while_the_vehicle_turns():
@@ -377,8 +377,8 @@ def test_a_head_ahead_of_the_centre_is_met_by_the_turning_side():
 
 
 def test_a_flight_that_does_not_end_has_no_value():
-    found = measures(straight(-1.0, 0.5))
-    empty = {name for name, measure in found.items() if measure.value is None and measure.time is None}
+    risk_values = measures(straight(-1.0, 0.5))
+    empty = {name for name, measure in risk_values.items() if measure.value is None and measure.time is None}
     assert empty == {"THIV", "PHD", "OIV longitudinal", "OIV lateral", "ORA longitudinal", "ORA lateral"}
 
 

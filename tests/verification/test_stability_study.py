@@ -92,9 +92,9 @@ def test_a_soft_slender_plate_follows_its_loads_and_is_confirmed():
     """The damping that its flutter is predicted to take would hold it back by more than a third of its flexibility."""
     scene = read_scene("paper-table-3")[0]
     strip = {"vehicle.width": 0.46415888336127774, "plate.youngs_modulus": 0.000774263682681127 * 2e11}
-    found = verdict_of(scene, strip)
-    assert (found["kind"], found["difference"]) == ("flexible", pytest.approx(0.0358, rel=0.01))
-    assert found["error"] < 5e-4
+    verdict = verdict_of(scene, strip)
+    assert (verdict["kind"], verdict["difference"]) == ("flexible", pytest.approx(0.0358, rel=0.01))
+    assert verdict["error"] < 5e-4
 
 
 @pytest.mark.long
@@ -171,8 +171,8 @@ def impact(impulse, error, passed=True, corner="rear"):
 
     def answer(corner, impulse):
         strikes = [("front", 1.0), (corner, 1.0 + impulse)]
-        found = [SimpleNamespace(corner=c, impulse=j, peak_force=1.0, duration=1.0) for c, j in strikes]
-        return SimpleNamespace(strikes=found, counted=2)
+        impacts = [SimpleNamespace(corner=c, impulse=j, peak_force=1.0, duration=1.0) for c, j in strikes]
+        return SimpleNamespace(strikes=impacts, counted=2)
 
     plate = SimpleNamespace(element="quad9", counts=(4, 2))
     case = SimpleNamespace(scene=read_scene(TRUCK)[0])
@@ -203,11 +203,13 @@ def test_verdicts_on_impacts(own, refined, kind, monkeypatch):
 def test_a_train_is_judged_by_the_strikes_whose_error_is_stated():
     """The first two and the largest; another may be cut off by the end of the run."""
     strikes = ("front", 1.0), ("trailer front", 2.0), ("trailer rear", 3.0), ("rear", 0.5)
-    own = impact(0.0, 0.0)
-    own.fe = own.rigid = SimpleNamespace(strikes=[SimpleNamespace(corner=c, impulse=j) for c, j in strikes])
-    own.difference = {"strike_3.impulse": 2e-3, "strike_4.impulse": 0.3}
-    found = cell_verdicts.against_rigid(own, 1e-2)
-    assert (found["kind"], found["difference"]) == ("right", 2e-3)
+    answer = impact(0.0, 0.0)
+    answer.fe = answer.rigid = SimpleNamespace(
+        strikes=[SimpleNamespace(corner=c, impulse=j) for c, j in strikes]
+    )
+    answer.difference = {"strike_3.impulse": 2e-3, "strike_4.impulse": 0.3}
+    distance = cell_verdicts.against_rigid(answer, 1e-2)
+    assert (distance["kind"], distance["difference"]) == ("right", 2e-3)
 
 
 @pytest.mark.parametrize("name", [TRUCK, "impact-mash-tl5-tractor-van"])
@@ -215,26 +217,26 @@ def test_random_cells_of_a_whole_impact_vary_every_unit_about_its_own(name):
     scene = read_scene(name)[0]
     base = stability_study.base_source(scene)
     cells, places = stability_study.random_cells(scene, base, 1, 3)
-    own = {key: value for key, value in ImpactCase(scene, base).inputs.items() if value}
-    assert ("trailer.0.hitch" in own) == (name != TRUCK)
+    inputs = {key: value for key, value in ImpactCase(scene, base).inputs.items() if value}
+    assert ("trailer.0.hitch" in inputs) == (name != TRUCK)
     for key, changes in cells.items():
-        factors = [changes[quantity] / value for quantity, value in own.items()]
+        factors = [changes[quantity] / value for quantity, value in inputs.items()]
         assert all(1.0 / random_scenes.SCATTER <= factor <= random_scenes.SCATTER for factor in factors)
-        assert len(set(factors)) == len(own)
-        assert all(places[key][quantity] == changes[quantity] for quantity in own)
+        assert len(set(factors)) == len(inputs)
+        assert all(places[key][quantity] == changes[quantity] for quantity in inputs)
     assert cells["0002"] == random_scenes.draw(scene, base, 1, 2)
 
 
 def test_random_cells_of_a_whole_impact_are_judged_as_on_the_map(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     case = case_of(*read_scene(TRUCK))
-    found = stability_study.compute(case, tmp_path / "out", None, None, 2, 1, 1)
-    assert (found.kinds, found.axes, found.settings) == (
+    result = stability_study.compute(case, tmp_path / "out", None, None, 2, 1, 1)
+    assert (result.kinds, result.axes, result.settings) == (
         cell_verdicts.MAP_KINDS,
         (),
         {"seed": 1, "tolerance": 1e-2},
     )
-    assert headline(found).certainty == "Correct: within 0.01 of the rigid motion or a refined model."
+    assert headline(result).certainty == "Correct: within 0.01 of the rigid motion or a refined model."
 
 
 @pytest.fixture
@@ -270,7 +272,7 @@ def test_a_file_that_is_no_journal_is_refused_and_kept(journal, foreign):
     path.write_bytes(foreign)
     with pytest.raises(InputError, match=r"\.out\.journal.* not a valid journal"), journal(a=1):
         pass
-    assert (path.read_bytes(), [found.name for found in path.parent.iterdir()]) == (foreign, [path.name])
+    assert (path.read_bytes(), [file.name for file in path.parent.iterdir()]) == (foreign, [path.name])
 
 
 def test_a_link_in_the_place_of_the_journal_is_refused(journal, tmp_path):
@@ -391,12 +393,12 @@ def test_an_announced_map_has_all_cells_in_their_order_and_says_how_long(tmp_pat
     monkeypatch.setattr("tailslap.progress.compiling", said.append)
     monkeypatch.setattr(stability_study, "judge", verdict)
     case = CornerCase(*read_scene("paper-table-3"))
-    found = stability_study.compute(
+    result = stability_study.compute(
         case, tmp_path / "out", points=2, tolerance=1e-3, count=None, seed=1, workers=1
     )
-    assert list(found.rows) == list(found.cells)
-    expected = stability_study.expected_seconds(case, found.base, found.cells)
-    by_start = sorted(found.rows, key=lambda key: found.rows[key]["steps"])
+    assert list(result.rows) == list(result.cells)
+    expected = stability_study.expected_seconds(case, result.base, result.cells)
+    by_start = sorted(result.rows, key=lambda key: result.rows[key]["steps"])
     assert [expected[key] for key in by_start] == sorted(expected.values(), reverse=True)
     assert len(said) == 1
     assert re.fullmatch(r"paper-table-3: 112 cells: expected time [\d:]+ on one core", said[0])
@@ -406,8 +408,8 @@ def test_the_report_shows_the_ten_costliest_cells_and_the_processor_time_of_all(
     rows = {
         f"{n:04d}": cell_verdicts.verdict("right", steps=n, processor_seconds=float(n)) for n in range(1, 25)
     }
-    found = campaign_of()._replace(rows=rows, cells={key: {} for key in rows})
-    write_report(report(found), tmp_path)
+    result = campaign_of()._replace(rows=rows, cells={key: {} for key in rows})
+    write_report(report(result), tmp_path)
     cost = json.loads((tmp_path / "summary.json").read_text())["cost"]
     assert cost["processor_seconds"] == 300.0
     assert [row["cell"] for row in cost["costliest"]] == [f"{n:04d}" for n in range(24, 14, -1)]
@@ -426,17 +428,17 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     left_out = cell_verdicts.verdict("unjudged", reason="estimated time of the time loop 427 s")
     right, wrong = cell_verdicts.verdict("right"), cell_verdicts.verdict("wrong", reason="x")
     verdicts = (*5 * [right], caught, refused, left_out, wrong)
-    rows = {key: places[key] | each for key, each in zip(cells, verdicts, strict=True)}
-    base, given = stability_study.base_source(case.scene), {"tolerance": 1e-3}
-    found = stability_study.StabilityResult(
-        case, base, axes, given, cell_verdicts.MAP_KINDS, cells, rows, 1.0
+    rows = {key: places[key] | verdict for key, verdict in zip(cells, verdicts, strict=True)}
+    base, settings = stability_study.base_source(case.scene), {"tolerance": 1e-3}
+    result = stability_study.StabilityResult(
+        case, base, axes, settings, cell_verdicts.MAP_KINDS, cells, rows, 1.0
     )
     kinds = "1 refused as invalid, 1 rejected by the checks, 1 undecided, 1 wrong and undetected"
-    assert headline(found).answer == f"9 cells: 5 correct, {kinds}."
-    assert caught_by(found) == {"energy balance": 1, "mesh": 1}
-    assert refused_by(found) == {"k: allowed less": 1}
-    made = report(found)
-    write_report(made, tmp_path)
+    assert headline(result).answer == f"9 cells: 5 correct, {kinds}."
+    assert caught_by(result) == {"energy balance": 1, "mesh": 1}
+    assert refused_by(result) == {"k: allowed less": 1}
+    printed = report(result)
+    write_report(printed, tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["counts"] == {
         "right": 5,
@@ -447,11 +449,11 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     assert len(summary["wrong"]) == 1
     page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
     assert page.count("<svg") == 3  # set-up, map and what its colours mean
-    key = next(iter(found.of_kind("wrong")))
+    key = next(iter(result.of_kind("wrong")))
     advised = "k: allowed less", "a smaller time.safety_factor", "failed</span>"
     for text in ("undetected error: passed every check", key, left_out["reason"], *advised):
         assert text in page
-    assert re.search("unjudged +estimated time", report_text(made, tmp_path))
+    assert re.search("unjudged +estimated time", report_text(printed, tmp_path))
     assert len((tmp_path / "cells.csv").read_text().splitlines()) == 10
 
 
@@ -518,10 +520,10 @@ def test_a_draw_is_known_by_seed_and_number():
 
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "paper-table-3", "paper-abaqus"])
 def test_draws_are_scenes_that_can_be_planned_and_afforded(scene):
-    own = read_scene(scene)[0]
-    base = stability_study.base_source(own)
+    scene_drawn = read_scene(scene)[0]
+    base = stability_study.base_source(scene_drawn)
     for number in range(20):
-        plan = CornerCase(*vary(base, random_scenes.draw(own, base, 3, number)))
+        plan = CornerCase(*vary(base, random_scenes.draw(scene_drawn, base, 3, number)))
         assert expected_effort(plan.scene, plan.motion.strike.t).steps <= 400_000
 
 
@@ -615,10 +617,10 @@ def test_the_distance_is_that_of_the_quantity_that_is_farthest_off():
 def test_what_is_right_by_chance_is_not_right_beyond_doubt():
     """Oscillations that agree at the strike, and lie apart before it: a check that fails for it has its reason."""
     reference = cell_verdicts.Reference(five(0.1), "quad9", 1.0, ({}, {}))
-    found = [
+    verdicts = [
         cell_verdicts.grade(five(0.1), ("numerical error",), reference, apart) for apart in (0.008, 0.009)
     ]
-    kinds = [each["kind"] for each in found]
+    kinds = [verdict["kind"] for verdict in verdicts]
     assert kinds == ["good but failed", "caught"]
     assert cell_verdicts.grade(five(0.1), (), reference, 0.5)["kind"] == "right"
 
@@ -632,34 +634,34 @@ def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch):
     failed = replace(outcome, difference=five(0.1), checks=(mesh,))
     first = cell_verdicts.Reference(five(0.1), "quad9 15 x 5", 1.0, histories)
     second = None if other is None else cell_verdicts.Reference(five(other), "quad9 20 x 6", 1.0, histories)
-    found = {
+    kinds = {
         cell_verdicts.FIRST: iter([first]),
         cell_verdicts.SECOND: iter([first, second] if second else [first]),
     }
-    monkeypatch.setattr(cell_verdicts, "references", lambda cell, factors: found[factors])
+    monkeypatch.setattr(cell_verdicts, "references", lambda cell, factors: kinds[factors])
     assert cell_verdicts.against_reference(failed)["kind"] == kind
 
 
 def test_a_second_reference_is_another_model():
     cell = CornerCase(*vary(SMALL, {})).plan()
     assert next(cell_verdicts.references(cell, cell_verdicts.FIRST)).model == "quad9 15 x 5"
-    models = [found.model for found in cell_verdicts.references(cell, cell_verdicts.SECOND)]
+    models = [reference.model for reference in cell_verdicts.references(cell, cell_verdicts.SECOND)]
     assert models[:2] == ["quad9 20 x 6", "quad9 10 x 3"]
 
 
 def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch):
-    asked = []
+    calls = []
 
     def noted(scene, plate, finer, ratio=0.0):
-        asked.append(ratio)
+        calls.append(ratio)
         raise InputError("plate.elements", finer, "no model")
 
     monkeypatch.setattr("tailslap.studies.stability.cell_verdicts.reference_changes", noted)
     for start, damped in (("inertia-relief", True), ("unstressed", False)):
-        asked.clear()
+        calls.clear()
         cell = CornerCase(*vary(SMALL, {"plate.start": start})).plan()
         assert next(cell_verdicts.references(cell, cell_verdicts.FIRST), None) is None
-        assert any(asked) is damped
+        assert any(calls) is damped
 
 
 SOFT = ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa")
@@ -676,15 +678,15 @@ def test_a_refined_model_is_the_same_plate_held_exactly():
     corner_keys = {"penalty_scale": 0.1, "damping_ratio": 0.1, "patch_length": 2.0}
     changes = {f"plate.{key}": value for key, value in plate_keys.items()}
     changes |= {f"corner.{key}": value for key, value in corner_keys.items()}
-    own, cell = vary(SMALL, {**changes, "damping.ratio": 0.3, "material.law": "neo-hookean"})
-    assert own.plate is not None
-    refined = vary(cell, cell_verdicts.reference_changes(own, own.plate, 1.5))[0]
+    source, cell = vary(SMALL, {**changes, "damping.ratio": 0.3, "material.law": "neo-hookean"})
+    assert source.plate is not None
+    refined = vary(cell, cell_verdicts.reference_changes(source, source.plate, 1.5))[0]
     assert refined.plate is not None
     assert (refined.plate.element, refined.plate.counts) == ("quad9", (15, 5))
     assert (refined.plate.start, refined.plate.distortion, refined.damping) == ("unstressed", 0.0, None)
-    assert refined.material == own.material
+    assert refined.material == source.material
     assert (refined.corner.constraint, refined.corner.patch_length) == ("exact", 2.0)
-    calmed = vary(cell, cell_verdicts.reference_changes(own, own.plate, 1.5, 0.05))[0]
+    calmed = vary(cell, cell_verdicts.reference_changes(source, source.plate, 1.5, 0.05))[0]
     assert calmed.damping is not None
     assert calmed.damping.ratio == 0.05
     left_open = vary(SMALL, {})[0]
@@ -762,8 +764,8 @@ def campaign_of(*kinds):
 
 
 def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
-    made = report(campaign_of(*cell_verdicts.RANDOM_KINDS))
-    write_report(made, tmp_path)
+    printed = report(campaign_of(*cell_verdicts.RANDOM_KINDS))
+    write_report(printed, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {
         "report.html",
@@ -787,22 +789,22 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
     page = (tmp_path / "report.html").read_text()
     for text in ("unjudged", "failed</span>"):
         assert text in page
-    assert re.search("0006 +wrong", report_text(made, tmp_path))
+    assert re.search("0006 +wrong", report_text(printed, tmp_path))
 
 
 @pytest.mark.long
 def test_a_cells_file_can_be_run(tmp_path):
-    found = campaign_of("wrong")._replace(base=SMALL, cells={"0000": {}})
-    write_report(report(found), tmp_path)
+    result = campaign_of("wrong")._replace(base=SMALL, cells={"0000": {}})
+    write_report(report(result), tmp_path)
     assert CornerCase(*read_scene(str(tmp_path / "cell-0000.toml"))).run().fe
 
 
 def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
-    found = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
-    assert [changed_tables(found.base.given, cell)[0] for cell in found.cells.values()] == DRAWN[:4]
-    assert (len(found.of_kind("right")), list(tmp_path.iterdir())) == (4, [])
+    result = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [changed_tables(result.base.given, cell)[0] for cell in result.cells.values()] == DRAWN[:4]
+    assert (len(result.of_kind("right")), list(tmp_path.iterdir())) == (4, [])
 
 
 def all_right(stop_at=""):
@@ -824,8 +826,8 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
     with pytest.raises(Interrupted, match="2 parts are saved"):
         stability_study.compute(case, place, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
-    found = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
-    assert [row["steps"] for row in found.rows.values()] == [3, 3, 4, 4]
+    result = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    assert [row["steps"] for row in result.rows.values()] == [3, 3, 4, 4]
 
 
 @pytest.mark.long

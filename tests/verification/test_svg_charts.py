@@ -82,35 +82,38 @@ def chart(*marks, **options):
 
 
 def places(root, label):
-    (path,) = [each for each in root.iter(SVG + "path") if each.get("data-label") == label]
+    (path,) = [element for element in root.iter(SVG + "path") if element.get("data-label") == label]
     return np.array(re.findall(r"[ML]([-\d.]+) ([-\d.]+)", path.get("d", "")), float)
 
 
 def test_points_are_where_their_values_are():
     """Between the ends of `data-x` and the ticks, by which pages show values."""
     root = chart(Line("FE", X, X**2))
-    (plot,) = [each for each in root.iter() if each.get("class") == "plot"]
-    left, top, right, bottom = map(float, plot.get("data-box", "").split())
+    (plot,) = [element for element in root.iter() if element.get("class") == "plot"]
+    x_min, top, right, bottom = map(float, plot.get("data-box", "").split())
     low, high = map(float, plot.get("data-x", "").split())
-    found = places(root, "FE")
-    np.testing.assert_allclose(low + (found[:, 0] - left) / (right - left) * (high - low), X, atol=1e-4)
-    assert (found[:, 1].min() > top, found[:, 1].max() < bottom) == (True, True)
-    ends = [each for each in root.iter(SVG + "text") if each.get("text-anchor") == "end"]
-    tick = {"".join(each.itertext()): float(each.get("y", "nan")) - 4.0 for each in ends}
-    assert found[[-1, 0], 1] == pytest.approx([tick["4"], tick["0"]], abs=0.02)
+    points = places(root, "FE")
+    np.testing.assert_allclose(low + (points[:, 0] - x_min) / (right - x_min) * (high - low), X, atol=1e-4)
+    assert (points[:, 1].min() > top, points[:, 1].max() < bottom) == (True, True)
+    ends = [element for element in root.iter(SVG + "text") if element.get("text-anchor") == "end"]
+    tick = {"".join(element.itertext()): float(element.get("y", "nan")) - 4.0 for element in ends}
+    assert points[[-1, 0], 1] == pytest.approx([tick["4"], tick["0"]], abs=0.02)
 
 
 def test_words_are_escaped_and_subscripts_set():
     root = chart(Line("a < b & c", X, X), Words("v_GY", 1.0, 1.0))
     assert root.get("aria-label") == 'a "caption" < b'
-    assert "a < b & c" in ["".join(each.itertext()) for each in root.iter(SVG + "text")]
-    assert sorted(each.text for each in root.iter(SVG + "tspan") if each.text in ("GX", "GY")) == ["GX", "GY"]
+    assert "a < b & c" in ["".join(element.itertext()) for element in root.iter(SVG + "text")]
+    assert sorted(element.text for element in root.iter(SVG + "tspan") if element.text in ("GX", "GY")) == [
+        "GX",
+        "GY",
+    ]
 
 
 def test_gaps_are_gaps():
     y = np.array([0.0, 1.0, np.nan, 2.0, 3.0])
     root = chart(Line("FE", X, y))
-    (path,) = [each for each in root.iter(SVG + "path") if each.get("data-label") == "FE"]
+    (path,) = [element for element in root.iter(SVG + "path") if element.get("data-label") == "FE"]
     assert path.get("d", "").count("M") == 2
     drawn = draw_chart("n", "", (Plot((Line("FE", X, y),)),), Axis("t [s]"))
     assert shown(drawn) == {"FE": ["0", "1", "2", "3"]}
@@ -119,12 +122,12 @@ def test_gaps_are_gaps():
 def test_levels_stay_in_the_picture_and_clear_of_each_other():
     marks = [Level(f"name {number}", 10.0 + 0.01 * number) for number in range(5)]
     root = chart(Line("FE", X, 5.0 * X), *marks)
-    names = [each for each in root.iter(SVG + "text") if (each.text or "").startswith("name")]
-    heights = sorted(float(each.get("y", "nan")) for each in names)
+    names = [element for element in root.iter(SVG + "text") if (element.text or "").startswith("name")]
+    heights = sorted(float(element.get("y", "nan")) for element in names)
     assert min(np.diff(heights)) >= 11.0
     assert min(heights) > 0.0
     width = float(root.get("width", "nan"))
-    assert all(float(each.get("x", "nan")) + 6.0 * len(each.text or "") <= width for each in names)
+    assert all(float(element.get("x", "nan")) + 6.0 * len(element.text or "") <= width for element in names)
 
 
 def test_names_of_levels_stand_at_their_lines():
@@ -134,12 +137,12 @@ def test_names_of_levels_stand_at_their_lines():
     root = ElementTree.fromstring(draw_chart("name", "caption", (Plot(tuple(marks), y),), Axis()).svg)
     names = [(text.text, text.get("y")) for text in root.iter(SVG + "text") if "%" in (text.text or "")]
     heights = {name: float(height or "nan") for name, height in names}
-    frame = next(box for each in root.iter() if (box := each.get("data-box"))).split()
+    frame = next(box for element in root.iter() if (box := element.get("data-box"))).split()
     top, bottom = float(frame[1]), float(frame[3])
     for value, below in ((10.0, 0.0), (5.0, 12.0), (1.0, 0.0), (0.1, 0.0)):
         line = top + (bottom - top) * math.log10(20.0 / value) / math.log10(20.0 / 1e-6)
-        found = heights[f"{value:g} %"] - 3.0 - line
-        assert found == pytest.approx(0.0, abs=0.1 + below)
+        offset = heights[f"{value:g} %"] - 3.0 - line
+        assert offset == pytest.approx(0.0, abs=0.1 + below)
 
 
 PARTS = ("plot", "key", "marks", "ticks", "beside", "x-axis")
@@ -149,9 +152,9 @@ PARTS = ("plot", "key", "marks", "ticks", "beside", "x-axis")
 def test_the_legend_names_what_is_drawn_once():
     marks = Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X)
     root = chart(*marks, Swatch("60 kN", "#123456"))
-    said = ["".join(each.itertext()) for each in root.iter(SVG + "text")]
+    said = ["".join(element.itertext()) for element in root.iter(SVG + "text")]
     assert [said.count(label) for label in ("front", "strain", "FE", "60 kN")] == [1] * 4
-    assert {each.get("class") for each in root.iter(SVG + "g")} - {None, *PARTS} <= set(PALETTE)
+    assert {element.get("class") for element in root.iter(SVG + "g")} - {None, *PARTS} <= set(PALETTE)
 
 
 def test_a_long_legend_takes_rows():
@@ -174,15 +177,15 @@ def texts_of(chart):
 def columns(chart):
     """Columns of the table behind a chart, which pages show: by label, heading of the places, places, values."""
     labels = {mark.label for plot in chart.plots for mark in plot.marks if mark.label}
-    found, where = {}, []
+    by_label, where = {}, []
     for heading, *cells in zip(*csv.reader(io.StringIO(chart.csv)), strict=True):
         label = heading.split(": ")[0]
         if label not in labels:
             where = [heading, *cells]
             continue
         there = [(at, value) for at, value in zip(where[1:], cells, strict=True) if value]
-        found[label] = (where[0], *map(list, zip(*there, strict=True)))
-    return found
+        by_label[label] = (where[0], *map(list, zip(*there, strict=True)))
+    return by_label
 
 
 def shown(chart):
@@ -202,12 +205,14 @@ def test_boxes_are_where_their_ends_are():
     svg = draw_chart("n", "", (plot,), Axis(margin=0.0)).svg
     first, second = boxes(svg, "green")
     (box,) = re.findall('data-box="([^"]*)"', svg)
-    left, top, right, bottom = map(float, box.split())
-    third = (right - left) / 3.0
-    assert first == pytest.approx([left, 0.5 * (top + bottom), left + third, bottom], abs=0.5)
-    assert second == pytest.approx([left + third, top, right, bottom], abs=0.5)
+    x_min, top, right, bottom = map(float, box.split())
+    third = (right - x_min) / 3.0
+    assert first == pytest.approx([x_min, 0.5 * (top + bottom), x_min + third, bottom], abs=0.5)
+    assert second == pytest.approx([x_min + third, top, right, bottom], abs=0.5)
     centres = re.findall(r"M(\S+) (\S+?)Z", svg.split("data-label")[2])
-    assert [float(x) for x, _ in centres] == pytest.approx([left + 0.5 * third, left + 2.0 * third], abs=0.02)
+    assert [float(x) for x, _ in centres] == pytest.approx(
+        [x_min + 0.5 * third, x_min + 2.0 * third], abs=0.02
+    )
 
 
 def test_a_span_without_width_is_a_line():
@@ -272,9 +277,9 @@ def bar(strike, dots=()):
 
 def test_bands_say_their_ends_and_the_rows_of_the_paper():
     chart = studies.draw_bands([bar(1), bar(2, (("a", 600.0, False), ("b", 650.0, True)))])
-    found = shown(chart)
-    assert found["first strike"] == found["second strike"] == ["400 to 700 kN, median 500 kN"]
-    assert (found["measured"], found["projected by the authors"]) == (["600 kN"], ["650 kN"])
+    titles = shown(chart)
+    assert titles["first strike"] == titles["second strike"] == ["400 to 700 kN, median 500 kN"]
+    assert (titles["measured"], titles["projected by the authors"]) == (["600 kN"], ["650 kN"])
     assert {"a", "b", "raw, strike 1", "peak lateral force [kN]"} <= set(texts_of(chart))
     first, second = boxes(chart.svg, "fe")[0], boxes(chart.svg, "rigid")[0]
     assert first[[0, 2]] == pytest.approx(second[[0, 2]])
@@ -330,16 +335,16 @@ def crowded(lines=9):
 def test_a_diagram_has_a_line_a_method_front_and_floor():
     """As wide as the page; each point names its mesh; colour and dashes together distinguish lines."""
     (diagram,) = crowded()
-    found = columns(diagram)
+    by_label = columns(diagram)
     assert (diagram.name, diagram.width) == ("test", FULL)
     lines = [f"line {n}" for n in range(9)]
-    assert [*found] == ["the truth is known", "Pareto front", *lines[:4], "failed a check", *lines[4:]]
-    assert found["the truth is known"][2] == ["3e-06", "3e-06"]
-    assert found["Pareto front"][2][:3] == ["0.01", "0.01", "0.0001"]
+    assert [*by_label] == ["the truth is known", "Pareto front", *lines[:4], "failed a check", *lines[4:]]
+    assert by_label["the truth is known"][2] == ["3e-06", "3e-06"]
+    assert by_label["Pareto front"][2][:3] == ["0.01", "0.01", "0.0001"]
     for n, line in enumerate(lines):
-        assert found[line][1] == ["10 x 3", "20 x 6", "40 x 12"]
-        np.testing.assert_allclose(float(found[line][2][0]), 1e-2 * (n + 1), rtol=1e-5)
-    assert found["failed a check"][2] == ["0.0004"]
+        assert by_label[line][1] == ["10 x 3", "20 x 6", "40 x 12"]
+        np.testing.assert_allclose(float(by_label[line][2][0]), 1e-2 * (n + 1), rtol=1e-5)
+    assert by_label["failed a check"][2] == ["0.0004"]
     assert diagram.svg.count("<title>20 x 6</title>") == 9
     marks = [mark for mark in diagram.plots[0].marks if mark.label in lines and isinstance(mark, Line)]
     assert len({(mark.colour, mark.dashes) for mark in marks}) == 9
@@ -398,8 +403,8 @@ def test_cells_are_of_equal_size_on_the_axis_own_scale():
 
 
 def small_map(points, across, up):
-    found = axes_of(read_scene("paper-table-3")[0], points)
-    axes = {axis.name: MapAxis(axis.meaning, axis.values) for axis in found}
+    map_axes = axes_of(read_scene("paper-table-3")[0], points)
+    axes = {axis.name: MapAxis(axis.meaning, axis.values) for axis in map_axes}
     return draw_map("m", axes[across], axes[up], [["right"] * points] * points, "")
 
 
@@ -410,11 +415,11 @@ def test_each_cell_says_its_values_and_its_verdict():
     where, at, verdicts = columns(chart)["verdict"]
     assert verdicts == ["right", "caught", "right", "wrong", "right", "right"]
     assert (where, at[-1]) == ("a; b", "0.1; 2")
-    red, *others = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', svg)
-    assert (red.count("M"), others) == (1, [])
-    left, top = map(float, re.findall(r"M([\d.]+) ([\d.]+)", red)[0])
+    red, *other_paths = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', svg)
+    assert (red.count("M"), other_paths) == (1, [])
+    x_min, top = map(float, re.findall(r"M([\d.]+) ([\d.]+)", red)[0])
     places = [tuple(map(float, p)) for p in re.findall(r"M([\d.]+) ([\d.]+)Z", svg)]
-    assert (left, top) < places[3], "the fourth cell, the first of the upper row"
+    assert (x_min, top) < places[3], "the fourth cell, the first of the upper row"
     assert places[3][0] == places[0][0]
     assert places[3][1] < places[0][1]
 
@@ -465,8 +470,8 @@ def histories(n=2000):
 def texts(curve):
     root = ElementTree.fromstring(curve.svg)
     assert root.tag == SVG + "svg"
-    found = [element for element in root.iter() if element.tag == SVG + "text"]
-    return ["".join(element.itertext()).replace("\u200b", "").strip() for element in found]
+    elements = [element for element in root.iter() if element.tag == SVG + "text"]
+    return ["".join(element.itertext()).replace("\u200b", "").strip() for element in elements]
 
 
 @pytest.fixture(scope="module")
@@ -489,12 +494,12 @@ LABELS = [
 @pytest.mark.parametrize(("name", "label"), LABELS)
 def test_plots_over_rigid_are_labelled(curves, name, label):
     """The power of ten of an angle is that of its degrees."""
-    shown = texts(curves[name])
+    labels = texts(curves[name])
     for words in (label, "t [s]", "FE", "rigid, exact"):
-        assert shown.count(words) == 1
+        assert labels.count(words) == 1
     unit = label.split("[")[1].replace("kN", "N")
     power = "10⁻⁶" if name == "theta" else "10⁻⁹"
-    assert f"FE − rigid [{power} {unit}" in shown
+    assert f"FE − rigid [{power} {unit}" in labels
 
 
 def test_energy_plots_are_labelled(curves):
@@ -555,15 +560,15 @@ def test_a_run_that_went_wrong_is_still_drawn():
     """Its other plots are as they were; of the broken column the part before, and where it goes if that is finite."""
     fe, rigid = histories(900)
     good = {curve.name: curve for curve in draw_histories(fe, rigid)}
-    for bad, points, shown in ((np.nan, 100, ""), (np.inf, 100, ""), (1e300, 2, "10³⁰⁰")):
+    for bad, points, label in ((np.nan, 100, ""), (np.inf, 100, ""), (1e300, 2, "10³⁰⁰")):
         broken = fe | {"omega": np.where(fe["t"] > 0.2, bad, fe["omega"])}
-        found = {curve.name: curve for curve in draw_histories(broken, rigid)}
-        omega = found["omega"]
-        assert found | {"omega": good["omega"]} == good
+        curves = {curve.name: curve for curve in draw_histories(broken, rigid)}
+        omega = curves["omega"]
+        assert curves | {"omega": good["omega"]} == good
         assert points <= vertices(omega) <= vertices(good["omega"])
         for word in ("nan", "inf"):
             assert word not in omega.svg
-        assert any(shown in words for words in texts(omega))
+        assert any(label in words for words in texts(omega))
 
 
 def vertices(curve):
@@ -616,12 +621,12 @@ def test_thinning_keeps_ends_and_peaks():
     t = np.linspace(0.0, 1.0, 20_000)
     values = np.sin(5000.0 * t + 0.3)
     values[[7_001, 12_345]] = 9.0, -7.0
-    kept_t, kept = thinned(t, values)
-    assert len(kept) <= 402
-    assert (kept.max(), kept.min()) == (9.0, -7.0)
-    assert (kept_t[0], kept_t[-1], kept[0], kept[-1]) == (0.0, 1.0, values[0], values[-1])
+    kept_t, thin_values = thinned(t, values)
+    assert len(thin_values) <= 402
+    assert (thin_values.max(), thin_values.min()) == (9.0, -7.0)
+    assert (kept_t[0], kept_t[-1], thin_values[0], thin_values[-1]) == (0.0, 1.0, values[0], values[-1])
     assert np.all(np.diff(kept_t) > 0)
-    np.testing.assert_array_equal(kept, values[np.searchsorted(t, kept_t)])
+    np.testing.assert_array_equal(thin_values, values[np.searchsorted(t, kept_t)])
 
 
 @pytest.mark.parametrize(

@@ -73,10 +73,10 @@ class Loopback(NamedTuple):
 def wait_until(condition):
     """Return the value of the condition as soon as it is true."""
     end = time.monotonic() + HANG
-    while not (found := condition()):
+    while not (value := condition()):
         assert time.monotonic() < end, "waited in vain"
         time.sleep(0.01)
-    return found
+    return value
 
 
 @contextlib.contextmanager
@@ -85,8 +85,8 @@ def loopback(folder, workers):
     file, dask = folder / "scheduler.json", [sys.executable, "-m", "dask"]
     host = ["--host", "127.0.0.1", "--no-dashboard"]
     settings = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
-    own = {"PYTHONPATH": os.pathsep.join(sys.path)}  # it loads this module too
-    environment = os.environ | settings | own
+    variables = {"PYTHONPATH": os.pathsep.join(sys.path)}  # it loads this module too
+    environment = os.environ | settings | variables
     scheduler = [*dask, "scheduler", *host, "--port", "0", "--scheduler-file", str(file)]
     processes = [
         subprocess.Popen(scheduler, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -110,8 +110,8 @@ def loopback(folder, workers):
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory):
-    with loopback(tmp_path_factory.mktemp("dask"), 2) as found:
-        yield found.address
+    with loopback(tmp_path_factory.mktemp("dask"), 2) as address:
+        yield address.address
 
 
 @pytest.fixture(scope="module")
@@ -136,11 +136,11 @@ def table(place):
 @pytest.fixture(scope="module")
 def undisturbed(scene, cluster, tmp_path_factory):
     place = tmp_path_factory.mktemp("sweeps") / "undisturbed"
-    done = perform(definition_of(scene), place, cluster)
-    assert done.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
+    result = perform(definition_of(scene), place, cluster)
+    assert result.statuses == {"passed": 80, "failed": 0, "refused": 80, "error": 0}
     files = {"sweep.json", RECORDS, "sweep.parquet", "summary.json", "report.html", MANIFEST, CRATE}
     assert {path.name for path in place.iterdir() if path.suffix != ".svg"} == files
-    assert json.loads((place / "summary.json").read_text())["statuses"] == done.statuses
+    assert json.loads((place / "summary.json").read_text())["statuses"] == result.statuses
     return table(place)
 
 
@@ -152,11 +152,11 @@ def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
     rows, definition = table(place), definition_of(scene, varied)
     runs = [CornerCase(*vary(definition.source, definition.changes_of(n))).run() for n in range(2)]
     for row, outcome in zip(rows, runs, strict=True):
-        found = {name: row[f"fe.{name}"] for name in outcome.fe}
-        assert found == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
-    kept = (place / RECORDS).read_bytes()
+        values = {name: row[f"fe.{name}"] for name in outcome.fe}
+        assert values == pytest.approx(outcome.fe, rel=1e-9, abs=1e-12)
+    content = (place / RECORDS).read_bytes()
     capsys.readouterr()
-    assert (cli._status(arguments), (place / RECORDS).read_bytes(), table(place)) == (0, kept, rows)
+    assert (cli._status(arguments), (place / RECORDS).read_bytes(), table(place)) == (0, content, rows)
 
 
 @pytest.mark.long
@@ -170,11 +170,11 @@ def test_each_row_is_that_of_a_run(undisturbed, scene):
         assert row["plate.youngs_modulus"] == outcome.fe_plan.plate.youngs_modulus
         assert row["corner.friction"] == outcome.fe_plan.case.scene.corner_friction
         for group in ("fe", "rigid", "difference"):
-            found = {name: row[f"{group}.{name}"] for name in outcome.fe}
-            assert found == pytest.approx(getattr(outcome, group), rel=1e-9, abs=1e-12)
+            expected = {name: row[f"{group}.{name}"] for name in outcome.fe}
+            assert expected == pytest.approx(getattr(outcome, group), rel=1e-9, abs=1e-12)
         values = {check.name.replace(" ", "_").replace("-", "_"): check.value for check in outcome.checks}
-        found = {name[6:]: v for name, v in row.items() if name.startswith("check.") and v is not None}
-        assert found == pytest.approx(values, rel=1e-6, abs=1e-9)
+        expected = {name[6:]: v for name, v in row.items() if name.startswith("check.") and v is not None}
+        assert expected == pytest.approx(values, rel=1e-6, abs=1e-9)
         assert (row["status"], row["reason"], row["cost.steps"]) == ("passed", "", outcome.run.steps)
         assert row["version.tailslap"] == tailslap.__version__
 
@@ -184,8 +184,8 @@ def test_a_scene_without_a_name_has_that_of_its_file(tmp_path):
     """As for a single run."""
     path = tmp_path / "unnamed.toml"
     path.write_text(SCENE.removeprefix('name = "small"\n'))
-    made = definition_of(str(path), ("corner.friction=0.2,0.4",))
-    assert (made.scene, made.source.given["name"], made.runs) == ("unnamed", "unnamed", 2)
+    definition = definition_of(str(path), ("corner.friction=0.2,0.4",))
+    assert (definition.scene, definition.source.given["name"], definition.runs) == ("unnamed", "unnamed", 2)
 
 
 def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed):
@@ -208,12 +208,12 @@ def started(place, scene, *more):
 
 def children(pid):
     """Processes that this one has started, and those that they have."""
-    found = []
+    processes = []
     for path in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
             if int(path.read_text().rpartition(")")[2].split()[1]) == pid:
-                found.append(int(path.parent.name))
-    return [*found, *(below for child in found for below in children(child))]
+                processes.append(int(path.parent.name))
+    return [*processes, *(below for child in processes for below in children(child))]
 
 
 def alive(pid):
@@ -234,10 +234,12 @@ def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp
     process.communicate()
     wait_until(lambda: not any(map(alive, below)))
     assert not (place / "summary.json").exists(), "it was done before it could be killed"
-    kept = records_of(scene, place)
-    done = perform(definition_of(scene), place, cluster)
-    assert {run: row for run, row in records_of(scene, place).items() if run in kept} == kept
-    assert (done.effort.runs, table(place)) == (RUNS - len(kept), undisturbed)
+    records_before = records_of(scene, place)
+    result = perform(definition_of(scene), place, cluster)
+    assert {
+        run: row for run, row in records_of(scene, place).items() if run in records_before
+    } == records_before
+    assert (result.effort.runs, table(place)) == (RUNS - len(records_before), undisturbed)
 
 
 def records_of(scene, place, definition=None):
@@ -259,12 +261,12 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     os.killpg(process.pid, signal.SIGINT)
     said = process.communicate(timeout=HANG)[1].decode()
     assert process.returncode == 130
-    kept = table(place)
-    kept_rows = f"{len(kept)} of {RUNS} rows are saved"
+    table_before = table(place)
+    kept_rows = f"{len(table_before)} of {RUNS} rows are saved"
     assert said.strip() == f"tailslap: interrupted; {kept_rows}; the same command resumes the sweep"
-    assert [known(row) for row in kept] == [known(undisturbed[row["run"]]) for row in kept]
-    done = perform(definition_of(scene), place, cluster)
-    assert done.effort.runs == RUNS - len(kept) > 0
+    assert [known(row) for row in table_before] == [known(undisturbed[row["run"]]) for row in table_before]
+    result = perform(definition_of(scene), place, cluster)
+    assert result.effort.runs == RUNS - len(table_before) > 0
     assert table(place) == undisturbed
     assert perform(definition_of(scene), place, "tcp://nowhere:1").effort.runs == 0
 
@@ -298,15 +300,15 @@ def test_a_full_disk_is_told_with_the_rows_that_are_kept(monkeypatch, scene, tmp
         with pytest.raises(StoppedError, match=r"full: .*; \d+ of 400 rows are saved; the same comm") as stop:
             perform(definition, tmp_path / "sweep", None, 1, padded)
     assert stop.value.status == 3
-    kept = len(records_of(scene, tmp_path / "sweep", definition))
-    assert str(stop.value).split("; ")[1].startswith(f"{kept} of")
-    assert perform(definition, tmp_path / "sweep", None, 1, padded).effort.runs == 400 - kept < 400
+    count = len(records_of(scene, tmp_path / "sweep", definition))
+    assert str(stop.value).split("; ")[1].startswith(f"{count} of")
+    assert perform(definition, tmp_path / "sweep", None, 1, padded).effort.runs == 400 - count < 400
 
 
 def test_workers_are_no_more_than_rows_and_cores(monkeypatch, scene, tmp_path):
     monkeypatch.setattr(resources, "available_cores", lambda: 4)
-    asked = (None, 9), (1024, 9), (1024, 2), (3, 9)
-    assert [resources.worker_count(*each) for each in asked] == [4, 4, 2, 3]
+    cases = (None, 9), (1024, 9), (1024, 2), (3, 9)
+    assert [resources.worker_count(*numbers) for numbers in cases] == [4, 4, 2, 3]
     counts = []
 
     def counted(workers):
@@ -335,9 +337,9 @@ def test_a_worker_that_dies_is_survived(where, scene, cluster, undisturbed, tmp_
     """The first worker to compute a certain run is killed under it, with kill -9."""
     mark, place = tmp_path / "mark", tmp_path / "sweep"
     compute = partial(dies_once, mark)
-    done = perform(definition_of(scene), place, cluster if where == "cluster" else None, 2, compute)
+    result = perform(definition_of(scene), place, cluster if where == "cluster" else None, 2, compute)
     assert mark.exists()
-    assert (done.failures, table(place)) == (0, undisturbed)
+    assert (result.failures, table(place)) == (0, undisturbed)
 
 
 def dies(runs, pause, run, *rest):
@@ -354,14 +356,14 @@ def test_a_run_that_kills_its_worker_again_and_again_is_a_row(where, scene, requ
     # Dask does not replace a worker that dies while it is being started.
     address, pause = (request.getfixturevalue("cluster"), 0.5) if where == "cluster" else (None, 0.0)
     killing = (7,) if address else (7, 8, 30)
-    done = perform(definition, tmp_path / "sweep", address, 2, partial(dies, killing, pause))
+    result = perform(definition, tmp_path / "sweep", address, 2, partial(dies, killing, pause))
     rows = table(tmp_path / "sweep")
     assert [row["run"] for row in rows] == list(range(40))
     assert [row["run"] for row in rows if row["status"] != "passed"] == list(killing)
     assert "its worker process died" in rows[7]["reason"]
     if where == "local":
         assert rows[7]["corner.friction"] == definition.inputs_of(7)["corner.friction"]
-    assert done.failures == len(killing)
+    assert result.failures == len(killing)
 
 
 def test_processes_that_cannot_begin_are_told(monkeypatch, scene, tmp_path):
@@ -383,8 +385,8 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch):
         (run, (run, source, {"corner.friction": 0.1 * run})) for run in (3, 4)
     ]
     rows = pools.run_batch(program(), compute_row, parts).records.values()
-    found = [(row["run"], row["status"], row["reason"]) for row in rows]
-    assert found == [(run, "error", "ZeroDivisionError: by nought") for run in (3, 4)]
+    outcomes = [(row["run"], row["status"], row["reason"]) for row in rows]
+    assert outcomes == [(run, "error", "ZeroDivisionError: by nought") for run in (3, 4)]
 
 
 @pytest.mark.long
@@ -398,18 +400,18 @@ def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
         return {"run": run, "status": "passed", "reason": ""}
 
     definition = definition_of(scene, ("corner.friction=0.1:0.5:14",))
-    with loopback(tmp_path, 1) as found, pytest.MonkeyPatch.context() as patched:
+    with loopback(tmp_path, 1) as address, pytest.MonkeyPatch.context() as patched:
         add = Records.add
 
         def add_and_kill(file, records, seconds):
             add(file, records, seconds)
-            for process in found.processes:
+            for process in address.processes:
                 process.kill()
 
         patched.setattr(Records, "add", add_and_kill)
         message = r"the connection to the scheduler at tcp.* is lost; \d+ of 14 rows are saved"
         with pytest.raises(StoppedError, match=message) as stop:
-            perform(definition, place, found.address, compute=compute)
+            perform(definition, place, address.address, compute=compute)
     assert stop.value.status == 3
     assert 0 < len(table(place)) < 14
 
@@ -505,7 +507,7 @@ def test_rows_come_back_in_the_order_of_their_runs(tmp_path):
         rows.add(row(4, deflection_ratio=0.1) | row(1))
         rows.add(row(10) | row(0))
     with open_records(tmp_path, small_sweep()) as rows:
-        assert [found["run"] for found in rows.in_order()] == list(rows) == [0, 1, 4, 10]
+        assert [record["run"] for record in rows.in_order()] == list(rows) == [0, 1, 4, 10]
         assert rows[4] == row(4, deflection_ratio=0.1)[4]
         assert rows.statuses["passed"] == len(rows) == 4
         assert 2 not in rows
@@ -517,7 +519,7 @@ def test_a_second_row_of_the_same_run_is_not_taken(tmp_path):
     with open_records(tmp_path, small_sweep()) as rows:
         rows.add(row(1, deflection_ratio=0.1))
         rows.add(row(1, deflection_ratio=0.3))
-        assert [found["deflection_ratio"] for found in rows.in_order()] == [0.1]
+        assert [record["deflection_ratio"] for record in rows.in_order()] == [0.1]
         assert rows.statuses["passed"] == 1
     assert records.count(tmp_path / RECORDS) == 1
 
@@ -529,21 +531,23 @@ def test_any_tool_of_sqlite_sees_the_values_in_columns(tmp_path):
         rows.add(row(1, **{"fe.t": math.inf, "it's": "x"}))
     (path,) = tmp_path.iterdir()
     file = sqlite3.connect(path)
-    shown = file.execute('SELECT key, status, seconds, "fe.t", "it\'s" FROM result ORDER BY key').fetchall()
+    selected = file.execute(
+        'SELECT key, status, seconds, "fe.t", "it\'s" FROM result ORDER BY key'
+    ).fetchall()
     file.close()
-    assert shown == [(0, "passed", 1.5, 1 / 3, None), (1, "passed", None, '{"not finite":"inf"}', "x")]
+    assert selected == [(0, "passed", 1.5, 1 / 3, None), (1, "passed", None, '{"not finite":"inf"}', "x")]
 
 
 def test_records_of_another_definition_or_program_are_begun_anew(tmp_path, monkeypatch):
     path = tmp_path / "r.sqlite"
     definition = {"a": 1}
-    for change, version, kept in (({}, "1", []), ({}, "1", [0]), ({"a": 2}, "1", []), ({"a": 2}, "2", [])):
+    for change, version, numbers in (({}, "1", []), ({}, "1", [0]), ({"a": 2}, "1", []), ({"a": 2}, "2", [])):
         definition |= change
         monkeypatch.setattr(records, "program", lambda version=version: version)
-        found = records.Records(path, definition)
-        assert list(found) == kept
-        found.add({0: {"status": "passed"}})
-        found.close()
+        file = records.Records(path, definition)
+        assert list(file) == numbers
+        file.add({0: {"status": "passed"}})
+        file.close()
 
 
 def test_the_program_is_known_by_its_sources(python):
@@ -607,10 +611,10 @@ def test_what_was_added_before_a_kill_is_there(tmp_path):
     time.sleep(0.003)
     writer.send_signal(signal.SIGKILL)
     said = 20 + len(writer.communicate()[0].splitlines())
-    found = records.Records(path, {})
-    assert list(found) == list(range(len(found)))
-    assert said <= len(found) <= said + 1
-    found.close()
+    file = records.Records(path, {})
+    assert list(file) == list(range(len(file)))
+    assert said <= len(file) <= said + 1
+    file.close()
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -624,26 +628,26 @@ def test_records_of_another_kind_are_refused_and_kept(tmp_path, content):
 def test_records_that_were_damaged_are_made_anew_or_refused_and_never_other_ones(tmp_path):
     """A bit of a byte in each stretch of the file: what is read is a part of what was written, to the last digit."""
     path, rows = tmp_path / "r.sqlite", row(0, **{"fe.t": 0.125}) | row(1, text="x" * 9000) | row(7, n=3)
-    found = Records(path, {})
-    found.add(rows)
-    found.close()
+    file = Records(path, {})
+    file.add(rows)
+    file.close()
     whole, ends = path.read_bytes(), set()
     for k in range(0, len(whole), 37):
         path.write_bytes(whole[:k] + bytes([whole[k] ^ (1 << k % 8)]) + whole[k + 1 :])
         records.count(path)
         try:
-            found = Records(path, {})
+            file = Records(path, {})
         except errors.InputError:
             ends.add("refused")
             continue
-        kept = dict(found)
-        assert kept.items() <= rows.items()
-        assert list(kept.values()) == list(found.in_order())
-        assert found.statuses.total() == len(kept)
-        found.add(rows)
-        assert dict(found) == rows
-        found.close()
-        ends.add(str(len(kept)))
+        content = dict(file)
+        assert content.items() <= rows.items()
+        assert list(content.values()) == list(file.in_order())
+        assert file.statuses.total() == len(content)
+        file.add(rows)
+        assert dict(file) == rows
+        file.close()
+        ends.add(str(len(content)))
     assert ends == {"refused", "0", "2", "3"}
 
 
@@ -664,11 +668,13 @@ def test_the_table_has_what_the_records_have(tmp_path):
         rows.add(row(5, **numbers, **inputs(5)))
         rows.add(row(2, status="refused", reason="no", **inputs(2)))
         path = write_table(tmp_path, small_sweep(), rows)
-    found = read_columns(path, ["run", "status", "reason", "corner.friction", *numbers])
-    assert (found["run"].tolist(), found["status"].tolist()) == ([2, 5], ["refused", "passed"])
-    assert (found["corner.friction"].tolist(), found["fe.t"][1]) == ([0.2, 0.5], 0.1 + 0.2)
-    assert math.isnan(found["fe.t"][0])
-    assert math.isnan(found["check.energy_balance"][1])  # null in the table: it has finite numbers alone
+    columns_read = read_columns(path, ["run", "status", "reason", "corner.friction", *numbers])
+    assert (columns_read["run"].tolist(), columns_read["status"].tolist()) == ([2, 5], ["refused", "passed"])
+    assert (columns_read["corner.friction"].tolist(), columns_read["fe.t"][1]) == ([0.2, 0.5], 0.1 + 0.2)
+    assert math.isnan(columns_read["fe.t"][0])
+    assert math.isnan(
+        columns_read["check.energy_balance"][1]
+    )  # null in the table: it has finite numbers alone
 
 
 def test_reading_the_table_starts_no_thread(tmp_path):
@@ -685,8 +691,8 @@ with open(sys.argv[1], "rb") as file:
     assert read_columns(file)["status"].tolist() == ["passed"]
 assert os.listdir("/proc/self/task") == before
 """
-    done = subprocess.run([sys.executable, "-c", code, str(path)], timeout=60.0)
-    assert done.returncode == 0
+    process = subprocess.run([sys.executable, "-c", code, str(path)], timeout=60.0)
+    assert process.returncode == 0
 
 
 def test_a_folder_is_one_sweep_s(begun):
