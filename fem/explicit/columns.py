@@ -1,8 +1,8 @@
 """Columns of the histories with their units and meanings.
 
 The compiled record of an instant has a field for each of the program's own columns. Other columns are registered as
-one object each, here or in any file outside; their values are computed in Python from that record and the state, once
-per recorded row.
+one object each, here or in any file outside. Their values are computed in Python, of the constrained corner from that
+record and the state once per recorded row, of a whole impact from the columns of the history.
 """
 
 from __future__ import annotations
@@ -142,7 +142,8 @@ class HistoryColumn:
     unit : str
         SI.
     value : callable or None
-        (measures, state, model) -> number; None for the record's own field of that name.
+        (measures, state, model) -> number; of a whole impact (history, model) -> array of shape (rows,). None for the
+        record's own field of that name.
     symbol, caption : str
         Of its plot; a column without a symbol has none of its own.
     meaning : str
@@ -151,7 +152,7 @@ class HistoryColumn:
 
     name: str
     unit: str
-    value: Callable[[Measures, Any, Any], float] | None = None
+    value: Callable[..., Any] | None = None
     symbol: str = ""
     caption: str = ""
     meaning: str = ""

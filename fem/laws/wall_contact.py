@@ -195,7 +195,7 @@ def push_back(parameters, state, contact_state, wall_motion, force):
 
 @compiled
 def add_contact(parameters, state, contact_state, wall_motion, force):
-    """Add the wall's forces to `force`, update the state and advance the wall.
+    """Add the wall's forces, and advance state and wall.
 
     Arguments as of `push_back`.
     """

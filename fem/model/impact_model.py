@@ -1,4 +1,4 @@
-"""Model of a whole impact, a plate in unilateral contact with a wall."""
+"""Model of a plate in unilateral contact with a wall."""
 
 from __future__ import annotations
 
@@ -113,7 +113,10 @@ def wall_contact(
 
 
 def _crush(laws: np.ndarray) -> unilateral.Crush:
-    """Return the crush of all points, without what none of them has; laws: rows of the fields of `PointCrush`."""
+    """Return the crush of all points.
+
+    laws: rows of the fields of `PointCrush`; a part that no point has is None.
+    """
     stiffness, initial, returned, plateau, unloading = map(np.ascontiguousarray, laws)
     return unilateral.Crush(
         stiffness,
@@ -125,7 +128,10 @@ def _crush(laws: np.ndarray) -> unilateral.Crush:
 
 
 def _axles(parts: Sequence[tuple[Discretisation, np.ndarray, tuple[AxleProperties, ...]]]) -> Axles | None:
-    """Return the axles of all plates, None without any; parts: discretisation, nodes in the model and axles of each."""
+    """Return the axles of all plates, None without any.
+
+    parts: discretisation, nodes in the model and axles of each.
+    """
     lines = [
         (every, *_axle_line(discretisation, axle.position), axle)
         for discretisation, every, axles in parts
@@ -141,7 +147,10 @@ def _axles(parts: Sequence[tuple[Discretisation, np.ndarray, tuple[AxlePropertie
 
 
 def _axle_line(discretisation: Discretisation, position: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return nodes of the line across the plate so far behind its front, and their weights and slopes, see `Axles`."""
+    """Return nodes, weights and slopes of a line across the plate.
+
+    position: behind the front [m]; weights, slopes: see `Axles`.
+    """
     (x, y), scalar = discretisation.positions, discretisation.scalar
     inside = 1e-9 * np.ptp(x)
     place = np.clip(x.max() - position, x.min() + inside, x.max() - inside)

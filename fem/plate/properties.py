@@ -185,7 +185,10 @@ class ContactProperties:
 
 
 class AxleProperties(NamedTuple):
-    """Axle of a unit: behind its front [m], load [N], coefficients of friction and cornering [-]."""
+    """Axle of a unit.
+
+    position: behind the front [m]; load [N]; friction and cornering: coefficients [-].
+    """
 
     position: float
     load: float

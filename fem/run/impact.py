@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fem.explicit import impact_loop
+from fem.explicit.columns import IMPACT_COLUMNS
 from fem.laws import tyres
 from fem.laws.hinges import HINGE, UNIT, unloaded
 from fem.laws.wall_contact import ContactState
@@ -283,6 +284,9 @@ def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
     )
     history["force_normal"], history["force_tangential"] = push.sum(axis=1), drag.sum(axis=1)
     history["force_foundation"] = np.diff(history["foundation_impulse"], prepend=0.0) / interval
+    for column in IMPACT_COLUMNS.values():
+        if column.value is not None:
+            history[column.name] = column.value(history, stepper.model)
     steps = stride * (len(values) - 1)
     motions, hinges = _train_motion(units, interval)
     contact = stepper.points, stepper.unit, push, drag, depth, place

@@ -103,7 +103,10 @@ class CheckKind(Generic[OutcomeT]):
 
 
 class CheckRegistry(Registry[CheckKind[T]]):
-    """Checks of a kind of case by name, in the order of the report."""
+    """Checks of a kind of case by name.
+
+    Their order is that of the report.
+    """
 
     def add(
         self, name: str, advice: str, group: str = "Others", **flags: bool

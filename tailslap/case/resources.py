@@ -1,4 +1,4 @@
-"""Expected steps, time and memory of a run, and limits of this machine.
+"""Expected cost of a run, and limits of this machine.
 
 Estimates use the scene alone, without a mesh.
 """

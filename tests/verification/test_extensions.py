@@ -16,6 +16,7 @@ from fem import (
     CONSTRAINTS,
     ELEMENT_KINDS,
     FRICTION_LAWS,
+    IMPACT_COLUMNS,
     LUMPINGS,
     MATERIALS,
     START_KINDS,
@@ -30,8 +31,12 @@ from tailslap.campaign.random_scenes import choices_of
 from tailslap.case.corner import corner_case
 from tailslap.case.corner.corner_checks import CHECKS
 from tailslap.case.corner.corner_report import CornerReport
+from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.report import histories
+from tailslap.case.impact.run import attempt
 from tailslap.case.resources import loop_seconds
 from tailslap.errors import InputError
+from tailslap.result.columns import impact_columns
 from tailslap.scene.read import read_scene
 
 FOLDER = Path(__file__).parents[1] / "extensions"
@@ -40,6 +45,7 @@ ADDED: dict[str, tuple[Registry[Any], str]] = {
     "hardening_material": (MATERIALS, "hardening"), "serendipity_element": (ELEMENT_KINDS, "quad8"),
     "diagonal_lumping": (LUMPINGS, "diagonal"), "pressed_start": (START_KINDS, "pressed"),
     "height_column": (COLUMNS, "height"), "rise_check": (CHECKS, "rise"),
+    "speed_column": (IMPACT_COLUMNS, "speed"),
 }  # fmt: skip
 """File, with the registry and name of its object."""
 
@@ -82,6 +88,14 @@ def folder(result, tmp_path_factory):
     place = tmp_path_factory.mktemp("results")
     write_report(CornerReport(result).composed(pictures=False), place)
     return place
+
+
+def test_a_whole_impact_has_its_column(registered):
+    """Its first value is the speed of the vehicle, and it is in the files with its unit."""
+    case = ImpactCase(*read_scene("impact-mash-tl4-sut", ("plate.elements=[8,2]", "time.end=50 ms")))
+    history = histories(attempt(case))["history.csv"]
+    assert history["speed"][0] == pytest.approx(case.scene.impact.speed, rel=1e-14)
+    assert impact_columns()["speed"].unit == "m/s"
 
 
 def test_a_run_with_all_of_them_is_right(result):

@@ -1,4 +1,4 @@
-"""Static models of the plate with a constrained corner, and estimates by them."""
+"""Static models of the constrained plate."""
 
 from __future__ import annotations
 
