@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Protocol, TypeVar
 
-from machine_code.sources import REGISTERED
+from machine_code.folder import REGISTERED
 
 T = TypeVar("T", bound="Named")
 
@@ -47,7 +47,7 @@ class Law:
     name: str
     constants: type
     inlined: tuple[str, ...] = ()
-    helpers: tuple[Callable[..., Any], ...] = ()
+    helpers: tuple[Callable[..., object], ...] = ()
 
 
 class Registry(dict[str, T]):
@@ -66,13 +66,6 @@ class Registry(dict[str, T]):
             raise ValueError(f'the {self.what} "{entry.name}" is registered already')
         self[entry.name] = entry
         return entry
-
-    def remove(self, name: str) -> T:
-        """Remove an object and return it.
-
-        Raises KeyError for an unknown name.
-        """
-        return self.pop(name)
 
     @property
     def expected(self) -> str:
@@ -107,7 +100,7 @@ class LawRegistry(Registry[L]):
             raise TypeError(f"no {self.what} has constants of {type(constants).__name__}")
         return law
 
-    def _values(self) -> Iterator[Any]:
+    def _values(self) -> Iterator[object]:
         """Yield the values of the fields of all laws, and their helpers."""
         for law in self.values():
             yield from (*vars(law).values(), *law.helpers)

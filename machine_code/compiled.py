@@ -13,10 +13,19 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Protocol
 
 from machine_code import folder, object_code
-from machine_code.object_code import Call, Prepared, UnknownTypeError, flattened, type_text, value_codes
+from machine_code.object_code import (
+    Call,
+    Kinds,
+    Prepared,
+    UnknownTypeError,
+    flattened,
+    type_text,
+    value_codes,
+)
 
 FAST_MATH = {"contract", "nsz", "reassoc"}
 """Optimisations that are allowed: fused multiply-add and regrouping.
@@ -24,7 +33,7 @@ FAST_MATH = {"contract", "nsz", "reassoc"}
 NaN and infinity keep their meaning, which the checks need.
 """
 
-OPTIONS: dict[str, Any] = {
+OPTIONS: dict[str, object] = {
     "fastmath": FAST_MATH,
     "error_model": "numpy",
     "no_cpython_wrapper": True,  # ctypes calls the code
@@ -65,7 +74,7 @@ class Laws(Protocol):
         """
 
 
-def _numba_code() -> Any:
+def _numba_code() -> ModuleType:
     """Return the module that compiles, with all functions registered."""
     from machine_code import numba_code
 
@@ -82,18 +91,18 @@ class Kernel:
     arguments and results other than numbers, arrays, None and tuples of these.
     """
 
-    def __init__(self, function: Function, options: dict[str, Any]) -> None:
+    def __init__(self, function: Function, options: dict[str, object]) -> None:
         functools.update_wrapper(self, function)
         self.py_func, self.targetoptions = function, options
-        self._calls: dict[tuple[Any, ...], Call] = {}
+        self._calls: dict[Kinds, Call] = {}
 
     def __reduce__(self) -> str:
         return self.py_func.__qualname__
 
-    def __call__(self, *arguments: Any) -> Any:
+    def __call__(self, *arguments: object) -> Any:
         return self.bound(*arguments)()
 
-    def bound(self, *arguments: Any) -> Callable[[], Any]:
+    def bound(self, *arguments: object) -> Callable[[], Any]:
         """Return the call with these arguments, which are prepared once.
 
         Arrays among them must keep their memory.
@@ -104,14 +113,14 @@ class Kernel:
             return functools.partial(self._through_numba, *_plain(arguments))
         return lambda alive=arguments: call(values)  # type: ignore[misc]  # keeps the arrays whose addresses are in values
 
-    def has_code(self, *arguments: Any) -> bool:
+    def has_code(self, *arguments: object) -> bool:
         """Return True if there is machine code for arguments of these types.
 
         It may be in this process or on disk, from which it is then loaded.
         """
         return self._call_for(flattened(arguments)[0]) is not None
 
-    def path(self, *arguments: Any) -> Path:
+    def path(self, *arguments: object) -> Path:
         """Return the file of the machine code for arguments of these types."""
         return self._file(flattened(arguments)[0])[0]
 
@@ -120,7 +129,7 @@ class Kernel:
         """Numba's dispatcher of the function, for calls from other compiled code."""
         return _numba_code().make_dispatcher(self.py_func, self.targetoptions)
 
-    def _file(self, kinds: tuple[Any, ...]) -> tuple[Path, dict[str, Any]]:
+    def _file(self, kinds: Kinds) -> tuple[Path, dict[str, object]]:
         """Return the file of the code for these types, and its identity.
 
         The identity is all on which the code depends, and the file must have the same.
@@ -140,7 +149,7 @@ class Kernel:
         """Function that calls through Numba itself."""
         return _numba_code().make_dispatcher(self.py_func, {"nogil": True} | self.targetoptions | CALLABLE)
 
-    def _call_for(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None = None) -> Call | None:
+    def _call_for(self, kinds: Kinds, arguments: tuple[object, ...] | None = None) -> Call | None:
         """Return the call of the machine code, compiled where arguments are present.
 
         The result is None without arguments where there is no code, and where Numba does not have a name that this
@@ -156,7 +165,7 @@ class Kernel:
                 self._through_numba  # noqa: B018  # from this call on
             return self._calls.get(kinds)
 
-    def _load(self, kinds: tuple[Any, ...], arguments: tuple[Any, ...] | None) -> None:
+    def _load(self, kinds: Kinds, arguments: tuple[object, ...] | None) -> None:
         """Load the machine code for these types, compiled if necessary."""
         path, identity = self._file(kinds)
         code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
@@ -173,12 +182,12 @@ class Kernel:
         self._calls[kinds] = object_code.load_code(code)
 
 
-def _plain(arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+def _plain(arguments: tuple[object, ...]) -> tuple[object, ...]:
     """Return the arguments with prepared ones replaced by their values."""
     return tuple(argument.value if isinstance(argument, Prepared) else argument for argument in arguments)
 
 
-def inlined(function: Function) -> Any:
+def inlined(function: Function) -> Kernel:
     """Decorate a part of a compiled loop that must be merged into it.
 
     Only then are its SIMD blocks vectorised.
@@ -186,7 +195,7 @@ def inlined(function: Function) -> Any:
     return Kernel(function, OPTIONS | {"inline": "always"})
 
 
-def compiled(function: Function) -> Any:
+def compiled(function: Function) -> Kernel:
     """Decorate a function to be compiled on first call and stored on disk.
 
     The compiled code runs without the lock of the interpreter, in parallel with other Python threads.
@@ -195,7 +204,7 @@ def compiled(function: Function) -> Any:
 
 
 def compile_once(
-    compile_all: Callable[[], Any], kernel: Kernel, *arguments: Any, on_compile: OnCompile
+    compile_all: Callable[[], object], kernel: Kernel, *arguments: object, on_compile: OnCompile
 ) -> None:
     """Compile, or load from disk, all code of a run.
 
@@ -233,11 +242,11 @@ def by_law(laws: Laws, kernel: str) -> Function:
     loop is compiled.
     """
 
-    def generic(constants: Any, *rest: Any) -> Any:
+    def generic(constants: object, *rest: object) -> object:
         raise NotImplementedError(type(constants))
 
     def chooser(merged: bool) -> Function:
-        def choose(first: Any, *rest: Any) -> Any:
+        def choose(first: object, *rest: object) -> object:
             from machine_code.numba_code import make_callable, python_type
 
             law = laws.by_type(python_type(first))
@@ -275,7 +284,7 @@ def implements(generic: Function, kind: type, merged: bool = False) -> Function:
     """
 
     def register(implementation: Function) -> Function:
-        def choose(first: Any, *rest: Any) -> Any:
+        def choose(first: object, *rest: object) -> object:
             from machine_code.numba_code import python_type
 
             return implementation if python_type(first) is kind else None

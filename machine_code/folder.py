@@ -8,18 +8,23 @@ closed to others, and only plain files are opened.
 import fcntl
 import functools
 import hashlib
+import marshal
 import os
 import stat
 import tempfile
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from types import FunctionType
 
 import platformdirs
 
-from machine_code.sources import PACKAGES, outside_sources, source_of
+PACKAGES = ("machine_code", "fem")
+"""Packages whose sources are in every digest, because compiled code anywhere may contain theirs."""
+
+REGISTERED: list[Callable[[], Iterable[object]]] = []
+"""Functions that return the values of registered laws, plain functions among them."""
 
 USUAL_S, LONGEST_S, TIME_FILE = 10.0, 3600.0, "seconds"
 """Usual and longest time [s] in which a loop is compiled, and the file of the last time.
@@ -45,23 +50,42 @@ def cache_folder() -> Path:
 
 def sources() -> str:
     """Return the digest of PACKAGES and of registered laws."""
-    digest = _own_digest().copy()
-    for source in outside_sources():
+    digest = hashlib.sha256(_own_sources())
+    for source in _outside_sources():
         digest.update(source)
-    return str(digest.hexdigest())
+    return digest.hexdigest()
 
 
 @functools.cache
-def _own_digest() -> Any:
+def _own_sources() -> bytes:
     """Return the digest of the sources of PACKAGES."""
     digest = hashlib.sha256()
     for source in (path for name in PACKAGES for path in sorted((ROOT / name).rglob("*.py"))):
         digest.update(source.read_bytes())
-    return digest
+    return digest.digest()
+
+
+def _outside_sources() -> list[bytes]:
+    """Return the sources of registered functions outside the packages.
+
+    They are kernels and helpers of laws, which are merged into compiled code.
+    """
+    values = (value for values_of_laws in REGISTERED for value in values_of_laws())
+    functions = (value for value in values if isinstance(value, FunctionType))
+    outside = (f for f in functions if f.__module__.partition(".")[0] not in PACKAGES)
+    return sorted({_source_of(function) for function in outside})
+
+
+def _source_of(function: FunctionType) -> bytes:
+    """Return the source file of a function, else its bytecode."""
+    try:
+        return Path(function.__code__.co_filename).read_bytes()
+    except OSError:
+        return marshal.dumps(function.__code__)
 
 
 @functools.cache
-def own_sources(function: Callable[..., Any]) -> str:
+def own_sources(function: FunctionType) -> str:
     """Return the digest of the sources of a function outside PACKAGES.
 
     They are its file, or all files of its package.
@@ -69,7 +93,7 @@ def own_sources(function: Callable[..., Any]) -> str:
     path, depth = Path(function.__code__.co_filename).resolve(), function.__module__.count(".")
     if any(ROOT / name in path.parents for name in PACKAGES):
         return ""  # among `sources`
-    digest = hashlib.sha256(source_of(function))
+    digest = hashlib.sha256(_source_of(function))
     with suppress(OSError):
         for source in sorted(path.parents[depth - 1].rglob("*.py")) if depth else []:
             digest.update(source.read_bytes())

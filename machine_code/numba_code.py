@@ -4,9 +4,12 @@ import functools
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import Any
+from typing import TYPE_CHECKING
 
-from machine_code.object_code import ADDRESS, FLOAT, INTEGER, LOGICAL, ObjectCode, UnknownTypeError
+from machine_code.object_code import ADDRESS, FLOAT, INTEGER, LOGICAL, ObjectCode, Result, UnknownTypeError
+
+if TYPE_CHECKING:
+    from numba.core.dispatcher import Dispatcher
 
 NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
 """Codes of results by Numba's names of their types."""
@@ -40,12 +43,12 @@ with hidden_modules("coverage", "cffi"):  # Numba imports them if installed, whi
 numba.config.DISABLE_JIT = 0
 
 
-def make_dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+def make_dispatcher(function: Callable[..., object], options: dict[str, object]) -> "Dispatcher":
     """Return Numba's dispatcher of a function for other compiled code."""
     return numba.njit(**options)(function)
 
 
-def compile_for(dispatcher: Any, arguments: tuple[Any, ...]) -> ObjectCode:
+def compile_for(dispatcher: "Dispatcher", arguments: tuple[object, ...]) -> ObjectCode:
     """Return the machine code for arguments of these types."""
     types = tuple(map(numba.typeof, arguments))
     dispatcher.compile(types)
@@ -67,7 +70,7 @@ def register_numba_symbols() -> None:
     cpu_target.target_context.refresh()
 
 
-def replace_generic(generic: Callable[..., Any], choose: Callable[..., Any], inline: str) -> None:
+def replace_generic(generic: Callable[..., object], choose: Callable[..., object], inline: str) -> None:
     """Replace `generic` in compiled code by the function that `choose` returns.
 
     It receives Numba's types of the arguments.
@@ -75,7 +78,7 @@ def replace_generic(generic: Callable[..., Any], choose: Callable[..., Any], inl
     overload(generic, strict=False, inline=inline)(choose)
 
 
-def python_type(kind: Any) -> type | None:
+def python_type(kind: object) -> type | None:
     """Return the Python type behind Numba's type of a NamedTuple or None.
 
     The result is None for any other type.
@@ -85,12 +88,12 @@ def python_type(kind: Any) -> type | None:
 
 
 @functools.cache
-def make_callable(helper: Callable[..., Any]) -> None:
+def make_callable(helper: Callable[..., object]) -> None:
     """Register a plain function for calls from compiled code."""
     register_jitable(helper)
 
 
-def _code(kind: Any) -> str:
+def _code(kind: object) -> str:
     """Return the code of an argument.
 
     kind: LLVM's type.
@@ -103,7 +106,7 @@ def _code(kind: Any) -> str:
     )
 
 
-def _result(kind: Any) -> Any:
+def _result(kind: object) -> Result:
     """Return the type of a result in the form of `ObjectCode`.
 
     Raises UnknownTypeError for other than numbers, None and tuples of these.

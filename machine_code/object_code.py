@@ -17,9 +17,13 @@ from collections.abc import Callable
 from importlib.machinery import PathFinder
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from llvmlite.binding import ExecutionEngine
 
 FLOAT, INTEGER, LOGICAL, ADDRESS = "d", "q", "b", "P"
 """Codes of the `struct` module for arguments and results of a kernel."""
@@ -36,7 +40,13 @@ NUMBERS: dict[type, str] = {
 LAST_INTEGER = 2**63
 """Smallest integer that does not fit."""
 
-Call = Callable[[list[Any]], Any]
+Kinds = tuple[object, ...]
+"""Types of arguments: a code, None, class and length of a tuple, or type, dimensions and layout of an array."""
+
+Result = str | None | list["Result"]
+"""Type of a result: a code, None, or module and name of a tuple's class before the types of its items."""
+
+Call = Callable[[list[object]], object]
 """Call of machine code with the values of its arguments in a row."""
 
 C_TYPES = {FLOAT: ctypes.c_double, INTEGER: ctypes.c_int64, LOGICAL: ctypes.c_int8, ADDRESS: ctypes.c_void_p}
@@ -68,25 +78,25 @@ class Prepared:
     Arrays in it must keep their memory.
     """
 
-    def __init__(self, value: Any) -> None:
+    def __init__(self, value: object) -> None:
         self.value = value
         self.kinds, self.values = flattened((value,))
 
 
-def flattened(arguments: tuple[Any, ...]) -> tuple[tuple[Any, ...], list[Any]]:
+def flattened(arguments: tuple[object, ...]) -> tuple[Kinds, list[object]]:
     """Return the types of the arguments, and their values in a row.
 
     Machine code is chosen by the types. Raises UnknownTypeError for other than floats, integers, logicals, arrays of
     them, None, and tuples of these.
     """
-    kinds: list[Any] = []
-    values: list[Any] = []
+    kinds: list[object] = []
+    values: list[object] = []
     for argument in arguments:
         _add(argument, kinds, values)
     return tuple(kinds), values
 
 
-def _add(value: Any, kinds: list[Any], values: list[Any]) -> None:
+def _add(value: Any, kinds: list[object], values: list[object]) -> None:
     """Append type and values of an argument."""
     kind = type(value)
     if kind is np.ndarray:
@@ -108,7 +118,7 @@ def _add(value: Any, kinds: list[Any], values: list[Any]) -> None:
         raise UnknownTypeError(kind)
 
 
-def _add_array(array: np.ndarray, kinds: list[Any], values: list[Any]) -> None:
+def _add_array(array: np.ndarray, kinds: list[object], values: list[object]) -> None:
     """Append type and values of an array."""
     flags, dtype = array.flags, array.dtype
     if dtype.kind not in "fciub" or not dtype.isnative or not flags.aligned:
@@ -130,7 +140,7 @@ def value_codes(kind: Any) -> str:
     return 2 * ADDRESS + 2 * INTEGER + ADDRESS + 2 * kind[1] * INTEGER
 
 
-def type_text(kind: Any) -> str:
+def type_text(kind: object) -> str:
     """Return a text of the type, equal in every process."""
     if isinstance(kind, tuple) and len(kind) == 2:
         return f"{kind[0].__module__}.{kind[0].__qualname__}/{kind[1]}"
@@ -140,13 +150,12 @@ def type_text(kind: Any) -> str:
 class ObjectCode(NamedTuple):
     """Machine code of a kernel for arguments of certain types.
 
-    symbol: its name in the code. arguments: codes of the values of its arguments. result: a code, None, or a list of
-    the module and name of a tuple's class and of the items' results.
+    symbol: its name in the code. arguments: codes of the values of its arguments.
     """
 
     symbol: str
     arguments: str
-    result: Any
+    result: Result
     code: bytes
 
 
@@ -154,7 +163,7 @@ class KernelError(RuntimeError):
     """A kernel ended with an error, which a law from outside may raise."""
 
 
-def encoded(code: ObjectCode, identity: dict[str, Any]) -> bytes:
+def encoded(code: ObjectCode, identity: dict[str, object]) -> bytes:
     """Return the content of a file of object code.
 
     It is a digest of the remainder, a line with the identity, and the code.
@@ -164,7 +173,7 @@ def encoded(code: ObjectCode, identity: dict[str, Any]) -> bytes:
     return hashlib.sha256(content).digest() + content
 
 
-def decoded(content: bytes, identity: dict[str, Any]) -> ObjectCode | None:
+def decoded(content: bytes, identity: dict[str, object]) -> ObjectCode | None:
     """Return the object code of a file's content.
 
     The result is None where the content is damaged or has another identity.
@@ -175,7 +184,7 @@ def decoded(content: bytes, identity: dict[str, Any]) -> ObjectCode | None:
         return None
     try:
         fields = json.loads(header)
-        decoded_code = ObjectCode(fields.pop("symbol"), identity["values"], fields.pop("result"), code)
+        decoded_code = ObjectCode(fields.pop("symbol"), str(identity["values"]), fields.pop("result"), code)
         _layout(decoded_code.result), _reader(decoded_code.result)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return None
@@ -183,7 +192,7 @@ def decoded(content: bytes, identity: dict[str, Any]) -> ObjectCode | None:
 
 
 @functools.cache
-def machine() -> dict[str, Any]:
+def machine() -> dict[str, object]:
     """Return processor, versions and settings on which machine code depends."""
     llvm = _llvm()
     programs = {name: version(name) for name in ("numba", "llvmlite")}
@@ -215,7 +224,7 @@ def load_code(code: ObjectCode) -> Call:
     function = ctypes.CFUNCTYPE(ctypes.c_int32, *kinds)(address)
     layout, read = _layout(code.result), _reader(code.result)
 
-    def call(values: list[Any]) -> Any:
+    def call(values: list[object]) -> object:
         result, error = layout(), ctypes.c_void_p()
         if status := function(ctypes.addressof(result), ctypes.addressof(error), *values):
             raise KernelError(f"{code.symbol[:60]} ended with status {status}")
@@ -224,7 +233,7 @@ def load_code(code: ObjectCode) -> Call:
     return call
 
 
-def _layout(result: Any) -> Any:
+def _layout(result: Result) -> Any:
     """Return the C type of a result."""
     if isinstance(result, list):
         fields = [(f"f{i}", _layout(item)) for i, item in enumerate(result[2:])]
@@ -232,7 +241,7 @@ def _layout(result: Any) -> Any:
     return C_TYPES[ADDRESS if result is None else result]
 
 
-def _reader(result: Any) -> Callable[[Any], Any]:
+def _reader(result: Result) -> Callable[[object], object]:
     """Return a function that converts a C value of this type to Python."""
     if result is None:
         return lambda value: None
@@ -241,14 +250,14 @@ def _reader(result: Any) -> Callable[[Any], Any]:
     if not isinstance(result, list):
         return lambda value: getattr(value, "value", value)
     items = [(f"f{i}", _reader(item)) for i, item in enumerate(result[2:])]
-    names, module = result[1].split("."), sys.modules[result[0]]  # nothing is imported for a name
+    names, module = str(result[1]).split("."), sys.modules[str(result[0])]  # nothing is imported for a name
     kind: Any = functools.reduce(lambda owner, name: vars(owner)[name], names, module)
     make = kind if kind is tuple else kind._make
     return lambda value: make([read(getattr(value, name)) for name, read in items])
 
 
 @functools.cache
-def _llvm() -> Any:
+def _llvm() -> ModuleType:
     """Return llvmlite's interface to LLVM, initialised."""
     from llvmlite import binding
 
@@ -258,7 +267,7 @@ def _llvm() -> Any:
 
 
 @functools.cache
-def _engine() -> Any:
+def _engine() -> "ExecutionEngine":
     """Return LLVM's memory for machine code, with the layout that Numba needs."""
     llvm = _llvm()
     _register_symbols(llvm, {f"numba_{name}": _address(_stand_in) for name in UNUSED})
@@ -271,7 +280,7 @@ def _engine() -> Any:
     return llvm.create_mcjit_compiler(llvm.parse_assembly(f'target triple = "{triple}"'), target)
 
 
-def _register_symbols(llvm: Any, symbols: dict[str, int]) -> None:
+def _register_symbols(llvm: ModuleType, symbols: dict[str, int]) -> None:
     """Register the addresses of functions with LLVM.
 
     Numba registers its own once it is imported.

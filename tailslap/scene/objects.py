@@ -64,7 +64,7 @@ def _registered_name(key: str, value: object) -> object:
     if value.name in BUILT_IN[key]:
         raise InputError(key, value.name, "the program has an object of this name; choose another name")
     if value.name in registry:
-        registry.remove(value.name)
+        registry.pop(value.name)
     try:
         registry.register(value)
     except ValueError as error:

@@ -459,7 +459,7 @@ def test_a_law_of_ones_own_is_an_object():
         assert named({"corner.reaction": second}) == {"corner.reaction": "own"}
         assert FRICTION_LAWS["own"] is second
     finally:
-        FRICTION_LAWS.remove("own")
+        FRICTION_LAWS.pop("own")
 
 
 def test_objects_that_are_none_are_refused():

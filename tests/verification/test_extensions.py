@@ -69,7 +69,7 @@ def registered():
         load(name)
     yield
     for registry, name in ADDED.values():
-        registry.remove(name)
+        registry.pop(name)
 
 
 @pytest.fixture(scope="module")
@@ -158,7 +158,7 @@ def test_cost_and_draw_weight_are_fields_of_an_element():
         seconds = loop_seconds(scene, kind.name, (10, 3), 1000.0)
         drawn = [choices_of(1, number, 0)["element"] for number in range(20)]
     finally:
-        ELEMENT_KINDS.remove(kind.name)
+        ELEMENT_KINDS.pop(kind.name)
     stress = MATERIALS["neo-hookean"].nanoseconds
     assert seconds == pytest.approx(1e-9 * 1000.0 * 30 * (1000.0 + 2.0 * stress), rel=1e-12)
     assert set(drawn) == {"open", kind.name}
@@ -175,7 +175,7 @@ def test_a_check_from_outside_can_fail(result):
 
 def test_a_law_that_is_taken_out_is_unknown(registered):
     """To scenes, and to the machine code, which lies in a folder of its own with laws from outside."""
-    with_it, law = cache_folder(), FRICTION_LAWS.remove("smoothed")
+    with_it, law = cache_folder(), FRICTION_LAWS.pop("smoothed")
     try:
         assert cache_folder() != with_it
         with pytest.raises(InputError, match=r"'drag', 'none' or 'signed'$"):

@@ -234,7 +234,7 @@ def laws_of_the_program():
     before = {*FRICTION_LAWS}
     yield
     for name in {*FRICTION_LAWS} - before:
-        FRICTION_LAWS.remove(name)
+        FRICTION_LAWS.pop(name)
 
 
 def do(step, namespace):
