@@ -44,12 +44,12 @@ def pages() -> dict[str, str]:
 
 def scheme() -> str:
     """Drawing of the set-up of the paper's truck with symbols in place of numbers."""
-    from postprocess.figures import set_up
+    from postprocess.figures import positions
     from tailslap.case.corner.corner_case import CornerCase
     from tailslap.scene.read import read_scene
 
     unit = CornerCase(*read_scene("mash-tl4-sut")).unit
-    return set_up.draw_set_up([unit], set_up.SYMBOLS, set_up.SCHEME).svg
+    return positions.draw_set_up([unit], positions.SYMBOLS, positions.SCHEME).svg
 
 
 def train() -> str:

@@ -59,9 +59,8 @@ __version__ = "0.2.0"
 __all__, __getattr__, __dir__ = lazy_names(
     __name__,
     {
-        "api": "check confirm modal modes rigid run study",
-        "campaign.sweep": "sweep",
-        "comparing.compare": "compare",
+        "api": "check compare confirm modal modes rigid run study",
+        "campaign.sweep_run": "sweep",
         "errors": "InputError",
         "exports.export": "export",
         "result.columns": "Columns",

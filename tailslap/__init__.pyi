@@ -1,12 +1,12 @@
 from tailslap.api import check as check
+from tailslap.api import compare as compare
 from tailslap.api import confirm as confirm
 from tailslap.api import modal as modal
 from tailslap.api import modes as modes
 from tailslap.api import rigid as rigid
 from tailslap.api import run as run
 from tailslap.api import study as study
-from tailslap.campaign.sweep import sweep as sweep
-from tailslap.comparing.compare import compare as compare
+from tailslap.campaign.sweep_run import sweep as sweep
 from tailslap.errors import InputError as InputError
 from tailslap.exports.export import export as export
 from tailslap.replication.page import paper as paper

@@ -1,14 +1,14 @@
-"""Functions of `import tailslap` that calculate one scene.
+"""Functions of `import tailslap` that calculate one scene or compare results.
 
-`sweep` stands in `tailslap.campaign`, `compare` in `tailslap.comparing`, `export` in `tailslap.exports`, `load` in
-`tailslap.result`, `paper` in `tailslap.replication`, `scenes` and `new` in `tailslap.scene`. The commands of the same
-names call these functions.
+`sweep` stands in `tailslap.campaign`, `export` in `tailslap.exports`, `load` in `tailslap.result`, `paper` in
+`tailslap.replication`, `scenes` and `new` in `tailslap.scene`. The commands of the same names call these functions.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -29,6 +29,7 @@ from tailslap.case.of_arguments import (
 )
 from tailslap.errors import InputError, one_of
 from tailslap.result import columns, load, result
+from tailslap.result.columns import Columns
 from tailslap.scene.vary import changes_of
 from tailslap.storage.folder import result_folder
 from tailslap.studies import find_study
@@ -373,6 +374,65 @@ def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, o
     report = chosen.report(chosen.compute(case, place, **options))
     text = opened(report.page.headline, *report.terminal)
     return result.of_report(f"study {chosen.name}", report, text=text)
+
+
+@checked_arguments
+def compare(
+    reference: result.Result | str | os.PathLike[str],
+    *others: result.Result | str | os.PathLike[str],
+    columns: Mapping[str, str] | str | None = None,
+    only: Sequence[str] = (),
+    author: str = "",
+    force: bool = False,
+) -> result.Result:
+    """Compare histories with a reference.
+
+    The result has differences, Sprague-Geers metrics, residuals, and the validation by NCHRP W179.
+
+    Parameters
+    ----------
+    reference : Result or path
+        Result of a run, its folder, a file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
+        CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV of th_to_csv).
+    *others : Result or path
+        Results, folders or files that are compared with the reference.
+    columns : mapping or str, optional
+        Column names of the files by names of this program: {"time": "t", "v_gy": "-VY [mph]"}; a minus reverses the
+        sign, a unit in brackets holds for a file without one. Default: SI.
+    only : sequence of str
+        Columns to compare. Default: the main columns in common.
+    author : str
+        Name on the page `validation.html`. Default: a blank to fill in.
+    force : bool
+        Read the intact files of damaged or modified results.
+
+    Returns
+    -------
+    Result
+        `summary["compared"]` contains the metrics by label and column, `summary["notes"]` what is missing or hardly
+        shows in them; `passed` is True if all are within the limits of NCHRP W179 over half of the reference's time.
+
+    Raises
+    ------
+    InputError
+        For unreadable or damaged results, cells without a number, units of time that differ, or no common column.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> soft = tailslap.run("paper-table-3", {"plate.youngs_modulus": "20 GPa"})
+    >>> tailslap.compare(tailslap.run("paper-table-3"), soft).passed
+    True
+    """
+    from tailslap.comparing import report, validation
+
+    items = (reference, *others)
+    comparison = report.compare_items(items, columns, only, force)
+    page = validation.with_validation(report.compare_report(comparison), comparison, author)
+    histories = {item.label: Columns(item.columns, item.units) for item in comparison.items}
+    tables = {"Metrics": page.tables["metrics.csv"]}
+    inputs = chain(*(item.inputs if isinstance(item, result.Result) else (Path(item),) for item in items))
+    return result.of_report("compare", page, tables=tables, histories=histories, inputs=tuple(inputs))
 
 
 @checked_arguments

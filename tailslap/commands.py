@@ -265,9 +265,8 @@ def sweep(
     Exit status: 0 if every run passed its checks or was refused by the theory; 1 if one failed a check or ended in an
     error; 3 if the cluster was lost.
     """
-    from tailslap.campaign.sweep import sweep_result
     from tailslap.campaign.sweep_definition import make_definition, varied_source
-    from tailslap.campaign.sweep_run import StoppedError
+    from tailslap.campaign.sweep_run import StoppedError, sweep_result
 
     definition = make_definition(name, changes, varied, sample, seed)
     remark_on(varied_source(definition))

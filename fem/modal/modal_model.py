@@ -18,8 +18,7 @@ from fem.modal.collocation import REACHED, run_to_strike
 from fem.model.plate_model import PlateModel
 from fem.plate.free_modes import free_modes
 from fem.plate.properties import RigidStart
-from fem.start.inertia_relief import ElasticFields
-from fem.start.rigid_loads import to_global
+from fem.start.inertia_relief import ElasticFields, to_global
 from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 
 OVERTIME = 1.5

@@ -12,7 +12,7 @@ import numpy as np
 from fem.explicit import columns, time_loop
 from fem.explicit.measures import advance_and_measure, all_forces, measure
 from fem.model.plate_model import PlateModel
-from fem.run import observers, resume, runner
+from fem.run import observers, runner
 from fem.start import inertia_relief, start_kinds
 from machine_code import compiled
 
@@ -193,7 +193,7 @@ def simulate(
     progress: Callable[[float], None] = lambda fraction: None,
     corrupted: Callable[[dict[str, float]], bool] = lambda row: False,
     make_stepper: Callable[[PlateModel, int], Stepper] = Stepper,
-    checkpoint: resume.Checkpoint | None = None,
+    checkpoint: observers.Checkpoint | None = None,
     snapshots: int = 0,
 ) -> Run:
     """Run the plate from the start to the tail-slap.
@@ -249,7 +249,7 @@ def simulate(
         observers.EndCondition(is_corrupted, refresh, first=-1),
         observers.EndCondition(lambda made_rows: not np.isfinite(made_rows[-1]).all()),
     ]
-    saver, total = resume.Saver(checkpoint, observing), math.ceil(OVERTIME * duration / time_step / stride)
+    saver, total = observers.Saver(checkpoint, observing), math.ceil(OVERTIME * duration / time_step / stride)
     state, earlier = saver.resumed_state(stepper, stepper.template, total, lambda: stepper.start(start, kind))
     began = time.perf_counter()
     recorded = runner.run(stepper, state, stride, total, [*observing, saver], earlier)

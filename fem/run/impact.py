@@ -15,7 +15,7 @@ from fem.laws.hinges import HINGE, UNIT, unloaded
 from fem.laws.wall_contact import ContactState
 from fem.model.plate_model import PlateModel
 from fem.plate.properties import ModelError
-from fem.run import observers, resume, runner
+from fem.run import observers, runner
 from fem.start import inertia_relief
 from machine_code import compiled
 
@@ -200,7 +200,7 @@ def simulate_impact(
     latest: float,
     finished: Callable[[ImpactRun], bool] = lambda run: False,
     progress: Callable[[float], None] = lambda now: None,
-    checkpoint: resume.Checkpoint | None = None,
+    checkpoint: observers.Checkpoint | None = None,
     snapshots: int = 0,
     duration: float | None = None,
 ) -> ImpactRun:
@@ -254,7 +254,7 @@ def simulate_impact(
         observers.Progress(progress, interval),
         observers.EndCondition(over, CHECK_ROWS),
     ]
-    saver, touched = resume.Saver(checkpoint, observing), stepper.at_touch(touch)
+    saver, touched = observers.Saver(checkpoint, observing), stepper.at_touch(touch)
     total = max(1, -int(-latest // interval))
     state, earlier = saver.resumed_state(stepper, touched, total, lambda: touched)
     began = time.perf_counter()

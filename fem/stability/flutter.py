@@ -24,7 +24,7 @@ from fem.laws.friction import friction_slope
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Inverse
 from fem.plate.properties import RigidStart
-from fem.start.rigid_loads import to_global
+from fem.start.inertia_relief import to_global
 from machine_code.compiled import compiled
 
 MAX_UNKNOWNS = 1200

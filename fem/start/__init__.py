@@ -1,6 +1,5 @@
 """State of the plate at t = 0.
 
-`start_kinds` registers the kinds of start and places the plate. `rigid_loads` has the accelerations and loads of the
-rigid body, `inertia_relief` the elastic state that belongs to them, and `equilibrium` that state at large
-displacements.
+`start_kinds` registers the kinds of start and places the plate. `inertia_relief` is the elastic state under the
+accelerations of the rigid body, and `equilibrium` that state at large displacements.
 """

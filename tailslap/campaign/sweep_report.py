@@ -29,7 +29,8 @@ from tailslap.progress import clock
 from tailslap.result.columns import read_columns
 from tailslap.scene import vary
 
-REPORT, SUMMARY = "report.html", "summary.json"
+REPORT: str = "report.html"
+SUMMARY: str = "summary.json"
 MAX_LISTED = 15
 """Most rows that the page lists among those that did not pass."""
 

@@ -81,7 +81,7 @@ def element_fields(model: PlateModel, positions: Array) -> dict[str, Array]:
 
     positions: of the nodes, shape (instants, 2, nodes) [m].
     """
-    from fem.stability.element_stress import element_stress
+    from fem.stability.deformed import element_stress
 
     stress = np.array([element_stress(model, deformed) for deformed in positions])
     s_xx, s_yy, s_xy, density = stress.transpose(1, 0, 2)

@@ -150,27 +150,16 @@ def table_1(found: Numbers) -> tuple[Table, Table]:
         Column("value", "SI", form=".7g"),
         *columns({"unit": "", "place": "source"}),
     )
-    derived = found["derived"]
+    derived = (
+        ("gamma", "γ", "Corner angle, atan(B/L)", "rad", "Eq 63"),
+        ("phi", "φ", "Angle between wall and PG, θ + γ", "rad", "Eq 63"),
+        ("beta", "β", "Direction of the impulse, atan(1/μ_k)", "rad", "Eq 7"),
+        ("corner_radius", "r_PG", "Distance from the corner to the centre of mass", "m", "Eq 15"),
+        ("moment_of_inertia", "I_G", "Moment of inertia", "kg m²", "Eq 26"),
+    )
     follows = (
-        paper_values.Input("gamma", "γ", "Corner angle, atan(B/L)", "", derived["gamma"], "rad", "Eq 63"),
-        paper_values.Input(
-            "phi", "φ", "Angle between wall and PG, θ + γ", "", derived["phi"], "rad", "Eq 63"
-        ),
-        paper_values.Input(
-            "beta", "β", "Direction of the impulse, atan(1/μ_k)", "", derived["beta"], "rad", "Eq 7"
-        ),
-        paper_values.Input(
-            "corner_radius",
-            "r_PG",
-            "Distance from the corner to the centre of mass",
-            "",
-            derived["corner_radius"],
-            "m",
-            "Eq 15",
-        ),
-        paper_values.Input(
-            "inertia", "I_G", "Moment of inertia", "", derived["moment_of_inertia"], "kg m²", "Eq 26"
-        ),
+        paper_values.Input(key, symbol, title, "", found["derived"][key], unit, place)
+        for key, symbol, title, unit, place in derived
     )
     starts = (
         Column("from", "Stage 1"),

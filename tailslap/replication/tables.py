@@ -15,39 +15,17 @@ import solver
 from postprocess.units import MPH
 from solver.impact import CrushLaw, ImpactMotion, ImpactVehicle, WallContact, first_touch, solve_impact
 from tailslap.case.impact.answers import rigid_answer
-from tailslap.replication.paper_values import (
-    ABAQUS,
-    ANALYTICAL,
-    ANGLE,
-    CHART_TIME,
-    CHART_V_GY,
-    FEA_SPEED,
-    FRICTION,
-    LATERAL_SPEED,
-    LENGTH,
-    MASS,
-    PULSE,
-    RESTITUTION,
-    RESTITUTIONS,
-    ROW_B_ANGLE,
-    ROW_B_SPEED,
-    SPEED,
-    START,
-    TABLE_4,
-    TABLE_5,
-    WIDTH,
-    ForceRow,
-)
+from tailslap.replication import paper_values as paper
 
 Cell = dict[str, float]
 Numbers = dict[str, Any]
 """Numbers of a part of the paper, nested."""
 
-TRUCK = solver.RectangularBody(LENGTH, WIDTH, MASS)
-IMPACT_TRUCK = ImpactVehicle(LENGTH, WIDTH, MASS)
+TRUCK = solver.RectangularBody(paper.LENGTH, paper.WIDTH, paper.MASS)
+IMPACT_TRUCK = ImpactVehicle(paper.LENGTH, paper.WIDTH, paper.MASS)
 
 MASH_SPEED = 56.0 * MPH
-SPEEDS = {"56 mph": MASH_SPEED, "90 km/h": SPEED}
+SPEEDS = {"56 mph": MASH_SPEED, "90 km/h": paper.SPEED}
 """Speeds from which the start may have been computed [m/s]: of MASH for the truck, and its printed metric rounding."""
 
 FIGURES = {10: "theta", 11: "v_gy", 12: "v_gx", 13: "omega", 14: "slide"}
@@ -86,9 +64,12 @@ def review() -> Numbers:
         "table_1": table_1(),
         "table_3": table_3(),
         "figures": figures(),
-        "table_4": [force_row(row) for row in TABLE_4],
-        "table_5": [force_row(row) for row in TABLE_5],
-        "row_b": [force_row(table[1], ROW_B_SPEED, ROW_B_ANGLE) for table in (TABLE_4, TABLE_5)],
+        "table_4": [force_row(row) for row in paper.TABLE_4],
+        "table_5": [force_row(row) for row in paper.TABLE_5],
+        "row_b": [
+            force_row(table[1], paper.ROW_B_SPEED, paper.ROW_B_ANGLE)
+            for table in (paper.TABLE_4, paper.TABLE_5)
+        ],
         "earlier": earlier_methods(),
         "reaction": reaction(),
         "restitution": restitutions(),
@@ -107,10 +88,10 @@ def beside(printed: float, computed: float) -> Cell:
 
 def stages(
     speed: float = MASH_SPEED,
-    angle: float = ANGLE,
-    restitution: float = RESTITUTION,
+    angle: float = paper.ANGLE,
+    restitution: float = paper.RESTITUTION,
     convention: str = "paper",
-    duration: float = PULSE,
+    duration: float = paper.PULSE,
     start_angle: float | None = None,
 ) -> Stages:
     """Compute all three stages of the truck.
@@ -118,15 +99,19 @@ def stages(
     Friction as in Eqs 66-67. speed [m/s]; angle [rad]; duration of the pulse [s]; start_angle: initial angle of Stage 2
     [rad], by default that of the impact.
     """
-    stage1 = solver.corner_impulse(TRUCK, speed, angle, FRICTION, restitution, convention)
+    stage1 = solver.corner_impulse(TRUCK, speed, angle, paper.FRICTION, restitution, convention)
     theta_0 = angle if start_angle is None else start_angle
-    strike = solver.tail_slap(TRUCK, theta_0, stage1.omega, stage1.corner_speed, FRICTION)
-    return Stages(stage1, strike, solver.strike_force(MASS, strike.v_gy, duration).peak_force)
+    strike = solver.tail_slap(TRUCK, theta_0, stage1.omega, stage1.corner_speed, paper.FRICTION)
+    return Stages(stage1, strike, solver.strike_force(paper.MASS, strike.v_gy, duration).peak_force)
 
 
-def printed_motion(reaction: str = "drag", corner_speed: float = START["corner_speed"]) -> solver.PlaneMotion:
+def printed_motion(
+    reaction: str = "drag", corner_speed: float = paper.START["corner_speed"]
+) -> solver.PlaneMotion:
     """Solve Stage 2 from the printed start, corner_speed in m/s."""
-    return solver.plane_motion(TRUCK, START["angle"], START["omega"], corner_speed, FRICTION, reaction)
+    return solver.plane_motion(
+        TRUCK, paper.START["angle"], paper.START["omega"], corner_speed, paper.FRICTION, reaction
+    )
 
 
 def table_1() -> Numbers:
@@ -140,21 +125,21 @@ def table_1() -> Numbers:
         stage1, _, peak_force = stages(speed)
         starts[name] = {
             "speed": speed,
-            "omega": beside(START["omega"], stage1.omega),
-            "corner_speed": beside(START["corner_speed"], stage1.corner_speed),
-            "lateral_speed": beside(LATERAL_SPEED, speed * math.sin(ANGLE)),
+            "omega": beside(paper.START["omega"], stage1.omega),
+            "corner_speed": beside(paper.START["corner_speed"], stage1.corner_speed),
+            "lateral_speed": beside(paper.LATERAL_SPEED, speed * math.sin(paper.ANGLE)),
             "impulse": stage1.impulse,
             "peak_force": peak_force,
         }
     derived = {
         "gamma": TRUCK.corner_angle,
-        "phi": ANGLE + TRUCK.corner_angle,
-        "beta": math.atan2(1.0, FRICTION),
+        "phi": paper.ANGLE + TRUCK.corner_angle,
+        "beta": math.atan2(1.0, paper.FRICTION),
         "corner_radius": TRUCK.corner_radius,
         "moment_of_inertia": TRUCK.moment_of_inertia,
     }
     unit = stages(1.0).stage1  # velocities are proportional to the speed
-    implied = START["corner_speed"] / unit.corner_speed
+    implied = paper.START["corner_speed"] / unit.corner_speed
     return {"derived": derived, "starts": starts, "implied_speed": implied}
 
 
@@ -169,26 +154,29 @@ def table_3() -> Numbers:
     beside that of the printed v_GY, for a pulse of 0.1 s [N].
     """
     drag, none = printed_motion("drag"), printed_motion("none")
-    reading = round(instant(none, "slide", ABAQUS["slide"]), 4)
-    crossing = drag.at(instant(drag, "v_gx", ABAQUS["v_gx"]))
+    reading = round(instant(none, "slide", paper.ABAQUS["slide"]), 4)
+    crossing = drag.at(instant(drag, "v_gx", paper.ABAQUS["v_gx"]))
     columns = {
-        "analytical": (ANALYTICAL, drag.strike),
-        "analytical_56": (ANALYTICAL, stages(start_angle=START["angle"]).strike),
-        "analytical_15": (ANALYTICAL, stages().strike),
-        "abaqus": (ABAQUS, none.strike),
-        "abaqus_read": (ABAQUS, none.at(reading)),
-        "abaqus_drag": (ABAQUS, drag.at(instant(drag, "slide", ABAQUS["slide"]))),
+        "analytical": (paper.ANALYTICAL, drag.strike),
+        "analytical_56": (paper.ANALYTICAL, stages(start_angle=paper.START["angle"]).strike),
+        "analytical_15": (paper.ANALYTICAL, stages().strike),
+        "abaqus": (paper.ABAQUS, none.strike),
+        "abaqus_read": (paper.ABAQUS, none.at(reading)),
+        "abaqus_drag": (paper.ABAQUS, drag.at(instant(drag, "slide", paper.ABAQUS["slide"]))),
     }
     cells = {
         name: {key: beside(value, getattr(state, key)) for key, value in printed.items()}
         for name, (printed, state) in columns.items()
     }
-    forces = (solver.strike_force(MASS, v, PULSE).peak_force for v in (ANALYTICAL["v_gy"], drag.strike.v_gy))
+    forces = (
+        solver.strike_force(paper.MASS, v, paper.PULSE).peak_force
+        for v in (paper.ANALYTICAL["v_gy"], drag.strike.v_gy)
+    )
     return cells | {
         "reading": reading,
-        "slide_at_printed_time": float(none.at(ABAQUS["t"]).slide),
+        "slide_at_printed_time": float(none.at(paper.ABAQUS["t"]).slide),
         "crossing": [float(crossing.t), float(crossing.slide)],
-        "v_gx_25": float(printed_motion("none", FEA_SPEED).strike.v_gx),
+        "v_gx_25": float(printed_motion("none", paper.FEA_SPEED).strike.v_gx),
         "peak_force": beside(*forces),
     }
 
@@ -215,11 +203,11 @@ def figures() -> Numbers:
     drag = printed_motion()
     strike = drag.strike
     charts = [
-        (10, "t", "θ = 0", CHART_TIME, strike.t),
-        (11, "v_gy", f"t = {CHART_TIME} s", CHART_V_GY, float(drag.at(CHART_TIME).v_gy)),
+        (10, "t", "θ = 0", paper.CHART_TIME, strike.t),
+        (11, "v_gy", f"t = {paper.CHART_TIME} s", paper.CHART_V_GY, float(drag.at(paper.CHART_TIME).v_gy)),
     ]
-    at_end = [(number, name) for number, name in FIGURES.items() if name in ANALYTICAL]
-    charts += [(n, name, "θ = 0", ANALYTICAL[name], getattr(strike, name)) for n, name in at_end]
+    at_end = [(number, name) for number, name in FIGURES.items() if name in paper.ANALYTICAL]
+    charts += [(n, name, "θ = 0", paper.ANALYTICAL[name], getattr(strike, name)) for n, name in at_end]
     readings = [
         {"figure": number, "quantity": name, "where": where, "value": beside(*values)}
         for number, name, where, *values in charts
@@ -243,22 +231,27 @@ def marks(name: str) -> dict[str, tuple[tuple[float, float], ...]]:
 
     The quantity is one of FIGURES, in SI. Points are those of the start, and of the columns of Table 3.
     """
-    starts = {"theta": START["angle"], "omega": START["omega"], "slide": 0.0}
+    starts = {"theta": paper.START["angle"], "omega": paper.START["omega"], "slide": 0.0}
     analytical = [(0.0, starts[name])] if name in starts else []
-    analytical.append((CHART_TIME, 0.0) if name == "theta" else (ANALYTICAL["t"], ANALYTICAL[name]))
-    return {"paper": tuple(analytical), "ABAQUS": ((ABAQUS["t"], ABAQUS[name]),) if name in ABAQUS else ()}
+    analytical.append(
+        (paper.CHART_TIME, 0.0) if name == "theta" else (paper.ANALYTICAL["t"], paper.ANALYTICAL[name])
+    )
+    return {
+        "paper": tuple(analytical),
+        "ABAQUS": ((paper.ABAQUS["t"], paper.ABAQUS[name]),) if name in paper.ABAQUS else (),
+    }
 
 
-def force_row(row: ForceRow, speed: float = MASH_SPEED, angle: float = ANGLE) -> Numbers:
+def force_row(row: paper.ForceRow, speed: float = MASH_SPEED, angle: float = paper.ANGLE) -> Numbers:
     """Compute a row of Table 4 or 5.
 
     speed [m/s]; angle [rad]; pairs for e = 0.22 and e = 0. peak [N]; factor: phi_a. ratio: printed F(e = 0)/F(e = 0.22)
     beside the exact 1/(1 - e). rounds: True if rounding of the printed forces explains that ratio. factor_of_print:
     printed forces of the row over its measured one. impulse: F dt/2 of the printed force for e = 0.22 [N s].
     """
-    computed = [stages(speed, angle, e, duration=row.duration).peak_force for e in RESTITUTIONS]
+    computed = [stages(speed, angle, e, duration=row.duration).peak_force for e in paper.RESTITUTIONS]
     elastic, plastic = row.peak
-    exact, half = 1.0 / (1.0 - RESTITUTION), 500.0  # forces are printed to the kilonewton
+    exact, half = 1.0 / (1.0 - paper.RESTITUTION), 500.0  # forces are printed to the kilonewton
     return {
         "printed": row._asdict(),
         "peak": [beside(*pair) for pair in zip(row.peak, computed, strict=True)],
@@ -279,9 +272,9 @@ def earlier_methods() -> Numbers:
     mass at half the length, Olson's B half the width, a rigid barrier, D = 0. olson_first_member: the average force by
     the first member of Eq 1, V sin(theta)/(2 g t), half of its last. paper: that of the tail-slap.
     """
-    inputs = {"speed": MASH_SPEED, "angle": ANGLE, "front_distance": LENGTH / 2.0}
-    inputs |= {"half_width": WIDTH / 2.0, "deflection": 0.0}
-    olson = solver.olson_force(MASS, *inputs.values())
+    inputs = {"speed": MASH_SPEED, "angle": paper.ANGLE, "front_distance": paper.LENGTH / 2.0}
+    inputs |= {"half_width": paper.WIDTH / 2.0, "deflection": 0.0}
+    olson = solver.olson_force(paper.MASS, *inputs.values())
     average = olson.average_force
     return inputs | {
         "travel": olson.travel,
@@ -289,7 +282,7 @@ def earlier_methods() -> Numbers:
         "olson": average,
         "olson_first_member": 0.5 * average,
         "hirsch": solver.hirsch_force(average),
-        "ritter": solver.ritter_force(MASS, *inputs.values()).peak_force,
+        "ritter": solver.ritter_force(paper.MASS, *inputs.values()).peak_force,
         "paper": stages().peak_force,
     }
 
@@ -316,10 +309,10 @@ def restitutions() -> dict[str, Numbers]:
     cases["e = 0"] = stages(restitution=0.0)
     results = {}
     for name, (stage1, _, peak_force) in cases.items():
-        normal = stage1.impulse * math.sin(math.atan2(1.0, FRICTION)) / MASS
-        turning = stage1.omega * TRUCK.corner_radius * math.cos(ANGLE + TRUCK.corner_angle)
+        normal = stage1.impulse * math.sin(math.atan2(1.0, paper.FRICTION)) / paper.MASS
+        turning = stage1.omega * TRUCK.corner_radius * math.cos(paper.ANGLE + TRUCK.corner_angle)
         results[name] = {
-            "corner_recoil": normal - MASH_SPEED * math.sin(ANGLE) + turning,
+            "corner_recoil": normal - MASH_SPEED * math.sin(paper.ANGLE) + turning,
             "omega": stage1.omega,
             "peak_force": peak_force,
             "change": peak_force / cases["paper"].peak_force - 1.0,
@@ -335,17 +328,17 @@ def whole_impact() -> Numbers:
     corner, m_eff 2 |v_GY|. paper_impulse: m |v_GY| for e = 0.22, at paper_time. omegas: after Stage 1 by "paper" and
     "newton"; nearly_rigid: by the crush law.
     """
-    paper, plastic, newton = stages(), stages(restitution=0.0), stages(convention="newton")
-    stopped = MASS * abs(plastic.strike.v_gy)
+    elastic, plastic, newton = stages(), stages(restitution=0.0), stages(convention="newton")
+    stopped = paper.MASS * abs(plastic.strike.v_gy)
     return {
         "cases": [impact_case(stiffness) for stiffness in STIFFNESSES],
         "share": corner_fraction(0.0),
-        "share_friction": corner_fraction(FRICTION),
+        "share_friction": corner_fraction(paper.FRICTION),
         "plastic_impulse": stopped,
         "corner_impulse": 2.0 * corner_fraction(0.0) * stopped,
-        "paper_impulse": MASS * abs(paper.strike.v_gy),
-        "paper_time": paper.strike.t,
-        "omegas": {"paper": paper.stage1.omega, "newton": newton.stage1.omega},
+        "paper_impulse": paper.MASS * abs(elastic.strike.v_gy),
+        "paper_time": elastic.strike.t,
+        "omegas": {"paper": elastic.stage1.omega, "newton": newton.stage1.omega},
         "nearly_rigid": float(impact_motion(NEARLY_RIGID, end=0.05).end.omega),
     }
 
@@ -356,7 +349,10 @@ def corner_fraction(friction: float) -> float:
     The vehicle is a uniform rectangle with its side along the wall. 1/m_eff = 1/m + (L/2) (L/2 + mu B/2)/I with I = m
     (L^2 + B^2)/12.
     """
-    return 1.0 / (1.0 + 3.0 * LENGTH * (LENGTH + friction * WIDTH) / (LENGTH**2 + WIDTH**2))
+    return 1.0 / (
+        1.0
+        + 3.0 * paper.LENGTH * (paper.LENGTH + friction * paper.WIDTH) / (paper.LENGTH**2 + paper.WIDTH**2)
+    )
 
 
 def impact_motion(stiffness: float, end: float | None = None) -> ImpactMotion:
@@ -364,8 +360,8 @@ def impact_motion(stiffness: float, end: float | None = None) -> ImpactMotion:
 
     Contact is at the corners alone, with e and friction as printed.
     """
-    contact = WallContact(CrushLaw(stiffness, 0.0, RESTITUTION), FRICTION)
-    start = first_touch(IMPACT_TRUCK, ANGLE, MASH_SPEED)
+    contact = WallContact(CrushLaw(stiffness, 0.0, paper.RESTITUTION), paper.FRICTION)
+    start = first_touch(IMPACT_TRUCK, paper.ANGLE, MASH_SPEED)
     return solve_impact(IMPACT_TRUCK, contact, start, end, after_second=0.2)
 
 
@@ -393,7 +389,7 @@ def impact_case(stiffness: float) -> Numbers:
         "rear_peak": rear.peak_force,
         "rear_impulse": rear.impulse,
         "closing": closing,
-        "share": rear.impulse / ((1.0 + RESTITUTION) * MASS * closing),
+        "share": rear.impulse / ((1.0 + paper.RESTITUTION) * paper.MASS * closing),
         "read": {name: curve["duration"] for name, curve in curves.items()},
         "gap": float(crush[0] - crush.min()),
         "back": again[0] if again else math.nan,

@@ -30,7 +30,7 @@ from tailslap import errors
 from tailslap.storage import folder, manifest
 
 if TYPE_CHECKING:
-    from fem.run.resume import Checkpoint
+    from fem.run.observers import Checkpoint
     from fem.run.runner import Arrays, Sizes
 
 SAVE_S, MAX_SHARE = 10.0, 0.02

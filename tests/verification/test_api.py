@@ -24,7 +24,7 @@ from fem import FRICTION_LAWS, MATERIALS
 from postprocess.fields import contours
 from postprocess.units import number
 from tailslap import Columns, InputError, cli
-from tailslap.campaign import pools, sweep
+from tailslap.campaign import pools, sweep_run
 from tailslap.campaign.sweep_run import StoppedError
 from tailslap.campaign.sweep_table import CIRCUMSTANCES
 from tailslap.case.resources import available_cores
@@ -401,7 +401,7 @@ def test_where_the_runs_of_a_sweep_are_made(count, own, workers, expected, monke
     """Up to three, and those with an object of one's own, in this process."""
     arguments = []
     monkeypatch.setattr(
-        sweep, "sweep_result", lambda definition, place, cluster, workers, *a, **k: arguments.append(workers)
+        sweep_run, "sweep_result", lambda definition, place, cluster, workers, *a, **k: arguments.append(workers)
     )
     reaction = law(3.0) if own else "drag"
     try:

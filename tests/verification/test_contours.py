@@ -15,7 +15,7 @@ import pyvista
 from matplotlib.image import imread
 
 import tailslap
-from postprocess.fields import contours, lettering, sheet
+from postprocess.fields import contours, sheet
 from postprocess.svg.scales import viridis
 from postprocess.units import US
 from tailslap.arguments import picture_pixels
@@ -149,8 +149,8 @@ def test_a_wall_out_of_sight_is_not_drawn(tmp_path):
 
 def test_words_are_set_as_in_tables():
     """A true minus, powers of ten, a letter with its index; equal decimals along a ruler."""
-    assert lettering.typeset("v_X = -1.5e-07 m/s") == [("v", False), ("X", True), (" = −1.5×10⁻⁷ m/s", False)]
-    assert lettering.typeset("kip ft/ft^3") == [("kip ft/ft³", False)]
+    assert sheet.typeset("v_X = -1.5e-07 m/s") == [("v", False), ("X", True), (" = −1.5×10⁻⁷ m/s", False)]
+    assert sheet.typeset("kip ft/ft^3") == [("kip ft/ft³", False)]
     assert [contours.field_title(name) for name in ("velocity_y", "stress_von_mises")] == [
         "Velocity Y",
         "Von Mises stress",

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fem.run.observers import SnapshotKeeper
-from fem.stability.element_stress import element_stress
+from fem.stability.deformed import element_stress
 from postprocess.fields.series import read_fields, write_fields
 from tailslap.case.corner import corner_run as corner_run
 from tailslap.case.corner.corner_case import CornerCase

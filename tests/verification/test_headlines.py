@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tailslap
-from postprocess.figures.set_up import SCHEME, SYMBOLS, Unit, draw_set_up
+from postprocess.figures.positions import SCHEME, SYMBOLS, Unit, draw_set_up
 from postprocess.report.terminal import opened
 from postprocess.svg.marks import Outline, Words
 from postprocess.units import KIP, SI, US, force, percent_up

@@ -14,8 +14,7 @@ from tailslap import cli
 ROOT = Path(__file__).parents[2]
 READ_IN_AN_EDITOR = (
     "tailslap/api.py",
-    "tailslap/campaign/sweep.py",
-    "tailslap/comparing/compare.py",
+    "tailslap/campaign/sweep_run.py",
     "tailslap/result/columns.py",
     "tailslap/result/result.py",
     "tailslap/result/load.py",

@@ -31,7 +31,7 @@ from tailslap.scene import schema, vary
 from tailslap.scene.units import value_line
 
 if TYPE_CHECKING:
-    from postprocess.figures.set_up import Unit
+    from postprocess.figures.positions import Unit
 
 ROWS = 401
 """Number of instants of a history of the rigid motion."""
@@ -252,7 +252,7 @@ class RigidStages(case.Case):
     @property
     def unit(self) -> Unit:
         """The vehicle at the start of Stage 2 and at the tail-slap."""
-        from postprocess.figures.set_up import Unit
+        from postprocess.figures.positions import Unit
 
         body, at = self.body, self.motion.at(np.array([0.0, self.duration]))
         phi, radius = at.theta + body.corner_angle, body.corner_radius
@@ -261,7 +261,7 @@ class RigidStages(case.Case):
 
     def drawing(self) -> Chart:
         """Draw the vehicle at first touch and at the tail-slap."""
-        from postprocess.figures import set_up
+        from postprocess.figures import positions
 
         strike = self.motion.strike
         slide, after = measure(strike.slide, "m", ".3g"), measure(strike.t, "s", ".3g")
@@ -272,7 +272,7 @@ class RigidStages(case.Case):
             f"Set-up from above, to scale: {self.subject}; corner P touches the wall and slides {slide} along it until "
             f"the side PE strikes the wall (tail-slap); G: centre of mass."
         )
-        return set_up.draw_set_up([self.unit], words, caption)
+        return positions.draw_set_up([self.unit], words, caption)
 
     def rigid_history(self) -> dict[str, NDArray[np.float64]]:
         """Return the rigid motion by column of `history.csv`, SI, shape (rows,)."""

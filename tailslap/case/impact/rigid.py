@@ -353,13 +353,13 @@ class RigidImpact(Case):
 
         For a train it is the strike of its last rear; without one, the end.
         """
-        from postprocess.figures import set_up
+        from postprocess.figures import positions
 
         motion = self.motion
         strike = answers.last_awaited(motion.strikes, len(motion.vehicles))
         last = strike.start if strike else motion.t_end
         at = motion.at([0.0, last])
-        units = [set_up.Unit(*place) for place in answers.places(vars(at), motion.vehicles)]
+        units = [positions.Unit(*place) for place in answers.places(vars(at), motion.vehicles)]
         which = "strike" if self.trailers else "second strike"
         event = f"{which} ({strike.corner} corner)" if strike else "end"
         words = self.drawing_words(float(at.theta[0]))
@@ -368,7 +368,7 @@ class RigidImpact(Case):
             f"Set-up from above, to scale: {self.subject}; corner P touches the wall first; "
             f"second position: {words['second']}; G: centre of mass."
         )
-        return set_up.draw_set_up(units, words, caption)
+        return positions.draw_set_up(units, words, caption)
 
     def rigid_history(self) -> dict[str, np.ndarray]:
         """Return columns of the impact by name, SI."""
