@@ -4,26 +4,31 @@ A cached function returns the same result for the same arguments, computed or no
 content of the cache. Large results are not cached.
 """
 
+from __future__ import annotations
+
 import functools
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TypeVar
+
+T = TypeVar("T")
 
 SIZE = 8
 """Results of a function that are cached, those of the latest use."""
 
-_CACHES: dict[str, Any] = {}
+_CACHES: dict[str, functools._lru_cache_wrapper[object]] = {}
 """Cached functions by the names of their results."""
 
 
-def cached(part: str) -> Callable[[Callable[..., Any]], Any]:
+def cached(part: str) -> Callable[[Callable[..., T]], functools._lru_cache_wrapper[T]]:
     """Decorate a function of hashable arguments to cache its last results.
 
     part: name of the result in messages. The function without a cache, for large results, is its `__wrapped__`.
     """
 
-    def decorate(function: Callable[..., Any]) -> Any:
-        _CACHES[part] = functools.lru_cache(maxsize=SIZE)(function)
-        return _CACHES[part]
+    def decorate(function: Callable[..., T]) -> functools._lru_cache_wrapper[T]:
+        cache = functools.lru_cache(maxsize=SIZE)(function)
+        _CACHES[part] = cache
+        return cache
 
     return decorate
 

@@ -12,7 +12,8 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +53,7 @@ def _restore_handlers() -> None:
 
 
 @contextmanager
-def gmsh_model(name: str) -> Iterator[Any]:
+def gmsh_model(name: str) -> Iterator[ModuleType]:
     """Yield gmsh with an empty model of this name.
 
     A session that this function opened is closed, also after an error. A session of the calling program is used and
@@ -149,7 +150,7 @@ def rectangle_mesh(
     without a name are omitted.
     """
     with gmsh_model(name) as gmsh:
-        points, curves, surface = _geometry(gmsh.model.geo, origin, size, elements)
+        points, curves, surface = _geometry(gmsh, origin, size, elements)
         if cells == "quad":
             gmsh.model.geo.mesh.setRecombine(2, surface)
         gmsh.model.geo.synchronize()
@@ -207,9 +208,9 @@ def columns_through(length: float, count: int, places: Sequence[float]) -> Float
 
 
 def _geometry(
-    geo: Any, origin: Pair, size: Pair, elements: tuple[int, int]
+    gmsh: ModuleType, origin: Pair, size: Pair, elements: tuple[int, int]
 ) -> tuple[list[int], list[int], int]:
-    (x, y), (width, height) = origin, size
+    geo, (x, y), (width, height) = gmsh.model.geo, origin, size
     places = (x, y), (x + width, y), (x + width, y + height), (x, y + height)
     points = [geo.addPoint(*place, 0.0) for place in places]
     curves = [geo.addLine(points[i], points[(i + 1) % 4]) for i in range(4)]
@@ -220,13 +221,13 @@ def _geometry(
     return points, curves, surface
 
 
-def _groups(gmsh: Any, dimension: int, tags: list[int], names: Sequence[str]) -> None:
+def _groups(gmsh: ModuleType, dimension: int, tags: list[int], names: Sequence[str]) -> None:
     for tag, name in zip(tags, names, strict=True):
         if name:
             gmsh.model.addPhysicalGroup(dimension, [tag], name=name)
 
 
-def _to_meshio(gmsh: Any) -> meshio.Mesh:
+def _to_meshio(gmsh: ModuleType) -> meshio.Mesh:
     """Return nodes, cells and physical groups of the current gmsh model."""
     import meshio
 

@@ -25,7 +25,7 @@ from tailslap.studies.study import Study, prepared
 
 if TYPE_CHECKING:
     from postprocess.report.command_report import Report
-    from tailslap.result.result import Fill, Result
+    from tailslap.result.result import Result
 
 DONE, CHECK_FAILED = 0, 1
 """Exit statuses of a completed command."""
@@ -38,6 +38,7 @@ PICTURES_HELP = (
 )
 
 HELP = {"help_option_names": ["-h", "--help"]}
+option = functools.partial(click.option, show_default=True)
 
 
 def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
@@ -64,7 +65,7 @@ def remark_on(source: Source) -> None:
 
 
 def deliver(
-    compute: Callable[[], Fill | None],
+    compute: Callable[[], Result],
     place: Path,
     of: tuple[str, str],
     as_json: bool,
@@ -79,7 +80,7 @@ def deliver(
     of: command and scene; page: file name of the page, by default that of a report.
     """
     with result_folder(place, inputs, force, Origin(*of)) as folder:
-        fill = compute()
+        fill = compute().fill
         assert fill is not None
         report = fill(folder, True, units)
     return conclude(report, place, as_json, page)
@@ -208,7 +209,7 @@ def study_command(chosen: Study) -> click.Command:
         folder, allow_large, force = (settings.pop(key) for key in ("folder", "allow_large", "force"))
         case, place, of = prepared(chosen, name, changes, folder, allow_large, settings)
         remark_on(case.source)
-        compute = lambda: api.study_result(chosen, case, place, settings).fill  # noqa: E731
+        compute = functools.partial(api.study_result, chosen, case, place, settings)
         return deliver(compute, place, of, as_json, units, force=force)
 
     return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
@@ -230,9 +231,7 @@ def study_command(chosen: Study) -> click.Command:
     metavar="N",
     help="Latin hypercube of N runs in place of the grid; ranges are then a:b or log:a:b.",
 )
-@click.option(
-    "--seed", type=options.Whole(0), default=307, show_default=True, help="Random seed of the samples."
-)
+@option("--seed", type=options.Whole(0), default=307, help="Random seed of the samples.")
 @click.option(
     "--out", "folder", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES-sweep]"
 )
@@ -290,11 +289,10 @@ def sweep(
     type=options.Text(),
     help="Field shown by png and gif, e.g. stress_von_mises  [default: all fields]",
 )
-@click.option(
+@option(
     "--magnify",
     type=options.Real(0.0, 1e9),
     default=1.0,
-    show_default=True,
     help="Magnification of the elastic deformation in png and gif.",
 )
 @click.option("--picture-size", type=options.PictureSize(), metavar="WIDTHxHEIGHT", help=PICTURES_HELP)
@@ -343,24 +341,22 @@ def compare(
     """
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
 
-    def compute() -> Fill | None:
-        return tailslap.compare(*results, columns=columns, only=names, author=author or "", force=force).fill
-
-    place = out or default_place("compare", ())
+    arguments: dict[str, Any] = {"columns": columns, "only": names, "author": author or "", "force": force}
+    compute, place = (
+        functools.partial(tailslap.compare, *results, **arguments),
+        out or default_place("compare", ()),
+    )
     return deliver(compute, place, ("compare", ""), as_json, units, inputs=results, force=force)
 
 
 @commands.command()
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE)
-@click.option(
-    "--with", "program", type=click.Choice(SOLVERS), default=SOLVERS[0], show_default=True, help="Solver."
-)
-@click.option(
+@option("--with", "program", type=click.Choice(SOLVERS), default=SOLVERS[0], help="Solver.")
+@option(
     "--time-limit",
     type=options.Real(0.0, 1e7, min_open=True),
     default=600.0,
-    show_default=True,
     help="Longest time of the solver, in s.",
 )
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES-confirm]")
@@ -372,7 +368,7 @@ def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool
     limit, 3 if the solver fails.
     """
     place = out or place_of(case, "-confirm")
-    compute = lambda: tailslap.confirm(case, **arguments).fill  # noqa: E731
+    compute = functools.partial(tailslap.confirm, case, **arguments)
     return deliver(compute, place, ("confirm", case.scene.name), as_json, units, force=force)
 
 
@@ -390,38 +386,25 @@ def check(case: Case, as_json: bool, **arguments: Any) -> int:
 @commands.command()
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE)
-@click.option(
-    "--count", type=options.Whole(1, 1000), default=10, show_default=True, help="Number of elastic modes."
-)
+@option("--count", type=options.Whole(1, 1000), default=10, help="Number of elastic modes.")
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES-modes]")
 @options.with_options(options.FORCE, *options.WATCHED)
-def modes(
-    case: Case, allow_large: bool, count: int, out: Path | None, force: bool, units: str, as_json: bool
-) -> int:
+def modes(case: Case, out: Path | None, force: bool, units: str, as_json: bool, **arguments: Any) -> int:
     """Compute the natural frequencies and mode shapes of the free plate."""
     place = out or place_of(case, "-modes")
-    compute = lambda: tailslap.modes(case, count=count, allow_large=allow_large).fill  # noqa: E731
+    compute = functools.partial(tailslap.modes, case, **arguments)
     return deliver(compute, place, ("modes", case.scene.name), as_json, units, force=force)
 
 
 @commands.command()
 @takes_a_case
 @options.with_options(options.ALLOW_LARGE)
-@click.option(
-    "--modes",
-    type=options.Whole(1, 200),
-    default=4,
-    show_default=True,
-    help="Number of elastic modes, lowest first.",
-)
-@click.option(
-    "--steps", type=options.Whole(10, 1_000_000), default=100, show_default=True, help="Number of time steps."
-)
-@click.option(
+@option("--modes", type=options.Whole(1, 200), default=4, help="Number of elastic modes, lowest first.")
+@option("--steps", type=options.Whole(10, 1_000_000), default=100, help="Number of time steps.")
+@option(
     "--tolerance",
     type=options.Real(0.0, 1.0, min_open=True),
     default=1e-5,
-    show_default=True,
     help="Largest allowed relative error.",
 )
 @options.with_options(*options.PRINTED)
@@ -453,9 +436,7 @@ def new(name: str, as_json: bool) -> int:
 
 @commands.command()
 @click.argument("name", metavar="[SCENE]", default="mash-tl4-sut", shell_complete=options.complete_scene)
-@click.option(
-    "--port", type=options.Whole(1024, 65535), default=2718, show_default=True, help="Port on 127.0.0.1."
-)
+@option("--port", type=options.Whole(1024, 65535), default=2718, help="Port on 127.0.0.1.")
 @click.option("--headless", is_flag=True, help="Print the address and open no browser.")
 def explore(name: str, port: int, headless: bool) -> None:
     """Open a page in the browser with sliders for a scene.
@@ -493,8 +474,8 @@ def paper(out: Path | None, force: bool, as_json: bool) -> int:
     """Compare the tables and figures of the paper with computed values."""
     from tailslap.replication.page import PAGE
 
-    compute = lambda: tailslap.paper().fill  # noqa: E731
-    return deliver(compute, out or default_place("paper", ()), ("paper", ""), as_json, force=force, page=PAGE)
+    place = out or default_place("paper", ())
+    return deliver(tailslap.paper, place, ("paper", ""), as_json, force=force, page=PAGE)
 
 
 @commands.command()
@@ -505,5 +486,4 @@ def validate(out: Path | None, force: bool, as_json: bool) -> int:
     from tailslap.validation.validation_report import PAGE
 
     place = out or default_place("validation", ())
-    compute = lambda: tailslap.validate().fill  # noqa: E731
-    return deliver(compute, place, ("validate", ""), as_json, force=force, page=PAGE)
+    return deliver(tailslap.validate, place, ("validate", ""), as_json, force=force, page=PAGE)

@@ -166,7 +166,7 @@ for _name in _IMPACT_NAMES.split():
     IMPACT_COLUMNS.register(HistoryColumn(_name, _MEANINGS[_name][0], meaning=_meaning))
 
 
-def row_of(measures: Measures, state: Any, model: Any) -> tuple[float, ...]:
+def row_of(measures: Measures, state: object, model: object) -> tuple[float, ...]:
     """Return the values of all columns at an instant.
 
     Those of the record come first.

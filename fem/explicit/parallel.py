@@ -8,7 +8,7 @@ the order of the threads, and a run repeats to the bit on the same number of thr
 
 import ctypes
 import threading
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import types
@@ -19,7 +19,7 @@ from fem.explicit.elastic_damping import SUMS, add_damping_force, power_correcti
 from fem.explicit.internal_force import Scratch, subtract_forces_of
 from fem.explicit.simd_blocks import BLOCK_SIZE, aligned, slot_count
 from fem.explicit.time_loop import LoopParameters, State, add_reaction, drift, follow
-from machine_code.compiled import compiled
+from machine_code.compiled import Kernel, compiled
 
 WORD = 8
 """Distance between the two numbers of a barrier, a cache line."""
@@ -81,11 +81,11 @@ class Team:
         for thread in workers:
             thread.join()
 
-    def step_call(self, state: State) -> tuple[Any, ...]:
+    def step_call(self, state: State) -> tuple[Kernel, tuple[object, ...]]:
         """Return the compiled function of a thread, and arguments of its types."""
-        return advance_thread, 0, *self._parts(state, 0)
+        return advance_thread, (0, *self._parts(state, 0))
 
-    def _parts(self, state: State, steps: int) -> tuple[Any, ...]:
+    def _parts(self, state: State, steps: int) -> tuple[object, ...]:
         shared = (self._powers, self._motions, self._shift)
         workspaces = (self._forces, self._scratch, self._rows, *shared, new_barrier())
         parameters = self._parameters

@@ -8,7 +8,7 @@ The rows of the first node hold its values, those of the other nodes the differe
 and no digits are lost far from the origin.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -153,7 +153,7 @@ def scatter(force, connectivity, lattice, first, count, rows):
                 force[1, node] -= rows[(2 * a + 1) * BLOCK_SIZE + slot]
 
 
-def point_of(values: np.ndarray | tuple[Any, ...], block: int, point: int, rows: int) -> Any:
+def point_of(values: np.ndarray | tuple[object, ...], block: int, point: int, rows: int) -> object:
     """Return the values of one quadrature point, in compiled code only.
 
     They are those of all elements where these are congruent, else those of a block, with `rows` numbers per element.

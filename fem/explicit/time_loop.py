@@ -4,7 +4,7 @@ The state between steps is positions at instant n, velocities at n - 1/2, and su
 then the velocities at n + 1/2, then the positions at n + 1.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class State(NamedTuple):
     origin: np.ndarray
 
 
-def add_reaction(parameters: Any, state: Any, damping_power: float, force: Any) -> float:
+def add_reaction(parameters: object, state: object, damping_power: float, force: np.ndarray) -> float:
     """Add the wall's reaction to the forces and update the sums.
 
     damping_power [W]: of the damping of the plate. Returns the place [m] of the node that the origin follows.

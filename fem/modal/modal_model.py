@@ -9,10 +9,11 @@ along x and along y, and the squared spin, which pulls every mass outwards.
 
 import time
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from fem.laws.constraints import CornerConstraint
 from fem.modal import motion
 from fem.modal.collocation import REACHED, run_to_strike
 from fem.model.plate_model import PlateModel
@@ -142,7 +143,7 @@ def with_fewer_modes(modal: ModalPlate, count: int) -> ModalPlate:
     return ModalPlate(fewer, modal.weighted[:count])
 
 
-def _loads(masses: np.ndarray, body: np.ndarray, corner: Any) -> np.ndarray:
+def _loads(masses: np.ndarray, body: np.ndarray, corner: CornerConstraint) -> np.ndarray:
     """Return the nodal forces of the three loads, shape (3, 2, nodes).
 
     Each is in equilibrium: the reaction with the inertia of the rigid motion that it causes, and the centrifugal
@@ -158,7 +159,7 @@ def _loads(masses: np.ndarray, body: np.ndarray, corner: Any) -> np.ndarray:
     return np.array([*loads, masses * body])
 
 
-def _at(field: np.ndarray, corner: Any) -> np.ndarray:
+def _at(field: np.ndarray, corner: CornerConstraint) -> np.ndarray:
     """Return the value of a nodal field at the corner, shape (2,)."""
     return np.asarray(field[:, corner.nodes] @ corner.weights)
 

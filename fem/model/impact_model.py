@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -26,6 +25,9 @@ from fem.plate.properties import (
     UnitProperties,
     WallProperties,
 )
+
+Patch = tuple[np.ndarray, np.ndarray]
+"""Nodes of a contact point and their weights."""
 
 AXLE_POINTS = 32
 """Points of an axle's line at which the displacement of the plate is taken."""
@@ -88,17 +90,19 @@ def wall_contact(
     corner that crushes and has a layer is present twice. Raises ModelError where the patch of a corner does not lie
     on its side.
     """
-    points, laws, contact = list[Any](), list[np.ndarray](), parts[0][2]
+    points, laws, contact = list[Patch](), list[np.ndarray](), parts[0][2]
     for discretisation, numbers, properties in parts:
         boundary, lengths = boundary_of(discretisation)
-        patches: list[Any] = [(np.array([node]), np.ones(1)) for node in boundary]
+        patches: list[Patch] = [(np.array([node]), np.ones(1)) for node in boundary]
         if properties.law == "crush":
             patches, crush = _crushing(discretisation.positions, boundary, lengths, properties)
             laws.append(crush)
         points += [(numbers[nodes], weights) for nodes, weights in patches]
     count = len(points)
     if contact.law == "exact":
-        law: Any = unilateral.ExactContact(count)
+        law: unilateral.ExactContact | unilateral.PenaltyContact | unilateral.Crush = unilateral.ExactContact(
+            count
+        )
     elif contact.law == "penalty":
         stiffness = unilateral.penalty_stiffness(plate.youngs_modulus, plate.thickness, contact.penalty_scale)
         law = unilateral.PenaltyContact(np.full(count, stiffness))
@@ -178,7 +182,7 @@ def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]
 
 def _crushing(
     positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: ContactProperties
-) -> tuple[list[Any], np.ndarray]:
+) -> tuple[list[Patch], np.ndarray]:
     """Return contact points of a plate that crushes and their laws, a column for each.
 
     Points are the corners, each a node or a patch of its side, and with a layer all nodes of the boundary. Corners are
@@ -197,9 +201,7 @@ def _crushing(
     return points, laws
 
 
-def _corner(
-    boundary: np.ndarray, positions: np.ndarray, node: int, length: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _corner(boundary: np.ndarray, positions: np.ndarray, node: int, length: float) -> Patch:
     """Return nodes and weights of a corner.
 
     length [m]: of the long side that ends at this corner.

@@ -7,6 +7,7 @@ It has everything that does not change during a run. Runs have only the plate wi
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +36,7 @@ from fem.plate.support import Support, corner_support
 
 if TYPE_CHECKING:
     import meshio
+    from scipy.sparse import csr_matrix
 
     from fem.laws.hinges import Hinges
     from fem.plate.windows import WindowBound
@@ -74,8 +76,7 @@ def unit_plate(mesh: meshio.Mesh, plate: PlateProperties) -> UnitPlate:
     Modulus and material are ignored. Raises ModelError where the mesh cannot carry the inertia.
     """
     assemble = _assembled if len(mesh.points) < LARGE else _assembled.__wrapped__
-    unit: UnitPlate = assemble(mesh, replace(plate, youngs_modulus=1.0, material=""))
-    return unit
+    return assemble(mesh, replace(plate, youngs_modulus=1.0, material=""))
 
 
 @cache.cached("assembly")
@@ -104,7 +105,7 @@ def assembled(
     hinges: of a train.
     """
     moduli = materials.st_venant_kirchhoff(1.0, plate.poissons_ratio)
-    stiffness: Any = stiffness_matrix(d.scalar, plate.thickness, moduli)
+    stiffness = stiffness_matrix(d.scalar, plate.thickness, moduli)
     hourglass = None
     if kinds.ELEMENT_KINDS[plate.element].hourglass:
         hourglass = hourglass_control(d, plate.thickness, moduli)
@@ -149,7 +150,7 @@ class PlateModel:
     highest_mode: np.ndarray | None = None
 
     @property
-    def stiffness(self) -> Any:
+    def stiffness(self) -> csr_matrix:
         """Stiffness in the body frame at rest, with hourglass control [N/m].
 
         It is a sparse matrix, computed at each call.
@@ -276,7 +277,9 @@ def static_model(mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProper
     )
 
 
-def unfinished_model(unit: UnitPlate, plate: PlateProperties, kind: Any, **fields: Any) -> PlateModel:
+def unfinished_model(
+    unit: UnitPlate, plate: PlateProperties, kind: Callable[..., object], **fields: object
+) -> PlateModel:
     """Return a model without frequency, time step and damping.
 
     kind: type of the parameters of the time loop. fields: its fields for corner or contact.

@@ -1,8 +1,10 @@
 """Modes of a deformable wall on its foundation, from its mesh and properties."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +14,9 @@ from fem.model.plate_model import PlateModel
 from fem.plate.discretisation import stiffness_matrix
 from fem.plate.nodal_masses import row_sum_masses
 from fem.plate.properties import ModelError, StepProperties, WallProperties
+
+if TYPE_CHECKING:
+    from skfem import CellBasis
 
 RESOLVED = 40.0
 """Frequency over w_0 up to which the time step resolves the wall's modes.
@@ -48,7 +53,7 @@ def with_wall(model: PlateModel, wall: WallProperties, step: StepProperties) -> 
     return replace(model, undamped_time_step=stable, stable_time_step=stable, parameters=parameters)
 
 
-def _basis(wall: WallProperties) -> Any:
+def _basis(wall: WallProperties) -> CellBasis:
     """Return the basis of nine-node elements on the wall.
 
     One across the depth bends as a beam does, where four-node elements are far too stiff.
@@ -68,7 +73,7 @@ def _basis(wall: WallProperties) -> Any:
     return scalar
 
 
-def _free_modes(scalar: Any, masses: np.ndarray, wall: WallProperties) -> tuple[np.ndarray, np.ndarray]:
+def _free_modes(scalar: CellBasis, masses: np.ndarray, wall: WallProperties) -> tuple[np.ndarray, np.ndarray]:
     """Return frequencies [rad/s] and modes of the wall without foundation.
 
     The modes are mass-normalised, shape (2, nodes, modes).
@@ -83,7 +88,12 @@ def _free_modes(scalar: Any, masses: np.ndarray, wall: WallProperties) -> tuple[
 
 
 def _elastic_wall(
-    scalar: Any, masses: np.ndarray, modes: np.ndarray, stiffness: np.ndarray, foundation: float, depth: float
+    scalar: CellBasis,
+    masses: np.ndarray,
+    modes: np.ndarray,
+    stiffness: np.ndarray,
+    foundation: float,
+    depth: float,
 ) -> ElasticWall:
     """Return the wall with the motion of its face in these modes."""
     nodes = scalar.get_dofs("wall_face").flatten()

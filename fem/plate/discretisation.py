@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from fem.laws.materials import StVenantKirchhoff
 from fem.plate.kinds import ELEMENT_KINDS
 
 if TYPE_CHECKING:
     import meshio
     from scipy.sparse import csr_matrix
+    from skfem import CellBasis
 
 
 MIDDLE = (np.array([[0.5], [0.5]]), np.array([1.0]))
@@ -85,7 +87,7 @@ class Discretisation:
     nodes). corner: node at corner P. side: nodes of side PE.
     """
 
-    scalar: Any
+    scalar: CellBasis
     positions: np.ndarray
     corner: int
     side: np.ndarray
@@ -109,14 +111,18 @@ def discretise(mesh: meshio.Mesh, thickness: float, kind: str = "quad4") -> Disc
     from skfem.io.meshio import from_meshio
 
     element_kind = ELEMENT_KINDS[kind]
-    rule: dict[str, Any] = {"intorder": element_kind.order} if element_kind.order else {"quadrature": MIDDLE}
+    rule: dict[str, object] = (
+        {"intorder": element_kind.order} if element_kind.order else {"quadrature": MIDDLE}
+    )
     scalar = skfem.CellBasis(from_meshio(mesh), getattr(skfem, element_kind.element)(), **rule)
     positions = np.ascontiguousarray(scalar.doflocs)
     side = scalar.get_dofs("side_pe").flatten()
     return Discretisation(scalar, positions, _corner(mesh, positions), side, _table(scalar, thickness))
 
 
-def hourglass_control(discretisation: Discretisation, thickness: float, moduli: Any) -> Hourglass:
+def hourglass_control(
+    discretisation: Discretisation, thickness: float, moduli: StVenantKirchhoff
+) -> Hourglass:
     """Return the stabilisation by an assumed strain (Belytschko and Bindeman 1991, "ASQBI").
 
     It has no constant to choose. moduli: plane-stress constants, c_11 and c_12 [Pa]. The strain of h = xi eta is that
@@ -160,7 +166,7 @@ def _corner(mesh: meshio.Mesh, positions: np.ndarray) -> int:
     return int(distance.argmin())
 
 
-def _table(scalar: Any, thickness: float) -> ElementTable:
+def _table(scalar: CellBasis, thickness: float) -> ElementTable:
     """Return the element table, of one column where elements are congruent."""
     gradients = np.array([field[0].grad for field in scalar.basis])  # node, direction, element, point
     gradients = gradients.transpose(3, 0, 1, 2)
@@ -181,7 +187,7 @@ def _table(scalar: Any, thickness: float) -> ElementTable:
     )
 
 
-def _mapping(scalar: Any, thickness: float) -> Mapping:
+def _mapping(scalar: CellBasis, thickness: float) -> Mapping:
     """Return the mapping of elements that are not congruent."""
     from skfem import ElementQuad1
 
@@ -198,7 +204,7 @@ def _congruent(rows: np.ndarray) -> bool:
     return bool(np.ptp(rows, axis=1).max() <= UNIFORM_TOLERANCE * np.abs(rows).max())
 
 
-def stiffness_matrix(scalar: Any, thickness: float, moduli: Any) -> csr_matrix:
+def stiffness_matrix(scalar: CellBasis, thickness: float, moduli: Any) -> csr_matrix:
     """Assemble the plane-stress stiffness [N/m] in the body frame.
 
     Its shape is (2 nodes, 2 nodes), all x unknowns, then all y. moduli: c_11, c_12, c_33, of a `StVenantKirchhoff`
@@ -237,7 +243,7 @@ def hourglass_matrix(table: ElementTable, hourglass: Hourglass, nodes: int) -> c
     return sparse.csr_matrix(sparse.bmat([[k_11, k_12], [k_12, k_22]]))
 
 
-def nodal_spin(scalar: Any, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+def nodal_spin(scalar: CellBasis, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
     """Return the angular velocity [rad/s] at the corner nodes.
 
     Its shape is (corner nodes,). It is half the curl of the velocity. positions [m], velocities [m/s]: shape (2,

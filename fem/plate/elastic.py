@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -63,7 +63,11 @@ class Inverse:
     """
 
     def __init__(
-        self, stiffness: Any, masses: np.ndarray, positions: np.ndarray, hinges: Hinges | None = None
+        self,
+        stiffness: sp.csr_matrix,
+        masses: np.ndarray,
+        positions: np.ndarray,
+        hinges: Hinges | None = None,
     ) -> None:
         self.stiffness, self.masses, self.positions, self.hinges = stiffness, masses, positions, hinges
         self._solutions: dict[bytes, np.ndarray] = {}
@@ -144,7 +148,7 @@ def without_rigid_motion(displacement: np.ndarray, masses: np.ndarray, body: np.
     return np.asarray(displacement - rigid @ motion)
 
 
-def elastic_solver(stiffness: Any, masses: np.ndarray, body: np.ndarray) -> Solve:
+def elastic_solver(stiffness: sp.csr_matrix, masses: np.ndarray, body: np.ndarray) -> Solve:
     """Return a solver of K u = f by a factorisation.
 
     stiffness [N/m], shape (2 nodes, 2 nodes); masses [kg], shape (nodes,); body: positions [m], shape (2, nodes). The
@@ -180,7 +184,7 @@ def gap_matrix(hinges: Hinges) -> sp.csr_matrix:
     return sp.block_diag([gaps, gaps], format="csr")
 
 
-def hinged_solver(stiffness: Any, momenta: np.ndarray, hinges: Hinges) -> Solve:
+def hinged_solver(stiffness: sp.csr_matrix, momenta: np.ndarray, hinges: Hinges) -> Solve:
     """Return a solver like `elastic_solver` for a train.
 
     Multipliers close the hinges and make the momenta of rigid motion, shape (2 nodes, motions), zero.

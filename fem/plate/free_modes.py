@@ -97,7 +97,7 @@ def lowest_frequency(elastic: ElasticSolver) -> float:
     unit_frequency = (
         _lowest_unit_frequency.__wrapped__ if elastic.inverse.is_large else _lowest_unit_frequency
     )
-    return math.sqrt(elastic.modulus) * float(unit_frequency(elastic.inverse)) / (2.0 * math.pi)
+    return math.sqrt(elastic.modulus) * unit_frequency(elastic.inverse) / (2.0 * math.pi)
 
 
 @cached("first frequency")

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.plate.nodal_masses import exact_inertia_masses, row_sum_masses
 from fem.registry import Registry
+
+if TYPE_CHECKING:
+    from skfem import CellBasis
 
 ELEMENT_KINDS: Registry[ElementKind] = Registry("element")
 """Kinds of elements by their names in a scene."""
@@ -112,7 +115,7 @@ class Lumping:
     """
 
     name: str
-    masses: Callable[[Any, float, float], np.ndarray]
+    masses: Callable[[CellBasis, float, float], np.ndarray]
     fault: str = ""
     row_sums: bool = False
 

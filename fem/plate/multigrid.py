@@ -5,8 +5,6 @@ rigid motions as the near null space. Time and memory are proportional to the nu
 factorisation grow faster.
 """
 
-from typing import Any
-
 import numpy as np
 import scipy.sparse as sp
 
@@ -47,7 +45,7 @@ class Multigrid:
         Rigid motions of the plate.
     """
 
-    def __init__(self, stiffness: Any, rigid: np.ndarray) -> None:
+    def __init__(self, stiffness: sp.csr_matrix, rigid: np.ndarray) -> None:
         import pyamg
 
         unknowns = rigid.shape[0]

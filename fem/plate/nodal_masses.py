@@ -4,11 +4,16 @@ Nodal masses are row sums of the consistent mass matrix, corrected by the least 
 inertia.
 """
 
-from typing import Any
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.plate.properties import Inertia, ModelError
+
+if TYPE_CHECKING:
+    from skfem import CellBasis
 
 NEWTON_STEPS = 200
 """Steps of Newton's method for the masses of a prescribed inertia.
@@ -17,14 +22,14 @@ Ten are enough, except near the limit of the inertia that positive masses can ha
 """
 
 
-def row_sum_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+def row_sum_masses(scalar: CellBasis, density: float, thickness: float) -> np.ndarray:
     """Return the row sums of the consistent mass matrix [kg], shape (nodes,)."""
     import skfem
 
     return density * thickness * skfem.LinearForm(lambda v, w: v).assemble(scalar)
 
 
-def scaled_diagonal_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+def scaled_diagonal_masses(scalar: CellBasis, density: float, thickness: float) -> np.ndarray:
     """Return the scaled diagonal of the consistent mass matrix [kg].
 
     The diagonal is scaled to the plate's mass (Hinton, Rock and Zienkiewicz).
@@ -35,7 +40,7 @@ def scaled_diagonal_masses(scalar: Any, density: float, thickness: float) -> np.
     return np.asarray(diagonal * (density * thickness * scalar.dx.sum() / diagonal.sum()))
 
 
-def exact_inertia_masses(scalar: Any, density: float, thickness: float) -> np.ndarray:
+def exact_inertia_masses(scalar: CellBasis, density: float, thickness: float) -> np.ndarray:
     """Return nodal masses [kg] with the exact inertia of the body.
 
     Their shape is (nodes,). Mass, centre and second moments are exact. Row sums overstate the rotary inertia by the
@@ -87,7 +92,7 @@ def prescribed_inertia_masses(positions: np.ndarray, masses: np.ndarray, inertia
     return tilted
 
 
-def _frame(scalar: Any) -> tuple[np.ndarray, np.ndarray]:
+def _frame(scalar: CellBasis) -> tuple[np.ndarray, np.ndarray]:
     """Return middle and size of the mesh.
 
     Moments in these coordinates are of order one.
@@ -101,7 +106,7 @@ def _moments(x: np.ndarray, y: np.ndarray) -> list[np.ndarray]:
     return [np.ones_like(x), x, y, x * x, x * y, y * y]
 
 
-def _exact_moments(scalar: Any) -> np.ndarray:
+def _exact_moments(scalar: CellBasis) -> np.ndarray:
     """Return the exact moments of the meshed body in `_frame`."""
     from skfem.quadrature import get_quadrature
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from fem.laws.contact_forces import PointCrush
 
@@ -122,7 +122,7 @@ class CornerProperties:
         Angles of the plate during the run [rad] for which the stable time step is computed.
     """
 
-    friction: Any = None
+    friction: tuple[float, ...] | None = None
     constraint: str = "penalty"
     penalty_scale: float = 1.0
     patch_length: float = 0.0
@@ -159,7 +159,7 @@ class ContactProperties:
         Crush of the rear corners; None: as of the front corners.
     """
 
-    friction: Any = None
+    friction: tuple[float, ...] | None = None
     law: str = "crush"
     stiffness: float = 0.0
     initial_force: float = 0.0

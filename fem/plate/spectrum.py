@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from fem.cache import cached
 from fem.plate.elastic import ElasticSolver, Inverse
 from fem.plate.lanczos import largest_eigenpair
 from fem.plate.support import Support
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_matrix
 
 TOLERANCE, ROUGH = 1e-4, 2e-4
 """Residual over the eigenvalue at which Lanczos ends.
@@ -67,7 +70,7 @@ class Spectrum:
         Of the corner.
     """
 
-    def __init__(self, stiffness: Any, masses: np.ndarray, support: Support = FREE) -> None:
+    def __init__(self, stiffness: csr_matrix, masses: np.ndarray, support: Support = FREE) -> None:
         self._stiffness, self._support = stiffness, support
         nodes = np.array(support.nodes, dtype=int)
         self._supported, self._across = np.concatenate([nodes, nodes + masses.size]), np.array(support.across)
@@ -93,7 +96,7 @@ class Spectrum:
         """
         return self._peak.vector.reshape(2, -1)
 
-    def stable_time_step(self, damping: Any = None) -> float:
+    def stable_time_step(self, damping: csr_matrix | None = None) -> float:
         """Return the largest stable step [s] of central differences.
 
         damping: the plate's damping matrix [N s/m], to which the dashpot is added; the damping forces are half a step
@@ -115,7 +118,7 @@ class Spectrum:
                 return step * min(1.0, 4.0 / peak.bound)
             step = shorter
 
-    def _step_for(self, peak: Peak, plate: Any) -> float:
+    def _step_for(self, peak: Peak, plate: csr_matrix) -> float:
         """Return the step [s] at which this vector's motion is marginally stable.
 
         It changes sign every step without growing.
@@ -132,7 +135,7 @@ class Spectrum:
         """Return the displacements of the supported unknowns."""
         return np.asarray(self._root[self._supported] * vector[self._supported])
 
-    def _highest(self, matrix: Any, spring: float, first: np.ndarray) -> Peak:
+    def _highest(self, matrix: csr_matrix, spring: float, first: np.ndarray) -> Peak:
         """Return the largest eigenvalue over all angles.
 
         Angles with a rough eigenvalue below another one are not examined closely.
@@ -145,7 +148,9 @@ class Spectrum:
             best = max(best, rough, key=lambda peak: peak.bound)
         return best
 
-    def _largest(self, matrix: Any, spring: float, angle: int, first: np.ndarray, tolerance: float) -> Peak:
+    def _largest(
+        self, matrix: csr_matrix, spring: float, angle: int, first: np.ndarray, tolerance: float
+    ) -> Peak:
         """Return the largest eigenvalue at an angle.
 
         first: a vector near to the eigenvector.
@@ -184,7 +189,7 @@ class ScaledSpectrum:
         """Mode of the highest frequency, see `Spectrum.mode`."""
         return self.unit.mode
 
-    def stable_time_step(self, damping: Any = None) -> float:
+    def stable_time_step(self, damping: csr_matrix | None = None) -> float:
         """Return the largest stable time step [s].
 
         See `Spectrum.stable_time_step`.

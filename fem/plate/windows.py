@@ -10,11 +10,11 @@ whole plate, whose highest frequencies are close together, takes minutes.
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
+from fem.laws.materials import StVenantKirchhoff
 from fem.plate.discretisation import Discretisation, ElementTable, Hourglass
 from fem.plate.spectrum import FREE, Spectrum
 from fem.plate.support import Support
@@ -43,7 +43,7 @@ class WindowBound:
     frequency: float
     mode: np.ndarray | None
 
-    def stable_time_step(self, damping: Any = None) -> float:
+    def stable_time_step(self, damping: None = None) -> float:
         """Return the largest stable step [s] of central differences.
 
         There is no damping matrix.
@@ -58,7 +58,11 @@ class Windows:
     """
 
     def __init__(
-        self, discretisation: Discretisation, masses: np.ndarray, moduli: Any, hourglass: Hourglass | None
+        self,
+        discretisation: Discretisation,
+        masses: np.ndarray,
+        moduli: StVenantKirchhoff,
+        hourglass: Hourglass | None,
     ) -> None:
         self._nodes = discretisation.table.connectivity
         self._cells = _lattice(discretisation.positions[:, self._nodes])
@@ -82,7 +86,9 @@ class Windows:
         axes = (
             _window_ends(int(rows.max()) + 1, held) for rows, held in zip(self._cells, supported, strict=True)
         )
-        kinds: dict[tuple[Any, bool], Window] = {}  # one of each size, and the one with the corner
+        kinds: dict[
+            tuple[tuple[int, ...], bool], Window
+        ] = {}  # one of each size, and the one with the corner
         for window in itertools.product(*axes):
             sizes, has_support = (
                 tuple(high - low for low, high in window),
@@ -111,7 +117,9 @@ class Windows:
         return WindowBound(spectrum.bound, mode if support.nodes else None)
 
 
-def element_stiffness(table: ElementTable, moduli: Any, hourglass: Hourglass | None = None) -> np.ndarray:
+def element_stiffness(
+    table: ElementTable, moduli: StVenantKirchhoff, hourglass: Hourglass | None = None
+) -> np.ndarray:
     """Return the stiffness [N/m] of one of congruent elements.
 
     All x unknowns come first, then all y.

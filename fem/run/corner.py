@@ -5,16 +5,19 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 from fem.explicit import columns, time_loop
 from fem.explicit.measures import advance_and_measure, all_forces, measure
+from fem.explicit.time_loop import State
 from fem.model.plate_model import PlateModel
 from fem.run import observers, runner
 from fem.start import inertia_relief, start_kinds
-from machine_code import compiled
+from machine_code.compiled import Kernel, OnCompile, compile_once, ignore_compiling
+
+T = TypeVar("T")
 
 CORRUPTION_CHECKS = 50
 """Instants of a run at which the check for corruption is made."""
@@ -77,7 +80,7 @@ class Run:
         return observers.highest_frequency(self.model, self.shapes)
 
 
-class Stepper(runner.PlateStepper):
+class Stepper(runner.PlateStepper[State]):
     """Compiled loop of the plate with its corner constrained.
 
     threads: 1, or more for large meshes; numbers repeat to the bit for the same number.
@@ -92,22 +95,22 @@ class Stepper(runner.PlateStepper):
             self._team = Team(self.parameters, self._scratch, threads)
 
     @property
-    def template(self) -> time_loop.State:
+    def template(self) -> State:
         """State with arrays of the right form."""
-        return time_loop.State(self._reference, self._reference, np.zeros(4), np.zeros(1))
+        return State(self._reference, self._reference, np.zeros(4), np.zeros(1))
 
     @property
-    def step_call(self) -> tuple[Any, ...]:
+    def step_call(self) -> tuple[Kernel, tuple[object, ...]]:
         """Compiled function of the run, and arguments of its types."""
         if self._team:
             return self._team.step_call(self.template)
         rows = np.zeros((0, len(columns.Measures._fields)))
-        return advance_and_measure, self.template, self.template, 1, *self._all_parts, rows
+        return advance_and_measure, (self.template, self.template, 1, *self._all_parts, rows)
 
-    def start(self, start: inertia_relief.RigidStart, kind: str) -> time_loop.State:
+    def start(self, start: inertia_relief.RigidStart, kind: str) -> State:
         """Return the state at t = 0, with velocities half a step back."""
         positions, velocities = map(np.ascontiguousarray, start_kinds.start_fields(self.model, start, kind))
-        parameters, state = self.parameters, time_loop.State(positions, velocities, np.zeros(4), np.zeros(1))
+        parameters, state = self.parameters, State(positions, velocities, np.zeros(4), np.zeros(1))
         self._react(state)
         state.velocities[:] -= 0.5 * parameters.time_step * self._force / parameters.mass
         normal, tangential, _, _, damping = self._react(state)
@@ -116,28 +119,28 @@ class Stepper(runner.PlateStepper):
         state.sums[:] = -0.5 * parameters.time_step * np.array([friction, damping, normal, abs(normal)])
         return state
 
-    def _react(self, state: time_loop.State) -> tuple[float, ...]:
+    def _react(self, state: State) -> tuple[float, ...]:
         """Put all forces into the workspace.
 
         See `all_forces`.
         """
         return tuple(all_forces(state, self._fixed, *self._parts, self._force, self._workspace))
 
-    def advance(self, state: time_loop.State, steps: int) -> time_loop.State:
+    def advance(self, state: State, steps: int) -> State:
         """Return the state after this many steps."""
-        later: time_loop.State = runner.copy_state(state)
+        later = runner.copy_state(state)
         if self._team:
             self._team.advance(later, steps)
         else:
             time_loop.advance(later, steps, self._fixed, *self._parts, self._force, self._workspace)
         return later
 
-    def measure(self, state: time_loop.State) -> columns.Measures:
+    def measure(self, state: State) -> columns.Measures:
         """Return the record of the state's instant."""
         measures: columns.Measures = measure(state, *self._all_parts)
         return measures
 
-    def record(self, state: time_loop.State, stride: int, count: int) -> runner.Recorded:
+    def record(self, state: State, stride: int, count: int) -> runner.Recorded[State]:
         """Return `count` rows of `COLUMNS`, `stride` steps apart.
 
         There are fewer where the last one has an angle that is not positive, or a value that is not finite.
@@ -149,7 +152,7 @@ class Stepper(runner.PlateStepper):
         filled = advance_and_measure(later, before, stride, *self._all_parts, rows)
         return runner.Recorded(rows[:filled], before, later)
 
-    def _record_singly(self, state: time_loop.State, stride: int, count: int) -> runner.Recorded:
+    def _record_singly(self, state: State, stride: int, count: int) -> runner.Recorded[State]:
         """Make rows in Python.
 
         This serves several threads, and columns that are computed in Python.
@@ -167,7 +170,7 @@ def compile_loop(
     model: PlateModel,
     start: inertia_relief.RigidStart,
     threads: int = 1,
-    on_compile: compiled.OnCompile = compiled.ignore_compiling,
+    on_compile: OnCompile = ignore_compiling,
 ) -> Stepper:
     """Return the loop of a model with its compiled code.
 
@@ -175,11 +178,9 @@ def compile_loop(
     `machine_code.compiled.compile_once`.
     """
     stepper = Stepper(model, threads)
-    compiled.compile_once(
-        lambda: stepper.record(stepper.start(start, "unstressed"), 0, 1),
-        *stepper.step_call,
-        on_compile=on_compile,
-    )
+    kernel, arguments = stepper.step_call
+    record = lambda: stepper.record(stepper.start(start, "unstressed"), 0, 1)  # noqa: E731
+    compile_once(record, kernel, *arguments, on_compile=on_compile)
     return stepper
 
 
@@ -270,12 +271,12 @@ def simulate(
     return Run(history, strike, steps, began - entered, ended - began, model, sampled, snaps)
 
 
-def _named(values: Iterable[Any]) -> dict[str, Any]:
+def _named(values: Iterable[T]) -> dict[str, T]:
     """Return values of a row, or columns of a history, by name."""
     return dict(zip(("t", *columns.COLUMNS), values, strict=True))
 
 
-def _locate_strike(stepper: Stepper, state: time_loop.State, step: int) -> tuple[StrikeState, int]:
+def _locate_strike(stepper: Stepper, state: State, step: int) -> tuple[StrikeState, int]:
     """Return the state at angle zero and the steps to it.
 
     Single steps are made to one step past the first angle <= 0. The state is interpolated by the polynomial of the

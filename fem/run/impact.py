@@ -4,12 +4,12 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from fem.explicit import impact_loop
 from fem.explicit.columns import IMPACT_COLUMNS
+from fem.explicit.impact_loop import ImpactLoopState
 from fem.laws import tyres
 from fem.laws.hinges import HINGE, UNIT, unloaded
 from fem.laws.wall_contact import ContactState
@@ -17,7 +17,7 @@ from fem.model.plate_model import PlateModel
 from fem.plate.properties import ModelError
 from fem.run import observers, runner
 from fem.start import inertia_relief
-from machine_code import compiled
+from machine_code.compiled import Kernel, OnCompile, compile_once, ignore_compiling
 
 CHECK_ROWS = 200
 """Rows between two checks for the end of the run."""
@@ -97,16 +97,16 @@ class ImpactRun:
         return observers.highest_frequency(self.model, self.shapes)
 
 
-class ImpactStepper(runner.PlateStepper):
+class ImpactStepper(runner.PlateStepper[ImpactLoopState]):
     """Compiled loop of a plate in contact with the wall."""
 
     @property
-    def step_call(self) -> tuple[Any, ...]:
+    def step_call(self) -> tuple[Kernel, tuple[object, ...]]:
         """Compiled function of the run, and arguments of its types."""
         state = self.at_touch(FirstTouch(0.0, 0.0, 0.0))
-        return impact_loop.advance_and_record, state, 1, *self._all_parts, self._new_rows(0)
+        return impact_loop.advance_and_record, (state, 1, *self._all_parts, self._new_rows(0))
 
-    def at_touch(self, touch: FirstTouch) -> impact_loop.ImpactLoopState:
+    def at_touch(self, touch: FirstTouch) -> ImpactLoopState:
         """Return the state at t = 0.
 
         No force acts on the plate yet, so that its velocities half a step back are the same.
@@ -125,7 +125,7 @@ class ImpactStepper(runner.PlateStepper):
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
         sums, origin, hinges = np.zeros(3), np.zeros(1), unloaded(self.parameters.hinges)
         axles = tyres.at_rest(self.parameters.axles)
-        return impact_loop.ImpactLoopState(positions, velocities, sums, origin, contact, wall, hinges, axles)
+        return ImpactLoopState(positions, velocities, sums, origin, contact, wall, hinges, axles)
 
     @property
     def points(self) -> np.ndarray:
@@ -167,7 +167,7 @@ class ImpactStepper(runner.PlateStepper):
         ends = np.cumsum([part.shape[1] for part in self._new_rows(0)])
         return tuple(np.split(rows, ends[:-1], axis=1))
 
-    def record(self, state: impact_loop.ImpactLoopState, stride: int, count: int) -> runner.Recorded:
+    def record(self, state: ImpactLoopState, stride: int, count: int) -> runner.Recorded[ImpactLoopState]:
         """Return `count` rows, `stride` steps apart.
 
         A row has the fields of `Rows` side by side. Raises ModelError where the plate presses on a deformable wall
@@ -181,16 +181,15 @@ class ImpactStepper(runner.PlateStepper):
         return runner.Recorded(np.hstack(rows), state, later)
 
 
-def compile_impact_loop(
-    model: PlateModel, on_compile: compiled.OnCompile = compiled.ignore_compiling
-) -> None:
+def compile_impact_loop(model: PlateModel, on_compile: OnCompile = ignore_compiling) -> None:
     """Compile or load all code of a run of this model.
 
     See `fem.run.corner.compile_loop`.
     """
     stepper = ImpactStepper(model)
     touched = stepper.at_touch(FirstTouch(0.3, 0.0, 0.0))
-    compiled.compile_once(lambda: stepper.record(touched, 1, 0), *stepper.step_call, on_compile=on_compile)
+    kernel, arguments = stepper.step_call
+    compile_once(lambda: stepper.record(touched, 1, 0), kernel, *arguments, on_compile=on_compile)
 
 
 def simulate_impact(

@@ -3,17 +3,23 @@
 A run is resumed from a checkpoint with the same bits.
 """
 
+from __future__ import annotations
+
 import functools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from fem.model.plate_model import PlateModel
-from fem.run.runner import Arrays, Observer, PlateStepper, Size, Sizes
+from fem.run.runner import Arrays, Observer, PlateStepper, S, Size, Sizes
 from fem.stability import deformed
+
+if TYPE_CHECKING:
+    from fem.explicit.impact_loop import ImpactLoopState
+    from fem.explicit.time_loop import State
 
 SHAPES = 4
 """Instants of a run for which the stable time step of the deformed plate is computed."""
@@ -31,7 +37,7 @@ class Progress(Observer):
     def __init__(self, callback: Callable[[float], None], interval: float) -> None:
         self._callback, self._interval = callback, interval
 
-    def look(self, rows: np.ndarray, state: Any) -> bool:
+    def look(self, rows: np.ndarray, state: State | ImpactLoopState) -> bool:
         """Call the callback with the simulated time."""
         self._callback(self._interval * (len(rows) - 1))
         return False
@@ -50,7 +56,7 @@ class EndCondition(Observer):
         """Return the number of rows until the next of these rows."""
         return self._every and self._every - (row - self._first) % self._every
 
-    def look(self, rows: np.ndarray, state: Any) -> bool:
+    def look(self, rows: np.ndarray, state: State | ImpactLoopState) -> bool:
         """Evaluate the condition, except at the start alone."""
         return len(rows) > 1 and self._over(rows)
 
@@ -70,7 +76,7 @@ class ShapeSampler(Observer):
         """Return the rows until the next positions are recorded."""
         return int(min(self._every - row % self._every, self._refresh - (row + 1) % self._refresh))
 
-    def look(self, rows: np.ndarray, state: Any) -> bool:
+    def look(self, rows: np.ndarray, state: State | ImpactLoopState) -> bool:
         """Record the positions."""
         self.last = state.positions
         if (len(rows) - 1) % self._every == 0:
@@ -148,7 +154,7 @@ class SnapshotKeeper(Observer):
         incomplete = len(self._recorded) < self._count - 1
         return self._row(len(self._recorded)) - row if incomplete else 0
 
-    def look(self, rows: np.ndarray, state: Any) -> bool:
+    def look(self, rows: np.ndarray, state: State | ImpactLoopState) -> bool:
         """Record the motion."""
         if len(self._recorded) < self._count - 1:
             self._recorded.append(self._nodal(state))
@@ -202,8 +208,8 @@ class Saver(Observer):
         self._checkpoint, self._observers = checkpoint, observers
 
     def resumed_state(
-        self, stepper: PlateStepper, like: Any, most: int, start: Callable[[], Any]
-    ) -> tuple[Any, np.ndarray | None]:
+        self, stepper: PlateStepper[S], like: S, most: int, start: Callable[[], S]
+    ) -> tuple[S, np.ndarray | None]:
         """Return the state and the rows from which the run continues.
 
         Observers are restored. Without a checkpoint the state is that of the start, and there are no rows. like: a
@@ -225,13 +231,13 @@ class Saver(Observer):
             observer.resume(saved)
         return unpacked("state", like, saved), saved["rows"]
 
-    def look(self, rows: np.ndarray, state: Any) -> bool:
+    def look(self, rows: np.ndarray, state: State | ImpactLoopState) -> bool:
         """Offer a checkpoint."""
         if self._checkpoint:
             self._checkpoint.save(functools.partial(self._all_arrays, rows, state))
         return False
 
-    def _all_arrays(self, rows: np.ndarray, state: Any) -> dict[str, np.ndarray]:
+    def _all_arrays(self, rows: np.ndarray, state: State | ImpactLoopState) -> dict[str, np.ndarray]:
         arrays = packed("state", state)
         for observer in self._observers:
             arrays |= observer.arrays()

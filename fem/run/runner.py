@@ -5,16 +5,25 @@ of rows at once, and calls each observer that is due. Named arrays of an observe
 receives them again when the run is resumed. The number of rows made at once does not change a bit of them.
 """
 
+from __future__ import annotations
+
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from fem.explicit import internal_force
 from fem.model.plate_model import PlateModel
 from machine_code.object_code import Prepared
+
+if TYPE_CHECKING:
+    from fem.explicit.impact_loop import ImpactLoopState
+    from fem.explicit.time_loop import State
+
+S = TypeVar("S", bound="State | ImpactLoopState")
+"""State of a loop."""
 
 Arrays = Mapping[str, np.ndarray]
 Size = tuple[int, ...]
@@ -28,7 +37,7 @@ Between them a run reports its progress, and can be ended.
 """
 
 
-class Recorded(NamedTuple):
+class Recorded(NamedTuple, Generic[S]):
     """Rows of the history, with two states.
 
     rows: shape (rows, values). before: the state of the last row but one, or of the beginning. state: that of the
@@ -36,8 +45,8 @@ class Recorded(NamedTuple):
     """
 
     rows: np.ndarray
-    before: Any
-    state: Any
+    before: S
+    state: S
 
 
 class Observer:
@@ -53,7 +62,7 @@ class Observer:
         """
         return 0
 
-    def look(self, rows: np.ndarray, state: Any) -> bool:
+    def look(self, rows: np.ndarray, state: State | ImpactLoopState) -> bool:
         """Examine all rows so far and the state of the last one.
 
         Returns True when the run is over.
@@ -75,14 +84,14 @@ class Observer:
         """Continue from these arrays and those of the run."""
 
 
-class PlateStepper:
+class PlateStepper(Generic[S]):
     """Compiled loop of a plate with its parameters and workspace.
 
     It leaves states that it receives unchanged. record: (state, stride, count) -> `Recorded`; makes `count` rows from
     a state on, `stride` steps apart, or fewer where the run ends.
     """
 
-    record: Callable[[Any, int, int], Recorded]
+    record: Callable[[S, int, int], Recorded[S]]
 
     def __init__(self, model: PlateModel) -> None:
         self.model, self.parameters = model, model.parameters
@@ -100,11 +109,11 @@ class PlateStepper:
         return self._prepared
 
     @property
-    def _all_parts(self) -> tuple[Any, ...]:
+    def _all_parts(self) -> tuple[object, ...]:
         """Arguments of the compiled functions behind state and steps."""
         return self._fixed, *self._parts, self._reference, self._force, self._workspace
 
-    def nodal(self, state: Any) -> tuple[np.ndarray, np.ndarray]:
+    def nodal(self, state: S) -> tuple[np.ndarray, np.ndarray]:
         """Return positions [m] and velocities [m/s] at the state's instant.
 
         They are in the wall's frame, shape (2, nodes) each.
@@ -115,13 +124,13 @@ class PlateStepper:
 
 
 def run(
-    stepper: PlateStepper,
-    state: Any,
+    stepper: PlateStepper[S],
+    state: S,
     stride: int,
     rows: int,
     observers: Sequence[Observer],
     earlier: np.ndarray | None = None,
-) -> Recorded:
+) -> Recorded[S]:
     """Make rows until an observer ends the run.
 
     Parameters
@@ -161,7 +170,11 @@ def run(
 
 
 def _call_observers(
-    observers: Sequence[Observer], waits: list[int], count: int, rows: np.ndarray, state: Any
+    observers: Sequence[Observer],
+    waits: list[int],
+    count: int,
+    rows: np.ndarray,
+    state: State | ImpactLoopState,
 ) -> bool:
     """Call the observers that are due after `count` rows.
 

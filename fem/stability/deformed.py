@@ -5,7 +5,6 @@ The frequency needs no stiffness matrix.
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -94,7 +93,7 @@ def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
     return np.asarray((to_global(angle) @ model.highest_mode).ravel() + 1e-3 * some)
 
 
-def _springs(parameters: Any) -> Callable[[np.ndarray, np.ndarray], None]:
+def _springs(parameters: object) -> Callable[[np.ndarray, np.ndarray], None]:
     """Return a function that adds the forces of the corner's spring.
 
     It takes a displacement [m] and forces [N], shape (2, nodes) each. Unilateral contact does not bound the time

@@ -5,7 +5,6 @@ which all materials agree at small strain.
 """
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -72,11 +71,8 @@ def tangent_matrix(model: PlateModel, place: np.ndarray) -> sp.csr_matrix:
 
     def block(i: int, j: int) -> sp.csr_matrix:
         tensor = _tangent(gradient[i], gradient[j], moduli) + (stress if i == j else 0.0)
-
-        def form(u: Any, v: Any, w: Any) -> Any:
-            return np.einsum("kl...,k...,l...->...", tensor, v.grad, u.grad)
-
-        return skfem.BilinearForm(form).assemble(d.scalar)
+        form = skfem.BilinearForm(lambda u, v, w: np.einsum("kl...,k...,l...->...", tensor, v.grad, u.grad))
+        return form.assemble(d.scalar)
 
     coupling = block(0, 1)
     matrix = sp.csr_matrix(model.thickness * sp.bmat([[block(0, 0), coupling], [coupling.T, block(1, 1)]]))

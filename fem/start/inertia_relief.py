@@ -6,7 +6,7 @@ the deformed plate (`equilibrium`), starting from the linear state.
 """
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -91,7 +91,9 @@ def relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> ElasticF
     return fields._replace(elastic=fields.elastic + lag)
 
 
-def relieved_with_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+def relieved_with_momenta(
+    model: PlateModel, start: RigidStart, body: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float, float, float, float]:
     """Return the fields of inertia relief with the rigid body's momentum.
 
     Spin [rad/s] and corner speed [m/s] follow from the momentum. The elastic state depends on the spin,

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from fem.registry import Registry
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
     from fem.start.inertia_relief import RigidStart
+
+Fields = tuple[np.ndarray, np.ndarray, *tuple[float, ...]]
+"""Elastic displacement and rate, and numbers, as of `StartKind.fields`."""
 
 START_KINDS: Registry[StartKind] = Registry("start")
 """Kinds of start by their names in a scene."""
@@ -50,26 +53,26 @@ class StartKind:
     """
 
     name: str
-    fields: Callable[[PlateModel, RigidStart, np.ndarray], Any]
+    fields: Callable[[PlateModel, RigidStart, np.ndarray], Fields]
     text: str
     relieved: bool = True
 
 
-def _inertia_relief(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+def _inertia_relief(model: PlateModel, start: RigidStart, body: np.ndarray) -> Fields:
     """Return the fields of inertia relief."""
     from fem.start.inertia_relief import relieved
 
     return relieved(model, start, body)
 
 
-def _inertia_relief_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+def _inertia_relief_momenta(model: PlateModel, start: RigidStart, body: np.ndarray) -> Fields:
     """Return the fields of inertia relief with the rigid body's momentum."""
     from fem.start import inertia_relief
 
     return inertia_relief.relieved_with_momenta(model, start, body)
 
 
-def _unstressed(model: PlateModel, start: RigidStart, body: np.ndarray) -> Any:
+def _unstressed(model: PlateModel, start: RigidStart, body: np.ndarray) -> Fields:
     """Return the fields of an unstrained plate."""
     return np.zeros_like(body), np.zeros_like(body), 0.0, 0.0
 
@@ -117,8 +120,8 @@ def start_fields(model: PlateModel, start: RigidStart, kind: str) -> tuple[np.nd
     from fem.start import inertia_relief
 
     body = model.discretisation.positions - inertia_relief.at_corner(model, model.discretisation.positions)
-    elastic, rate, gap, gap_rate, *corrected = START_KINDS[kind].fields(model, start, body)
-    spin, speed = corrected or (start.omega, start.corner_speed)
+    elastic, rate, *numbers = START_KINDS[kind].fields(model, start, body)
+    gap, gap_rate, spin, speed = (*numbers, start.omega, start.corner_speed)[:4]
     turn = inertia_relief.to_global(start.angle)
     arm = turn @ (body + elastic)
     positions = arm + np.array([[0.0], [gap]])

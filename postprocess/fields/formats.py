@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -144,7 +144,7 @@ def _instants(series: FieldSeries) -> Iterator[tuple[float, dict[str, np.ndarray
         yield float(t), nodal, {name: values[k] for name, values in series.elemental.items()}
 
 
-def _mesh(series: FieldSeries, **data: Any) -> meshio.Mesh:
+def _mesh(series: FieldSeries, **data: object) -> meshio.Mesh:
     import meshio
 
     return meshio.Mesh(series.points_3d, [(series.cell_type, series.cells)], **data)

@@ -15,7 +15,7 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -171,7 +171,7 @@ def choose_window() -> None:
 
 
 @cache
-def load_pyvista() -> Any:
+def load_pyvista() -> ModuleType:
     """Import PyVista.
 
     Its import of pyplot, which takes 0.1 s, is deferred to the first use.
@@ -181,7 +181,7 @@ def load_pyvista() -> Any:
         return import_module("pyvista")
     later = ModuleType(name)
 
-    def attribute(key: str) -> Any:
+    def attribute(key: str) -> object:
         if sys.modules.get(name) is later:  # hooks of notebooks ask during the import
             del sys.modules[name]
         return getattr(import_module(name), key)
@@ -215,7 +215,7 @@ class Sheet:
         camera.focal_point, camera.position, camera.up = (*middle, 0.0), (*middle, 10.0), (0.0, 1.0, 0.0)
         camera.parallel_projection, camera.parallel_scale = True, middle[1]
         camera.clipping_range = (1.0, 20.0)
-        self.passing: list[Any] = []
+        self.passing: list[object] = []
         self.kept_words: list[Lettering] = []
         self.words: list[Lettering] = []
 
@@ -364,11 +364,11 @@ class Sheet:
         lifted = np.column_stack([flat, np.full(len(flat), height)])
         self._add(load_pyvista().line_segments_from_points(lifted), color=colour, line_width=width)
 
-    def _surface(self, mesh: Mesh, height: float, **style: Any) -> None:
+    def _surface(self, mesh: Mesh, height: float, **style: object) -> None:
         points = np.column_stack([mesh[0], np.full(len(mesh[0]), height)])
         self._add(load_pyvista().PolyData.from_regular_faces(points, mesh[1]), **style)
 
-    def _add(self, data: pyvista.PolyData, **style: Any) -> None:
+    def _add(self, data: pyvista.PolyData, **style: object) -> None:
         options = {"lighting": False, "reset_camera": False, "render": False, "pickable": False, **style}
         self.passing.append(self.plotter.add_mesh(data, **options))
 

@@ -20,10 +20,15 @@ from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from tailslap import errors, progress
 from tailslap.campaign.records import Key, program
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+T = TypeVar("T")
 
 NEEDED = ("fem.run.corner", "tailslap.case.corner.corner_plan", "tailslap.case.corner.corner_run")
 """Modules of runs, imported before the first part of a worker."""
@@ -143,7 +148,7 @@ class Pool:
             self.close()
             raise
 
-    def submit(self, function: Callable[..., object], *arguments: object) -> Future[Any]:
+    def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
         """Submit a call to a worker."""
         with _hidden_script():
             try:
@@ -173,9 +178,9 @@ class _ThisProcess(Pool):
     def __init__(self) -> None:
         self._workers = 1
 
-    def submit(self, function: Callable[..., object], *arguments: object) -> Future[Any]:
+    def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
         """Make the call."""
-        future: Future[Any] = Future()
+        future: Future[T] = Future()
         future.set_result(function(*arguments))
         return future
 
@@ -251,7 +256,7 @@ def local(workers: int) -> Iterator[Pool]:
 class _Cluster(Pool):
     """Workers of a scheduler, whose number may change."""
 
-    def __init__(self, client: Any, address: str) -> None:
+    def __init__(self, client: "Client", address: str) -> None:
         from distributed import KilledWorker
         from distributed.comm import CommClosedError
 

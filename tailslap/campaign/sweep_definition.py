@@ -13,7 +13,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,10 +25,6 @@ from tailslap.case import kind_of
 from tailslap.errors import InputError
 from tailslap.options import MAX_RUNS
 from tailslap.scene import read, schema, validate, vary, write
-
-if TYPE_CHECKING:
-    pass
-
 
 ALLOWED = (
     "allowed is KEY=VALUES with VALUES a:b:n, log:a:b:n or a list v1,v2,v3, e.g. corner.friction=0:0.6:13; "
@@ -136,10 +132,9 @@ class Definition:
 
         In a grid, the value of the last key changes from run to run.
         """
-        places: Any = (run,) * len(self.variations)
-        if not self.sample:
-            places = np.unravel_index(run, [len(item.settings) for item in self.variations])
-        return {item.key: item.settings[int(i)] for item, i in zip(self.variations, places, strict=True)}
+        sizes = [len(item.settings) for item in self.variations]
+        places = [run] * len(sizes) if self.sample else map(int, np.unravel_index(run, sizes))
+        return {item.key: item.settings[i] for item, i in zip(self.variations, places, strict=True)}
 
     def inputs_of(self, run: int) -> dict[str, float | int | str]:
         """Return the values of the varied keys of a run."""

@@ -5,7 +5,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -115,7 +114,7 @@ def sweep_page(
         {"key": item.key, "values": values_words(item), "count": len(set(item.settings))}
         for item in definition.variations
     ]
-    groups: dict[str, list[Any]] = {}
+    groups: dict[str, list[Chart]] = {}
     for curve in curves:
         groups.setdefault(curve.group, []).append(curve)
     sections = (

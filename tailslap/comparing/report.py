@@ -3,7 +3,7 @@
 import math
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -190,7 +190,7 @@ def _by_value(pairs: Iterable[tuple[str, Value]]) -> Iterator[tuple[str, Value]]
 def compare_report(comparison: Comparison) -> Report:
     """Report a comparison."""
     table, opening = metrics_table(comparison), headline(comparison)
-    compared: dict[str, Any] = {item.label: {} for item in comparison.items[1:]}
+    compared: dict[str, dict[str, object]] = {item.label: {} for item in comparison.items[1:]}
     for label, pair in comparison.pairs:
         compared[label][pair.name] = _numbers(pair)
     summary = {
@@ -241,17 +241,17 @@ def metrics_table(comparison: Comparison) -> Table:
     return Table(METRICS, rows, title, notes=(NOTE,), marks=failed(rows, "within"))
 
 
-def failed(rows: Sequence[dict[str, Any]], key: str) -> dict[int, str]:
+def failed(rows: Sequence[Mapping[str, object]], key: str) -> dict[int, str]:
     """Return marks of the rows beyond a limit."""
     return {k: "failed" for k, row in enumerate(rows) if not row[key]}
 
 
-def _numbers(pair: Beside) -> dict[str, Any]:
+def _numbers(pair: Beside) -> dict[str, object]:
     """Return the metrics of a column and its largest difference."""
     largest, at = pair.largest
     numbers = {"name": pair.name, **asdict(pair.metrics), "largest": largest, "at": at, "at_end": pair.at_end}
     numbers |= {"from": float(pair.t[0]), "to": float(pair.t[-1]), "covered": pair.covered}
-    return numbers | {"within": pair.within}
+    return {**numbers, "within": pair.within}
 
 
 def _quantities(comparison: Comparison) -> Iterator[Table]:

@@ -14,7 +14,7 @@ import re
 import stat
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import tailslap
 from tailslap.errors import ABSENT
@@ -134,7 +134,7 @@ def write_object(path: Path, content: Mapping[str, object]) -> None:
     path.write_text(json.dumps({**content, "sha256": _digest(content)}, indent=2), encoding="utf-8")
 
 
-def read_object(path: Path) -> dict[str, Any]:
+def read_object(path: Path) -> dict[str, object]:
     """Return the object in a JSON file.
 
     Its digest is removed. It is empty for an absent or damaged file. Raises OSError where the file cannot be read.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from fem.explicit.time_loop import State
 from fem.run.observers import SnapshotKeeper
 from fem.stability.deformed import element_stress
 from postprocess.fields.series import read_fields, write_fields
@@ -128,7 +129,7 @@ def test_cells_name_their_nodes_in_the_order_of_other_programs(element, cell_typ
 def test_a_single_instant_is_the_end():
     nodal = (np.zeros((2, 3)), np.ones((2, 3)))
     keeper = SnapshotKeeper(1, 10.0, lambda state: nodal)
-    keeper.look(np.zeros((1, 3)), None)
+    keeper.look(np.zeros((1, 3)), State(*nodal, np.zeros(4), np.zeros(1)))
     assert_array_equal(keeper.finished(np.array([0.0, 1.0]), nodal).t, [1.0])
 
 

@@ -395,7 +395,7 @@ def test_without_a_folder_each_compiles_for_itself(tmp_path):
 def test_code_is_known_by_the_types_of_its_arguments(outcome):
     """After a run its step has code; for arguments of other types there is none."""
     model = outcome("paper-table-3").fe_plan.model
-    kernel, *arguments = Stepper(model).step_call
+    kernel, arguments = Stepper(model).step_call
     assert kernel.has_code(*arguments)
     assert not advance.has_code(1, 2.0, np.zeros(3))
 
