@@ -27,13 +27,15 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 Blocks = dict[float, dict[int, list[float]]]
-"""Values along X and Y by instant and node."""
+"""Values by instant and node: displacement and velocity, both along X and Y, or one of the two."""
 
 LARGEST = 1e30
 """Largest number in a file; its square does not overflow."""
 
 ALLOWED = f"allowed are numbers of at most {LARGEST:g}"
-NODES = "nodes.csv"
+NODES, COLUMNS = "nodes.csv", ("DX", "DY", "VX", "VY")
+"""File of positions and masses, and columns of a node in files of OpenRadioss."""
+
 MAX_HEAD = 4_000_000
 """Characters searched for the heading of a file; a legend of LS-DYNA lists all nodes."""
 
@@ -120,7 +122,8 @@ def read_calculix(path: Path) -> NodalHistory:
     if displacements.keys() != velocities.keys():
         t = max(displacements.keys() ^ velocities.keys())
         raise ValueError(f"it is cut short: displacements or velocities are missing at {t:g} s")
-    return _stacked(displacements, velocities)
+    both = ((t, displacements[t], velocities[t]) for t in velocities)
+    return _stacked({t: {n: u.get(n, []) + v.get(n, []) for n in u | v} for t, u, v in both})
 
 
 def read_nodout(path: Path) -> NodalHistory:
@@ -128,22 +131,20 @@ def read_nodout(path: Path) -> NodalHistory:
 
     Raises OSError, and ValueError for a truncated file.
     """
-    displacements, velocities = Blocks(), Blocks()
-    t, length, inside = 0.0, 0, False
+    blocks, block, length, inside = Blocks(), dict[int, list[float]](), 0, False
     for place, line in _numbered(path):
         if instant := INSTANT.search(line):
             (t,), inside = _numbers([instant[1]], place), False
-            displacements.setdefault(t, {})
-            velocities.setdefault(t, {})
+            block = blocks.setdefault(t, {})
         elif "nodal point" in line:  # translations; a table of rotations may follow at the same instant
             inside, length = "x-disp" in line, 0
         elif inside and line[:10].strip().isdigit():
             length = length or len(line)
             if len(line) != length:
                 raise ValueError(f"line {place} is cut short: {line!r}")
-            values = _numbers([line[10 + 12 * k : 22 + 12 * k].strip() for k in (0, 1, 3, 4)], place)
-            displacements[t][int(line[:10])], velocities[t][int(line[:10])] = values[:2], values[2:]
-    return _stacked(displacements, velocities)
+            cells = [line[10 + 12 * k : 22 + 12 * k].strip() for k in (0, 1, 3, 4)]
+            block[int(line[:10])] = _numbers(cells, place)
+    return _stacked(blocks)
 
 
 def read_field_report(path: Path) -> NodalHistory:
@@ -152,32 +153,24 @@ def read_field_report(path: Path) -> NodalHistory:
     Frames follow each other. Raises OSError, and ValueError for a truncated file, one without U and V, or with
     several steps.
     """
-    displacements, velocities = Blocks(), Blocks()
-    names: list[str] = []
-    t = 0.0
+    blocks, block, names = Blocks(), dict[int, list[float]](), list[str]()
     for place, line in _numbered(path):
         cells = line.split()
         if frame := STEP_TIME.search(line):
             (t,), names = _numbers([frame[1]], place), []
-            if t in velocities:
+            if t in blocks:
                 raise ValueError(f"line {place}: {t:g} s is there twice; allowed is one step")
-            displacements[t], velocities[t] = {}, {}
+            block = blocks[t] = {}
         elif fields := [cell for cell in cells if re.fullmatch(r"[A-Z]+\.\w+", cell)]:
             names = fields
-            if missing := [name for name in FIELDS if name not in names]:
-                raise ValueError(
-                    f"line {place}: {', '.join(missing)} are missing; the columns are {', '.join(names)}"
-                )
+            if missing := ", ".join(name for name in FIELDS if name not in names):
+                raise ValueError(f"line {place}: {missing} are missing; the columns are {', '.join(names)}")
         elif names and cells and cells[0].isdigit():
             if len(cells) != len(names) + 1:
                 raise ValueError(f"line {place} is cut short: {line.strip()!r}")
             values = dict(zip(names, _numbers(cells[1:], place), strict=True))
-            node = int(cells[0])
-            displacements[t][node], velocities[t][node] = (
-                [values[n] for n in FIELDS[:2]],
-                [values[n] for n in FIELDS[2:]],
-            )
-    return _stacked(displacements, velocities)
+            block[int(cells[0])] = [values[name] for name in FIELDS]
+    return _stacked(blocks)
 
 
 def read_radioss(path: Path) -> NodalHistory:
@@ -192,26 +185,20 @@ def read_radioss(path: Path) -> NodalHistory:
     for k, name in enumerate(header):
         if match := NODE_COLUMN.fullmatch(name[-MAX_TITLE:]):
             columns.setdefault(int(match[1]), {})[match[2]] = k
-    displacements, velocities = Blocks(), Blocks()
     for node, indices in columns.items():
-        if missing := [name for name in ("DX", "DY", "VX", "VY") if name not in indices]:
-            raise ValueError(f"columns of node {node} are missing: {', '.join(missing)}")
-    least = len(list(filter(None, header)))
+        if missing := ", ".join(name for name in COLUMNS if name not in indices):
+            raise ValueError(f"columns of node {node} are missing: {missing}")
+    blocks, least = Blocks(), len(list(filter(None, header)))
     for place, row in enumerate(rows, 2):
         if row and len(row) < least:
             raise ValueError(f"line {place} is cut short: {len(row)} of {len(header)} entries")
         if row:
             (t,) = _numbers(row[:1], place)
-            if t in velocities:
+            if t in blocks:
                 raise ValueError(f"line {place}: {t:g} s is there twice; allowed is one row an instant")
-            displacements[t], velocities[t] = (
-                {
-                    node: _numbers([row[indices[x]], row[indices[y]]], place)
-                    for node, indices in columns.items()
-                }
-                for x, y in (("DX", "DY"), ("VX", "VY"))
-            )
-    return _stacked(displacements, velocities)
+            cells = {node: [row[indices[name]] for name in COLUMNS] for node, indices in columns.items()}
+            blocks[t] = {node: _numbers(texts, place) for node, texts in cells.items()}
+    return _stacked(blocks)
 
 
 def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
@@ -243,22 +230,20 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
             yield number, line.rstrip()
 
 
-def _stacked(displacements: Blocks, velocities: Blocks) -> NodalHistory:
-    """Return blocks by time and node as arrays.
+def _stacked(blocks: Blocks) -> NodalHistory:
+    """Return blocks of displacements and velocities as arrays.
 
     Raises ValueError where nodes are missing at an instant.
     """
-    times, numbers = sorted(velocities), sorted(next(iter(displacements.values()), ()))
+    times, numbers = sorted(blocks), sorted(next(iter(blocks.values()), ()))
     if not numbers:
         raise ValueError("it has no displacements and velocities of nodes")
-    for blocks in (displacements, velocities):
-        for t in times:
-            if missing := set(numbers) ^ blocks[t].keys():
-                raise ValueError(f"it is cut short: {len(missing)} nodes are missing at {t:g} s")
-    stacked = (
-        np.array([[blocks[t][n] for n in numbers] for t in times]) for blocks in (displacements, velocities)
-    )
-    return NodalHistory(np.array(numbers), np.array(times), *stacked)
+    for t in times:
+        if missing := set(numbers) ^ {node for node, row in blocks[t].items() if len(row) == len(COLUMNS)}:
+            raise ValueError(f"it is cut short: {len(missing)} nodes are missing at {t:g} s")
+    values = np.array([[blocks[t][n] for n in numbers] for t in times])
+    moved, speeds = (np.ascontiguousarray(part) for part in np.split(values, 2, axis=-1))
+    return NodalHistory(np.array(numbers), np.array(times), moved, speeds)
 
 
 def read_nodes(path: Path) -> tuple[NDArray[np.int64], Floats, Floats]:
