@@ -19,8 +19,4 @@ def lazy_names(
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         return getattr(import_module(f"{package}.{home[name]}"), name)
 
-    return (
-        sorted(home),
-        attribute,
-        lambda: sorted(home),
-    )
+    return (sorted(home), attribute, lambda: sorted(home))

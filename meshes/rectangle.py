@@ -255,11 +255,7 @@ def _cell_sets(names: list[str], cells: list[tuple[str, Indices]]) -> dict[str, 
 
 
 def plate_mesh(
-    length: float,
-    width: float,
-    elements: tuple[int, int],
-    cells: str = "quad",
-    hinges: Sequence[float] = (),
+    length: float, width: float, elements: tuple[int, int], cells: str = "quad", hinges: Sequence[float] = ()
 ) -> meshio.Mesh:
     """Mesh the plate in rows along its length.
 

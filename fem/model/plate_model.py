@@ -164,10 +164,7 @@ class PlateModel:
 
 
 def build_model(
-    mesh: meshio.Mesh,
-    plate: PlateProperties,
-    corner: CornerProperties,
-    step: StepProperties,
+    mesh: meshio.Mesh, plate: PlateProperties, corner: CornerProperties, step: StepProperties
 ) -> PlateModel:
     """Assemble the model of a constrained plate.
 
@@ -196,10 +193,7 @@ def build_model(
 
 
 def finished_model(
-    model: PlateModel,
-    plate: PlateProperties,
-    corner: CornerProperties,
-    step: StepProperties,
+    model: PlateModel, plate: PlateProperties, corner: CornerProperties, step: StepProperties
 ) -> PlateModel:
     """Complete a static model of the same properties.
 

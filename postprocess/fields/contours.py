@@ -59,11 +59,7 @@ class Situation:
 
 
 def draw_contours(
-    situation: Situation,
-    fields: Sequence[ContourField],
-    out_dir: Path,
-    units: Units = SI,
-    size: Size = SIZE,
+    situation: Situation, fields: Sequence[ContourField], out_dir: Path, units: Units = SI, size: Size = SIZE
 ) -> list[Path]:
     """Draw fields as `contour_NAME.png` and return the paths.
 
@@ -160,12 +156,7 @@ def animate(
 
 
 def frames(
-    series: FieldSeries,
-    name: str,
-    magnify: float,
-    instants: Sequence[int],
-    units: Units,
-    size: Size = SIZE,
+    series: FieldSeries, name: str, magnify: float, instants: Sequence[int], units: Units, size: Size = SIZE
 ) -> Iterator[Image.Image]:
     """Yield the chosen instants of a field as images of Pillow.
 

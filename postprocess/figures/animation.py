@@ -29,12 +29,7 @@ MAX_FRAMES = 120
 
 
 def write_animation(
-    path: Path,
-    t: Floats,
-    outlines: Floats,
-    force: Floats,
-    units: Units = SI,
-    size: tuple[int, int] = SIZE,
+    path: Path, t: Floats, outlines: Floats, force: Floats, units: Units = SI, size: tuple[int, int] = SIZE
 ) -> Path:
     """Write the GIF of an impact and return its path.
 

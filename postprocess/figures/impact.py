@@ -11,15 +11,7 @@ import numpy as np
 from postprocess.figures import histories
 from postprocess.svg import chart
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import (
-    Boxes,
-    Layer,
-    Level,
-    Line,
-    Span,
-    Swatch,
-    look,
-)
+from postprocess.svg.marks import Boxes, Layer, Level, Line, Span, Swatch, look
 from postprocess.svg.scales import Floats, Shades
 from postprocess.units import measure
 

@@ -27,8 +27,7 @@ MAX_ELEMENTS = 4_000_000
 Length = Annotated[float, Quantity("a length", "m", '"10 m"', least=1e-6, most=1e6)]
 Hitch = Annotated[float, Quantity("a distance behind the front", "m", '"5.6 m"', least=0.0, most=1e6)]
 Kingpin = Annotated[
-    float,
-    Quantity("a distance behind the front (negative: drawbar)", "m", '"0.9 m"', least=-1e6, most=1e6),
+    float, Quantity("a distance behind the front (negative: drawbar)", "m", '"0.9 m"', least=-1e6, most=1e6)
 ]
 Mass = Annotated[float, Quantity("a mass", "kg", '"9979 kg"', least=1e-6, most=1e12)]
 Speed = Annotated[float, Quantity("a speed", "m/s", '"56 mph"', least=1e-6, most=1e4)]
@@ -53,8 +52,7 @@ Viscosity = Annotated[
 ]
 STIFFNESS_BOUNDS = (1e-3, 1e15)
 Stiffness = Annotated[
-    float,
-    Quantity("a stiffness", "N/m", '"2 MN/m"', least=STIFFNESS_BOUNDS[0], most=STIFFNESS_BOUNDS[1]),
+    float, Quantity("a stiffness", "N/m", '"2 MN/m"', least=STIFFNESS_BOUNDS[0], most=STIFFNESS_BOUNDS[1])
 ]
 LayerStiffness = Annotated[
     float, Quantity("a stiffness per length of side", "N/m^2", '"1 MN/m^2"', least=1e-3, most=1e15)
