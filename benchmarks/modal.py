@@ -18,7 +18,7 @@ from fem.run.corner import Run, simulate
 from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
-from tailslap.modal_model import MODES, ModalRun, modal_run
+from tailslap.modal_run import MODES, ModalRun, modal_run
 from tailslap.scene.read import read_scene
 
 SCENES = {"paper-table-3": "drag", "paper-abaqus": "none"}

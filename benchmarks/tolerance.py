@@ -77,7 +77,7 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], lis
     if not doubts:
         return found.fe, doubts
     from tailslap.case.corner.corner_case import CornerCase
-    from tailslap.modal_model import modal_run
+    from tailslap.modal_run import modal_run
     from tailslap.scene.read import read_scene
 
     undamped = CornerCase(*read_scene(SCENE, (*changes, *mesh))).plan()

@@ -65,7 +65,7 @@ __all__, __getattr__, __dir__ = lazy_names(
         "exports.export": "export",
         "result.columns": "Columns",
         "result.load": "load",
-        "replication.page": "paper",
+        "replication.paper_page": "paper",
         "result.result": "Result",
         "scene.read": "scenes",
         "scene.write": "new",

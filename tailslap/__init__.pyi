@@ -9,7 +9,7 @@ from tailslap.api import study as study
 from tailslap.campaign.sweep_run import sweep as sweep
 from tailslap.errors import InputError as InputError
 from tailslap.exports.export import export as export
-from tailslap.replication.page import paper as paper
+from tailslap.replication.paper_page import paper as paper
 from tailslap.result.columns import Columns as Columns
 from tailslap.result.load import load as load
 from tailslap.result.result import Result as Result

@@ -246,19 +246,19 @@ def modal(
     >>> tailslap.modal("paper-table-3", modes=2).passed
     True
     """
-    from tailslap import modal_model
+    from tailslap import modal_run
 
     case = affordable_case(scene, changes, allow_large)
     fe_plan = CornerCase(case.scene, case.source).plan()
-    motion = modal_model.modal_run(fe_plan, modes, tolerance, steps)
-    summary = data_files.plain(modal_model.modal_numbers(fe_plan, motion))
+    motion = modal_run.modal_run(fe_plan, modes, tolerance, steps)
+    summary = data_files.plain(modal_run.modal_numbers(fe_plan, motion))
     return result.Result(
         "modal",
         summary["scene"],
         summary,
         passed=motion.passed,
         histories={"modal": columns.history(motion.history)},
-        text=modal_model.modal_text(fe_plan, motion, units),
+        text=modal_run.modal_text(fe_plan, motion, units),
     )
 
 
@@ -424,11 +424,11 @@ def compare(
     >>> tailslap.compare(tailslap.run("paper-table-3"), soft).passed
     True
     """
-    from tailslap.comparing import report, validation
+    from tailslap.comparing import compare_report, validation
 
     items = (reference, *others)
-    comparison = report.compare_items(items, columns, only, force)
-    page = validation.with_validation(report.compare_report(comparison), comparison, author)
+    comparison = compare_report.compare_items(items, columns, only, force)
+    page = validation.with_validation(compare_report.compare_report(comparison), comparison, author)
     histories = {item.label: Columns(item.columns, item.units) for item in comparison.items}
     tables = {"Metrics": page.tables["metrics.csv"]}
     inputs = chain(*(item.inputs if isinstance(item, result.Result) else (Path(item),) for item in items))

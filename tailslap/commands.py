@@ -472,7 +472,7 @@ def completion(shell: str, as_json: bool) -> int:
 @options.with_options(options.FORCE, options.JSON, options.QUIET)
 def paper(out: Path | None, force: bool, as_json: bool) -> int:
     """Compare the tables and figures of the paper with computed values."""
-    from tailslap.replication.page import PAGE
+    from tailslap.replication.paper_page import PAGE
 
     place = out or default_place("paper", ())
     return deliver(tailslap.paper, place, ("paper", ""), as_json, force=force, page=PAGE)

@@ -21,16 +21,8 @@ DNF_PACKAGES = (
 """System libraries that gmsh and VTK load; bootstrap.py installs them."""
 
 MACHINE_FAULTS = {
-    *(
-        errno.ENOSPC,
-        errno.EDQUOT,
-        errno.EFBIG,
-        errno.EMFILE,
-        errno.ENFILE,
-        errno.ENOMEM,
-        errno.EIO,
-        errno.ESTALE,
-    )
+    *(errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE),
+    *(errno.ENOMEM, errno.EIO, errno.ESTALE),
 }
 """Errors of the machine, not of the input: full or broken disk, lost server, limits of the process."""
 

@@ -181,7 +181,7 @@ def _modes(fe_plan: FePlan, free: FreeModes, beam: beams.Beam) -> Iterator[Mode]
     rotary inertia, n c / (2 L) for longitudinal modes, None for transverse modes; difference: frequency/theory - 1.
     """
     count = free.frequencies.size
-    kinds = mode_kinds(fe_plan.model, free, fe_plan.plate.thickness)
+    kinds, fractions = mode_kinds(fe_plan.model, free, fe_plan.plate.thickness)
     bent = (beams.timoshenko_frequencies, beams.euler_bernoulli_frequencies)
     theories: dict[str, Iterator[tuple[float | None, float | None]]] = {
         "beam": zip(*(of(beam, count).tolist() for of in bent), strict=True),
@@ -191,7 +191,7 @@ def _modes(fe_plan: FePlan, free: FreeModes, beam: beams.Beam) -> Iterator[Mode]
     if fe_plan.case.scene.trailer:
         theories = dict.fromkeys(theories, repeat((None, None)))
     seen = dict.fromkeys(theories, 0)
-    for i, (frequency, kind) in enumerate(zip(free.frequencies, kinds.names, strict=True)):
+    for i, (frequency, kind) in enumerate(zip(free.frequencies, kinds, strict=True)):
         family = _family({"kind": kind})
         seen[family] += 1
         theory, slender = next(theories[family])
@@ -201,7 +201,7 @@ def _modes(fe_plan: FePlan, free: FreeModes, beam: beams.Beam) -> Iterator[Mode]
             "frequency": hertz,
             "kind": kind,
             "order": seen[family],
-            **{name: float(getattr(kinds, name)[i]) for name in ("symmetric", "along", "shear")},
+            **{name: float(values[i]) for name, values in fractions.items()},
             "theory": theory,
             "slender": slender,
             "difference": None if theory is None else hertz / theory - 1.0,

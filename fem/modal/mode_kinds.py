@@ -8,8 +8,6 @@ else antisymmetric, as a beam bends:
     bending         else
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from fem.model.plate_model import PlateModel
@@ -17,24 +15,13 @@ from fem.plate.discretisation import stiffness_matrix
 from fem.plate.free_modes import FreeModes
 
 
-@dataclass(frozen=True)
-class ModeKinds:
-    """Names of the kinds with the fractions that define them.
-
-    The fractions have shape (modes,): kinetic energy of the symmetric part and along the length, strain energy of
-    shear.
-    """
-
-    names: tuple[str, ...]
-    symmetric: np.ndarray
-    along: np.ndarray
-    shear: np.ndarray
-
-
-def mode_kinds(model: PlateModel, modes: FreeModes, thickness: float) -> ModeKinds:
+def mode_kinds(
+    model: PlateModel, modes: FreeModes, thickness: float
+) -> tuple[tuple[str, ...], dict[str, np.ndarray]]:
     """Return the kinds of the modes of a model.
 
-    thickness: [m].
+    thickness: [m]. Also returns the fractions that define the kinds, shape (modes,): kinetic energy of the symmetric
+    part and along the length, strain energy of shear.
     """
     masses, shapes, hinges = model.parameters.mass, modes.shapes, getattr(model.parameters, "hinges", None)
     unit = np.zeros(masses.size) if hinges is None else hinges.unit
@@ -45,8 +32,8 @@ def mode_kinds(model: PlateModel, modes: FreeModes, thickness: float) -> ModeKin
     stiffness = stiffness_matrix(model.discretisation.scalar, thickness, moduli)
     flat = shapes.reshape(len(shapes), -1)
     shear = ((stiffness @ flat.T).T * flat).sum(axis=1) / modes.frequencies**2
-    fractions = zip(symmetric, along, shear, strict=True)
-    return ModeKinds(tuple(_name(*fraction) for fraction in fractions), symmetric, along, shear)
+    fractions = {"symmetric": symmetric, "along": along, "shear": shear}
+    return tuple(map(_name, *fractions.values())), fractions
 
 
 def _name(symmetric: float, along: float, shear: float) -> str:

@@ -12,11 +12,10 @@ from fem.laws import unilateral
 from fem.laws.tyres import Axles
 from fem.laws.wall_contact import BoundaryContact
 from fem.model import plate_model
-from fem.model.patch import patch_weights
 from fem.model.plate_model import PlateModel
 from fem.model.wall_model import with_wall
 from fem.plate import spectrum
-from fem.plate.discretisation import Discretisation
+from fem.plate.discretisation import Discretisation, patch_weights
 from fem.plate.properties import (
     AxleProperties,
     ContactProperties,

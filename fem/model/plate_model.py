@@ -17,11 +17,11 @@ from fem import cache
 from fem.explicit import elastic_damping, internal_force, time_loop
 from fem.laws import constraints, materials
 from fem.laws.constraints import CornerConstraint
-from fem.model.patch import corner_weights
 from fem.plate import kinds
 from fem.plate.discretisation import (
     Discretisation,
     Hourglass,
+    corner_weights,
     discretise,
     hourglass_control,
     hourglass_matrix,

@@ -9,8 +9,7 @@ import numpy as np
 
 from fem.laws.hinges import Hinges
 from fem.model import plate_model
-from fem.model.patch import hat_integrals
-from fem.plate.discretisation import Discretisation, discretise
+from fem.plate.discretisation import Discretisation, discretise, hat_integrals
 from fem.plate.properties import ModelError, UnitProperties
 
 if TYPE_CHECKING:

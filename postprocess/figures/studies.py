@@ -186,17 +186,12 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
     for strike, (name, colour) in STRIKES.items():
         rows = np.array([row for row, bar in placed if bar.strike == strike])
         of = [bar for bar in bars if bar.strike == strike]
-        low, middle, high = np.array([bar.ends for bar in of]).T
         said = [
             f"{measure(a, 'kN', '.0f', named=False)} to {measure(c, 'kN', '.0f')}, median {measure(b, 'kN', '.0f')}"
             for a, b, c in (bar.ends for bar in of)
         ]
-        ends, strokes = np.stack([low, high], axis=-1), np.array([-0.18, 0.18, np.nan]) + rows[:, None]
-        marks += [
-            Boxes(name, ends, _across(rows), colour, said, [bar.label for bar in of], 0.4),
-            Line("", np.repeat(middle, 3), strokes.ravel(), colour, 2.2),
-            Line("", np.array([bar.nominal for bar in of]), rows, colour, 0.0, dots=3.6),
-        ]
+        marks += _bands(name, colour, rows, [bar.ends for bar in of], said, [bar.label for bar in of])
+        marks.append(Line("", np.array([bar.nominal for bar in of]), rows, colour, 0.0, dots=3.6))
     for projected, (name, colour) in ORIGINS.items():
         dots = [
             (force, row - 0.3, letter)
@@ -218,25 +213,36 @@ def draw_ratios(bars: Sequence[RatioBar]) -> chart.Chart:
     )
     labels, marks = [bar.label for bar in bars], list[Mark]()
     heights = _heights(labels)
-    for inside, name, colour in (
-        (True, "published value in the band", "green"),
-        (False, "outside", "difference"),
-    ):
+    kinds = ((True, "published value in the band", "green"), (False, "outside", "difference"))
+    for inside, name, colour in kinds:
         chosen = [number for number, bar in enumerate(bars) if bar.inside is inside]
-        if not chosen:
-            continue
-        low, middle, high = np.array([bars[number].ends for number in chosen]).T
-        rows = heights[chosen]
-        texts = [f"{a:.2f} to {c:.2f}, median {b:.2f}" for a, b, c in zip(low, middle, high, strict=True)]
-        strokes = np.array([-0.18, 0.18, np.nan]) + rows[:, None]
-        ends = np.stack([low, high], axis=-1)
-        marks += [
-            Boxes(name, ends, _across(rows), colour, texts, [labels[number] for number in chosen], 0.4),
-            Line("", np.repeat(middle, 3), strokes.ravel(), colour, 2.2),
-        ]
+        ends = [bars[number].ends for number in chosen]
+        texts = [f"{a:.2f} to {c:.2f}, median {b:.2f}" for a, b, c in ends]
+        if chosen:
+            marks += _bands(name, colour, heights[chosen], ends, texts, [labels[number] for number in chosen])
     marks.append(Span("", 1.0, 1.0, "ink"))
     axis = chart.Axis("predicted over published", is_log=True)
     return chart.draw_chart("validation", caption, (_row_plot(labels, marks, 30.0),), axis, width=chart.FULL)
+
+
+def _bands(
+    name: str,
+    colour: str,
+    rows: Floats,
+    ends: Sequence[tuple[float, ...]],
+    said: Sequence[str],
+    at: Sequence[str],
+) -> list[Mark]:
+    """Return bars about these heights with a stroke at the median.
+
+    ends: low, median and high of each.
+    """
+    low, middle, high = np.array(ends).T
+    strokes = np.array([-0.18, 0.18, np.nan]) + rows[:, None]
+    return [
+        Boxes(name, np.stack([low, high], axis=-1), _across(rows), colour, said, at, 0.4),
+        Line("", np.repeat(middle, 3), strokes.ravel(), colour, 2.2),
+    ]
 
 
 def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> list[Mark]:

@@ -13,7 +13,6 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
-from functools import partial
 from itertools import accumulate
 from pathlib import Path
 from types import MappingProxyType
@@ -139,15 +138,10 @@ def run_parts(
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(pools.local(count if count > 1 else 0))
         total, before = len(parts), len(parts) - len(missing)
-        work_left = partial(_work_left, work, total)
+        work_left = lambda done: work[round(total - done)]  # noqa: E731
         show = stack.enter_context(progress.counted(label, total, before, work_left=work_left))
         todo = Parts(function, missing, lambda key: parts[str(key)], _died)
         perform(todo, records, pool, lambda threads: show(len(records)))
-
-
-def _work_left(work: Sequence[float], total: int, done: float) -> float:
-    """Return the expected work of the parts that remain."""
-    return work[round(total - done)]
 
 
 @contextlib.contextmanager

@@ -307,15 +307,14 @@ def _file_system(path: Path) -> str:
         lines = [line.split(b" ") for line in MOUNTS.read_bytes().split(b"\n")]
     except OSError:
         return ""
-    mounts = [(os.fsdecode(OCTAL.sub(_byte, words[1])), words[2].decode()) for words in lines if words[2:]]
+    mounts = [
+        (os.fsdecode(OCTAL.sub(lambda code: bytes([int(code[1], 8)]), words[1])), words[2].decode())
+        for words in lines
+        if words[2:]
+    ]
     above = [(len(place), kind) for place, kind in mounts if path.is_relative_to(place)]
     # Of two mounts at the same place, the later one covers the other.
     return max(reversed(above), key=itemgetter(0), default=(0, ""))[1]
-
-
-def _byte(code: re.Match[bytes]) -> bytes:
-    """Return the byte of an octal code."""
-    return bytes([int(code[1], 8)])
 
 
 def _seal(*parts: bytes | None) -> str:

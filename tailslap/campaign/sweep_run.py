@@ -29,7 +29,7 @@ from tailslap.case import resources
 from tailslap.case.of_arguments import Changes, change_texts, folder_or_temporary, warn_of_numbers
 from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
 from tailslap.result import columns, result
-from tailslap.scene.objects import added_names
+from tailslap.scene.vary import added_names
 from tailslap.storage import folder, manifest
 
 LOST, INTERRUPTED = 3, 130

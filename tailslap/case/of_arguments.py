@@ -16,8 +16,7 @@ from tailslap.case import case_of, resources
 from tailslap.case.case import Case
 from tailslap.errors import Interrupted
 from tailslap.scene import read
-from tailslap.scene.objects import named
-from tailslap.scene.vary import Source, parse_changes, shown, vary
+from tailslap.scene.vary import Source, named, parse_changes, shown, vary
 
 Scene = str | os.PathLike[str] | Mapping[str, Any] | Case
 """Name of a scene of the program, path of a TOML file, tables of a scene, or a case."""

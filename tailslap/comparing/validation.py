@@ -22,7 +22,7 @@ from postprocess.report.page import Headline, Page, Section, page_text
 from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.units import percent
 from tailslap.case.report_parts import footer
-from tailslap.comparing.report import METRICS, WORDS, Comparison, failed
+from tailslap.comparing.compare_report import METRICS, WORDS, Comparison, failed
 from tailslap.comparing.source import Item
 
 Row = dict[str, Any]

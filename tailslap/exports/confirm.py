@@ -23,7 +23,7 @@ from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.units import percent, percent_up
 from tailslap.case.report_parts import study_page
-from tailslap.comparing.report import compare_items, compare_report
+from tailslap.comparing.compare_report import compare_items, compare_report
 from tailslap.comparing.source import Item
 from tailslap.exports import calculix
 from tailslap.exports.deck import Deck, write_deck

@@ -148,7 +148,7 @@ def _numbers(deck: Deck) -> dict[str, object]:
 
     Nodes are counted from 1.
     """
-    from fem.model.patch import corner_weights
+    from fem.plate.discretisation import corner_weights
 
     d, case = deck.discretisation, deck.case
     nodes, weights = corner_weights(d, case.scene.corner.patch_length or 0.0)

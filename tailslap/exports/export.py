@@ -6,18 +6,17 @@ import os
 from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
+from postprocess.units import SYSTEMS
 from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.errors import InputError, Verbatim, one_of
 from tailslap.exports import PROGRAMS
 from tailslap.progress import counted
 from tailslap.result.load import load
 from tailslap.result.result import FE, RIGID, Result
-
-if TYPE_CHECKING:
-    from postprocess.units import Units
+from tailslap.storage.folder import default_place, result_folder
+from tailslap.storage.manifest import Origin
 
 FIRST = {"vtkhdf": "fields.vtkhdf", "xdmf": "fields.xdmf", "vtu": "fields.pvd", "msh": "fields.msh"}
 """File to open, by format."""
@@ -83,8 +82,6 @@ def export(
     PosixPath('results/paraview/fields.vtkhdf')
     """
     from postprocess.fields import contours, formats, series
-    from tailslap.storage.folder import default_place, result_folder
-    from tailslap.storage.manifest import Origin
 
     if to in PROGRAMS:
         return _export_deck(result, to, folder, tuple(changes), force)
@@ -100,7 +97,9 @@ def export(
     fields = None if to in TABLES else loaded.fields
     if field is not None and field not in series.SCALARS:
         raise InputError("--field", field, one_of(field, series.SCALARS))
-    system, size = _units(to, units), picture_pixels(picture_size)
+    if units != "si" and to not in PICTURES:
+        raise InputError("--units", units, f"{to} files are always in SI; remove --units")
+    size = picture_pixels(picture_size)
     if size and to not in PICTURES:
         allowed = f"{to} files have no pictures; remove one of the two options"
         raise InputError("--picture-size", Verbatim(picture_size), allowed)
@@ -110,19 +109,16 @@ def export(
             _write_tables(loaded, to, unfinished)
         elif to in PICTURES:
             names = list(series.SCALARS) if field is None else [field]
-            total, numbers = len(names) * len(fields.t), count(1)
-            with counted("Drawing pictures", total, 0) as show:
+            pictures = contours.animate if to == "gif" else contours.draw_instants
+            size = size or (contours.GIF_SIZE if to == "gif" else contours.SIZE)
+            numbers = count(1)
+            with counted("Drawing pictures", len(names) * len(fields.t), 0) as show:
                 for name in names:
-                    draw = contours.draw_instants if to == "png" else contours.animate
-                    draw(
-                        unfinished if to == "png" else unfinished / f"{name}.gif",
-                        fields,
-                        name,
-                        magnify,
-                        size=size or (contours.SIZE if to == "png" else contours.GIF_SIZE),
-                        units=system,
-                        follow=lambda: show(next(numbers)),
+                    path, follow = (
+                        unfinished / (f"{name}.gif" if to == "gif" else ""),
+                        lambda: show(next(numbers)),
                     )
+                    pictures(path, fields, name, magnify, units=SYSTEMS[units], size=size, follow=follow)
         else:
             getattr(formats, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")
@@ -137,29 +133,13 @@ def _export_deck(scene: object, to: str, folder: object, changes: tuple[str, ...
     from tailslap.exports.deck import make_deck, write_deck
     from tailslap.scene.read import read_scene
     from tailslap.scene.vary import changes_of
-    from tailslap.storage.folder import default_place, result_folder
-    from tailslap.storage.manifest import Origin
 
     deck = make_deck(case_of(*read_scene(str(scene), changes)), to)
-    name = deck.case.scene.name
-    place = (
-        default_place(name, changes_of(deck.case.source), f"-{to}") if folder is None else Path(str(folder))
-    )
+    name, changed = deck.case.scene.name, changes_of(deck.case.source)
+    place = default_place(name, changed, f"-{to}") if folder is None else Path(str(folder))
     with result_folder(place, (), force, Origin(f"export {to}", name)) as unfinished:
         write_deck(deck, unfinished)
     return place
-
-
-def _units(to: str, units: str) -> Units:
-    """Return the units of pictures.
-
-    Raises InputError for formats without pictures.
-    """
-    from postprocess.units import SYSTEMS
-
-    if units != "si" and to not in PICTURES:
-        raise InputError("--units", units, f"{to} files are always in SI; remove --units")
-    return SYSTEMS[units]
 
 
 def _write_tables(result: Result, to: str, folder: Path) -> None:

@@ -1,4 +1,4 @@
 """Replication of the numbers that Chuong and Malla (2025) print.
 
-`tables` holds the printed numbers and computes them, `page` shows both.
+`paper_values` holds the printed numbers, `paper_numbers` computes them, and `paper_page` shows both.
 """

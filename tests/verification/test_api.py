@@ -28,7 +28,7 @@ from tailslap.campaign import pools, sweep_run
 from tailslap.campaign.sweep_run import StoppedError
 from tailslap.campaign.sweep_table import CIRCUMSTANCES
 from tailslap.case.resources import available_cores
-from tailslap.scene.objects import named
+from tailslap.scene.vary import named
 
 EXTENSIONS = Path(__file__).parents[1] / "extensions"
 FUNCTIONS = (

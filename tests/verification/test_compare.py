@@ -15,7 +15,7 @@ from postprocess.comparison import grid_convergence, metrics
 from postprocess.comparison.quantities import PAPER_TABLE_3, comparison_rows, relative_difference
 from tailslap import InputError, cli
 from tailslap.comparing import source
-from tailslap.comparing.report import compare_items
+from tailslap.comparing.compare_report import compare_items
 from tailslap.comparing.source import Item, parse_mapping, read_table
 
 T = np.linspace(0.0, 1.0, 1001)

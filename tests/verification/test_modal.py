@@ -21,7 +21,7 @@ from tailslap.case.corner.corner_case import CornerCase
 from tailslap.cli import DONE, WRONG_INPUT, _status
 from tailslap.commands import CHECK_FAILED
 from tailslap.modal_analysis import modes_with_errors
-from tailslap.modal_model import modal_run
+from tailslap.modal_run import modal_run
 from tailslap.scene.read import read_scene
 
 SOFT = [pytest.param(modulus, marks=pytest.mark.long) for modulus in ("200 MPa", "20 MPa")]

@@ -23,24 +23,24 @@ from postprocess.units import MPH, percent
 from solver import plane_motion
 from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact
 from tailslap.cli import _status
-from tailslap.replication import page, paper_values, tables
-from tailslap.replication.page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
+from tailslap.replication import paper_numbers, paper_page, paper_values
+from tailslap.replication.paper_numbers import FIGURES, corner_fraction
+from tailslap.replication.paper_page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
 from tailslap.replication.paper_values import ABAQUS, MASS, ForceRow
-from tailslap.replication.tables import FIGURES, corner_fraction
 from tailslap.storage.manifest import NAME as MANIFEST
 
 
 @pytest.fixture(scope="module")
 def found():
-    return tables.review()
+    return paper_numbers.review()
 
 
 def test_a_difference_is_computed_over_printed_less_one():
-    cell = tables.beside(-4.0, -3.0)
+    cell = paper_numbers.beside(-4.0, -3.0)
     assert cell == {"printed": -4.0, "computed": -3.0, "difference": -0.25}
-    columns = (page.printed("cell", ".1f"), *page.computed("cell", ".1f"))
+    columns = (paper_page.printed("cell", ".1f"), *paper_page.computed("cell", ".1f"))
     assert [column.text({"cell": cell}) for column in columns] == ["-4.0", "-3.0", "-25.000 %"]
-    rounded = page.computed("0", page.scaled(0.5, ".0f"), decimals=1)
+    rounded = paper_page.computed("0", paper_page.scaled(0.5, ".0f"), decimals=1)
     assert [column.text((cell,)) for column in rounded] == ["-6", "-25.0 %"]
 
 
@@ -72,7 +72,7 @@ def test_inputs_in_si_by_hand():
 
 def test_a_row_of_table_4_by_hand(found):
     """The force is inverse to the duration, 1/(1 - e) between the two, and phi_a is force over measured."""
-    made = tables.force_row(ForceRow("x", "made up", 0.2, 100e3, (300e3, 400e3), (3.0, 4.0)))
+    made = paper_numbers.force_row(ForceRow("x", "made up", 0.2, 100e3, (300e3, 400e3), (3.0, 4.0)))
     known = found["table_4"][0]
     assert known["printed"]["duration"] == 0.1
     elastic, plastic = (cell["computed"] for cell in made["peak"])
@@ -90,7 +90,7 @@ def test_a_row_of_table_4_by_hand(found):
 def test_ratios_that_rounding_explains(plastic, rounds):
     """1000 kN stands for 999.5 to 1000.5, so that 1/0.78 makes it 1281.4 to 1282.7, and half a kilonewton more."""
     row = ForceRow("x", "made up", 0.1, 1e6, (1e6, plastic), (1.0, 1.0))
-    assert tables.force_row(row)["rounds"] is rounds
+    assert paper_numbers.force_row(row)["rounds"] is rounds
 
 
 def test_every_ratio_is_exact(found):
@@ -100,10 +100,10 @@ def test_every_ratio_is_exact(found):
 
 
 def test_the_instant_at_which_a_quantity_has_a_value():
-    motion = plane_motion(tables.TRUCK, 0.26, 0.707, 25.053, 0.47)
+    motion = plane_motion(paper_numbers.TRUCK, 0.26, 0.707, 25.053, 0.47)
     for name in ("slide", "v_gx", "theta", "omega"):
         value = float(getattr(motion.at(0.2), name))
-        assert tables.instant(motion, name, value) == pytest.approx(0.2, abs=1e-9)
+        assert paper_numbers.instant(motion, name, value) == pytest.approx(0.2, abs=1e-9)
 
 
 def test_earlier_methods_by_hand():
@@ -111,7 +111,7 @@ def test_earlier_methods_by_hand():
     theta, speed = math.radians(15.0), 56.0 * 0.44704
     travel = 5.0 * math.sin(theta) - 1.219 * (1.0 - math.cos(theta))
     olson = 9979.0 * (speed * math.sin(theta)) ** 2 / (2.0 * travel)
-    methods = tables.earlier_methods()
+    methods = paper_numbers.earlier_methods()
     assert methods["olson"] == pytest.approx(olson, rel=1e-13)
     assert methods["olson_first_member"] == pytest.approx(olson / 2.0, rel=1e-13)
     assert methods["hirsch"] == pytest.approx(math.pi / 2.0 * olson, rel=1e-13)
@@ -119,9 +119,9 @@ def test_earlier_methods_by_hand():
 
 
 def test_marks_are_the_printed_points():
-    assert tables.marks("theta") == {"paper": ((0.0, 0.26), (0.38, 0.0)), "ABAQUS": ()}
-    assert tables.marks("omega") == {"paper": ((0.0, 0.707), (0.383, 0.65)), "ABAQUS": ((0.37, 0.66),)}
-    assert tables.marks("v_gx") == {"paper": ((0.383, 23.27),), "ABAQUS": ((0.37, 23.305),)}
+    assert paper_numbers.marks("theta") == {"paper": ((0.0, 0.26), (0.38, 0.0)), "ABAQUS": ()}
+    assert paper_numbers.marks("omega") == {"paper": ((0.0, 0.707), (0.383, 0.65)), "ABAQUS": ((0.37, 0.66),)}
+    assert paper_numbers.marks("v_gx") == {"paper": ((0.383, 23.27),), "ABAQUS": ((0.37, 23.305),)}
 
 
 def test_the_fraction_of_the_mass_that_a_corner_brings():
@@ -137,7 +137,7 @@ def test_the_fraction_against_a_strike_of_the_rear_corner_alone(friction):
     """Stiff, at angle zero, turning about the front corner: J = (1 + e) m_eff v_E, v_E = 2 v_GY."""
     start = ImpactState(0.0, 1.219 + 0.01, -0.002, 20.0, -3.0, 0.6)  # the front corner 20 mm off
     contact = WallContact(CrushLaw(1e11, 0.0, 0.5), friction)
-    strike = solve_impact(tables.IMPACT_TRUCK, contact, start, 1e-3).strikes[0]
+    strike = solve_impact(paper_numbers.IMPACT_TRUCK, contact, start, 1e-3).strikes[0]
     assert strike.corner == "rear"
     assert strike.impulse == pytest.approx(1.5 * corner_fraction(friction) * MASS * 2.0 * 3.0, rel=3e-3)
 
@@ -161,9 +161,9 @@ def test_the_whole_impact(found):
 
 
 def test_the_corners_speed_is_the_rate_of_its_crush():
-    moving = tables.impact_motion(2e6)
+    moving = paper_numbers.impact_motion(2e6)
     before, after = moving.corner_depths([0.2 - 1e-5, 0.2 + 1e-5])[1]
-    assert tables.rear_speed(moving, 0.2) == pytest.approx((after - before) / 2e-5, rel=1e-7)
+    assert paper_numbers.rear_speed(moving, 0.2) == pytest.approx((after - before) / 2e-5, rel=1e-7)
 
 
 SAID_ELSEWHERE = [
@@ -181,7 +181,7 @@ def test_a_scene_says_the_tables_numbers(options, place, found, capsys):
     """`tailslap rigid` on the paper's truck, by the scene's path and not the tables'."""
     words = [word.strip('"') for word in re.findall(r'"[^"]*"|--set|[\w.]+=(?:"[^"]*"|\S+)', options)]
     assert _status(["rigid", "mash-tl4-sut", *(word.replace('"', "") for word in words)]) == 0
-    value = page.Column(place, "").value(found)
+    value = paper_page.Column(place, "").value(found)
     numbers = [float(word) for word in re.findall(r"-?\d+\.\d*(?:e[-+]?\d+)?", capsys.readouterr().out)]
     value = value / 1e3 if value > 1e3 else value
     assert any(said == pytest.approx(value, rel=1e-6) for said in numbers), value
@@ -325,7 +325,7 @@ def test_the_prose_on_the_paper_states_computed_numbers(found):
 
 
 def test_tables_are_rectangular_and_without_empty_or_undefined_words(found):
-    shown = [table for section in page.sections(found, {}) for table in section.tables]
+    shown = [table for section in paper_page.sections(found, {}) for table in section.tables]
     assert len(shown) == 15
     for table in shown:
         assert len(table.records()) == len(table.rows)
@@ -339,25 +339,25 @@ def test_tables_are_rectangular_and_without_empty_or_undefined_words(found):
 def test_no_line_is_longer_than_the_terminal(found, width, monkeypatch):
     """Every word is there, in one piece."""
     monkeypatch.setenv("COLUMNS", str(width))
-    out = printed(page.paper_report(found).terminal)
+    out = printed(paper_page.paper_report(found).terminal)
     longest = max(len(word) for word in out.split() if "─" not in word)
     assert max(map(len, out.splitlines())) <= max(width, longest + 11)
     monkeypatch.setenv("COLUMNS", "100")
-    wide = printed(page.paper_report(found).terminal).split()
+    wide = printed(paper_page.paper_report(found).terminal).split()
     assert {word for word in wide if "─" not in word} <= {*out.split()}
 
 
 def test_a_terminal_shows_the_tables_whole(found, monkeypatch):
     """Where it is wide enough nothing is cut or wrapped, and markup is left alone."""
     monkeypatch.setenv("COLUMNS", "100")
-    out = printed(page.paper_report(found).terminal)
+    out = printed(paper_page.paper_report(found).terminal)
     lines = out.splitlines()
     assert "…" not in out
     assert "\N{NO-BREAK SPACE}" not in out
     for line, after in pairwise(line for line in lines if "  " not in line.strip()):
         assert not re.fullmatch(r".*(\d\n *(%|kN|m/s|rad|s|m|ms|mph)(?!\w).*|=)", f"{line}\n{after}"), line
     shown = {" ".join(line.split()) for line in lines}
-    for section in page.sections(found, {}):
+    for section in paper_page.sections(found, {}):
         assert section.title in lines
         for table in section.tables:
             for row in table.rows:
@@ -398,7 +398,7 @@ def strict(text):
 def test_the_page_holds_every_cell_and_note(parsed):
     # Without spaces: a subscript is an element of its own.
     packed = "".join(parsed.text.replace("\N{NO-BREAK SPACE}", " ").split())
-    shown = [table for part in sections(tables.review(), {}) for table in part.tables]
+    shown = [table for part in sections(paper_numbers.review(), {}) for table in part.tables]
     words = [text for table in shown for text in (table.title, *table.notes)]
     words += [column.text(row) for table in shown for row in table.rows for column in table.columns]
     plain = [re.sub("<[^>]+>", "", html.unescape(str(prose(word)))) for word in words]
@@ -421,7 +421,7 @@ def test_the_page_fetches_nothing(parsed):
 
 def test_the_figures_are_drawn_with_their_marks(folder):
     """Two lines, a legend, and a mark in its own colour for each printed point."""
-    courses = {reaction: tables.course(reaction) for reaction in ("drag", "none")}
+    courses = {reaction: paper_numbers.course(reaction) for reaction in ("drag", "none")}
     curves = [figure(number, name, courses) for number, name in FIGURES.items()]
     assert [curve.name for curve in curves] == ["theta", "v_gy", "v_gx", "omega", "slide"]
     for curve in curves:
@@ -429,7 +429,7 @@ def test_the_figures_are_drawn_with_their_marks(folder):
         assert {"drag", "none", "paper"} <= said
         assert ("ABAQUS" in said) == (curve.name != "theta")
         groups = dict(re.findall(r'<g class="(\w+)"[^>]*>(<path data-label.*?)</g>', curve.svg))
-        for points, look in zip(tables.marks(curve.name).values(), MARK_LOOKS, strict=True):
+        for points, look in zip(paper_numbers.marks(curve.name).values(), MARK_LOOKS, strict=True):
             assert groups.get(look["colour"], "").count("Z") == len(points)
         assert {look["colour"] for look in MOTION_LOOKS} <= set(groups)
         assert (folder / f"{curve.name}.svg").read_text().startswith("<svg xmlns=")
@@ -446,7 +446,7 @@ def test_files_and_numbers(folder, capsys, tmp_path):
     assert headline["answer"].startswith(
         "Velocities and slide of Table 3's analytical column are reproduced within 0.0"
     )
-    assert said == strict(json.dumps(summary(tables.review())))
+    assert said == strict(json.dumps(summary(paper_numbers.review())))
     rows = (folder / "figures_10_to_14_drag.csv").read_text().splitlines()
     assert rows[0] == "t,theta,v_gy,v_gx,omega,slide"
     assert float(rows[-1].split(",")[2]) == pytest.approx(-3.2755267205, abs=5e-11)

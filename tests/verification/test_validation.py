@@ -12,7 +12,7 @@ import tailslap
 from postprocess.comparison.metrics import Metrics, weighted_metrics
 from tailslap import cli
 from tailslap.comparing import validation
-from tailslap.comparing.report import compare_items
+from tailslap.comparing.compare_report import compare_items
 from tailslap.comparing.source import Item
 
 T = np.array([0.0, 1.0])

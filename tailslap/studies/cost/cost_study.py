@@ -25,7 +25,7 @@ from postprocess.comparison import quantities
 from postprocess.comparison.grid_convergence import GridConvergence
 from postprocess.comparison.quantities import KEYS
 from solver import integrate_odes, plane_motion
-from tailslap import errors, modal_model, studies
+from tailslap import errors, modal_run, studies
 from tailslap.campaign import engine
 from tailslap.campaign.convergence import Limit, finite, grids_of, halved, limit_of
 from tailslap.campaign.records import Record
@@ -249,7 +249,7 @@ def _modal(case: CornerCase, setting: Setting) -> Record:
 
     def once() -> tuple[float, float, Any]:
         planned, fe_plan = _clocked(case.plan)
-        modal = modal_model.modal_run(fe_plan, int(setting.number), tolerance=1.0)
+        modal = modal_run.modal_run(fe_plan, int(setting.number), tolerance=1.0)
         return planned + modal.setup_s, modal.integration_s, modal
 
     modal, times = _repeated(once)

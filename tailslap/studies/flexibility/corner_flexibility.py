@@ -27,7 +27,7 @@ from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.static_models import MIN_STEPS
-from tailslap.modal_model import modal_run
+from tailslap.modal_run import modal_run
 from tailslap.scene import schema
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.flexibility import plate_runs

@@ -1,6 +1,6 @@
 """Lay out the page of `tailslap paper`.
 
-It has the numbers of `tables`, and the curves of Figures 10 to 14. docs/paper.md explains how to read them.
+It has the numbers of `paper_numbers`, and the curves of Figures 10 to 14. docs/paper.md explains how to read them.
 """
 
 import math
@@ -23,9 +23,9 @@ from postprocess.units import MPH, percent, percent_up
 from tailslap import progress
 from tailslap.arguments import checked_arguments
 from tailslap.case.report_parts import footer
-from tailslap.replication import paper_values, tables
+from tailslap.replication import paper_numbers, paper_values
+from tailslap.replication.paper_numbers import FIGURES, Numbers
 from tailslap.replication.paper_values import KM_PER_HOUR, START
-from tailslap.replication.tables import FIGURES, Numbers
 from tailslap.result.result import Result, of_report
 
 PAGE = "paper.html"
@@ -67,12 +67,12 @@ def paper() -> Result:
     -3.274
     """
     with progress.announced("Computing the paper's tables ..."):
-        return of_report("paper", paper_report(tables.review()), scene="", page_name=PAGE)
+        return of_report("paper", paper_report(paper_numbers.review()), scene="", page_name=PAGE)
 
 
 def paper_report(numbers: Numbers) -> Report:
     """Report the numbers with the curves of Figures 10 to 14."""
-    courses = {name: tables.course(name) for name in ("drag", "none")}
+    courses = {name: paper_numbers.course(name) for name in ("drag", "none")}
     parts = sections(numbers, courses)
     column = numbers["table_3"]["analytical"]
     off = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
@@ -224,7 +224,7 @@ def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Char
     """
     panel = next(panel for panel in compared_panels() if panel.name == name)
     lines: list[tuple[str, Any]] = [(label, thinned(c["t"], c[name])) for label, c in courses.items()]
-    points = [(label, np.transpose(pairs)) for label, pairs in tables.marks(name).items() if pairs]
+    points = [(label, np.transpose(pairs)) for label, pairs in paper_numbers.marks(name).items() if pairs]
     styles = [*zip(lines, MOTION_LOOKS, strict=False), *zip(points, MARK_LOOKS, strict=False)]
     curves = [marks.Line(label, *places, **style) for (label, places), style in styles]
     plot = chart.Plot(tuple(curves), chart.Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
@@ -247,7 +247,7 @@ def figure_tables(found: Numbers) -> tuple[Table, Table]:
         for number, name in FIGURES.items()
     )
     instants = (Column("t", "t", "s", ".4f"), *heads)
-    values = tables.course("drag", np.array(found["instants"]))
+    values = paper_numbers.course("drag", np.array(found["instants"]))
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
     read = Table(readings, found["readings"], "Values read from the charts of the paper", (note,))
     return read, Table(instants, rows, "Exact motion with friction")
@@ -367,7 +367,11 @@ def assumed(found: Numbers) -> tuple[Table, ...]:
     stages = (
         ("Stage 1, ω_0 with 1 - e", whole["omegas"]["paper"], "rad/s"),
         ("Stage 1, ω_0 with 1 + e", whole["omegas"]["newton"], "rad/s"),
-        (f"First strike, ω for k = {tables.NEARLY_RIGID / 1e6:g} MN/m", whole["nearly_rigid"], "rad/s"),
+        (
+            f"First strike, ω for k = {paper_numbers.NEARLY_RIGID / 1e6:g} MN/m",
+            whole["nearly_rigid"],
+            "rad/s",
+        ),
         ("Stage 2, initial reaction N", pull["first"], "N"),
         ("Stage 2, N at the tail-slap", pull["last"], "N"),
         ("Stage 2, time of the tail-slap", whole["paper_time"], "s"),
