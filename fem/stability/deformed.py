@@ -126,9 +126,9 @@ def element_stress(model: PlateModel, positions: np.ndarray) -> np.ndarray:
         small strain is one. Strain energy over reference volume [J/m^3]. Without viscous stress and hourglass
         control.
     """
-    table = model.loop.table
+    table = model.parameters.table
     means = np.zeros((4, table.connectivity.shape[1]))
-    recover(np.ascontiguousarray(positions), table, model.loop.material, means)
+    recover(np.ascontiguousarray(positions), table, model.parameters.material, means)
     return means
 
 

@@ -267,13 +267,13 @@ def at_corner(model: PlateModel, values: np.ndarray) -> np.ndarray:
 
     values: shape (2, nodes); the result has shape (2, 1).
     """
-    corner = model.loop.corner
+    corner = model.parameters.corner
     return np.asarray(values[:, corner.nodes] @ corner.weights)[:, None]
 
 
 def corner_gap(model: PlateModel, normal: float) -> float:
     """Return the deflection [m] of the corner's constraint under a reaction [N]."""
-    return -normal / model.loop.corner.stiffness
+    return -normal / model.parameters.corner.stiffness
 
 
 def inertia_load(model: PlateModel, place: np.ndarray, start: RigidStart) -> tuple[np.ndarray, float]:
@@ -282,11 +282,11 @@ def inertia_load(model: PlateModel, place: np.ndarray, start: RigidStart) -> tup
     place: positions about the corner. The loads are in the body frame.
     """
     rigid = rigid_accelerations(model, place, start.angle, start.omega, start.corner_speed)
-    turn, corner = to_global(start.angle), model.loop.corner
+    turn, corner = to_global(start.angle), model.parameters.corner
     arm = turn @ place
     acceleration = rigid.angular * np.array([-arm[1], arm[0]]) - start.omega**2 * arm
     acceleration += [[rigid.corner], [0.0]]
-    load = -model.loop.mass * acceleration
+    load = -model.parameters.mass * acceleration
     load[:, corner.nodes] += np.outer((rigid.tangential, rigid.normal), corner.weights)
     return turn.T @ load, rigid.normal
 
@@ -299,10 +299,10 @@ def rigid_accelerations(
     The masses are the model's own. With S the first moment and J the second about the corner: R = M a - S_y alpha -
     omega^2 S_x, N = S_x alpha - omega^2 S_y, 0 = J alpha - S_y a, and R = slope N by the friction law with N < 0.
     """
-    masses = model.loop.mass
+    masses = model.parameters.mass
     total, inertia = masses.sum(), masses @ (body**2).sum(axis=0)
     s_x, s_y = to_global(angle) @ (body @ masses)
-    slope = friction.friction_slope(model.loop.friction, speed)
+    slope = friction.friction_slope(model.parameters.friction, speed)
     corner = omega**2 * (s_x - slope * s_y) / (total - s_y * (s_y + slope * s_x) / inertia)
     angular = s_y * corner / inertia
     normal = s_x * angular - omega**2 * s_y

@@ -182,7 +182,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
     finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
     part, parts_taken, h = 0, parts, whole
-    loaded, largest = 0.0, 0.0
+    loaded, largest, touched = 0.0, 0.0, 0
     motion[2] -= 0.5 * h * work.load
     start_tyres(tyres, i, work.masses, work.load, motion, h)
     for k in range(clock.most):
@@ -220,8 +220,9 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
         if np.isnan(reached) and not end < np.inf:
             force, is_young = _pressing(work.groups, k, t - clock.after)
             largest = max(largest, force)
-            if is_young or force > LEANING * largest or not has_tyres(tyres):
-                loaded = t
+            if is_young or touching > touched or force > LEANING * largest or not has_tyres(tyres):
+                loaded = t  # from a new touch on anew, so that the end is never in the past
+            touched = touching
             open_end = _open_end(
                 t,
                 k,

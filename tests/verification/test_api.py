@@ -401,7 +401,9 @@ def test_where_the_runs_of_a_sweep_are_made(count, own, workers, expected, monke
     """Up to three, and those with an object of one's own, in this process."""
     arguments = []
     monkeypatch.setattr(
-        sweep_run, "sweep_result", lambda definition, place, cluster, workers, *a, **k: arguments.append(workers)
+        sweep_run,
+        "sweep_result",
+        lambda definition, place, cluster, workers, *a, **k: arguments.append(workers),
     )
     reaction = law(3.0) if own else "drag"
     try:

@@ -42,13 +42,14 @@ QUANTITIES = {
     "impulse": ("impulse", "kN s", 1e3),
     "duration": ("duration", "ms", 1e-3),
 }
-"""Quantities of both strikes: label, displayed unit, and its size in SI. Raw is the peak of the force of the corner,
-the next two are peaks of the filtered total force in the strike."""
+"""Quantities of both strikes: label, displayed unit, and its size in SI. The first three are peaks of the total force
+in the strike, raw and filtered."""
+FORCES = ("raw", "mean_50ms", "cfc60")
 
 COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANTITIES)
 
 LARGEST = "peak.mean_50ms"
-"""Column of the largest 50 ms mean of a train's impact."""
+"""Column of the largest 50 ms mean of an impact."""
 
 SAME_STRIKE, MEAN_WINDOW = 0.05, 0.05
 """Gap [s] below which contacts of a corner are one strike: a mean over 50 ms does not separate them."""
@@ -378,7 +379,7 @@ def nearest_corner(points: np.ndarray, length: float) -> np.ndarray:
 
 def filtered(force: np.ndarray, interval: float) -> dict[str, np.ndarray]:
     """Return the force by the filters of `QUANTITIES`."""
-    return filters.force_curves(force, interval, ("mean_50ms", "cfc60"))
+    return filters.force_curves(force, interval, FORCES)
 
 
 def peaks_within(
@@ -402,8 +403,8 @@ def peaks_within(
 def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[str, float]:
     """Return the `COLUMNS` of both first strikes [SI].
 
-    They are those of the front and rear corner. The rear corner of a train is that of its last unit, and its columns
-    include `LARGEST`. A missing strike is NaN. forces: of each corner, shape (rows,) [N], where several touch at once;
+    They are those of the front and rear corner, and `LARGEST`. The rear corner of a train is that of its last unit. A
+    missing strike is NaN. forces: of each corner, shape (rows,) [N], where several touch at once;
     otherwise the total force is filtered.
     """
     total = filtered(answer.history["force_normal"][1:], answer.interval)
@@ -412,8 +413,7 @@ def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[st
         filtered(forces[group[0].corner][1:], answer.interval) if forces and group else total
         for group in contacts
     ]
-    largest = {LARGEST: float(total["mean_50ms"].max())} if answer.units > 1 else {}
-    return largest | strike_columns(contacts, curves, answer.interval)
+    return {LARGEST: float(total["mean_50ms"].max())} | strike_columns(contacts, curves, answer.interval)
 
 
 def strike_columns(
@@ -427,7 +427,6 @@ def strike_columns(
     for number, (group, filtered_force) in enumerate(zip(contacts, curves, strict=True), 1):
         start, end = (group[0].start, group[-1].end) if group else (math.nan, math.nan)
         measures = peaks_within(filtered_force, interval, start, end) | {
-            "raw": max((contact.peak_force for contact in group), default=math.nan),
             "impulse": math.fsum(contact.impulse for contact in group) if group else math.nan,
             "duration": end - start,
         }

@@ -292,7 +292,7 @@ class RigidImpact(Case):
             both = answers.first_strikes(strikes, len(self.scene.units))
             last = int(np.ceil((max(strike.end for strike in strikes) + AFTER_SECOND) / INTERVAL))
             curves = answers.filtered(mean[:last], INTERVAL)
-            largest = {answers.LARGEST: float(curves["mean_50ms"].max())} if self.trailers else {}
+            largest = {answers.LARGEST: float(curves["mean_50ms"].max())}
             rows.append(largest | answers.strike_columns(both, (curves, curves), INTERVAL))
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 

@@ -35,7 +35,6 @@ INPUTS = (
 )
 
 
-MAIN = "strike_2.mean_50ms"
 LEVELS = (
     Column("name", "Design force", style="whole"),
     Column("force", "Lateral", "N", form="#.4g", style="strong"),
@@ -44,6 +43,7 @@ LEVELS = (
 )
 CURVES = {
     "contact.stiffness": ("crush stiffness", "MN/m", 1e6),
+    "contact.plateau_force": ("plateau of the crush force", "kN", 1e3),
     "contact.restitution": ("restitution", "", 1.0),
     "contact.friction": ("friction", "", 1.0),
     "vehicle.mass": ("mass", "t", 1e3),
@@ -243,10 +243,8 @@ def _forces_table(result: Spread) -> Table:
 
 def impact_report(result: Spread) -> Report:
     """Return the report on both strikes of a whole impact."""
-    main, quantity = _main(result)
-    inputs, sentences, levels = result.sources_of(main), _impact_answer(result), _levels(result)
-    quantity = quantity[0].lower() + quantity[1:]
-    sensitivity = [figures.draw_sensitivity(inputs, f"the {quantity}")] if inputs else []
+    inputs, sentences, levels = result.sources_of(LARGEST), _impact_answer(result), _levels(result)
+    sensitivity = [figures.draw_sensitivity(inputs, "the largest 50 ms mean")] if inputs else []
     compared = [row | {"label": row["row"] + "*" * row["projected"]} for row in result.paper_rows]
     rows = Table((*ROWS, *UNCERTAINTY, VERDICT), compared, "", ROW_NOTES)
     single = int(np.count_nonzero(np.isnan(result.samples["strike_2.impulse"])))
@@ -254,7 +252,7 @@ def impact_report(result: Spread) -> Report:
         Section("Bands", figures=[_band_figure(result)], tables=[_bands_table(result)]),
         Section("Largest 50 ms mean and design forces", tables=[levels]),
         Section("Inputs and Sobol indices", tables=[_inputs_table(result)]),
-        Section(f"Sensitivity of the {quantity}", figures=sensitivity, layout="half"),
+        Section("Sensitivity of the largest 50 ms mean", figures=sensitivity, layout="half"),
         Section("Method", "", (), (), _impact_sentences(result, single), "half"),
         Section("Comparison with Tables 4 and 5 of the paper", "" if compared else NOT_TL_4, tables=[rows]),
         Section("Variation of single inputs", figures=_curve_figures(result)),
@@ -283,22 +281,9 @@ def impact_report(result: Spread) -> Report:
     return _report(result, kicker, sentences, sections, summary, terminal, curves=_curves_table(result))
 
 
-def _main(result: Spread) -> tuple[str, str]:
-    """Return the quantity of the headline and its name.
-
-    Of a train it is the largest 50 ms mean of all strikes.
-    """
-    if LARGEST in result.tables:
-        return LARGEST, "Largest 50 ms mean"
-    return MAIN, "50 ms mean of the second strike"
-
-
 def _levels(result: Spread) -> Table:
-    """Return the table of design forces.
-
-    It is empty for a single vehicle.
-    """
-    level = result.case.scene.impact.test_level if LARGEST in result.tables else None
+    """Return the table of design forces."""
+    level = result.case.scene.impact.test_level
     rows = [
         {"name": name, "force": design.force, "source": design.source}
         | {"above": 1.0 - result.band(LARGEST).fraction_below(design.force)}
@@ -308,15 +293,14 @@ def _levels(result: Spread) -> Table:
 
 
 def _impact_answer(result: Spread) -> tuple[str, str]:
-    """Return answer and certainty on the main quantity."""
-    main, quantity = _main(result)
-    low, _, high = result.band(main).percentiles
+    """Return answer and certainty on the largest 50 ms mean."""
+    low, _, high = result.band(LARGEST).percentiles
     answer = (
-        f"{quantity}: 90 % of the samples lie between {force(low)} and {force(high)}; nominal "
-        f"case {force(result.nominal[main])}."
+        f"Largest 50 ms mean: 90 % of the samples lie between {force(low)} and {force(high)}; nominal "
+        f"case {force(result.nominal[LARGEST])}."
     )
     certainty = f"{grouped(result.computed)} impacts of the rigid vehicle."
-    if sources := result.sources_of(main):
+    if sources := result.sources_of(LARGEST):
         first = sources[0]
         certainty += f" Largest part of the variance from {main_source(first)}."
     if measured := [row for row in result.paper_rows if not row["projected"]]:
@@ -337,12 +321,12 @@ def _impact_sentences(result: Spread, single: int) -> list[str]:
         f"{points_in_words(len(result.ranges), result.rows)} "
         f"(seed {SEED}) for the distribution, the others for the indices. Results are reproducible.",
         INDEX_METHOD,
-        "Raw: force at the striking corner. Filtered and 50 ms mean forces: total force on the wall during the strike.",
+        "Raw and filtered forces are those of the total force on the wall during the strike.",
         "The duration of the strikes follows from mass, crush and friction.",
         "The distribution reflects these ranges only. The model excludes roll and pitch, shifting load, deflection of "
-        "the wall, wheels and suspension.",
+        f"the wall{'' if result.case.axles else ', tyres'} and suspension.",
     ]
-    if LARGEST in result.tables:
+    if result.case.trailers:
         sentences.append("Strike 1 is that of the first unit's front, strike 2 that of the last unit's rear.")
     if single:
         sentences.append(

@@ -240,10 +240,12 @@ def input_curves(case: ImpactCase) -> tuple[Record, ...]:
     """Vary each input alone over a wide range."""
     nominal = case.inputs
     stiffness, angle = nominal["contact.stiffness"], nominal["impact.angle"]
+    plateau = nominal.get("contact.plateau_force", math.nan)
     length, mass, speed = (nominal[key] for key in ("vehicle.length", "vehicle.mass", "impact.speed"))
     wide = {
         "contact.stiffness": (min(0.3e6, 0.5 * stiffness), max(5e6, 2.0 * stiffness)),
-        "contact.restitution": (0.0, 0.6),
+        "contact.plateau_force": (0.5 * plateau, 2.0 * plateau),
+        "contact.restitution": (0.05, 0.6),
         "contact.friction": (0.1, 0.8),
         "vehicle.mass": (0.75 * mass, 1.25 * mass),
         "impact.speed": (0.75 * speed, 1.25 * speed),
