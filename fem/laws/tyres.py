@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.laws.contact_forces import side_force
-from fem.laws.wall_contact import acceleration_of
+from fem.laws.wall_contact import acceleration
 from machine_code.compiled import compiled, implements, optional
 
 SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
@@ -78,7 +78,7 @@ def record_tyres(axles, axle_state, state, mass, time_step, force, row):
 
 
 @compiled
-def _axle_mean(values, axles, a, weights):
+def _mean(values, axles, a, weights):
     """Return the weighted sum of values at an axle's nodes."""
     total = 0.0
     for k in range(axles.first[a], axles.first[a + 1]):
@@ -90,16 +90,12 @@ def _axle_mean(values, axles, a, weights):
 def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
     half = 0.5 * time_step
     for a in range(axles.load.size):
-        left_x = _axle_mean(positions[0], axles, a, axles.slopes)
-        left_y = _axle_mean(positions[1], axles, a, axles.slopes)
+        left_x = _mean(positions[0], axles, a, axles.slopes)
+        left_y = _mean(positions[1], axles, a, axles.slopes)
         length = math.hypot(left_x, left_y)
         left_x, left_y = left_x / length, left_y / length
-        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * acceleration_of(
-            force[0], mass, axles, a
-        )
-        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * acceleration_of(
-            force[1], mass, axles, a
-        )
+        u = _mean(velocities[0], axles, a, axles.weights) + half * acceleration(force[0], mass, axles, a)
+        v = _mean(velocities[1], axles, a, axles.weights) + half * acceleration(force[1], mass, axles, a)
         ahead, across = u * left_y - v * left_x, u * left_x + v * left_y
         side = side_force(axles.load[a], axles.friction[a], axles.cornering[a], ahead, across)
         axle_state.force[0, a], axle_state.force[1, a] = side * left_x, side * left_y
@@ -114,14 +110,10 @@ def _add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums)
     half, positions, velocities = 0.5 * time_step, state.positions, state.velocities
     for a in range(axles.load.size):
         along, across = axle_state.force[0, a], axle_state.force[1, a]
-        u = _axle_mean(velocities[0], axles, a, axles.weights) + half * acceleration_of(
-            force[0], mass, axles, a
-        )
-        v = _axle_mean(velocities[1], axles, a, axles.weights) + half * acceleration_of(
-            force[1], mass, axles, a
-        )
-        x = _axle_mean(positions[0], axles, a, axles.weights) + state.origin[0]
-        y = _axle_mean(positions[1], axles, a, axles.weights)
+        u = _mean(velocities[0], axles, a, axles.weights) + half * acceleration(force[0], mass, axles, a)
+        v = _mean(velocities[1], axles, a, axles.weights) + half * acceleration(force[1], mass, axles, a)
+        x = _mean(positions[0], axles, a, axles.weights) + state.origin[0]
+        y = _mean(positions[1], axles, a, axles.weights)
         sums[0] += span * (along * u + across * v)
         sums[1] += span * along
         sums[2] += span * across

@@ -139,7 +139,7 @@ def point_mean(values, contact, i):
 
 
 @compiled
-def acceleration_of(force, mass, contact, i):
+def acceleration(force, mass, contact, i):
     """Return the acceleration of point i [m/s^2] by nodal forces."""
     total = 0.0
     for k in range(contact.first[i], contact.first[i + 1]):
@@ -177,8 +177,8 @@ def push_back(parameters, state, contact_state, wall_motion, force):
     for i in range(contact.mobility.size):
         face, depth, opening, slip = approach(parameters, state, i)
         inertia = 1.0 / ((contact.mobility[i] + face.mobility_y) * time_step**2)
-        along = acceleration_of(force[0], mass, contact, i) - face.pull_x
-        away = acceleration_of(force[1], mass, contact, i) - face.pull_y - tilted(wall, face, along)
+        along = acceleration(force[0], mass, contact, i) - face.pull_x
+        away = acceleration(force[1], mass, contact, i) - face.pull_y - tilted(wall, face, along)
         before = depth + time_step * opening
         free = depth - time_step * (opening + time_step * away)
         normal = contact_force(contact.law, i, before, free, contact_state.deepest[i], inertia)
@@ -210,7 +210,7 @@ def add_contact(parameters, state, contact_state, wall_motion, force):
         contact_state.normal[i] += time_step * normal
         contact_state.tangential[i] += time_step * tangential
         face, _, _, slip = approach(parameters, state, i)
-        slip += 0.5 * time_step * (acceleration_of(force[0], parameters.mass, contact, i) - face.pull_x)
+        slip += 0.5 * time_step * (acceleration(force[0], parameters.mass, contact, i) - face.pull_x)
         sums[0] += time_step * (tangential + tilted(wall, face, normal)) * slip
         x = point_mean(positions[0], contact, i) + state.origin[0]
         y = point_mean(positions[1], contact, i)

@@ -25,8 +25,8 @@ from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
 from solver.impact.tyres import SUMS as TYRE_SUMS
 from solver.impact.tyres import TyreAxle, tyres_of
 
-MANY = 4e-3
-"""Error by which the step of many impacts at once is chosen."""
+MANY_TOLERANCE = 4e-3
+"""Tolerance by which the step of many impacts at once is chosen."""
 
 MOST_STRIKES = 64
 """Initial capacity for strikes of one impact."""
@@ -346,7 +346,7 @@ def solve_impacts(
     longest: float = 5.0,
     interval: float | None = None,
     step: float | None = None,
-    tolerance: float = MANY,
+    tolerance: float = MANY_TOLERANCE,
     strikes: int | None = None,
     trailers: Sequence[Mapping[str, Any]] = (),
     axles: Sequence[Mapping[str, Number]] = (),

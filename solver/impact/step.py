@@ -178,7 +178,8 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
 
     The end is NaN if the steps did not suffice.
     """
-    points, motion, active, sums = work.points, work.motion, work.active, work.sums
+    points, owner, motion = work.points, work.point_owner, work.motion
+    active, sums = work.active, work.sums
     whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
     finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
     part, parts_taken, h = 0, parts, whole
@@ -187,7 +188,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     start_tyres(tyres, i, work.masses, work.load, motion, h)
     for k in range(clock.most):
         t, last = part * (whole / parts), h
-        _place(points, work.point_owner, motion, work.headings, last, k == 0)
+        _place(points, owner, motion, work.headings, last, k == 0)
         if parts > 1:
             parts_taken = _parts_of_step(points, clock, i, part, parts_taken, last)
             h = parts_taken * (whole / parts)
@@ -197,25 +198,12 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
         steer(tyres, i, work.masses, motion, last, kick)
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.headings, work.ties, h)
-        touching = _press(
-            points, work.point_owner, motion, work.masses, work.ties, work.effect, active, kick, h
-        )
+        touching = _press(points, owner, motion, work.masses, work.ties, work.effect, active, kick, h)
         pressed = active[:touching]
         if touching > 0 and t < finish + h:
             steps_left = min((finish - t) / kick, 1.0)
             number = _count(
-                points,
-                work.point_owner,
-                motion,
-                pressed,
-                work.groups,
-                strikes,
-                number,
-                last,
-                h,
-                t,
-                k,
-                steps_left,
+                points, owner, motion, pressed, work.groups, strikes, number, last, h, t, k, steps_left
             )
         if np.isnan(reached) and not end < np.inf:
             force, is_young = _pressing(work.groups, k, t - clock.after)
@@ -245,7 +233,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
         if row * stride * parts == part and row < rows.shape[0]:
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
             if rows.shape[1] > 1:
-                _record(points, work.point_owner, motion, pressed, sums, early, kick, rows[row])
+                _record(points, owner, motion, pressed, sums, early, kick, rows[row])
                 record_tyres(tyres, i, motion, early * kick, rows[row])
             else:
                 rows[row, 0] = sums[0]
@@ -254,7 +242,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             row += 1
         if t >= finish and ((row - 1) * stride * parts == part or row == rows.shape[0]):
             break
-        _add(points, work.point_owner, motion, pressed, kick, sums)
+        _add(points, owner, motion, pressed, kick, sums)
         end_tyre_step(tyres, i, motion, kick)
         _move(points, motion, pressed, h)
         part += parts_taken

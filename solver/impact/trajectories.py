@@ -25,14 +25,14 @@ PHASE, TURN = 0.7, 0.025
 PHASE_OF_PARTS, TURN_OF_PARTS, PARTS = 0.32, 0.1, 1024
 """Phase of a part of a step of a train, rotation in its whole step, as above; largest number of parts of a step."""
 
-OF_UPRIGHT = 4.0
+UPRIGHT_FACTOR = 4.0
 """Factor on the error of a train with a vertical line of unloading, whose steps are of first order."""
 
-DURATIONS = 4e-3
+DURATION_TOLERANCE = 4e-3
 """Allowed change of durations where the tolerance is smaller: they are of first order where unloading is abrupt."""
 
-REFUSED = 1e-3
-"""Error above which there is no solution; with a larger tolerance it is ten times that."""
+LARGEST_ERROR = 1e-3
+"""Error above which there is no solution, or ten times the tolerance if that is larger."""
 
 LONGEST_RUN, STEP_COST, POINT_COST = 4.0, 3e-7, 2e-8
 """Longest computation of an impact, and approximate costs of a step and of a point in a step [s]."""
@@ -89,8 +89,8 @@ class Trajectories(NamedTuple):
         [s].
     error : ndarray, shape (n,)
         Largest relative change, against twice the step, of the first two peaks, impulses and durations, with hinges or
-        tyres of all heavy strikes, and of the spin at the end; that of durations times tolerance over `DURATIONS`, if
-        less.
+        tyres of all heavy strikes, and of the spin at the end; that of durations times tolerance over
+        `DURATION_TOLERANCE`, if less.
     """
 
     end: Array
@@ -198,9 +198,9 @@ def solve_trains(
 
     chosen, settled = np.arange(len(state)), np.full(len(state), step is not None)
     upright = (train.restitution == 0.0) & (train.unloading_stiffness == 0.0)
-    more = np.where(upright.any(axis=0) & varies, OF_UPRIGHT, 1.0)
+    more = np.where(upright.any(axis=0) & varies, UPRIGHT_FACTOR, 1.0)
     motions = run(chosen, h.copy(), interval)
-    weight = tolerance / max(tolerance, DURATIONS)
+    weight = tolerance / max(tolerance, DURATION_TOLERANCE)
     error = more * _difference(motions, run(chosen, 2.0 * h, None), turning, weight, many_strikes)
     while True:
         settled |= (error <= tolerance * h / motions.step) | ~(2.0 * motions.end <= most * motions.step)
@@ -214,7 +214,7 @@ def solve_trains(
         coarse = _samples(motions._replace(rows=motions.end), chosen)  # rows are large
         error[chosen] = more[chosen] * _difference(finer, coarse, turning[chosen], weight, many_strikes)
         motions = _replaced(motions, chosen, finer)
-    bad = ~(error <= max(REFUSED, 10.0 * tolerance))
+    bad = ~(error <= max(LARGEST_ERROR, 10.0 * tolerance))
     if bad.any() and step is None:
         i = int(np.argmax(bad))
         place = f" at index {i}" if len(bad) > 1 else ""

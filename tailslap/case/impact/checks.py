@@ -115,9 +115,8 @@ def _strikes(outcome: run.ImpactOutcome) -> check.Evaluation:
 
 @CHECKS.add("sampling", "a softer contact: the rows do not resolve strikes as short as these")
 def _sampling(outcome: run.ImpactOutcome) -> check.Evaluation:
-    shortest = min(
-        (strike.duration for strike in error.assessed_strikes(outcome.fe.strikes)), default=math.nan
-    )
+    strikes = error.assessed_strikes(outcome.fe.strikes)
+    shortest = min((strike.duration for strike in strikes), default=math.nan)
     meaning = "time between rows over the shorter of the first two major strikes"
     return check.Evaluation(outcome.fe.interval / shortest, 0.02, meaning)
 

@@ -201,8 +201,8 @@ def hinge_means(answer: ImpactAnswer, hinge: int, starts: np.ndarray, width: flo
     """
     t = answer.history["t"]
     impulses = [np.cumsum(answer.history[f"hinge_force_{x}_{hinge + 1}"]) * answer.interval for x in "xy"]
-    gained = [np.interp(starts + width, t, impulse) - np.interp(starts, t, impulse) for impulse in impulses]
-    return np.hypot(*gained) / width
+    gains = [np.interp(starts + width, t, impulse) - np.interp(starts, t, impulse) for impulse in impulses]
+    return np.hypot(*gains) / width
 
 
 def _judged(apart: Sequence[float], step: float) -> float:

@@ -39,14 +39,12 @@ def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
     def place(strike_position: float, instant: float, middle: float) -> float:
         return strike_position + float(np.interp(instant, t, x) - np.interp(middle, t, x))
 
-    strike_marks = []
+    drawn = []
     for strike in answer.strikes:
         middle = 0.5 * (strike.start + strike.end)
         places = (place(strike.position, strike.start, middle), place(strike.position, strike.end, middle))
-        strike_marks.append(
-            StrikeMark(strike.corner.removesuffix(" far side"), strike.start, strike.end, places)
-        )
-    return strike_marks
+        drawn.append(StrikeMark(strike.corner.removesuffix(" far side"), strike.start, strike.end, places))
+    return drawn
 
 
 def outlines(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicle]) -> np.ndarray:

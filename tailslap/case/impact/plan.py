@@ -31,7 +31,7 @@ ACROSS, ACROSS_LINEAR = 4, 6
 """Elements across the vehicle where the scene has no number, of linear kinds as in the paper's Table 2. They are even,
 because the error is estimated by half as many."""
 
-CALM = 0.7
+REDUCED_FACTOR = 0.7
 """Fraction of the stable time step of quadratic elements: without restitution four of twelve random vehicles gained
 more than 1e-3 of their energy at 0.9, and none more than 1e-4 at 0.7."""
 
@@ -135,7 +135,7 @@ def safety_factor(scene: Scene, plate: Plate) -> float:
     """
     left_open = "safety_factor" not in scene.time.model_fields_set and scene.needed_contact.crushes
     linear = kinds.ELEMENT_KINDS[plate.element].higher_order
-    return scene.time.safety_factor if linear or not left_open else CALM
+    return scene.time.safety_factor if linear or not left_open else REDUCED_FACTOR
 
 
 def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:

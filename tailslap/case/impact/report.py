@@ -349,10 +349,7 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
 
 def numbers(outcome: run.ImpactOutcome) -> dict[str, Any]:
     """Return numbers of a whole impact's summary, SI."""
-    plan, rolls = (
-        outcome.fe_plan.case,
-        {n: {"tipping": roll.numbers()} for n, roll in outcome.tipping.items()},
-    )
+    plan, rolls = outcome.fe_plan.case, {n: {"tipping": r.numbers()} for n, r in outcome.tipping.items()}
     return {
         "rigid": outcome.rigid.numbers() | rolls.get("rigid", {}),
         "fe": outcome.fe.numbers() | rolls.get("FE", {}),

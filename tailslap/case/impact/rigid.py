@@ -275,9 +275,7 @@ class RigidImpact(Case):
         impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
         columns = impacts.corner, impacts.start, impacts.end, impacts.peak_force, impacts.impulse
         rows = []
-        for mean, *strike_columns in zip(
-            impacts.mean_force.T, *(column.T for column in columns), strict=True
-        ):
+        for mean, *values in zip(impacts.mean_force.T, *(column.T for column in columns), strict=True):
             strikes = [
                 impact.Strike(
                     impact.corner_name(*divmod(int(corner), 4)),
@@ -286,7 +284,7 @@ class RigidImpact(Case):
                     float(peak),
                     float(push),
                 )
-                for corner, start, end, peak, push in zip(*strike_columns, strict=True)
+                for corner, start, end, peak, push in zip(*values, strict=True)
                 if corner >= 0
             ]
             both = answers.first_strikes(strikes, len(self.scene.units))
