@@ -6,7 +6,7 @@ deepest point where that is larger, so that the line never ends in front of the 
 
 Friction: Coulomb's law, with the force that would stop the point within the step as its value while the point sticks.
 
-Tyres: the side force of an axle, -mu N tanh(C a/mu) across its heading, a = atan2(v_across, max(|v_ahead|, v0)).
+Tyres: the side force of an axle, -mu N tanh(C a/mu) across its heading, a = atan(v_across/max(|v_ahead|, v0)).
 """
 
 import math
@@ -163,5 +163,5 @@ def side_force(load, friction, cornering, ahead, across):
     It is positive to the side to which `across` is positive. load [N]; friction mu and cornering C [-]; ahead, across:
     speeds along and across the heading [m/s].
     """
-    slip = math.atan2(across, max(abs(ahead), LEAST_SPEED))
+    slip = math.atan(across / max(abs(ahead), LEAST_SPEED))
     return -friction * load * math.tanh(cornering * slip / friction) if friction > 0.0 else 0.0

@@ -313,7 +313,7 @@ def distances(vehicle: ImpactVehicle, trailers: Sequence[HitchedVehicle]) -> lis
 
 
 def lined_up(state: Sequence[Any], behind: Sequence[Number] | Array) -> Array:
-    """Return states of units that move as one body.
+    """Return states of units in line, rotating as one body.
 
     behind: distances of trailers behind the vehicle [m]. Shape (units, 6, ...).
     """

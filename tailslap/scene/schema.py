@@ -575,7 +575,10 @@ TABLES = _tables(Scene)
 
 
 def value_at(scene: Any, key: str) -> Any:
-    """Return the value of a dotted key of a scene, e.g. "trailer.0.mass"; None in a table that is left out."""
+    """Return the value of a dotted key, e.g. "trailer.0.mass".
+
+    It is None in an omitted table.
+    """
     for name in key.split("."):
         if scene is not None:
             scene = scene[int(name)] if isinstance(scene, tuple) else getattr(scene, name)

@@ -5,6 +5,7 @@ Exact answers of a point mass on the law, the plate beside the rigid vehicle, re
 
 import math
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,8 @@ from tailslap.errors import InputError
 from tailslap.scene.read import read_source
 from tailslap.scene.vary import vary
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCENE, TRAIN_SCENE = str(EXAMPLES / "linear-truck.toml"), str(EXAMPLES / "linear-train.toml")
 BOX = ImpactVehicle(4.0, 2.0, 1500.0)
 UPRIGHT = math.pi / 2.0 - math.atan(0.5)  # the front corner is below the centre of mass
 K, CLOSING = 2e6, 7.0
@@ -174,7 +177,7 @@ def test_the_line_of_unloading(law, deepest, answer):
     assert crush_line(law, deepest) == pytest.approx(answer, rel=1e-12)
 
 
-def case_of(scene="impact-mash-tl4-sut", **changes):
+def case_of(scene=SCENE, **changes):
     return ImpactCase(*vary(read_source(scene), {key.replace("__", "."): x for key, x in changes.items()}))
 
 
@@ -238,7 +241,7 @@ TRAIN = {
 
 
 def test_each_trailer_has_values_of_its_own():
-    case = case_of("impact-mash-tl5-tractor-van", **TRAIN)
+    case = case_of(TRAIN_SCENE, **TRAIN)
     peaks: dict[str, float] = {}
     for strike in case.motion.strikes:
         peaks[strike.corner] = max(peaks.get(strike.corner, 0.0), strike.peak_force)
@@ -314,13 +317,13 @@ def test_a_bad_law_of_a_trailer_is_named():
     for key, value in (("rear.plateau_force", 1e4), ("unloading_stiffness", 1.0), ("plateau_force", 1e4)):
         name = f"trailer.0.{key}"
         with pytest.raises(InputError) as caught:
-            case_of("impact-mash-tl5-tractor-van", **{"contact.initial_force": 2e4, name: value})
+            case_of(TRAIN_SCENE, **{"contact.initial_force": 2e4, name: value})
         assert caught.value.key == name
 
 
 def test_the_exit_status_and_the_message(capsys):
     given = ["--set", "contact.initial_force=50 kN", "--set", "contact.plateau_force=40 kN"]
-    assert cli._status(["rigid", "impact-mash-tl4-sut", *given]) == 2
+    assert cli._status(["rigid", SCENE, *given]) == 2
     said = capsys.readouterr().err.replace("\n", " ")
     assert "contact.plateau_force" in said
     assert "40000" in said

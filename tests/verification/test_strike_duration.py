@@ -1,6 +1,7 @@
 """Verification: crush stiffness from the duration of a strike: closed forms, Table 4, other keys beside it."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +20,8 @@ from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import Source, vary
 from tailslap.scene.write import scene_inputs, scene_text
 
-SCENE, KEY = "impact-mash-tl4-sut", "contact.strike_duration"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCENE, KEY = str(EXAMPLES / "linear-truck.toml"), "contact.strike_duration"
 TRUCK = (9979.0, None, 10.0, 2.438, 5.0)
 
 

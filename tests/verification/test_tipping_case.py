@@ -2,6 +2,7 @@
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,8 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 
-SCENE, BARE = "impact-tipping-tl4-sut", "impact-mash-tl4-sut"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCENE, BARE = "impact-tipping-tl4-sut", str(EXAMPLES / "linear-truck.toml")
 
 REFUSED = [
     ("tipping.wall_height=0", "tipping.wall_height", "from 0.05 m"),

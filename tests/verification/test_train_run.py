@@ -3,6 +3,7 @@
 import functools
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,7 +21,8 @@ from tailslap.scene.read import read_scene, read_source
 from tailslap.scene.vary import vary
 from tailslap.studies.stability import cell_verdicts, stability_study
 
-SCENE = "impact-mash-tl5-tractor-van"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+SCENE, TRUCK = str(EXAMPLES / "linear-train.toml"), str(EXAMPLES / "linear-truck.toml")
 
 TRAILER = {"length": 14.6, "width": 2.59, "mass": 27770.0, "centre_of_mass": 8.0, "yaw_inertia": 497057.0}
 TRAILER |= {"hitch": 5.6, "kingpin": 0.9}
@@ -33,7 +35,7 @@ def case(**changes):
     keys["impact.test_level"] = None
     keys |= {"trailer": [TRAILER], "plate.elements": (10, 4), "plate.element": "quad4", "impact.speed": 22.35}
     changed = {key.replace("__", "."): value for key, value in changes.items()}
-    return ImpactCase(*vary(read_source("impact-mash-tl4-sut"), keys | changed))
+    return ImpactCase(*vary(read_source(TRUCK), keys | changed))
 
 
 @functools.cache

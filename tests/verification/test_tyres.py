@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,7 @@ from tailslap.errors import InputError
 from tailslap.scene.read import read_source
 from tailslap.scene.vary import vary
 
+SCENE = str(Path(__file__).parents[2] / "examples" / "linear-truck.toml")
 GRAVITY = 9.80665
 TRUCK = ImpactVehicle(10.0, 2.438, 9979.0, 5.5)
 AXLES = (TyreAxle(1.3, 0.7, 6.0), TyreAxle(7.5, 0.6, 5.0))
@@ -270,7 +272,7 @@ def test_the_side_force_on_a_plate_that_turns_steadily(ahead):
 
 def case_of(**changes):
     keys = {key.replace("__", "."): value for key, value in changes.items()}
-    return ImpactCase(*vary(read_source("impact-mash-tl4-sut"), keys))
+    return ImpactCase(*vary(read_source(SCENE), keys))
 
 
 TABLES = [{"position": 1.3, "friction": 0.7}, {"position": 7.5, "friction": 0.7, "cornering": 5.0}]

@@ -10,6 +10,7 @@ import json
 import math
 import time
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,8 @@ from tailslap.storage.manifest import NAME as MANIFEST
 from tailslap.studies.uncertainty import uncertainty_ranges, uncertainty_study
 from tailslap.studies.uncertainty.uncertainty_report import report
 
-TRUCK, IMPACT = "mash-tl4-sut", "impact-mash-tl4-sut"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TRUCK, IMPACT = "mash-tl4-sut", str(EXAMPLES / "linear-truck.toml")
 HELD = ("impact.friction", "impact.speed", "impact.angle")
 E_LOW, E_HIGH, DT_LOW, DT_HIGH = 0.0, 0.4, 0.08, 0.18  # the default ranges
 MPH, DEGREE, POUND = 1609.344 / 3600.0, math.pi / 180.0, 0.45359237
