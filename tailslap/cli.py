@@ -56,6 +56,9 @@ def main(arguments: list[str] | None = None) -> None:
             stream.reconfigure(errors="replace")  # a terminal without Greek letters shows question marks
     sys.stderr = _Messages.instead_of(sys.stderr)
     status = _status(arguments)
+    if status == INTERRUPTED:  # the end of the interpreter restores what ends it with another status
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, signal.SIG_IGN)
     drop_unwritten()
     sys.exit(status)
 

@@ -600,6 +600,9 @@ def test_the_headline_says_of_which_strikes_the_difference_is():
     assert heavy.certainty.startswith("Vehicle flexibility changes the impulses by at most ")
     text = "Vehicle flexibility changes the impulses of strikes above 5 % of the largest by at most 0.1"
     assert light.certainty.startswith(text)
+    by_strike = error.of_weight(whole().difference, whole().fe.strikes)
+    longest = max(abs(value) for key, value in by_strike.items() if key.endswith("duration"))
+    assert f", durations by {percent_up(longest)}, peak forces by " in heavy.certainty
 
 
 def test_strikes_of_two_models_are_paired_by_their_weight_where_one_bounces_more():
