@@ -10,7 +10,8 @@ scrambled sequence has enough of them. Intervals follow from the jackknife of th
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.records import Record
+from tailslap.case import resources
 
 Array = NDArray[np.float64]
 
@@ -99,6 +101,37 @@ def sampled(
     mixed = [np.where(np.arange(len(a))[:, None] == i, b, a) for i in range(len(a))]
     inputs = dict(zip((item.key for item in ranges), np.hstack([a, b, *mixed]), strict=True))
     return inputs, {name: column.reshape(-1, rows) for name, column in solve(inputs).items()}
+
+
+def solved_in_blocks(
+    solve: Callable[[dict[str, Array]], Mapping[str, Array]],
+    inputs: Mapping[str, Array],
+    block: int,
+    show: Callable[[float], None] = lambda fraction: None,
+) -> dict[str, Array]:
+    """Compute results of inputs in blocks on all cores.
+
+    solve: see `sampled`. block: number of samples at a time. show: takes the fraction of finished samples.
+    """
+    size, results = next(iter(inputs.values())).size, dict[str, Array]()
+    blocks = [slice(first, first + block) for first in range(0, size, block)]
+    threads = ThreadPoolExecutor(resources.available_cores())  # compiled code runs beside other threads
+
+    def of_block(rows: slice) -> Mapping[str, Array]:
+        return solve({key: values[rows] for key, values in inputs.items()})
+
+    def of_blocks() -> Iterator[Mapping[str, Array]]:
+        yield of_block(blocks[0])  # alone, since it may compile
+        yield from threads.map(of_block, blocks[1:])
+
+    try:
+        for number, (rows, columns) in enumerate(zip(blocks, of_blocks(), strict=True), 1):
+            for name, values in columns.items():
+                results.setdefault(name, np.empty(size))[rows] = values
+            show(number / len(blocks))
+    finally:
+        threads.shutdown(cancel_futures=True)
+    return results
 
 
 @dataclass(frozen=True)

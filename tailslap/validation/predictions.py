@@ -28,8 +28,8 @@ from tailslap.scene.vary import Source, vary
 
 Floats = NDArray[np.float64]
 
-SAMPLES = 1024
-"""Impacts of each set of ranges, at least."""
+SAMPLES, BLOCK = 1024, 128
+"""Impacts of each set of ranges, at least, and at a time on one core."""
 
 INTERVAL, AFTER_SECOND, STRIKES = 5e-4, 0.1, 32
 """Time between rows of the forces [s], time after the second strike [s], and strikes with room at first."""
@@ -133,7 +133,8 @@ def _predict(
     """Return the ranges and, by quantity, a table as of `sampling.sampled`."""
     case = ImpactCase(*vary(Source(given=dict(scene)), {}))
     ranges = input_ranges.ranges_of(case, case.arguments, limits, (), ())
-    _, tables = sampling.sampled(ranges, SAMPLES, partial(quantities, case))
+    solve = partial(sampling.solved_in_blocks, partial(quantities, case), block=BLOCK)
+    _, tables = sampling.sampled(ranges, SAMPLES, solve)
     return ranges, tables
 
 

@@ -9,8 +9,7 @@ angle of a row replace those of the scene where they are known.
 import importlib
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,6 @@ from tailslap.campaign import sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array, Band
-from tailslap.case import resources
 from tailslap.case.case import Case
 from tailslap.case.impact import answers
 from tailslap.case.impact.case import ImpactCase
@@ -203,27 +201,8 @@ def solved(
     InputError
         Where the theory has no solution for an impact.
     """
-    size, out = next(iter(inputs.values())).size, dict[str, Array]()
     block = CORNER_BLOCK if case.scene.contact is None else IMPACT_BLOCK
-    blocks = [slice(first, first + block) for first in range(0, size, block)]
-    threads = ThreadPoolExecutor(resources.available_cores())  # compiled code runs beside other threads
-
-    def of_block(rows: slice) -> Mapping[str, Array]:
-        columns: Mapping[str, Array] = case.many({key: values[rows] for key, values in inputs.items()})
-        return columns
-
-    def of_blocks() -> Iterator[Mapping[str, Array]]:
-        yield of_block(blocks[0])  # alone, since it may compile
-        yield from threads.map(of_block, blocks[1:])
-
-    try:
-        for number, (rows, columns) in enumerate(zip(blocks, of_blocks(), strict=True), 1):
-            for name, values in columns.items():
-                out.setdefault(name, np.empty(size))[rows] = values
-            show(number / len(blocks))
-    finally:
-        threads.shutdown(cancel_futures=True)
-    return out
+    return sampling.solved_in_blocks(case.many, inputs, block, show)
 
 
 def _first_refusal(case: Case, inputs: Mapping[str, Array], forces: Array) -> str:
