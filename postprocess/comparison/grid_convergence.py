@@ -8,7 +8,13 @@ log r), the extrapolated value is f_1 + (f_1 - f_2)/(r_21^p - 1), and the grid c
 """
 
 import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from postprocess.comparison import quantities
+from postprocess.comparison.quantities import KEYS
 
 SAFETY_FACTOR = 1.25
 """F_s for three grids and an observed order."""
@@ -21,6 +27,16 @@ MIN_ORDER = 0.5
 
 ROUNDING = 1e-14
 """Relative change below which values on two grids are equal."""
+
+Record = Mapping[str, Any]
+"""Record of a run: its "values" by name, and its number of "steps"."""
+
+MAX_ORDER = 2.0
+"""Order of linear elements, of discontinuous loads and of central differences. A higher observed order is accidental.
+"""
+
+MIN_KNOWN = 1e-12
+"""Relative rounding error of a run, which bounds the uncertainty of every limit from below."""
 
 
 @dataclass(frozen=True)
@@ -100,3 +116,76 @@ def observed_order(quotient: float, ratios: tuple[float, float]) -> float:
 
     low, high = 1e-6, 40.0
     return float(brentq(excess, low, high)) if excess(low) < 0.0 < excess(high) else -math.inf
+
+
+class Limit(NamedTuple):
+    """Limits of quantities and their relative uncertainty.
+
+    The uncertainty is the largest grid convergence index.
+    """
+
+    values: dict[str, float]
+    uncertainty: float
+
+    def error_of(self, values: Mapping[str, float]) -> float:
+        """Return the largest relative distance from the limit.
+
+        It is at least the uncertainty of the limit, and NaN where a value is not finite.
+        """
+        error = quantities.largest(quantities.relative_difference(values, self.values, tuple(self.values)))
+        return max(error, self.uncertainty) if math.isfinite(error) else math.nan
+
+
+def finite(records: Iterable[Record]) -> list[Record]:
+    """Return the records whose values are all finite."""
+    return [r for r in records if "values" in r and all(map(math.isfinite, r["values"].values()))]
+
+
+def halved(records: list[Record]) -> bool:
+    """Return True if the last time steps are halves.
+
+    On soft plates the minimum number of steps may prevent it.
+    """
+    steps = [record.get("steps", 0) for record in records[-3:]]
+    return all(earlier and abs(later / earlier - 2.0) < 0.02 for earlier, later in pairwise(steps))
+
+
+def grids_of(records: Iterable[Record], names: Sequence[str] = KEYS) -> dict[str, GridConvergence]:
+    """Return the grid convergence of each quantity.
+
+    It is that of the last three finite records, and empty for fewer.
+    """
+    values = [record["values"] for record in finite(records)][-3:]
+    if len(values) < 3:
+        return {}
+    coarse, medium, fine = values
+    three = {name: (fine[name], medium[name], coarse[name]) for name in names}
+    return {name: grid_convergence(values, (2.0, 2.0)) for name, values in three.items()}
+
+
+def limit_of(records: Iterable[Record], names: Sequence[str] = KEYS) -> Limit:
+    """Return the Richardson extrapolation of the last three records.
+
+    Without an observed order, the limit is the last value, and its uncertainty is three times the last change.
+    """
+    values, uncertainties = dict.fromkeys(names, math.nan), [MIN_KNOWN]
+    grids = grids_of(records, names)
+    for name, grid in grids.items():
+        fine, change, safety = grid.values[0], grid.values[0] - grid.values[1], CAUTIOUS_FACTOR
+        values[name] = fine
+        if grid.behaviour == "converging":
+            change, safety = change / (2.0 ** min(grid.order, MAX_ORDER) - 1.0), SAFETY_FACTOR
+            values[name] = fine + change
+        uncertainties.append(safety * abs(change / fine))
+    return Limit(values, max(uncertainties) if grids else math.nan)
+
+
+def convergence_index(fine: float, medium: float, coarse: float) -> float:
+    """Return the grid convergence index of the fine mesh.
+
+    An observed order above that of the elements is accidental and is replaced by theirs.
+    """
+    grid = grid_convergence((fine, medium, coarse), (2.0, 2.0))
+    if grid.behaviour != "converging" or grid.order <= MAX_ORDER:
+        return grid.gci_fine
+    return SAFETY_FACTOR * abs((fine - medium) / fine) / (2.0**MAX_ORDER - 1.0)

@@ -38,6 +38,9 @@ REFERENCE_MODULUS = 1e9
 HIGHER_ORDER_UP_TO = 20_000
 """Most elements of a mesh that statics compares with higher-order elements; a larger one with a coarser mesh."""
 
+MIN_HALVED = (4, 2)
+"""Fewest elements along and across a halved mesh. Otherwise the scene's own mesh is the coarsest."""
+
 
 @dataclass(frozen=True)
 class Decision:
@@ -196,6 +199,19 @@ def step_properties(scene: Scene, longest: float) -> StepProperties:
         bulk_viscosity=(damping.bulk_viscosity or 0.0) if damping else 0.0,
         elastic_rate=(damping.rate or 0.0) if damping else 0.0,
     )
+
+
+def three_meshes(scene: Scene) -> tuple[tuple[int, int], ...]:
+    """Return three meshes of a scene, each twice as fine.
+
+    The second is the scene's own mesh, or the first where it cannot be halved. The numbers of elements must be decided.
+    """
+    along, across = scene.needed_plate.counts
+    patch, length = scene.corner.patch_length, scene.vehicle.length
+    halves = along % 2 == 0 and across % 2 == 0 and along // 2 >= MIN_HALVED[0]
+    halves = halves and across // 2 >= MIN_HALVED[1] and (patch is None or patch * (along // 2) >= length)
+    coarse = (along // 2, across // 2) if halves else (along, across)
+    return tuple((n * coarse[0], n * coarse[1]) for n in (1, 2, 4))
 
 
 def refined(

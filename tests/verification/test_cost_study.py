@@ -5,10 +5,9 @@ import math
 
 import pytest
 
-from postprocess.comparison.grid_convergence import grid_convergence
+from postprocess.comparison.grid_convergence import Limit, grid_convergence, limit_of
 from postprocess.comparison.quantities import largest_relative
 from postprocess.report.command_report import write_report
-from tailslap.campaign.convergence import Limit, limit_of
 from tailslap.case import case_of
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase

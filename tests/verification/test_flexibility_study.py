@@ -19,10 +19,10 @@ from postprocess.report.command_report import report_text, write_report
 from solver.impact import Strike
 from tailslap import cli, commands
 from tailslap.campaign import levels
-from tailslap.campaign.convergence import three_meshes
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.plate_input import three_meshes
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.flexibility import corner_flexibility, impact_flexibility, plate_runs

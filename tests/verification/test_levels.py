@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from postprocess.comparison.grid_convergence import convergence_index
 from tailslap.campaign import levels
-from tailslap.campaign.convergence import convergence_index
 
 
 def power(frequency, error=1e-3, passed=True):

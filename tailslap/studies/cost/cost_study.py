@@ -22,12 +22,11 @@ from fem.run.corner import Run, Stepper, simulate
 from fem.run.impact import compile_impact_loop
 from fem.start.inertia_relief import RigidStart
 from postprocess.comparison import quantities
-from postprocess.comparison.grid_convergence import GridConvergence
+from postprocess.comparison.grid_convergence import GridConvergence, Limit, finite, grids_of, halved, limit_of
 from postprocess.comparison.quantities import KEYS
 from solver import integrate_odes, plane_motion
 from tailslap import errors, modal_run, studies
 from tailslap.campaign import engine
-from tailslap.campaign.convergence import Limit, finite, grids_of, halved, limit_of
 from tailslap.campaign.records import Record
 from tailslap.case import case_of, resources
 from tailslap.case.case import Case

@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.start.start_kinds import START_KINDS
+from postprocess.comparison.grid_convergence import convergence_index
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from tailslap.campaign import engine, levels
-from tailslap.campaign.convergence import convergence_index, three_meshes
 from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
 from tailslap.case import plate_input, resources
@@ -27,6 +27,7 @@ from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.static_models import MIN_STEPS
+from tailslap.case.plate_input import three_meshes
 from tailslap.modal_run import modal_run
 from tailslap.scene import schema
 from tailslap.scene.vary import Changes, Source
