@@ -4,8 +4,6 @@ An extension is one frozen object, registered once, in the file that defines it.
 of a law are plain functions, and `machine_code.compiled` compiles them when a loop with that law is built.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, TypeVar

@@ -19,6 +19,7 @@ COLUMNS: Registry[HistoryColumn] = Registry("column")
 IMPACT_COLUMNS: Registry[HistoryColumn] = Registry("column of a whole impact")
 """Columns of a whole impact's history by name, in its order."""
 
+_AXLES, _RIGID = "; with [[axle]] only", "; 0 for a rigid wall"
 _MEANINGS = {
     "t": ("s", "time since first contact"),
     "x_g": ("m", "position of the centre of mass along the wall, from the point of first contact"),
@@ -45,32 +46,20 @@ _MEANINGS = {
     "tangential_impulse": ("N s", "impulse of the tangential force on the plate since the start"),
     "moment_impulse": ("N m s", "angular impulse on the plate about the origin since the start"),
     "angular_momentum": ("kg m^2/s", "angular momentum of the plate about the origin"),
-    "tyre_work": ("J", "work of the tyres on the plate since the start; with [[axle]] only"),
-    "tyre_impulse_tangential": (
-        "N s",
-        "impulse of the tyres along the wall since the start; with [[axle]] only",
-    ),
-    "tyre_impulse_normal": (
-        "N s",
-        "impulse of the tyres across the wall since the start; with [[axle]] only",
-    ),
+    "tyre_work": ("J", f"work of the tyres on the plate since the start{_AXLES}"),
+    "tyre_impulse_tangential": ("N s", f"impulse of the tyres along the wall since the start{_AXLES}"),
+    "tyre_impulse_normal": ("N s", f"impulse of the tyres across the wall since the start{_AXLES}"),
     "tyre_impulse_angular": (
         "N m s",
-        "angular impulse of the tyres about the origin since the start; with [[axle]] only",
+        f"angular impulse of the tyres about the origin since the start{_AXLES}",
     ),
     "gap": ("m", "distance of the corner from the wall"),
     "hourglass_energy": ("J", "energy of hourglass control"),
-    "wall_energy": ("J", "kinetic and strain energy of the wall and its foundation; 0 for a rigid wall"),
-    "wall_deflection": ("m", "largest deflection of the face of the wall; 0 for a rigid wall"),
-    "wall_deflection_place": ("m", "position of the largest deflection along the wall; 0 for a rigid wall"),
-    "foundation_impulse": (
-        "N s",
-        "impulse of the foundation on the wall since the start; 0 for a rigid wall",
-    ),
-    "force_foundation": (
-        "N",
-        "force of the foundation on the wall, mean since the previous row; 0 for a rigid wall",
-    ),
+    "wall_energy": ("J", f"kinetic and strain energy of the wall and its foundation{_RIGID}"),
+    "wall_deflection": ("m", f"largest deflection of the face of the wall{_RIGID}"),
+    "wall_deflection_place": ("m", f"position of the largest deflection along the wall{_RIGID}"),
+    "foundation_impulse": ("N s", f"impulse of the foundation on the wall since the start{_RIGID}"),
+    "force_foundation": ("N", f"force of the foundation on the wall, mean since the previous row{_RIGID}"),
 }
 """Units and meanings of the built-in columns."""
 

@@ -1,7 +1,5 @@
 """Model of a plate in unilateral contact with a wall."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -4,8 +4,6 @@ VALUES of --vary are a range or a list. Each value is read as in the scene, with
 definition determines number and order of the runs.
 """
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import json

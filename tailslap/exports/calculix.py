@@ -1,7 +1,5 @@
 """Run CalculiX in a folder, within limits of time, output and files."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import shutil

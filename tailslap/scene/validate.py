@@ -1,7 +1,5 @@
 """Validate keys and combinations of keys."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
