@@ -92,7 +92,7 @@ def draw(scene: Scene, base: Source, seed: int, number: int) -> Changes:
             choices = choices_of(seed, number % COMBINATIONS, attempt // TRIES)
             changes = _drawn(scene, choices, random, number)
         try:
-            case: Any = case_of(*vary(base, changes))
+            case = case_of(*vary(base, changes))
             effort = expected_effort(case.scene, case.duration)
         except InputError:
             continue

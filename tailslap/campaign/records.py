@@ -21,7 +21,7 @@ from contextlib import closing, suppress
 from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 import tailslap
 from tailslap.errors import InputError, Interrupted, is_there, place_error
@@ -29,6 +29,8 @@ from tailslap.storage import folder, manifest
 
 Key = str | int
 """Key of a part."""
+
+K = TypeVar("K", str, int, Key)
 
 Record = dict[str, Any]
 """Values of a part by name."""
@@ -151,7 +153,7 @@ class Records(Mapping[Key, Any]):
         """Close the file."""
         self._file.close()
 
-    def add(self, records: Mapping[Any, object], seconds: Mapping[Any, float] | None = None) -> None:
+    def add(self, records: Mapping[K, object], seconds: Mapping[K, float] | None = None) -> None:
         """Write the records of new keys, all or none.
 
         Parameters
