@@ -4,7 +4,7 @@
 
 Parts are added one at a time to a plain scene: internal forces, a penalty spring, drift. Beside it stands a bare loop,
 which has no code for any of them. Instructions are counted in LLVM's assembly, and all loops are timed in turns.
-Commands run in fresh processes: seconds, modules loaded, and where the time of imports goes by Python's own report.
+Commands run in fresh processes: seconds, modules loaded, and the time of imports by Python's own report.
 Exit status 1 where the plain loop costs measurably more than the bare one.
 """
 
@@ -14,15 +14,14 @@ import re
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import command_line
 import numpy as np
+from command_line import TAILSLAP, seconds
 
 from fem.explicit.internal_force import Scratch, scratch_for
 from fem.explicit.simd_blocks import (
@@ -56,30 +55,16 @@ Floats = np.ndarray
 
 PLAIN, AGAIN, BARE = "plain", "plain again", "bare loop"
 """The loop without parts, the same a second time, and the loop that has no code for them."""
-
 CHUNK_S, TRIAL, MAX_STEPS = 0.012, 100, 1_000_000
-"""Seconds that a loop runs in a turn, about: long against a call of compiled code; steps of a trial; most steps."""
-
+"""Seconds of a loop in a turn, about, long against a call of compiled code; steps of a trial; most steps."""
 MEASURABLE, SAME = 1.05, 1e-9
-"""Ratio to the bare loop that counts as a cost, however quiet the machine; difference of positions, over the plate's
-length, that rounding may make."""
-
+"""Ratio to the bare loop that counts as a cost; difference of positions by rounding, over the plate's length."""
 FREE, COSTS, UNSETTLED = "free", "costs", "unsettled"
-
 SEED, RESAMPLES = 20251, 2000
-
 VECTOR = re.compile(r"%[xyz]mm\d|\bv\d+\.\d")
-
 COMMAND_TURNS = 2
-"""Times that each command is run to be timed; a third run, slower, reports its imports."""
-
-COMMANDS = {
-    "rigid": ("rigid",),
-    "check": ("check",),
-    "run --no-pictures": ("run", "--no-pictures"),
-    "run": ("run",),
-}
-
+"""Timed runs of each command; a further run, slower, reports its imports."""
+COMMANDS = {name: tuple(name.split()) for name in ("rigid", "check", "run --no-pictures", "run")}
 CODE = (
     "import sys\nfrom tailslap.cli import _status\n"
     "status = _status(sys.argv[1:])\nprint()\nprint(len(sys.modules))\nsys.exit(status)\n"
@@ -131,26 +116,24 @@ class BareParameters(NamedTuple):
     time_step: float
 
 
-def bare_parameters(parameters: LoopParameters) -> BareParameters:
+def bare_parameters(loop: LoopParameters) -> BareParameters:
     """The same model without the parts that a bare loop has no code for; ValueError if it has one of them."""
-    parts = (parameters.friction, parameters.viscosity, parameters.hourglass, parameters.elastic_damping)
-    if any(part is not None for part in parts) or parameters.corner.nodes.size > 1:
+    parts = (loop.friction, loop.viscosity, loop.hourglass, loop.elastic_damping)
+    if any(part is not None for part in parts) or loop.corner.nodes.size > 1:
         raise ValueError("the bare loop has no code for a part of this model")
-    if not isinstance(parameters.corner.constraint, Penalty) or parameters.corner.dashpot:
+    if not isinstance(loop.corner.constraint, Penalty) or loop.corner.dashpot:
         raise ValueError("the bare loop has a penalty spring and no other constraint")
-    node, stiffness = int(parameters.corner.nodes[0]), float(parameters.corner.stiffness)
-    return BareParameters(
-        _stored(parameters.table), parameters.material, parameters.mass, node, stiffness, parameters.time_step
-    )
+    node, stiffness = int(loop.corner.nodes[0]), float(loop.corner.stiffness)
+    return BareParameters(_stored(loop.table), loop.material, loop.mass, node, stiffness, loop.time_step)
 
 
-def bare_scratch(parameters: LoopParameters) -> Scratch:
-    """Its workspace."""
-    return scratch_for(_stored(parameters.table))
+def bare_scratch(loop: LoopParameters) -> Scratch:
+    """Return the workspace of the bare loop."""
+    return scratch_for(_stored(loop.table))
 
 
 def _stored(table: ElementTable) -> ElementTable:
-    """The table with its gradients as they are stored: mapping elements from their nodes is a part of its own."""
+    """Return the table with stored gradients, since mapping from the nodes is a part."""
     return table._replace(mapping=None)
 
 
@@ -193,13 +176,9 @@ def _add_point(others: Any, material: Any, rows: Any, gradients: Any, weights: A
         e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
         e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
         s_11, s_22, s_12 = stress(material, e_11, e_22, f_11 * f_12 + f_21 * f_22)
-        s_11 *= weight
-        s_22 *= weight
-        s_12 *= weight
-        p_11 = f_11 * s_11 + f_12 * s_12
-        p_12 = f_11 * s_12 + f_12 * s_22
-        p_21 = f_21 * s_11 + f_22 * s_12
-        p_22 = f_21 * s_12 + f_22 * s_22
+        s_11, s_22, s_12 = weight * s_11, weight * s_22, weight * s_12
+        p_11, p_12 = f_11 * s_11 + f_12 * s_12, f_11 * s_12 + f_12 * s_22
+        p_21, p_22 = f_21 * s_11 + f_22 * s_12, f_21 * s_12 + f_22 * s_22
         for a in range(len(others)):
             g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
             rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
@@ -211,42 +190,31 @@ def _gradient(others: Any, rows: Any, gradients: Any, slot: Any) -> Any:
     f_11 = f_12 = f_21 = f_22 = 0.0
     for a in range(len(others)):
         g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
-        x = rows[(2 * a + 2) * BLOCK_SIZE + slot]
-        y = rows[(2 * a + 3) * BLOCK_SIZE + slot]
-        f_11 += x * g_1
-        f_12 += x * g_2
-        f_21 += y * g_1
-        f_22 += y * g_2
+        x, y = rows[(2 * a + 2) * BLOCK_SIZE + slot], rows[(2 * a + 3) * BLOCK_SIZE + slot]
+        f_11, f_12, f_21, f_22 = f_11 + x * g_1, f_12 + x * g_2, f_21 + y * g_1, f_22 + y * g_2
     return f_11, f_12, f_21, f_22
 
 
 def workspace(fe_plan: CornerPlan) -> tuple[State, Floats, Any]:
     """State at t = 0, forces and scratch of its own: where they lie in memory is then chance, turn by turn."""
     state = copy_state(Stepper(fe_plan.model).start(fe_plan.start, fe_plan.plate.start))
-    parameters = fe_plan.model.parameters
-    return state, np.zeros_like(state.positions), scratch_for(parameters.table, parameters.hourglass)
+    loop = fe_plan.model.loop
+    return state, np.zeros_like(state.positions), scratch_for(loop.table, loop.hourglass)
 
 
 def run_program(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """Return the seconds of the steps of the program's loop and the final positions."""
-    (state, force, scratch), parameters = workspace(fe_plan), fe_plan.model.parameters
-    arguments = (state, steps, parameters, parameters.viscosity, parameters.hourglass, force, scratch)
+    (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
+    arguments = (state, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
     spent = seconds(lambda: advance(*arguments))
     return spent, state.positions + np.array([[state.origin[0]], [0.0]])
 
 
 def run_bare(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """The bare loop on the same model."""
-    (state, force, _), parameters = workspace(fe_plan), fe_plan.model.parameters
-    arguments = (steps, bare_parameters(parameters), force, bare_scratch(parameters))
+    (state, force, _), loop = workspace(fe_plan), fe_plan.model.loop
+    arguments = (steps, bare_parameters(loop), force, bare_scratch(loop))
     return seconds(lambda: advance_bare(state.positions, state.velocities, *arguments)), state.positions
-
-
-def seconds(work: Callable[[], object]) -> float:
-    """Wall-clock time of one call [s]."""
-    began = time.perf_counter()
-    work()
-    return time.perf_counter() - began
 
 
 def take_turns(runs: Sequence[Callable[[], float]], turns: int) -> Floats:
@@ -288,13 +256,12 @@ def time_loops(models: dict[str, CornerPlan], turns: int) -> dict[str, Floats]:
         best = min(run(model, TRIAL)[0] for _ in range(3))
         steps = int(np.clip(CHUNK_S * TRIAL / best, 1, MAX_STEPS))
         runs.append(lambda run=run, model=model, steps=steps: run(model, steps)[0])
-        updates.append(steps * model.model.parameters.table.connectivity.shape[1])
+        updates.append(steps * model.model.loop.table.connectivity.shape[1])
     times = 1e9 * take_turns(runs, turns) / np.array(updates)
     return dict(zip(loops, times.T, strict=True))
 
 
-@dataclass(frozen=True)
-class MachineCode:
+class MachineCode(NamedTuple):
     """Instructions of the loop and its functions, and those on vector registers."""
 
     instructions: int
@@ -317,16 +284,14 @@ def count(assembly: str) -> MachineCode:
 
 def program_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the program's loop for this model."""
-    (state, force, scratch), parameters = workspace(fe_plan), fe_plan.model.parameters
-    return count(
-        _assembly(advance, state, 0, parameters, parameters.viscosity, parameters.hourglass, force, scratch)
-    )
+    (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
+    return count(_assembly(advance, state, 0, loop, loop.viscosity, loop.hourglass, force, scratch))
 
 
 def bare_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the bare loop for this model."""
-    (state, force, _), parameters = workspace(fe_plan), fe_plan.model.parameters
-    arguments = (0, bare_parameters(parameters), force, bare_scratch(parameters))
+    (state, force, _), loop = workspace(fe_plan), fe_plan.model.loop
+    arguments = (0, bare_parameters(loop), force, bare_scratch(loop))
     return count(_assembly(advance_bare, state.positions, state.velocities, *arguments))
 
 
@@ -339,10 +304,8 @@ def _assembly(loop: Kernel, *arguments: Any) -> str:
     return str(assembly)
 
 
-@dataclass(frozen=True)
-class Process:
-    """A command: seconds of the whole process, best and median, modules at its end, seconds in imports, and the
-    costliest packages."""
+class Process(NamedTuple):
+    """Command with its best and median time [s], modules, time of imports [s], and the costliest packages."""
 
     name: str
     best: float
@@ -353,22 +316,19 @@ class Process:
 
 
 def find_processes(scene: str, changes: tuple[str, ...]) -> tuple[Process, ...]:
-    """All COMMANDS on this scene; results go to a folder that is removed."""
+    """Measure all COMMANDS on a scene; results go to a folder that is removed."""
+    processes = []
     with tempfile.TemporaryDirectory(prefix="tailslap-features-") as folder:
-        arguments = {name: _arguments(command, scene, changes, folder) for name, command in COMMANDS.items()}
-        runs = [partial(_timed, command) for command in arguments.values()]
-        table = take_turns(runs, COMMAND_TURNS)
-        found = []
-        for i, (name, command) in enumerate(arguments.items()):
-            modules, imports = _imports(command)
+        words = [_arguments(command, scene, changes, folder) for command in COMMANDS.values()]
+        timed = [partial(seconds, partial(_process, [*TAILSLAP, *arguments])) for arguments in words]
+        for name, arguments, times in zip(COMMANDS, words, take_turns(timed, COMMAND_TURNS).T, strict=True):
+            done = _process([sys.executable, "-X", "importtime", "-c", CODE, *arguments])
+            imports = parse_imports(done.stderr)
             largest = sorted(imports.items(), key=lambda item: -item[1])[:5]
-            total = sum(imports.values())
-            found.append(Process(name, *_middle(table[:, i]), modules, total, tuple(largest)))
-    return tuple(found)
-
-
-def _middle(times: Floats) -> tuple[float, float]:
-    return float(times.min()), float(np.median(times))
+            shortest, median = float(times.min()), float(np.median(times))
+            modules, total = int(done.stdout.splitlines()[-1]), sum(imports.values())
+            processes.append(Process(name, shortest, median, modules, total, tuple(largest)))
+    return tuple(processes)
 
 
 def parse_imports(report: str) -> dict[str, float]:
@@ -388,15 +348,6 @@ def _arguments(command: tuple[str, ...], scene: str, changes: tuple[str, ...], f
     verb, *options = command
     out = ["--out", str(Path(folder) / "out")] if verb == "run" else []
     return [verb, scene, *(part for change in changes for part in ("--set", change)), *options, *out]
-
-
-def _timed(arguments: list[str]) -> float:
-    return seconds(lambda: _process([sys.executable, "-m", "tailslap.cli", *arguments]))
-
-
-def _imports(arguments: list[str]) -> tuple[int, dict[str, float]]:
-    done = _process([sys.executable, "-X", "importtime", "-c", CODE, *arguments])
-    return int(done.stdout.splitlines()[-1]), parse_imports(done.stderr)
 
 
 def _process(command: list[str]) -> subprocess.CompletedProcess[str]:
@@ -421,9 +372,7 @@ def print_parts(scene: str, changes: tuple[str, ...], turns: int) -> bool:
     middle, low, high = ratio(updates[PLAIN], updates[BARE])
     apart = difference(models[PLAIN], 1000)
     print(f"a part left out: {found}; {middle:.3f} ({low:.3f} to {high:.3f}) times the bare loop")
-    print(
-        f"after 1000 steps the positions of the two differ by {apart:.1e} of the plate's length", flush=True
-    )
+    print(f"after 1000 steps their positions differ by {apart:.1e} of the plate's length", flush=True)
     return found != COSTS and apart <= SAME
 
 
@@ -434,28 +383,22 @@ def difference(fe_plan: CornerPlan, steps: int) -> float:
 
 
 def print_commands(scene: str, changes: tuple[str, ...]) -> None:
-    """A line a command; imports are timed in a run of their own, which Python's report slows down."""
-    for found in find_processes(scene, changes):
-        costliest = ", ".join(f"{name} {value:.2f} s" for name, value in found.packages)
+    """Print a line for each command."""
+    for process in find_processes(scene, changes):
+        costliest = ", ".join(f"{name} {value:.2f} s" for name, value in process.packages)
+        times = f"{process.best:6.2f} s best, {process.median:.2f} s median, {process.modules} modules"
         print(
-            f"tailslap {found.name:<18}{found.best:6.2f} s best, {found.median:.2f} s median, "
-            f"{found.modules} modules, imports {found.import_s:.2f} s: {costliest}",
-            flush=True,
+            f"tailslap {process.name:<18}{times}, imports {process.import_s:.2f} s: {costliest}", flush=True
         )
 
 
 def main() -> int:
-    """Command line; 1 where the proof fails."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("scene", nargs="?", default="paper-table-3", metavar="SCENE")
-    parser.add_argument("--set", dest="changes", action="append", default=[], metavar="KEY=VALUE")
-    parser.add_argument("--no-commands", action="store_true", help="count and time the loops alone")
-    parser.add_argument("--turns", type=int, default=40, help="turns in which the loops are timed")
-    given = parser.parse_args()
-    proved = print_parts(given.scene, tuple(given.changes), given.turns)
-    if not given.no_commands:
-        print_commands(given.scene, tuple(given.changes))
-    return 0 if proved else 1
+    """Measure and print; 1 where the plain loop costs more or computes other positions."""
+    options = command_line.options(__doc__, ("scene", "paper-table-3"), set=[], no_commands=False, turns=40)
+    is_free = print_parts(options.scene, tuple(options.set), options.turns)
+    if not options.no_commands:
+        print_commands(options.scene, tuple(options.set))
+    return 0 if is_free else 1
 
 
 if __name__ == "__main__":
