@@ -1,158 +1,114 @@
-"""Accuracy, conservation, steps and cost of the finite-element core.
+"""Accuracy, conservation, steps and cost of the finite-element core; single precision.
 
-    .venv/bin/python benchmarks/core.py
+    .venv/bin/python benchmarks/core.py [PART ...]
 
-Times are the best of several runs; the machine's noise is in them, so no test looks at them.
+Parts: accuracy, flexibility, conservation, steps, elements, point_and_patch, precision. Times are the best of several.
 """
 
 from __future__ import annotations
 
-import math
-import time
+import itertools
+from typing import Any
 
 import command_line
 import numpy as np
-from main_job import outcome, row, timed, worst
+from command_line import corner_case, row, seconds
+from main_job import REACTIONS, outcome, worst
 
 from fem.run.corner import Stepper, simulate
-from tailslap.case.corner.corner_case import CornerCase
+from postprocess.comparison.quantities import KEYS, relative_difference
 from tailslap.case.corner.corner_plan import CornerPlan
-from tailslap.case.corner.outcome import CornerOutcome
-from tailslap.scene.read import read_scene
+from tailslap.studies.cost.cost_study import SingleStepper
 
-ELEMENTS = ("quad4", "quad4-reduced", "quad9", "tri3", "tri6")
 MODULI = np.geomspace(20e9, 20e12, 7)
+DAMPED = "damping.ratio=0.02"
+CONSERVED = (
+    ("undamped, frictionless", "1e-6", ("corner.reaction=none",)),
+    ("undamped, with friction", "1e-4", ()),
+    ("friction and damping", "1e-4", ("damping.ratio=0.1",)),
+    (
+        *("friction, damping, dashpot, bulk, unstressed start", "1e-4"),
+        (
+            "damping.ratio=0.1",
+            "damping.bulk_viscosity=0.06",
+            "corner.damping_ratio=0.2",
+            "plate.start=unstressed",
+        ),
+    ),
+)
+VARIANTS = (
+    *((f"plate.element={name}",) for name in ("quad4", "quad9", "tri3", "tri6")),
+    *(("plate.element=quad4-reduced", "damping.ratio=0.01"), ("material.law=neo-hookean",)),
+    *(("plate.distortion=0.2",), ("damping.ratio=0.01",), ("corner.constraint=exact",)),
+    *(("corner.patch_length=1",), ("corner.damping_ratio=0.2",)),
+)
+ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy")
 
 
 def accuracy() -> None:
-    """Shipped scenes, rigid limit, irregular meshes."""
+    """Print the differences of shipped scenes, of stiff plates and of irregular meshes."""
     for name in ("paper-table-3", "paper-abaqus"):
         row(f"{name} as shipped: largest of five differences", "5e-6", f"{worst(outcome(name)):.1e}")
-    for reaction in ("drag", "none"):
-        result = outcome(
-            "paper-table-3",
-            f"corner.reaction={reaction}",
-            "plate.youngs_modulus=20 TPa",
-            "damping.ratio=0.02",
-        )
-        row(f"E x 100, damping ratio 0.02, reaction {reaction}", "5e-7", f"{worst(result):.1e}")
-    for what, change in (("distorted quads", "plate.distortion=0.2"), ("triangles", "plate.element=tri3")):
-        for reaction in ("drag", "none"):
-            result = outcome("paper-table-3", f"corner.reaction={reaction}", change)
-            row(f"{what}, reaction {reaction}", "1e-5", f"{worst(result):.1e}")
+    for required, what, changes in (
+        ("5e-7", "E x 100, damping ratio 0.02", ("plate.youngs_modulus=20 TPa", DAMPED)),
+        ("1e-5", "distorted quads", ("plate.distortion=0.2",)),
+        ("1e-5", "triangles", ("plate.element=tri3",)),
+    ):
+        for reaction in REACTIONS[:2]:
+            result = outcome("paper-table-3", f"corner.reaction={reaction}", *changes)
+            row(f"{what}, reaction {reaction}", required, f"{worst(result):.1e}")
 
 
 def flexibility() -> None:
-    """Difference against 1/E, E from 20 GPa to 20 TPa, with light damping so that friction cannot flutter."""
-    for reaction in ("drag", "none"):
-        worsts = [
-            worst(
-                outcome(
-                    "paper-table-3",
-                    f"corner.reaction={reaction}",
-                    f"plate.youngs_modulus={modulus}",
-                    "damping.ratio=0.02",
-                )
-            )
-            for modulus in MODULI
-        ]
+    """Print the exponent of the difference over E, with light damping against flutter by friction."""
+    for reaction in REACTIONS[:2]:
+        changes = [(f"corner.reaction={reaction}", f"plate.youngs_modulus={e}", DAMPED) for e in MODULI]
+        worsts = [worst(outcome("paper-table-3", *change)) for change in changes]
         slope = np.polyfit(np.log(MODULI), np.log(worsts), 1)[0]
         steps = np.diff(np.log(worsts)) / np.diff(np.log(MODULI))
-        row(
-            f"difference against E, reaction {reaction}: exponent",
-            "power law",
-            f"{slope:.4f} (between neighbours {steps.min():.3f} to {steps.max():.3f}), "
-            f"{worsts[0]:.1e} down to {worsts[-1]:.1e}",
-        )
+        between = f"between neighbours {steps.min():.3f} to {steps.max():.3f}"
+        text = f"{slope:.4f} ({between}), {worsts[0]:.1e} down to {worsts[-1]:.1e}"
+        row(f"difference over E, reaction {reaction}: exponent", "power law", text)
 
 
 def conservation() -> None:
-    """Largest gap in the energy ledger over the initial energy."""
-    for what, asked, changes in (
-        ("undamped, frictionless", "1e-6", ("corner.reaction=none",)),
-        ("undamped, with friction", "1e-4", ()),
-        ("friction and damping", "1e-4", ("damping.ratio=0.1",)),
-        (
-            "friction, damping, dashpot, bulk, unstressed start",
-            "1e-4",
-            (
-                *("damping.ratio=0.1", "damping.bulk_viscosity=0.06", "corner.damping_ratio=0.2"),
-                "plate.start=unstressed",
-            ),
-        ),
-    ):
+    """Print the largest imbalance of energy over the initial energy."""
+    for what, required, changes in CONSERVED:
         checks = {check.name: check.value for check in outcome("paper-table-3", *changes).checks}
-        row(f"energy balance, {what}", asked, f"{checks['energy balance']:.1e}")
+        row(f"energy balance, {what}", required, f"{checks['energy balance']:.1e}")
 
 
-def runaway(fe_plan: CornerPlan, factor: float) -> bool:
-    """Whether a disturbed plate runs away at this multiple of the stable step within 20 000 steps."""
-    parameters = fe_plan.model.parameters._replace(time_step=factor * fe_plan.model.stable_time_step)
-    stepper = Stepper(type(fe_plan.model)(**{**fe_plan.model.__dict__, "parameters": parameters}))
-    state = stepper.advance(stepper.start(fe_plan.start, "unstressed"), 20_000)
+def diverges(plan: CornerPlan, factor: float) -> bool:
+    """Return True if a disturbed plate diverges in 20 000 steps of this multiple of the stable one."""
+    loop = plan.model.loop._replace(time_step=factor * plan.model.stable_time_step)
+    stepper = Stepper(type(plan.model)(**{**plan.model.__dict__, "loop": loop}))
+    state = stepper.advance(stepper.start(plan.start, "unstressed"), 20_000)
     return not np.abs(state.velocities).max() < 1e3
 
 
 def steps() -> None:
-    """The step taken against the largest that is stable, found by trying."""
-    fe_plan = outcome("paper-abaqus").fe_plan
+    """Print the number of steps over the fewest that are stable, found by bisection."""
+    plan = outcome("paper-abaqus").fe_plan
     low, high = 0.8, 1.3
     while high - low > 1e-3:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if runaway(fe_plan, middle) else (middle, high)
-    taken = fe_plan.model.parameters.time_step / fe_plan.model.stable_time_step
-    row(
-        "steps taken over the fewest that are stable (bisected)",
-        f"{1 / 0.9:.3f}",
-        f"{low / taken:.3f}: the true limit is {low:.3f} of the one computed",
-    )
-
-
-def loop_time() -> None:
-    """The time loop of the shipped scene."""
-    fe_plan = outcome("paper-table-3").fe_plan
-    duration = fe_plan.case.motion.strike.t
-    row(
-        "time loop of paper-table-3, one core",
-        "0.05 s",
-        timed(lambda: simulate(fe_plan.model, fe_plan.start, duration), 15),
-    )
+        low, high = (low, middle) if diverges(plan, middle) else (middle, high)
+    ratio = low * plan.model.stable_time_step / plan.model.loop.time_step
+    text = f"{ratio:.3f}: the true limit is {low:.3f} of the one computed"
+    row("steps over the fewest that are stable", f"{1 / 0.9:.3f}", text)
 
 
 def elements() -> None:
-    """Error and cost of each element, material and hold; undamped but for the one-point quads."""
-    print(
-        f"\n{'paper-table-3 with':<44}{'difference':>11}{'give':>10}{'steps':>8}{'loop [s]':>10}{'M updates/s':>13}"
-    )
-    for changes in (
-        *((f"plate.element={name}",) for name in ELEMENTS if name != "quad4-reduced"),
-        ("plate.element=quad4-reduced", "damping.ratio=0.01"),
-        ("material.law=neo-hookean",),
-        ("plate.distortion=0.2",),
-        ("damping.ratio=0.01",),
-        ("corner.constraint=exact",),
-        ("corner.patch_length=1",),
-        ("corner.damping_ratio=0.2",),
-    ):
+    """Print error and cost of elements, materials and constraints, undamped except of one-point quads."""
+    print("\npaper-table-3 with; largest difference; compliance of the corner; steps; loop [s]; updates/s")
+    for changes in VARIANTS:
         result = outcome("paper-table-3", *changes)
-        seconds = best_loop(result)
-        table = result.fe_plan.model.parameters.table
-        updates = result.run.steps * table.connectivity.shape[1] / seconds / 1e6
-        print(
-            f"{', '.join(changes):<44}{worst(result):>11.1e}{result.fe_plan.deflection_ratio:>10.2e}"
-            f"{result.run.steps:>8}{seconds:>10.3f}{updates:>13.1f}",
-            flush=True,
-        )
-
-
-def best_loop(result: CornerOutcome) -> float:
-    """Best of five time loops [s]."""
-    fe_plan, best = result.fe_plan, math.inf
-    for _ in range(5):
-        began = time.perf_counter()
-        simulate(fe_plan.model, fe_plan.start, fe_plan.case.motion.strike.t)
-        best = min(best, time.perf_counter() - began)
-    return best
+        plan, count = result.fe_plan, result.run.steps
+        end = plan.case.motion.strike.t
+        best = min(seconds(lambda: simulate(plan.model, plan.start, end)) for _ in range(5))  # noqa: B023
+        rate = count * plan.model.loop.table.connectivity.shape[1] / best
+        cost = f"{plan.deflection_ratio:9.2e} {count:7} {best:8.3f} {rate:9.2g}"
+        row(", ".join(changes), f"{worst(result):.1e}", cost)
 
 
 def point_and_patch() -> None:
@@ -160,26 +116,41 @@ def point_and_patch() -> None:
 
     That of a point grows with the logarithm of the mesh, that of a patch converges.
     """
-    print(
-        f"\n{'give of the corner, E = 200 GPa':<44}"
-        + "".join(f"{n:>5} x {3 * n // 10:<4}" for n in (20, 40, 80, 160))
-    )
-    for what, changes in (("one node", ()), ("patch of 1 m", ("corner.patch_length=1",))):
-        gives = []
-        for n in (20, 40, 80, 160):
-            change = ("corner.constraint=exact", f"plate.elements=[{n}, {3 * n // 10}]", *changes)
-            gives.append(run_scene_give(*change))
-        print(f"{what:<44}" + "".join(f"{give:>12.4e}" for give in gives))
+    print("\ncompliance of the corner, E = 200 GPa, on 20 x 6, 40 x 12, 80 x 24, 160 x 48 elements")
+    for what, patch in (("one node", ()), ("patch of 1 m", ("corner.patch_length=1",))):
+        meshes = (f"plate.elements=[{n}, {3 * n // 10}]" for n in (20, 40, 80, 160))
+        cases = (corner_case("paper-abaqus", "corner.constraint=exact", mesh, *patch) for mesh in meshes)
+        row(what, "", " ".join(f"{case.plan().deflection_ratio:.4e}" for case in cases))
 
 
-def run_scene_give(*changes: str) -> float:
-    """Return the compliance of the plate without a run."""
+def precision() -> None:
+    """Print differences, drift of the energy and range of the reaction in double and single precision.
 
-    return CornerCase(*read_scene("paper-abaqus", changes)).plan().deflection_ratio
+    `SingleStepper` names the parts in single precision. The energy is constant: there is neither friction nor damping.
+    """
+    plan = corner_case("paper-abaqus").plan()
+    print(f"\npaper-abaqus in: {', '.join(KEYS)}; energy; range of N [N]; updates/s")
+    steppers: dict[str, Any] = {"double": Stepper, "single": SingleStepper}
+    for (what, stepper), is_timed in itertools.product(steppers.items(), (False, True)):
+        result = simulate(plan.model, plan.start, plan.case.motion.strike.t, make_stepper=stepper)
+        if not is_timed:
+            continue
+        if result.strike is None:
+            row(what, "", "no tail-slap: the run diverged or ended before")
+            continue
+        values = {name: result.strike.values[name] for name in KEYS}
+        difference = relative_difference(values, plan.case.tail_slap).values()
+        energy = np.sum([result.history[name] for name in ENERGIES], axis=0)
+        drift, reaction = np.abs(energy / energy[0] - 1.0).max(), np.ptp(result.history["reaction_normal"])
+        rate = result.steps * plan.model.loop.table.connectivity.shape[1] / result.time_loop_s
+        texts = " ".join(f"{value:+.1e}" for value in difference)
+        row(what, "", f"{texts}; {drift:.1e}; {reaction:.3g}; {rate:.2g}")
 
+
+PARTS = {
+    p.__name__: p for p in (accuracy, flexibility, conservation, steps, elements, point_and_patch, precision)
+}
 
 if __name__ == "__main__":
-    command_line.parser(__doc__).parse_args()
-    row("what", "asked", "measured")
-    for part in (accuracy, flexibility, conservation, steps, loop_time, elements, point_and_patch):
-        part()
+    for name in command_line.options(__doc__, ("parts", PARTS)).parts:
+        PARTS[name]()

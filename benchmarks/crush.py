@@ -52,10 +52,8 @@ def forces(case: ImpactCase, stiffness: Law, samples: int = SAMPLES) -> tuple[fl
     own = {key: np.array([value]) for key, value in case.inputs.items()}
     ranges = [item for item in impact_ranges(case) if item.key != STIFFNESS]
     draws = qmc.Sobol(len(ranges), seed=1).random(samples)
-    drawn = {
-        item.key: item.lower + (item.upper - item.lower) * u for item, u in zip(ranges, draws.T, strict=True)
-    }
-    drawn = {key: np.full(samples, value) for key, value in case.inputs.items()} | drawn
+    drawn = {key: np.full(samples, value) for key, value in case.inputs.items()}
+    drawn |= {r.key: r.lower + (r.upper - r.lower) * u for r, u in zip(ranges, draws.T, strict=True)}
     found = []
     for inputs in (own, drawn):
         known = {key: inputs[key] for key in ("vehicle.centre_of_mass", *(item.key for item in ranges))}
@@ -65,13 +63,8 @@ def forces(case: ImpactCase, stiffness: Law, samples: int = SAMPLES) -> tuple[fl
 
 def of_strike(duration: float) -> Law:
     """Stiffness by the duration of the strike itself, of each impact [N/m]."""
-    names = (
-        "contact.restitution",
-        "vehicle.mass",
-        "vehicle.length",
-        "vehicle.width",
-        "vehicle.centre_of_mass",
-    )
+    sizes = (f"vehicle.{name}" for name in ("mass", "length", "width", "centre_of_mass"))
+    names = ("contact.restitution", *sizes)
 
     def stiffness(inputs: Mapping[str, np.ndarray]) -> np.ndarray:
         restitution, mass, length, width, centre = (inputs[name] for name in names)
@@ -102,15 +95,12 @@ def rows(samples: int = SAMPLES) -> Iterator[tuple[ForceRow, list[Reading]]]:
 
 def main() -> None:
     """Print the table."""
-    command_line.parser(__doc__).parse_args()
+    command_line.options(__doc__)
     for row, readings in rows():
         print(f"{row.row}  {row.duration:.2f} s  measured {row.measured / 1e3:.0f} kN", end="")
         for k, force, (low, high) in readings:
-            ratio = force / row.measured
-            print(
-                f"  | {k / 1e6:.2f} MN/m {force / 1e3:.0f} ({low / 1e3:.0f}-{high / 1e3:.0f}) kN, {ratio:.2f}",
-                end="",
-            )
+            band = f"{force / 1e3:.0f} ({low / 1e3:.0f}-{high / 1e3:.0f}) kN, {force / row.measured:.2f}"
+            print(f"  | {k / 1e6:.2f} MN/m {band}", end="")
         print(f"  | paper {row.peak[0] / 1e3:.0f} kN, {row.factor[0]:.2f}")
 
 

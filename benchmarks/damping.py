@@ -8,11 +8,11 @@ the damping and without, in turns: median of the ratios, least and largest.
 
 from __future__ import annotations
 
-import statistics
-import time
+from functools import partial
 from typing import Any
 
 import command_line
+from command_line import seconds, spread
 from vehicles import plan_of
 
 from fem.run.corner import Stepper, compile_loop
@@ -31,7 +31,7 @@ TURNS, STEPS = 15, 3000
 
 
 def bias() -> None:
-    """Stated against measured, a line a rate."""
+    """Print the stated effect of each rate beside the measured one."""
     print("case; rate [1/s]; stated; measured: largest change of the five quantities; stated over measured")
     for changes, rates in CASES:
         free = attempt(plan_of((*changes, "damping.kind=none")))
@@ -46,38 +46,24 @@ def advance_time(fe_plan: Any) -> float:
     """Return the seconds of the steps."""
     stepper = Stepper(fe_plan.model)
     state = stepper.start(fe_plan.start, "inertia-relief")
-    began = time.perf_counter()
-    stepper.advance(state, STEPS)
-    return time.perf_counter() - began
-
-
-def timed(function: Any, *arguments: Any) -> float:
-    """Seconds of one call."""
-    began = time.perf_counter()
-    function(*arguments)
-    return time.perf_counter() - began
+    return seconds(lambda: stepper.advance(state, STEPS))
 
 
 def cost() -> None:
-    """Loop with it over loop without; milliseconds that foreseeing takes in set-up."""
-    plain, damped = (
-        make_corner_plan(plan_of(c)) for c in ((), ("damping.kind=elastic-velocity", "damping.rate=100"))
-    )
+    """Print the ratio of loops with damping and without, and the set-up of the prediction."""
+    choices = (), ("damping.kind=elastic-velocity", "damping.rate=100")
+    plain, damped = (make_corner_plan(plan_of(changes)) for changes in choices)
     for fe_plan in (plain, damped):
         compile_loop(fe_plan.model, fe_plan.start)
     pairs = [(advance_time(damped), advance_time(plain)) for _ in range(TURNS)]
     ratios = [one / other for one, other in pairs]
     print(f"loop with it over loop without, 120 elements: {spread(ratios)}")
-    extra = [1e3 * timed(predict_growth, plain.case, plain.plate, plain.model, 1.0) for _ in range(TURNS)]
+    predict = partial(predict_growth, plain.case, plain.plate, plain.model, 1.0)
+    extra = [1e3 * seconds(predict) for _ in range(TURNS)]
     print(f"set-up, 120 elements, milliseconds for flutter and rounding: {spread(extra)}")
 
 
-def spread(values: list[float]) -> str:
-    """Median, least and largest."""
-    return f"{statistics.median(values):.3g} ({min(values):.3g} to {max(values):.3g})"
-
-
 if __name__ == "__main__":
-    command_line.parser(__doc__).parse_args()
+    command_line.options(__doc__)
     cost()
     bias()

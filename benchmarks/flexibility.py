@@ -13,15 +13,12 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import command_line
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from postprocess.units import rounded_up
 from tailslap.campaign.levels import CROSSED, NOT_REACHED, Reach
@@ -54,12 +51,10 @@ def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
     case, (start, frequency) = case_of(*read_scene(scene)), plate
     if isinstance(case, CornerCase):
         sweep = corner_flexibility.define(case)
-        of_start = corner_flexibility.scan_changes(
-            corner_flexibility.run_changes(sweep, frequency, sweep.meshes[-1], start)
-        )
-        return corner_flexibility.scan_row(
-            plate_runs.one_run(case.source, of_start, corner_flexibility.fe_record), case.tail_slap
-        )
+        changed = corner_flexibility.run_changes(sweep, frequency, sweep.meshes[-1], start)
+        of_start = corner_flexibility.scan_changes(changed)
+        run = plate_runs.one_run(case.source, of_start, corner_flexibility.fe_record)
+        return corner_flexibility.scan_row(run, case.tail_slap)
     assert isinstance(case, ImpactCase)
     changes: dict[str, Any] = {
         "plate.youngs_modulus": None,
@@ -75,18 +70,15 @@ def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
 def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:
     """Print each level, and return the exit status."""
     random = np.random.default_rng(seed)
-    known = [
-        each
-        for each in stated(json.loads((Path(folder) / "summary.json").read_text()))
-        if each[2].kind in (CROSSED, NOT_REACHED)
-    ]
+    summary = json.loads((Path(folder) / "summary.json").read_text())
+    known = [level for level in stated(summary) if level[2].kind in (CROSSED, NOT_REACHED)]
     plates: set[tuple[str, float]] = set()
     for start, _, reach in known:
         printed = rounded_up(reach.frequency)
         drawn = [*random.uniform(printed, 2.0 * printed, count - 1), printed]
         plates |= {(start, float(frequency)) for frequency in drawn}
-    with ProcessPoolExecutor() as pool:
-        rows = dict(zip(plates, pool.map(partial(differences, scene), plates, chunksize=8), strict=True))
+    runs = command_line.on_all_cores(partial(differences, scene), plates, chunk=8)
+    rows = dict(zip(plates, runs, strict=True))
     wrong, print_line = 0, "{:22} {:22} {:>6} {:>10} {:>5} {:>9} {:>10} {:>6}".format
     print(print_line("start", "quantity", "level", "printed", "runs", "largest", "exceeded", "ok"))
     for start, name, reach in known:
@@ -103,9 +95,4 @@ def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:
 
 
 if __name__ == "__main__":
-    parser = command_line.parser(__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("folder", help="result of the study")
-    parser.add_argument("count", type=int, nargs="?", default=COUNT, help="frequencies of each level")
-    parser.add_argument("seed", type=int, nargs="?", default=1)
-    sys.exit(main(**vars(parser.parse_args())))
+    sys.exit(main(**vars(command_line.options(__doc__, "scene", "folder", ("count", COUNT), ("seed", 1)))))

@@ -9,12 +9,9 @@ from __future__ import annotations
 
 import itertools
 import sys
-from pathlib import Path
 
 import command_line
 from hypothesis import given, seed, settings
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from tests.verification.test_fuzz import command_lines, demand_good_end, fuzz
 
@@ -24,12 +21,8 @@ PROGRESS = 5_000
 
 def main() -> None:
     """Run random command lines."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("count", type=int, nargs="?", default=200_000)
-    parser.add_argument("seed", type=int, nargs="?", default=1)
-    options = parser.parse_args()
+    options = command_line.options(__doc__, ("count", 200_000), ("seed", 1))
     count, number = options.count, options.seed
-
     made = itertools.count(1)
 
     @seed(number)

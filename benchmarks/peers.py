@@ -9,67 +9,49 @@ held exactly, row-sum masses, and the unstressed plate in rigid motion, which ar
 ours as the command, without pictures. Every turn is a process of its own, one after the other, with one thread.
 
 On meshes of 120 elements there are --turns rounds, of 7 680 half as many. A loop that would take longer than --limit
-seconds is ended after two, and its time estimated; it has no values. --large adds 122 880 elements, a quarter of
-the rounds, from 0.002 rad, because no code makes the whole event there in two minutes. Five minutes without that.
+seconds is ended after two, and its time estimated; it has no values. --small has up to 480 elements, --large adds
+122 880, a quarter of the rounds, from 0.002 rad, because no code makes the whole event there in two minutes. Five
+minutes without that. --table and --picture also write the table and its picture into a file.
 """
 
 from __future__ import annotations
 
-import argparse
-import os
-import sys
 import tempfile
 from pathlib import Path
 
 import command_line
-from plates import ONE_THREAD, interpreter_path
+from plates import interpreter_path, on_one_thread
 
 LARGE_LIMIT_S = 120.0
 """Longest loop of the largest plate [s]."""
 
 
 def main() -> None:
-    """Measure, print, and write what is asked for."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument(
-        "--others",
-        metavar="PYTHON",
-        type=interpreter_path,
-        help="interpreter that has Akantu, Kratos, Warp, Exudyn",
-    )
-    parser.add_argument("--turns", type=int, default=3, help="rounds in which everything is measured in turn")
-    parser.add_argument("--limit", type=float, default=45.0, help="longest loop of 7 680 elements [s]")
-    parser.add_argument(
-        "--large", action="store_true", help="also 122 880 elements, at most two minutes each"
-    )
-    parser.add_argument("--small", action="store_true", help="no more than 480 elements")
-    parser.add_argument("--table", type=Path, metavar="FILE", help="also write the table as Markdown")
-    parser.add_argument("--picture", type=Path, metavar="FILE", help="also draw it, as SVG")
-    compare(parser.parse_args())
-
-
-def compare(given: argparse.Namespace) -> None:
-    """Measure all, print the table, write the files."""
+    """Measure, print, and write the files."""
     from comparison import entries, machine, picture, table
 
+    options = command_line.options(
+        __doc__, others=str, turns=3, limit=45.0, large=False, small=False, table=Path, picture=Path
+    )
+    interpreter = interpreter_path(options.others)
     with tempfile.TemporaryDirectory() as folder:
-        meshes = entries.make_meshes(given.large, Path(folder))
-        if given.small:
+        meshes = entries.make_meshes(options.large, Path(folder))
+        if options.small:
             meshes = [mesh for mesh in meshes if mesh.plate.count <= entries.SMALL]
-        rows = entries.rigid_entries(meshes[0].plate, given.others, given.limit)
+        rows = entries.rigid_entries(meshes[0].plate, interpreter, options.limit)
         for mesh in meshes:
-            limit = LARGE_LIMIT_S if mesh.plate.count >= entries.LARGE else given.limit
-            rows += entries.plate_entries(mesh, given.others, limit)
+            limit = LARGE_LIMIT_S if mesh.plate.count >= entries.LARGE else options.limit
+            rows += entries.plate_entries(mesh, interpreter, limit)
         head = machine.description()
-        entries.run_rounds(rows, given.turns)
-    print(f"{head}\n\n{table.terminal_text(rows)}")
-    if given.table:
-        given.table.write_text(table.markdown(rows, head), encoding="utf-8")
-    if given.picture:
-        picture.write(rows, given.picture)
+        entries.run_rounds(rows, options.turns)
+    text = table.markdown(rows, head)
+    print(text)
+    if options.table:
+        options.table.write_text(text, encoding="utf-8")
+    if options.picture:
+        picture.write(rows, options.picture)
 
 
 if __name__ == "__main__":
-    if any(os.environ.get(name) != value for name, value in ONE_THREAD.items()):
-        os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | ONE_THREAD)
+    on_one_thread()
     main()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import shutil
-from argparse import ArgumentTypeError
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,16 +24,23 @@ ONE_THREAD = {
 }
 
 
-def interpreter_path(given: str) -> str:
-    """An option's interpreter as an absolute path, links kept: one of a virtual environment is a link."""
-    found = shutil.which(given)
-    if found is None:
-        raise ArgumentTypeError(f"there is no interpreter at {given}")
-    return str(Path(found).absolute())
+def interpreter_path(name: str | None) -> str | None:
+    """Return an interpreter as an absolute path, links kept: one of a virtual environment is a link."""
+    if name is None:
+        return None
+    if (path := shutil.which(name)) is None:
+        sys.exit(f"--others: given {name}, allowed an interpreter of Python")
+    return str(Path(path).absolute())
+
+
+def on_one_thread() -> None:
+    """Start this process again with one thread for each library, unless it has been."""
+    if any(os.environ.get(name) != value for name, value in ONE_THREAD.items()):
+        os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | ONE_THREAD)
 
 
 def make_mesh(elements: tuple[int, int], distortion: float) -> meshio.Mesh:
-    """The plate's mesh."""
+    """Return the mesh of the plate."""
     from meshes import distorted, plate_mesh
 
     mesh = plate_mesh(LENGTH, WIDTH, elements)
@@ -40,7 +48,10 @@ def make_mesh(elements: tuple[int, int], distortion: float) -> meshio.Mesh:
 
 
 def make_model(elements: tuple[int, int], distortion: float = 0.0, bare: bool = False) -> PlateModel:
-    """The plate with friction and exact inertia; bare: as in the other codes, exact corner, no friction, row sums."""
+    """Return the plate with friction and exact inertia.
+
+    bare: as in the other codes, exact corner, no friction, row sums.
+    """
     from fem.laws.friction import Drag
     from fem.model.plate_model import build_model
     from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
@@ -53,7 +64,7 @@ def make_model(elements: tuple[int, int], distortion: float = 0.0, bare: bool = 
 def same_plate(
     elements: tuple[int, int], distortion: float, time_step: float, folder: Path, angle: float = 0.0
 ) -> Plate:
-    """The plate for the other codes; nodes of a distorted mesh go into a file in the folder."""
+    """Return the plate for the other codes; nodes of a distorted mesh go into a file."""
     import numpy as np
     from other_codes.plate import Plate
 
@@ -66,7 +77,7 @@ def same_plate(
 
 
 def row_by_row(elements: tuple[int, int], distortion: float) -> np.ndarray:
-    """Nodes [m] of our distorted mesh in the other codes' order, shape (nodes, 2)."""
+    """Return the nodes [m] of our distorted mesh in the other codes' order, shape (nodes, 2)."""
     import numpy as np
 
     even, moved = (make_mesh(elements, share).points[:, :2] for share in (0.0, distortion))

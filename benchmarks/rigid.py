@@ -10,12 +10,11 @@ Coverage of `solver` by its tests:
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 
 import command_line
 import numpy as np
-from main_job import row
+from command_line import row, seconds
 from scipy.integrate import solve_ivp
 
 from postprocess.comparison.quantities import PAPER_TABLE_3
@@ -35,7 +34,7 @@ TRUCK = RectangularBody(10.0, 2.438, 9979.0)
 
 
 def against_integration(count: int = 1000) -> None:
-    """Largest relative difference of exact and DOP853 (rtol 1e-12) over random admissible inputs."""
+    """Print the largest relative difference of exact and DOP853 (rtol 1e-12) over random inputs."""
     random, worst, done, refused = np.random.default_rng(1), 0.0, 0, 0
     while done < count:
         body = RectangularBody(random.uniform(3.0, 20.0), random.uniform(1.0, 3.0), 1e4)
@@ -53,29 +52,18 @@ def against_integration(count: int = 1000) -> None:
 
 
 def table_3() -> None:
-    """Analytical column, from 56 mph and theta_0 = 0.26."""
+    """Print the differences from the analytical column, from 56 mph and theta_0 = 0.26."""
     start = corner_impulse(TRUCK, 56 * MPH, math.radians(15.0), 0.47, 0.22)
     strike = plane_motion(TRUCK, 0.26, start.omega, start.corner_speed, 0.47).strike
     printed = PAPER_TABLE_3["analytical"]
-    for key, asked in (
-        ("v_gy", "0.1 %"),
-        ("v_gx", "0.1 %"),
-        ("slide", "0.1 %"),
-        ("t", "0.3 %"),
-        ("omega", "0.8 %"),
-    ):
-        row(f"Table 3, analytical, {key}", asked, f"{100 * (getattr(strike, key) / printed[key] - 1):+.3f} %")
+    for key, limit in {"v_gy": 0.1, "v_gx": 0.1, "slide": 0.1, "t": 0.3, "omega": 0.8}.items():
+        difference = f"{100 * (getattr(strike, key) / printed[key] - 1):+.3f} %"
+        row(f"Table 3, analytical, {key}", f"{limit} %", difference)
 
 
 def best(function: Callable[[], object], repeats: int, loops: int = 1) -> float:
-    """Best time of one call [s]."""
-    times = []
-    for _ in range(repeats):
-        began = time.perf_counter()
-        for _ in range(loops):
-            function()
-        times.append((time.perf_counter() - began) / loops)
-    return min(times)
+    """Return the best time of one call [s]."""
+    return min(seconds(lambda: [function() for _ in range(loops)]) for _ in range(repeats)) / loops
 
 
 def bare_integration(atol: float) -> Callable[[], object]:
@@ -100,23 +88,20 @@ def bare_integration(atol: float) -> Callable[[], object]:
 
 
 def cost() -> None:
-    """One exact solution against solve_ivp, interleaved by taking the best of several; 100 000 in one call."""
+    """Print the time of one exact solution beside solve_ivp, and of 100 000 in one call."""
     exact = best(lambda: plane_motion(TRUCK, 0.26, 0.707, 25.053, 0.47).strike, 9, 200)
     for atol in (1e-12, 1e-6):
         bare = best(bare_integration(atol), 9, 10)
         what = f"exact ({exact * 1e6:.0f} us) against bare solve_ivp, rtol 1e-10, atol {atol:g}"
         row(what, "1/20", f"1/{bare / exact:.0f} of {bare * 1e6:.0f} us")
     checked = best(lambda: integrate_odes(TRUCK, 0.26, 0.707, 25.053, 0.47, rtol=1e-10), 5, 3)
-    row(
-        "the same against the program's integrate_odes",
-        "1/20",
-        f"1/{checked / exact:.0f} of {checked * 1e6:.0f} us",
-    )
+    text = f"1/{checked / exact:.0f} of {checked * 1e6:.0f} us"
+    row("the same against the program's integrate_odes", "1/20", text)
     row("100 000 combinations, Stages 1 to 3, one core", "2 s", f"{best(many, 3):.2f} s")
 
 
 def many() -> None:
-    """A hundred thousand combinations of speed, angle, mass, friction and restitution."""
+    """Solve a hundred thousand combinations of speed, angle, mass, friction and restitution."""
     random, n = np.random.default_rng(2), 100_000
     body = RectangularBody(10.0, 2.438, random.uniform(8e3, 12e3, n))
     angle, friction = random.uniform(0.1, 0.4, n), random.uniform(0.2, 0.7, n)
@@ -126,7 +111,6 @@ def many() -> None:
 
 
 if __name__ == "__main__":
-    command_line.parser(__doc__).parse_args()
-    row("what", "asked", "measured")
+    command_line.options(__doc__)
     for part in (against_integration, table_3, cost):
         part()

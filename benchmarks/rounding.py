@@ -27,7 +27,7 @@ CASES = (
 
 def main() -> None:
     """Print each case with the root mean square over the last quarter of its run [N]."""
-    command_line.parser(__doc__).parse_args()
+    command_line.options(__doc__)
     for case in CASES:
         outcome = attempt(plan_of(("corner.reaction=none", "damping.kind=none", *case)))
         ripple = outcome.fe_history["reaction_normal"] - outcome.rigid_history["reaction_normal"]

@@ -1,6 +1,6 @@
 """Coverage of the 95 % intervals of Sobol indices: functions with exact indices, many randomisations of the points.
 
-    .venv/bin/python benchmarks/sobol_coverage.py [--inputs N]... [--rows N]... [--repeats N]
+    .venv/bin/python benchmarks/sobol_coverage.py [--inputs N...] [--rows N...] [--repeats N]
 
 For each function, number of inputs and of rows: the fraction of first-order and of total indices that lie in their
 interval, its mean width, and how often the indices were refused.
@@ -20,12 +20,10 @@ from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import Array
 
 INPUTS, ROWS, REPEATS = (2, 5, 11, 21), (32, 64, 256, 1024, 4096), 40
-
-# Inputs of the largest set of tables.
 MOST = 400_000
-
-# Rounding of exact zeros and ones.
+"""Inputs of the largest set of tables."""
 ROUNDING = 1e-9
+"""Rounding of exact zeros and ones."""
 
 
 class Function(NamedTuple):
@@ -63,23 +61,16 @@ def product(inputs: int) -> Function:
     part = (1.0 / 3.0 / (1.0 + a) ** 2)[:, 0]
     variance = np.prod(1.0 + part) - 1.0
     total = part / (1.0 + part) * (variance + 1.0) / variance
-    return Function(
-        "product", lambda x: np.prod((np.abs(4.0 * x - 2.0) + a) / (1.0 + a), axis=0), part / variance, total
-    )
+    of = lambda x: np.prod((np.abs(4.0 * x - 2.0) + a) / (1.0 + a), axis=0)  # noqa: E731
+    return Function("product", of, part / variance, total)
 
 
 def indicator(name: str, inputs: int, fraction: float) -> Function:
     """Return 1 where the largest input exceeds a limit, in this fraction of the cases."""
     limit = (1.0 - fraction) ** (1.0 / inputs)
     rest, variance = limit ** (inputs - 1), fraction * (1.0 - fraction)
-    first = rest**2 * limit * (1.0 - limit) / variance
-    total = rest * limit * (1.0 - limit) / variance
-    return Function(
-        name,
-        lambda x: np.where(x.max(axis=0) > limit, 1.0, 0.0),
-        np.full(inputs, first),
-        np.full(inputs, total),
-    )
+    total = np.full(inputs, rest * limit * (1.0 - limit) / variance)
+    return Function(name, lambda x: np.where(x.max(axis=0) > limit, 1.0, 0.0), rest * total, total)
 
 
 def functions(inputs: int) -> list[Function]:
@@ -99,9 +90,8 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
     covered, widths = list[Array](), list[Array]()
     try:
         for sampling.SEED in range(first_seed, first_seed + repeats):
-            table = sampling.sampled(
-                ranges, rows * (inputs + 2), lambda given: {"": function.of(np.array([*given.values()]))}
-            )[1][""]
+            of = lambda values: {"": function.of(np.array([*values.values()]))}  # noqa: E731
+            table = sampling.sampled(ranges, rows * (inputs + 2), of)[1][""]
             found, refusal = sampling.index_rows(ranges, table)
             if refusal:
                 continue
@@ -121,23 +111,17 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
 
 def main() -> None:
     """Print the table."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("--inputs", type=int, action="append")
-    parser.add_argument("--rows", type=int, action="append")
-    parser.add_argument("--repeats", type=int, default=REPEATS)
-    given = parser.parse_args()
+    given = command_line.options(__doc__, inputs=INPUTS, rows=ROWS, repeats=REPEATS)
     print("inputs   rows  function    covered: first  total   width: first  total   refused")
     everything = []
-    for inputs in given.inputs or INPUTS:
-        for rows in given.rows or [rows for rows in ROWS if rows * inputs * (inputs + 2) <= MOST]:
+    for inputs in given.inputs:
+        for rows in [rows for rows in given.rows if rows * inputs * (inputs + 2) <= MOST]:
             for function in functions(inputs):
                 found = coverage(function, rows, given.repeats)
                 (first, total), (wide, widest) = found["covered"], found["width"]
                 everything.append((first, total))
-                print(
-                    f"{inputs:6} {rows:6}  {function.name:10} {first:15.1%} {total:6.1%} {wide:14.4f} {widest:6.4f} "
-                    f"{found['refused']:9.1%}"
-                )
+                fractions = f"{first:15.1%} {total:6.1%} {wide:14.4f} {widest:6.4f} {found['refused']:9.1%}"
+                print(f"{inputs:6} {rows:6}  {function.name:10} {fractions}")
     first, total = np.nanmean(everything, axis=0)
     lowest = np.nanmin(everything)
     print(f"all: first-order {first:.1%}, total {total:.1%}; lowest of a row {lowest:.1%}")

@@ -1,58 +1,78 @@
 """Element updates per second of the time loop and of other codes.
 
-    .venv/bin/python benchmarks/speed.py
+    .venv/bin/python benchmarks/speed.py [--turns 5]
 
-The other codes want a virtual environment of their own:
+The other codes require a virtual environment of their own:
 
     python -m venv others && others/bin/pip install -r benchmarks/requirements.txt
     .venv/bin/python benchmarks/speed.py --others others/bin/python
 
-Beside them stand the machine's rates. All are measured in turns, so that other load affects all equally; the ratios
-count. Whole processes and their errors are compared by peers.py. Exits 1 if the kernel is not packed.
+All are measured in turns, so that other load affects all equally; the ratios count. Whole processes and their errors
+are compared by peers.py. Exits 1 if the kernel is not packed.
 """
 
 from __future__ import annotations
 
 import functools
 import json
-import os
+import platform
+import statistics
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import command_line
-from plates import DISTORTION, ONE_THREAD, interpreter_path, make_model, same_plate
-from speed_tables import (
-    MINE,
-    TWO_THREADS,
-    UNEVEN,
-    Entry,
-    check_packing,
-    print_rates,
-    print_ratios,
-    print_shares,
-)
+from plates import DISTORTION, interpreter_path, make_model, on_one_thread, same_plate
 
 SIZES = {120: (20, 6), 7680: (160, 48), 122880: (640, 192)}
+MINE, UNEVEN, TWO_THREADS = "this program", ", distorted", ", 2 threads"
+VARIANTS: dict[str, dict[str, Any]] = {
+    "": {},
+    UNEVEN: {"distortion": DISTORTION},
+    TWO_THREADS: {"threads": 2},
+}
 SCRIPTS = {"Akantu": "akantu_plate", "Kratos": "kratos_plate", "Warp": "warp_plate"}
 COMPARED = {120: tuple(SCRIPTS), 7680: (*SCRIPTS, "Warp" + UNEVEN), 122880: ("Warp" + UNEVEN,)}
-"""Codes beside ours by number of elements."""
-
+"""Other codes by number of elements."""
+REQUIRED = {("Akantu", 7680): 20.0, ("Warp", 7680): 3.0, ("Warp" + UNEVEN, 122880): 2.0}
+"""Required ratio of the loop's rate to theirs on the same plate."""
 AGREEMENT = 1e-9
 """Largest distance of the codes' far corners [m] at which they count as running the same plate."""
 
 
+@dataclass
+class Entry:
+    """Line of the table, with the rate of each turn."""
+
+    name: str
+    elements: int
+    measure: Callable[[], list[float]]
+    rates: list[float] = field(default_factory=list)
+    remark: str = ""
+
+    def turn(self) -> None:
+        """Measure once more, unless it has failed."""
+        if not self.remark.startswith("not measured"):
+            self.rates += self.measure()
+
+    def rate(self, of: Callable[[list[float]], float]) -> float:
+        """Return the largest or the median rate."""
+        return of(self.rates) if self.rates else float("nan")
+
+
 def make_stepper(count: int, distortion: float = 0.0, threads: int = 1, bare: bool = False) -> Any:
-    """The time loop on a plate of this many elements; bare: as in the other codes."""
+    """Return the time loop on a plate of this many elements; bare: as in the other codes."""
     from fem.run.corner import Stepper
 
     return Stepper(make_model(SIZES[count], distortion, bare), threads)
 
 
 def ours(name: str, count: int, **choices: Any) -> tuple[Entry, Any]:
-    """An entry for this program's loop, and the loop."""
+    """Return an entry for this program's loop, and the loop."""
     from other_codes.jobs import update_rates
 
     from fem.start.inertia_relief import RigidStart
@@ -65,20 +85,20 @@ def ours(name: str, count: int, **choices: Any) -> tuple[Entry, Any]:
 
 
 def far_corner(count: int, distortion: float, time_step: float) -> list[float]:
-    """Where this program has the far corner [m] at the instant of comparison."""
+    """Return the far corner [m] of this program's plate at the instant of comparison."""
     from other_codes.jobs import CHECKED_STEPS
 
     from fem.start.inertia_relief import RigidStart
 
     stepper = make_stepper(count, distortion, bare=True)
-    stepper.parameters = stepper.parameters._replace(time_step=time_step)
+    stepper.loop = stepper.loop._replace(time_step=time_step)
     state = stepper.advance(stepper.start(RigidStart(0.0, 0.707, 25.053), "unstressed"), CHECKED_STEPS)
     far = (stepper.model.discretisation.positions * [[-1.0], [1.0]]).sum(axis=0).argmax()
     return [float(value) for value in state.positions[:, far]]
 
 
 def other(name: str, count: int, interpreter: str, time_step: float, folder: Path) -> Entry:
-    """An entry for another code, a process of its own each turn."""
+    """Return an entry for another code, a process of its own each turn."""
     from other_codes.plate import to_text
 
     distortion = DISTORTION if name.endswith(UNEVEN) else 0.0
@@ -104,65 +124,84 @@ def other(name: str, count: int, interpreter: str, time_step: float, folder: Pat
     return entry
 
 
-def entries(interpreter: str | None, folder: Path) -> tuple[list[Entry], dict[Any, Any]]:
-    """All lines in the order of a turn, and our loops by name and elements."""
-    lines, loops = [], {}
-    ways: dict[str, dict[str, Any]] = {
-        "": {},
-        UNEVEN: {"distortion": DISTORTION},
-        TWO_THREADS: {"threads": 2},
-    }
+def entries(interpreter: str | None, folder: Path) -> tuple[list[Entry], Any]:
+    """Return all lines in the order of a turn, and our loop on the smallest plate."""
+    lines, loops = [], []
     for count in SIZES:
-        for way, choices in ways.items():
-            if way == TWO_THREADS and count != max(SIZES):
+        for variant, choices in VARIANTS.items():
+            if variant == TWO_THREADS and count != max(SIZES):
                 continue
-            entry, stepper = ours(MINE + way, count, **choices)
+            entry, stepper = ours(MINE + variant, count, **choices)
             lines.append(entry)
-            loops[entry.name, count] = stepper
-            if interpreter and way != TWO_THREADS:
-                step, uneven = stepper.parameters.time_step, way == UNEVEN
+            loops.append(stepper)
+            if interpreter and variant != TWO_THREADS:
+                step, uneven = stepper.loop.time_step, variant == UNEVEN
                 codes = [code for code in COMPARED[count] if code.endswith(UNEVEN) == uneven]
                 lines += [other(code, count, interpreter, step, folder) for code in codes]
-    return lines, loops
+    return lines, loops[0]
 
 
 def machine() -> list[Entry]:
-    """The machine's own rates: bytes and operations a second."""
-    from bound import copy_rate, multiply_add_rate
+    """Return entries for the multiply-adds of the machine per second."""
+    from bound import multiply_add_rate
 
     return [
-        Entry("copy bandwidth [B/s]", 0, lambda: [copy_rate() for _ in range(3)]),
-        Entry("multiply-adds [flop/s]", 0, lambda: [multiply_add_rate() for _ in range(3)]),
-        Entry("the same, 2 threads", 0, lambda: [multiply_add_rate(2) for _ in range(3)]),
+        Entry(f"flop/s, {threads} threads", 0, lambda n=threads: [multiply_add_rate(n) for _ in range(3)])  # type: ignore[misc]
+        for threads in (1, 2)
     ]
+
+
+def print_ratios(rates: Sequence[Entry], lines: Sequence[Entry]) -> None:
+    """Print the ratios to the other codes, and of distorted meshes and two threads to the plain loop."""
+    by_name = {(entry.name, entry.elements): entry for entry in lines}
+    pairs: list[tuple[str, float | None, Entry, Entry]] = [
+        ("flop/s, 2 threads / 1", None, rates[1], rates[0])
+    ]
+    for (name, count), entry in by_name.items():
+        if not name.startswith(MINE):
+            mine = MINE + UNEVEN * name.endswith(UNEVEN)
+            what = f"{mine} / {name}, {count} elements"
+            pairs.append((what, REQUIRED.get((name, count)), by_name[mine, count], entry))
+        elif name != MINE:
+            required = 1.7 if TWO_THREADS in name else None
+            pairs.append((f"{name} / plain, {count} elements", required, entry, by_name[MINE, count]))
+    for what, required, above, below in pairs:
+        best, median = (above.rate(of) / below.rate(of) for of in (max, statistics.median))
+        command_line.row(what, f"{required:g}" if required else "", f"{best:.2f}, of medians {median:.2f}")
+
+
+def check_packing(stepper: Any) -> int:
+    """Print whether the kernel is packed, and return the exit status."""
+    from bound import multiply_adds
+
+    if platform.machine() not in ("x86_64", "AMD64"):
+        print(f"assembly: not examined, this is {platform.machine()} and not x86-64")
+        return 0
+    packed, scalar = multiply_adds(stepper)
+    fine = packed > 0 and packed >= scalar
+    print(f"assembly: {packed} packed multiply-adds, {scalar} scalar: {'packed' if fine else 'NOT PACKED'}")
+    return 0 if fine else 1
 
 
 def main() -> int:
     """Measure and print."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument(
-        "--others",
-        metavar="PYTHON",
-        type=interpreter_path,
-        help="interpreter that has Akantu, Kratos and Warp",
-    )
-    parser.add_argument("--turns", type=int, default=5, help="times that everything is measured in turn")
-    given = parser.parse_args()
+    options = command_line.options(__doc__, others=str, turns=5)
     rates = machine()
     with tempfile.TemporaryDirectory() as folder:
-        lines, loops = entries(given.others, Path(folder))
-        for _ in range(given.turns):
+        lines, loop = entries(interpreter_path(options.others), Path(folder))
+        for _ in range(options.turns):
             for entry in [*rates, *lines]:
                 entry.turn()
-    print_rates([*rates, *lines])
-    print_shares(rates, lines, loops)
+    for entry in [*rates, *lines]:
+        best, median = entry.rate(max), entry.rate(statistics.median)
+        size = f", {entry.elements} elements" if entry.elements else ""
+        command_line.row(entry.name + size, "", f"{best:.3g}, median {median:.3g}  {entry.remark}")
     print_ratios(rates, lines)
-    if not given.others:
-        print("\nAkantu, Kratos, Warp: not measured, for want of --others PYTHON")
-    return check_packing(loops[MINE, 120])
+    if not options.others:
+        print("Akantu, Kratos, Warp: not measured, --others PYTHON is missing")
+    return check_packing(loop)
 
 
 if __name__ == "__main__":
-    if any(os.environ.get(name) != value for name, value in ONE_THREAD.items()):
-        os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | ONE_THREAD)
+    on_one_thread()
     sys.exit(main())

@@ -28,6 +28,13 @@ STIFFER = 16.0
 
 LONGER = 0.5
 """Time that the motion is followed beyond its end [s]."""
+TEXTS = {
+    "longer": "strikes, from those of a motion followed 0.5 s longer",
+    "many": "strikes and forces, from those of samples",
+    "beside": "50 ms mean, from that beside the plate",
+    "plate": "strikes and 50 ms means, from the plate's",
+    "over": "the limit of a rigid plate, over the stated error",
+}
 
 
 @dataclass(frozen=True)
@@ -64,9 +71,8 @@ def measured(scene: str, angle: float) -> Angle:
     ]
     own = answers.both_strikes(case.answer)
     sampled = case.many({"impact.angle": np.array([np.radians(angle)])})
-    many = [
-        abs(float(sampled[name][0]) / own[name] - 1.0) for name in answers.COLUMNS if own[name] == own[name]
-    ]
+    names = [name for name in answers.COLUMNS if own[name] == own[name]]
+    many = [abs(float(sampled[name][0]) / own[name] - 1.0) for name in names]
     mean = case.row(None)["rigid.peak.mean_50ms"]
     soft, hard = (error.changes(each.rigid, each.fe) for each in (outcome, stiff))
     limits = {name: (STIFFER * hard[name] - soft[name]) / (STIFFER - 1.0) for name in soft}
@@ -85,26 +91,15 @@ def rows(scene: str, step: float) -> Iterator[tuple[str, str]]:
     """Measure a vehicle over all angles."""
     angles = np.arange(FROM, TO + 0.5 * step, step)
     found = [measured(scene, float(angle)) for angle in angles]
-    yield (
-        f"{scene}: impacts; failed; strikes cut",
-        (f"{len(found)}; {sum(not each.passed for each in found)}; {sum(each.cut for each in found)}"),
-    )
-    texts = {
-        "longer": "strikes, from those of a motion followed 0.5 s longer",
-        "many": "strikes and forces, from those of samples",
-        "beside": "50 ms mean, from that beside the plate",
-        "plate": "strikes and 50 ms means, from the plate's",
-        "over": "the limit of a rigid plate, over the stated error",
-    }
-    for name, text in texts.items():
+    failed, cut = sum(not angle.passed for angle in found), sum(angle.cut for angle in found)
+    yield f"{scene}: impacts; failed; strikes cut", f"{len(found)}; {failed}; {cut}"
+    for name, text in TEXTS.items():
         yield f"  {text}: most", f"{max(getattr(each, name) for each in found):.1e}"
 
 
 def main() -> None:
     """Print the rows of each vehicle as they come."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("step", type=float, nargs="?", default=STEP, help="of the angle [deg]")
-    step = parser.parse_args().step
+    step = command_line.options(__doc__, ("step", STEP)).step
     for scene in VEHICLES:
         print(printed([pairs(list(rows(scene, step)))]), flush=True)
 

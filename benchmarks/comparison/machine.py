@@ -1,4 +1,4 @@
-"""The machine and the versions of a comparison."""
+"""Machine and versions of a comparison."""
 
 from __future__ import annotations
 
@@ -9,36 +9,34 @@ import subprocess
 import time
 from pathlib import Path
 
-NOT_INSTALLED = {
+NOT_COMPARED = {
     "CalculiX": ("ccx", "ccx_2.21"),
     "OpenRadioss": ("starter_linux64_gf", "starter_linux64_gf_sp"),
 }
-"""Codes that would be compared if there were any of these commands."""
+"""Codes without an input here, with their commands."""
 
 
 def description() -> str:
-    """Processor, versions, day."""
+    """Return processor, versions and day."""
     import numpy
 
     import tailslap
 
-    found = dict(
-        line.split(":", 1)
-        for line in Path("/proc/cpuinfo").read_text().split("\n\n")[0].replace("\t", "").splitlines()
-        if ":" in line
+    lines = Path("/proc/cpuinfo").read_text().split("\n\n")[0].replace("\t", "").splitlines()
+    processor = dict(line.split(":", 1) for line in lines if ":" in line)
+    family = ", ".join(
+        f"{name} {processor[name].strip()}" for name in ("cpu family", "model") if name in processor
     )
-    family = ", ".join(f"{name} {found[name].strip()}" for name in ("cpu family", "model") if name in found)
-    model = found.get("model name", platform.processor()).strip()
-    root = Path(__file__).parents[2]
-    done = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=root, capture_output=True, text=True
-    )
+    model = processor.get("model name", platform.processor()).strip()
+    commit = subprocess.run(
+        ["git", "describe", "--always", "--dirty"], cwd=Path(__file__).parent, capture_output=True, text=True
+    ).stdout.strip()
     missing = ", ".join(
-        f"{code}: {'found, but no input of it is here' if any(map(shutil.which, names)) else 'not installed'}"
-        for code, names in NOT_INSTALLED.items()
+        f"{code}: {'installed, but without an input here' if any(map(shutil.which, names)) else 'not installed'}"
+        for code, names in NOT_COMPARED.items()
     )
     return (
         f"{model} ({family}), {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, {time.strftime('%Y-%m-%d')}; "
-        f"tailslap {tailslap.__version__} ({done.stdout.strip()}), Python {platform.python_version()}, "
+        f"tailslap {tailslap.__version__} ({commit}), Python {platform.python_version()}, "
         f"NumPy {numpy.__version__}; one thread each. {missing}."
     )

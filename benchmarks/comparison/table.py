@@ -1,4 +1,4 @@
-"""The table of peers.py, on the terminal and in Markdown."""
+"""Table of peers.py in Markdown."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ COLUMNS = (
 VALUES = ("at the tail-slap", "t [s]", "v_GX [m/s]", "v_GY [m/s]", "omega [rad/s]", "slide [m]")
 LEGEND = """\
 error: largest relative difference of t, v_GX, v_GY, omega and slide from the exact rigid motion at the tail-slap
-masses: what of it the rotary inertia of row-sum masses makes: the difference of a rigid body that has it
+masses: the part by the rotary inertia of row-sum masses, the difference of a rigid body that has it
 flexibility: the difference from that body, above all the ringing of a plate that starts unstressed (of rigid bodies:
 the integration); in the error the two may cancel in part
 apart: largest relative distance from the other codes that run the same model: same mesh, time step, row-sum masses,
@@ -24,7 +24,7 @@ whole: time of the process on the clock, median; rest: of that, start of the int
 
 
 def cells(entry: Entry, entries: Sequence[Entry]) -> tuple[str, ...]:
-    """A row as text."""
+    """Return a row as text."""
     wholes = sorted(turn.whole for turn in entry.turns)
     spread = f"{wholes[0]:.2f} to {wholes[-1]:.2f}" if len(wholes) > 1 else ""
     count = len(entry.turns)
@@ -32,12 +32,9 @@ def cells(entry: Entry, entries: Sequence[Entry]) -> tuple[str, ...]:
     about = "" if entry.values is not None or entry.why_not else "about "
     errors = (entry.error, entry.by_masses if entry.values is not None else math.nan, entry.by_flexibility)
     return (
-        entry.code,
-        *(_size(error) for error in (*errors, apart(entry, entries))),
-        about + _seconds(entry.median("whole")),
-        spread,
-        *(_seconds(entry.median(part)) for part in ("rest", "setup", "loop")),
-        remark,
+        *(entry.code, *(_size(error) for error in (*errors, apart(entry, entries)))),
+        *(about + _seconds(entry.median("whole")), spread),
+        *(*(_seconds(entry.median(part)) for part in ("rest", "setup", "loop")), remark),
     )
 
 
@@ -49,16 +46,8 @@ def _seconds(spent: float) -> str:
     return "" if math.isnan(spent) else f"{spent:.3g}" if spent < 100.0 else f"{spent:.0f}"
 
 
-def groups(entries: Sequence[Entry]) -> list[tuple[str, list[Entry]]]:
-    """Rows of each mesh, with its title."""
-    found: dict[str, list[Entry]] = {}
-    for entry in entries:
-        found.setdefault(entry.mesh.title if entry.mesh else "rigid bodies", []).append(entry)
-    return list(found.items())
-
-
 def agreement(entries: Sequence[Entry]) -> str:
-    """How far the codes that run the same model are apart, in words; empty where fewer than two have ended."""
+    """Return the largest distance of codes that run the same model, empty where fewer than two have ended."""
     ended = [entry for entry in entries if entry.code in SAME_MODEL and entry.values is not None]
     if len(ended) < 2:
         return ""
@@ -68,60 +57,33 @@ def agreement(entries: Sequence[Entry]) -> str:
 
 
 def ratios(entries: Sequence[Entry]) -> str:
-    """How many times the others' whole time ours is, medians over the rounds; empty without others."""
+    """Return our whole time over the others', medians over the rounds, empty without others."""
     ours, *rest = entries
-    found = []
+    texts = []
     for other in (entry for entry in rest if not entry.code.startswith("tailslap")):
         both = [a.whole / b.whole for a, b in zip(ours.turns, other.turns, strict=False)]
         about = "about " if other.values is None else ""
-        found += [f"{other.code} {about}{statistics.median(both):.2g}"] if both else []
-    return f"whole time of {ours.code} over that of: {', '.join(found)}" if found else ""
-
-
-def remarks(members: Sequence[Entry]) -> list[str]:
-    """List the remarks below the rows of a mesh."""
-    return [text for text in (agreement(members), ratios(members)) if text]
+        texts += [f"{other.code} {about}{statistics.median(both):.2g}"] if both else []
+    return f"whole time of {ours.code} over that of: {', '.join(texts)}" if texts else ""
 
 
 def values_rows(members: Sequence[Entry]) -> list[tuple[str, ...]]:
-    """The five quantities of each code that has them, below those of the exact rigid motion."""
+    """Return the five quantities of each code that has them, below those of the exact rigid motion."""
     named = [("exact", members[0].exact), *((entry.code, entry.values) for entry in members)]
     return [(name, *(f"{value:.10g}" for value in values)) for name, values in named if values is not None]
 
 
-def terminal_text(entries: Sequence[Entry]) -> str:
-    """The table in columns."""
-    rows = [cells(entry, entries) for entry in entries]
-    widths = [max(map(len, column)) for column in zip(COLUMNS, *rows, strict=True)]
-    by_entry = dict(zip(map(id, entries), rows, strict=True))
-    lines = [_padded(COLUMNS, widths)]
-    for title, members in groups(entries):
-        lines += ["", title, *(_padded(by_entry[id(entry)], widths) for entry in members)]
-        lines += remarks(members)
-    return "\n".join([*lines, "", LEGEND, "", *_values_lines(entries)])
-
-
-def _values_lines(entries: Sequence[Entry]) -> list[str]:
-    widths = [max(len(entry.code) for entry in entries), *(5 * [14]), 0]
-    lines = [_padded((*VALUES, ""), widths)]
-    for title, members in groups(entries):
-        lines += ["", title, *(_padded((*row, ""), widths) for row in values_rows(members))]
-    return lines
-
-
-def _padded(row: Sequence[str], widths: Sequence[int]) -> str:
-    first, *rest = zip(row, widths, strict=True)
-    last = rest.pop()[0]
-    return "  ".join([first[0].ljust(first[1]), *(text.rjust(width) for text, width in rest), last]).rstrip()
-
-
 def markdown(entries: Sequence[Entry], head: str) -> str:
-    """The same for a document: a table of each mesh."""
+    """Return a table of each mesh."""
+    meshes: dict[str, list[Entry]] = {}
+    for entry in entries:
+        meshes.setdefault(entry.mesh.title if entry.mesh else "rigid bodies", []).append(entry)
     parts = [head]
-    for title, members in groups(entries):
+    for title, members in meshes.items():
         rows = [COLUMNS, ("---",) * len(COLUMNS), *(cells(entry, entries) for entry in members)]
         values = [VALUES, ("---",) * len(VALUES), *values_rows(members)]
-        parts += [f"**{title}**", _piped(rows), *remarks(members), _piped(values)]
+        remarks = [text for text in (agreement(members), ratios(members)) if text]
+        parts += [f"**{title}**", _piped(rows), *remarks, _piped(values)]
     return "\n\n".join([*parts, LEGEND.replace("\n", "  \n")]) + "\n"
 
 
