@@ -29,7 +29,7 @@ def options(description: str | None, *positional: str | tuple[str, Any], **optio
 
     positional: name of a required argument, or name and default; with an empty list any number of arguments, with a
     mapping its keys, all by default. optional: default by name; False is a flag, a type an option without default, an
-    empty list one that is repeated, a tuple one of several values.
+    empty list one that is repeated, a tuple one of several values, None any number of texts, None without the option.
     """
     parser = argparse.ArgumentParser(
         description=description, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -61,6 +61,8 @@ def _value(default: Any) -> dict[str, Any]:
     """Return the settings of an argument with this default."""
     if default is False:
         return {"action": "store_true"}
+    if default is None:
+        return {"nargs": "*"}
     if isinstance(default, type):
         return {"type": default}
     if isinstance(default, tuple):

@@ -15,6 +15,7 @@ from typing import Any
 
 import command_line
 import numpy as np
+from command_line import spread
 from process import ROOT, process
 
 from fem.explicit.impact_loop import ImpactMeasures
@@ -81,10 +82,8 @@ def bouncing_bar() -> Iterator[Row]:
         order = np.polyfit(np.log([25, 50, 100, 200]), np.log(ends), 1)[0]
         yield f"bouncing bar, {law}: order of the end of contact", f"{-order:.2f}"
         energy = bounce(50, law, 10.0)[2]
-        yield (
-            f"bouncing bar, {law}: energy, ten periods: most, last",
-            f"{energy.max():+.1e}, {energy[-1]:+.1e}",
-        )
+        text = f"{energy.max():+.1e}, {energy[-1]:+.1e}"
+        yield f"bouncing bar, {law}: energy, ten periods: most, last", text
 
 
 def _end(elements: int, law: str) -> float:
@@ -95,10 +94,8 @@ def _end(elements: int, law: str) -> float:
 def striking_bars() -> Iterator[Row]:
     """Rows 2 and 3: pressure and time of contact of a bar, and Code_Aster's SDNV100, in the linear range."""
     steel = {"thickness": 0.02, "density": 8000.0, "youngs_modulus": 2e11, "length": 0.2, "width": 0.02}
-    for name, plate, speed, wave, length in (
-        ("bar", {}, 1e-3, 30.0, 10.0),
-        ("SDNV100", steel, 1.0, 5000.0, 0.2),
-    ):
+    bars = ("bar", {}, 1e-3, 30.0, 10.0), ("SDNV100", steel, 1.0, 5000.0, 0.2)
+    for name, plate, speed, wave, length in bars:
         for law in LAWS:
             errors = []
             for elements in (50, 100, 200):
@@ -151,10 +148,8 @@ def against_rigid() -> Iterator[Row]:
     along = np.abs(mass * (h["v_gx"] - touch.v_gx) - h["tangential_impulse"]).max() / (mass * 25.0)
     turned = h["angular_momentum"] - h["moment_impulse"]
     spin = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
-    yield (
-        "momentum across, along, angular, against the wall's force",
-        f"{across:.0e}, {along:.0e}, {spin:.0e}",
-    )
+    text = f"{across:.0e}, {along:.0e}, {spin:.0e}"
+    yield "momentum across, along, angular, against the wall's force", text
     energy = np.abs(energy_error(outcome)).max() / (0.5 * mass * 25.034**2)
     yield "energy with crush and friction, over the initial", f"{energy:.0e}"
 
@@ -164,8 +159,7 @@ def loop_time() -> Iterator[Row]:
     for what, scene, end in (("impact, 120 elements", SCENE, 0.7), ("train, 300 elements", TRAIN, 1.2)):
         plan = ImpactCase(*read_scene(scene, (f"time.end={end}",)))
         times = [attempt(plan).run.time_loop_s for _ in range(9)]
-        spread = f"{statistics.median(times):.3f} s ({min(times):.3f} to {max(times):.3f}, 9 runs)"
-        yield f"FE {what}, {end} s: loop and records", spread
+        yield f"FE {what}, {end} s: loop and records", f"{spread(times)} s, 9 runs"
 
 
 def rigid_trains() -> Iterator[Row]:
@@ -189,10 +183,8 @@ def rigid_trains() -> Iterator[Row]:
     for low, high in ((0.0, 0.01), (0.01, 0.1), (0.1, 0.4)):
         those = (few["contact.restitution"] >= low) & (few["contact.restitution"] < high)
         true, stated = np.array(errors)[those], found.error[:128][those]
-        yield (
-            f"  restitution {low:g} to {high:g}: error of the largest strike; stated",
-            f"{np.median(true):.0e}, most {max(true):.0e}; {np.median(stated):.0e}, {max(stated):.0e}",
-        )
+        text = f"{np.median(true):.0e}, most {max(true):.0e}; {np.median(stated):.0e}, {max(stated):.0e}"
+        yield f"  restitution {low:g} to {high:g}: error of the largest strike; stated", text
 
 
 def _processor(call: Callable[[], Any]) -> tuple[float, Any]:
@@ -207,10 +199,7 @@ def whole_run() -> Iterator[Row]:
     for what, changes in (("without stated error", ("verify.companion=false",)), ("with stated error", ())):
         command = ("run", TRAIN, "--no-pictures", *(f"--set={each}" for each in ("time.end=1.2", *changes)))
         times = [process(ROOT, command).processor for _ in range(6)][1:]  # the first compiles
-        yield (
-            f"FE train, 1.2 s, whole run {what}",
-            f"{statistics.median(times):.2f} s ({min(times):.2f} to {max(times):.2f})",
-        )
+        yield f"FE train, 1.2 s, whole run {what}", f"{spread(times)} s"
 
 
 def meshes() -> Iterator[Row]:
@@ -245,37 +234,13 @@ def filters() -> Iterator[Row]:
     inside = np.clip((edges - 0.1) / half, 0.0, 1.0)
     force = np.diff((1.0 - np.cos(math.pi * inside)) * half / math.pi) / 1e-5
     exact = 2.0 * half / (math.pi * 0.05) * math.sin(math.pi * 0.05 / (2.0 * half))
-    yield (
-        "50 ms mean of a half sine of 100 ms over the formula - 1",
-        f"{moving_mean(force, 1e-5, 0.05).max() / exact - 1.0:+.1e}",
-    )
+    difference = moving_mean(force, 1e-5, 0.05).max() / exact - 1.0
+    yield "50 ms mean of a half sine of 100 ms over the formula - 1", f"{difference:+.1e}"
 
 
-PARTS = (
-    filters,
-    rigid_limit,
-    against_rigid,
-    loop_time,
-    whole_run,
-    rigid_trains,
-    striking_bars,
-    bouncing_bar,
-    meshes,
-)
-
-
-def main() -> None:
-    """Print the rows as they come."""
-    parser = command_line.parser(__doc__)
-    names = {part.__name__: part for part in PARTS}
-    parser.add_argument("parts", nargs="*", metavar="PART", help=", ".join(names))
-    began, parts = time.perf_counter(), parser.parse_args().parts
-    if unknown := {*parts} - names.keys():
-        parser.error(f"unknown parts: {', '.join(unknown)}")
-    for part in [names[name] for name in parts] or PARTS:
-        print(printed([pairs(list(part()))]), flush=True)
-    print(f"{time.perf_counter() - began:.0f} s in all")
-
+FUNCTIONS = (filters, rigid_limit, against_rigid, loop_time, whole_run, rigid_trains)
+PARTS = {part.__name__: part for part in (*FUNCTIONS, striking_bars, bouncing_bar, meshes)}
 
 if __name__ == "__main__":
-    main()
+    for name in command_line.options(__doc__, ("parts", PARTS)).parts:
+        print(printed([pairs(list(PARTS[name]()))]), flush=True)

@@ -9,7 +9,6 @@ true error counts as far as it is beyond that. FILE holds a line of JSON a scene
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections import Counter
@@ -19,18 +18,17 @@ from typing import Any
 
 import command_line
 import numpy as np
+from command_line import add_record, corner_case, read_records, row
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-
+from tailslap.case.check import failed_names
 from tailslap.case.corner.numerical_error import FLOOR, FRACTION
+from tailslap.errors import InputError
 
 SCENE = "mash-tl4-sut"
 ABOVE = 1e-3
 """True error beyond which a passing run must have stated it."""
-
 MOST_NODES = 1_500
 """Nodes of a reference, about."""
-
 PATIENCE_S = 20.0
 """Expected seconds of a reference above which a scene has none."""
 
@@ -38,7 +36,7 @@ Record = dict[str, Any]
 
 
 def draw(seed: int, number: int) -> tuple[str, ...]:
-    """Changes of a scene."""
+    """Draw the changes of a scene."""
     random = np.random.default_rng((seed, number))
     even, ratio = random.uniform, lambda low, high: float(np.exp(random.uniform(np.log(low), np.log(high))))
     length = even(5.0, 20.0)
@@ -73,11 +71,9 @@ def draw(seed: int, number: int) -> tuple[str, ...]:
 
 
 def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
-    """Differences from the rigid motion of finer meshes that pass, of quadratic and of linear elements."""
-    from tailslap.case.check import failed_names
+    """Yield the differences from the rigid motion of finer meshes that pass, of quadratic and of linear elements."""
     from tailslap.case.corner import corner_run
     from tailslap.case.resources import expected_effort
-    from tailslap.errors import InputError
 
     plate = outcome.fe_plan.plate
     for element, order in (("quad9", 2), ("quad4", 1)):
@@ -109,13 +105,9 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
 def judge(seed: int, number: int) -> Record:
     """Return the outcome of a scene's run with its stated and true errors."""
     from postprocess.comparison.quantities import largest
-    from tailslap.case.check import failed_names
-    from tailslap.case.corner.corner_case import CornerCase
-    from tailslap.errors import InputError
-    from tailslap.scene.read import read_scene
 
     try:
-        case = CornerCase(*read_scene(SCENE, draw(seed, number)))
+        case = corner_case(SCENE, *draw(seed, number))
         outcome = case.run()
     except InputError as error:
         return {"number": number, "end": "refused", "why": error.key}
@@ -140,7 +132,7 @@ def _distance(ours: Mapping[str, float], its: Mapping[str, float]) -> float:
 
 
 def print_table(records: list[Record]) -> int:
-    """The figures asked for, and every scene that misses one. Returns the exit status."""
+    """Print the figures and every scene beyond one, and return the exit status."""
     judged = [r for r in records if r.get("true") is not None]
     passed = [r for r in judged if r["end"] == "passed"]
     above = [r for r in passed if r["true"] - r["unsure"] > r["stated"]]
@@ -150,35 +142,23 @@ def print_table(records: list[Record]) -> int:
     good = [r for r in failed if 3.0 * r["true"] <= FLOOR + FRACTION * r["difference"]]
     close = [r for r in failed if r["true"] <= ABOVE]
     print(f"scenes {len(records)}: {dict(Counter(r['end'] for r in records))}; with references {len(judged)}")
-    percent = 100.0 * (1.0 - len(above) / max(1, len(passed)))
-    print(f"passing runs whose true error is at most the stated one   asked 99 %   measured {percent:.1f} %")
-    print(
-        f"passing runs beyond it and beyond {ABOVE:g}                 asked 0      measured {len(uncaught)}"
-    )
-    parts = [100.0 * len(these) / max(1, len(judged)) for these in (good, close)]
-    print(f"failed although good: a third of what is allowed        asked 3 %    measured {parts[0]:.1f} %")
-    print(
-        f"failed and true to {ABOVE:g}                                            measured {parts[1]:.1f} %"
-    )
-    for record in above + good:
-        print(record)
+    bounded = 100.0 * (1.0 - len(above) / max(1, len(passed)))
+    parts = [f"{100.0 * len(these) / max(1, len(judged)):.1f} %" for these in (good, close)]
+    row("passing runs whose true error is at most the stated one", "99 %", f"{bounded:.1f} %")
+    row(f"passing runs beyond it and beyond {ABOVE:g}", "0", str(len(uncaught)))
+    row("failed although correct: a third of the allowed error", "3 %", parts[0])
+    row(f"failed and true to {ABOVE:g}", "", parts[1])
+    print(*(above + good), sep="\n")
     return bool(uncaught)
 
 
 def main() -> int:
     """Run and print."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("count", type=int, nargs="?", default=600)
-    parser.add_argument("seed", type=int, nargs="?", default=28)
-    parser.add_argument("--keep", type=Path)
-    given = parser.parse_args()
-    kept = given.keep.read_text().splitlines() if given.keep and given.keep.exists() else []
-    records = [json.loads(line) for line in kept]
-    for number in range(len(records), given.count):
-        records.append(judge(given.seed, number))
-        if given.keep:
-            with given.keep.open("a") as file:
-                file.write(json.dumps(records[-1]) + "\n")
+    options = command_line.options(__doc__, ("count", 600), ("seed", 28), keep=Path)
+    records = read_records(options.keep)
+    for number in range(len(records), options.count):
+        records.append(judge(options.seed, number))
+        add_record(options.keep, records[-1])
     return print_table(records)
 
 
