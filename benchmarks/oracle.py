@@ -20,16 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import command_line
+from command_line import TAILSLAP
 
-ROOT = Path(__file__).parents[1]
-CORNER = re.findall(
-    r"\S+",
-    "mash-tl1-car mash-tl1-pickup mash-tl2-car mash-tl2-pickup mash-tl3-car mash-tl3-pickup mash-tl4-sut "
-    "paper-abaqus paper-table-3",
-)
-IMPACT = [
-    f"impact-{name}" for name in (*CORNER, "mash-tl5-tractor-van", "mash-tl6-tractor-tank") if "mash" in name
-]
+CAR_TESTS = [f"mash-tl{level}-{kind}" for level in (1, 2, 3) for kind in ("car", "pickup")]
+CORNER = (*CAR_TESTS, "mash-tl4-sut", "paper-abaqus", "paper-table-3")
+IMPACT = [f"impact-{name}" for name in (*CORNER[:7], "mash-tl5-tractor-van", "mash-tl6-tractor-tank")]
 VARIED = {
     "soft": ("paper-table-3", "plate.youngs_modulus=2 GPa"),
     "neo-hookean": ("paper-table-3", "material.law=neo-hookean", "plate.element=quad9"),
@@ -57,27 +52,21 @@ def commands() -> dict[str, tuple[str, ...]]:
         given = tuple(part for change in changes for part in ("--set", change))
         found[f"run-{name}"] = ("run", scene, *given, "--no-pictures", "--out", "{out}")
         found[f"check-{name}"] = ("check", scene, *given)
-    us = ("--units", "us")
-    found["us-run"] = ("run", "mash-tl4-sut", "--no-pictures", *us, "--out", "{out}")
-    found["us-rigid"] = ("rigid", "mash-tl4-sut", *us)
-    found["us-impact"] = ("rigid", "impact-mash-tl4-sut", *us)
-    found["modal"] = ("modal", "mash-tl4-sut")
-    found["modes"] = ("modes", "mash-tl4-sut", "--out", "{out}")
-    found["paper"] = ("paper", "--out", "{out}")
-    found["scenes"] = ("scenes",)
-    modulus = "plate.youngs_modulus=log:2 GPa:200 GPa:3"
-    found["sweep"] = ("sweep", "paper-table-3", "--vary", modulus, "--out", "{out}")
-    found["sweep-impact"] = (
-        "sweep",
-        "impact-mash-tl4-sut",
-        "--vary",
-        "contact.friction=0.2:0.6:3",
-        "--out",
-        "{out}",
-    )
-    found["uncertainty"] = ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000", "--out", "{out}")
-    found["flexibility"] = ("study", "flexibility", "mash-tl4-sut", "--points", "5", "--out", "{out}")
-    found["random"] = ("study", "stability", "mash-tl4-sut", "--random", "3", "--out", "{out}")
+    others = {
+        "us-run": "run mash-tl4-sut --no-pictures --units us --out {out}",
+        "us-rigid": "rigid mash-tl4-sut --units us",
+        "us-impact": "rigid impact-mash-tl4-sut --units us",
+        "modal": "modal mash-tl4-sut",
+        "modes": "modes mash-tl4-sut --out {out}",
+        "paper": "paper --out {out}",
+        "scenes": "scenes",
+        "sweep": "sweep paper-table-3 --vary plate.youngs_modulus=log:2e9:200e9:3 --out {out}",
+        "sweep-impact": "sweep impact-mash-tl4-sut --vary contact.friction=0.2:0.6:3 --out {out}",
+        "uncertainty": "study uncertainty mash-tl4-sut --samples 1000 --out {out}",
+        "flexibility": "study flexibility mash-tl4-sut --points 5 --out {out}",
+        "random": "study stability mash-tl4-sut --random 3 --out {out}",
+    }
+    found |= {name: tuple(words.split()) for name, words in others.items()}
     return found
 
 
@@ -89,14 +78,8 @@ def make(folder: Path, root: Path, only: str) -> None:
         if not re.search(only, name) or (place / "status").exists():
             continue
         place.mkdir(parents=True, exist_ok=True)
-        given = [part.format(out=place / "result") for part in arguments]
-        done = subprocess.run(
-            [sys.executable, "-m", "tailslap", *given],
-            cwd=root,
-            env=environment,
-            capture_output=True,
-            text=True,
-        )
+        command = [*TAILSLAP, *(part.format(out=place / "result") for part in arguments)]
+        done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
         (place / "stdout").write_text(done.stdout.replace(str(place), "OUT"))
         (place / "status").write_text(f"{done.returncode}\n")
         print(f"{name}: {done.returncode}", flush=True)
@@ -207,17 +190,14 @@ def compares(path: Path) -> bool:
 
 def main() -> None:
     """Make or compare."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("what", choices=["make", "compare"])
-    parser.add_argument("folders", nargs="+", type=Path)
-    parser.add_argument("--root", type=Path, default=ROOT)
-    parser.add_argument("--only", default="")
-    parser.add_argument("--tolerance", type=float, default=0.0)
-    given = parser.parse_args()
+    given = command_line.options(
+        __doc__, "what", ("folders", []), root=str(command_line.ROOT), only="", tolerance=0.0
+    )
+    folders = [Path(folder) for folder in given.folders]
     if given.what == "make":
-        make(given.folders[0].resolve(), given.root.resolve(), given.only)
+        make(folders[0].resolve(), Path(given.root).resolve(), given.only)
     else:
-        sys.exit(compare(given.folders[0], given.folders[1], given.tolerance))
+        sys.exit(compare(folders[0], folders[1], given.tolerance))
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import command_line
+from command_line import ROOT
 
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.svg.chart import Chart
@@ -23,27 +24,29 @@ from tailslap.studies.cost.cost_report import RIGID, SOFT
 from tailslap.studies.stability.cell_verdicts import MAP_KINDS
 from tailslap.studies.stability.stability_axes import axes_of
 
-DOCS = Path(__file__).parents[1] / "docs"
 SHOWN = (
     *(("stiffness", name) for name in ("penalty", "friction", "speed", "angle", "slenderness", "damping")),
     *(("penalty", "speed"), ("friction", "damping")),
 )
 """Pairs of axes that docs/studies.md shows."""
-
 MEANINGS = {axis.name: axis.meaning for axis in axes_of(read_scene("paper-table-3")[0], 2)}
+WORDS, TRUTHS = ("setting", "kind", "group", "label", "failed", "refused"), ("soft", "choice")
+"""Columns of points.csv that are no numbers."""
 
 
 def draw_cost(folder: Path, target: Path) -> None:
-    """Both questions' diagrams of error against run time, one below the other."""
+    """Draw the diagrams of error over run time for rigid and flexible plates."""
     known = json.loads((folder / "summary.json").read_text())["known"]
-    rows = read_rows(folder / "points.csv")
+    rows = [
+        {key: _value(key, text) for key, text in row.items()} for row in read_table(folder / "points.csv")
+    ]
     rigid, soft = ([row for row in rows if row["soft"] == is_soft] for is_soft in (False, True))
     panels = charts(RIGID, rigid, known["rigid"]), charts(SOFT, soft, known["flexible"], known["choices"])
     target.write_text(side_by_side([*panels[0], *panels[1]], 1), encoding="utf-8")
 
 
 def side_by_side(charts: list[Chart], across: int = 3) -> str:
-    """Charts in rows, as one SVG."""
+    """Return charts in rows, as one SVG."""
     heights = [float(re.findall(r'height="(\d+)"', chart.svg)[0]) for chart in charts]
     tall, wide = max(heights) + 16.0, max(chart.width for chart in charts) + 20.0
     placed = [
@@ -64,31 +67,25 @@ def draw_stability(folder: Path, target: Path) -> None:
 
 
 def read_maps(path: Path) -> dict[tuple[str, str], tuple[MapAxis, MapAxis, list[list[str]]]]:
-    """The maps of a result folder of the study `stability`, by the names of their axes, first across and second up."""
+    """Return the maps of the study `stability` by the names of their axes, first across and second up."""
     cells: dict[tuple[str, str], dict[tuple[float, float], str]] = {}
+    for row in read_table(path):
+        place = (float(row["first_value"]), float(row["second_value"]))
+        cells.setdefault((row["first"], row["second"]), {})[place] = row["kind"]
+    maps = {}
+    for pair, kinds in cells.items():
+        across, up = (sorted({place[number] for place in kinds}) for number in (0, 1))
+        axes = (
+            MapAxis(MEANINGS.get(name, name), values) for name, values in zip(pair, (across, up), strict=True)
+        )
+        maps[pair] = (*axes, [[kinds[x, y] for x in across] for y in up])
+    return maps  # type: ignore[return-value]
+
+
+def read_table(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a table of a result folder."""
     with path.open(newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            place = (float(row["first_value"]), float(row["second_value"]))
-            cells.setdefault((row["first"], row["second"]), {})[place] = row["kind"]
-    return {pair: _map(*pair, found) for pair, found in cells.items()}
-
-
-def _map(
-    first: str, second: str, found: dict[tuple[float, float], str]
-) -> tuple[MapAxis, MapAxis, list[list[str]]]:
-    across, up = (sorted({place[number] for place in found}) for number in (0, 1))
-    verdicts = [[found[x, y] for x in across] for y in up]
-    return MapAxis(MEANINGS.get(first, first), across), MapAxis(MEANINGS.get(second, second), up), verdicts
-
-
-WORDS, TRUTHS = ("setting", "kind", "group", "label", "failed", "refused"), ("soft", "choice")
-"""Columns of points.csv that are no numbers."""
-
-
-def read_rows(path: Path) -> list[dict[str, Any]]:
-    """The rows of a result folder of the study `cost`."""
-    with path.open(newline="", encoding="utf-8") as file:
-        return [{key: _value(key, text) for key, text in row.items()} for row in csv.DictReader(file)]
+        return list(csv.DictReader(file))
 
 
 def _value(key: str, text: str) -> Any:
@@ -102,15 +99,12 @@ PICTURES = (("points.csv", "cost.svg", draw_cost), ("cells.csv", "stability.svg"
 
 def main() -> None:
     """Draw the pictures of the folders."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("folders", nargs="+", type=Path)
-    parser.add_argument("--out", type=Path, default=DOCS)
-    given = parser.parse_args()
-    for folder in given.folders:
+    options = command_line.options(__doc__, ("folders", []), out=str(ROOT / "docs"))
+    for folder in map(Path, options.folders):
         for table, name, draw in PICTURES:
             if (folder / table).is_file():
-                draw(folder, given.out / name)
-                print(given.out / name)
+                draw(folder, Path(options.out) / name)
+                print(Path(options.out) / name)
 
 
 if __name__ == "__main__":

@@ -22,16 +22,12 @@ from pathlib import Path
 from types import FrameType
 
 import command_line
+from command_line import ROOT
 
-ROOT = Path(__file__).parents[1]
 PACKAGES = ("solver", "meshes", "machine_code", "fem", "postprocess", "tailslap")
 SKIPPED = {
-    tokenize.COMMENT,
-    tokenize.NL,
-    tokenize.NEWLINE,
-    tokenize.INDENT,
-    tokenize.DEDENT,
-    tokenize.ENDMARKER,
+    *(tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE),
+    *(tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER),
 }
 SMALL = 40
 """Lines of code below which a module is too small to be a subject."""
@@ -161,10 +157,7 @@ def assertions(root: Path = ROOT) -> int:
 
 def main() -> None:
     """Print the figures."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("--files", action="store_true", help="list each file")
-    parser.add_argument("--trace", action="store_true", help="follow the calls of a run")
-    options = parser.parse_args()
+    options = command_line.options(__doc__, files=False, trace=False)
     texts = {path: path.read_text(encoding="utf-8") for path in sources()}
     lines = {path: code_lines(text) for path, text in texts.items()}
     total = sum(lines.values())
@@ -172,13 +165,11 @@ def main() -> None:
         for path, count in lines.items():
             print(f"{count:5d}  {'report' if reports(path) else '      '}  {path.relative_to(ROOT)}")
     for package in PACKAGES:
-        print(
-            f"{package:<12} {sum(n for path, n in lines.items() if path.is_relative_to(ROOT / package)):6d} lines"
-        )
+        count = sum(n for path, n in lines.items() if path.is_relative_to(ROOT / package))
+        print(f"{package:<12} {count:6d} lines")
     reporting = sum(n for path, n in lines.items() if reports(path))
-    print(
-        f"{'together':<12} {total:6d} lines, {reporting} of them report ({100.0 * reporting / total:.1f} %)"
-    )
+    share = f"{reporting} of them report ({100.0 * reporting / total:.1f} %)"
+    print(f"{'together':<12} {total:6d} lines, {share}")
     importing = sum(map(import_lines, texts.values()))
     print(f"{len(lines)} files; imports {importing} lines ({100.0 * importing / total:.1f} %)")
     small = [path for path, count in lines.items() if count < SMALL and not path.stem.startswith("__")]
@@ -197,9 +188,8 @@ def main() -> None:
         print("   ", ", ".join(circle))
     if options.trace:
         files, climbs, meshes = trace()
-        print(
-            f"up to the time loop: {files} files, {climbs} climbs from fem into tailslap, {meshes} meshes of the plate"
-        )
+        calls = f"{files} files, {climbs} climbs from fem into tailslap, {meshes} meshes of the plate"
+        print(f"up to the time loop: {calls}")
 
 
 if __name__ == "__main__":

@@ -16,7 +16,6 @@ import os
 import resource
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -25,11 +24,10 @@ from typing import Any
 
 import command_line
 import psutil
-from main_job import row
+from command_line import TAILSLAP, row, sweep_rows
 
 from tailslap.campaign.records import count
 from tailslap.campaign.sweep_run import RECORDS
-from tailslap.campaign.sweep_table import CIRCUMSTANCES, TABLE
 
 THOUSAND = (
     *("paper-table-3", "--set", "plate.elements=[10, 3]"),
@@ -46,7 +44,7 @@ SUBREAPER = 36
 
 def sweep(place: Path, *arguments: str) -> subprocess.Popen[bytes]:
     """The command, started as a process of its own."""
-    command = [sys.executable, "-m", "tailslap.cli", "sweep", *arguments, "--out", str(place)]
+    command = [*TAILSLAP, "sweep", *arguments, "--out", str(place)]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL)
 
 
@@ -69,15 +67,14 @@ def rates(folder: Path) -> None:
     row("1000 runs, two workers against one: rate", "1.8 times", f"{best[2] / best[1]:.2f} times")
     row("  runs a second: one worker; two workers", "", f"{', '.join(alone[1])}; {', '.join(alone[2])}")
     row("  whole process, start and report included", "", f"{least[1]:.1f} s; {least[2]:.1f} s")
-    row(
-        "  processor time per run, all processes; rate that it allows",
-        "",
-        f"{1e3 * spent[1]:.1f} ms; {1e3 * spent[2]:.1f} ms; {2.0 * spent[1] / spent[2]:.2f} times",
-    )
+    text = f"{1e3 * spent[1]:.1f} ms; {1e3 * spent[2]:.1f} ms; {2.0 * spent[1] / spent[2]:.2f} times"
+    row("  processor time per run, all processes; rate that it allows", "", text)
     for workers, found in efforts.items():
         over = min(effort["overhead_a_run_s"] for *_, effort in found)
         row(f"overhead per run, {workers} worker(s)", "5 ms", f"{1e3 * over:.1f} ms")
-    row("all four tables the same, but for times", "yes", "yes" if _same(folder, "rate-*") else "NO")
+    first, *rest = (sweep_rows(place) for place in sorted(folder.glob("rate-*")))
+    same = all(table == first for table in rest)
+    row("all four tables the same, but for times", "yes", "yes" if same else "NO")
 
 
 def finished(process: subprocess.Popen[bytes]) -> float:
@@ -111,9 +108,9 @@ def kills(folder: Path) -> None:
         status = process.wait()
         if status < 0:
             sweep(place, *KILLED).wait()
-        found = _table(place)
+        found = sweep_rows(place)
         once = [line["run"] for line in found] == list(range(300))
-        right = found == _table(folder / "kill-nothing")
+        right = found == sweep_rows(folder / "kill-nothing")
         verdict = "every row once, none lost, none wrong" if once and right else "ROWS LOST OR WRONG"
         row(f"kill -9 of {name}, after {kept} of 300 rows", "all rows, once", verdict)
 
@@ -125,21 +122,9 @@ def workers_of(pid: int) -> list[int]:
     return []
 
 
-def _table(place: Path) -> list[dict[str, Any]]:
-    import pyarrow.parquet as pq
-
-    rows = pq.read_table(place / TABLE).to_pylist()
-    return [{name: value for name, value in line.items() if name not in CIRCUMSTANCES} for line in rows]
-
-
-def _same(folder: Path, pattern: str) -> bool:
-    first, *others = (_table(place) for place in sorted(folder.glob(pattern)))
-    return all(other == first for other in others)
-
-
 def main() -> None:
     """Print both parts."""
-    command_line.parser(__doc__).parse_args()
+    command_line.options(__doc__)
     ctypes.CDLL(None).prctl(SUBREAPER, 1)
     with tempfile.TemporaryDirectory() as folder:
         kills(Path(folder))

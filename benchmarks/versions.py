@@ -16,13 +16,13 @@ import subprocess
 import sys
 import tempfile
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import command_line
+from command_line import ROOT
+from oracle import leaves
 
-ROOT = Path(__file__).parents[1]
 SCENES = ("paper-table-3", "impact-mash-tl4-sut")
 COMPARED = ("fe", "rigid")
 """Their differences have the rounding of both, and are up to a million times smaller."""
@@ -31,81 +31,56 @@ SMALL = 1e-12
 """Fraction of the largest number of a table below which only the size of a number matters."""
 
 
-def requirements(oldest: bool) -> list[str]:
-    """Dependencies with pytest and what tests need; the oldest that are allowed, or whatever is newest."""
+def environment(folder: Path, oldest: bool) -> str:
+    """Make a virtual environment with the oldest or newest dependencies, and return its interpreter."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    wanted = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
-    return [name.replace(">=", "==") if oldest else name for name in wanted]
-
-
-def environment(folder: Path, oldest: bool) -> Path:
-    """A new virtual environment's python."""
+    names = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
+    names = [name.replace(">=", "==") if oldest else name for name in names]
+    python = str(folder / "bin" / "python")
+    pip = [python, "-m", "pip", "--disable-pip-version-check"]
     subprocess.run([sys.executable, "-m", "venv", str(folder)], check=True)
-    python = folder / "bin" / "python"
-    install = [
-        str(python),
-        "-m",
-        "pip",
-        "install",
-        "-q",
-        "--disable-pip-version-check",
-        *requirements(oldest),
-    ]
-    subprocess.run(install, check=True)
+    subprocess.run([*pip, "install", "-q", *names], check=True)
+    subprocess.run([*pip, "freeze"], check=True)
     return python
 
 
-def summaries(python: Path, folder: Path) -> dict[str, Any]:
-    """Return the summaries of the scenes."""
-    found = {}
+def summaries(python: str, folder: Path) -> dict[str, dict[str, float]]:
+    """Return the numbers of each scene's summary by name."""
+    numbers = {}
     for scene in SCENES:
-        line = [str(python), "-m", "tailslap", "run", scene, "--no-pictures", "--out", str(folder / scene)]
+        line = [python, "-m", "tailslap", "run", scene, "--no-pictures", "--out", str(folder / scene)]
         done = subprocess.run(line, env={**os.environ, "PYTHONPATH": str(ROOT)}, cwd=folder, check=False)
         if done.returncode:
             sys.exit(f"{scene} ends with {done.returncode}")
         summary = json.loads((folder / scene / "summary.json").read_text())
-        found[scene] = {name: summary[name] for name in COMPARED}
-    return found
+        values: Any = leaves({name: summary[name] for name in COMPARED})
+        numbers[scene] = {name: value for name, value in values if isinstance(value, float)}
+    return numbers
 
 
-def numbers(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
-    """Every number in it, by its place."""
-    if isinstance(value, dict | list):
-        pairs = value.items() if isinstance(value, dict) else enumerate(value)
-        for key, inner in pairs:
-            yield from numbers(inner, f"{name}.{key}")
-    elif isinstance(value, float):
-        yield name, value
-
-
-def largest_difference(first: Any, second: Any) -> tuple[float, str]:
-    """Of two summaries: relative, and where."""
-    ours, its = dict(numbers(first)), dict(numbers(second))
-    if ours.keys() != its.keys():
-        return math.inf, f"other entries: {sorted(ours.keys() ^ its.keys())[:3]}"
+def largest_difference(ours: dict[str, float], theirs: dict[str, float]) -> tuple[float, str]:
+    """Return the largest relative difference of two summaries, and its name."""
+    if ours.keys() != theirs.keys():
+        return math.inf, f"other entries: {sorted(ours.keys() ^ theirs.keys())[:3]}"
     floor = SMALL * max(map(abs, ours.values()))
-    return max((abs(its[name] - value) / max(abs(value), floor), name) for name, value in ours.items())
+    return max((abs(theirs[name] - value) / max(abs(value), floor), name) for name, value in ours.items())
 
 
 def main() -> None:
-    """Compare, and run the tests where they are asked for."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("--tests", action="append", default=[])
-    chosen, found, failed = parser.parse_args(), [], False
+    """Compare, and run the tests."""
+    options, results, failed = command_line.options(__doc__, tests=[]), [], False
     with tempfile.TemporaryDirectory() as name:
         for oldest in (True, False):
             folder = Path(name) / ("oldest" if oldest else "newest")
             python = environment(folder, oldest)
-            subprocess.run([str(python), "-m", "pip", "freeze", "--disable-pip-version-check"], check=True)
-            found.append(summaries(python, folder))
-            if chosen.tests:
-                failed |= bool(
-                    subprocess.run([str(python), "-m", "pytest", "-q", *chosen.tests], cwd=ROOT).returncode
-                )
-        for scene in SCENES:
-            difference, where = largest_difference(*(each[scene] for each in found))
-            print(f"{scene}: {difference:.1e}, at {where}; {LIMIT:g} is promised")
-            failed |= not difference <= LIMIT
+            results.append(summaries(python, folder))
+            if options.tests:
+                tests = [python, "-m", "pytest", "-q", *options.tests]
+                failed |= bool(subprocess.run(tests, cwd=ROOT).returncode)
+    for scene in SCENES:
+        difference, where = largest_difference(*(result[scene] for result in results))
+        print(f"{scene}: {difference:.1e}, at {where}; at most {LIMIT:g} is allowed")
+        failed |= not difference <= LIMIT
     sys.exit(failed)
 
 

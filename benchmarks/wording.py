@@ -20,8 +20,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import command_line
+from command_line import ROOT
 
-ROOT = Path(__file__).parents[1]
 PACKAGES = ("solver", "meshes", "machine_code", "fem", "postprocess", "tailslap")
 PRIVATE = {
     r"tell(?:s|ing)?|told": "states, lists, reports",
@@ -135,16 +135,11 @@ def sources(paths: list[Path]) -> list[Path]:
 
 def main() -> None:
     """Print the counts, and on request every occurrence."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("paths", nargs="*", type=Path)
-    parser.add_argument("--files", action="store_true")
-    parser.add_argument("--random", type=int, default=0)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
+    options = command_line.options(__doc__, ("paths", []), files=False, random=0, seed=1)
     listed: dict[str, list[str]] = {"private words": [], "vague names": [], "late constants": [], "Any": []}
     lines: list[tuple[str, str]] = []
     names, late_files = 0, set()
-    for path in sources([path.resolve() for path in options.paths]):
+    for path in sources([Path(path).resolve() for path in options.paths]):
         text, place = path.read_text(encoding="utf-8"), path.relative_to(ROOT)
         tree = ast.parse(text)
         for line, words in descriptions(text):
