@@ -10,9 +10,6 @@ program" is printed with the number of the damage, and the status is 1.
 
 from __future__ import annotations
 
-import contextlib
-import io
-import json
 import math
 import os
 import random
@@ -24,20 +21,35 @@ import tempfile
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import command_line
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from command_line import ROOT, TAILSLAP, run_command, sweep_rows
 
 PATIENCE_S = 60
 """Seconds after which a process hangs."""
-
 Judged = Iterator[tuple[str, str]]
 """Description and outcome of each damage; the outcome of a fault begins with "BAD"."""
+WRONG = (
+    *("", "{", "[]", "null", "3", '"a"', "{}", "[" * 100_000, "t,v_gy\n0,1\n2\n"),
+    '{"files": 3, "program": "tailslap"}',
+    '{"scene": 1, "passed": "x", "verdict": {}, "fe": {"t": "1"}, "rigid": [], "checks": {}}',
+    '{"scene": "a", "passed": 1, "fe": {"strikes": [1]}, "rigid": {"strikes": "b"}, "checks": [3]}',
+)
+"""Texts of wrong types."""
+HOWS = ("flipped", "cut", "grown", "swapped", "of wrong types", "missing")
+SMALL = ("--set", "plate.elements=[6,2]")
+SWEEP = ("sweep", "paper-table-3", *SMALL, "--vary", "corner.friction=0.1:0.4:3", "--workers", "1")
+MADE = {
+    "run": ("run", "paper-table-3", *SMALL, "--set", "output.fields=3", "--no-pictures"),
+    "other": ("run", "paper-table-3", *SMALL, "--set", "corner.friction=0.2", "--no-pictures"),
+    "impact": ("run", "impact-mash-tl4-sut", *SMALL, "--set", "time.end=0.1 s", "--no-pictures"),
+    "sweep": SWEEP,
+    "study": ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000"),
+}
+"""Commands whose results are damaged."""
 
 
 def in_child(judge: Callable[[], str]) -> str:
@@ -122,26 +134,6 @@ def caches(count: int, seed: int) -> Judged:
         files[which].write_bytes(whole[which])
 
 
-WRONG = (
-    *(
-        "",
-        "{",
-        "[]",
-        "null",
-        "3",
-        '"a"',
-        "{}",
-        "[" * 100_000,
-        '{"files": 3, "program": "tailslap"}',
-        "t,v_gy\n0,1\n2\n",
-    ),
-    '{"scene": 1, "passed": "x", "verdict": {}, "fe": {"t": "1"}, "rigid": [], "checks": {}}',
-    '{"scene": "a", "passed": 1, "fe": {"strikes": [1]}, "rigid": {"strikes": "b"}, "checks": [3]}',
-)
-"""Texts of wrong types."""
-HOWS = ("flipped", "cut", "grown", "swapped", "of wrong types", "missing")
-
-
 def damaged(content: bytes, how: str, other: bytes, chance: random.Random) -> bytes:
     """The content with such a damage; other: that of another file."""
     found = bytearray(content)
@@ -165,15 +157,6 @@ def damage(path: Path, how: str, other: Path, chance: random.Random) -> None:
         path.write_bytes(damaged(content, how, other.read_bytes(), chance))
 
 
-def said_by(*words: object) -> tuple[int, str, str]:
-    """Exit status, output and messages of a command."""
-    from tailslap.cli import _status
-
-    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as told:
-        status = _status([str(word) for word in words])
-    return status, out.getvalue(), told.getvalue()
-
-
 def judged(status: int, told: str, is_right: Callable[[], bool], forced: bool = False) -> str:
     """What came of a command, from its status and messages; by force other numbers come with a remark."""
     if "fault" in told or status not in (0, 1, 2):
@@ -186,34 +169,18 @@ def judged(status: int, told: str, is_right: Callable[[], bool], forced: bool = 
     return "the same" if is_right() else f"BAD numbers with status {status}: {told}"
 
 
-SMALL = ("--set", "plate.elements=[6,2]")
-SWEEP = ("sweep", "paper-table-3", *SMALL, "--vary", "corner.friction=0.1:0.4:3", "--workers", "1")
-MADE = {
-    "run": ("run", "paper-table-3", *SMALL, "--set", "output.fields=3", "--no-pictures"),
-    "other": ("run", "paper-table-3", *SMALL, "--set", "corner.friction=0.2", "--no-pictures"),
-    "impact": ("run", "impact-mash-tl4-sut", *SMALL, "--set", "time.end=0.1 s", "--no-pictures"),
-    "sweep": SWEEP,
-    "study": ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000"),
-}
-"""Commands whose results are damaged."""
-
-
-@dataclass(frozen=True)
 class Results:
-    """Results whose files are damaged, in a folder each; whole: copies that stay as they are."""
+    """Results whose files are damaged, in a folder each.
 
-    folder: Path
-    whole: Path
+    whole: copies that stay as they are; at_work, expected: folders for commands that read a damaged or a whole result.
+    """
 
-    @property
-    def at_work(self) -> Path:
-        """Where commands write that read a damaged result."""
-        return self.folder / "out"
-
-    @property
-    def expected(self) -> Path:
-        """Where they write that read a whole one."""
-        return self.folder / "expected"
+    def __init__(self) -> None:
+        self.folder = Path(tempfile.mkdtemp())
+        for kind, words in MADE.items():
+            assert run_command(*words, "--out", self.folder / kind)[0] in (0, 1), kind
+        self.whole = shutil.copytree(self.folder, self.folder.with_name(f"{self.folder.name}-whole"))
+        self.at_work, self.expected = self.folder / "out", self.folder / "expected"
 
     def files(self) -> list[Path]:
         """Files that are read again, beginning with the kind of result."""
@@ -248,7 +215,7 @@ class Results:
 
         def made(place: Path, out: Path) -> tuple[int, str, str]:
             given = [str(place / word.strip("@")) if "@" in word else word for word in words]
-            return said_by(*given, "--out", out, *["--force"] * forced)
+            return run_command(*given, "--out", out, *["--force"] * forced)
 
         def is_right() -> bool:
             _, expected, _ = made(self.whole, self.expected)
@@ -268,11 +235,11 @@ class Results:
 
     def go_on(self) -> str:
         """Judge the sweep, which computes lost rows again."""
-        line = [sys.executable, "-m", "tailslap", *SWEEP, "--out", str(self.folder / "sweep")]
-        given = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+        line = [*TAILSLAP, *SWEEP, "--out", str(self.folder / "sweep")]
+        given = {**os.environ, "PYTHONPATH": str(ROOT)}
         done = subprocess.run(line, env=given, capture_output=True, text=True, check=False)
         found, whole = self.folder / "sweep", self.whole / "sweep"
-        return judged(done.returncode, done.stderr, lambda: rows(found) == rows(whole))
+        return judged(done.returncode, done.stderr, lambda: sweep_rows(found) == sweep_rows(whole))
 
     def readers(self, kind: str, forced: bool) -> dict[str, Callable[[], str]]:
         """Judgements of what reads a result of this kind, by name."""
@@ -293,17 +260,9 @@ def numbers_of(place: Path, forced: bool) -> str:
     return repr((found.command, found.scene, found.passed, found.summary, arrays, fields))
 
 
-def made_results() -> Results:
-    """Results of all commands, and their copies."""
-    folder = Path(tempfile.mkdtemp())
-    for kind, words in MADE.items():
-        assert said_by(*words, "--out", folder / kind)[0] in (0, 1), kind
-    return Results(folder, shutil.copytree(folder, folder.with_name(f"{folder.name}-whole")))
-
-
 def results(count: int, seed: int) -> Judged:
     """Files of results, then read by load, compare and export, also by force; and by the sweep, which goes on."""
-    made, chance = made_results(), random.Random(seed)
+    made, chance = Results(), random.Random(seed)
     read = made.files()
     for _ in range(count):
         name, how, forced = chance.choice(read), chance.choice(HOWS), chance.random() < 0.3
@@ -314,16 +273,6 @@ def results(count: int, seed: int) -> Judged:
         by_force = " by force" * (forced and reader in readers)
         yield f"{kind}, {reader}{by_force}, {how}", in_child(readers.get(reader, made.go_on))
         made.restore(kind)
-
-
-def rows(place: Path) -> list[str]:
-    """List the rows of a sweep's table, without times and parts reused from earlier rows."""
-    import pyarrow.parquet as parquet
-
-    from tailslap.campaign.sweep_table import CIRCUMSTANCES
-
-    found = parquet.read_table(place / "sweep.parquet").to_pylist()
-    return [json.dumps({k: v for k, v in row.items() if k not in CIRCUMSTANCES}) for row in found]
 
 
 def checkpoints(count: int, seed: int) -> Judged:
@@ -346,23 +295,22 @@ def checkpoints(count: int, seed: int) -> Judged:
     made = {kind: MADE[kind] for kind in ("run", "other", "impact")}
     for kind, words in made.items():
         left = 10**9
-        assert said_by(*words, "--out", whole / kind)[0] in (0, 1), kind
+        assert run_command(*words, "--out", whole / kind)[0] in (0, 1), kind
         left = {"run": 3, "other": 1, "impact": 2}[kind] * (10**9 - left) // 4
-        assert said_by(*words, "--out", folder / kind)[0] == 130, kind
+        assert run_command(*words, "--out", folder / kind)[0] == 130, kind
     left = math.inf
     files = {path: path.read_bytes() for path in sorted(folder.glob(".*checkpoint-*"))}
     print(f"{len(files)} checkpoints", file=sys.stderr)
 
     def resumed(kind: str) -> str:
-        status, _, told = said_by(*made[kind], "--out", folder / kind, "--resume")
+        status, _, told = run_command(*made[kind], "--out", folder / kind, "--resume")
         if "fault" in told or status == 2:
             return f"BAD status {status}: {told}"
         names = ("history.csv", "rigid.csv", *["fields.npz"] * (kind == "run"))
         is_same = all((folder / kind / n).read_bytes() == (whole / kind / n).read_bytes() for n in names)
         end = "made anew" if "damaged" in told or "no checkpoint" in told else "gone on from"
-        if how != "missing" and (how == "left whole") != (
-            end == "gone on from"
-        ):  # others of the run may be there
+        resumed = end == "gone on from"
+        if how != "missing" and (how == "left whole") != resumed:  # others of the run may be there
             return f"BAD {end}: {told}"
         return end if is_same else f"BAD numbers, {end}: {told}"
 
@@ -380,29 +328,22 @@ def checkpoints(count: int, seed: int) -> Judged:
 
 
 PARTS: dict[str, Callable[[int, int], Judged]] = {
-    "caches": caches,
-    "results": results,
-    "checkpoints": checkpoints,
+    function.__name__: function for function in (caches, results, checkpoints)
 }
 """Functions that damage each part, by count and seed."""
 
 
 def main() -> None:
     """Damage a part, and print the outcomes."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("part", choices=PARTS)
-    parser.add_argument("count", type=int, nargs="?", default=400)
-    parser.add_argument("seed", type=int, nargs="?", default=1)
-    options = parser.parse_args()
-    counted: Counter[tuple[str, str]] = Counter()
+    options = command_line.options(__doc__, "part", ("count", 400), ("seed", 1))
+    outcomes = Counter[str]()
     for number, (how, said) in enumerate(PARTS[options.part](options.count, options.seed)):
-        counted[how, said.partition(":")[0]] += 1
+        outcomes[f"{how:<40}  {said.partition(':')[0]}"] += 1
         if said.startswith("BAD"):
             print(f"{number}: {how}: {said}", flush=True)
-    for (how, said), times in sorted(counted.items()):
-        print(f"{times:6d}  {how:<40}  {said}")
-    print(f"{counted.total()} of {options.part} damaged, seed {options.seed}")
-    sys.exit(any(said.startswith("BAD") for _, said in counted))
+    print(command_line.counts(outcomes))
+    print(f"{outcomes.total()} of {options.part} damaged, seed {options.seed}")
+    sys.exit(any("  BAD" in outcome for outcome in outcomes))
 
 
 if __name__ == "__main__":

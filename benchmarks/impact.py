@@ -94,7 +94,7 @@ def _end(elements: int, law: str) -> float:
 def striking_bars() -> Iterator[Row]:
     """Rows 2 and 3: pressure and time of contact of a bar, and Code_Aster's SDNV100, in the linear range."""
     steel = {"thickness": 0.02, "density": 8000.0, "youngs_modulus": 2e11, "length": 0.2, "width": 0.02}
-    bars = ("bar", {}, 1e-3, 30.0, 10.0), ("SDNV100", steel, 1.0, 5000.0, 0.2)
+    bars: Any = ("bar", {}, 1e-3, 30.0, 10.0), ("SDNV100", steel, 1.0, 5000.0, 0.2)
     for name, plate, speed, wave, length in bars:
         for law in LAWS:
             errors = []

@@ -1,6 +1,6 @@
 """Let each call to a file of `run`, `export` or `compare` fail with six errors, and count the outcomes.
 
-    .venv/bin/python benchmarks/io_errors.py [TRIAL...] [--every N]
+    .venv/bin/python benchmarks/io_errors.py [TRIAL...] [--every N] [--first N] [--errors NAME ...] [--in-turn]
 
 All calls to the kernel below the working folder are intercepted, also those to open files (failing_calls.py). Scene,
 input folders and an earlier result lie in that folder. Afterwards the result must be the earlier or the new one, whole,
@@ -8,6 +8,7 @@ if need be once the next command has completed it, and no other file may remain.
 itself cannot be used, or the usual one together with the new result; one message states the error. Anything else is
 printed with the number of the call, and the status is 1.
 
+With --every and --first only these calls fail, with --in-turn each by one error instead of six.
 Computation and page layout, which use no file, are done once and remembered. A whole trial takes 5 to 60 minutes;
 TMPDIR=/dev/shm spares the disk.
 """
@@ -16,7 +17,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import io
 import json
 import os
 import pkgutil
@@ -31,9 +31,8 @@ from typing import Any, NamedTuple
 from unittest import mock
 
 import command_line
+from command_line import run_command
 from failing_calls import Call, run_in_child
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
 
 ERRORS = (errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.ENOSPC, errno.EIO, errno.EMFILE)
 CHANGES = ("--set", "plate.elements=[2,1]", "--set", "output.fields=2", "--no-pictures")
@@ -49,7 +48,6 @@ REMEMBERED = (
     "tailslap.comparing.validation.page_text",
 )
 """Functions that use no file."""
-
 COMPLETE = re.compile("the next command completes it|the result .*is complete")
 """Part of a message where the new result is in the folder, or will be."""
 
@@ -75,9 +73,8 @@ TRIALS = {
     "run-interrupted": Trial(RUN, OTHER_RUN, "out"),
     **{
         f"export-{kind}": Trial(_export(kind), _export(kind, "second"))
-        for kind in ("csv", "parquet", "vtkhdf")
+        for kind in ("csv", "parquet", "vtkhdf", "xdmf", "vtu", "msh")
     },
-    **{f"export-{kind}": Trial(_export(kind), _export(kind, "second")) for kind in ("xdmf", "vtu", "msh")},
     "export-interrupted": Trial(_export("csv"), _export("csv", "second"), "first"),
     "compare": Trial(COMPARE, OTHER_COMPARE),
 }
@@ -88,10 +85,8 @@ Files = dict[str, bytes]
 
 def status_and_message(words: tuple[str, ...]) -> tuple[int, str]:
     """Return exit status and messages of a command."""
-    from tailslap.cli import _status
-
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as messages:
-        return _status(list(words)), messages.getvalue()
+    status, _, messages = run_command(*words)
+    return status, messages
 
 
 class Memory:
@@ -100,28 +95,22 @@ class Memory:
     def __init__(self) -> None:
         self._answers: dict[str, list[Any]] = {place: [] for place in REMEMBERED}
 
-    @contextlib.contextmanager
-    def recording(self) -> Iterator[None]:
-        """Keep the answers in this block."""
+    def _record(self, place: str) -> Callable[..., Any]:
+        function, answers = pkgutil.resolve_name(place), self._answers[place]
 
-        def recorder(function: Callable[..., Any], answers: list[Any]) -> Callable[..., Any]:
-            def call(*values: Any, **options: Any) -> Any:
-                answers.append(function(*values, **options))
-                return answers[-1]
+        def call(*values: Any, **options: Any) -> Any:
+            answers.append(function(*values, **options))
+            return answers[-1]
 
-            return call
-
-        with contextlib.ExitStack() as stack:
-            for place, answers in self._answers.items():
-                stack.enter_context(mock.patch(place, recorder(pkgutil.resolve_name(place), answers)))
-            yield
+        return call
 
     @contextlib.contextmanager
-    def repeating(self) -> Iterator[None]:
-        """Return the answers in this block, in the order in which they came."""
+    def active(self, is_recording: bool) -> Iterator[None]:
+        """Record the answers in this block, or return them in the order in which they came."""
         with contextlib.ExitStack() as stack:
             for place, answers in self._answers.items():
-                stack.enter_context(mock.patch(place, side_effect=answers))
+                effect: Any = self._record(place) if is_recording else list(answers)
+                stack.enter_context(mock.patch(place, side_effect=effect))
             yield
 
 
@@ -147,7 +136,7 @@ class Laboratory:
         self._settle()
         self.before, self._inputs = self._files("out"), self._input_files()
         self._restore()
-        with self._memory.recording():
+        with self._memory.active(is_recording=True):
             self.usual = status_and_message(self._command)[0]
         first = self._files("out")
         message, self.calls = self._attempt(0, 0)
@@ -216,7 +205,7 @@ class Laboratory:
 
     def _attempt(self, number: int, error: int) -> tuple[tuple[int, str], list[Call]]:
         self._restore()
-        with self._memory.repeating():
+        with self._memory.active(is_recording=False):
             command = lambda: json.dumps(status_and_message(self._command))  # noqa: E731
             text, calls = run_in_child(command, str(self._root), number, error)
         status, message = json.loads(text)
@@ -276,25 +265,17 @@ def outcomes(
 
 def main() -> None:
     """Let calls fail, and print the outcomes."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("trials", nargs="*", metavar="TRIAL", help=f"by default all of {', '.join(TRIALS)}")
-    parser.add_argument("--every", type=int, default=1, help="only every Nth call fails")
-    parser.add_argument("--first", type=int, default=1, help="number of the first call that fails")
-    names = [errno.errorcode[error] for error in ERRORS]
-    parser.add_argument("--errors", nargs="+", choices=names, default=names, help="by default all six")
-    parser.add_argument("--in-turn", action="store_true", help="one error for each call instead of all")
-    options = parser.parse_args()
-    if unknown := {*options.trials} - {*TRIALS}:
-        parser.error(f"unknown trials: {', '.join(unknown)}")
-    counts, numbers = Counter[str](), slice(options.first - 1, None, options.every)
+    names = tuple(errno.errorcode[error] for error in ERRORS)
+    options = command_line.options(__doc__, ("trials", TRIALS), every=1, first=1, errors=names, in_turn=False)
+    found, numbers = Counter[str](), slice(options.first - 1, None, options.every)
     errors = tuple(getattr(errno, name) for name in options.errors)
-    for name in options.trials or TRIALS:
+    for name in options.trials:
         for label, outcome in outcomes(name, numbers, errors, options.in_turn):
-            counts[f"{name}: {outcome.partition(':')[0]}"] += 1
+            found[f"{name}: {outcome.partition(':')[0]}"] += 1
             if outcome.startswith("BAD"):
                 print(f"{label}: {outcome}", flush=True)
-    print(*(f"{times:6d}  {outcome}" for outcome, times in sorted(counts.items())), sep="\n")
-    sys.exit(any("BAD" in outcome for outcome in counts))
+    print(command_line.counts(found))
+    sys.exit(any("BAD" in outcome for outcome in found))
 
 
 if __name__ == "__main__":

@@ -33,10 +33,8 @@ from pathlib import Path
 
 import command_line
 import psutil
+from command_line import ROOT, TAILSLAP, sweep_rows
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
-from tailslap.campaign.sweep_table import CIRCUMSTANCES
 from tailslap.storage.folder import locked, recover
 from tailslap.storage.manifest import LOCK, LOG, NAME, entry, read_manifest
 
@@ -50,6 +48,19 @@ COMMANDS = {
 EARLIER = ("run", "paper-table-3", "--set", "plate.elements=[8,3]", "--no-pictures")
 GONE_S = 10.0
 """Time in which processes must be gone [s]."""
+RACED = ("run", "paper-table-3", "--set", "plate.elements=[12,4]", "--no-pictures")
+EXACT = {
+    "run": ("run", "paper-table-3", *SMALL, "--no-pictures"),
+    "study": ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000", "--force"),
+    "export": ("export", "{earlier}", "--to", "csv", "--force"),
+    "sweep": ("sweep", "paper-table-3", *SMALL, "--vary", "impact.friction=0.1:0.8:3", "--workers", "1"),
+}
+"""Commands that are killed at their calls; before them there is EARLIER, but of a sweep, the same sweep or nothing."""
+CALLS = (
+    "rename,renameat,renameat2,link,linkat,unlink,unlinkat,mkdir,mkdirat,rmdir,fsync,fdatasync,write,pwrite64"
+)
+WRITTEN = (NAME, LOG, LOCK, "sweep.json")
+ADDED = "the user's"
 
 
 def started(
@@ -59,8 +70,8 @@ def started(
 
     tracer: words before it; messages: file of its messages.
     """
-    line = [*tracer.split(), sys.executable, "-m", "tailslap", *arguments, "--out", str(out)]
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    line = [*tracer.split(), *TAILSLAP, *arguments, "--out", str(out)]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     quiet = {"stdout": subprocess.DEVNULL, "stderr": messages}
     return subprocess.Popen(line, env=environment, cwd=out.parent, start_new_session=True, **quiet)  # type: ignore[call-overload]
 
@@ -107,34 +118,16 @@ def _lives(process: psutil.Process) -> bool:
 
 def rows(out: Path) -> list[str]:
     """List the rows of a finished sweep, without times and parts reused from earlier rows."""
-    import pyarrow.parquet as parquet
-
-    table = parquet.read_table(next(out.glob("*.parquet")))
-    kept = [name for name in table.column_names if name not in CIRCUMSTANCES]
-    return sorted(json.dumps(row, sort_keys=True, default=str) for row in table.select(kept).to_pylist())
+    return sorted(json.dumps(row, sort_keys=True, default=str) for row in sweep_rows(out))
 
 
-def look(out: Path, added: str) -> list[str]:
-    """What is wrong with the folder of a run or study after it was killed, as who reads it next sees it."""
+def look(out: Path) -> list[str]:
+    """List the faults of the folder of a killed run or study, as its next reader sees it."""
     recover(out)
     found = [] if whole(out) else ["neither the earlier nor the new result is whole"]
-    if not (out / "mine.txt").exists() or (out / "mine.txt").read_text() != added:
-        found.append("what the user has added is gone or has changed")
+    if not (out / "mine.txt").exists() or (out / "mine.txt").read_text() != ADDED:
+        found.append("the file of the user is gone or has changed")
     return found
-
-
-RACED = ("run", "paper-table-3", "--set", "plate.elements=[12,4]", "--no-pictures")
-EXACT = {
-    "run": ("run", "paper-table-3", *SMALL, "--no-pictures"),
-    "study": ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000", "--force"),
-    "export": ("export", "{earlier}", "--to", "csv", "--force"),
-    "sweep": ("sweep", "paper-table-3", *SMALL, "--vary", "impact.friction=0.1:0.8:3", "--workers", "1"),
-}
-"""Commands that are killed at their calls; before them there is EARLIER, but of a sweep, the same sweep or nothing."""
-CALLS = (
-    "rename,renameat,renameat2,link,linkat,unlink,unlinkat,mkdir,mkdirat,rmdir,fsync,fdatasync,write,pwrite64"
-)
-WRITTEN = (NAME, LOG, LOCK, "sweep.json")
 
 
 def at_every_call(kinds: list[str]) -> None:
@@ -150,17 +143,14 @@ def at_every_call(kinds: list[str]) -> None:
             points = _calls(arguments, _prepared(folder, before))
             ends = Counter[str]()
             for number, (call, nth) in enumerate(points):
-                found, end = _killed_at(
-                    folder, arguments, before, f"-e inject={call}:signal=SIGKILL:when={nth}"
-                )
+                inject = f"-e inject={call}:signal=SIGKILL:when={nth}"
+                found, end = _killed_at(folder, arguments, before, inject)
                 ends[f"{kind}, {end}"] += 1
                 wrong += len(found)
                 print(*(f"\r{kind}, {call} {nth}: {fault}\n" for fault in found), sep="", end="", flush=True)
                 print(f"\r{kind}: {number + 1} of {len(points)}", end="", file=sys.stderr, flush=True)
             total += len(points)
-            print(
-                *(f"\r  {end}: {times}\n" for end, times in sorted(ends.items())), sep="", end="", flush=True
-            )
+            print("\r" + command_line.counts(ends), flush=True)
     print(f"{total} kills at calls: {wrong} faults")
     sys.exit(bool(wrong))
 
@@ -172,7 +162,7 @@ def _prepared(folder: Path, before: Path | None) -> Path:
     out.parent.mkdir()
     if before:
         shutil.copytree(before, out)
-        (out / "mine.txt").write_text("the user's")
+        (out / "mine.txt").write_text(ADDED)
     return out
 
 
@@ -198,12 +188,12 @@ def _killed_at(
     status = started(arguments, out, f"strace -o /dev/null {inject}").wait()
     ended = "killed" if status == -signal.SIGKILL else f"not killed, {status}"
     if before and before.name == "earlier":
-        found = look(out, "the user's")
+        found = look(out)
         end = "the earlier result" if whole(out) == whole(before) else "a new result"
         with locked(out):
             pass
     else:
-        found = look(out, "the user's") if before else []
+        found = look(out) if before else []
         again = started(arguments, out, messages=subprocess.PIPE)
         said = again.communicate()[1].decode()
         if again.returncode:
@@ -224,9 +214,8 @@ def race(rounds: int) -> None:
         os.read(start, 1)
         began = time.monotonic()
         with redirect_stdout(io.StringIO()) as shown, redirect_stderr(io.StringIO()) as said:
-            status = cli._status(
-                [*RACED, "--json", "--set", f"impact.friction={0.1 + 0.05 * k}", "--out", str(out)]
-            )
+            friction = f"impact.friction={0.1 + 0.05 * k}"
+            status = cli._status([*RACED, "--json", "--set", friction, "--out", str(out)])
         text = said.getvalue()
         if status == 0:
             text = f"wins {json.loads(shown.getvalue())['fe']['v_gy']}"
@@ -237,7 +226,7 @@ def race(rounds: int) -> None:
     with tempfile.TemporaryDirectory() as name:
         out = Path(name) / "out"
         assert cli._status([*RACED, "-q", "--out", str(out)]) == 0
-        (out / "mine.txt").write_text("the user's")
+        (out / "mine.txt").write_text(ADDED)
         for number in range(rounds):
             reading, writing = os.pipe()
             children = []
@@ -258,7 +247,7 @@ def race(rounds: int) -> None:
             winners = [float(text.split()[1]) for text in said if text.startswith("wins")]
             told = [float(text.split()[1]) for text in said if text.startswith("told")]
             slowest = max(slowest, *told)
-            found = look(out, "the user's") + _left(out.parent, out)
+            found = look(out) + _left(out.parent, out)
             if (len(winners), len(told)) != (1, 7):
                 found.append(f"{len(winners)} won, {len(told)} were told: {said}")
             elif winners[0] != load(out).summary["fe"]["v_gy"]:
@@ -266,16 +255,14 @@ def race(rounds: int) -> None:
             ends[f"{len(winners)} won, {len(told)} were told"] += 1
             wrong += len(found)
             print(*(f"\r{number}: {fault}\n" for fault in found), sep="", end="", flush=True)
-    print(*(f"{end}: {times}" for end, times in sorted(ends.items())), sep="\n")
+    print(command_line.counts(ends))
     print(f"{rounds} rounds of 8: {wrong} faults; the last was told after {slowest:.2f} s")
     sys.exit(bool(wrong))
 
 
 def main() -> None:
     """Kill commands, and print the faults."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("words", nargs="*", metavar="WORD", help="numbers, or calls or race with theirs")
-    part, *more = parser.parse_args().words or ["200"]
+    part, *more = command_line.options(__doc__, ("words", [])).words or ["200"]
     if part == "calls":
         at_every_call(more)
     elif part == "race":
@@ -306,7 +293,7 @@ def at_random(count: int, seed: int) -> None:
             print(*(f"\r{fault}\n" for fault in faults), sep="", end="", flush=True)
             print(f"\r{number + 1} of {count}, {len(wrong)} wrong", end="", file=sys.stderr, flush=True)
     print(f"\n{count} kills, seed {seed}: {len(wrong)} ended wrongly")
-    print(*(f"  {end}: {times}" for end, times in sorted(ends.items())), sep="\n")
+    print(command_line.counts(ends))
     sys.exit(bool(wrong))
 
 
@@ -337,12 +324,12 @@ def _sweep(folder: Path, how: signal.Signals, delay: float, reference: list[str]
 def _result(
     folder: Path, kind: str, how: signal.Signals, delay: float, earlier: Path
 ) -> tuple[list[str], str]:
-    """Kill what replaces an earlier result, to which the user has added a file."""
-    out, added = folder / "out", "the user's"
+    """Kill a command that replaces an earlier result, to which the user has added a file."""
+    out = folder / "out"
     shutil.copytree(earlier, out)
-    (out / "mine.txt").write_text(added)
+    (out / "mine.txt").write_text(ADDED)
     before = whole(out)
-    found = killed(COMMANDS[kind], out, delay, how) + look(out, added)
+    found = killed(COMMANDS[kind], out, delay, how) + look(out)
     end = "the earlier result" if whole(out) == before else "a new result"
     with locked(out):  # as the next command does first
         pass

@@ -32,7 +32,7 @@ START = RigidStart(0.26, 0.707, 25.053)
 
 def outcome(name: str, *changes: str) -> CornerOutcome:
     """Run a scene with changes."""
-    return corner_case(name, *changes).run()  # type: ignore[no-any-return]
+    return corner_case(name, *changes).run()
 
 
 def worst(result: CornerOutcome) -> float:

@@ -43,7 +43,7 @@ def draw(seed: int, number: int) -> tuple[tuple[str, ...], float]:
     return tuple(changes), float(10 ** random.uniform(-6.0, -1.5))
 
 
-def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], list[str]]:
+def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], tuple[str, ...]]:
     """Return the flexible plate's five quantities on a far finer mesh, and the failed checks of that run.
 
     Elements are quadratic, at least twice as many in each direction as in the chosen mesh. With friction, damping

@@ -42,14 +42,8 @@ SPEED = 22.35
 def train_of(name: str, friction: float) -> tuple[ImpactVehicle, WallContact, list[HitchedVehicle]]:
     """A train of `TRAINS` as the program takes it."""
     stiffness, behind = TRAINS[name]
-    laws = [
-        WallContact(CrushLaw(k, 0.0, RESTITUTION), friction)
-        for k in (stiffness, *(each[1] for each in behind))
-    ]
-    trailers = [
-        HitchedVehicle(body, law, *hinge) for (body, _, *hinge), law in zip(behind, laws[1:], strict=True)
-    ]
-    return TRACTOR, laws[0], trailers
+    law = lambda k: WallContact(CrushLaw(k, 0.0, RESTITUTION), friction)  # noqa: E731
+    return TRACTOR, law(stiffness), [HitchedVehicle(body, law(k), *hinge) for body, k, *hinge in behind]
 
 
 def own_impulses(name: str, friction: float) -> dict[str, float]:
@@ -78,11 +72,8 @@ class Corner:
         deepest = max(self.deepest, depth)
         if deepest <= 0.0:
             return 0.0
-        return (
-            self.law.crush.stiffness
-            * deepest
-            * max(0.0, 1.0 - (deepest - depth) / (RESTITUTION**2 * deepest))
-        )
+        fraction = max(0.0, 1.0 - (deepest - depth) / (RESTITUTION**2 * deepest))
+        return self.law.crush.stiffness * deepest * fraction
 
     def load(self, mbs: Any, t: float, _: Any) -> list[float]:
         """Force of the wall on the corner."""
@@ -112,9 +103,8 @@ def exudyn_impulses(name: str, friction: float, step: float) -> dict[str, float]
     state = (first.x_g, first.y_g, first.theta, first.v_gx, first.v_gy, first.omega)
     container = exu.SystemContainer()
     mbs, corners, numbers = container.AddSystem(), dict[str, Corner](), []
-    for unit, (body, own) in enumerate(
-        zip(bodies, lined_up(state, distances(vehicle, trailers)), strict=True)
-    ):
+    states = lined_up(state, distances(vehicle, trailers))
+    for unit, (body, own) in enumerate(zip(bodies, states, strict=True)):
         x, y, theta, u, v, w = own.tolist()
         node = items.NodeRigidBody2D(referenceCoordinates=[x, y, -theta], initialVelocities=[u, v, w])
         inertia = {"mass": body.mass, "inertia": body.inertia}
@@ -128,12 +118,10 @@ def exudyn_impulses(name: str, friction: float, step: float) -> dict[str, float]
             corners[corner_name(unit, CORNERS.index(corner))] = made
     for unit, trailer in enumerate(trailers):
         ends = (bodies[unit].front_distance - trailer.hitch, trailer.vehicle.front_distance - trailer.kingpin)
-        markers = [
-            mbs.AddMarker(
-                items.MarkerBodyPosition(bodyNumber=numbers[unit + k], localPosition=[end, 0.0, 0.0])
-            )
-            for k, end in enumerate(ends)
+        places = [
+            {"bodyNumber": numbers[unit + k], "localPosition": [x, 0.0, 0.0]} for k, x in enumerate(ends)
         ]
+        markers = [mbs.AddMarker(items.MarkerBodyPosition(**place)) for place in places]
         mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
 
     def keep(mbs: Any, t: float) -> bool:
@@ -154,9 +142,7 @@ def exudyn_impulses(name: str, friction: float, step: float) -> dict[str, float]
 
 def main() -> int:
     """Print the table."""
-    parser = command_line.parser(__doc__)
-    parser.add_argument("--step", type=float, default=5e-5, help="of Exudyn [s]")
-    step, worst = parser.parse_args().step, 0.0
+    step, worst = command_line.options(__doc__, step=5e-5).step, 0.0
     for name in TRAINS:
         for friction in (0.0, 0.47):
             own, other = own_impulses(name, friction), exudyn_impulses(name, friction, step)

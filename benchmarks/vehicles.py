@@ -15,6 +15,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
+from collections.abc import Callable
 from typing import Any
 
 import command_line
@@ -140,7 +141,7 @@ def slow(*_: int) -> None:
             row(f"    {' '.join(r['changes'])}", "5 %", text)
 
 
-PARTS = {"realistic": realistic, "slender": slender, "slow": slow}
+PARTS: dict[str, Callable[[int, int], None]] = {"realistic": realistic, "slender": slender, "slow": slow}
 
 if __name__ == "__main__":
     options = command_line.options(__doc__, ("parts", PARTS), scenes=1000, seed=1)

@@ -23,13 +23,10 @@ SCRIPTS = {"Akantu": "akantu_plate", "Kratos": "kratos_plate", "Warp loop": "war
 EXACT_CORNER = ("corner.constraint=exact",)
 AS_THE_OTHERS = (*EXACT_CORNER, "plate.lumping=row-sum", "plate.start=unstressed", "damping.kind=none")
 """Settings that make our run the plate of the other codes."""
-
 SAME_MODEL = (ALIKE, *SCRIPTS)
 """Codes that run one model, so that nothing but rounding should lie between them."""
-
 ANGLE, SHORT_ANGLE = 0.26, 0.002
 """Angle of the start [rad]: of the paper, and of the largest plate, for which no code is quick enough else."""
-
 SMALL, LARGE = 1000, 100_000
 """Elements up to which a process takes a second or so, and from which on minutes."""
 
@@ -170,12 +167,8 @@ def run_rounds(entries: Iterable[Entry], turns: int) -> None:
 
 def apart(entry: Entry, entries: Iterable[Entry]) -> float:
     """Largest relative distance from the other codes that run the same model on this mesh."""
-    same = [
-        other.values
-        for other in entries
-        if other is not entry and other.mesh is entry.mesh and other.code in SAME_MODEL
-    ]
-    found = [values for values in same if values is not None]
+    others = [other for other in entries if other is not entry and other.code in SAME_MODEL]
+    found = [other.values for other in others if other.mesh is entry.mesh and other.values is not None]
     if entry.values is None or entry.code not in SAME_MODEL or not found:
         return NAN
     return max(distance(entry.values, values) for values in found)

@@ -16,25 +16,14 @@ from comparison.entries import ALIKE, ANGLE, COMMAND, EXACT, EXUDYN, RIGID, SAME
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Line, Mark, Words
 
-COLOURS = {
-    COMMAND: "fe",
-    EXACT: "steel",
-    ALIKE: "difference",
-    "Akantu": "rigid",
-    "Kratos": "violet",
-    "Warp loop": "green",
-    RIGID: "ink",
-    EXUDYN: "red",
-}
+COLOURS = {COMMAND: "fe", EXACT: "steel", ALIKE: "difference", "Akantu": "rigid"}
+COLOURS |= {"Kratos": "violet", "Warp loop": "green", RIGID: "ink", EXUDYN: "red"}
 FLOOR = 1e-10
 """Where exact values are shown."""
-
 NUMBERED = (120, 7680)
 """Numbers of elements that are written beside their points."""
-
 BELOW = (EXACT, "Akantu")
 """Codes whose numbers stand below their points, where others are above."""
-
 WIDTH = 620.0
 
 

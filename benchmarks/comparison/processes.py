@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from command_line import ROOT, TAILSLAP
 from other_codes.plate import QUANTITIES, Plate, to_text
 from plates import ONE_THREAD
 
-BENCHMARKS = Path(__file__).resolve().parents[1]
+BENCHMARKS = ROOT / "benchmarks"
 BYTECODE = Path(tempfile.gettempdir()) / f"tailslap-bytecode-{os.getuid()}"
 SCENE = "paper-abaqus"
 NAN = float("nan")
@@ -76,33 +76,22 @@ def run_rigid() -> Turn:
 
 def run_script(interpreter: str, script: str, plate: Plate, expected: float, limit: float) -> Turn:
     """A script of `other_codes` in its own environment, from the start to the tail-slap."""
-    command = [
-        interpreter,
-        "-m",
-        f"other_codes.{script}",
-        to_text(plate),
-        "event",
-        repr(expected),
-        repr(limit),
-    ]
-    environment = _environment()
-    whole, done = _timed(command, environment, BENCHMARKS, 3.0 * limit)
+    task = [to_text(plate), "event", repr(expected), repr(limit)]
+    command = [interpreter, "-m", f"other_codes.{script}", *task]
+    whole, done = _timed(command, _environment(), BENCHMARKS, 3.0 * limit)
     answers = [line for line in done.stdout.splitlines() if line.startswith('{"version"')]
     if not answers:
         raise NotMeasuredError(_last_line(done))
     found: dict[str, Any] = json.loads(answers[0])
     values, loop = found["values"], found["loop_s"]
-    remark = (
-        found["version"] if values else f"{found['version']}; loop reckoned from {found['ran_s']:.0f} s of it"
-    )
-    return Turn(
-        whole + loop - found["ran_s"], found["setup_s"], loop, tuple(values) if values else None, remark
-    )
+    remark = found["version"] + ("" if values else f"; loop estimated from {found['ran_s']:.0f} s")
+    whole += loop - found["ran_s"]
+    return Turn(whole, found["setup_s"], loop, tuple(values) if values else None, remark)
 
 
 def _tailslap(arguments: Sequence[str], limit: float) -> tuple[float, subprocess.CompletedProcess[str]]:
-    command = [sys.executable, "-m", "tailslap.cli", *arguments]
-    environment = _environment() | {"PYTHONPATH": str(BENCHMARKS.parent)}
+    command = [*TAILSLAP, *arguments]
+    environment = _environment() | {"PYTHONPATH": str(ROOT)}
     with tempfile.TemporaryDirectory() as folder:
         return _timed(command, environment, Path(folder), 3.0 * limit + 300.0)
 
@@ -120,9 +109,8 @@ def _timed(
     """Time on the clock of a process; none may take longer than `most` [s]."""
     began = time.perf_counter()
     try:
-        done = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=most
-        )
+        settings: dict[str, Any] = {"cwd": folder, "env": environment, "timeout": most}
+        done = subprocess.run(command, capture_output=True, text=True, **settings)
     except subprocess.TimeoutExpired:
         raise NotMeasuredError(f"took more than {most:.0f} s") from None
     return time.perf_counter() - began, done

@@ -10,11 +10,14 @@ With too large a penalty CalculiX loses the contact without a message. 20 x 6 el
 
 from __future__ import annotations
 
-import argparse
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import command_line
 import numpy as np
 
 import tailslap
@@ -75,11 +78,7 @@ def in_calculix(elements: tuple[int, int], step: float, penalty: float) -> dict[
 
 def main() -> None:
     """Print both."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--elements", type=int, nargs=2, default=(20, 6))
-    parser.add_argument("--step", type=float, default=2e-5)
-    parser.add_argument("--penalty", type=float, default=1e12)
-    asked = parser.parse_args()
+    asked = command_line.options(__doc__, elements=(20, 6), step=2e-5, penalty=1e12)
     other = in_calculix(tuple(asked.elements), asked.step, asked.penalty)
     mesh = f"plate.elements=[{asked.elements[0]},{asked.elements[1]}]"
     changes = (*CHANGES, mesh, "verify.companion=false", "time.end=0.25 s")

@@ -42,17 +42,14 @@ class ExudynBody:
         inertia = mass * (plate.length**2 + plate.width**2) / 12.0
         body = self.system.AddObject(ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
         self._slide(body)
-        self.sensors = [
-            self.system.AddSensor(sensor(node, kind)) for kind in ("Coordinates", "Coordinates_t")
-        ]
+        kinds = ("Coordinates", "Coordinates_t")
+        self.sensors = [self.system.AddSensor(sensor(node, kind)) for kind in kinds]
         self.system.Assemble()
 
     def _node(self) -> NodeRigidBody2D:
         plate, (x, y) = self.plate, self.centre
-        velocity = [plate.speed - plate.omega * y, plate.omega * x, plate.omega]
-        return NodeRigidBody2D(
-            referenceCoordinates=[x, y, -plate.angle], initialVelocities=[float(v) for v in velocity]
-        )
+        velocity = [float(v) for v in (plate.speed - plate.omega * y, plate.omega * x, plate.omega)]
+        return NodeRigidBody2D(referenceCoordinates=[x, y, -plate.angle], initialVelocities=velocity)
 
     def _slide(self, body: int) -> None:
         """The corner on the wall; of the joint's markers the second has the normal, which is the wall's."""
@@ -82,9 +79,8 @@ class ExudynBody:
 
 def sensor(node: int, kind: str) -> SensorNode:
     """Of a node, kept in memory."""
-    return SensorNode(
-        nodeNumber=node, storeInternal=True, outputVariableType=getattr(exu.OutputVariableType, kind)
-    )
+    variable = getattr(exu.OutputVariableType, kind)
+    return SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=variable)
 
 
 def turn(angle: float) -> np.ndarray:

@@ -15,15 +15,8 @@ from other_codes.jobs import answer
 from other_codes.plate import Plate
 
 VARIABLES = (
-    Kratos.DISPLACEMENT,
-    Kratos.VELOCITY,
-    Kratos.ACCELERATION,
-    Kratos.REACTION,
-    Kratos.VOLUME_ACCELERATION,
-    Kratos.NODAL_MASS,
-    Kratos.FORCE_RESIDUAL,
-    Kratos.RESIDUAL_VECTOR,
-    Structural.MIDDLE_VELOCITY,
+    *(Kratos.DISPLACEMENT, Kratos.VELOCITY, Kratos.ACCELERATION, Kratos.REACTION, Kratos.VOLUME_ACCELERATION),
+    *(Kratos.NODAL_MASS, Kratos.FORCE_RESIDUAL, Kratos.RESIDUAL_VECTOR, Structural.MIDDLE_VELOCITY),
 )
 
 

@@ -178,22 +178,17 @@ def main() -> None:
         force = push(case)
         ours = tipping.solve_roll(vehicle(case), case.wall, force, STEP).largest_roll
         theirs = rolled(case, force)
-        row = (
-            f"| {name} | {math.degrees(ours):.3f} | {math.degrees(theirs):.3f} | {theirs / ours - 1.0:+.1e} |"
-        )
-        print(row, flush=True)
+        rolls = f"{math.degrees(ours):.3f} | {math.degrees(theirs):.3f} | {theirs / ours - 1.0:+.1e}"
+        print(f"| {name} | {rolls} |", flush=True)
     case = CASES["paper's truck, 32 in"]
     theirs, force, upwards, height = struck(case)
-    ours, lower = (
-        math.degrees(tipping.solve_roll(vehicle(case), h, force, STEP).largest_roll)
-        for h in (case.wall, height)
-    )
+    both = (tipping.solve_roll(vehicle(case), h, force, STEP).largest_roll for h in (case.wall, height))
+    ours, lower = map(math.degrees, both)
     print(f"contact in MuJoCo: {math.degrees(theirs):.3f} deg, impulse {1e-3 * STEP * force.sum():.2f} kN s")
     print(f"of which {upwards:+.3f} points upwards, at a mean height of {height:.3f} m")
     print(f"solver.tipping by that force, horizontal: {ours:.3f} deg; at that height {lower:.3f} deg")
-    print(
-        f"in the plane by that force, square to the body's side: {math.degrees(leaning(case, force)):.3f} deg"
-    )
+    square = math.degrees(leaning(case, force))
+    print(f"in the plane by that force, square to the body's side: {square:.3f} deg")
 
 
 if __name__ == "__main__":
