@@ -48,13 +48,9 @@ def test_impact_severity(name, least):
     assert least < severity / (KIP * FOOT) < 1.1 * least
 
 
-@pytest.mark.parametrize(
-    ("name", "length", "width"),
-    [
-        ("mash-tl3-car", 169 / 12, 65 / 12),
-        ("mash-tl3-pickup", 237 / 12, 78 / 12),
-    ],
-)
+@pytest.mark.parametrize(("name", "length", "width"), [
+    ("mash-tl3-car", 169 / 12, 65 / 12), ("mash-tl3-pickup", 237 / 12, 78 / 12),
+])  # fmt: skip
 def test_dimensions_in_feet(name, length, width):
     vehicle = read_scene(name)[0].vehicle
     assert (vehicle.length / FOOT, vehicle.width / FOOT) == pytest.approx((length, width), rel=1e-12)

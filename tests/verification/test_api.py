@@ -114,10 +114,8 @@ def test_help_begins_with_the_functions():
 def test_editors_and_type_checkers_see_the_names(tmp_path):
     """From the stub, without running anything: a function's result, and a name that is wrong."""
     lines = (
-        "import tailslap",
-        "reveal_type(tailslap.scenes())",
-        "tailslap.run('a').history['v_gy'].rolling(5)",
-    )
+        "import tailslap", "reveal_type(tailslap.scenes())", "tailslap.run('a').history['v_gy'].rolling(5)",
+    )  # fmt: skip
     code = "\n".join((*lines, "tailslap.walk()", ""))
     (tmp_path / "a.py").write_text(code)
     command = [sys.executable, "-m", "mypy", "--config-file=", "--follow-imports=silent", "a.py"]

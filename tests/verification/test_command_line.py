@@ -30,14 +30,8 @@ HEAVY = (
     *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pyarrow"),
 )
 FILES = {
-    "summary.json",
-    "history.csv",
-    "rigid.csv",
-    "report.html",
-    "set-up.svg",
-    ".tailslap-result.json",
-    CRATE,
-}
+    "summary.json", "history.csv", "rigid.csv", "report.html", "set-up.svg", ".tailslap-result.json", CRATE,
+}  # fmt: skip
 CURVES = ["theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"]
 CURVES += ["energy_exchanged", "energy_stored", "energy_error", "positions"]
 FILES |= {f"{name}.svg" for name in CURVES}

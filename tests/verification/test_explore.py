@@ -232,15 +232,9 @@ def served(scene, **settings):
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     command = [
-        sys.executable,
-        "-m",
-        "tailslap",
-        "explore",
-        scene,
-        "--port",
-        str(port),
+        sys.executable, "-m", "tailslap", "explore", scene, "--port", str(port),
         *["--headless"] * (not settings),
-    ]
+    ]  # fmt: skip
     streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
     with subprocess.Popen(command, **streams, env=os.environ | settings) as process:
         try:

@@ -498,11 +498,9 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
         return dict.fromkeys(COLUMNS, value)
 
     given: list[tuple[float, Any, Any, tuple[str, ...]]] = [
-        (2.0, {}, {}, ("contact: no",)),
-        (4.0, all_of(3e3), all_of(-0.06), ()),
-        (8.0, all_of(3e3), all_of(0.04), ()),
-        (math.inf, all_of(2e3), {}, ()),
-    ]
+        (2.0, {}, {}, ("contact: no",)), (4.0, all_of(3e3), all_of(-0.06), ()),
+        (8.0, all_of(3e3), all_of(0.04), ()), (math.inf, all_of(2e3), {}, ()),
+    ]  # fmt: skip
     plates = [impact_flexibility.plate_record(*each) for each in given]
     assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
     found = plate_runs.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)

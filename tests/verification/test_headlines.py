@@ -157,15 +157,9 @@ def test_forces_have_three_digits(newtons, si, us):
 
 def test_the_footer_has_version_date_and_command(tmp_path, capsys):
     words = [
-        "modes",
-        "paper-table-3",
-        "--count",
-        "1",
-        "--set",
-        "plate.elements=[8, 2]",
-        "--out",
+        "modes", "paper-table-3", "--count", "1", "--set", "plate.elements=[8, 2]", "--out",
         str(tmp_path / "a"),
-    ]
+    ]  # fmt: skip
     assert cli._status(words) == 0
     page = (tmp_path / "a" / "report.html").read_text()
     footer = page.partition("<footer>")[2].partition("</footer>")[0].replace("\N{NO-BREAK SPACE}", " ")

@@ -144,11 +144,8 @@ def test_the_wall_swings_on_its_foundation():
 
 
 CASES: dict[str, dict[str, Any]] = {
-    "crush": {},
-    "layer": {"layer": 2e5},
-    "penalty": {"law": "penalty"},
-    "exact": {"law": "exact"},
-}
+    "crush": {}, "layer": {"layer": 2e5}, "penalty": {"law": "penalty"}, "exact": {"law": "exact"},
+}  # fmt: skip
 GAINED = {"exact": 2e-5, "penalty": 2e-5, "layer": 5e-6}
 LOST = {"exact": 2e-3}
 """Fraction of the energy in light nodes on touching, and in waves that the step does not resolve."""

@@ -134,15 +134,10 @@ LINEAR, QUADRATIC = (2.0, (6, 12, 24), 5e-4, 5e-5), (3.0, (3, 6, 12), 2e-4, 2e-7
 """Order, elements across, longest step [s], and limit of the error on the finest mesh [m]."""
 
 
-@pytest.mark.parametrize(
-    ("kind", "expected"),
-    [
-        ("quad4", LINEAR),
-        ("quad9", QUADRATIC),
-        pytest.param("quad4-reduced", LINEAR, marks=pytest.mark.long),
-        pytest.param("tri3", LINEAR, marks=pytest.mark.long),
-    ],
-)
+@pytest.mark.parametrize(("kind", "expected"), [
+    ("quad4", LINEAR), ("quad9", QUADRATIC), pytest.param("quad4-reduced", LINEAR, marks=pytest.mark.long),
+    pytest.param("tri3", LINEAR, marks=pytest.mark.long),
+])  # fmt: skip
 def test_order_in_space(kind, expected):
     """Steps so short that the error in time is far below that in space."""
     order, meshes, longest, limit = expected

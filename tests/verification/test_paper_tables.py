@@ -366,13 +366,8 @@ def test_a_terminal_shows_the_tables_whole(found, monkeypatch):
 
 
 FILES = {
-    "paper.html",
-    "summary.json",
-    "figures_10_to_14_drag.csv",
-    "figures_10_to_14_none.csv",
-    MANIFEST,
-    CRATE,
-}
+    "paper.html", "summary.json", "figures_10_to_14_drag.csv", "figures_10_to_14_none.csv", MANIFEST, CRATE,
+}  # fmt: skip
 FILES |= {f"{name}.svg" for name in FIGURES.values()}
 
 

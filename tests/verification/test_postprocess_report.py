@@ -133,17 +133,9 @@ def page(tmp_path):
 
 def test_every_number_and_word_is_there(page):
     said = [
-        "A kicker",
-        "mash<tl4>",
-        "The answer.",
-        "The set-up.",
-        "The certainty.",
-        "A lead.",
-        "A table",
-        "measured",
-        "Size [m]",
-        "0.333",
-    ]
+        "A kicker", "mash<tl4>", "The answer.", "The set-up.", "The certainty.", "A lead.", "A table",
+        "measured", "Size [m]", "0.333",
+    ]  # fmt: skip
     said += ["along <the> wall", "not a number", "A note.", "mass", "9979", "curve-1", "Angular velocity"]
     said += ["N < 0 pulls", "The footer."]
     assert [piece for piece in said if piece not in page.text] == []

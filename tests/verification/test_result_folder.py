@@ -204,12 +204,8 @@ def test_the_name_of_a_folder_is_bounded_and_tells_all_changes_apart():
     """Changes that it cannot show are in its digest; it is reproducible, and no path."""
     long = "trailer=[{'length': '48 ft', 'width': 2.6, 'mass': 27770.0, 'hitch': 5.6, 'kingpin': 0.9}]"
     changes = [
-        long,
-        long.replace("0.9", "0.8"),
-        "corner.reaction=a:b",
-        "corner.reaction=a_b",
-        "corner.reaction=Ä",
-    ]
+        long, long.replace("0.9", "0.8"), "corner.reaction=a:b", "corner.reaction=a_b", "corner.reaction=Ä",
+    ]  # fmt: skip
     names = [folder.default_place("truck", [change]) for change in changes]
     assert len({*names, *(folder.default_place("truck", [f"impact.speed={n}"]) for n in range(100))}) == 105
     for name, change in zip(names, changes, strict=True):
@@ -613,14 +609,10 @@ def rigid_results(tmp_path):
 
 
 GATED = {
-    "run": "run paper-table-3",
-    "study": "study cost paper-table-3",
-    "sweep": "sweep paper-table-3 --vary corner.friction=0.1:0.2:2",
-    "modes": "modes paper-table-3",
-    "paper": "paper",
-    "compare": "compare {other} {other}",
-    "export": "export {other} --to csv",
-}
+    "run": "run paper-table-3", "study": "study cost paper-table-3",
+    "sweep": "sweep paper-table-3 --vary corner.friction=0.1:0.2:2", "modes": "modes paper-table-3",
+    "paper": "paper", "compare": "compare {other} {other}", "export": "export {other} --to csv",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("command", GATED)

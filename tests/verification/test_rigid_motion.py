@@ -385,11 +385,8 @@ def attempt(solve, motion):
 
 
 motions = {
-    "ratio": shapes,
-    "share": shares,
-    "omega": st.floats(0.05, 10.0),
-    "speed_ratio": st.floats(2.0, 30.0),
-}
+    "ratio": shapes, "share": shares, "omega": st.floats(0.05, 10.0), "speed_ratio": st.floats(2.0, 30.0),
+}  # fmt: skip
 motions |= {"friction": frictions, "reaction": st.sampled_from(REACTIONS)}
 
 

@@ -194,11 +194,9 @@ SAID = [
     ("plate.youngs_modulus=2 TPa", "plate.youngs_modulus", 2e12),
     ("impact.angle=20 deg", "impact.angle", math.radians(20.0)),
     ("plate.elements=[10,3]", "plate.elements", (10, 3)),
-    ("corner.reaction=signed", "corner.reaction", "signed"),
-    ("damping.ratio=0.1", "damping.ratio", 0.1),
-    ("wall=", "wall", None),
-    ("strike.duration=0.2", "strike", {"duration": 0.2}),
-]
+    ("corner.reaction=signed", "corner.reaction", "signed"), ("damping.ratio=0.1", "damping.ratio", 0.1),
+    ("wall=", "wall", None), ("strike.duration=0.2", "strike", {"duration": 0.2}),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "key", "value"), SAID)

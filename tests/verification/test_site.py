@@ -35,14 +35,10 @@ FENCE = re.compile(f"{BLOCK}|{INLINE}", re.MULTILINE | re.DOTALL)
 FILE_NAME = re.compile(r"# (?P<name>[\w-]+\.(?:toml|py|csv))\n")
 OPTIONAL = re.compile(r" \[.*?\](?:\.\.\.)?(?= |$)")
 STAND_INS = {
-    "SCENE": "paper-table-3",
-    "RESULT": "results/paper-table-3",
-    "FORMAT": "csv",
-    "NAME": "my-scene",
-    "N": "2",
-    "KEY=VALUES...": "corner.friction=0.1,0.2 --out results/sweep",
+    "SCENE": "paper-table-3", "RESULT": "results/paper-table-3", "FORMAT": "csv", "NAME": "my-scene",
+    "N": "2", "KEY=VALUES...": "corner.friction=0.1,0.2 --out results/sweep",
     "RESULT...": "results/paper-table-3",
-}
+}  # fmt: skip
 """Values for the variable parts of a synopsis, whose optional parts are omitted."""
 
 OF_STUDIES = {"flexibility": "mash-tl4-sut", "tipping": "impact-tipping-tl4-sut"}

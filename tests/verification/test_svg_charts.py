@@ -260,11 +260,8 @@ def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
     ring = studies.SweepLine("ring", [1e-4] * 3, form=studies.RINGS)
     chart = studies.draw_sweep("s", axis, [fe, ring], "size", "", (0.01,))
     expected = {
-        "FE": ["0.01", "1"],
-        "failed a check": ["50"],
-        "numerical error": ["0.001"],
-        "ring": ["0.01"] * 3,
-    }
+        "FE": ["0.01", "1"], "failed a check": ["50"], "numerical error": ["0.001"], "ring": ["0.01"] * 3,
+    }  # fmt: skip
     assert shown(chart) == expected
     assert {"size [%]", "1 %", "numerical error", "the scene's plate", "failed"} <= set(texts_of(chart))
     xs = [float(x) for x in re.findall(r"M([\d.]+) [\d.]+Z", chart.svg.split('data-label="ring"')[1])]
@@ -323,10 +320,8 @@ def crowded(lines=9):
     for n in range(lines):
         errors = [1e-2 * (n + 1), 1e-4 * (n + 1), 1e-5 * (1.0 + 0.02 * n)]
         times, passed, meshes = (
-            [1e-3, 1e-2, 0.9 + 0.01 * n],
-            [True, n != 3, True],
-            ["10 x 3", "20 x 6", "40 x 12"],
-        )
+            [1e-3, 1e-2, 0.9 + 0.01 * n], [True, n != 3, True], ["10 x 3", "20 x 6", "40 x 12"],
+        )  # fmt: skip
         series.append(studies.Series(f"line {n}", times, errors, passed, meshes))
     front = "Pareto front", [(1e-3, 1e-2), (1e-2, 1e-4), (0.9, 1e-5)]
     return studies.draw_precision("test", "(a) crowded", series, "error", front, ("the truth is known", 3e-6))

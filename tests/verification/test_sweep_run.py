@@ -569,13 +569,9 @@ for run in itertools.count():
 
 
 MOUNTED = {
-    r"proc {0}/proc proc rw 0 0": "",
-    "": "",
-    "masked": "",
-    r"a {0} ext4 rw 0 0": "ext4",
-    "a {0} ext4 rw 0 0\nb {1} nfs4 rw 0 0": "nfs4",
-    "a {0} ext4 rw 0 0\nb {0} cifs rw 0 0": "cifs",
-}
+    r"proc {0}/proc proc rw 0 0": "", "": "", "masked": "", r"a {0} ext4 rw 0 0": "ext4",
+    "a {0} ext4 rw 0 0\nb {1} nfs4 rw 0 0": "nfs4", "a {0} ext4 rw 0 0\nb {0} cifs rw 0 0": "cifs",
+}  # fmt: skip
 """Lists of mounts, and the kind of file system of a folder whose name has a space."""
 
 

@@ -154,10 +154,8 @@ def test_a_side_that_sticks_on_the_wall_turns_about_it(leaning):
 
 
 TABLE = {
-    1.25: (9.0, 4.0, 3.0, 2.0),
-    1.35: (90.0, 8.0, 4.0, 2.0),
-    1.45: (90.0, 90.0, 8.0, 4.0),
-}
+    1.25: (9.0, 4.0, 3.0, 2.0), 1.35: (90.0, 8.0, 4.0, 2.0), 1.45: (90.0, 90.0, 8.0, 4.0),
+}  # fmt: skip
 """Largest roll [deg] over walls of 0.69, 0.81, 0.91 and 1.07 m by the height of the centre, 90 where it tips."""
 
 
@@ -224,11 +222,9 @@ def test_wheels_lifted(push):
 
 
 REFUSED = [
-    ({"suspension": -1.0}, "suspension"),
-    ({"roll_inertia": 0.0}, "roll_inertia"),
-    ({"track": math.nan}, "track"),
-    ({"friction": -0.1}, "friction"),
-]
+    ({"suspension": -1.0}, "suspension"), ({"roll_inertia": 0.0}, "roll_inertia"),
+    ({"track": math.nan}, "track"), ({"friction": -0.1}, "friction"),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("change", "key"), REFUSED)

@@ -208,20 +208,13 @@ def test_many_trains_are_what_each_is_alone():
     rng = np.random.default_rng(3)
     n, between = 8, lambda low, high: rng.uniform(low, high, 8)
     shared: dict[str, Any] = {
-        "restitution": 0.22,
-        "friction": between(0.2, 0.6),
-        "speed": between(18.0, 25.0),
-        "angle": ANGLE,
-    }
+        "restitution": 0.22, "friction": between(0.2, 0.6), "speed": between(18.0, 25.0), "angle": ANGLE,
+    }  # fmt: skip
     first: dict[str, Any] = {"length": 6.9, "width": 2.44, "mass": between(7e3, 9e3), "centre_of_mass": 2.9}
     first["stiffness"] = 2e6
     behind: dict[str, Any] = {
-        "length": 14.6,
-        "width": 2.59,
-        "mass": between(1e4, 3e4),
-        "hitch": between(5.0, 6.0),
-        "kingpin": 0.9,
-    }
+        "length": 14.6, "width": 2.59, "mass": between(1e4, 3e4), "hitch": between(5.0, 6.0), "kingpin": 0.9,
+    }  # fmt: skip
     behind |= {"stiffness": between(1e6, 3e6), "centre_of_mass": 8.0}
     many = solve_impacts(**first, **shared, trailers=[behind], tolerance=1e-5, interval=5e-4)
     for i in range(n):
@@ -248,12 +241,8 @@ def test_many_trains_are_what_each_is_alone():
 
 def test_what_no_trailer_can_have_is_refused_by_its_number():
     trailer: dict[str, Any] = {
-        "length": 14.6,
-        "width": 2.59,
-        "mass": np.array([1e4, -1.0]),
-        "hitch": 5.6,
-        "kingpin": 0.9,
-    }
+        "length": 14.6, "width": 2.59, "mass": np.array([1e4, -1.0]), "hitch": 5.6, "kingpin": 0.9,
+    }  # fmt: skip
     with pytest.raises(RigidBodyError, match=r"trailer\.0\.mass is -1 at index 1"):
         solve_impacts(length=6.9, width=2.44, mass=8200.0, speed=20.0, angle=0.2, stiffness=1e6, restitution=0.2,
                       friction=0.4, trailers=[trailer])  # fmt: skip

@@ -110,14 +110,9 @@ def test_the_page_of_a_comparison(tmp_path):
     run = tailslap.run("paper-table-3", {"plate.elements": (10, 3)})
     folder = run.save(tmp_path / "run", pictures=False)
     words = [
-        "compare",
-        str(folder),
-        str(folder / "rigid.csv"),
-        "--author",
-        "A. <Reader>",
-        "--out",
+        "compare", str(folder), str(folder / "rigid.csv"), "--author", "A. <Reader>", "--out",
         str(tmp_path / "out"),
-    ]
+    ]  # fmt: skip
     assert cli._status(words) == 0
     text = (tmp_path / "out" / "validation.html").read_text(encoding="utf-8")
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))

@@ -13,13 +13,10 @@ from tailslap import cli
 
 ROOT = Path(__file__).parents[2]
 READ_IN_AN_EDITOR = (
-    "tailslap/api.py",
-    "tailslap/campaign/sweep_run.py",
-    "tailslap/result/columns.py",
-    "tailslap/result/result.py",
-    "tailslap/result/load.py",
+    "tailslap/api.py", "tailslap/campaign/sweep_run.py",
+    "tailslap/result/columns.py", "tailslap/result/result.py", "tailslap/result/load.py",
     "tailslap/exports/export.py",
-)
+)  # fmt: skip
 DOCUMENTS = [
     *sorted((ROOT / "docs").rglob("*.md")),
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "benchmarks/README.md", "mkdocs.yml")),
