@@ -525,10 +525,8 @@ def test_what_failed_is_told():
 
 def test_a_history_is_a_data_frame(result):
     pandas = pytest.importorskip("pandas")
-    for frame, columns in (
-        (result.history, result.histories["FE"]),
-        (result.rigid, result.histories["rigid"]),
-    ):
+    both = (result.history, result.histories["FE"]), (result.rigid, result.histories["rigid"])
+    for frame, columns in both:
         assert isinstance(frame, pandas.DataFrame)
         assert frame.attrs["units"] == columns.units
         for table in (frame, pandas.DataFrame(frame), pandas.DataFrame(columns)):
@@ -602,10 +600,8 @@ def test_the_interface_is_complete_and_its_types_are_known():
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_every_function_is_described_with_an_example(name):
     function = getattr(tailslap, name)
-    text, sections = (
-        inspect.getdoc(function) or "",
-        SECTIONS if inspect.signature(function).parameters else TAKES_NOTHING,
-    )
+    takes_nothing = not inspect.signature(function).parameters
+    text, sections = inspect.getdoc(function) or "", TAKES_NOTHING if takes_nothing else SECTIONS
     assert [title for title in sections if f"\n{title}\n{'-' * len(title)}\n" not in text] == []
     assert ">>> " in text
 

@@ -125,13 +125,8 @@ def test_a_run_that_never_strikes(result):
 def test_every_report_has_the_checks_of_customary_practice(result):
     names = [check.name for check in result.checks]
     assert len(names) == len(set(names))
-    wanted = {
-        "energy ratio",
-        "hourglass over strain energy",
-        "added mass",
-        "penetration",
-        "contact work",
-    } | METRICS
+    wanted = {*("energy ratio", "hourglass over strain energy", "added mass", "penetration", "contact work")}
+    wanted |= METRICS
     friction = {"friction law", "friction work", "friction takes energy", "friction work against rigid"}
     assert wanted | friction | {"contact energy"} <= {*names}
 
@@ -364,10 +359,8 @@ def test_oscillations_that_drift_apart_and_meet_again(result):
     share, size = t / t[-1], 1e-3 * result.rigid["omega"]
     for decay in (0.0, 3.0):
         left = np.exp(-decay * share)
-        ours, its = (
-            ({**rigid, "omega": rigid["omega"] + size * left * np.cos(2.0 * np.pi * swings * share)}, rigid)
-            for swings in (20, 21)
-        )
+        more = lambda swings: size * left * np.cos(2.0 * np.pi * swings * share)  # noqa: B023, E731
+        ours, its = (({**rigid, "omega": rigid["omega"] + more(swings)}, rigid) for swings in (20, 21))
         at_end = np.sqrt(2.0) * 1e-3 * np.exp(-decay * 0.95)
         assert distance_in_motion(ours, its, result.rigid, True) == pytest.approx(at_end, rel=0.05)
         assert distance_in_motion(ours, its, result.rigid, False) < 0.3 * at_end

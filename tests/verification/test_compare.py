@@ -301,10 +301,8 @@ def test_numbers_that_a_unit_makes_too_large_are_refused(folder, tmp_path):
 def test_histories_in_memory_are_held_to_the_same():
     """Those of results are read by the same function."""
     sound = Item("sound", {"t": T, "v_gy": 1.0 - T}, {})
-    for k, name, why in (
-        (7, "v_gy", "row 8, column v_gy: inf in SI"),
-        (3, "t", "row 4: the instant is missing"),
-    ):
+    missing = (7, "v_gy", "row 8, column v_gy: inf in SI"), (3, "t", "row 4: the instant is missing")
+    for k, name, why in missing:
         columns = {column: values.copy() for column, values in sound.columns.items()}
         columns[name][k] = np.inf
         with pytest.raises(InputError, match=why):
@@ -315,10 +313,8 @@ def test_many_columns_are_refused(folder, tmp_path):
     path = tmp_path / "wide.csv"
     names = ["t", "v_gy", *(f"c{k}" for k in range(999))]
     for columns in (1000, 1001):
-        rows = [
-            ",".join(names[:columns]),
-            *(",".join([str(0.3 * k), *((columns - 1) * ["1"])]) for k in range(2)),
-        ]
+        values = (columns - 1) * ["1"]
+        rows = [",".join(names[:columns]), *(",".join([str(0.3 * k), *values]) for k in range(2))]
         path.write_text("\n".join(rows) + "\n")
         if columns == 1000:
             assert len(read_table(path).names) == 1000

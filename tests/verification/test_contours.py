@@ -206,10 +206,8 @@ def test_another_size_is_wrong_input(given, tmp_path, capsys):
 
 
 def test_sizes_are_texts_or_pairs():
-    assert [picture_pixels(given) for given in ("1600x700", " 300 X 8000", (640, 480), None)] == [
-        *((1600, 700), (300, 8000), (640, 480)),
-        None,
-    ]
+    sizes = [picture_pixels(given) for given in ("1600x700", " 300 X 8000", (640, 480), None)]
+    assert sizes == [(1600, 700), (300, 8000), (640, 480), None]
 
 
 def test_stresses_have_the_unit_that_suits_them(tmp_path, monkeypatch):

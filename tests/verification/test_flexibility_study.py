@@ -55,21 +55,14 @@ def test_thickness_at_constant_mass_does_what_the_modulus_does(scene, hertz):
 def test_differences_go_with_the_inverse_square_of_the_first_frequency():
     given = (200.0, 100.0, 50.0, 25.0)
     sweep = small_sweep("paper-abaqus")
-    runs = [
-        plate_runs.one_run(
-            sweep.case.source,
-            corner_flexibility.run_changes(sweep, hertz, (8, 4)),
-            corner_flexibility.fe_record,
-        )
-        for hertz in given
-    ]
+    changes = [corner_flexibility.run_changes(sweep, hertz, (8, 4)) for hertz in given]
+    record = corner_flexibility.fe_record
+    runs = [plate_runs.one_run(sweep.case.source, change, record) for change in changes]
     assert not any(run["failed"] for run in runs)
     rigid = sweep.case.tail_slap
-    sizes = {
-        "v_gy": [relative_difference(run["values"], rigid)["v_gy"] for run in runs],
-        "v_gx": [relative_difference(run["values"], rigid)["v_gx"] for run in runs],
-        "stored": [run["stored"] for run in runs],
-    }
+    differences = [relative_difference(run["values"], rigid) for run in runs]
+    sizes = {name: [difference[name] for difference in differences] for name in ("v_gy", "v_gx")}
+    sizes["stored"] = [run["stored"] for run in runs]
     for name, values in sizes.items():
         exponent = np.polyfit(np.log(given), np.log(np.abs(values)), 1)[0]
         assert exponent == pytest.approx(-2.0, abs=0.01), name
@@ -80,10 +73,8 @@ def test_differences_go_with_the_inverse_square_of_the_first_frequency():
 def test_the_modal_model_is_of_the_same_opinion():
     sweep = small_sweep("paper-table-3")
     base, changes = sweep.case.source, corner_flexibility.run_changes(sweep, 20.0, (8, 4))
-    whole, modal = (
-        plate_runs.one_run(base, changes, corner_flexibility.fe_record),
-        plate_runs.one_run(base, changes, corner_flexibility.modal_record),
-    )
+    records = corner_flexibility.fe_record, corner_flexibility.modal_record
+    whole, modal = (plate_runs.one_run(base, changes, record) for record in records)
     flexible = largest_relative(whole["values"], sweep.case.tail_slap)
     assert largest_relative(modal["values"], whole["values"]) < 1e-2 * flexible
     assert modal["estimate"] < 0.1 * flexible
@@ -95,14 +86,9 @@ def test_the_modal_model_is_of_the_same_opinion():
 
 def test_what_each_start_keeps():
     sweep = small_sweep("mash-tl4-sut")
-    relief, momenta, unstressed = (
-        plate_runs.one_run(
-            sweep.case.source,
-            corner_flexibility.run_changes(sweep, 2.0, (8, 4), name),
-            corner_flexibility.fe_record,
-        )["departure"]
-        for name in corner_flexibility.STARTS
-    )
+    source, record, names = sweep.case.source, corner_flexibility.fe_record, corner_flexibility.STARTS
+    changes = (corner_flexibility.run_changes(sweep, 2.0, (8, 4), name) for name in names)
+    relief, momenta, unstressed = (plate_runs.one_run(source, c, record)["departure"] for c in changes)
     assert relief["v_gy"] > 3e-3 > 1e-5 > max(abs(relief["omega"]), abs(relief["v_p"]))
     assert max(abs(momenta["v_gx"]), abs(momenta["v_gy"])) < 1e-12
     assert momenta["omega"] < -3e-3 < 0.0 < momenta["v_p"]
@@ -144,10 +130,8 @@ def test_three_starts_whatever_the_scene_has():
     own = ("plate.start=unstressed", "plate.elements=", "verify.tolerance=1e-9")
     sweep = corner_flexibility.define(CornerCase(*read_scene("mash-tl4-sut", own)))
     assert sweep.meshes[1] == (20, 6)  # the program's choice for an omitted key
-    changes = {
-        name: corner_flexibility.run_changes(sweep, 50.0, sweep.meshes[0], name)
-        for name in corner_flexibility.STARTS
-    }
+    coarse, names = sweep.meshes[0], corner_flexibility.STARTS
+    changes = {name: corner_flexibility.run_changes(sweep, 50.0, coarse, name) for name in names}
     scenes = {name: vary(sweep.case.source, each)[0] for name, each in changes.items()}
     assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(corner_flexibility.STARTS)
     assert (
@@ -257,10 +241,8 @@ def test_a_start_is_not_credited_with_a_change_of_sign(synthetic):
     rigid = synthetic().case.tail_slap
     record = point_record(SWEEP[5], rigid)
     record["starts"]["unstressed"] = [mesh_record(1e-9, rigid)]
-    sizes = [
-        sample.difference
-        for sample in corner_flexibility.start_samples(synthetic({5: record}).rows, "unstressed")
-    ]
+    samples = corner_flexibility.start_samples(synthetic({5: record}).rows, "unstressed")
+    sizes = [sample.difference for sample in samples]
     assert sizes[5] == sizes[4] == pytest.approx(0.04 / SWEEP[4])
     assert sizes == sorted(sizes)
 
@@ -480,10 +462,8 @@ def test_what_a_plate_s_run_records(monkeypatch, impact):
     refused = {"contact.restitution": 2.0}
     ran = plate_runs.one_run(impact.source, refused, impact_flexibility.strike_record)
     assert "contact.restitution" in impact_flexibility.impact_row(8.0, ran)["failed"]
-    assert (
-        "contact.restitution"
-        in impact_flexibility.measure_plate(impact.source, 8.0, refused, refused)["failed"][0]
-    )
+    measured = impact_flexibility.measure_plate(impact.source, 8.0, refused, refused)
+    assert "contact.restitution" in measured["failed"][0]
 
 
 def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
@@ -506,10 +486,8 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     found = plate_runs.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
     assert plates_table(found).marks == {0: "failed", 1: "failed"}
     assert "scan.csv" not in said(found, tmp_path)[1]
-    differences = {
-        40.0: dict.fromkeys(impact_flexibility.NAMES, 0.01),
-        39.5: dict.fromkeys(impact_flexibility.NAMES, -0.02),
-    }
+    names = impact_flexibility.NAMES
+    differences = {40.0: dict.fromkeys(names, 0.01), 39.5: dict.fromkeys(names, -0.02)}
     scan_rows = plate_runs.listed_scan(Scan(samples, differences, 0.5), samples)
     found = replace(found, scan=scan_rows, step=0.5)
     terminal, page = said(found, tmp_path)
@@ -541,10 +519,8 @@ def test_a_stiff_plate_is_the_rigid_vehicle(impact):
     changes = {"plate.youngs_modulus": None, "plate.first_frequency": 200.0, "contact.patch_length": 1.0}
     changes["time.end"] = 2.0 * impact.duration
     meshes = [{**changes, "plate.elements": (10 * n, 4 * n)} for n in (1, 2)]
-    rigid, plate = (
-        both_strikes(impact.answer),
-        impact_flexibility.measure_plate(impact.source, 200.0, *meshes),
-    )
+    rigid = both_strikes(impact.answer)
+    plate = impact_flexibility.measure_plate(impact.source, 200.0, *meshes)
     assert plate["failed"] == []
     assert plate["error"] < 1e-2
     for name, value in plate["values"].items():

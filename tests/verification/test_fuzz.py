@@ -277,10 +277,8 @@ def write_files(folder):
 
 def test_a_number_that_lacks_its_unit_is_remarked_upon(capsys):
     assert _status([*RIGID, "--set", "impact.speed=45"]) == 0
-    assert (
-        "impact.speed = 45 without a unit is 45 m/s, 100.7 mph; the scene has this key in mph"
-        in capsys.readouterr().err
-    )
+    remark = "impact.speed = 45 without a unit is 45 m/s, 100.7 mph; the scene has this key in mph"
+    assert remark in capsys.readouterr().err
     assert _status([*RIGID, "--set", "impact.speed=162 km/h"]) == 0
     assert capsys.readouterr().err == ""
 

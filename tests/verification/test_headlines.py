@@ -48,10 +48,8 @@ def test_every_shipped_scene_has_an_answer_with_its_force(name):
     if "start" in own.source.given:
         subject = f"{vehicle['mass']} vehicle at 25.053 m/s, 14.8969 deg"
     assert headline.title.endswith(f": {subject}")
-    length, width = (
-        " and ".join(dict.fromkeys(unit[side] for unit in (vehicle, *trailers)))
-        for side in ("length", "width")
-    )
+    join = lambda side: " and ".join(dict.fromkeys(u[side] for u in (vehicle, *trailers)))  # noqa: E731
+    length, width = join("length"), join("width")
     assert headline.set_up.startswith(f"{name}: {subject}; length {length}, width {width}, ")
     assert headline.certainty
     drawing = own.drawing()
@@ -87,10 +85,8 @@ def test_inputs_stand_in_the_units_in_which_they_are_given():
     )
     assert start.endswith("start of Stage 2: angular velocity 0.707 rad/s, friction 0.47.")
     later = SI.rendered(case("mash-tl4-sut", "start.corner_speed=24").headline().set_up)
-    assert (
-        "at 56 mph, 15 deg; length 10 m, width 2438 mm, start of Stage 2: corner speed 24 m/s, friction"
-        in later
-    )
+    start = "at 56 mph, 15 deg; length 10 m, width 2438 mm, start of Stage 2: corner speed 24 m/s, friction"
+    assert start in later
     contact = case("impact-mash-tl3-car", "contact.side_stiffness=1 MN/m^2").headline().set_up
     crush = "crush stiffness 0.98 MN/m a corner, initial crush force 75 kN, side layer 1 MN/m^2"
     assert f"{crush}, restitution 0.22, friction 0.47." in contact

@@ -105,10 +105,8 @@ def test_a_spike_of_the_force_is_drawn():
     force = np.zeros_like(T)
     force[1234] = 1e6
     svg = impact.draw_forces("force", "Force", T, {"raw": force}, STRIKES, {"AASHTO LRFD": 5e5}).svg
-    line, level = (
-        points(svg, "grey")[:, 1],
-        -float(found(r'class="difference"[^>]*><path d="M\S+ ([\d.]+)H', svg)),
-    )
+    line = points(svg, "grey")[:, 1]
+    level = -float(found(r'class="difference"[^>]*><path d="M\S+ ([\d.]+)H', svg))
     assert line.max() - level == pytest.approx(level - line.min(), rel=1e-4)
     assert {"raw", "front", "rear", "AASHTO LRFD", "500 kN"} <= set(texts(svg))
     assert "CFC 60" not in texts(svg)

@@ -410,10 +410,8 @@ def test_the_end_in_a_strike_cuts_it():
         assert [each.cut for each in (*others, strike)] == [False, False, True]
         values = strike.duration, strike.peak_force, strike.impulse
         assert strike.end == pytest.approx(end)
-        assert all(
-            a <= b * STEP and b <= c * STEP
-            for a, b, c in zip(last, values, (whole.duration, whole.peak_force, whole.impulse), strict=True)
-        )
+        exact = (whole.duration, whole.peak_force, whole.impulse)
+        assert all(a <= b * STEP and b <= c * STEP for a, b, c in zip(last, values, exact, strict=True))
         last = values
     resumed = impact(end=whole.end + 0.9 * whole.duration).strikes[2]  # it may come back
     assert (resumed.cut, resumed.impulse) == (True, pytest.approx(whole.impulse, rel=1e-4))

@@ -587,10 +587,8 @@ def test_a_wall_that_is_too_short_or_lacks_a_key_is_refused(refused):
 def test_no_difference_is_stated_of_a_light_strike():
     """A strike below 5 % of the largest impulse has no stated error, and is not in the statement of the others."""
     found = {"strike_1.impulse": 0.01, "strike_2.impulse": 0.3, "strike_3.peak_force": -0.02}
-    assert error.of_weight(found, answer(blip=0.049).strikes) == {
-        "strike_1.impulse": 0.01,
-        "strike_3.peak_force": -0.02,
-    }
+    expected = {"strike_1.impulse": 0.01, "strike_3.peak_force": -0.02}
+    assert error.of_weight(found, answer(blip=0.049).strikes) == expected
     assert error.of_weight(found, answer(blip=0.051).strikes) == found
     assert error.of_weight({}, ()) == {}
 

@@ -86,12 +86,10 @@ class Manufactured:
         area = DENSITY * THICKNESS
         self.place = self._assembled(lambda v, w, i: area * w.x[i] * v)
         self.weight = self._assembled(lambda v, w, i: area * field(w.x)[i] * v)
-        self.stress = [
-            self._assembled(
-                lambda v, w, i, k=k: THICKNESS * np.einsum("k...,k...->...", stress_terms(w.x)[k][i], v.grad)
-            )
-            for k in range(3)
-        ]
+        term = lambda k: (  # noqa: E731
+            lambda v, w, i: THICKNESS * np.einsum("k...,k...->...", stress_terms(w.x)[k][i], v.grad)
+        )
+        self.stress = [self._assembled(term(k)) for k in range(3)]
 
     def _assembled(self, form):
         """Vectors along X and Y, shape (2, nodes)."""

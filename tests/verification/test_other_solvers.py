@@ -105,12 +105,8 @@ def test_deck_holds_the_mass_and_the_motion_of_the_rigid_body(elsewhere):
     """Mass, moment of inertia, momentum and spin of density times brick volumes are those of the rectangle."""
     assert written("export", "paper-table-3", "--to", "calculix", "--set", FRICTIONLESS) == 0
     folder = elsewhere / "results" / f"paper-table-3+{FRICTIONLESS}-calculix"
-    assert {path.name for path in folder.glob("[!.]*")} == {
-        "plate.inp",
-        "README.md",
-        "nodes.csv",
-        "rigid.csv",
-    }
+    names = {path.name for path in folder.glob("[!.]*")}
+    assert names == {"plate.inp", "README.md", "nodes.csv", "rigid.csv"}
     text = (folder / "plate.inp").read_text()
     mesh = meshio.read(folder / "plate.inp")
     (bricks,) = (block.data for block in mesh.cells if block.type == "hexahedron")
@@ -481,10 +477,8 @@ def test_abaqus_deck_has_friction_by_a_connector_at_the_corner(elsewhere):
 
 
 def test_abaqus_deck_refuses_what_its_connector_cannot_have(elsewhere, capsys):
-    for change, key in (
-        ("corner.reaction=signed", "corner.reaction"),
-        ("corner.patch_length=2", "patch_length"),
-    ):
+    changes = ("corner.reaction=signed", "corner.reaction"), ("corner.patch_length=2", "patch_length")
+    for change, key in changes:
         assert written("export", "paper-table-3", "--to", "abaqus", "--set", change) == 2
         assert key in capsys.readouterr().err
     assert not any(elsewhere.iterdir())

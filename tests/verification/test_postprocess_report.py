@@ -168,13 +168,8 @@ def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page):
 def test_nothing_is_fetched(page):
     names = ("src", "href", "xlink:href", "srcset", "action")
     kept = [link for _, link, *_ in page.named("a") if "download" in link]
-    links = [
-        value
-        for _, found, *_ in page.elements
-        if found not in kept
-        for name, value in found.items()
-        if name in names
-    ]
+    others = [attributes for _, attributes, *_ in page.elements if attributes not in kept]
+    links = [value for attributes in others for name, value in attributes.items() if name in names]
     assert links
     assert all(link.startswith(("data:image/png;base64,", "#")) for link in links)
     assert [link["href"] for link in kept] == ["omega.svg"], (

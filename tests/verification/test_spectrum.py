@@ -392,13 +392,8 @@ def test_command(tmp_path, capsys):
     assert _status(["modes", "paper-table-3", "--count", "6", "--out", str(out)]) == DONE
     assert "bending 1" in capsys.readouterr().out
     pictures = {f"mode-{number}.svg" for number in range(1, 7)}
-    assert {path.name for path in out.iterdir()} == {
-        "report.html",
-        "set-up.svg",
-        "summary.json",
-        MANIFEST,
-        CRATE,
-    } | pictures
+    names = {"report.html", "set-up.svg", "summary.json", MANIFEST, CRATE}
+    assert {path.name for path in out.iterdir()} == names | pictures
     summary = json.loads((out / "summary.json").read_text())
     assert [mode["kind"] for mode in summary["modes"]][:3] == ["bending", "bending", "longitudinal"]
     assert abs(summary["modes"][0]["difference"]) < 6e-3

@@ -343,10 +343,8 @@ def test_the_time_left_is_that_of_the_work_which_is_left(monkeypatch):
     monkeypatch.setattr(progress, "_time_left", lambda rest, done, elapsed: f"{rest:g} after {done:g}")
     lines: list[str] = []
     work = [0.0, 0.5, 1.0, 10.0]
-    with (
-        progress.followed(lines.append),
-        progress.counted("x", 4, 1, work_left=lambda n: work[4 - round(n)]) as show,
-    ):
+    left = lambda n: work[4 - round(n)]  # noqa: E731
+    with progress.followed(lines.append), progress.counted("x", 4, 1, work_left=left) as show:
         show(2)
         show(4)
     assert [line.rpartition(", ")[2] for line in lines] == ["1 after 9", "0 after 10"]
@@ -357,16 +355,10 @@ def test_every_cell_has_an_estimate_and_those_of_many_steps_the_longest():
     base, axes = stability_study.base_source(case.scene), axes_of(case.scene, 4)
     cells = map_cells(case.scene, axes)[0]
     assert stability_study.expected_seconds(case, base, cells).keys() == cells.keys()
-    seconds = {
-        name: stability_study.expected_seconds(case, base, {"": changes})[""]
-        for name, changes in {
-            "usual": {},
-            "slender": {"vehicle.width": 0.02 * case.scene.vehicle.length},
-            "stiff": {"plate.youngs_modulus": 2e15},
-            "penalty": {"corner.penalty_scale": 1e4},
-            "refused": {"time.safety_factor": -1.0},
-        }.items()
-    }
+    of = lambda changes: stability_study.expected_seconds(case, base, {"": changes})[""]  # noqa: E731
+    seconds = {"usual": of({}), "slender": of({"vehicle.width": 0.02 * case.scene.vehicle.length})}
+    seconds |= {"stiff": of({"plate.youngs_modulus": 2e15}), "penalty": of({"corner.penalty_scale": 1e4})}
+    seconds["refused"] = of({"time.safety_factor": -1.0})
     assert seconds["refused"] == stability_study.CELL_S < seconds["usual"]
     assert min(seconds[name] for name in ("slender", "stiff", "penalty")) > 1.5 * seconds["usual"]
 
@@ -442,11 +434,8 @@ def test_page_and_summary_say_what_was_found(tmp_path):
     printed = report(result)
     write_report(printed, tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["counts"] == {
-        "right": 5,
-        "flexible": 0,
-        **dict.fromkeys(list(cell_verdicts.MAP_KINDS)[2:], 1),
-    }
+    once = dict.fromkeys(list(cell_verdicts.MAP_KINDS)[2:], 1)
+    assert summary["counts"] == {"right": 5, "flexible": 0, **once}
     assert not summary["passed"]
     assert len(summary["wrong"]) == 1
     page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
@@ -512,11 +501,8 @@ DRAWN = [changed_tables(BASE.given, random_scenes.draw(SCENE, BASE, 1, number))[
 
 
 def test_a_draw_is_known_by_seed_and_number():
-    assert (
-        random_scenes.draw(SCENE, BASE, 1, 7)
-        == random_scenes.draw(SCENE, BASE, 1, 7)
-        != random_scenes.draw(SCENE, BASE, 2, 7)
-    )
+    drawn = [random_scenes.draw(SCENE, BASE, seed, 7) for seed in (1, 1, 2)]
+    assert drawn[0] == drawn[1] != drawn[2]
     assert DRAWN[7] != DRAWN[8]
 
 
@@ -769,24 +755,15 @@ def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
     printed = report(campaign_of(*cell_verdicts.RANDOM_KINDS))
     write_report(printed, tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
-    assert names == {
-        "report.html",
-        "set-up.svg",
-        "cells.csv",
-        "summary.json",
-        "cell-0002.toml",
-        "cell-0006.toml",
-        CRATE,
-    }
+    cells = {"cells.csv", "cell-0002.toml", "cell-0006.toml"}
+    assert names == {"report.html", "set-up.svg", "summary.json", CRATE} | cells
     counts = json.loads((tmp_path / "summary.json").read_text())["counts"]
     assert counts == dict.fromkeys(cell_verdicts.RANDOM_KINDS, 1)
     with (tmp_path / "cells.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["kind"] for row in rows] == list(cell_verdicts.RANDOM_KINDS)
-    assert (
-        "time.safety_factor"
-        in rows[list(cell_verdicts.RANDOM_KINDS).index("caught")]["what could be changed"]
-    )
+    caught = rows[list(cell_verdicts.RANDOM_KINDS).index("caught")]
+    assert "time.safety_factor" in caught["what could be changed"]
     assert float(rows[0]["vehicle.length"]) == stability_study.flat(DRAWN[0])["vehicle.length"]
     page = (tmp_path / "report.html").read_text()
     for text in ("unjudged", "failed</span>"):

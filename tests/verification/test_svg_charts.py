@@ -581,14 +581,13 @@ def many_lines():
         "i", "x [m]", t, 0.2, False, {"F [kN]": {k: dict.fromkeys("abc", t) for k in (1, 2)}}
     )
     axis = studies.SweepAxis([100.0, 10.0, 1.0], [True] * 3, 30.0)
+    lines = [studies.SweepLine(n, [1e-3] * 3) for n in "abcde"]
     return {
         "forces": draw_forces("f", "", t, dict.fromkeys(LINES, 1e3 * t)),
         "results": draw_overlay("o", "F [kN]", curves, "", 340.0),
         "energies": next(c for c in draw_histories(fe, rigid) if c.name == "energy_stored"),
         "inputs": studies.draw_inputs("", [inputs])[1],
-        "sweep": studies.draw_sweep(
-            "s", axis, [studies.SweepLine(n, [1e-3] * 3) for n in "abcde"], "size", "", ()
-        ),
+        "sweep": studies.draw_sweep("s", axis, lines, "size", "", ()),
     }
 
 

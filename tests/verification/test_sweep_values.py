@@ -131,20 +131,12 @@ def test_the_definition_on_disk_tells_sweeps_apart():
 
 
 FRICTION, KEY_VALUES = "corner.friction", "KEY=VALUES"
-PLACES = {
-    "file": "it is a file",
-    "full": "the folder contains other files",
-    "file/below": "it is a file, or inside",
-}
+PLACES = {"file": "it is a file", "full": "the folder contains other files"}
+PLACES |= {"file/below": "it is a file, or inside"}
 WRONG_FRICTIONS = {
-    **{
-        "0:0.6": "a range is a:b:n",
-        "0:0.6:1": "at least 2",
-        "0:0.6:2.5": "a number n of values",
-        "0.3:0.3:4": "must differ",
-    },
-    **{"log:0:0.6:4": "above 0", "-0.1:0.6:4": "from 0 to", "0.1,,0.2": KEY_VALUES, "1:2:3:4": KEY_VALUES},
-    "0:0.6:3 --sample 10": "a range is a:b or log:a:b",
+    **{"0:0.6": "a range is a:b:n", "0:0.6:1": "at least 2", "0:0.6:2.5": "a number n of values"},
+    **{"0.3:0.3:4": "must differ", "log:0:0.6:4": "above 0", "-0.1:0.6:4": "from 0 to"},
+    **{"0.1,,0.2": KEY_VALUES, "1:2:3:4": KEY_VALUES, "0:0.6:3 --sample 10": "a range is a:b or log:a:b"},
 }
 WRONG = [
     *((f"corner.friction={values}", FRICTION, message) for values, message in WRONG_FRICTIONS.items()),

@@ -190,10 +190,8 @@ def test_many_are_as_one(push):
         rng.uniform(8e5, 2e6, 20), rng.uniform(0.0, 0.3, 20), 2.438, rng.uniform(0.0, 0.5, 20), 24.0,
     )  # fmt: skip
     force = push * rng.uniform(0.8, 1.1, 20)[:, None]
-    rolls, lowest = (
-        tipping.largest_rolls(many, WALL, force, INTERVAL),
-        tipping.lowest_walls(many, force, INTERVAL),
-    )
+    rolls = tipping.largest_rolls(many, WALL, force, INTERVAL)
+    lowest = tipping.lowest_walls(many, force, INTERVAL)
     names = ("mass", "centre_height", "roll_inertia", "suspension", "damping_ratio", "friction")
     for i in range(20):
         one = replace(many, **{name: getattr(many, name)[i] for name in names})

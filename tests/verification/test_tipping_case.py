@@ -47,11 +47,9 @@ def test_refusals(change, key, allowed):
 
 
 def test_a_constrained_corner_has_no_tipping():
+    keys = ("wall_height", "centre_height", "track", "suspension")
     with pytest.raises(InputError, match=r"tipping.*requires \[contact\]"):
-        read_scene(
-            "mash-tl4-sut",
-            [f"tipping.{key}=1.0" for key in ("wall_height", "centre_height", "track", "suspension")],
-        )
+        read_scene("mash-tl4-sut", [f"tipping.{key}=1.0" for key in keys])
 
 
 def test_numbers_of_the_contract(python):
@@ -67,10 +65,8 @@ def test_numbers_of_the_contract(python):
 
 def test_margins_are_where_the_verdict_turns():
     found = rolled()
-    for key, edge, safe in (
-        ("wall_height", found["lowest_safe_wall"], 1),
-        ("centre_height", found["highest_safe_centre"], -1),
-    ):
+    edges = ("wall_height", found["lowest_safe_wall"], 1), ("centre_height", found["highest_safe_centre"], -1)
+    for key, edge, safe in edges:
         assert not rolled(f"tipping.{key}={edge + 1e-6 * safe}")["tips"]
         assert rolled(f"tipping.{key}={edge - 1.1e-3 * safe}")["tips"]
 
@@ -91,10 +87,8 @@ def test_keys_left_out():
 
 def test_a_centre_below_the_wall_s_top_is_announced():
     text = SI.rendered(case("tipping.wall_height=54 in").headline().answer)
-    assert (
-        "The vehicle cannot tip over this wall: its centre of mass is below the top of the wall, 1.372 m (54.0 in)."
-        in text
-    )
+    above = "its centre of mass is below the top of the wall, 1.372 m (54.0 in)."
+    assert f"The vehicle cannot tip over this wall: {above}" in text
     assert not rolled("tipping.wall_height=54 in")["tips"]
 
 

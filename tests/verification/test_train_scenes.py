@@ -187,13 +187,8 @@ def test_each_unit_of_a_train_rolls_by_the_force_on_it():
     history, units = case.answer.history, found["units"]
     assert len(units) == len(case.motion.vehicles)
     assert found["lowest_safe_wall"] == max(unit["lowest_safe_wall"] for unit in units)
-    trailer = RollingVehicle(
-        case.scene.trailer[0].mass,
-        1.9,
-        case.scene.trailer[0].mass * (0.45 * case.scene.trailer[0].width) ** 2,
-        1.85,
-        3e6,
-    )
+    mass, width = case.scene.trailer[0].mass, case.scene.trailer[0].width
+    trailer = RollingVehicle(mass, 1.9, mass * (0.45 * width) ** 2, 1.85, 3e6)
     alone = lowest_walls(trailer, history["force_normal_2"][1:], case.answer.interval)
     assert units[1]["lowest_safe_wall"] == float(alone)
     total = sum(history[f"force_normal_{number}"] for number in range(1, len(units) + 1))
@@ -201,10 +196,8 @@ def test_each_unit_of_a_train_rolls_by_the_force_on_it():
 
 
 def test_refusals_of_a_trailer_s_roll():
-    for changes, key in (
-        ({"trailer.0.track": 1.8}, "trailer.0.track"),
-        ({"tipping": ROLL, "trailer.0.track": 2.8}, "trailer.0.track"),
-    ):
+    key, wide = "trailer.0.track", {"tipping": ROLL, "trailer.0.track": 2.8}
+    for changes in ({key: 1.8}, wide):
         with pytest.raises(InputError) as caught:
             train(**changes)
         assert caught.value.key == key
@@ -251,11 +244,8 @@ def test_a_sweep_has_a_row_of_every_strike_that_counts(tmp_path):
 
 def test_many_trains_have_the_strikes_of_each(case):
     """The front of the first unit, the rear of the last, and the largest mean, by the step of many."""
-    keys = {
-        "contact.stiffness": [1e6, 2e6],
-        "trailer.0.stiffness": [1e6, 2e6],
-        "trailer.0.mass": [27770.0, 20000.0],
-    }
+    keys = {"contact.stiffness": [1e6, 2e6], "trailer.0.stiffness": [1e6, 2e6]}
+    keys["trailer.0.mass"] = [27770.0, 20000.0]
     many = case.many({key: np.array(values) for key, values in keys.items()})
     inertia = 497057 * 20000 / 27770
     others = {"contact__stiffness": 2e6, "trailer__0__mass": 2e4, "trailer__0__yaw_inertia": inertia}

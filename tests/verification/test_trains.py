@@ -150,14 +150,9 @@ def test_the_hinge_of_two_spinning_units_bears_their_relative_acceleration():
 
 
 def test_a_tow_ball_is_the_hinge_of_a_longer_vehicle_until_the_rear_strikes():
-    short, long = (
-        train_impact(
-            vehicle=ImpactVehicle(length, 2.44, 8200.0, 2.9, 34621.0),
-            trailers=[(TRAILER, 7.0, 0.9)],
-            end=0.12,
-        )
-        for length in (6.9, 7.1)
-    )
+    tractors = (ImpactVehicle(length, 2.44, 8200.0, 2.9, 34621.0) for length in (6.9, 7.1))
+    trailers = [(TRAILER, 7.0, 0.9)]
+    short, long = (train_impact(vehicle=each, trailers=trailers, end=0.12) for each in tractors)
     assert long.strikes[0].corner == short.strikes[0].corner
     for name in ("duration", "peak_force", "impulse", "friction_work"):
         value = getattr(short.strikes[0], name)
@@ -257,10 +252,8 @@ def test_steps_in_parts_agree_with_short_steps_of_one_length(restitution, allowe
     start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
     found = solve_trains(train, start, strikes=8, end=0.4, tolerance=4e-3)
     fine = solve_trains(train, start, strikes=8, end=0.4, step=1e-6)
-    own, known = (
-        each.strikes[0][each.strikes[0, :, 4] > 0.05 * np.nanmax(each.strikes[0, :, 4])]
-        for each in (found, fine)
-    )
+    firsts = (found.strikes[0], fine.strikes[0])
+    own, known = (rows[rows[:, 4] > 0.05 * np.nanmax(rows[:, 4])] for rows in firsts)
     assert own[:, 0].tolist() == known[:, 0].tolist() == [0.0, 4.0, 1.0, 0.0][: len(known)]
     true = np.abs(own[:, 3:5] / known[:, 3:5] - 1.0).max()
     assert true < allowed
@@ -272,10 +265,9 @@ def test_steps_in_parts_agree_with_short_steps_of_one_length(restitution, allowe
 def test_rows_of_the_impulse_alone_are_that_column():
     train = train_of((TRACTOR, TRAILER), WallContact(CrushLaw(2e6, 1e5, 0.1), MU), [(HITCH, KINGPIN)])
     start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
-    whole, alone = (
-        solve_trains(train, start, tolerance=4e-3, end=0.4, interval=5e-4, impulse_alone=each).rows[0, :801]
-        for each in (False, True)
-    )
+    settings: dict[str, Any] = {"tolerance": 4e-3, "end": 0.4, "interval": 5e-4}
+    both = (solve_trains(train, start, impulse_alone=each, **settings) for each in (False, True))
+    whole, alone = (impacts.rows[0, :801] for impacts in both)
     column = column_names(2).index("impulse_normal")
     assert alone[:, 0] == pytest.approx(whole[:, column], rel=1e-14)
     assert whole[-1, column] > 1e4

@@ -242,10 +242,8 @@ def numbers(texts):
 def test_contours_have_rulers_title_and_values_in_feet(monkeypatch, tmp_path):
     field = ContourField("v", "Velocity", "m/s", SQUARE[:, 0])
     situation = Situation((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
-    metres, feet = (
-        texts_of(monkeypatch, lambda units=units: draw_contours(situation, [field], tmp_path, *units))
-        for units in ((), (US,))
-    )
+    draw = lambda *units: draw_contours(situation, [field], tmp_path, *units)  # noqa: E731
+    metres, feet = (texts_of(monkeypatch, lambda u=units: draw(*u)) for units in ((), (US,)))
     for said, length, speed in ((metres, "m", "m/s"), (feet, "ft", "ft/s")):
         middle = {"m": "G: 1.5000 m/s", "ft": "G: 4.9213 ft/s"}[length]
         axes = {f"X [{length}], driving direction →", f"Y [{length}]", f"Velocity [{speed}]"}
@@ -307,12 +305,8 @@ def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
 def page_text(place):
     """Words of a page without tags, what is folded and drawn included, but for the set-up, in the scene's units."""
     html = (place / "report.html").read_text(encoding="utf-8")
-    html = re.sub(
-        r"<title>.*?</title>|<header>.*?</header>|<svg[^>]*Set-up from above.*?</figure>",
-        "",
-        html,
-        flags=re.DOTALL,
-    )
+    without = r"<title>.*?</title>|<header>.*?</header>|<svg[^>]*Set-up from above.*?</figure>"
+    html = re.sub(without, "", html, flags=re.DOTALL)
     text = re.sub(r"<style>.*?</style>|<pre.*?</pre>|<script>.*?</script>", "", html, flags=re.DOTALL)
     return re.sub(r"<[^>]+>", "", text).replace("\N{NO-BREAK SPACE}", " ")
 
