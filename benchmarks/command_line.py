@@ -27,13 +27,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 def options(description: str | None, *positional: str | tuple[str, Any], **optional: Any) -> Any:
     """Parse the command line of a benchmark, whose help is its docstring.
 
-    positional: name of a required argument, or name and default; with an empty list any number of arguments, with a
-    mapping its keys, all by default. optional: default by name; False is a flag, a type an option without default, an
-    empty list one that is repeated, a tuple one of several values, None any number of texts, None without the option.
+    positional: name of a required argument, or name and default; with a tuple one of its texts, with an empty list any
+    number of arguments, with a mapping its keys, all by default. optional: default by name; False is a flag, a type an
+    option without default, an empty list one that is repeated, a tuple one of several values, None one of any number of
+    texts, None without the option.
     """
-    parser = argparse.ArgumentParser(
-        description=description, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    kind = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=description, formatter_class=kind)
     names: dict[str, Mapping[str, Any]] = {}
     for entry in positional:
         name, default = (entry, ...) if isinstance(entry, str) else entry
@@ -42,13 +42,13 @@ def options(description: str | None, *positional: str | tuple[str, Any], **optio
             parser.add_argument(name, nargs="*", help=", ".join(default))
         elif isinstance(default, list):
             parser.add_argument(name, nargs="*", default=default)
-        elif default is ...:
-            parser.add_argument(name)
+        elif default is ... or isinstance(default, tuple):
+            parser.add_argument(name, choices=None if default is ... else default)
         else:
             parser.add_argument(name, nargs="?", **_value(default))
     for name, default in optional.items():
-        kind: dict[str, Any] = {"action": "append", "default": []} if default == [] else _value(default)
-        parser.add_argument(f"--{name.replace('_', '-')}", **kind)
+        value: dict[str, Any] = {"action": "append", "default": []} if default == [] else _value(default)
+        parser.add_argument(f"--{name.replace('_', '-')}", **value)
     arguments = parser.parse_args()
     for name, allowed in names.items():
         if unknown := {*getattr(arguments, name)} - {*allowed}:
@@ -102,10 +102,8 @@ def run_command(*words: object) -> tuple[int, str, str]:
     """Run a command of the program here, and return its exit status, output and messages."""
     from tailslap.cli import _status
 
-    with (
-        contextlib.redirect_stdout(io.StringIO()) as output,
-        contextlib.redirect_stderr(io.StringIO()) as messages,
-    ):
+    output, messages = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(messages):
         status = _status([str(word) for word in words])
     return status, output.getvalue(), messages.getvalue()
 

@@ -22,19 +22,15 @@ from tailslap.studies.cost.cost_study import SingleStepper
 
 MODULI = np.geomspace(20e9, 20e12, 7)
 DAMPED = "damping.ratio=0.02"
+ALL_DAMPING = (
+    *("damping.ratio=0.1", "damping.bulk_viscosity=0.06", "corner.damping_ratio=0.2"),
+    "plate.start=unstressed",
+)
 CONSERVED = (
     ("undamped, frictionless", "1e-6", ("corner.reaction=none",)),
     ("undamped, with friction", "1e-4", ()),
     ("friction and damping", "1e-4", ("damping.ratio=0.1",)),
-    (
-        *("friction, damping, dashpot, bulk, unstressed start", "1e-4"),
-        (
-            "damping.ratio=0.1",
-            "damping.bulk_viscosity=0.06",
-            "corner.damping_ratio=0.2",
-            "plate.start=unstressed",
-        ),
-    ),
+    ("friction, damping, dashpot, bulk, unstressed start", "1e-4", ALL_DAMPING),
 )
 VARIANTS = (
     *((f"plate.element={name}",) for name in ("quad4", "quad9", "tri3", "tri6")),
@@ -147,9 +143,8 @@ def precision() -> None:
         row(what, "", f"{texts}; {drift:.1e}; {reaction:.3g}; {rate:.2g}")
 
 
-PARTS = {
-    p.__name__: p for p in (accuracy, flexibility, conservation, steps, elements, point_and_patch, precision)
-}
+FUNCTIONS = (accuracy, flexibility, conservation, steps, elements, point_and_patch, precision)
+PARTS = {function.__name__: function for function in FUNCTIONS}
 
 if __name__ == "__main__":
     for name in command_line.options(__doc__, ("parts", PARTS)).parts:

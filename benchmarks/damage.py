@@ -100,12 +100,9 @@ def greatest(value: float, other: float) -> float:
 
 ARRAY = np.array([1.0, 2.0, 4.0])
 CALLS: tuple[tuple[Callable[..., Any], tuple[Any, ...]], ...] = (
-    (summed, (ARRAY, 0.5)),
-    (summed, (ARRAY.astype(np.int64), 0.5)),
-    (shifted, (ARRAY, 0.5)),
-    (greatest, (1.5, -2.5)),
-    (greatest, (3.0, 2)),
-)
+    (summed, (ARRAY, 0.5)), (summed, (ARRAY.astype(np.int64), 0.5)), (shifted, (ARRAY, 0.5)),
+    (greatest, (1.5, -2.5)), (greatest, (3.0, 2)),
+)  # fmt: skip
 """Kernels and arguments of their types; the answer is that of the plain function."""
 
 
@@ -198,10 +195,8 @@ class Results:
         from tailslap import InputError
 
         shown, status, refusal = "", 0, ""
-        with (
-            np.printoptions(threshold=sys.maxsize, floatmode="unique"),
-            warnings.catch_warnings(record=True) as remarks,
-        ):
+        whole_numbers = np.printoptions(threshold=sys.maxsize, floatmode="unique")
+        with whole_numbers, warnings.catch_warnings(record=True) as remarks:
             warnings.simplefilter("always")
             try:
                 shown = numbers_of(self.folder / kind, forced)
@@ -228,7 +223,7 @@ class Results:
         return judged(status, told, is_right, forced)
 
     def _is_written(self, path: Path) -> bool:
-        """True where a file of numbers has the same bytes, and for any other file."""
+        """Return True where a file of numbers has the same bytes, and for any other file."""
         if path.suffix not in (".csv", ".json") or path.name[0] == ".":
             return True
         return path.read_bytes() == (self.at_work / path.name).read_bytes()
@@ -309,8 +304,8 @@ def checkpoints(count: int, seed: int) -> Judged:
         names = ("history.csv", "rigid.csv", *["fields.npz"] * (kind == "run"))
         is_same = all((folder / kind / n).read_bytes() == (whole / kind / n).read_bytes() for n in names)
         end = "made anew" if "damaged" in told or "no checkpoint" in told else "gone on from"
-        resumed = end == "gone on from"
-        if how != "missing" and (how == "left whole") != resumed:  # others of the run may be there
+        is_resumed = end == "gone on from"
+        if how != "missing" and (how == "left whole") != is_resumed:  # others of the run may be there
             return f"BAD {end}: {told}"
         return end if is_same else f"BAD numbers, {end}: {told}"
 
@@ -335,7 +330,7 @@ PARTS: dict[str, Callable[[int, int], Judged]] = {
 
 def main() -> None:
     """Damage a part, and print the outcomes."""
-    options = command_line.options(__doc__, "part", ("count", 400), ("seed", 1))
+    options = command_line.options(__doc__, ("part", tuple(PARTS)), ("count", 400), ("seed", 1))
     outcomes = Counter[str]()
     for number, (how, said) in enumerate(PARTS[options.part](options.count, options.seed)):
         outcomes[f"{how:<40}  {said.partition(':')[0]}"] += 1

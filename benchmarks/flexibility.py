@@ -30,7 +30,6 @@ from tailslap.studies.flexibility import corner_flexibility, impact_flexibility,
 
 COUNT = 40
 """Runs beyond each printed frequency."""
-
 BELOW = 0.5
 """The lowest frequency at which runs are made, over the printed one: to see how far it is on the safe side."""
 
@@ -57,12 +56,10 @@ def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
         return corner_flexibility.scan_row(run, case.tail_slap)
     assert isinstance(case, ImpactCase)
     changes: dict[str, Any] = {
-        "plate.youngs_modulus": None,
-        "plate.elements": case.plan().plate.counts,
-        "plate.first_frequency": frequency,
-        "contact.patch_length": impact_flexibility.patch_length(case),
+        "plate.youngs_modulus": None, "plate.elements": case.plan().plate.counts,
+        "plate.first_frequency": frequency, "contact.patch_length": impact_flexibility.patch_length(case),
         "verify.companion": False,
-    }
+    }  # fmt: skip
     record = plate_runs.one_run(case.source, changes, impact_flexibility.strike_record)
     return impact_flexibility.strike_differences(record)
 

@@ -37,7 +37,6 @@ from command_line import add_record, read_records, row
 Record = dict[str, Any]
 Draw = tuple[dict[str, Any], float]
 """Keys of an impact, and its length over its width."""
-
 SCENE = "impact-mash-tl4-sut"
 VEHICLES = (
     ((3.8, 5.0), (1.6, 1.9), (1e3, 1.9e3), (0.7, 1.3), (50, 100)),

@@ -17,7 +17,6 @@ and a message, and the folder has the result of the one.
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
 import random
@@ -28,12 +27,12 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from contextlib import redirect_stderr, redirect_stdout
+from contextlib import suppress
 from pathlib import Path
 
 import command_line
 import psutil
-from command_line import ROOT, TAILSLAP, sweep_rows
+from command_line import ROOT, TAILSLAP, run_command, sweep_rows
 
 from tailslap.storage.folder import locked, recover
 from tailslap.storage.manifest import LOCK, LOG, NAME, entry, read_manifest
@@ -103,17 +102,15 @@ def killed(arguments: tuple[str, ...], out: Path, delay: float, number: signal.S
 
 
 def _children(pid: int) -> list[psutil.Process]:
-    try:
-        return psutil.Process(pid).children(recursive=True)
-    except psutil.NoSuchProcess:
-        return []
+    with suppress(psutil.NoSuchProcess):
+        return list(psutil.Process(pid).children(recursive=True))
+    return []
 
 
 def _lives(process: psutil.Process) -> bool:
-    try:
+    with suppress(psutil.NoSuchProcess):
         return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
-    except psutil.NoSuchProcess:
-        return False
+    return False
 
 
 def rows(out: Path) -> list[str]:
@@ -130,33 +127,8 @@ def look(out: Path) -> list[str]:
     return found
 
 
-def at_every_call(kinds: list[str]) -> None:
-    """Kill commands at their calls, and print the faults."""
-    wrong, total = 0, 0
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        assert started(EARLIER, folder / "earlier").wait() == 0
-        assert started(EXACT["sweep"], folder / "sweep").wait() == 0
-        for kind in kinds or [*EXACT, "sweep again"]:
-            arguments = tuple(w.format(earlier=folder / "earlier") for w in EXACT[kind.partition(" ")[0]])
-            before = {"sweep": None, "sweep again": folder / "sweep"}.get(kind, folder / "earlier")
-            points = _calls(arguments, _prepared(folder, before))
-            ends = Counter[str]()
-            for number, (call, nth) in enumerate(points):
-                inject = f"-e inject={call}:signal=SIGKILL:when={nth}"
-                found, end = _killed_at(folder, arguments, before, inject)
-                ends[f"{kind}, {end}"] += 1
-                wrong += len(found)
-                print(*(f"\r{kind}, {call} {nth}: {fault}\n" for fault in found), sep="", end="", flush=True)
-                print(f"\r{kind}: {number + 1} of {len(points)}", end="", file=sys.stderr, flush=True)
-            total += len(points)
-            print("\r" + command_line.counts(ends), flush=True)
-    print(f"{total} kills at calls: {wrong} faults")
-    sys.exit(bool(wrong))
-
-
-def _prepared(folder: Path, before: Path | None) -> Path:
-    """The place of a result, with an earlier one in it to which the user has added a file, alone in its folder."""
+def prepared(folder: Path, before: Path | None) -> Path:
+    """Return the place of a result, with a copy of an earlier one and a file of the user in it."""
     shutil.rmtree(folder / "at-work", ignore_errors=True)
     out = folder / "at-work" / "out"
     out.parent.mkdir()
@@ -166,66 +138,100 @@ def _prepared(folder: Path, before: Path | None) -> Path:
     return out
 
 
+def settled(
+    out: Path, arguments: tuple[str, ...], before: Path | None, reference: list[str]
+) -> tuple[list[str], str]:
+    """List the faults after a kill, and state the content of the folder.
+
+    The next command clears the remains; a sweep is made to its end, with the rows of the reference.
+    """
+    if before and before.name == "earlier":
+        found, end = look(out), "the earlier result" if whole(out) == whole(before) else "a new result"
+        with locked(out):
+            pass
+    else:
+        found, end = look(out) if before else [], "gone on to the same rows"
+        again = started(arguments, out, messages=subprocess.PIPE)
+        said = again.communicate()[1].decode()
+        if again.returncode:
+            return [*found, f"it does not go on, status {again.returncode}: {said}"], "lost"
+        if rows(out) != reference:
+            found.append("its rows differ from those of a sweep left alone")
+    return found + _left(out.parent, out), end
+
+
+def _left(folder: Path, out: Path) -> list[str]:
+    """List remains in the folder and beside it, except journals, which the study itself takes up."""
+    journals = [path.name for path in folder.glob(".*.journal")]  # and what SQLite has beside one
+    taken_up = {name + ending for name in journals for ending in ("", "-journal", "-wal", "-shm")}
+    beside = {path.name for path in folder.iterdir() if path != out} - taken_up
+    within = {path.name for path in out.glob(".tailslap*")} - {NAME}
+    return [f"{name} is left" for name in sorted(beside | within)]
+
+
+def at_every_call(kinds: list[str]) -> int:
+    """Kill commands at their calls, print the faults, and return their number."""
+    wrong, total = 0, 0
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        assert started(EARLIER, folder / "earlier").wait() == 0
+        assert started(EXACT["sweep"], folder / "sweep").wait() == 0
+        reference = rows(folder / "sweep")
+        for kind in kinds or [*EXACT, "sweep again"]:
+            arguments = tuple(w.format(earlier=folder / "earlier") for w in EXACT[kind.partition(" ")[0]])
+            before = {"sweep": None, "sweep again": folder / "sweep"}.get(kind, folder / "earlier")
+            points = _calls(arguments, prepared(folder, before))
+            ends = Counter[str]()
+            for number, (call, nth) in enumerate(points):
+                out = prepared(folder, before)
+                tracer = f"strace -o /dev/null -e inject={call}:signal=SIGKILL:when={nth}"
+                status = started(arguments, out, tracer).wait()
+                faults, end = settled(out, arguments, before, reference)
+                ended = "killed" if status == -signal.SIGKILL else f"not killed, {status}"
+                ends[f"{kind}, {ended}: {end}"] += 1
+                wrong += len(faults)
+                print(*(f"\r{kind}, {call} {nth}: {fault}\n" for fault in faults), sep="", end="", flush=True)
+                print(f"\r{kind}: {number + 1} of {len(points)}", end="", file=sys.stderr, flush=True)
+            total += len(points)
+            print("\r" + command_line.counts(ends), flush=True)
+    print(f"{total} kills at calls: {wrong} faults")
+    return wrong
+
+
 def _calls(arguments: tuple[str, ...], out: Path) -> list[tuple[str, int]]:
-    """Calls of the command in its folder: the name, and how many of this name there were before and with it."""
+    """List the calls of the command in its folder, each with its number among those of its name."""
     trace = out.parent / "trace"
     assert started(arguments, out, f"strace -y -o {trace} -e trace={CALLS}").wait() in (0, 1)
-    counts, found = Counter[str](), []
+    counts, calls = Counter[str](), []
     for line in trace.read_text().splitlines():
         call = line.partition("(")[0]
         counts[call] += 1
         is_write = "write" in call and not any(f"/{name}>" in line for name in WRITTEN)
         if str(out) in line and not is_write:
-            found.append((call, counts[call]))
-    return found
+            calls.append((call, counts[call]))
+    return calls
 
 
-def _killed_at(
-    folder: Path, arguments: tuple[str, ...], before: Path | None, inject: str
-) -> tuple[list[str], str]:
-    """Faults after a kill at a call, and what is in the folder then; the next command clears what is left."""
-    out = _prepared(folder, before)
-    status = started(arguments, out, f"strace -o /dev/null {inject}").wait()
-    ended = "killed" if status == -signal.SIGKILL else f"not killed, {status}"
-    if before and before.name == "earlier":
-        found = look(out)
-        end = "the earlier result" if whole(out) == whole(before) else "a new result"
-        with locked(out):
-            pass
-    else:
-        found = look(out) if before else []
-        again = started(arguments, out, messages=subprocess.PIPE)
-        said = again.communicate()[1].decode()
-        if again.returncode:
-            return [*found, f"it does not go on, status {again.returncode}: {said}"], "lost"
-        end = "gone on to the same rows"
-        if rows(out) != rows(folder / "sweep"):
-            found.append("its rows differ from those of a sweep left alone")
-    return found + _left(out.parent, out), f"{ended}: {end}"
+def _contend(out: Path, k: int, start: int) -> None:
+    """Wait for the start, run a command, and write its outcome beside the folder."""
+    os.read(start, 1)
+    began, friction = time.monotonic(), f"impact.friction={0.1 + 0.05 * k}"
+    status, shown, text = run_command(*RACED, "--json", "--set", friction, "--out", out)
+    if status == 0:
+        text = f"wins {json.loads(shown)['fe']['v_gy']}"
+    elif status == 2 and text.count("another command uses this folder") == text.count("\n") == 1:
+        text = f"told {time.monotonic() - began}"
+    (out.parent / f"said-{k}").write_text(text)
 
 
-def race(rounds: int) -> None:
-    """Let eight processes fill one folder at once in each round, and print the faults."""
-    from tailslap import cli, load
+def race(rounds: int) -> int:
+    """Let eight processes fill one folder at once in each round, and return the number of faults."""
+    from tailslap import load
 
     ends, wrong, slowest = Counter[str](), 0, 0.0
-
-    def contend(out: Path, k: int, start: int) -> None:
-        os.read(start, 1)
-        began = time.monotonic()
-        with redirect_stdout(io.StringIO()) as shown, redirect_stderr(io.StringIO()) as said:
-            friction = f"impact.friction={0.1 + 0.05 * k}"
-            status = cli._status([*RACED, "--json", "--set", friction, "--out", str(out)])
-        text = said.getvalue()
-        if status == 0:
-            text = f"wins {json.loads(shown.getvalue())['fe']['v_gy']}"
-        elif status == 2 and text.count("another command uses this folder") == text.count("\n") == 1:
-            text = f"told {time.monotonic() - began}"
-        (out.parent / f"said-{k}").write_text(text)
-
     with tempfile.TemporaryDirectory() as name:
         out = Path(name) / "out"
-        assert cli._status([*RACED, "-q", "--out", str(out)]) == 0
+        assert run_command(*RACED, "-q", "--out", out)[0] == 0
         (out / "mine.txt").write_text(ADDED)
         for number in range(rounds):
             reading, writing = os.pipe()
@@ -233,7 +239,7 @@ def race(rounds: int) -> None:
             for k in range(8):
                 if not (child := os.fork()):
                     os.close(writing)
-                    contend(out, k, reading)
+                    _contend(out, k, reading)
                     os._exit(0)
                 children.append(child)
             os.close(reading)
@@ -244,106 +250,64 @@ def race(rounds: int) -> None:
             said = [path.read_text() for path in files]
             for path in files:
                 path.unlink()
-            winners = [float(text.split()[1]) for text in said if text.startswith("wins")]
-            told = [float(text.split()[1]) for text in said if text.startswith("told")]
+            winners, told = (
+                [float(text.split()[1]) for text in said if text.startswith(word)]
+                for word in ("wins", "told")
+            )
             slowest = max(slowest, *told)
-            found = look(out) + _left(out.parent, out)
+            faults = look(out) + _left(out.parent, out)
+            end = f"{len(winners)} won, {len(told)} were told"
             if (len(winners), len(told)) != (1, 7):
-                found.append(f"{len(winners)} won, {len(told)} were told: {said}")
+                faults.append(f"{end}: {said}")
             elif winners[0] != load(out).summary["fe"]["v_gy"]:
-                found.append("the result is of another")
-            ends[f"{len(winners)} won, {len(told)} were told"] += 1
-            wrong += len(found)
-            print(*(f"\r{number}: {fault}\n" for fault in found), sep="", end="", flush=True)
+                faults.append("the result is of another")
+            ends[end] += 1
+            wrong += len(faults)
+            print(*(f"\r{number}: {fault}\n" for fault in faults), sep="", end="", flush=True)
     print(command_line.counts(ends))
     print(f"{rounds} rounds of 8: {wrong} faults; the last was told after {slowest:.2f} s")
-    sys.exit(bool(wrong))
+    return wrong
 
 
-def main() -> None:
-    """Kill commands, and print the faults."""
-    part, *more = command_line.options(__doc__, ("words", [])).words or ["200"]
-    if part == "calls":
-        at_every_call(more)
-    elif part == "race":
-        race(int(more[0]) if more else 200)
-    else:
-        at_random(int(part), int(more[0]) if more else 1)
-
-
-def at_random(count: int, seed: int) -> None:
-    """Kill commands at random instants, and print the faults."""
+def at_random(count: int, seed: int) -> int:
+    """Kill commands at random instants, print the faults, and return their number."""
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would have it ignored
-    dice, wrong, ends = random.Random(seed), [], Counter[str]()
+    dice, wrong, ends = random.Random(seed), 0, Counter[str]()
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        times, reference = _undisturbed(folder)
+        folder, times = Path(name), dict[str, float]()
+        earlier = folder / "earlier"
+        assert started(EARLIER, earlier).wait() == 0
+        for kind, arguments in COMMANDS.items():
+            for attempt in ("first", kind):  # the second is warm
+                began = time.monotonic()
+                assert started(arguments, folder / f"{kind}-{attempt}").wait() == 0, kind
+                times[kind] = time.monotonic() - began
+        reference = rows(folder / "sweep-sweep")
         for number in range(count):
             kind, how = dice.choice(list(COMMANDS)), dice.choice(SIGNALS)
-            delay = dice.uniform(0.0, 1.05 * times[kind])
-            place = folder / str(number)
-            if kind == "sweep":
-                found, end = _sweep(place, how, delay, reference)
-            else:
-                found, end = _result(place, kind, how, delay, folder / "earlier")
-            shutil.rmtree(place)
+            delay, before = dice.uniform(0.0, 1.05 * times[kind]), None if kind == "sweep" else earlier
+            out = prepared(folder, before)
+            faults = killed(COMMANDS[kind], out, delay, how)
+            more, end = settled(out, COMMANDS[kind], before, reference)
             ends[f"{kind}, {end}"] += 1
-            faults = [f"{number}: {kind}, {how.name} after {delay:.2f} s: {fault}" for fault in found]
-            wrong += faults
-            print(*(f"\r{fault}\n" for fault in faults), sep="", end="", flush=True)
-            print(f"\r{number + 1} of {count}, {len(wrong)} wrong", end="", file=sys.stderr, flush=True)
-    print(f"\n{count} kills, seed {seed}: {len(wrong)} ended wrongly")
+            wrong += bool(faults + more)
+            for fault in faults + more:
+                print(f"\r{number}: {kind}, {how.name} after {delay:.2f} s: {fault}", flush=True)
+            print(f"\r{number + 1} of {count}, {wrong} wrong", end="", file=sys.stderr, flush=True)
+    print(f"\n{count} kills, seed {seed}: {wrong} ended wrongly")
     print(command_line.counts(ends))
-    sys.exit(bool(wrong))
+    return wrong
 
 
-def _undisturbed(folder: Path) -> tuple[dict[str, float], list[str]]:
-    """How long each command takes, warm, and the rows of the sweep."""
-    times = {}
-    assert started(EARLIER, folder / "earlier").wait() == 0
-    for kind, arguments in COMMANDS.items():
-        for attempt in ("first", kind):
-            began = time.monotonic()
-            assert started(arguments, folder / f"{kind}-{attempt}").wait() == 0, kind
-            times[kind] = time.monotonic() - began
-    return times, rows(folder / "sweep-sweep")
-
-
-def _sweep(folder: Path, how: signal.Signals, delay: float, reference: list[str]) -> tuple[list[str], str]:
-    """Kill a sweep, and let it go on to its end."""
-    folder.mkdir()
-    out = folder / "out"
-    found = killed(COMMANDS["sweep"], out, delay, how)
-    if started(COMMANDS["sweep"], out).wait() != 0:
-        return [*found, "it does not go on"], "lost"
-    if rows(out) != reference:
-        found.append("its rows differ from those of a sweep left alone")
-    return found + _left(folder, out), "resumed to the same rows"
-
-
-def _result(
-    folder: Path, kind: str, how: signal.Signals, delay: float, earlier: Path
-) -> tuple[list[str], str]:
-    """Kill a command that replaces an earlier result, to which the user has added a file."""
-    out = folder / "out"
-    shutil.copytree(earlier, out)
-    (out / "mine.txt").write_text(ADDED)
-    before = whole(out)
-    found = killed(COMMANDS[kind], out, delay, how) + look(out)
-    end = "the earlier result" if whole(out) == before else "a new result"
-    with locked(out):  # as the next command does first
-        pass
-    return found + _left(folder, out), end
-
-
-def _left(folder: Path, out: Path) -> list[str]:
-    """What lies in the folder and beside it after that, journals apart, which the study itself takes up."""
-    journals = [path.name for path in folder.glob(".*.journal")]  # and what SQLite has beside one
-    taken_up = {name + ending for name in journals for ending in ("", "-journal", "-wal", "-shm")}
-    beside = {path.name for path in folder.iterdir() if path != out} - taken_up
-    within = {path.name for path in out.glob(".tailslap*")} - {NAME}
-    return [f"{name} is left" for name in sorted(beside | within)]
+def main() -> int:
+    """Kill commands, and return 1 where there are faults."""
+    part, *more = command_line.options(__doc__, ("words", [])).words or ["200"]
+    if part == "calls":
+        return int(at_every_call(more) > 0)
+    if part == "race":
+        return int(race(int(more[0]) if more else 200) > 0)
+    return int(at_random(int(part), int(more[0]) if more else 1) > 0)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -191,7 +191,12 @@ def compares(path: Path) -> bool:
 def main() -> None:
     """Make or compare."""
     given = command_line.options(
-        __doc__, "what", ("folders", []), root=str(command_line.ROOT), only="", tolerance=0.0
+        __doc__,
+        ("what", ("make", "compare")),
+        ("folders", []),
+        root=str(command_line.ROOT),
+        only="",
+        tolerance=0.0,
     )
     folders = [Path(folder) for folder in given.folders]
     if given.what == "make":

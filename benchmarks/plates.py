@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 LENGTH, WIDTH = 10.0, 2.438
 DISTORTION = 0.2
 """Largest displacement of an inner node of a distorted mesh over the element's size."""
-
 ONE_THREAD = {
     f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA", "VECLIB_MAXIMUM")
 }

@@ -31,10 +31,8 @@ from plates import DISTORTION, interpreter_path, make_model, on_one_thread, same
 SIZES = {120: (20, 6), 7680: (160, 48), 122880: (640, 192)}
 MINE, UNEVEN, TWO_THREADS = "this program", ", distorted", ", 2 threads"
 VARIANTS: dict[str, dict[str, Any]] = {
-    "": {},
-    UNEVEN: {"distortion": DISTORTION},
-    TWO_THREADS: {"threads": 2},
-}
+    "": {}, UNEVEN: {"distortion": DISTORTION}, TWO_THREADS: {"threads": 2},
+}  # fmt: skip
 SCRIPTS = {"Akantu": "akantu_plate", "Kratos": "kratos_plate", "Warp": "warp_plate"}
 COMPARED = {120: tuple(SCRIPTS), 7680: (*SCRIPTS, "Warp" + UNEVEN), 122880: ("Warp" + UNEVEN,)}
 """Other codes by number of elements."""

@@ -112,12 +112,10 @@ def judge(seed: int, number: int) -> Record:
     except InputError as error:
         return {"number": number, "end": "refused", "why": error.key}
     record = {
-        "number": number,
-        "end": "passed" if outcome.passed else "failed",
-        "failed": failed_names(outcome.checks),
-        "stated": outcome.error.total,
+        "number": number, "end": "passed" if outcome.passed else "failed",
+        "failed": failed_names(outcome.checks), "stated": outcome.error.total,
         "difference": largest(outcome.difference),
-    }
+    }  # fmt: skip
     if not outcome.fe:
         return record
     found = list(references(case, outcome))

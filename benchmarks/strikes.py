@@ -25,7 +25,6 @@ VEHICLES = ("impact-mash-tl4-sut", "impact-mash-tl3-pickup", "impact-mash-tl3-ca
 FROM, TO, STEP = 10.0, 20.0, 0.5
 STIFFER = 16.0
 """Times the modulus, whose plate keeps a sixteenth of the effect of flexibility."""
-
 LONGER = 0.5
 """Time that the motion is followed beyond its end [s]."""
 TEXTS = {

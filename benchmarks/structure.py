@@ -136,23 +136,18 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
         plan.run()
     finally:
         sys.setprofile(None)
-    climbs = sum(
-        one.parts[0] == "fem" and other.parts[0] == "tailslap" for (one, _), (other, _) in pairwise(calls)
-    )
+    packages = [path.parts[0] for path, _ in calls]
+    climbs = sum(pair == ("fem", "tailslap") for pair in pairwise(packages))
     return len({path for path, _ in calls}), climbs, sum(name == "plate_mesh" for _, name in calls)
 
 
 def assertions(root: Path = ROOT) -> int:
     """Assertions in the tests: assert statements, and blocks that expect an error or a warning."""
-    count = 0
-    for path in (root / "tests").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            expects = isinstance(node, ast.Call) and ast.unparse(node.func) in {
-                "pytest.raises",
-                "pytest.warns",
-            }
-            count += isinstance(node, ast.Assert) or expects
-    return count
+    trees = (ast.parse(path.read_text(encoding="utf-8")) for path in (root / "tests").rglob("*.py"))
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    calls = [ast.unparse(node.func) for node in nodes if isinstance(node, ast.Call)]
+    expected = calls.count("pytest.raises") + calls.count("pytest.warns")
+    return sum(isinstance(node, ast.Assert) for node in nodes) + expected
 
 
 def main() -> None:

@@ -11,7 +11,6 @@ EMPTY = """() => [...document.querySelectorAll("figure")].filter((figure) => {
   const pictures = [...figure.querySelectorAll("img")].filter((image) => image.naturalWidth > 0);
   return drawn.length < 2 && !pictures.length;
 }).map((figure) => figure.textContent.trim().slice(0, 60))"""
-
 WORDS = """() => {
   const found = [];
   for (const svg of document.querySelectorAll("svg.chart")) {

@@ -10,13 +10,10 @@ from typing import Any
 
 PAPER_WIDTH = round((210 - 2 * 12) / 25.4 * 96)
 """Pixels between the margins of A4."""
-
 FAR = 4000
 """Letters after which the next cell of a table is not looked for: a page of other text."""
-
 BEGINNING = 3
 """Cells by which the beginning of a table is recognised."""
-
 TEXTS = """() => {
   const said = (part) => part.textContent;
   const all = (of, what) => [...of.querySelectorAll(what)].map(said);

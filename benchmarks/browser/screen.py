@@ -14,7 +14,6 @@ OUTSIDE = """() => {
   return document.documentElement.scrollWidth > wide ? ["the page scrolls sideways", ...said] : said;
 }"""
 """What reaches beyond the window and is in no box that scrolls."""
-
 BROKEN = """() => {
   const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), found = [];
   while (walker.nextNode()) {

@@ -24,13 +24,11 @@ def description() -> str:
 
     lines = Path("/proc/cpuinfo").read_text().split("\n\n")[0].replace("\t", "").splitlines()
     processor = dict(line.split(":", 1) for line in lines if ":" in line)
-    family = ", ".join(
-        f"{name} {processor[name].strip()}" for name in ("cpu family", "model") if name in processor
-    )
+    names = [name for name in ("cpu family", "model") if name in processor]
+    family = ", ".join(f"{name} {processor[name].strip()}" for name in names)
     model = processor.get("model name", platform.processor()).strip()
-    commit = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=Path(__file__).parent, capture_output=True, text=True
-    ).stdout.strip()
+    git = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    commit = subprocess.run(git, capture_output=True, text=True).stdout.strip()
     missing = ", ".join(
         f"{code}: {'installed, but without an input here' if any(map(shutil.which, names)) else 'not installed'}"
         for code, names in NOT_COMPARED.items()

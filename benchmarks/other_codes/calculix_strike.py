@@ -28,7 +28,6 @@ LENGTH, WIDTH, THICKNESS, MASS = 10.0, 2.438, 0.053, 9979.0
 SPEED, ANGLE = 56.0 * 0.44704, np.radians(15.0)
 FIRST, FLIGHT, SECOND = 0.012, 0.202, 0.026
 """Durations of the steps [s]."""
-
 WALL = [(x, y, z) for z in (-0.3, 0.4) for x, y in ((-11.0, -0.5), (9.0, -0.5), (9.0, 0.0), (-11.0, 0.0))]
 CHANGES = ("contact.stiffness=", "contact.restitution=", "contact.friction=0", "contact.enforcement=exact")
 

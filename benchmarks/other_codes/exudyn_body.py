@@ -24,7 +24,6 @@ from other_codes.plate import Plate, from_argument
 
 STEPS = 460
 """Steps of a millisecond, if the angle is the paper's: their error is then far below what flexibility changes."""
-
 LONGER = 1.2
 """End of the motion over the time that the tail-slap is expected at."""
 

@@ -21,13 +21,10 @@ from other_codes.plate import Plate, Reading, from_argument
 
 CHECKED_STEPS = 200
 """Steps from the start to the instant at which the codes' far corners are compared."""
-
 FIRST_STEPS = 20
 """Steps by which a loop's time is foreseen."""
-
 NEAR = 10
 """Steps left to the wall from which on each is looked at."""
-
 PROBE_S = 2.0
 """Time for which a loop runs that would take too long."""
 

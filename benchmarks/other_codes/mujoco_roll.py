@@ -36,12 +36,10 @@ class Case:
 
 
 CASES = {
-    "paper's truck, 32 in": Case(1.35, 0.81),
-    "high centre, 36 in": Case(1.45, 0.91),
-    "undamped": Case(1.35, 0.81, damping=0.0),
-    "soft crush, 27 in": Case(1.25, 0.69, 1e6),
+    "paper's truck, 32 in": Case(1.35, 0.81), "high centre, 36 in": Case(1.45, 0.91),
+    "undamped": Case(1.35, 0.81, damping=0.0), "soft crush, 27 in": Case(1.25, 0.69, 1e6),
     "20 deg, 42 in": Case(1.45, 1.07, angle=20.0),
-}
+}  # fmt: skip
 
 
 def push(case: Case) -> np.ndarray:
