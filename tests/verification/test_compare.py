@@ -31,6 +31,13 @@ def folder(result, tmp_path_factory):
     return result.save(tmp_path_factory.mktemp("compare") / "reference", pictures=False)
 
 
+def beside(ours, reference):
+    """Compare two histories of one column, which have times in common."""
+    found = metrics.beside("v", ours, reference)
+    assert found is not None
+    return found
+
+
 def command(*arguments):
     return cli._status(["compare", *arguments])
 
@@ -48,10 +55,8 @@ def their_file(path, result, head, factor=1.0):
 def test_metrics_of_a_scaled_and_of_a_late_history():
     """Twice as large: M = 1, P = 0, C = 1. Late by a hundredth of a turn: M = 0, P = 0.02."""
     reference = {"t": T, "v": np.sin(2.0 * np.pi * T)}
-    twice = metrics.beside("v", {"t": T, "v": 2.0 * reference["v"]}, reference)
-    late = metrics.beside("v", {"t": T, "v": np.sin(2.0 * np.pi * (T - 0.01))}, reference)
-    assert twice is not None
-    assert late is not None
+    twice = beside({"t": T, "v": 2.0 * reference["v"]}, reference)
+    late = beside({"t": T, "v": np.sin(2.0 * np.pi * (T - 0.01))}, reference)
     assert twice.metrics.magnitude == pytest.approx(1.0, abs=1e-12)
     assert (twice.metrics.phase, twice.largest[0]) == (pytest.approx(0.0, abs=1e-7), pytest.approx(1.0))
     assert not twice.within

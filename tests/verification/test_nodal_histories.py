@@ -178,7 +178,7 @@ CUT = [
 
 
 @pytest.mark.parametrize(("name", "cut", "words"), CUT)
-def test_a_file_cut_short_is_refused(name, cut, words, tmp_path, compared):
+def test_files_of_others_cut_short_are_refused(name, cut, words, tmp_path, compared):
     path = ALL_WRITERS[name](tmp_path / name, *rigid_nodes())
     path.write_text(cut(path.read_text()))
     status, said = compared(path)

@@ -47,6 +47,12 @@ from tailslap.studies.stability.stability_report import advised, caught_by, head
 COARSE = ("plate.elements=[10,3]",)
 
 
+def computed(folder, count=None, name="mash-tl4-sut", points=10, tolerance=1e-3):
+    """Compute a map, or this number of random cells."""
+    case = case_of(*read_scene(name))
+    return stability_study.compute(case, folder / "out", points, tolerance, count, seed=1, workers=1)
+
+
 def verdict_at(first, x, second, y, *changes):
     scene = read_scene("paper-table-3", (*COARSE, *changes))[0]
     by_name = {axis.name: axis for axis in axes_of(scene, 3)}
@@ -614,12 +620,11 @@ def test_what_is_right_by_chance_is_not_right_beyond_doubt():
 
 
 @pytest.mark.parametrize(("other", "kind"), [(0.1, "good but failed"), (0.12, "caught"), (None, "caught")])
-def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch):
+def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch, soft):
     """One may agree by chance, and where there is no other there is doubt."""
-    outcome = CornerCase(*vary(SMALL, {})).run()
-    histories = outcome.fe_history, outcome.rigid_history
+    histories = soft.fe_history, soft.rigid_history
     mesh = Check.at_most("mesh", 1.0, 0.0, "made to fail")
-    failed = replace(outcome, difference=five(0.1), checks=(mesh,))
+    failed = replace(soft, difference=five(0.1), checks=(mesh,))
     first = cell_verdicts.Reference(five(0.1), "quad9 15 x 5", 1.0, histories)
     second = None if other is None else cell_verdicts.Reference(five(other), "quad9 20 x 6", 1.0, histories)
     kinds = {
@@ -655,6 +660,11 @@ def test_no_reference_is_damped_where_the_plate_oscillates(monkeypatch):
 SOFT = ("plate.elements=[10,3]", "plate.youngs_modulus=20 MPa")
 SMALL = stability_study.base_source(read_scene("paper-table-3", SOFT)[0])
 """A cell that runs at once, of a plate soft enough to matter."""
+
+
+@pytest.fixture(scope="module")
+def soft():
+    return CornerCase(*vary(SMALL, {})).run()
 
 
 def verdict_by_reference(changes):
@@ -716,21 +726,20 @@ def test_refused_broken_and_unjudged_cells(monkeypatch):
     assert (broken["kind"], broken["reason"]) == ("wrong", "broke: ZeroDivisionError: boom")
 
 
-def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted():
-    outcome = CornerCase(*vary(SMALL, {})).run()
-    assert cell_verdicts.trustworthy(outcome)
+def test_a_reference_that_fails_a_check_or_is_swayed_or_fed_is_not_trusted(soft):
+    assert cell_verdicts.trustworthy(soft)
     ringing = Check.at_most("reaction against rigid", 1.0, 0.0, "made to fail")
-    assert cell_verdicts.trustworthy(replace(outcome, checks=(ringing,)))
+    assert cell_verdicts.trustworthy(replace(soft, checks=(ringing,)))
     for name in ("energy balance", "friction work", "contact work"):
         failed = Check.at_most(name, 1.0, 0.0, "made to fail")
-        assert not cell_verdicts.trustworthy(replace(outcome, checks=(failed,)))
+        assert not cell_verdicts.trustworthy(replace(soft, checks=(failed,)))
     for energy in (1.0, 2.0):  # over that of the start: twice as much has come from friction
         swings = Check.at_most("oscillation", energy, 9.0, "made to pass")
-        assert cell_verdicts.trustworthy(replace(outcome, checks=(swings,))) == (energy < 1.25)
-    swayed = replace(outcome)
-    vars(swayed)["error"] = replace(outcome.error, damping=0.1)
+        assert cell_verdicts.trustworthy(replace(soft, checks=(swings,))) == (energy < 1.25)
+    swayed = replace(soft)
+    vars(swayed)["error"] = replace(soft.error, damping=0.1)
     assert not cell_verdicts.trustworthy(swayed)
-    assert not cell_verdicts.trustworthy(replace(outcome, difference={}))
+    assert not cell_verdicts.trustworthy(replace(soft, difference={}))
 
 
 def test_where_no_reference_is_trusted_there_is_none(monkeypatch):
@@ -801,9 +810,8 @@ def all_right(stop_at=""):
 
 def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right(stop_at="0002"))
-    case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
     with pytest.raises(Interrupted, match="2 parts are saved"):
-        stability_study.compute(case, place, points=10, tolerance=1e-3, count=3, seed=1, workers=1)
+        computed(tmp_path, 3)
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     result = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
     assert [row["steps"] for row in result.rows.values()] == [3, 3, 4, 4]
