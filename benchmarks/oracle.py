@@ -60,13 +60,14 @@ def commands() -> dict[str, tuple[str, ...]]:
         "modes": "modes mash-tl4-sut --out {out}",
         "paper": "paper --out {out}",
         "scenes": "scenes",
-        "sweep": "sweep paper-table-3 --vary plate.youngs_modulus=log:2e9:200e9:3 --out {out}",
         "sweep-impact": "sweep impact-mash-tl4-sut --vary contact.friction=0.2:0.6:3 --out {out}",
         "uncertainty": "study uncertainty mash-tl4-sut --samples 1000 --out {out}",
         "flexibility": "study flexibility mash-tl4-sut --points 5 --out {out}",
         "random": "study stability mash-tl4-sut --random 3 --out {out}",
     }
     found |= {name: tuple(words.split()) for name, words in others.items()}
+    modulus = "plate.youngs_modulus=log:2 GPa:200 GPa:3"
+    found["sweep"] = ("sweep", "paper-table-3", "--vary", modulus, "--out", "{out}")
     return found
 
 

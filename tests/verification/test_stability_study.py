@@ -61,9 +61,8 @@ def verdict_at(first, x, second, y, *changes):
 
 def verdict_of(scene, changes):
     tolerance = 1e-2 if scene.contact else 1e-3
-    return cell_verdicts.judge(
-        stability_study.base_source(scene), changes, partial(cell_verdicts.against_rigid, tolerance=tolerance)
-    )
+    verify = partial(cell_verdicts.against_rigid, tolerance=tolerance)
+    return cell_verdicts.judge(stability_study.base_source(scene), changes, verify)
 
 
 def test_eight_axes_with_ten_values_make_2800_cells():
@@ -696,9 +695,8 @@ def test_a_refined_mesh_has_its_limit():
     scene = vary(SMALL, {})[0]
     assert scene.plate is not None
     plates = (scene.plate.model_copy(update={"elements": counts}) for counts in ((10, 4), (40, 12)))
-    small, (along, across) = (
-        cell_verdicts.reference_changes(scene, p, 1.5)["plate.elements"] for p in plates
-    )
+    refined = (cell_verdicts.reference_changes(scene, plate, 1.5) for plate in plates)
+    small, (along, across) = (changes["plate.elements"] for changes in refined)
     assert small == (15, 6)
     assert along * across <= 1.1 * cell_verdicts.MAX_ELEMENTS
 
@@ -755,9 +753,8 @@ def campaign_of(*kinds):
         cells[key] = random_scenes.draw(SCENE, BASE, 1, number)
         rows[key] = {"number": number, **stability_study.flat(DRAWN[number])}
         rows[key] |= cell_verdicts.verdict(kind, failed=failed.get(kind, ""), distance=0.1, allowed=0.01)
-    return stability_study.StabilityResult(
-        case, BASE, (), {"seed": 1}, cell_verdicts.RANDOM_KINDS, cells, rows, 1.0
-    )
+    kinds, settings = cell_verdicts.RANDOM_KINDS, {"seed": 1}
+    return stability_study.StabilityResult(case, BASE, (), settings, kinds, cells, rows, 1.0)
 
 
 def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):
@@ -818,10 +815,9 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("arguments", "folder", "cells"),
-    [(("--random", "2"), "paper-table-3-random", 2), (("--points", "2"), "paper-table-3-stability", 112)],
-)
+@pytest.mark.parametrize(("arguments", "folder", "cells"), [
+    (("--random", "2"), "paper-table-3-random", 2), (("--points", "2"), "paper-table-3-stability", 112),
+])  # fmt: skip
 def test_map_and_random_cells_have_folders_of_their_own(tmp_path, monkeypatch, arguments, folder, cells):
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     monkeypatch.chdir(tmp_path)
