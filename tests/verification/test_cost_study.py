@@ -61,9 +61,8 @@ def test_error_is_the_largest_of_five():
 
 def test_errors_are_from_the_limit_of_the_quadratic_elements():
     """Changes of 4 and 1 per thousand: order 2, limit 1 - 1/3000, known to 1.25/3000."""
-    limit = limit_of(
-        [record(dict.fromkeys(cost_study.NAMES, x)) for x in (1.005, 1.001, 1.0)], cost_study.NAMES
-    )
+    values = [record(dict.fromkeys(cost_study.NAMES, x)) for x in (1.005, 1.001, 1.0)]
+    limit = limit_of(values, cost_study.NAMES)
     assert limit.values == {name: pytest.approx(1.0 - 1e-3 / 3.0, rel=1e-12) for name in cost_study.NAMES}
     assert limit.uncertainty == pytest.approx(1.25e-3 / 3.0, rel=1e-9)
     found = row_of(Setting(FE, "quad4", "mesh"), record(dict.fromkeys(cost_study.NAMES, 1.02)), limit)
@@ -185,9 +184,8 @@ def made_records(order=2.0, steps=None):
 
 
 def corner_result(truth, steps=None):
-    return cost_study.corner_result(
-        STUDIED, TODO, made_records(steps=steps), ("plate.start=inertia-relief",), truth
-    )
+    records, changes = made_records(steps=steps), ("plate.start=inertia-relief",)
+    return cost_study.corner_result(STUDIED, TODO, records, changes, truth)
 
 
 def test_time_steps_that_are_no_halves_have_no_convergence():

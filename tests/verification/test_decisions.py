@@ -144,13 +144,11 @@ def test_only_friction_on_the_magnitude_is_added_to(law, adds):
     changes = ((f"corner.reaction={law}", *given) for given in (friction, lower))
     plan, less = (corner_case.CornerCase(*read_scene("paper-table-3", each)) for each in changes)
     assert (static_models.friction_lost(plan, 1e9) > 0.0) is adds
-    assert static_models.friction_lost(plan, 1e9) == pytest.approx(
-        2.0 * static_models.friction_lost(less, 1e9), rel=0.05
-    )
+    twice = 2.0 * static_models.friction_lost(less, 1e9)
+    assert static_models.friction_lost(plan, 1e9) == pytest.approx(twice, rel=0.05)
     half = 2.0 * math.log(2.0) / plan.motion.strike.t
-    assert static_models.friction_lost(plan, half) == pytest.approx(
-        0.5 * static_models.friction_lost(plan, 1e9)
-    )
+    whole = static_models.friction_lost(plan, 1e9)
+    assert static_models.friction_lost(plan, half) == pytest.approx(0.5 * whole)
 
 
 def test_check_says_what_will_come():
@@ -232,9 +230,8 @@ H66 = (
 )
 def test_spring_that_rings_with_the_plate_does_not_pass(scene, spring):
     """Unstressed plates whose penalty spring changed omega by 1e-2, and which once passed every check."""
-    plan = corner_case.CornerCase(
-        *read_scene("mash-tl4-sut", ("wall=", *scene, f"corner.penalty_scale={spring}"))
-    )
+    changes = ("wall=", *scene, f"corner.penalty_scale={spring}")
+    plan = corner_case.CornerCase(*read_scene("mash-tl4-sut", changes))
     exact = corner_case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
     ringing, right = plan.run(), exact.run()
     off = max(abs(value / right.fe[name] - 1.0) for name, value in ringing.fe.items())
@@ -246,8 +243,7 @@ def test_spring_that_rings_with_the_plate_does_not_pass(scene, spring):
 
 def test_a_costly_material_is_reckoned_with():
     """95 ns a point, nine points of quad9, beside 75 ns an element."""
-    linear, other = (
-        read_scene("paper-table-3", changes)[0] for changes in ((), ("material.law=neo-hookean",))
-    )
+    laws = (), ("material.law=neo-hookean",)
+    linear, other = (read_scene("paper-table-3", changes)[0] for changes in laws)
     seconds = [loop_seconds(scene, "quad9", (20, 6), 1000.0) for scene in (linear, other)]
     assert seconds == pytest.approx([120e3 * 75e-9, 120e3 * (75.0 + 9 * 95.0) * 1e-9], rel=1e-12)

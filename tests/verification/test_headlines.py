@@ -41,9 +41,8 @@ def test_every_shipped_scene_has_an_answer_with_its_force(name):
     assert f": {shown}" in own.headline().in_units(US).answer
     vehicle, hit = own.source.given["vehicle"], own.source.given["impact"]
     trailers = own.source.given.get("trailer", ())
-    what = (
-        "tractor" + "".join(f" with a {unit['mass']} trailer" for unit in trailers) if trailers else "vehicle"
-    )
+    behind = "".join(f" with a {unit['mass']} trailer" for unit in trailers)
+    what = f"tractor{behind}" if trailers else "vehicle"
     subject = f"{vehicle['mass']} {what} at {hit['speed']}, {hit['angle']}"
     if "start" in own.source.given:
         subject = f"{vehicle['mass']} vehicle at 25.053 m/s, 14.8969 deg"
@@ -75,14 +74,12 @@ def test_the_ratio_to_the_design_force():
 def test_inputs_stand_in_the_units_in_which_they_are_given():
     changes = ("vehicle.mass=22 klb", "impact.speed=20", "impact.angle=0.25", "vehicle.length=30ft")
     set_up = case("mash-tl4-sut", *changes).headline().set_up
-    assert SI.rendered(set_up).startswith(
-        "mash-tl4-sut: 22 klb vehicle at 20 m/s, 14.3239 deg; length 30 ft, width 2438 mm"
-    )
+    start = "mash-tl4-sut: 22 klb vehicle at 20 m/s, 14.3239 deg; length 30 ft, width 2438 mm"
+    assert SI.rendered(set_up).startswith(start)
     assert "at 65.6 ft/s, 14.3239 deg" in US.rendered(set_up)
     start = SI.rendered(case("paper-table-3", "impact=", "corner.friction=0.47").headline().set_up)
-    assert start.startswith(
-        "paper-table-3: 9979 kg vehicle at 25.053 m/s, 14.8969 deg; length 10 m, width 2438 mm, "
-    )
+    words = "paper-table-3: 9979 kg vehicle at 25.053 m/s, 14.8969 deg; length 10 m, width 2438 mm, "
+    assert start.startswith(words)
     assert start.endswith("start of Stage 2: angular velocity 0.707 rad/s, friction 0.47.")
     later = SI.rendered(case("mash-tl4-sut", "start.corner_speed=24").headline().set_up)
     start = "at 56 mph, 15 deg; length 10 m, width 2438 mm, start of Stage 2: corner speed 24 m/s, friction"
@@ -161,15 +158,13 @@ def test_the_footer_has_version_date_and_command(tmp_path, capsys):
     footer = page.partition("<footer>")[2].partition("</footer>")[0].replace("\N{NO-BREAK SPACE}", " ")
     for part in (f"tailslap {tailslap.__version__}", datetime.date.today().isoformat()):
         assert part in re.sub("<[^>]+>", "", footer)
-    assert (
-        "<code>tailslap modes paper-table-3 --count 1 --set &#39;plate.elements=[8, 2]&#39; --out " in footer
-    )
+    changes = "--count 1 --set &#39;plate.elements=[8, 2]&#39; --out "
+    assert f"<code>tailslap modes paper-table-3 {changes}" in footer
 
 
 def outlines(drawing):
-    return [
-        np.stack([mark.x, mark.y], axis=1) for mark in drawing.plots[0].marks if isinstance(mark, Outline)
-    ][1:3]
+    outlines = [mark for mark in drawing.plots[0].marks if isinstance(mark, Outline)]
+    return [np.stack([mark.x, mark.y], axis=1) for mark in outlines][1:3]
 
 
 def test_the_drawing_is_to_scale():
@@ -219,9 +214,8 @@ def test_pages_are_in_the_units_of_their_reader(outcome):
 def test_ratios_and_the_other_restitution_are_named(outcome):
     """Which force is over the design force, and which convention the second peak force follows."""
     truck, hit = outcome("mash-tl4-sut"), outcome("impact-mash-tl4-sut")
-    named = [
-        shared.design_table(made.fe_plan.case, made.lateral_force).columns[2].label for made in (truck, hit)
-    ]
+    tables = (shared.design_table(made.fe_plan.case, made.lateral_force) for made in (truck, hit))
+    named = [table.columns[2].label for table in tables]
     assert named == ["Peak / design", "50 ms mean / design"]
     for made in (truck, hit):
         computed, first, *_ = shared.design_table(made.fe_plan.case, made.lateral_force).rows

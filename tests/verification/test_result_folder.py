@@ -392,9 +392,8 @@ def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path,
             assert not (place / LOG).exists()
             assert isinstance(caught, Interrupted) <= (found == NEWER)
         else:
-            assert (
-                ("the next command completes it" in str(caught)) == (place / LOG).exists() <= (found == NEWER)
-            )
+            announced = "the next command completes it" in str(caught)
+            assert announced == (place / LOG).exists() <= (found == NEWER)
         write(place, NEWER)
         assert texts(place) == {**NEWER, **ADDED, NAME: texts(place)[NAME]}
     assert step > 40
@@ -452,9 +451,8 @@ def test_a_new_file_that_was_damaged_since_is_refused(earlier):
     half_done(earlier)
     (earlier / NEW / "report.html").write_text("other")
     before = tree(earlier)
-    with pytest.raises(
-        InputError, match=rf"its file {NEW}/report\.html, of an interrupted command, is damaged"
-    ):
+    damaged = rf"its file {NEW}/report\.html, of an interrupted command, is damaged"
+    with pytest.raises(InputError, match=damaged):
         recover(earlier)
     assert tree(earlier) == before
 
@@ -528,9 +526,8 @@ with result_folder(Path(sys.argv[1])) as folder:
 
 def test_the_lock_goes_with_its_process_and_what_that_has_left_is_dropped(tmp_path):
     place = tmp_path / "out"
-    process = subprocess.Popen(
-        [sys.executable, "-c", DYING, str(place)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-    )
+    command, pipe = [sys.executable, "-c", DYING, str(place)], subprocess.PIPE
+    process = subprocess.Popen(command, stdin=pipe, stdout=pipe)
     assert process.stdout
     assert process.stdout.readline() == b"filling\n"
     refused(place, "another command uses this folder")
@@ -578,9 +575,8 @@ def test_a_result_of_another_command_or_scene_is_replaced_by_force_alone(tmp_pat
     write(place, OLD, origin=RUN)
     write(place, OLD, origin=RUN)
     before = tree(place)
-    with pytest.raises(
-        InputError, match="the folder contains the result of `tailslap run a`; --force replaces it"
-    ):
+    message = "the folder contains the result of `tailslap run a`; --force replaces it"
+    with pytest.raises(InputError, match=message):
         write(place, NEWER, origin=origin)
     assert tree(place) == before
     write(place, NEWER, origin=origin, force=True)
@@ -622,9 +618,8 @@ def test_every_command_is_refused_another_s_result_before_it_computes(
     before = tree(tmp_path)
     words = [*GATED[command].format(other=other).split(), "--out", str(place)]
     assert _status(words) == 2
-    assert (
-        "the folder contains the result of `tailslap rigid paper-table-3`; --force" in capsys.readouterr().err
-    )
+    message = "the folder contains the result of `tailslap rigid paper-table-3`; --force"
+    assert message in capsys.readouterr().err
     assert tree(tmp_path) == before
     with manifest.locked_file(place / LOCK):
         assert _status([*words, "--force"]) == 2

@@ -293,9 +293,8 @@ def test_what_makes_no_train_is_refused_by_its_key(scene, changes, key, allowed)
 def test_a_trailer_is_changed_written_and_taken_out_by_its_number(tmp_path):
     scene, source = train(LINEAR, {"plate": None, "trailer.0.kingpin": -3.0, "trailer.0.mass": "20 klb"})
     (trailer,) = scene.trailer
-    assert (trailer.length, trailer.mass, trailer.kingpin) == pytest.approx(
-        (14.6304, 9071.8474, -3.0), rel=1e-12
-    )
+    sizes = (trailer.length, trailer.mass, trailer.kingpin)
+    assert sizes == pytest.approx((14.6304, 9071.8474, -3.0), rel=1e-12)
     (tmp_path / "written.toml").write_text(scene_text(source))
     assert read_scene(str(tmp_path / "written.toml"))[0] == vary(Source.of(scene), {})[0] == scene
     origins = {row.key: row.origin for row in scene_inputs(scene, source)}
@@ -303,9 +302,8 @@ def test_a_trailer_is_changed_written_and_taken_out_by_its_number(tmp_path):
     assert read_scene(str(tmp_path / "written.toml"), ("trailer.0=",))[0].trailer == ()
     source = read_source(str(tmp_path / "written.toml"))
     assert shown(parse_changes(["trailer.0.mass=1 t"], source.given)) == ("trailer.0.mass=1 t",)
-    assert list(remarks(vary(source, {"trailer.0.width": 102.0})[1])) == [
-        "trailer.0.width = 102 without a unit is 102 m, 334.6 ft"
-    ]
+    remark = "trailer.0.width = 102 without a unit is 102 m, 334.6 ft"
+    assert list(remarks(vary(source, {"trailer.0.width": 102.0})[1])) == [remark]
 
 
 def test_a_scene_is_its_own_source():

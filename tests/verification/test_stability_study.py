@@ -753,8 +753,8 @@ def campaign_of(*kinds):
         cells[key] = random_scenes.draw(SCENE, BASE, 1, number)
         rows[key] = {"number": number, **stability_study.flat(DRAWN[number])}
         rows[key] |= cell_verdicts.verdict(kind, failed=failed.get(kind, ""), distance=0.1, allowed=0.01)
-    kinds, settings = cell_verdicts.RANDOM_KINDS, {"seed": 1}
-    return stability_study.StabilityResult(case, BASE, (), settings, kinds, cells, rows, 1.0)
+    meanings, settings = cell_verdicts.RANDOM_KINDS, {"seed": 1}
+    return stability_study.StabilityResult(case, BASE, (), settings, meanings, cells, rows, 1.0)
 
 
 def test_the_result_folder_holds_every_draw_and_the_cells_that_matter(tmp_path):

@@ -31,18 +31,16 @@ def test_a_point_mass_strikes_for_that_long(e):
     box = ImpactVehicle(4.0, 2.0, 1500.0)
     k = stiffness_of_duration(0.1, e, box.mass, None, 4.0, 2.0, 4.0)  # no arm: the centre of mass at the rear
     start = ImpactState(0.0, math.hypot(2.0, 1.0), math.pi / 2.0 - math.atan(0.5), 0.0, -7.0, 0.0)
-    (strike,) = solve_impact(
-        box, WallContact(CrushLaw(k, 0.0, e), 0.0), start, end=0.3, tolerance=1e-6
-    ).strikes
+    contact = WallContact(CrushLaw(k, 0.0, e), 0.0)
+    (strike,) = solve_impact(box, contact, start, end=0.3, tolerance=1e-6).strikes
     assert strike.duration == pytest.approx(0.1, rel=1e-5)
 
 
 def test_the_effective_mass_of_the_rear_corner():
     """Of the uniform rectangle m/(1 + 3 L^2/(L^2 + B^2)); with an own inertia and centre 1/(1/m + a^2/I)."""
     unit = (math.pi / 2.0 * 1.22 / 0.1) ** 2
-    assert stiffness_of_duration(0.1, 0.22, *TRUCK) / unit / 9979.0 == pytest.approx(
-        1.0 / (1.0 + 300.0 / (100.0 + 2.438**2)), rel=1e-14
-    )
+    stiffness = stiffness_of_duration(0.1, 0.22, *TRUCK) / unit / 9979.0
+    assert stiffness == pytest.approx(1.0 / (1.0 + 300.0 / (100.0 + 2.438**2)), rel=1e-14)
     own = stiffness_of_duration(0.1, 0.22, 8000.0, 96000.0, 10.0, 2.438, 4.0)
     assert own / unit == pytest.approx(2000.0, rel=1e-14)  # 1/8000 + 36/96000 = 1/2000
 

@@ -348,9 +348,8 @@ def test_a_diagram_has_a_line_a_method_front_and_floor():
 def test_names_at_the_ends_of_lines_do_not_overlap():
     """Nine names of lines that end at one place stand in rows of 12 pixels, within the frame."""
     (diagram,) = crowded()
-    texts = [
-        text for text in ElementTree.fromstring(diagram.svg).iter(SVG + "text") if text.get("class") == "halo"
-    ]
+    every = ElementTree.fromstring(diagram.svg).iter(SVG + "text")
+    texts = [text for text in every if text.get("class") == "halo"]
     assert sorted("".join(text.itertext()) for text in texts) == [f"line {n}" for n in range(9)]
     heights = sorted(float(text.get("y", "nan")) for text in texts)
     assert min(np.diff(heights)) > 9.0
@@ -577,9 +576,8 @@ def many_lines():
     t = np.linspace(0.0, 0.4, 9)
     fe, rigid = histories(50)
     curves = [Curve(f"result {k}", t, t) for k in range(7)]
-    inputs = studies.InputPanel(
-        "i", "x [m]", t, 0.2, False, {"F [kN]": {k: dict.fromkeys("abc", t) for k in (1, 2)}}
-    )
+    forces = {"F [kN]": {k: dict.fromkeys("abc", t) for k in (1, 2)}}
+    inputs = studies.InputPanel("i", "x [m]", t, 0.2, False, forces)
     axis = studies.SweepAxis([100.0, 10.0, 1.0], [True] * 3, 30.0)
     lines = [studies.SweepLine(n, [1e-3] * 3) for n in "abcde"]
     return {

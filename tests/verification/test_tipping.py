@@ -115,9 +115,8 @@ def test_energy_balance(push, friction, damping, wall):
 def test_second_order(push, friction):
     vehicle = replace(TRUCK, width=2.438, friction=friction, speed=24.0)
     parts = (1, 2, 4, 8)
-    rolls = [
-        tipping.solve_roll(vehicle, WALL, push, INTERVAL, INTERVAL / n).largest_roll for n in (*parts, 256)
-    ]
+    solve = lambda n: tipping.solve_roll(vehicle, WALL, push, INTERVAL, INTERVAL / n)  # noqa: E731
+    rolls = [solve(n).largest_roll for n in (*parts, 256)]
     errors = np.abs(np.array(rolls[:-1]) / rolls[-1] - 1.0)
     assert errors[0] < 1e-5
     assert np.polyfit(np.log(parts), -np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.15)

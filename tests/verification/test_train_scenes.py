@@ -43,9 +43,8 @@ TRIAL = {  # by stiffness: corner, start, duration, peak, impulse of a trial by 
 
 
 def train(**changes):
-    return case_of(
-        *vary(Source(given=SCENE), {key.replace("__", "."): value for key, value in changes.items()})
-    )
+    given = {key.replace("__", "."): value for key, value in changes.items()}
+    return case_of(*vary(Source(given=SCENE), given))
 
 
 @pytest.fixture(scope="module")
@@ -61,9 +60,8 @@ def test_the_table_of_a_trial_by_another_scheme(stiffness):
     for strike, (corner, start, duration, peak, impulse) in zip(found["strikes"], printed, strict=False):
         assert strike["corner"] == corner
         assert (strike["start"], strike["duration"]) == pytest.approx((start, duration), rel=2e-3, abs=5e-5)
-        assert (strike["peak_force"], strike["impulse"]) == pytest.approx(
-            (1e3 * peak, 1e3 * impulse), rel=2e-3
-        )
+        forces = (strike["peak_force"], strike["impulse"])
+        assert forces == pytest.approx((1e3 * peak, 1e3 * impulse), rel=2e-3)
     assert found["peaks"]["mean_50ms"] == pytest.approx(1e3 * mean, rel=2e-3)
     assert found["error"] < 1e-4
 
@@ -156,9 +154,8 @@ def test_occupant_risk_is_that_of_the_tractor(case):
     h, step = case.answer.history, case.answer.interval
     asi = next(each for each in case.answer.occupant_risk(1.0) if each.name.startswith("ASI"))
     width = round(0.05 / step)
-    means = [
-        np.convolve(np.diff(h[name]) / step, np.ones(width) / width, "valid") for name in ("v_gx", "v_gy")
-    ]
+    window = np.ones(width) / width
+    means = [np.convolve(np.diff(h[name]) / step, window, "valid") for name in ("v_gx", "v_gy")]
     heading = np.convolve(h["theta"][1:], np.ones(width) / width, "valid")
     ahead = np.cos(heading) * means[0] - np.sin(heading) * means[1]
     left = np.sin(heading) * means[0] + np.cos(heading) * means[1]
@@ -232,9 +229,8 @@ def test_a_train_of_three_units_strikes_with_its_last_rear():
 
 
 def test_a_sweep_has_a_row_of_every_strike_that_counts(tmp_path):
-    found = tailslap.sweep(
-        write(tmp_path), vary={"trailer.0.mass": [20000.0, 27770.0]}, folder=tmp_path / "sweep"
-    )
+    masses = {"trailer.0.mass": [20000.0, 27770.0]}
+    found = tailslap.sweep(write(tmp_path), vary=masses, folder=tmp_path / "sweep")
     table = found.histories["table"]
     assert list(table["trailer.0.mass"]) == [20000.0, 27770.0]
     own = train().answer

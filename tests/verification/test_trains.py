@@ -99,9 +99,8 @@ def test_the_first_strike_of_a_train_brings_the_impulse_of_its_constrained_mass(
     corner = rows(TRACTOR.front_distance, -TRACTOR.width / 2.0, 0)
     blow = np.concatenate([corner.T @ np.array([-MU, 1.0]), np.zeros(2)])
     gain = corner[1] @ np.linalg.solve(system, blow)[:6]
-    soft, stiff = (
-        train_impact(k, end=200.0 / math.sqrt(k), tolerance=1e-7).strikes[0].impulse for k in (1e11, 1e13)
-    )
+    both = (train_impact(k, end=200.0 / math.sqrt(k), tolerance=1e-7) for k in (1e11, 1e13))
+    soft, stiff = (motion.strikes[0].impulse for motion in both)
     rigid = stiff + (stiff - soft) / 9.0  # what is missing goes with the duration, k to the -1/2
     assert rigid == pytest.approx(1.22 * 22.35 * s / gain, rel=1e-6)
 
@@ -138,9 +137,8 @@ def test_the_hinge_of_two_spinning_units_bears_their_relative_acceleration():
         _, a, b, found = flown(*spins)
         law = WallContact(CrushLaw(1e6), MU)
         start: Any = None  # plays no part
-        motion = ImpactMotion(
-            TRACTOR, law, (), 2.0, start, 2e-4, 0.0, 2e-4, found.rows[0, :10001], tuple(behind)
-        )
+        rows = found.rows[0, :10001]
+        motion = ImpactMotion(TRACTOR, law, (), 2.0, start, 2e-4, 0.0, 2e-4, rows, tuple(behind))
         t = np.linspace(0.0, 2.0, 1001)
         force, at = motion.hinge_forces(t)[0], motion.at(t)
         apart = [np.diff(own - its) / np.diff(t) for own, its in ((at.v_gx, at.v_gx_2), (at.v_gy, at.v_gy_2))]
@@ -164,13 +162,11 @@ def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
     m, point, a = TRACTOR.mass, 27770.0, TRACTOR.front_distance
     centre = (m * a + point * HITCH) / (m + point)
     inertia = TRACTOR.inertia + m * (a - centre) ** 2 + point * (HITCH - centre) ** 2
-    one = train_impact(
-        vehicle=ImpactVehicle(6.9, 2.44, m + point, centre, inertia), trailers=(), end=0.12, step=2e-5
-    )
+    heavier = ImpactVehicle(6.9, 2.44, m + point, centre, inertia)
+    one = train_impact(vehicle=heavier, trailers=(), end=0.12, step=2e-5)
     for own in (3e4, 1e5):
-        pair = train_impact(
-            trailers=[(ImpactVehicle(4.0, 0.5, point, 2.0, own), HITCH, 2.0)], end=0.12, step=2e-5
-        )
+        trailer = ImpactVehicle(4.0, 0.5, point, 2.0, own)
+        pair = train_impact(trailers=[(trailer, HITCH, 2.0)], end=0.12, step=2e-5)
         for name in ("duration", "peak_force", "impulse", "friction_work", "position"):
             assert getattr(pair.strikes[0], name) == pytest.approx(getattr(one.strikes[0], name), rel=1e-6)
         assert (pair.end.theta, pair.end.omega) == pytest.approx((one.end.theta, one.end.omega), rel=1e-6)
@@ -213,12 +209,10 @@ def test_many_trains_are_what_each_is_alone():
     behind |= {"stiffness": between(1e6, 3e6), "centre_of_mass": 8.0}
     many = solve_impacts(**first, **shared, trailers=[behind], tolerance=1e-5, interval=5e-4)
     for i in range(n):
-        one, two, its = (
-            {key: np.broadcast_to(v, n)[i] for key, v in table.items()} for table in (first, behind, shared)
-        )
-        laws = [
-            WallContact(CrushLaw(unit.pop("stiffness"), 0.0, 0.22), its["friction"]) for unit in (one, two)
-        ]
+        tables = ({key: np.broadcast_to(v, n)[i] for key, v in t.items()} for t in (first, behind, shared))
+        one, two, its = tables
+        crushes = (CrushLaw(unit.pop("stiffness"), 0.0, 0.22) for unit in (one, two))
+        laws = [WallContact(crush, its["friction"]) for crush in crushes]
         hinge = two.pop("hitch"), two.pop("kingpin")
         vehicle, trailer = ImpactVehicle(**one), HitchedVehicle(ImpactVehicle(**two), laws[1], *hinge)
         state = first_touch(vehicle, ANGLE, its["speed"], [trailer])
@@ -226,12 +220,10 @@ def test_many_trains_are_what_each_is_alone():
         assert many.error[i] < 1e-4
         for k, strike in enumerate(alone.strikes):
             assert corner_name(*divmod(int(many.corner[k, i]), 4)) == strike.corner
-            assert (many.start[k, i], many.impulse[k, i]) == pytest.approx(
-                (strike.start, strike.impulse), rel=1e-5
-            )
-        assert many.mean_force[:, i].sum() * 5e-4 == pytest.approx(
-            many.impulse[:, i][many.corner[:, i] >= 0].sum()
-        )
+            found = (many.start[k, i], many.impulse[k, i])
+            assert found == pytest.approx((strike.start, strike.impulse), rel=1e-5)
+        whole = many.impulse[:, i][many.corner[:, i] >= 0].sum()
+        assert many.mean_force[:, i].sum() * 5e-4 == pytest.approx(whole)
 
 
 def test_what_no_trailer_can_have_is_refused_by_its_number():
@@ -279,9 +271,8 @@ def test_a_restitution_near_zero_is_solved_or_its_error_is_stated():
     train = train_of((TRACTOR, TRAILER), law, [(HITCH, KINGPIN)])
     start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
     found = solve_trains(train, start, tolerance=4e-3, strikes=8, end=0.2)
-    plastic = solve_trains(
-        train._replace(restitution=0.0 * train.restitution), start, tolerance=4e-3, strikes=8, end=0.2
-    )
+    plastic_train = train._replace(restitution=0.0 * train.restitution)
+    plastic = solve_trains(plastic_train, start, tolerance=4e-3, strikes=8, end=0.2)
     assert found.strikes[0, 0, 3:5] == pytest.approx(plastic.strikes[0, 0, 3:5], rel=2e-3)
     assert found.error[0] < 4e-2
 

@@ -44,9 +44,8 @@ def test_an_example_by_hand():
 
 
 def test_identical_histories_have_metrics_of_zero():
-    found = validation.multi_channel(compare_items([result(*REFERENCE), item("theirs", *REFERENCE)]))[
-        "theirs"
-    ]
+    items = compare_items([result(*REFERENCE), item("theirs", *REFERENCE)])
+    found = validation.multi_channel(items)["theirs"]
     assert [found[name] for name in Metrics.__dataclass_fields__] == [0.0] * 5
     assert found["within"]
 
@@ -59,9 +58,8 @@ def test_an_error_of_ten_per_cent_in_magnitude_is_one():
 
 
 def test_opposite_errors_do_not_cancel_each_other():
-    found = weighted_metrics(
-        [Metrics(0.3, 0.1, 0.4, 0.02, 0.1), Metrics(-0.1, 0.0, 0.1, -0.04, 0.3)], [3.0, 1.0]
-    )
+    channels = [Metrics(0.3, 0.1, 0.4, 0.02, 0.1), Metrics(-0.1, 0.0, 0.1, -0.04, 0.3)]
+    found = weighted_metrics(channels, [3.0, 1.0])
     assert (found.magnitude, found.mean_residual) == pytest.approx((0.25, 0.025), abs=1e-15)
 
 
@@ -122,9 +120,8 @@ def test_the_page_of_a_comparison(tmp_path):
         options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer")
         profile, printed = f"--user-data-dir={tmp_path / 'profile'}", tmp_path / "page.pdf"
         page = (tmp_path / "out" / "validation.html").as_uri()
-        subprocess.run(
-            [browser, *options, profile, f"--print-to-pdf={printed}", page], check=True, timeout=120
-        )
+        command = [browser, *options, profile, f"--print-to-pdf={printed}", page]
+        subprocess.run(command, check=True, timeout=120)
         assert re.findall(rb"/Count (\d+)", printed.read_bytes()) == [b"1"]
     weights = summary["multi_channel"]["rigid"]["weights"]
     assert sum(weights.values()) == pytest.approx(1.0, abs=1e-14)
