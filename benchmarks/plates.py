@@ -28,7 +28,8 @@ def interpreter_path(name: str | None) -> str | None:
     if name is None:
         return None
     if (path := shutil.which(name)) is None:
-        sys.exit(f"--others: given {name}, allowed an interpreter of Python")
+        print(f"--others: given {name}, allowed an interpreter of Python", file=sys.stderr)
+        sys.exit(2)
     return str(Path(path).absolute())
 
 
