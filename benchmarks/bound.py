@@ -48,7 +48,7 @@ def multiply_adds(stepper: Stepper) -> tuple[int, int]:
     scalar twin, for arrays that overlap; the twin is never executed.
     """
     dispatcher = subtract_internal_forces.dispatcher
-    loop, positions = stepper.loop, stepper.model.discretisation.positions
+    loop, positions = stepper.parameters, stepper.model.discretisation.positions
     parts: tuple[Any, ...] = (loop.viscosity, loop.hourglass, np.zeros_like(positions))
     arguments = (positions, np.zeros_like(positions), *parts, loop.table, loop.material, stepper._scratch)
     dispatcher.compile(tuple(map(numba.typeof, arguments)))

@@ -76,8 +76,8 @@ def conservation() -> None:
 
 def diverges(plan: CornerPlan, factor: float) -> bool:
     """Return True if a disturbed plate diverges in 20 000 steps of this multiple of the stable one."""
-    loop = plan.model.loop._replace(time_step=factor * plan.model.stable_time_step)
-    stepper = Stepper(type(plan.model)(**{**plan.model.__dict__, "loop": loop}))
+    loop = plan.model.parameters._replace(time_step=factor * plan.model.stable_time_step)
+    stepper = Stepper(type(plan.model)(**{**plan.model.__dict__, "parameters": loop}))
     state = stepper.advance(stepper.start(plan.start, "unstressed"), 20_000)
     return not np.abs(state.velocities).max() < 1e3
 
@@ -89,7 +89,7 @@ def steps() -> None:
     while high - low > 1e-3:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if diverges(plan, middle) else (middle, high)
-    ratio = low * plan.model.stable_time_step / plan.model.loop.time_step
+    ratio = low * plan.model.stable_time_step / plan.model.parameters.time_step
     text = f"{ratio:.3f}: the true limit is {low:.3f} of the one computed"
     row("steps over the fewest that are stable", f"{1 / 0.9:.3f}", text)
 
@@ -102,7 +102,7 @@ def elements() -> None:
         plan, count = result.fe_plan, result.run.steps
         end = plan.case.motion.strike.t
         best = min(seconds(lambda: simulate(plan.model, plan.start, end)) for _ in range(5))  # noqa: B023
-        rate = count * plan.model.loop.table.connectivity.shape[1] / best
+        rate = count * plan.model.parameters.table.connectivity.shape[1] / best
         cost = f"{plan.deflection_ratio:9.2e} {count:7} {best:8.3f} {rate:9.2g}"
         row(", ".join(changes), f"{worst(result):.1e}", cost)
 
@@ -138,7 +138,7 @@ def precision() -> None:
         difference = relative_difference(values, plan.case.tail_slap).values()
         energy = np.sum([result.history[name] for name in ENERGIES], axis=0)
         drift, reaction = np.abs(energy / energy[0] - 1.0).max(), np.ptp(result.history["reaction_normal"])
-        rate = result.steps * plan.model.loop.table.connectivity.shape[1] / result.time_loop_s
+        rate = result.steps * plan.model.parameters.table.connectivity.shape[1] / result.time_loop_s
         texts = " ".join(f"{value:+.1e}" for value in difference)
         row(what, "", f"{texts}; {drift:.1e}; {reaction:.3g}; {rate:.2g}")
 

@@ -198,13 +198,13 @@ def _gradient(others: Any, rows: Any, gradients: Any, slot: Any) -> Any:
 def workspace(fe_plan: CornerPlan) -> tuple[State, Floats, Any]:
     """State at t = 0, forces and scratch of its own: where they lie in memory is then chance, turn by turn."""
     state = copy_state(Stepper(fe_plan.model).start(fe_plan.start, fe_plan.plate.start))
-    loop = fe_plan.model.loop
+    loop = fe_plan.model.parameters
     return state, np.zeros_like(state.positions), scratch_for(loop.table, loop.hourglass)
 
 
 def run_program(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """Return the seconds of the steps of the program's loop and the final positions."""
-    (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
+    (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.parameters
     arguments = (state, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
     spent = seconds(lambda: advance(*arguments))
     return spent, state.positions + np.array([[state.origin[0]], [0.0]])
@@ -212,7 +212,7 @@ def run_program(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
 
 def run_bare(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """The bare loop on the same model."""
-    (state, force, _), loop = workspace(fe_plan), fe_plan.model.loop
+    (state, force, _), loop = workspace(fe_plan), fe_plan.model.parameters
     arguments = (steps, bare_parameters(loop), force, bare_scratch(loop))
     return seconds(lambda: advance_bare(state.positions, state.velocities, *arguments)), state.positions
 
@@ -256,7 +256,7 @@ def time_loops(models: dict[str, CornerPlan], turns: int) -> dict[str, Floats]:
         best = min(run(model, TRIAL)[0] for _ in range(3))
         steps = int(np.clip(CHUNK_S * TRIAL / best, 1, MAX_STEPS))
         runs.append(lambda run=run, model=model, steps=steps: run(model, steps)[0])
-        updates.append(steps * model.model.loop.table.connectivity.shape[1])
+        updates.append(steps * model.model.parameters.table.connectivity.shape[1])
     times = 1e9 * take_turns(runs, turns) / np.array(updates)
     return dict(zip(loops, times.T, strict=True))
 
@@ -284,13 +284,13 @@ def count(assembly: str) -> MachineCode:
 
 def program_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the program's loop for this model."""
-    (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.loop
+    (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.parameters
     return count(_assembly(advance, state, 0, loop, loop.viscosity, loop.hourglass, force, scratch))
 
 
 def bare_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the bare loop for this model."""
-    (state, force, _), loop = workspace(fe_plan), fe_plan.model.loop
+    (state, force, _), loop = workspace(fe_plan), fe_plan.model.parameters
     arguments = (0, bare_parameters(loop), force, bare_scratch(loop))
     return count(_assembly(advance_bare, state.positions, state.velocities, *arguments))
 

@@ -76,15 +76,15 @@ def exactness() -> None:
     for angle, shift in ((0.0, 1.0), (0.26, 0.0), (2.0, 0.0)):
         state = stepper.start(START, "unstressed")
         positions = to_global(angle) @ model.discretisation.positions + [[shift], [0.0]]
-        positions[1] -= positions[1, model.loop.corner.nodes[0]]  # the spring at the corner is slack
+        positions[1] -= positions[1, model.parameters.corner.nodes[0]]  # the spring at the corner is slack
         rest = {"velocities": np.zeros_like(positions), "sums": np.zeros(4)}
         later = stepper.advance(state._replace(positions=np.ascontiguousarray(positions), **rest), 1)
-        forces.append(np.abs(later.velocities * model.loop.mass / model.loop.time_step).max())
+        forces.append(np.abs(later.velocities * model.parameters.mass / model.parameters.time_step).max())
     what = "rigid translation and rotation: largest force over E t L"
     row(what, "rounding", f"{max(forces) / 1.06e11:.1e}")
     _, velocities = start_fields(model, START, "unstressed")
-    energy = 0.5 * float((model.loop.mass * velocities**2).sum())
-    v_g = velocities @ model.loop.mass / model.mass
+    energy = 0.5 * float((model.parameters.mass * velocities**2).sum())
+    v_g = velocities @ model.parameters.mass / model.mass
     exact = 0.5 * model.mass * float(v_g @ v_g) + 0.5 * model.mass * (100.0 + 2.438**2) / 12 * 0.707**2
     row("kinetic energy of rigid motion, relative error", "exact", f"{abs(energy / exact - 1):.1e}")
 

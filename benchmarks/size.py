@@ -69,7 +69,7 @@ def measure(elements: tuple[int, int]) -> None:
     stepper.advance(state, 1)
     count = max(1, round(BATCH_S / seconds(lambda: stepper.advance(state, 2))))
     step = min(seconds(lambda: stepper.advance(state, count)) for _ in range(BATCHES)) / count
-    steps = DURATION / model.loop.time_step
+    steps = DURATION / model.parameters.time_step
     tell(step_s=step, steps=steps, run_s=step * steps, memory_gib=peak())
     stage("relief_s", lambda: stepper.start(start, "inertia-relief"))
     tell(relief_gib=peak())

@@ -89,7 +89,7 @@ def far_corner(count: int, distortion: float, time_step: float) -> list[float]:
     from fem.start.inertia_relief import RigidStart
 
     stepper = make_stepper(count, distortion, bare=True)
-    stepper.loop = stepper.loop._replace(time_step=time_step)
+    stepper.parameters = stepper.parameters._replace(time_step=time_step)
     state = stepper.advance(stepper.start(RigidStart(0.0, 0.707, 25.053), "unstressed"), CHECKED_STEPS)
     far = (stepper.model.discretisation.positions * [[-1.0], [1.0]]).sum(axis=0).argmax()
     return [float(value) for value in state.positions[:, far]]
@@ -133,7 +133,7 @@ def entries(interpreter: str | None, folder: Path) -> tuple[list[Entry], Any]:
             lines.append(entry)
             loops.append(stepper)
             if interpreter and variant != TWO_THREADS:
-                step, uneven = stepper.loop.time_step, variant == UNEVEN
+                step, uneven = stepper.parameters.time_step, variant == UNEVEN
                 codes = [code for code in COMPARED[count] if code.endswith(UNEVEN) == uneven]
                 lines += [other(code, count, interpreter, step, folder) for code in codes]
     return lines, loops[0]

@@ -810,7 +810,7 @@ def test_an_interrupted_campaign_goes_on_with_more_cells(tmp_path, monkeypatch):
     with pytest.raises(Interrupted, match="2 parts are saved"):
         computed(tmp_path, 3)
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
-    result = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
+    result = computed(tmp_path, 4)
     assert [row["steps"] for row in result.rows.values()] == [3, 3, 4, 4]
 
 
