@@ -10,6 +10,7 @@ state, as in the study of uncertainty.
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 
 import command_line
 import numpy as np
@@ -22,9 +23,11 @@ from tailslap.replication.paper_values import TABLE_4, ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.studies.uncertainty.uncertainty_ranges import impact_ranges
 
-SCENE = "impact-mash-tl4-sut"
+SCENE = str(Path(__file__).parents[1] / "examples" / "linear-truck.toml")
 STIFFNESS, MEAN = "contact.stiffness", "strike_2.mean_50ms"
 SAMPLES = 2048
+RANGES = ("contact.restitution=0:0.4", "contact.friction=0.3:0.6")
+"""Ranges of this comparison; others are those of the study of uncertainty."""
 
 Law = Callable[[Mapping[str, np.ndarray]], np.ndarray]
 Reading = tuple[float, float, np.ndarray]
@@ -50,7 +53,10 @@ def forces(case: ImpactCase, stiffness: Law, samples: int = SAMPLES) -> tuple[fl
     stiffness: function of the inputs [N/m] of each impact.
     """
     own = {key: np.array([value]) for key, value in case.inputs.items()}
-    ranges = [item for item in impact_ranges(case) if item.key != STIFFNESS]
+    varied = set(case.inputs) - {
+        STIFFNESS
+    }  # one crush law of front and rear, the inertia of a uniform rectangle
+    ranges = [item for item in impact_ranges(case, RANGES) if item.key in varied]
     draws = qmc.Sobol(len(ranges), seed=1).random(samples)
     drawn = {key: np.full(samples, value) for key, value in case.inputs.items()}
     drawn |= {r.key: r.lower + (r.upper - r.lower) * u for r, u in zip(ranges, draws.T, strict=True)}

@@ -11,6 +11,7 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import command_line
@@ -34,7 +35,8 @@ from tailslap.case.impact.run import attempt
 from tailslap.scene.read import read_scene
 from tailslap.studies.uncertainty.uncertainty_ranges import impact_ranges
 
-SCENE, TRAIN, LAWS = "impact-mash-tl4-sut", "impact-mash-tl5-tractor-van", ("penalty", "exact")
+EXAMPLES, LAWS = Path(__file__).parents[1] / "examples", ("penalty", "exact")
+SCENE, TRAIN = str(EXAMPLES / "linear-truck.toml"), str(EXAMPLES / "linear-train.toml")
 Row = tuple[str, str]
 
 

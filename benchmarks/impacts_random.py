@@ -37,7 +37,7 @@ from command_line import add_record, read_records, row
 Record = dict[str, Any]
 Draw = tuple[dict[str, Any], float]
 """Keys of an impact, and its length over its width."""
-SCENE = "impact-mash-tl4-sut"
+SCENE = str(Path(__file__).parents[1] / "examples" / "linear-truck.toml")
 VEHICLES = (
     ((3.8, 5.0), (1.6, 1.9), (1e3, 1.9e3), (0.7, 1.3), (50, 100)),
     ((5.0, 6.2), (1.8, 2.1), (1.8e3, 3.5e3), (0.69, 1.2), (80, 120)),

@@ -11,12 +11,12 @@ import statistics
 
 import command_line
 from command_line import corner_case, row, seconds
-from tailslap.modal_run import MODES, ModalRun, modal_run
 
 from fem.plate.free_modes import free_modes
 from fem.run.corner import Run, simulate
 from postprocess.comparison.quantities import KEYS
 from tailslap.case.corner.corner_plan import CornerPlan
+from tailslap.modal_run import MODES, ModalRun, modal_run
 
 SCENES = {"paper-table-3": "drag", "paper-abaqus": "none"}
 SOFT = ("plate.youngs_modulus=", "plate.first_frequency=20 Hz")

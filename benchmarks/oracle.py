@@ -24,7 +24,10 @@ from command_line import TAILSLAP
 
 CAR_TESTS = [f"mash-tl{level}-{kind}" for level in (1, 2, 3) for kind in ("car", "pickup")]
 CORNER = (*CAR_TESTS, "mash-tl4-sut", "paper-abaqus", "paper-table-3")
-IMPACT = [f"impact-{name}" for name in (*CORNER[:7], "mash-tl5-tractor-van", "mash-tl6-tractor-tank")]
+EXAMPLES = Path(__file__).parents[1] / "examples"
+IMPACT = {f"impact-linear-{name}": str(EXAMPLES / f"linear-{name}.toml") for name in ("truck", "train")}
+"""Scenes of this checkout, which the program of another one reads too."""
+TRUCK = IMPACT["impact-linear-truck"]
 VARIED = {
     "soft": ("paper-table-3", "plate.youngs_modulus=2 GPa"),
     "neo-hookean": ("paper-table-3", "material.law=neo-hookean", "plate.element=quad9"),
@@ -33,8 +36,8 @@ VARIED = {
     "fields": ("mash-tl4-sut", "output.fields=5"),
     "exact": ("mash-tl3-car", "corner.constraint=exact"),
     "failing": ("paper-table-3", "plate.youngs_modulus=0.01 GPa"),
-    "impact-exact": ("impact-mash-tl4-sut", "contact.enforcement=exact", "contact.stiffness=3 MN/m"),
-    "impact-fields": ("impact-mash-tl3-car", "output.fields=5"),
+    "impact-exact": (TRUCK, "contact.enforcement=exact", "contact.stiffness=3 MN/m"),
+    "impact-fields": (TRUCK, "output.fields=5"),
 }
 TIMES = re.compile(r"(_s|\.rate|overhead|speed|seconds|run_s|reused|version|digest)$")
 DURATION = re.compile(r"\b\d[\d.,]*(e-?\d+)? (s|ms|us|µs|min|h|MiB|GiB)\b")
@@ -43,11 +46,11 @@ DURATION = re.compile(r"\b\d[\d.,]*(e-?\d+)? (s|ms|us|µs|min|h|MiB|GiB)\b")
 def commands() -> dict[str, tuple[str, ...]]:
     """Arguments by name; {out} stands for the result folder."""
     found: dict[str, tuple[str, ...]] = {}
-    for scene in (*CORNER, *IMPACT):
-        found[f"run-{scene}"] = ("run", scene, "--no-pictures", "--out", "{out}")
-        found[f"check-{scene}"] = ("check", scene)
-        found[f"rigid-{scene}"] = ("rigid", scene)
-        found[f"rigid-json-{scene}"] = ("rigid", scene, "--json")
+    for name, scene in ({scene: scene for scene in CORNER} | IMPACT).items():
+        found[f"run-{name}"] = ("run", scene, "--no-pictures", "--out", "{out}")
+        found[f"check-{name}"] = ("check", scene)
+        found[f"rigid-{name}"] = ("rigid", scene)
+        found[f"rigid-json-{name}"] = ("rigid", scene, "--json")
     for name, (scene, *changes) in VARIED.items():
         given = tuple(part for change in changes for part in ("--set", change))
         found[f"run-{name}"] = ("run", scene, *given, "--no-pictures", "--out", "{out}")
@@ -55,12 +58,12 @@ def commands() -> dict[str, tuple[str, ...]]:
     others = {
         "us-run": "run mash-tl4-sut --no-pictures --units us --out {out}",
         "us-rigid": "rigid mash-tl4-sut --units us",
-        "us-impact": "rigid impact-mash-tl4-sut --units us",
+        "us-impact": f"rigid {TRUCK} --units us",
         "modal": "modal mash-tl4-sut",
         "modes": "modes mash-tl4-sut --out {out}",
         "paper": "paper --out {out}",
         "scenes": "scenes",
-        "sweep-impact": "sweep impact-mash-tl4-sut --vary contact.friction=0.2:0.6:3 --out {out}",
+        "sweep-impact": f"sweep {TRUCK} --vary contact.friction=0.2:0.6:3 --out {{out}}",
         "uncertainty": "study uncertainty mash-tl4-sut --samples 1000 --out {out}",
         "flexibility": "study flexibility mash-tl4-sut --points 5 --out {out}",
         "random": "study stability mash-tl4-sut --random 3 --out {out}",

@@ -50,9 +50,8 @@ def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], tup
     suppresses the flutter of the finer mesh, and is increased until it does; slow motion is hardly affected. Where no
     damping is enough the modal model of that mesh, which does not flutter, replaces it.
     """
-    from tailslap.modal_run import modal_run
-
     from tailslap.case.check import failed_names
+    from tailslap.modal_run import modal_run
 
     plate, plan = outcome.fe_plan.plate, outcome.fe_plan.case
     vehicle = plan.scene.vehicle

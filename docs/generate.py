@@ -58,7 +58,7 @@ def train() -> str:
     from tailslap.case.impact.figures import position_strip
     from tailslap.scene.read import read_scene
 
-    case = ImpactCase(*read_scene("impact-mash-tl5-tractor-van"))
+    case = ImpactCase(*read_scene(str(FOLDER.parents[1] / "examples" / "linear-train.toml")))
     return position_strip(case.answer, case.motion.vehicles).svg
 
 

@@ -32,7 +32,7 @@ class Tyres(NamedTuple):
 
     unit, shape (axles,): of each axle; along, load, friction, cornering, shape (axles, n): from the unit's centre of
     mass along its heading [m], N [N], mu and C [-]. Workspace of one sample: force, shape (axles,), side force to the
-    left [N]; rate, shape (3 units,), mean accelerations of the step before; sums, shape (units, 4), as of `SUMS`.
+    left [N]; rate, shape (3 units,), mean accelerations of the step before; sums, shape (4 units,), as of `SUMS`.
     """
 
     unit: np.ndarray
@@ -70,7 +70,7 @@ class TyreAxle:
 def tyres_of(
     train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, lengths: Array
 ) -> "Tyres | None":
-    """Return the tyres of n trains, None without axles.
+    """Return the tyres of n trains, None without axles that have friction.
 
     Parameters
     ----------
@@ -111,7 +111,9 @@ def tyres_of(
     load = _loads(train, unit, along)
     for a in range(len(unit)):
         Gate().demand(_rule(rules.AXLE_LOAD, a, "position"), load[a] >= 0.0, position[a], load=load[a])
-    workspace = np.zeros(len(unit)), np.zeros(3 * count), np.zeros((count, len(SUMS)))
+    if not friction.any():
+        return None
+    workspace = np.zeros(len(unit)), np.zeros(3 * count), np.zeros(count * len(SUMS))
     return Tyres(unit, along, load, friction, cornering, *workspace)
 
 
@@ -223,17 +225,17 @@ def _steer(tyres, i, masses, motion, last, kick):
 def _add_tyres(tyres, i, motion, h, sums):
     """Add impulses and works of the tyres over h to the sums.
 
-    sums: shape (units, 4).
+    sums: shape (4 units,), those of each unit together.
     """
     for a in range(tyres.unit.size):
-        j, arm, impulse, row = 3 * tyres.unit[a], tyres.along[a, i], h * tyres.force[a], sums[tyres.unit[a]]
+        j, arm, impulse, first = 3 * tyres.unit[a], tyres.along[a, i], h * tyres.force[a], 4 * tyres.unit[a]
         c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
         u, v = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
         w = motion[1, j + 2] + motion[2, j + 2]
-        row[0] += 0.5 * impulse * (u * s + v * c + w * arm)
-        row[1] += impulse * s
-        row[2] += impulse * c
-        row[3] += impulse * ((motion[0, j] + arm * c) * c - (motion[0, j + 1] - arm * s) * s)
+        sums[first] += 0.5 * impulse * (u * s + v * c + w * arm)
+        sums[first + 1] += impulse * s
+        sums[first + 2] += impulse * c
+        sums[first + 3] += impulse * ((motion[0, j] + arm * c) * c - (motion[0, j + 1] - arm * s) * s)
 
 
 @implements(end_tyre_step, Tyres)
@@ -245,6 +247,6 @@ def _end_tyre_step(tyres, i, motion, kick):
 
 @implements(record_tyres, Tyres)
 def _record_tyres(tyres, i, motion, h, row):
-    columns = row[row.size - tyres.sums.size :].reshape(tyres.sums.shape)
+    columns = row[row.size - tyres.sums.size :]
     columns[:] = tyres.sums
     _add_tyres(tyres, i, motion, h, columns)

@@ -99,4 +99,4 @@ def test_what_contradicts_a_duration_is_refused(changes, key, allowed):
 
 def test_a_train_has_no_single_effective_mass():
     with pytest.raises(InputError, match="of a train allowed is"):
-        read_scene("impact-tl5cmb-2", [f"{KEY}=0.1 s"])
+        read_scene(str(EXAMPLES / "linear-train.toml"), [f"{KEY}=0.1 s"])

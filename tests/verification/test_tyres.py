@@ -195,6 +195,31 @@ def test_tyres_weaken_the_tail_slap():
     assert 0.7 < own.strikes[1].impulse / without.strikes[1].impulse < 0.95
 
 
+HELD = ImpactVehicle(7.079, 2.335, 13538.0)
+HELD_LAW = WallContact(
+    CrushLaw(1.228e6, 16984.0, 0.1031, 97318.0), 0.2466, rear=CrushLaw(1.384e6, 16984.0, 0.3661, 123106.0)
+)
+HELD_AXLES = (TyreAxle(1.315, 0.7812, 6.21), TyreAxle(5.336, 0.7697, 7.46))
+
+
+@pytest.mark.parametrize("step", [2e-5, 1e-5])
+def test_a_vehicle_that_leans_on_the_wall_is_not_followed_for_seconds(step):
+    """Its front is held on the wall: the end is 0.1 s after the rear has left, whose strike is over, and the front's,
+    which goes on, is named; what was counted until then is the impulse of the wall."""
+    touch = first_touch(HELD, 0.08887, 21.768)
+    motion = solve_impact(HELD, HELD_LAW, touch, longest=5.0, step=step, axles=HELD_AXLES)
+    assert [(strike.corner, strike.cut) for strike in motion.strikes] == [
+        ("front", False), ("rear", False), ("front", True),
+    ]  # fmt: skip
+    assert 0.45 < motion.t_end < 0.6
+    total = sum(strike.impulse for strike in motion.strikes)
+    assert total == pytest.approx(motion.at(np.array([motion.t_end])).impulse_normal[0], rel=1e-9)
+    longer = solve_impact(HELD, HELD_LAW, touch, 1.0, step=step, axles=HELD_AXLES)
+    assert longer.strikes[2].cut
+    lean = np.diff(longer.at(np.array([motion.t_end, 1.0])).impulse_normal)[0] / (1.0 - motion.t_end)
+    assert 0.0 < lean < 0.1 * max(strike.peak_force for strike in motion.strikes)
+
+
 def test_an_axle_without_friction_changes_nothing():
     bare, smooth = impact(()), impact((TyreAxle(1.3), TyreAxle(7.5)))
     assert [strike.impulse for strike in smooth.strikes] == [strike.impulse for strike in bare.strikes]

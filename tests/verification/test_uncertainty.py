@@ -584,6 +584,36 @@ def test_filtered_peaks_are_those_in_the_strike():
     assert all(map(math.isnan, answers.peaks_within(curves, 1e-3, math.nan, math.nan).values()))
 
 
+def test_the_shipped_truck_varies_what_is_not_known_of_it():
+    """Front and rear by themselves, within the ranges whose middles the scene takes, each with its origin."""
+    truck = impact_of(name="impact-mash-tl4-sut")
+    ranges = {item.key: item for item in uncertainty_ranges.impact_ranges(truck)}
+    expected = {f"contact{part}.plateau_force": (200e3, 500e3) for part in ("", ".rear")}
+    expected |= {f"contact{part}.restitution": (0.1, 0.35) for part in ("", ".rear")}
+    expected |= {f"contact{part}.stiffness": (1e6, 3e6) for part in ("", ".rear")}
+    expected |= {"contact.friction": (0.2, 0.5), **{f"axle.{k}.friction": (0.5, 0.8) for k in (0, 1)}}
+    unit = {"plateau_force": 1e3}  # the scene gives kN
+    for key, ends in expected.items():
+        factor = unit.get(key.rpartition(".")[2], 1.0) if ranges[key].unit == "kN" else 1.0
+        assert np.array([ranges[key].lower, ranges[key].upper]) * factor == pytest.approx(ends, rel=1e-9), key
+        assert 0.5 * sum(ends) == pytest.approx(truck.inputs[key.replace(".rear", "")])
+    assert ranges["vehicle.yaw_inertia"].given == pytest.approx(9979.0 * (10.0**2 + 2.438**2) / 12.0)
+    assert all(item.origin for item in ranges.values())
+
+
+def test_raw_and_filtered_forces_are_of_the_same_total():
+    """Both corners on their plateaus at once: the sum, which the force of one corner is not."""
+    changes = "contact.restitution=0.1", "contact.friction=0.3"
+    truck = impact_of(*changes, name="impact-mash-tl4-sut")
+    strikes = {strike.corner: strike for strike in truck.motion.strikes[:2]}
+    assert strikes["rear"].peak_force == pytest.approx(350e3, rel=1e-6)
+    many = truck.many({"contact.restitution": np.array([0.1])})
+    for values in (answers.both_strikes(truck.answer), {name: column[0] for name, column in many.items()}):
+        assert values["strike_2.raw"] > 600e3
+        assert values["strike_2.raw"] >= values["strike_2.mean_50ms"]
+        assert values[answers.LARGEST] >= values["strike_2.mean_50ms"] * (1.0 - 1e-12)
+
+
 def test_stiffness_alone_has_all_of_the_variance():
     plan = impact_of()
     fixed = tuple(
@@ -604,7 +634,8 @@ def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
             for kind in ("first_order", "total"):
                 low, high = row[f"{kind}_interval"]
                 assert 0.0 <= low <= row[kind] <= high <= 1.0
-    assert impacts.sources_of("strike_2.raw")[0]["key"] == "contact.stiffness"
+    assert impacts.sources_of("strike_2.raw")[0]["key"] == "contact.rear.stiffness"
+    assert impacts.sources_of("strike_1.raw")[0]["key"] == "contact.stiffness"
     for name in answers.COLUMNS:
         low, middle, high = impacts.band(name).percentiles
         assert low < middle < high

@@ -126,7 +126,7 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
 
     scene, until = fe_plan.case.scene, fe_plan.case.motion.t_end
     end = scene.time.end if end is None else end
-    leaning = {strike.corner for strike in fe_plan.case.motion.strikes if strike.cut}
+    leaning = {strike.corner for strike in fe_plan.case.motion.strikes if strike.cut and fe_plan.case.axles}
 
     def in_progress(strike: Strike) -> bool:
         return strike.cut and strike.corner not in leaning
