@@ -592,7 +592,7 @@ def test_the_shipped_truck_varies_what_is_not_known_of_it():
     expected |= {f"contact{part}.restitution": (0.1, 0.35) for part in ("", ".rear")}
     expected |= {f"contact{part}.stiffness": (1e6, 3e6) for part in ("", ".rear")}
     expected |= {"contact.friction": (0.2, 0.5), **{f"axle.{k}.friction": (0.5, 0.8) for k in (0, 1)}}
-    unit = {"plateau_force": 1e3}  # the scene gives kN
+    unit = {"plateau_force": 1e3}  # the unit of the scene is kN
     for key, ends in expected.items():
         factor = unit.get(key.rpartition(".")[2], 1.0) if ranges[key].unit == "kN" else 1.0
         assert np.array([ranges[key].lower, ranges[key].upper]) * factor == pytest.approx(ends, rel=1e-9), key
