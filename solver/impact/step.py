@@ -43,7 +43,7 @@ jumps."""
 SHORTEST = 1e-3
 """Shortest separation that ends a strike [s]."""
 
-LEANING = 0.1
+LEANING = 0.2
 """Force of the wall over the largest, up to which a vehicle with tyres merely leans on it."""
 
 LIGHT = 5e-3
@@ -65,6 +65,7 @@ STRIKE = (
 )
 """Columns of a strike: number of its unit and corner, 4 unit + corner; times [s], greatest force [N], impulses [N s],
 impulse times place on the vehicle and along the wall [N s m], works [J], 1 where the motion ends before it is over."""
+CUT = STRIKE.index("cut")
 
 UNIT = ("x_g", "y_g", "theta", "v_gx", "v_gy", "omega")
 SUMS = ("force_normal", "force_tangential", "crush_energy_stored", "crush_energy_lost", "impulse_normal",
@@ -79,10 +80,10 @@ DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(10,
 deepest mean so far [m]; forces [N]; part of the step in which the force acts; for trains the rate of the depth
 [m/s] and the depth at which the line of unloading ends [m]."""
 
-SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
+SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER, PRESSED, RETURN = range(10)
 """Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
 before [N]; the step of the last contact; impulses of the strike and of touches after its end so far, the latest
-included [N s]."""
+included [N s]; times of the last contact, and of the last return to the wall [s]."""
 
 
 def columns(units):
@@ -122,7 +123,7 @@ def workspace(units: int, hinges: int, points: int) -> Work:
     return Work(
         np.zeros((points, 19)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
         np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
-        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 8)), np.zeros(points, dtype=np.int64),
+        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 10)), np.zeros(points, dtype=np.int64),
         np.zeros(columns(units) - 6 * units - 4),
     )  # fmt: skip
 
@@ -183,7 +184,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
     finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
     part, parts_taken, h = 0, parts, whole
-    loaded, largest, touched = 0.0, 0.0, 0
+    loaded, largest = 0.0, 0.0
     motion[2] -= 0.5 * h * work.load
     start_tyres(tyres, i, work.masses, work.load, motion, h)
     for k in range(clock.most):
@@ -208,9 +209,8 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
         if np.isnan(reached) and not end < np.inf:
             force, is_young = _pressing(work.groups, k, t - clock.after)
             largest = max(largest, force)
-            if is_young or touching > touched or force > LEANING * largest or not has_tyres(tyres):
-                loaded = t  # from a new touch on anew, so that the end is never in the past
-            touched = touching
+            if is_young or force > LEANING * largest or not has_tyres(tyres):
+                loaded = t
             open_end = _open_end(
                 t,
                 k,
@@ -498,6 +498,9 @@ def _count(points, point_owner, motion, active, groups, strikes, number, last, h
                     group[AFTER] = 0.0
                 else:
                     group[LAST] = until
+            if comes and t - group[PRESSED] > SHORTEST:
+                group[RETURN] = t
+            group[PRESSED] = t
             group[BEFORE] = 0.0 if comes else group[FORCE]
             group[FORCE], group[STAMP] = 0.0, k
         group[FORCE] += points[p, NORMAL]
@@ -583,12 +586,12 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
 
 @compiled
 def _pressing(groups, k, recent):
-    """Return the normal force of the wall in this step [N], and whether a strike in progress began after `recent`."""
+    """Return the normal force of the wall in this step [N], and whether a corner in contact returned after `recent`."""
     force, is_young = 0.0, False
     for group in groups:
         if group[STAMP] == k:
             force += group[FORCE]
-            is_young = is_young or group[FIRST] > recent
+            is_young = is_young or group[RETURN] > recent
     return force, is_young
 
 
@@ -608,7 +611,7 @@ def _name_cut(groups, k, finish, strikes):
     for group in groups:
         if 0.0 <= group[SLOT] < strikes.shape[0]:
             is_cut = group[STAMP] == k or over_from(group[FIRST], group[LAST]) > finish
-            strikes[int(group[SLOT]), 10] = 1.0 if is_cut else 0.0
+            strikes[int(group[SLOT]), CUT] = 1.0 if is_cut else 0.0
 
 
 @compiled

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver.conditions import Array, RigidBodyError
-from solver.impact.step import SHORTEST, STRIKE, advance, columns, workspace
+from solver.impact.step import CUT, LEANING, SHORTEST, STRIKE, advance, columns, workspace
 from solver.impact.train import Train
 from solver.impact.tyres import Tyres, chosen_tyres
 
@@ -266,10 +266,12 @@ def _difference(
     finite.
     """
     spin, other = fine.state[..., 5], coarse.state[..., 5]
-    strikes = _changes_of_all if many_strikes else _changes
+    measures = _measures(fine, weight), _measures(coarse, weight)
+    goes_on = (fine.strikes[..., CUT] == 1.0) & (fine.end != coarse.end)[:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
-        changes = strikes(_measures(fine, weight), _measures(coarse, weight))
+        changes = _changes_of_all(*measures, goes_on) if many_strikes else _changes(*measures)
         spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
+    spins[goes_on.any(axis=1)] = 0.0  # of a vehicle that bounces along the wall, at another instant
     is_finite = np.isfinite(fine.state).all(axis=(1, 2)) & np.isfinite(fine.end + coarse.end)
     return np.where(is_finite, np.maximum(changes, spins), math.inf)
 
@@ -295,16 +297,21 @@ def _changes(fine: Array, coarse: Array) -> Array:
     return np.where(same.all(axis=1), changes, math.inf)
 
 
-def _changes_of_all(fine: Array, coarse: Array) -> Array:
+def _changes_of_all(fine: Array, coarse: Array, goes_on: NDArray[np.bool_]) -> Array:
     """Return the largest change of heavy strikes.
 
     Each is compared with the strike of the same corner with the nearest start, because light strikes between may
-    differ.
+    differ. goes_on, shape (n, strikes): strikes in progress at ends that differ, of which the peak alone counts, if
+    the vehicle did more than lean on the wall.
     """
     apart = np.abs(fine[:, :, None, 1] - coarse[:, None, :, 1])
     apart = np.where(fine[:, :, None, 0] == coarse[:, None, :, 0], apart, math.inf)
     beside = np.take_along_axis(coarse, apart.argmin(axis=2)[..., None], axis=1)
-    changes = np.abs(beside[..., 2:] / fine[..., 2:] - 1.0).max(axis=2)
+    changes = np.abs(beside[..., 2:] / fine[..., 2:] - 1.0)
+    changes[..., ::2] = np.where(goes_on[..., None], 0.0, changes[..., ::2])  # impulse and duration
+    changes = changes.max(axis=2)
     changes = np.where(np.isfinite(apart.min(axis=2)), changes, math.inf)
     weighs = fine[..., 2] >= WEIGHT * np.nanmax(fine[..., 2], axis=1, initial=0.0)[:, None]
+    leans = fine[..., 3] < LEANING * np.nanmax(fine[..., 3], axis=1, initial=0.0)[:, None]
+    weighs &= ~(goes_on & leans)
     return np.where(weighs, changes, 0.0).max(axis=1)
