@@ -80,10 +80,10 @@ DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(10,
 deepest mean so far [m]; forces [N]; part of the step in which the force acts; for trains the rate of the depth
 [m/s] and the depth at which the line of unloading ends [m]."""
 
-SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER, PRESSED, RETURN = range(10)
+SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
 """Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
 before [N]; the step of the last contact; impulses of the strike and of touches after its end so far, the latest
-included [N s]; times of the last contact, and of the last return to the wall [s]."""
+included [N s]."""
 
 
 def columns(units):
@@ -123,7 +123,7 @@ def workspace(units: int, hinges: int, points: int) -> Work:
     return Work(
         np.zeros((points, 19)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
         np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
-        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 10)), np.zeros(points, dtype=np.int64),
+        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 8)), np.zeros(points, dtype=np.int64),
         np.zeros(columns(units) - 6 * units - 4),
     )  # fmt: skip
 
@@ -226,6 +226,10 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             )
             leaning = loaded + clock.after if loaded < t else np.inf
             finish = min(max(open_end, _all_over(work.groups, k, leaning)), clock.longest)
+            if loaded < t:
+                finish = max(
+                    finish, t
+                )  # a corner that touches lightly again does not end the motion in the past
         if np.isnan(reached) and finish < t + h:
             _leave(kick, h, finish - t, motion, state)
             _name_cut(work.groups, k, finish, strikes)
@@ -498,9 +502,6 @@ def _count(points, point_owner, motion, active, groups, strikes, number, last, h
                     group[AFTER] = 0.0
                 else:
                     group[LAST] = until
-            if comes and t - group[PRESSED] > SHORTEST:
-                group[RETURN] = t
-            group[PRESSED] = t
             group[BEFORE] = 0.0 if comes else group[FORCE]
             group[FORCE], group[STAMP] = 0.0, k
         group[FORCE] += points[p, NORMAL]
@@ -586,12 +587,12 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
 
 @compiled
 def _pressing(groups, k, recent):
-    """Return the normal force of the wall in this step [N], and whether a corner in contact returned after `recent`."""
+    """Return the normal force of the wall in this step [N], and whether a strike in progress began after `recent`."""
     force, is_young = 0.0, False
     for group in groups:
         if group[STAMP] == k:
             force += group[FORCE]
-            is_young = is_young or group[RETURN] > recent
+            is_young = is_young or group[FIRST] > recent
     return force, is_young
 
 
