@@ -10,6 +10,7 @@ Tyres: the side force of an axle, -mu N tanh(C a/mu) across its heading, a = ata
 """
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from machine_code.compiled import chosen, compiled
@@ -33,7 +34,7 @@ class PointCrush(NamedTuple):
     unloading: Any = None
 
 
-def plateau_excess(plateau: Any, force: float, stiffness: float) -> tuple[float, float]:
+def plateau_excess(plateau: float | None, force: float, stiffness: float) -> tuple[float, float]:
     """Return the excess of a loading curve over its plateau.
 
     Force [N] and energy [J]. Compiled code only.
@@ -42,18 +43,20 @@ def plateau_excess(plateau: Any, force: float, stiffness: float) -> tuple[float,
 
 
 @chosen(plateau_excess)
-def _plateau_excess(plateau: Any, force: Any, stiffness: Any) -> Any:
-    def none(plateau: Any, force: Any, stiffness: Any) -> Any:
+def _plateau_excess(plateau: object, force: object, stiffness: object) -> Callable[..., object]:
+    def none(plateau: None, force: float, stiffness: float) -> tuple[float, float]:
         return 0.0, 0.0
 
-    def beyond(plateau: Any, force: Any, stiffness: Any) -> Any:
+    def beyond(plateau: float, force: float, stiffness: float) -> tuple[float, float]:
         above = max(force - plateau, 0.0)
         return above, 0.5 * above * above / stiffness if above > 0.0 else 0.0
 
     return none if _is_none(plateau) else beyond
 
 
-def returned_part(unloading: Any, returned: float, peak: float, energy: float, deepest: float) -> float:
+def returned_part(
+    unloading: float | None, returned: float, peak: float, energy: float, deepest: float
+) -> float:
     """Return the part of energy that unloading returns.
 
     peak: force [N], and energy: absorbed [J], at the deepest point [m]. Compiled code only.
@@ -62,11 +65,13 @@ def returned_part(unloading: Any, returned: float, peak: float, energy: float, d
 
 
 @chosen(returned_part)
-def _returned_part(unloading: Any, returned: Any, peak: Any, energy: Any, deepest: Any) -> Any:
-    def given(unloading: Any, returned: Any, peak: Any, energy: Any, deepest: Any) -> Any:
+def _returned_part(
+    unloading: object, returned: object, peak: object, energy: object, deepest: object
+) -> Callable[..., object]:
+    def given(unloading: None, returned: float, peak: float, energy: float, deepest: float) -> float:
         return returned
 
-    def by_slope(unloading: Any, returned: Any, peak: Any, energy: Any, deepest: Any) -> Any:
+    def by_slope(unloading: float, returned: float, peak: float, energy: float, deepest: float) -> float:
         if unloading <= 0.0:
             return returned
         return 0.5 * peak * min(peak / unloading, deepest) / energy if energy > 0.0 else 0.0
@@ -83,13 +88,13 @@ def item(values: Any, i: int) -> Any:
 
 
 @chosen(item)
-def _item(values: Any, i: Any) -> Any:
+def _item(values: object, i: object) -> Callable[..., object]:
     from numba import types
 
     return (lambda values, i: values[i]) if isinstance(values, types.Array) else (lambda values, i: values)
 
 
-def _is_none(kind: Any) -> bool:
+def _is_none(kind: object) -> bool:
     """Return True for Numba's type of None."""
     from numba import types
 
@@ -152,7 +157,7 @@ def coulomb_force(stopping: float, limit: float) -> float:
 
 
 @chosen(coulomb_force)
-def _coulomb_force(stopping: Any, limit: Any) -> Any:
+def _coulomb_force(stopping: object, limit: object) -> Callable[..., object]:
     return coulomb_force
 
 

@@ -53,30 +53,30 @@ class Crush(NamedTuple):
 
     stiffness: np.ndarray
     initial_force: np.ndarray
-    returned: Any
-    plateau: Any = None
-    unloading: Any = None
+    returned: np.ndarray | float
+    plateau: np.ndarray | float | None = None
+    unloading: np.ndarray | float | None = None
 
 
-def crush_of(law: Any, i: int) -> PointCrush:
+def crush_of(law: Crush, i: int) -> PointCrush:
     """Return the crush of point i."""
     returned, plateau, unloading = item(law.returned, i), item(law.plateau, i), item(law.unloading, i)
     return PointCrush(law.stiffness[i], law.initial_force[i], returned, plateau, unloading)
 
 
-def _crush_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
+def _crush_force(law: Crush, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
     crush, compliance, mean = crush_of(law, i), 0.5 / inertia, 0.5 * (before + free)
     depth = loading_depth(crush, mean, compliance, 1.0)
     return crush_force(crush, deepest, mean, compliance, depth)
 
 
-def _crush_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
+def _crush_stored(law: Crush, i: int, before: float, depth: float, deepest: float, force: float) -> float:
     _, energy, length, returned = crush_line(crush_of(law, i), deepest)
     drop = deepest - depth
     return returned * energy * (1.0 - drop / length) ** 2 if drop < length else 0.0
 
 
-def _crush_lost(law: Any, i: int, deepest: float) -> float:
+def _crush_lost(law: Crush, i: int, deepest: float) -> float:
     _, energy, _, returned = crush_line(crush_of(law, i), deepest)
     return (1.0 - returned) * energy
 
