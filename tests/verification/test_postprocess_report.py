@@ -323,10 +323,11 @@ def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
     assert titles == ("Set-up", "Peak lateral force", "At the tail-slap")
     force = made.fe_plan.case.force.peak_force
     assert f"{force / 1e3:#.4g}" in forces.tables[0].columns[2].text({"rigid": force})
-    assert forces.tables[1].rows[0]["name"] == "AASHTO LRFD, TL-4"
+    names = [row["name"] for row in forces.tables[1].rows]
+    assert names[:2] == ["This impact, peak", "MASH (TTI), TL-4"]
     opened = [section for section in report.page.sections if not section.is_folded]
     cells = [c.text(r) for s in opened for t in s.tables for r in t.rows for c in t.columns if c.form]
-    assert 15 <= len(cells) <= 60
+    assert 15 <= sum(text != "–" for text in cells) <= 60
     write_report(report, tmp_path)
     assert (tmp_path / "report.html").read_text().count("<details>") >= 6
 
@@ -483,7 +484,8 @@ def test_paper_cuts_no_column_and_leaves_no_heading_alone():
 
 def test_a_name_that_is_kept_whole_is(tmp_path):
     """TL-4 in the table of design forces."""
-    table = Table(DESIGN, [{"name": "AASHTO LRFD, TL-4", "force": 240e3, "ratio": 2.0, "source": ""}])
+    row = dict.fromkeys(column.key for column in DESIGN)
+    table = Table(DESIGN, [row | {"name": "AASHTO LRFD, TL-4", "force": 240e3, "ratio": 2.0}])
     made = pages.Page("", pages.Headline("x", ""), (pages.Section("Forces", tables=(table,)),), "")
     text = pages.write_page(tmp_path / "p.html", made).read_text(encoding="utf-8")
     assert '<th scope="row" class="whole">AASHTO LRFD, <span class="whole">TL-4</span><' in text
