@@ -65,8 +65,9 @@ class Range:
 
     def in_words(self) -> tuple[str, str]:
         """Return range and nominal value in words."""
+        factor, unit = (1e-6, "MN/m") if self.unit == "N/m" else (1.0, self.unit)
         lower, upper, nominal = (
-            None if value is None else measure(value, self.unit, ".5g", named=bool(self.unit) and last)
+            None if value is None else measure(factor * value, unit, ".5g", named=bool(unit) and last)
             for value, last in ((self.lower, False), (self.upper, True), (self.given, True))
         )
         return f"{lower} to {upper}", nominal or "–"
