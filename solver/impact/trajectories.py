@@ -266,9 +266,9 @@ def _difference(
     finite.
     """
     spin, other = fine.state[..., 5], coarse.state[..., 5]
-    measures = _measures(fine, weight), _measures(coarse, weight)
     goes_on = (fine.strikes[..., CUT] == 1.0) & (fine.end != coarse.end)[:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
+        measures = _measures(fine, weight), _measures(coarse, weight)
         changes = _changes_of_all(*measures, goes_on) if many_strikes else _changes(*measures)
         spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
     spins[goes_on.any(axis=1)] = 0.0  # of a vehicle that bounces along the wall, at another instant
