@@ -244,7 +244,7 @@ def python_page() -> str:
 
 def _described(name: str, value: Any, level: str = "##") -> Iterator[str]:
     signature = str(inspect.signature(value)).replace("'", "")
-    signature = re.sub(r"collections\.abc\.|os\.|typing\.|\bresult\.", "", signature)
+    signature = re.sub(r"collections\.abc\.|os\.|typing\.|\bresult\.|(?<=pathlib\.)_local\.", "", signature)
     yield f"{level} {name}"
     yield ""
     if inspect.isfunction(value):

@@ -5,6 +5,7 @@ A colour is a name of `PALETTE`, which pages may redefine (`page.css` does for d
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -98,7 +99,7 @@ def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12
 
 def text_width(text: str, size: float = 12.0) -> float:
     """Estimate the length of a text in a wide font."""
-    return size * sum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in SI.rendered(text))
+    return size * math.fsum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in SI.rendered(text))
 
 
 Cells = Sequence[str] | Sequence[float] | Floats
