@@ -207,29 +207,9 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
                 points, owner, motion, pressed, work.groups, strikes, number, last, h, t, k, steps_left
             )
         if np.isnan(reached) and not end < np.inf:
-            force, is_young = _pressing(work.groups, k, t - clock.after)
-            largest = max(largest, force)
-            if is_young or force > LEANING * largest or not has_tyres(tyres):
-                loaded = t
-            open_end = _open_end(
-                t,
-                k,
-                loaded,
-                number,
-                touching,
-                motion,
-                work.reach,
-                work.groups,
-                strikes,
-                clock.after,
-                has_tyres(tyres),
+            finish, loaded, largest = _finish(
+                t, k, number, touching, loaded, largest, motion, work, strikes, clock, has_tyres(tyres)
             )
-            leaning = loaded + clock.after if loaded < t else np.inf
-            finish = min(max(open_end, _all_over(work.groups, k, leaning)), clock.longest)
-            if loaded < t:
-                finish = max(
-                    finish, t
-                )  # a corner that touches lightly again does not end the motion in the past
         if np.isnan(reached) and finish < t + h:
             _leave(kick, h, finish - t, motion, state)
             _name_cut(work.groups, k, finish, strikes)
@@ -556,11 +536,33 @@ def _mean_speeds(point, motion, j):
 
 
 @compiled
+def _finish(t, k, number, touching, loaded, largest, motion, work, strikes, clock, steered):
+    """Return the end of the motion [s], and when and how far the wall was loaded.
+
+    loaded: last instant at which the vehicle did more than lean on the wall, where its tyres may hold it for seconds;
+    largest: force of the wall so far [N]. steered: True with tyres.
+    """
+    force, is_young = 0.0, True
+    if steered:
+        force, is_young = _pressing(work.groups, k, t - clock.after)
+        largest = max(largest, force)
+    if is_young or force > LEANING * largest:
+        loaded = t
+    open_end = _open_end(
+        t, k, loaded, number, touching, motion, work.reach, work.groups, strikes, clock.after, steered
+    )
+    leaning = loaded + clock.after if loaded < t else np.inf
+    finish = min(max(open_end, _all_over(work.groups, k, leaning)), clock.longest)
+    if loaded < t:  # a corner that touches lightly again does not end the motion in the past
+        finish = max(finish, t)
+    return finish, loaded, largest
+
+
+@compiled
 def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, after, steered):
     """Return the end of the motion [s], infinite while it is unknown.
 
-    loaded: last instant at which the vehicle did more than lean on the wall, where its tyres may hold it for seconds.
-    steered: with tyres a vehicle that is directed towards the wall will return to it.
+    loaded: see `_finish`. steered: with tyres a vehicle that is directed towards the wall will return to it.
     """
     last = groups[4 * reach.size - 3]  # the rear of a train's last unit
     if reach.size > 1 and number >= 2 and last[SLOT] >= 0.0:
