@@ -31,15 +31,15 @@ UNCONFIRMED = "attributed to NCHRP Project 22-20(2); not verified against the pr
 
 
 MASH = {
-    "TL-3": (("MASH", 71.0, UNCONFIRMED),),
+    "TL-3": (("MASH (not verified)", 71.0, UNCONFIRMED),),
     "TL-4": (
         ("MASH (TTI)", 80.0, TTI),  # for rails of 36 in. or higher
         ("MASH (4.5 g)", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
     ),
     "TL-5": (
-        ("MASH, 42 in wall", 160.0, UNCONFIRMED),
+        ("MASH, 42 in wall (not verified)", 160.0, UNCONFIRMED),
         ("Manitoba, 1250 mm wall", 845e3 / KIP, "Design of the Manitoba tall wall, tac-atc.ca"),
-        ("MASH, taller wall", 262.0, UNCONFIRMED),
+        ("MASH, taller wall (not verified)", 262.0, UNCONFIRMED),
     ),
     "TL-6": (("MwRSF, 62 in wall", 300.0, "MASH TL-6 evaluation, rosap.ntl.bts.gov/view/dot/77847"),),
 }

@@ -204,8 +204,11 @@ HELD_AXLES = (TyreAxle(1.315, 0.7812, 6.21), TyreAxle(5.336, 0.7697, 7.46))
 
 @pytest.mark.parametrize("step", [2e-5, 1e-5])
 def test_a_vehicle_that_leans_on_the_wall_is_not_followed_for_seconds(step):
-    """Its front is held on the wall: the end is 0.1 s after the rear has left, whose strike is over, and the front's,
-    which goes on, is named; what was counted until then is the impulse of the wall."""
+    """Compare end, strikes and impulse of a vehicle whose front stays in contact.
+
+    The motion ends when the strike of the rear is over. The strike of the front is in progress and marked as cut. The
+    impulses of all strikes add up to the impulse of the wall.
+    """
     touch = first_touch(HELD, 0.08887, 21.768)
     motion = solve_impact(HELD, HELD_LAW, touch, longest=5.0, step=step, axles=HELD_AXLES)
     assert [(strike.corner, strike.cut) for strike in motion.strikes] == [
