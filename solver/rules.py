@@ -125,23 +125,46 @@ END = Rule("end", "the motion needs a finite duration", f"{POSITIVE}, s")
 IMPACT_TIME = Rule("time", _FAR, "from 0 to {end:.10g} s")
 POINTS = Rule("side_points", "a layer is discretised at points along each side", "1 or more")
 
-ROLLING = {
-    name: Rule(name, why, f"{POSITIVE}, {unit}")
-    for name, why, unit in (
-        ("mass", "a body without mass has no momentum", "kg"),
-        ("centre_height", "the centre of mass is above the ground", "m"),
-        ("roll_inertia", "a body without inertia has no roll", "kg m^2"),
-        ("track", "a vehicle stands on wheels to either side", "m"),
-        ("suspension", "wheels without a spring carry nothing", "N/m"),
-        ("wall_height", "a wall without height holds nothing", "m"),
-    )
-}
-"""Rules of a vehicle that rolls over a wall, by the name of the input."""
-ROLLING |= {
-    name: Rule(name, "it is a size", "0 or more, and finite")
-    for name in ("damping_ratio", "width", "friction", "speed")
-}
-"""Rules of a vehicle that rolls over a wall, by the name of the input."""
-ROLL_STEPS = Rule(
-    "suspension", "the vehicle oscillates on it at {rate:.3g} rad/s, too fast to be followed", "softer, N/m"
+PROFILE = Rule(
+    "wall.profile",
+    "the face of a wall leads upwards and does not overhang",
+    "a name, or at least two points [y, z], the first [0, 0], z growing and y not",
+)
+PROFILE_POINTS = Rule("wall.profile", "a profile is a line of few points", "at most {most:.0f} points")
+WALL_HEIGHT = Rule("wall.height", "a wall without height holds nothing", f"{POSITIVE}, m")
+SPRUNG = Rule("vehicle.mass", "the axles weigh {axles:.6g} kg", "more than the axles")
+SPRUNG_INERTIA = Rule(
+    "roll_inertia", "the axles and the distances between the masses have more", "more than {least:.6g} kg m^2"
+)
+CENTRE_ABOVE = Rule(
+    "centre_height",
+    "the centre of mass is above the axles",
+    "more than the radius of the wheels, {radius:.6g} m",
+)
+STRIP_AT = Rule("strip", "a strip is a part of its vehicle", "from 0 to the length, {length:.6g} m")
+STRIP_HEIGHT = Rule(
+    "strip", "a strip is a part of its vehicle", "up to twice the height of the centre of mass, {most:.6g} m"
+)
+STRIP_LENGTH = Rule("strip", "the strip has no length", "two heights upwards, or two places rearwards")
+INSET = Rule(
+    "strip", "the strip is beyond the middle of the vehicle", "less than half of the width, {most:.6g} m"
+)
+
+SPACE_POSITIVE = {
+    "length": "m", "width": "m", "mass": "kg", "centre_of_mass": "m", "centre_height": "m", "roll_inertia": "kg m^2",
+    "pitch_inertia": "kg m^2", "yaw_inertia": "kg m^2", "track": "m", "radius": "m", "spring": "N/m", "spacing": "m",
+    "tyre": "N/m", "stiffness": "N/m^2", "plateau": "N/m",
+}  # fmt: skip
+"""Units of quantities of a vehicle in space that are positive."""
+SPACE = {name: Rule(name, "it is a size", f"{POSITIVE}, {unit}") for name, unit in SPACE_POSITIVE.items()}
+SPACE |= {
+    name: Rule(name, "it is not negative", "0 or more, and finite")
+    for name in ("hitch_height", "roll_stiffness", "damping_ratio", "roll_centre", "friction", "cornering", "height",
+                 "inset", "restitution", "unloading")
+}  # fmt: skip
+"""Rules of a vehicle in space, by the name of the quantity."""
+SPACE_STEPS = Rule(
+    "axle",
+    "the vehicle oscillates at this rate [rad/s], too fast to be followed",
+    "softer springs, or more mass",
 )

@@ -108,7 +108,7 @@ def tyres_of(
         for name, values in (("friction", friction), ("cornering", cornering)):
             gate.not_negative(_rule(rules.TYRE, a, name), values[a])
     along = centres[unit] - position
-    load = _loads(train, unit, along)
+    load = axle_loads(train.mass, train.hitch, train.kingpin, unit, along)
     for a in range(len(unit)):
         Gate().demand(_rule(rules.AXLE_LOAD, a, "position"), load[a] >= 0.0, position[a], load=load[a])
     if not friction.any():
@@ -121,20 +121,32 @@ def _rule(rule: rules.Rule, axle: int, name: str) -> rules.Rule:
     return rule._replace(key=f"axle.{axle}.{name}")
 
 
-def _loads(train: Train, unit: NDArray[np.int64], along: Array) -> Array:
-    """Return the loads of the axles at rest [N], shape (axles, n)."""
+def axle_loads(mass: Array, hitch: Array, kingpin: Array, unit: NDArray[np.int64], along: Array) -> Array:
+    """Return the loads of the axles at rest [N], shape (axles, n).
+
+    Parameters
+    ----------
+    mass : ndarray, shape (units, n)
+        [kg].
+    hitch, kingpin : ndarray, shape (units - 1, n)
+        Of each hinge ahead of the centres of mass of the units that it joins [m].
+    unit : ndarray, shape (axles,)
+        Of each axle, from 0.
+    along : ndarray, shape (axles, n)
+        Of the axles ahead of the centre of mass of their unit [m].
+    """
     load, pressed = np.zeros_like(along), np.zeros(along.shape[1])  # by the kingpin of the unit behind
-    for u in reversed(range(len(train.mass))):
-        on_unit, weight = unit == u, GRAVITY * train.mass[u]
+    for u in reversed(range(len(mass))):
+        on_unit, weight = unit == u, GRAVITY * mass[u]
         x, count = along[on_unit], np.count_nonzero(on_unit)
-        hitch = train.hitch[u] if u < len(train.hitch) else 0.0
+        ahead = hitch[u] if u < len(hitch) else 0.0
         if u > 0 and count:
-            kingpin = train.kingpin[u - 1]
-            moment = pressed * (hitch - kingpin) - weight * kingpin
-            load[on_unit] = moment / (x - kingpin).sum(axis=0)
+            pin = kingpin[u - 1]
+            moment = pressed * (ahead - pin) - weight * pin
+            load[on_unit] = moment / (x - pin).sum(axis=0)
             pressed = weight + pressed - load[on_unit].sum(axis=0)
         elif count:
-            force, moment = weight + pressed, pressed * hitch
+            force, moment = weight + pressed, pressed * ahead
             first, second = x.sum(axis=0), (x * x).sum(axis=0)
             spread = count * second - first**2
             apart = spread > 1e-9 * np.maximum(second, 1e-300)

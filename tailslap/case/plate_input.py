@@ -141,13 +141,13 @@ def same_mesh(plate: Plate, other: Plate) -> bool:
 
 def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
     """Return the error that names the key of the scene."""
-    contact, wall = scene.contact, scene.wall
+    contact, wall = scene.contact, scene.meshed_wall
     patch = contact.patch_length if contact else scene.corner.patch_length
     causes: dict[str, tuple[str, object]] = {
         "elements": ("plate.elements", list(plate.counts)),
         "patch_length": (f"{'contact' if contact else 'corner'}.patch_length", patch),
         "inertia": ("vehicle.yaw_inertia", scene.vehicle.yaw_inertia),
-        "wall.elements": ("wall.elements", wall and list(wall.elements)),
+        "wall.elements": ("wall.elements", wall and list(wall.mesh[2])),
         "wall.length": ("wall.length", wall and wall.length),
     }
     if error.wrong.startswith("trailer."):

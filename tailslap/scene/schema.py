@@ -18,7 +18,7 @@ from fem.plate import kinds
 from fem.registry import Registry
 from fem.start import start_kinds
 from tailslap.errors import InputError, Missing
-from tailslap.scene.units import Quantity
+from tailslap.scene.units import Pair, Quantity
 
 MAX_ELEMENTS = 4_000_000
 """Largest mesh that fits the memory of a workstation."""
@@ -59,7 +59,12 @@ LayerStiffness = Annotated[
 ]
 Force = Annotated[float, Quantity("a force", "N", '"100 kN"', least=0.0, most=1e12)]
 Height = Annotated[float, Quantity("a height above the ground", "m", '"32 in"', least=0.05, most=20.0)]
-RollDamping = Annotated[float, Quantity("a damping ratio", "", "0.15", least=0.0, most=1.0)]
+Level = Annotated[float, Quantity("a height above the ground", "m", '"0.6 m"', least=0.0, most=20.0)]
+SpringDamping = Annotated[float, Quantity("a damping ratio", "", "0.15", least=0.0, most=1.0)]
+RollStiffness = Annotated[
+    float, Quantity("a stiffness in roll", "N m/rad", '"3.55 MN m/rad"', least=0.0, most=1e12)
+]
+StripPlateau = Annotated[float, Quantity("a force per length", "N/m", '"700 kN/m"', least=1e-3, most=1e12)]
 Inertia = Annotated[
     float, Quantity("a moment of inertia", "kg m^2", '"88101 kg m^2"', least=1e-12, most=1e15)
 ]
@@ -70,7 +75,7 @@ Distortion = Annotated[float, Quantity("a fraction of the element size", "", "0.
 FORMER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
 """Former names of starts, with the present ones."""
 
-LISTED = ("trailer", "axle")
+LISTED = ("trailer", "axle", "strip")
 """Names of lists of tables, [[NAME]]."""
 
 
@@ -102,10 +107,29 @@ def _start_name(given: object) -> object:
     return given
 
 
+def _profile(given: object) -> object:
+    """Return a profile by name or points as tuples. Raises ValueError for other values."""
+    from solver.conditions import RigidBodyError
+    from solver.space.wall import profile_points
+
+    try:
+        points = profile_points(given)  # type: ignore[arg-type]  # any value of a file
+    except RigidBodyError as error:
+        raise ValueError(f"{error.why}; allowed: {error.allowed}") from None
+    return given if isinstance(given, str) else tuple(map(tuple, points.tolist()))
+
+
 StartName = Annotated[str, _registered(start_kinds.START_KINDS), BeforeValidator(_start_name)]
 ReactionName = Annotated[str, _registered(FRICTION_LAWS)]
 ConstraintName = Annotated[str, _registered(constraints.CONSTRAINTS)]
 ElementCounts = Annotated[tuple[int, int], BeforeValidator(_element_counts)]
+Places = Annotated[
+    tuple[float, float], Pair("a distance behind the front", "m", '"2 m"', least=0.0, most=1e6)
+]
+Levels = Annotated[
+    tuple[float, float], Pair("a height above the ground", "m", '"0.9 m"', least=0.0, most=20.0)
+]
+Profile = Annotated[str | tuple[tuple[float, float], ...], BeforeValidator(_profile)]
 
 
 def _flag(given: object) -> object:
@@ -126,6 +150,7 @@ def _name(given: object) -> object:
 
 
 Name = Annotated[str, BeforeValidator(_name)]
+UnitNumber = Annotated[int, Field(ge=1, le=8, strict=True)]
 
 
 def needed(meaning: str) -> Any:
@@ -193,12 +218,11 @@ class Trailer(Vehicle):
         "length of both plates over which the force of the hinge is distributed; default: one node, "
         "or half the vehicle's width if plate.elements is omitted"
     )
-    centre_height: Height | None = key("height of the centre of mass; default: tipping.centre_height")
+    centre_height: Height | None = key("height of the centre of mass; default: body.centre_height")
     roll_inertia: Inertia | None = key("roll moment of inertia about it; default: mass times (0.45 width)^2")
-    track: Length | None = key("distance between the wheels; default: tipping.track")
-    suspension: Stiffness | None = key(
-        "vertical stiffness of one side, fifth wheel included; default: tipping.suspension"
-    )
+    pitch_inertia: Inertia | None = key("pitch moment of inertia about it; default: the yaw inertia")
+    hitch_height: Level | None = key("height of the hinge; required with [body]")
+    roll_stiffness: RollStiffness | None = key("stiffness of the hinge in roll; default: 3.55 MN m/rad")
     rear: CrushTable | None = key("crush of the rear corners of the trailer")
 
 
@@ -311,9 +335,10 @@ class Contact(SceneTable):
 
 
 class Axle(SceneTable):
-    """Axle of the vehicle, whose tyres resist sliding across it; whole impacts only.
+    """Solid axle; whole impacts only.
 
-    Loads of the axles are those of the vehicle at rest.
+    Its tyres resist sliding across it. With [body] it carries the vehicle on springs and tyres; without [body] its load
+    is that of the vehicle at rest.
     """
 
     position: Hitch = needed("distance of the axle behind the front of its unit")
@@ -321,26 +346,43 @@ class Axle(SceneTable):
     cornering: Cornering = key(
         "cornering coefficient: side force over load and slip angle at small slip", 6.0
     )
-    unit: Annotated[int, Field(ge=1, le=8, strict=True)] = key(
-        "number of the unit of a train that has the axle; 1 for the vehicle", 1
-    )
+    unit: UnitNumber = key("number of the unit of a train that has the axle; 1 for the vehicle", 1)
+    track: Length | None = key("distance between the tyres of both sides; required with [body]")
+    radius: Height | None = key("height of the axle; required with [body]")
+    mass: Mass | None = key("mass of axle and wheels, part of that of the unit; required with [body]")
+    spring: Stiffness | None = key("stiffness of the spring of one side; required with [body]")
+    spacing: Length | None = key("distance between the springs; required with [body]")
+    damping_ratio: SpringDamping | None = key("damping ratio of the springs; default: 0.15, assumed")
+    tyre: Stiffness | None = key("vertical stiffness of the tyres of one side; required with [body]")
+    roll_centre: Level | None = key("height at which side force enters the body; default: 0.6 m, assumed")
 
 
-class Tipping(SceneTable):
-    """Roll of the vehicle over the wall in a whole impact.
+class Body(SceneTable):
+    """Vehicle in space: roll, pitch, and the height of the force; whole impacts only.
 
-    The default of time.end is then 0.5 s after the second strike.
+    Axles carry the vehicle and strips touch the wall, whose height [wall] defines.
     """
 
-    wall_height: Height = needed("height of the top of the wall, at which its force acts")
-    centre_height: Height = needed("height of the centre of mass")
+    centre_height: Height = needed("height of the centre of mass of the vehicle with its axles")
     roll_inertia: Inertia | None = key("roll moment of inertia about it; default: mass times (0.45 width)^2")
-    track: Length = needed("distance between the wheels of both sides")
-    suspension: Stiffness = needed("vertical stiffness of the wheels of one side")
-    damping_ratio: RollDamping = key("damping ratio of the suspension in heave (assumed)", 0.15)
-    friction: Friction = key(
-        "coefficient of friction of the face of the wall, vertical sliding included", 0.0
+    pitch_inertia: Inertia | None = key("pitch moment of inertia about it; default: the yaw inertia")
+
+
+class Strip(SceneTable):
+    """Line of the vehicle that can touch the wall, on both sides; with [body] only.
+
+    Its crush law has no initial force; it unloads as [contact].
+    """
+
+    at: Places = needed("distance behind the front of its unit: one of an upright strip, or two")
+    height: Levels = needed("height above the ground: two of an upright strip, or one")
+    inset: Level = key("distance inwards from the side", 0.0)
+    stiffness: LayerStiffness = needed("crush stiffness per length of the strip")
+    plateau: StripPlateau | None = key("greatest crush force per length of the strip; default: no plateau")
+    axle: Annotated[int, Field(ge=0, le=100, strict=True)] | None = key(
+        "number of the axle, from 0, with which it moves; default: it moves with the body"
     )
+    unit: UnitNumber = key("number of the unit of a train that has the strip; 1 for the vehicle", 1)
 
 
 class StrikeTable(SceneTable):
@@ -459,22 +501,36 @@ class Output(SceneTable):
 
 
 class Wall(SceneTable):
-    """Mesh of the wall.
+    """Wall: its mesh, its elasticity, or with [body] its height and profile.
 
-    In a whole impact the wall is elastic, on an elastic foundation. The default material is the concrete of the paper
-    (Table 2).
+    In a whole impact a wall with a mesh is elastic, on an elastic foundation. The default material is the concrete of
+    the paper (Table 2). With [body] the wall is rigid and has height and profile only.
     """
 
-    length: Length = needed("length of the wall")
-    depth: Length = needed("depth of the wall")
-    elements: ElementCounts = needed("number of elements along and across")
-    height: Length | None = key("height of the elastic wall")
+    length: Length | None = key("length of the wall; required without [body]")
+    depth: Length | None = key("depth of the wall; required without [body]")
+    elements: ElementCounts | None = key("number of elements along and across; required without [body]")
+    height: Length | None = key("height of the elastic wall, or with [body] of any wall")
+    profile: Profile | None = key(
+        'profile with [body]: "vertical", "single-slope", "f-shape", "new-jersey", or points [y, z] from [0, 0] upwards; '
+        "default: vertical"
+    )
     foundation_stiffness: LayerStiffness | None = key(
         "stiffness of the foundation per length of the elastic wall"
     )
     density: Density = key("density of the wall", 2400.0)
     youngs_modulus: Modulus = key("Young's modulus of the wall", 24.82e9)
     poissons_ratio: PoissonsRatio = key("Poisson's ratio of the wall", 0.18)
+
+    @property
+    def mesh(self) -> tuple[float, float, tuple[int, int]]:
+        """Length, depth and element counts of the mesh.
+
+        Raises ValueError for a wall without mesh.
+        """
+        if self.length is None or self.depth is None or self.elements is None:
+            raise ValueError("the wall has no mesh")
+        return self.length, self.depth, self.elements
 
 
 class Scene(SceneTable):
@@ -488,7 +544,8 @@ class Scene(SceneTable):
     corner: CornerTable = CornerTable()
     contact: Contact | None = None
     axle: tuple[Axle, ...] = ()
-    tipping: Tipping | None = None
+    body: Body | None = None
+    strip: tuple[Strip, ...] = ()
     strike: StrikeTable = StrikeTable()
     plate: Plate | None = None
     material: MaterialTable | None = None
@@ -531,6 +588,11 @@ class Scene(SceneTable):
         if self.contact is None:
             raise InputError("contact", Missing, "this table is required for a whole impact")
         return self.contact
+
+    @property
+    def meshed_wall(self) -> Wall | None:
+        """The wall, if it has a mesh."""
+        return self.wall if self.wall and self.wall.elements else None
 
     @property
     def kept_fields(self) -> int:

@@ -195,6 +195,23 @@ class Quantity:
             raise ValueError(f"{self.allowed()} ({why})") from None
 
 
+@dataclass(frozen=True)
+class Pair(Quantity):
+    """Two numbers of a scene, or one that stands for both."""
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> "CoreSchema":
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_plain_validator_function(self.parse_pair)
+
+    def parse_pair(self, given: object) -> tuple[float, float]:
+        """Return both values in SI. Raises ValueError, see `parse`, and for another number of values."""
+        values = given if isinstance(given, list | tuple) else (given, given)
+        if len(values) != 2:
+            raise ValueError(f"allowed is {self.what}, or a list of two")
+        return self.parse(values[0]), self.parse(values[1])
+
+
 def _rounded(bound: float, inwards: Callable[[float], int]) -> float:
     """Round a bound inwards to three digits unless six digits are exact."""
     if float(f"{bound:g}") == bound:

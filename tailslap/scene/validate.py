@@ -1,6 +1,6 @@
 """Validate keys and combinations of keys."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from pydantic import ValidationError
@@ -12,8 +12,20 @@ from tailslap.errors import InputError, Missing, Verbatim, nearest
 from tailslap.scene import schema
 
 ELASTIC_WALL_KEYS = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
-ROLL_KEYS = ("centre_height", "roll_inertia", "track", "suspension")
-"""Keys of [wall] that require an elastic wall, and keys of [[trailer]] that require [tipping]."""
+OF_MESH = ("length", "depth", "elements")
+"""Keys of [wall] that require an elastic wall, and those of its mesh."""
+
+SPACE_KEYS = {
+    "trailer": ("centre_height", "roll_inertia", "pitch_inertia", "hitch_height", "roll_stiffness"),
+    "axle": ("track", "radius", "mass", "spring", "spacing", "damping_ratio", "tyre", "roll_centre"),
+}
+"""Keys of lists of tables that require [body]."""
+
+SPACE_REQUIRED = {
+    "trailer": ("hitch_height",),
+    "axle": ("track", "radius", "mass", "spring", "spacing", "tyre"),
+}
+"""Keys of lists of tables that are required with [body]."""
 
 MOST_TRAILERS = 7
 """Largest number of trailers of a train."""
@@ -99,16 +111,35 @@ def missing_keys(tables: Mapping[str, object]) -> list[str]:
         unloads = len(absent("contact.restitution", "contact.unloading_stiffness")) < 2
         missing += absent("contact.restitution") if crushes and not unloads else []
         missing += absent("contact.stiffness") if "plate" not in present and not crushes else []
-        missing += absent("wall.height", "wall.foundation_stiffness") if "wall" in present else []
+        missing += _missing_of_wall(present, absent)
+        if "body" in present:
+            missing += [
+                f"{name}.{number}.{key}"
+                for name, keys in SPACE_REQUIRED.items()
+                for number in range(len(tables.get(name) or ()))  # type: ignore[arg-type]  # lists of tables
+                for key in keys
+                if given_at(tables, f"{name}.{number}.{key}") is None
+            ]
     elif "impact" in present:
         missing += absent("impact.friction", "impact.restitution")
     elif given_at(tables, "corner.reaction") not in frictionless:
         missing += absent("corner.friction")
+    if "wall" in present and "contact" not in present:
+        missing += absent(*(f"wall.{key}" for key in OF_MESH))
     if "plate" in present and absent("plate.first_frequency"):
         missing += absent("plate.youngs_modulus")
     if given_at(tables, "damping.kind") == "elastic-velocity":
         missing += absent("damping.rate")
     return missing
+
+
+def _missing_of_wall(present: set[str], absent: Callable[..., list[str]]) -> list[str]:
+    """Return missing keys of the wall of a whole impact."""
+    if "body" in present:
+        return absent("wall.height")
+    if "wall" in present:
+        return absent(*(f"wall.{key}" for key in (*OF_MESH, "height", "foundation_stiffness")))
+    return []
 
 
 def given_at(tables: object, key: str) -> Any:
@@ -167,10 +198,12 @@ def _allowed_keys(location: tuple[int | str, ...]) -> str:
 def _check_corner(scene: schema.Scene) -> None:
     """Validate keys of a constrained corner."""
     _refuse(scene, "this key requires [contact]; remove it", *IMPACT_KEYS)
-    if scene.tipping:
-        raise InputError("tipping", Verbatim("a table"), "this table requires [contact]; remove it")
-    if scene.axle:
-        raise InputError("axle", f"{len(scene.axle)} tables", "tyres require [contact]; remove these tables")
+    if scene.body:
+        raise InputError("body", Verbatim("a table"), "this table requires [contact]; remove it")
+    for name in ("axle", "strip"):
+        if tables := getattr(scene, name):
+            why = "these tables require [contact]; remove them"
+            raise InputError(name, Verbatim(f"{len(tables)} tables"), why)
     if scene.trailer:
         why = (
             "a constrained corner is that of one rigid body; a train requires [contact] in place of [corner]"
@@ -203,7 +236,7 @@ def _check_plate(scene: schema.Scene) -> None:
         "material": scene.material,
         "damping": scene.damping,
         "verify": scene.verify.model_fields_set,
-        "wall": scene.wall,
+        "wall": scene.wall if scene.body is None else None,
         "output": scene.output,
     }
     for name, table in tables.items():
@@ -250,7 +283,7 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     _check_contact(scene, contact)
     _check_trailers(scene)
     _check_axles(scene)
-    _check_tipping(scene)
+    _check_space(scene)
     _check_plate_of_impact(scene, contact)
 
 
@@ -314,22 +347,30 @@ def _with_crush_stiffness(scene: schema.Scene) -> schema.Scene:
     return scene.model_copy(update={"contact": derived})
 
 
-def _check_tipping(scene: schema.Scene) -> None:
-    """Validate keys of roll.
+def _check_space(scene: schema.Scene) -> None:
+    """Validate keys of the vehicle in space.
 
-    Raises InputError for wheels beside their unit, and for keys of a trailer's roll without [tipping].
+    Bounds that depend on other values are those of `solver.space`. Raises InputError.
     """
-    if scene.tipping is None:
-        _refuse(scene, "this key requires [tipping]; remove it", *_of_trailers(scene, *ROLL_KEYS))
+    if scene.body is None:
+        of_lists = [
+            f"{name}.{number}.{key}"
+            for name, keys in SPACE_KEYS.items()
+            for number in range(len(getattr(scene, name)))
+            for key in keys
+        ]
+        _refuse(scene, "this key requires [body]; remove it", *of_lists, "wall.profile")
+        if scene.strip:
+            why = "these tables require [body]; remove them"
+            raise InputError("strip", Verbatim(f"{len(scene.strip)} tables"), why)
         return
-    tracks = [("tipping.track", scene.tipping.track, scene.vehicle.width)]
-    for number, unit in enumerate(scene.trailer):
-        key = f"trailer.{number}.track" if unit.track else "tipping.track"
-        tracks.append((key, unit.track or scene.tipping.track, unit.width))
-    for key, track, width in tracks:
-        if track > width:
-            allowed = f"wheels are below the vehicle; allowed is up to its width, {width:g} m"
-            raise InputError(key, track, allowed)
+    keys = (*OF_MESH, *ELASTIC_WALL_KEYS[1:])
+    _refuse(scene, "with [body] the wall is rigid; remove this key", *(f"wall.{key}" for key in keys))
+    if not scene.needed_contact.crushes:
+        raise InputError("contact.stiffness", Missing, "this key is required with [body]")
+    for number, strip in enumerate(scene.strip):
+        if strip.unit > len(scene.units):
+            raise InputError(f"strip.{number}.unit", strip.unit, f"allowed are 1 to {len(scene.units)}")
 
 
 def _of_trailers(scene: schema.Scene, *names: str) -> list[str]:

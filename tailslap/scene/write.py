@@ -30,13 +30,8 @@ EXAMPLE: Mapping[str, Mapping[str, str | float]] = {
 }
 """Values of a new scene; all other keys are comments."""
 
-ROLL = {
-    "centre_height": "1.35 m",
-    "roll_inertia": "12000 kg m^2",
-    "track": "1.85 m",
-    "suspension": "1.4 MN/m",
-}
-OPTIONAL: Mapping[str, Mapping[str, str]] = {
+IN_SPACE = {"centre_height": "1.3 m", "roll_inertia": "12000 kg m^2", "pitch_inertia": "88000 kg m^2"}
+OPTIONAL: Mapping[str, Mapping[str, str | list[str]]] = {
     "vehicle": {"centre_of_mass": "5 m"},
     "trailer": {
         "length": "48 ft",
@@ -46,10 +41,20 @@ OPTIONAL: Mapping[str, Mapping[str, str]] = {
         "yaw_inertia": "500000 kg m^2",
         "hitch_length": "1.5 m",
     }
-    | ROLL,
+    | IN_SPACE
+    | {"hitch_height": "1.2 m"},
     "corner": {"patch_length": "1 m"},
     "contact": {"patch_length": "1 m"},
-    "tipping": ROLL,
+    "axle": {
+        "track": "1.85 m",
+        "radius": "0.5 m",
+        "mass": "400 kg",
+        "spring": "0.2 MN/m",
+        "spacing": "1 m",
+        "tyre": "0.9 MN/m",
+    },
+    "body": IN_SPACE,
+    "strip": {"height": ["0.45 m", "0.9 m"], "inset": "0.1 m", "stiffness": "4 MN/m^2"},
     "wall": {"length": "20 m", "depth": "0.3 m", "height": "32 in"},
 }
 """Examples in the comments where that of the quantity does not fit the key."""
@@ -157,7 +162,7 @@ def new_scene(name: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _line(name: str, field: FieldInfo, value: str | float | None, comment: str | None) -> str:
+def _line(name: str, field: FieldInfo, value: str | float | None, comment: str | list[str] | None) -> str:
     """Return the line of a key with its value and meaning.
 
     A key without a value is a comment with an example.

@@ -64,7 +64,8 @@ class CornerPlan(FePlan):
         wall, slide = self.case.scene.wall, self.case.motion.strike.slide
         if wall is None:
             return None
-        return wall_mesh(0.5 * (slide - wall.length), wall.length, wall.depth, wall.elements)
+        length, depth, elements = wall.mesh
+        return wall_mesh(0.5 * (slide - length), length, depth, elements)
 
     @cached_property
     def damping_lag(self) -> float:
@@ -164,6 +165,6 @@ def _completed(case: RigidStages, mesh: decisions.Mesh, normal: float) -> tuple[
 def _demand_wall(case: RigidStages) -> None:
     """Raise InputError for sliding beyond the wall."""
     wall, slide = case.scene.wall, case.motion.strike.slide
-    if wall is not None and wall.length < abs(slide):
+    if wall is not None and wall.mesh[0] < abs(slide):
         allowed = f"the corner slides {slide:.4g} m along the wall; allowed is a length of at least that"
         raise InputError("wall.length", wall.length, allowed)

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 
 VALUES = ("start", "duration", "peak_force", "mean_50ms", "impulse")
-TIPPING = ("largest_roll", "lowest_safe_wall")
+SPACE = ("outcome", "largest_roll", "largest_pitch", "lowest_wall")
+SPACE_FORCE = ("mean_50ms", "height", "length")
 HINGE = ("peak_force", "mean_50ms", "largest_angle")
 SPENT = {"cost.steps": int, "cost.time_step": float}
 
@@ -72,9 +73,11 @@ class ImpactCase(rigid.RigidImpact):
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
             kinds |= {f"{model}.peak.{name}": float for name in rigid.CURVES}
             kinds |= {f"{model}.end.{name}": float for name in answers.END}
-            kinds |= {f"{model}.tipping.{name}": float for name in TIPPING if scene.tipping}
             for k in range(1, len(scene.units)):
                 kinds |= {f"{model}.hinge_{k}.{name}": float for name in HINGE}
+        if scene.body:
+            kinds |= {f"space.{name}": str if name == "outcome" else float for name in SPACE}
+            kinds |= {f"space.{name}": float for name in SPACE_FORCE}
         if scene.plate is None:
             return kinds
         names = [f"difference.strike_{k}.{name}" for k in strikes for name in answers.COMPARED]
@@ -89,17 +92,26 @@ class ImpactCase(rigid.RigidImpact):
 
         if outcome is None:
             row = {"status": "passed", "reason": "", **_answer_columns("rigid", self.answer)}
-            return row | _tipping_columns("rigid", rigid.tipping_of(self, self.answer))
+            return row | self._space_columns()
         return {
             **check_columns(outcome.checks),
             **_answer_columns("rigid", outcome.rigid),
             **_answer_columns("fe", outcome.fe),
-            **_tipping_columns("rigid", outcome.tipping.get("rigid")),
-            **_tipping_columns("fe", outcome.tipping.get("FE")),
+            **self._space_columns(),
             **{f"difference.{name}": value for name, value in outcome.difference.items()},
             "numerical_error": outcome.stated_error,
             **{f"cost.{name}": value for name, value in run_cost(outcome).items()},
         }
+
+    def _space_columns(self) -> dict[str, Any]:
+        """Return the columns of the vehicle in space, if any."""
+        if self.space is None:
+            return {}
+        numbers = self.space.numbers()
+        columns = {name: numbers[name] for name in SPACE} | {
+            name: numbers["force"][name] for name in SPACE_FORCE
+        }
+        return {f"space.{name}": value for name, value in columns.items()}
 
 
 def _run(case: ImpactCase) -> ImpactOutcome:
@@ -126,9 +138,3 @@ def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
     for k, hinge in enumerate(answer.hinges, 1):
         row |= {f"{model}.hinge_{k}.{name}": value for name, value in hinge.items()}
     return row | {f"{model}.end.{name}": value for name, value in answer.end.items()}
-
-
-def _tipping_columns(model: str, answer: Any) -> dict[str, float]:
-    """Return the columns of the roll, if any."""
-    numbers = answer.numbers() if answer else {}
-    return {f"{model}.tipping.{name}": numbers[name] for name in TIPPING if numbers}

@@ -151,7 +151,7 @@ def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[
     step = replace(step, safety_factor=safety_factor(scene, plate))
     units = [_unit(case, plate, number) for number in range(len(scene.units))]
     try:
-        wall = wall_properties(case, scene.wall) if scene.wall else None
+        wall = wall_properties(case, scene.meshed_wall) if scene.meshed_wall else None
         return build_impact_model(units, step, wall), plate
     except ModelError as error:
         raise plate_input.refusal(scene, plate, error) from None
@@ -186,10 +186,11 @@ def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
 def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
     """Return a deformable wall about the rigid strikes."""
     places = [strike.position for strike in case.motion.strikes] or [0.0]
-    start = 0.5 * (min(places) + max(places) - wall.length)
+    length, depth, elements = wall.mesh
+    start = 0.5 * (min(places) + max(places) - length)
     assert wall.height is not None
     assert wall.foundation_stiffness is not None
-    mesh = wall_mesh(start, wall.length, wall.depth, wall.elements)
+    mesh = wall_mesh(start, length, depth, elements)
     material = wall.density, wall.youngs_modulus, wall.poissons_ratio
     return WallProperties(mesh, wall.height, *material, wall.foundation_stiffness)
 

@@ -137,7 +137,7 @@ def headline(outcome: run.ImpactOutcome) -> Headline:
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
     failed = failed_names(outcome.checks)
     uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
-    sentence = case.force_sentence(outcome.fe, outcome.tipping.get("FE"), not failed or uncertain)
+    sentence = case.force_sentence(outcome.fe, not failed or uncertain)
     return Headline(
         case.headline().title,
         failed_sentence(outcome.checks) + sentence,
@@ -150,7 +150,9 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
     heavy = error.of_weight(outcome.difference, outcome.fe.strikes)
     changes = {name: _largest(heavy, name) for name in ("impulse", "duration", "peak_force")}
     of = f" of strikes above {100 * WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
-    what = "Flexibility of vehicle and wall" if outcome.fe_plan.case.scene.wall else "Vehicle flexibility"
+    what = (
+        "Flexibility of vehicle and wall" if outcome.fe_plan.case.scene.meshed_wall else "Vehicle flexibility"
+    )
     mean = abs(outcome.fe.peaks["mean_50ms"] / outcome.rigid.peaks["mean_50ms"] - 1.0) if heavy else math.nan
     text = (
         f"{what} changes the impulses{of} by at most {percent_up(changes['impulse'])}, durations by "
@@ -260,7 +262,7 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[positions], layout="tall"),
-        *tipping_sections(outcome),
+        *space_sections(outcome),
         Section(
             "Units and hinges of the train",
             figures=figures.train_figures(outcome),
@@ -288,13 +290,14 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
     ]
 
 
-def tipping_sections(outcome: run.ImpactOutcome) -> list[Section]:
-    """Return the section on tipping, none without [tipping]."""
-    if not outcome.tipping:
+def space_sections(outcome: run.ImpactOutcome) -> list[Section]:
+    """Return the section on the vehicle in space, none without [body]."""
+    case = outcome.fe_plan.case
+    if case.space is None:
         return []
-    from tailslap.case.impact import tipping
+    from tailslap.case.impact import space
 
-    return [tipping.section(outcome.tipping)]
+    return [space.section(case.space, outcome.rigid)]
 
 
 def _wall(outcome: run.ImpactOutcome) -> list[Table]:
@@ -349,10 +352,11 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
 
 def numbers(outcome: run.ImpactOutcome) -> dict[str, Any]:
     """Return numbers of a whole impact's summary, SI."""
-    plan, rolls = outcome.fe_plan.case, {n: {"tipping": r.numbers()} for n, r in outcome.tipping.items()}
+    plan = outcome.fe_plan.case
     return {
-        "rigid": outcome.rigid.numbers() | rolls.get("rigid", {}),
-        "fe": outcome.fe.numbers() | rolls.get("FE", {}),
+        "rigid": outcome.rigid.numbers(),
+        "fe": outcome.fe.numbers(),
+        **({"space": plan.space.numbers()} if plan.space else {}),
         "paper_method": outcome.paper_method,
         "remarks": remarks(outcome.fe),
         "difference": outcome.difference,
@@ -369,7 +373,7 @@ def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
 
     Largest deflection, its place and time, and the largest forces of foundation and contact. None for a rigid wall.
     """
-    if outcome.fe_plan.case.scene.wall is None:
+    if outcome.fe_plan.case.scene.meshed_wall is None:
         return None
 
     h = outcome.run.history
@@ -424,7 +428,8 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
         (contact.friction, "friction", "contact.friction is 0: no friction code in the time loop"),
         (sides, "sides", "no contact.side_stiffness: only the four corners make contact"),
         (scene.damping, "damping", "not requested: no damping code in the time loop"),
-        (scene.wall, "wall", "no [wall] table: the wall is rigid"),
+        (scene.meshed_wall, "wall", "no mesh of the wall: the wall is rigid"),
+        (scene.body, "space", "no [body] table: roll and pitch are not computed"),
         (pictures, "pictures", "--no-pictures: no animation"),
     ]
     return [(part, why) for there, part, why in parts if not there]

@@ -26,9 +26,8 @@ from tailslap.scene.schema import Scene, Vehicle, value_at
 from tailslap.scene.units import shown, value_line
 from tailslap.scene.vary import Source, vary
 
-AFTER_SECOND, AFTER_TIPPING = 0.1, 0.5
-"""Time [s] from the second strike to the end of an impact without time.end; the second with [tipping], where a third
-strike adds to the roll."""
+AFTER_SECOND = 0.1
+"""Time [s] from the second strike to the end of an impact without time.end."""
 
 LONGEST = 5.0
 """Time [s] after which an impact without a second strike ends."""
@@ -36,6 +35,8 @@ LONGEST = 5.0
 OF_A_WHOLE_IMPACT = (
     "contact",
     "axle",
+    "body",
+    "strip",
     "plate",
     "material",
     "damping",
@@ -62,10 +63,7 @@ ARGUMENTS = (
 """Keys of the scene that the rigid vehicle's impact depends on, by the corners alone."""
 
 OF_LAW = tuple(f"contact.{key}" for key in train.LAW)
-KEYS = {
-    key.split(".")[1]: key
-    for key in (*ARGUMENTS, *OF_LAW, "vehicle.yaw_inertia", "time.end", "tipping.suspension")
-}
+KEYS = {key.split(".")[1]: key for key in (*ARGUMENTS, *OF_LAW, "vehicle.yaw_inertia", "time.end")}
 """Keys of the scene by names of the theory's inputs."""
 
 TRAIN_TOLERANCE = 1e-4
@@ -173,18 +171,10 @@ class RigidImpact(Case):
         progress is over.
         """
         with refusals(self.scene):
-            arguments = self.vehicle, self.contact, self.touch, end, self.after_second, LONGEST
+            arguments = self.vehicle, self.contact, self.touch, end, AFTER_SECOND, LONGEST
             tolerance = TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE
             options: dict[str, Any] = {"tolerance": tolerance, "trailers": self.trailers, "axles": self.axles}
             return impact.solve_impact(*arguments, on_compile=progress.compiling, **options)
-
-    @property
-    def after_second(self) -> float:
-        """Time after the second strike [s].
-
-        It applies without time.end.
-        """
-        return AFTER_TIPPING if self.scene.tipping else AFTER_SECOND
 
     @property
     def duration(self) -> float:
@@ -296,7 +286,7 @@ class RigidImpact(Case):
 
     def details(self) -> list[str]:
         """List the properties of the contact."""
-        contact, wall = self.scene.needed_contact, self.scene.wall
+        contact, wall = self.scene.needed_contact, self.scene.meshed_wall
         law = "penalty contact" if contact.enforcement == "penalty" else "exact contact"
         if contact.strike_duration is not None:
             law = f"crush stiffness of a rear strike of {self.quantity('contact.strike_duration')}"
@@ -320,11 +310,16 @@ class RigidImpact(Case):
         return [*parts, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
 
     @cached_property
-    def tipping(self) -> Any:
-        """Roll of the rigid vehicle, None without [tipping]."""
-        return tipping_of(self, self.answer)
+    def space(self) -> Any:
+        """Motion of the vehicle in space, None without [body]."""
+        if self.scene.body is None:
+            return None
+        from tailslap.case.impact import space
 
-    def force_sentence(self, answer: answers.ImpactAnswer, tipping: Any = None, reliable: bool = True) -> str:
+        with refusals(self.scene):
+            return space.solve(self.scene)
+
+    def force_sentence(self, answer: answers.ImpactAnswer, reliable: bool = True) -> str:
         """Return a sentence on the largest 50 ms mean and the roll."""
         if not answer.strikes:
             return "The vehicle does not strike the wall."
@@ -332,16 +327,17 @@ class RigidImpact(Case):
         number, peak = int(np.argmax(means)), answer.peaks["mean_50ms"]
         strike = answer.strikes[number]
         where = f"strike {number + 1} ({strike.corner} corner, from {strike.start:.3f} s)"
-        roll = f" {tipping.verdict}" if tipping else ""
+        verdict = f"{self.space.verdict} " if self.space else ""
         least = "at least " if answer.cut else ""
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
-        return f"{name}: {least}{force(peak)} in {where}{self.design_ratio(peak)}.{roll}"
+        plane = " in the plane" if self.space else ""
+        return f"{verdict}{name}{plane}: {least}{force(peak)} in {where}{self.design_ratio(peak)}."
 
     def headline(self) -> Headline:
         """Return the largest 50 ms mean of the rigid vehicle."""
         return Headline(
             f"Impact force: {self.subject}",
-            self.force_sentence(self.answer, self.tipping),
+            self.force_sentence(self.answer),
             self.set_up,
             f"Rigid vehicle; error by the time step at most {percent_up(self.motion.error)}.",
         )
@@ -375,8 +371,8 @@ class RigidImpact(Case):
     def rigid_numbers(self) -> dict[str, Any]:
         """Return strikes, peaks and end state, SI."""
         beside, numbers = paper_method(self.scene, self.answer), self.answer.numbers()
-        if self.tipping:
-            numbers["tipping"] = self.tipping.numbers()
+        if self.space:
+            numbers["space"] = self.space.numbers()
         if self.trailers:
             numbers["error"] = self.motion.error
         numbers["remarks"] = answers.remarks(self.answer)
@@ -411,21 +407,11 @@ class RigidImpact(Case):
                 for number, load in enumerate(self.motion.loads, 1)
             ]
             lines.append(value_line("work", float(answer.history["tyre_work"][-1]), "J", units))
-        if self.tipping:
-            lines += ["", *self.tipping.text(units)]
+        if self.space:
+            lines = [*self.space.text(units), "", *lines]
         if remarks := answers.remarks(answer):
             lines += ["", *remarks]
         return lines + _paper_lines(paper_method(self.scene, answer), units)
-
-
-def tipping_of(case: RigidImpact, answer: answers.ImpactAnswer) -> Any:
-    """Return the roll by the forces of one model, None without [tipping]."""
-    if case.scene.tipping is None:
-        return None
-    from tailslap.case.impact import tipping
-
-    with refusals(case.scene):
-        return tipping.solve(case.scene, case.motion.vehicles, answer)
 
 
 def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:

@@ -17,7 +17,7 @@ from fem.plate.properties import ModelError
 from solver.impact import ImpactMotion, Strike
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
-from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method, tipping_of
+from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method
 from tailslap.case.plate_input import refusal
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar
@@ -71,15 +71,6 @@ class ImpactOutcome(Outcome):
     def lateral_force(self) -> float:
         """Largest 50 ms mean force [N]."""
         return float(self.fe.peaks["mean_50ms"])
-
-    @cached_property
-    def tipping(self) -> dict[str, Any]:
-        """Roll over the wall by model, if any."""
-        rolls = {
-            name: tipping_of(self.fe_plan.case, answer)
-            for name, answer in (("FE", self.fe), ("rigid", self.rigid))
-        }
-        return {name: roll for name, roll in rolls.items() if roll}
 
     @cached_property
     def paper_method(self) -> dict[str, Any] | None:

@@ -1,0 +1,28 @@
+"""Vehicles in space that strike a wall: roll, pitch, and the height of the force."""
+
+from solver.space.solve import (
+    OUTCOMES,
+    SpaceAnswers,
+    SpaceMotion,
+    lowest_walls,
+    solve_space,
+    solve_spaces,
+)
+from solver.space.vehicle import SpaceAxle, SpaceUnit, SpaceVehicle, SpaceWall, Strip
+from solver.space.wall import PROFILES, profile_points
+
+__all__ = [
+    "OUTCOMES",
+    "PROFILES",
+    "SpaceAnswers",
+    "SpaceAxle",
+    "SpaceMotion",
+    "SpaceUnit",
+    "SpaceVehicle",
+    "SpaceWall",
+    "Strip",
+    "lowest_walls",
+    "profile_points",
+    "solve_space",
+    "solve_spaces",
+]

@@ -1,0 +1,328 @@
+"""Compiled forces on a vehicle in space: springs, tyres, the wall on strips, hinges in roll.
+
+Spring of an axle   linear with a damper, between body and axle, along the body's z
+Tyre                linear and unilateral, upward at the lowest point of the wheel; side force of the axle's law by the
+                    velocity of that point (`fem.laws.contact_forces.side_force`)
+Strip               points of equal length on a line; a point is pushed by the crush law along the normal of the face,
+                    in proportion to the part of its length below the wall's top. A point that was above the top
+                    behind the face's upper edge is pushed up when it comes down. Friction acts against the sliding in
+                    the face or on the top.
+Hinge               moment in proportion to the sine of the angle between the lateral axis of the unit ahead and the
+                    floor of the unit behind
+"""
+
+import numpy as np
+
+from fem.laws.contact_forces import PointCrush, crush_line, loading_force, side_force
+from machine_code.compiled import compiled
+from solver.space.dynamics import cross, rotated, turned_back
+from solver.space.state import (
+    ABOVE,
+    ALONG,
+    AT,
+    AXLE_MASS,
+    CENTRE,
+    CORNERING,
+    DAMPER,
+    DAMPING_WORK,
+    END,
+    FACE,
+    FRICTION,
+    FRICTION_WORK,
+    HALF_SPACING,
+    HALF_TRACK,
+    JOINT,
+    JOINT_LOAD,
+    JOINT_NOW,
+    LATERAL,
+    LENGTH,
+    LOAD,
+    LOWEST,
+    MASS,
+    MOMENT,
+    NOW,
+    PLACE,
+    PLATEAU,
+    PRELOAD,
+    RETURNED,
+    SPREAD,
+    SPRING,
+    START,
+    STATION,
+    STIFFNESS,
+    TOP,
+    TWIST,
+    TYRE,
+    TYRE_WORK,
+    UNLOADING,
+    UP,
+    WALL_WORK,
+    WHEEL,
+)
+
+EDGE = 0.02
+"""Least half height of a point of a strip [m].
+
+Over it the point leaves the face at the top and at an edge of the profile.
+"""
+
+STEEPEST, STICKING = 0.25, 0.25
+"""Limits of the slope of unloading times h^2, and of friction over sliding velocity times h, per mass that a point
+moves: the force of a step does not reverse the motion that causes it."""
+
+
+@compiled
+def wall_facets(profile, height, wall):
+    """Set the facets of a wall of this height, and return their number.
+
+    The last facet is infinitely long: the top.
+    """
+    last = profile.shape[0] - 2
+    count = 0
+    for k in range(last + 1):
+        y0, z0, y1, z1 = profile[k, 0], profile[k, 1], profile[k + 1, 0], profile[k + 1, 1]
+        if z0 >= height:
+            break
+        if k == last or z1 > height:
+            y1, z1 = y0 + (height - z0) * (y1 - y0) / (z1 - z0), height
+        wall[count, 0], wall[count, 1], wall[count, 2], wall[count, 3] = y0, z0, y1, z1
+        count += 1
+    return count
+
+
+@compiled
+def point_of_face(wall, facets, z):
+    """Return the place of the face at a height, of the wall's edge above its top."""
+    for k in range(facets):
+        if z <= wall[k, 3] or k == facets - 1:
+            part = min(max((z - wall[k, 1]) / (wall[k, 3] - wall[k, 1]), 0.0), 1.0)
+            return wall[k, 0] + part * (wall[k, 2] - wall[k, 0])
+    return 0.0
+
+
+@compiled
+def add_force(b, x, y, z, fx, fy, fz):
+    """Add a force of space at a point of a body, and return its parts across and up in the body's axes."""
+    px, py, pz = turned_back(b, fx, fy, fz)
+    mx, my, mz = cross(x, y, z, px, py, pz)
+    b[LOAD] += px
+    b[LOAD + 1] += py
+    b[LOAD + 2] += pz
+    b[LOAD + 3] += mx
+    b[LOAD + 4] += my
+    b[LOAD + 5] += mz
+    return py, pz
+
+
+@compiled
+def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
+    """Add a force at a point of an axle with its roll centre at this height of the body."""
+    across, up = add_force(b, x, y, z, fx, fy, fz)
+    q[JOINT_LOAD] += up
+    q[JOINT_LOAD + 1] += y * up - (z - centre) * across
+
+
+@compiled
+def point_velocity(b, x, y, z, uy, uz):
+    """Return the velocity in space of a point that moves by (0, uy, uz) in the body's axes."""
+    vx, vy, vz = cross(b[NOW + 3], b[NOW + 4], b[NOW + 5], x, y, z)
+    vx, vy, vz = rotated(b, vx, vy + uy, vz + uz)
+    return b[NOW] + vx, b[NOW + 1] + vy, b[NOW + 2] + vz
+
+
+@compiled
+def press_axles(axles, axle_unit, bodies, joints, sums, h):
+    """Add the forces of springs, dampers and tyres, and their works over h."""
+    for a in range(axles.shape[0]):
+        _press_axle(axles[a], bodies[axle_unit[a]], joints[a], sums, h)
+
+
+@compiled
+def _press_axle(axle, b, q, sums, h):
+    """Add the forces on one axle."""
+    heave, c, s = q[JOINT], np.cos(q[JOINT + 1]), np.sin(q[JOINT + 1])
+    heave_rate, roll_rate = q[JOINT_NOW], q[JOINT_NOW + 1]
+    for side in (-1.0, 1.0):
+        arm = side * axle[HALF_SPACING]
+        rate = heave_rate + arm * c * roll_rate
+        damping = axle[DAMPER] * rate
+        force = -axle[PRELOAD] - axle[SPRING] * (heave + arm * s) - damping
+        q[JOINT_LOAD] += force
+        q[JOINT_LOAD + 1] += force * arm * c
+        sums[DAMPING_WORK] -= h * damping * rate
+    scale = 1.0 / np.sqrt(b[0] * b[0] + b[3] * b[3])
+    hx, hy = scale * b[0], scale * b[3]
+    for side in range(2):
+        arm = (2.0 * side - 1.0) * axle[HALF_TRACK]
+        y, dz = arm * c + axle[LOWEST] * s, arm * s - axle[LOWEST] * c
+        x, z = axle[PLACE], axle[CENTRE] + heave + dz
+        normal = axle[TYRE] * max(-(b[AT + 2] + b[6] * x + b[7] * y + b[8] * z), 0.0)
+        q[WHEEL + side] = normal
+        if normal > 0.0:
+            vx, vy, _ = point_velocity(b, x, y, z, -dz * roll_rate, heave_rate + y * roll_rate)
+            ahead, left = vx * hx + vy * hy, vy * hx - vx * hy
+            force = side_force(normal, axle[FRICTION], axle[CORNERING], ahead, left)
+            add_axle_force(b, q, axle[CENTRE] + heave, x, y, z, -force * hy, force * hx, normal)
+            sums[TYRE_WORK] += h * force * left
+
+
+@compiled
+def twist_hinges(units, bodies):
+    """Add the moments of the hinges in roll."""
+    for u in range(1, units.shape[0]):
+        ahead, behind = bodies[u - 1], bodies[u]
+        yx, yy, yz, zx, zy, zz = ahead[1], ahead[4], ahead[7], behind[2], behind[5], behind[8]
+        moment = -units[u, TWIST] * (yx * zx + yy * zy + yz * zz)
+        mx, my, mz = cross(zx, zy, zz, yx, yy, yz)
+        for b, sign in ((behind, 1.0), (ahead, -1.0)):
+            px, py, pz = turned_back(b, sign * moment * mx, sign * moment * my, sign * moment * mz)
+            b[LOAD + 3] += px
+            b[LOAD + 4] += py
+            b[LOAD + 5] += pz
+
+
+@compiled
+def press_strips(fleet, i, units, axles, strips, facets, work, h):
+    """Add the forces of the wall on all strips, and return their greatest depth [m].
+
+    h: the step [s]. The depth is negative where no strip touches: the smallest gap.
+    """
+    deepest, first, toe = -np.inf, 0, work.wall[0, 0]
+    for k in range(strips.shape[0]):
+        u, a, points = fleet.strip_unit[k], fleet.strip_axle[k], fleet.strip_points[k]
+        b = work.bodies[u]
+        q = work.joints[max(a, 0)]  # unused of a strip of the body
+        centre, of_axle = (axles[a, CENTRE], 1.0 / axles[a, AXLE_MASS]) if a >= 0 else (np.nan, 0.0)
+        for side in (-1.0, 1.0):
+            ax, ay, az, _, _ = _end(strips[k], START, side, centre, q)
+            bx, by, bz, _, _ = _end(strips[k], END, side, centre, q)
+            depth = (
+                toe - b[AT + 1] - min(b[3] * ax + b[4] * ay + b[5] * az, b[3] * bx + b[4] * by + b[5] * bz)
+            )
+            if depth > 0.0:
+                depth = _press_strip(
+                    strips[k], side, centre, b, q, work.wall, facets, work.memory[first : first + points],
+                    fleet.friction[i], 4.0 / units[u, MASS], of_axle, work.bodies[0, AT], work.sums, h,
+                )  # fmt: skip
+            deepest, first = max(deepest, depth), first + points
+    return deepest
+
+
+@compiled
+def _end(strip, at, side, centre, q):
+    """Return an end of a strip in the body's axes, with its velocity in them.
+
+    centre: height of the roll centre of its axle at rest, NaN for a strip of the body.
+    """
+    x, y, z = strip[at], side * strip[at + 1], strip[at + 2]
+    if np.isnan(centre):
+        return x, y, z, 0.0, 0.0
+    c, s = np.cos(q[JOINT + 1]), np.sin(q[JOINT + 1])
+    y, z = y * c - z * s, y * s + z * c
+    return x, y, centre + q[JOINT] + z, -z * q[JOINT_NOW + 1], q[JOINT_NOW] + y * q[JOINT_NOW + 1]
+
+
+@compiled
+def _press_strip(
+    strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h
+):  # fmt: skip
+    """Add the forces of the wall on a strip, and return its depth.
+
+    origin: place along the wall from which stations count; mobility, of_axle: inverse masses of the body at a point,
+    and of the axle.
+    """
+    ax, ay, az, auy, auz = _end(strip, START, side, centre, q)
+    bx, by, bz, buy, buz = _end(strip, END, side, centre, q)
+    sx, sy, sz = rotated(b, ax, ay, az)
+    ex, ey, ez = rotated(b, bx, by, bz)
+    sx, sy, sz = sx + b[AT], sy + b[AT + 1], sz + b[AT + 2]
+    ex, ey, ez = ex + b[AT], ey + b[AT + 1], ez + b[AT + 2]
+    svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
+    evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
+    points = memories.shape[0]
+    top, edge = wall[facets - 1, 3], wall[facets - 1, 2]
+    part = strip[LENGTH] / points
+    crush = PointCrush(
+        strip[STIFFNESS] * part, 0.0, strip[RETURNED], strip[PLATEAU] * part, strip[UNLOADING] * part
+    )
+    half = max(0.5 * abs(ez - sz) / points, EDGE)
+    deepest = -np.inf
+    fsx, fsy, fsz, fex, fey, fez = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for n in range(points):
+        p = (n + 0.5) / points
+        o = 1.0 - p
+        x, y, z = o * sx + p * ex, o * sy + p * ey, o * sz + p * ez
+        memory = memories[n]
+        if z > top:
+            memory[ABOVE] = 1.0 if y < edge else 0.0
+        elif y > edge:
+            memory[ABOVE] = 0.0
+        ny, nz, weight, depth, column = 0.0, 0.0, 0.0, 0.0, FACE
+        if memory[ABOVE] > 0.0 and z <= top:
+            nz, weight, depth, column = 1.0, 1.0, top - z, TOP
+        elif memory[ABOVE] == 0.0 or z - half < top:
+            ny, nz, weight = _face(wall, facets, z - half, z + half)
+            depth = (point_of_face(wall, facets, min(z, top)) - y) * ny if weight > 0.0 else -np.inf
+        else:
+            continue
+        deepest = max(deepest, depth)
+        if depth <= 0.0 or weight == 0.0:
+            continue
+        memory[column] = max(memory[column], depth)
+        inverse = points * (mobility + nz * nz * of_axle)
+        force = weight * _crushed(crush, memory[column], depth, STEEPEST / (h * h * inverse))
+        if force <= 0.0:
+            continue
+        vx, vy, vz = o * svx + p * evx, o * svy + p * evy, o * svz + p * evz
+        approach = vy * ny + vz * nz
+        ty, tz = vy - approach * ny, vz - approach * nz
+        sliding = np.sqrt(vx * vx + ty * ty + tz * tz)
+        drag = min(
+            coefficient * force / sliding if sliding > 0.0 else 0.0,
+            STICKING / (h * points * (mobility + of_axle)),
+        )
+        fx, fy, fz = -drag * vx, force * ny - drag * ty, force * nz - drag * tz
+        fsx, fsy, fsz = fsx + o * fx, fsy + o * fy, fsz + o * fz
+        fex, fey, fez = fex + p * fx, fey + p * fy, fez + p * fz
+        sums[WALL_WORK] += h * force * approach
+        sums[FRICTION_WORK] -= h * drag * sliding * sliding
+        station = x - origin
+        sums[LATERAL] += fy
+        sums[ALONG] += fx
+        sums[UP] += fz
+        sums[MOMENT] += fy * z
+        sums[STATION] += fy * station
+        sums[SPREAD] += fy * station * station
+    if np.isnan(centre):
+        add_force(b, ax, ay, az, fsx, fsy, fsz)
+        add_force(b, bx, by, bz, fex, fey, fez)
+    else:
+        centre += q[JOINT]
+        add_axle_force(b, q, centre, ax, ay, az, fsx, fsy, fsz)
+        add_axle_force(b, q, centre, bx, by, bz, fex, fey, fez)
+    return deepest
+
+
+@compiled
+def _face(wall, facets, low, high):
+    """Return the mean normal of the face between two heights, and the part below the top."""
+    ny, nz, weight = 0.0, 0.0, 0.0
+    for k in range(facets):
+        bottom = wall[k, 1] if k > 0 else min(low, wall[k, 1])
+        part = max(min(high, wall[k, 3]) - max(low, bottom), 0.0) / (high - low)
+        if part > 0.0:
+            across, up = wall[k, 0] - wall[k, 2], wall[k, 3] - wall[k, 1]
+            size = np.hypot(across, up)
+            ny, nz, weight = ny + part * up / size, nz + part * across / size, weight + part
+    size = np.hypot(ny, nz)
+    return (ny / size, nz / size, weight) if size > 0.0 else (1.0, 0.0, 0.0)
+
+
+@compiled
+def _crushed(crush, deepest, depth, steepest):
+    """Return the force of the crush law [N]; its line of unloading is no steeper than this slope [N/m]."""
+    if depth >= deepest:
+        return loading_force(crush, depth)
+    peak, _, length, _ = crush_line(crush, deepest)
+    length = max(length, peak / steepest)
+    return peak * max(length - deepest + depth, 0.0) / length if length > 0.0 else 0.0

@@ -1,0 +1,177 @@
+"""Columns and workspace of the compiled motion in space.
+
+Axes: X along the wall in the direction of travel, Y away from it, Z up; of a body x ahead, y to the left, z up, about
+the centre of mass of its sprung mass. The wall is to the right of the vehicle. SI units and radians.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+MASS, I_X, I_Y, I_Z, I_XZ, HEIGHT, WHOLE, WHOLE_X, WHOLE_Z, HITCH_X, HITCH_Z, KING_X, KING_Z, TWIST = range(
+    14
+)
+"""Columns of a unit.
+
+Sprung mass [kg], its inertias and product of inertia [kg m^2], height at rest [m]; whole mass with axles [kg] and its
+centre in the body's axes [m]; hinges to the unit behind and ahead [m]; stiffness in roll of the hinge ahead [N m/rad].
+"""
+
+PLACE, CENTRE, AXLE_MASS, AXLE_INERTIA, BELOW, LOWEST, HALF_TRACK, HALF_SPACING = range(8)
+SPRING, DAMPER, PRELOAD, TYRE, FRICTION, CORNERING = range(8, 14)
+"""Columns of an axle.
+
+Place x and height z of its roll centre in the body's axes at rest [m]; mass [kg], inertia in roll and yaw [kg m^2]; its
+centre and the lowest points of its unloaded tyres below the roll centre [m]; half of track and spacing [m]; stiffness
+[N/m], damping [N s/m] and load at rest of a spring [N], vertical stiffness of the tyres of a side [N/m], their friction
+and cornering coefficient [-].
+"""
+
+START, END, STIFFNESS, PLATEAU, RETURNED, UNLOADING, LENGTH = 0, 3, 6, 7, 8, 9, 10
+"""Columns of a strip.
+
+Both ends, in the body's axes or about the roll centre of its axle, y to the left [m]; per metre of its length stiffness
+[N/m^2], plateau [N/m], and slope of unloading [N/m^2], 0 where the returned part of the energy defines it [-]; length
+[m].
+"""
+
+UNIT_COLUMNS, AXLE_COLUMNS, STRIP_COLUMNS = 14, 14, 11
+
+FACE, TOP, ABOVE = range(3)
+"""Columns of a point of a strip: deepest penetration of the face and of the top [m]; 1 behind the face's upper edge."""
+
+LATERAL, ALONG, UP, MOMENT, STATION, SPREAD, WALL_WORK, FRICTION_WORK, TYRE_WORK, DAMPING_WORK = range(10)
+"""Sums of a row, then works on the vehicle up to now [J].
+
+Force on the vehicle away from the wall, along and up [N]; of the first, times height [N m], times place along the
+wall ahead of the first unit's sprung centre of mass [N m] and its square [N m^2].
+"""
+
+WORKS = ("wall_work", "friction_work", "tyre_work", "damping_work")
+"""Works on the vehicle by normal forces and friction of the wall, side forces of tyres, and dampers [J]."""
+
+FORCES = (
+    "force_normal",
+    "force_tangential",
+    "force_vertical",
+    "moment_height",
+    "moment_station",
+    "moment_spread",
+)
+ENERGIES = ("kinetic_energy", "gravity_energy", "spring_energy", "tyre_energy")
+POSE = ("x_g", "y_g", "z_g", "yaw", "pitch", "roll", "v_gx", "v_gy", "v_gz", "omega_x", "omega_y", "omega_z")
+WHEELS = ("load_right", "load_left", "heave", "axle_roll")
+"""Columns of a row: `FORCES`, `WORKS`, `ENERGIES`, then `POSE` of each unit and `WHEELS` of each axle."""
+
+OUTCOME, ROLL, ROLL_TIME, PITCH, PITCH_TIME, MEAN, MEAN_TIME, MEAN_ALONG, MEAN_UP = range(9)
+CENTRE_HEIGHT, CONTACT_LENGTH, RAW, EXIT_SPEED, EXIT_ANGLE, EXIT_YAW, REACHED, TOUCHED, ROWS_WRITTEN = range(
+    9, 18
+)
+ANSWERS = 18
+"""Columns of an answer.
+
+Outcome; largest roll and pitch with the sign that they have then, and their instants; largest 50 ms mean of the
+lateral force, its end, and the means of the other forces then [N]; height of its resultant and length of the uniform
+force with the same standard deviation along the wall [m]; largest mean of an interval [N]; at the last contact speed
+[m/s], direction of travel and of the vehicle away from the wall [rad]; end and last contact [s]; rows written.
+"""
+
+UPRIGHT, ON_ITS_SIDE, OVER, LOST = range(4)
+"""Outcomes; the last where the motion became infinite."""
+
+
+class Fleet(NamedTuple):
+    """Vehicles of n samples, with columns named above.
+
+    units: shape (n, units, 14); axles: (n, axles, 14); strips: (n, strips, 11), of the right side; axle_unit,
+    strip_unit: unit of each; strip_axle: axle of each or -1; strip_points: points of each; profile, shape (points, 2):
+    of all walls; height, friction: of each wall; speed, angle: of the train at first touch.
+    """
+
+    units: np.ndarray
+    axles: np.ndarray
+    strips: np.ndarray
+    axle_unit: np.ndarray
+    strip_unit: np.ndarray
+    strip_axle: np.ndarray
+    strip_points: np.ndarray
+    profile: np.ndarray
+    height: np.ndarray
+    friction: np.ndarray
+    speed: np.ndarray
+    angle: np.ndarray
+
+
+class Clock(NamedTuple):
+    """Steps of n samples.
+
+    interval: of a row [s]; parts, shape (n,): steps in it; window: rows of the mean; longest: latest end [s]; given:
+    True if the end is the longest, whatever the motion; push: constant force [N] at a body's point, shape (7,): its
+    three components, time of its smooth rise [s], and the point [m]; hold: True to hold roll and pitch.
+    """
+
+    interval: float
+    parts: np.ndarray
+    window: int
+    longest: float
+    given: bool
+    push: np.ndarray
+
+
+TURNED, AT, SPEED, TURN, SPIN, RATE, NOW, LOAD, MATRIX, BODY_STATE = 0, 9, 12, 15, 19, 22, 28, 34, 40, 76
+"""First columns of the state of a body.
+
+Rotation matrix by rows; place and velocity of the sprung centre in space; quaternion; spin in the body's axes;
+accelerations of velocity and spin over the last step; velocity and spin at this instant; force and moment in the
+body's axes; mass matrix by rows.
+"""
+
+JOINT, JOINT_SPEED, JOINT_RATE, JOINT_NOW, JOINT_LOAD, WHEEL, COLUMN, SHARE, AXLE_STATE = (
+    0,
+    2,
+    4,
+    6,
+    8,
+    10,
+    12,
+    24,
+    27,
+)
+"""First columns of the state of an axle.
+
+Heave and roll relative to the body, their rates half a step ago and ahead, accelerations, rates at this instant, and
+loads; loads of the right and left tyres; mass with that of the body, for heave and for roll; inverse of their own mass.
+"""
+
+
+class Work(NamedTuple):
+    """Workspace of one sample.
+
+    bodies, shape (units, 76); joints, shape (axles, 27); wall, (facets, 4): from y, z to y, z; memory, (points of both
+    sides, 3); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of both units by unit
+    forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 6): means of the rows so far.
+    """
+
+    bodies: np.ndarray
+    joints: np.ndarray
+    wall: np.ndarray
+    memory: np.ndarray
+    sums: np.ndarray
+    effect: np.ndarray
+    tie: np.ndarray
+    windows: np.ndarray
+
+
+def workspace(units: int, axles: int, points: int, facets: int, rows: int) -> Work:
+    """Return a workspace for one sample."""
+    hinges = units - 1
+    return Work(
+        np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets + 1, 4)),
+        np.zeros((2 * points, 3)), np.zeros(10), np.zeros((6 * hinges, 6)),
+        np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 6)),
+    )  # fmt: skip
+
+
+def row_columns(units: int, axles: int) -> int:
+    """Return the number of columns of a row."""
+    return len(FORCES) + len(WORKS) + len(ENERGIES) + len(POSE) * units + len(WHEELS) * axles

@@ -1,0 +1,353 @@
+"""Compiled motion of vehicles in space that strike a wall.
+
+A step evaluates the forces at the positions of an instant, advances the velocities from half a step before it to half
+a step after, then the positions to the next instant. Forces that depend on velocities take those at the instant, from
+the velocities half a step before and the last accelerations. The scheme is of second order.
+
+A motion ends with a unit that has rolled by 90 deg; or where the wall has not touched for `QUIET`, all wheels are
+loaded and all units roll back; or at the longest time.
+"""
+
+import numpy as np
+
+from machine_code.compiled import compiled
+from solver.body import GRAVITY
+from solver.space.dynamics import assemble, begin_step, close_hinges, cross, kick, move, rotated, turned_back
+from solver.space.forces import (
+    EDGE,
+    add_force,
+    point_of_face,
+    point_velocity,
+    press_axles,
+    press_strips,
+    twist_hinges,
+    wall_facets,
+)
+from solver.space.state import (
+    ALONG,
+    ANSWERS,
+    AT,
+    AXLE_INERTIA,
+    AXLE_MASS,
+    BELOW,
+    CENTRE,
+    CENTRE_HEIGHT,
+    CONTACT_LENGTH,
+    END,
+    EXIT_ANGLE,
+    EXIT_SPEED,
+    EXIT_YAW,
+    HALF_SPACING,
+    HEIGHT,
+    HITCH_X,
+    I_X,
+    I_XZ,
+    I_Y,
+    I_Z,
+    JOINT,
+    JOINT_NOW,
+    KING_X,
+    LATERAL,
+    LOST,
+    MASS,
+    MEAN,
+    MEAN_ALONG,
+    MEAN_TIME,
+    MEAN_UP,
+    MOMENT,
+    NOW,
+    ON_ITS_SIDE,
+    OUTCOME,
+    OVER,
+    PITCH,
+    PITCH_TIME,
+    PLACE,
+    PRELOAD,
+    RAW,
+    REACHED,
+    ROLL,
+    ROLL_TIME,
+    ROWS_WRITTEN,
+    SPEED,
+    SPREAD,
+    SPRING,
+    START,
+    STATION,
+    TOUCHED,
+    TURN,
+    TYRE,
+    UP,
+    UPRIGHT,
+    WHEEL,
+    WHOLE,
+    WHOLE_X,
+    WHOLE_Z,
+)
+
+QUIET, SOONEST = 0.3, 0.6
+"""Time without contact that ends a motion [s], and its earliest end [s]."""
+
+LEVEL = 0.02
+"""Roll up to which a unit counts as rolling back [rad]."""
+
+RESOLUTION, LOWEST_WALL, HIGHEST_WALL = 1e-3, 0.1, 1.5
+"""Resolution and lowest height of the search for a wall [m], and its start over the height of the highest centre."""
+
+
+@compiled
+def advance(fleet, clock, work, rows, answers, rolls):
+    """Follow every sample to its end.
+
+    rows, shape (1 or n, rows, columns): as many as fit; answers, shape (n, columns); rolls, shape (n, units): largest
+    of each unit [rad].
+    """
+    for i in range(fleet.units.shape[0]):
+        _follow(fleet, clock, i, fleet.height[i], work, rows[min(i, rows.shape[0] - 1)], answers[i], rolls[i])
+
+
+@compiled
+def lowest_walls(fleet, clock, work, scan, lowest):
+    """Find for every sample the lowest wall above which it remains upright.
+
+    scan: steps downwards before the bisection [m]; lowest, shape (n,): NaN where the highest wall does not suffice.
+    """
+    rows, answer, rolls = np.zeros((0, 0)), np.zeros(ANSWERS), np.zeros(fleet.units.shape[1])
+    for i in range(fleet.units.shape[0]):
+        holds, fails = np.nan, LOWEST_WALL
+        for u in range(fleet.units.shape[1]):
+            centre = HIGHEST_WALL * (fleet.units[i, u, HEIGHT] + fleet.units[i, u, WHOLE_Z])
+            holds = centre if u == 0 else max(holds, centre)
+        _follow(fleet, clock, i, holds, work, rows, answer, rolls)
+        if answer[OUTCOME] != UPRIGHT:
+            lowest[i] = np.nan
+            continue
+        height = holds - scan
+        while height > LOWEST_WALL:
+            _follow(fleet, clock, i, height, work, rows, answer, rolls)
+            if answer[OUTCOME] != UPRIGHT:
+                fails = height
+                break
+            holds, height = height, height - scan
+        while holds - fails > RESOLUTION:
+            height = 0.5 * (holds + fails)
+            _follow(fleet, clock, i, height, work, rows, answer, rolls)
+            if answer[OUTCOME] == UPRIGHT:
+                holds = height
+            else:
+                fails = height
+        lowest[i] = holds
+
+
+@compiled
+def _follow(fleet, clock, i, height, work, rows, answer, rolls):
+    """Follow sample i on a wall of this height to its end."""
+    units, axles, strips, parts = fleet.units[i], fleet.axles[i], fleet.strips[i], clock.parts[i]
+    h = clock.interval / parts
+    facets = wall_facets(fleet.profile, height, work.wall)
+    edge = work.wall[facets - 1, 2]
+    answer[:], rolls[:], work.sums[:] = 0.0, 0.0, 0.0
+    bodies, joints, sums = work.bodies, work.joints, work.sums
+    if not _begin(fleet, i, units, axles, strips, facets, clock.given, work):
+        answer[OUTCOME] = OVER
+        return
+    touched, row, reached, outcome = 0.0, 0, clock.longest, UPRIGHT
+    before = np.zeros(10)
+    for k in range(int(np.ceil(clock.longest / clock.interval * (1.0 - 1e-12))) * parts + 1):
+        t, last, ahead = k * h, h if k > 0 else 0.0, h if k > 0 else 0.5 * h
+        begin_step(bodies, joints, last)
+        for j in range(10):
+            before[j] = sums[j]
+        press_axles(axles, fleet.axle_unit, bodies, joints, sums, ahead)
+        depth = press_strips(fleet, i, units, axles, strips, facets, work, ahead)
+        if k // parts < clock.push.shape[0]:
+            _push(clock.push[k // parts], units[0], bodies[0])
+        if units.shape[0] > 1:
+            twist_hinges(units, bodies)
+        if depth > 0.0:
+            touched = t
+            _leave(units[0], bodies[0], answer)
+        if k % parts == 0:
+            for j in range(6):
+                change = sums[j] - before[j]
+                work.windows[row, j] = (before[j] + 0.5 * change) / parts if k > 0 else 0.0
+                sums[j] = 0.5 * change
+            if row < rows.shape[0]:
+                for j in range(4):
+                    rows[row, 6 + j] = before[6 + j] + (0.5 * (sums[6 + j] - before[6 + j]) if k > 0 else 0.0)
+                _record(units, axles, fleet.axle_unit, work, work.windows[row], rows[row])
+            row += 1
+        outcome, turning = _verdict(units, bodies, joints, edge, t, answer, rolls)
+        done = outcome != UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not turning)
+        if k % parts == 0 and ((done and not clock.given) or t >= clock.longest * (1.0 - 1e-12)):
+            reached = t
+            break
+        assemble(units, axles, fleet.axle_unit, bodies, joints)
+        kick(fleet.axle_unit, bodies, joints, ahead)
+        if units.shape[0] > 1:
+            close_hinges(units, fleet.axle_unit, work, ahead, h)
+        move(bodies, joints, h)
+    answer[OUTCOME], answer[REACHED], answer[TOUCHED], answer[ROWS_WRITTEN] = outcome, reached, touched, row
+    _means(work.windows[:row], clock.window, clock.interval, answer)
+
+
+@compiled
+def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
+    """Set sample i to first touch, and return False where no strip can touch the face.
+
+    anywhere: True to begin without contact.
+    """
+    theta = fleet.angle[i]
+    c, s = np.cos(theta), np.sin(theta)
+    bodies, behind = work.bodies, 0.0
+    work.memory[:], bodies[:], work.joints[:] = 0.0, 0.0, 0.0
+    for u in range(units.shape[0]):
+        if u > 0:
+            behind += units[u - 1, HITCH_X] - units[u, KING_X]
+        b = bodies[u]
+        b[AT], b[AT + 1], b[AT + 2] = behind * c, -behind * s, units[u, HEIGHT]
+        b[SPEED], b[SPEED + 1] = fleet.speed[i] * c, -fleet.speed[i] * s
+        b[TURN], b[TURN + 3] = np.cos(0.5 * theta), -np.sin(0.5 * theta)
+    gap, top = np.inf, work.wall[facets - 1, 3]
+    for k in range(strips.shape[0]):
+        u, a, strip, points = fleet.strip_unit[k], fleet.strip_axle[k], strips[k], fleet.strip_points[k]
+        raised = axles[a, CENTRE] if a >= 0 else 0.0
+        half = max(0.5 * abs(strip[END + 2] - strip[START + 2]) / points, EDGE)
+        for n in range(points):
+            p = (n + 0.5) / points
+            x = strip[START] + p * (strip[END] - strip[START])
+            y = strip[START + 1] + p * (strip[END + 1] - strip[START + 1])
+            z = strip[START + 2] + p * (strip[END + 2] - strip[START + 2]) + raised + units[u, HEIGHT]
+            if z - half < top:
+                place = bodies[u, AT + 1] - s * x - c * y
+                gap = min(gap, place - point_of_face(work.wall, facets, min(z, top)))
+    if gap == np.inf:
+        return anywhere
+    for u in range(units.shape[0]):
+        bodies[u, AT + 1] -= gap
+    return True
+
+
+@compiled
+def _push(push, unit, b):
+    """Add the force of a history to the first unit.
+
+    Columns: along, across and up [N], the point's place ahead of the centre of the whole mass along X [m], and its
+    height [m], NaN for that of the centre.
+    """
+    x, y, z = rotated(b, unit[WHOLE_X], 0.0, unit[WHOLE_Z])
+    height = z if np.isnan(push[4]) else push[4] - b[AT + 2]
+    x, y, z = turned_back(b, x + push[3], y, height)
+    add_force(b, x, y, z, push[0], push[1], push[2])
+
+
+@compiled
+def _leave(unit, b, answer):
+    """Store speed and directions of the first unit at a contact, its axles at rest on the body."""
+    x, y, z = cross(b[NOW + 3], b[NOW + 4], b[NOW + 5], unit[WHOLE_X], 0.0, unit[WHOLE_Z])
+    vx, vy, _ = rotated(b, x, y, z)
+    vx, vy = b[NOW] + vx, b[NOW + 1] + vy
+    answer[EXIT_SPEED], answer[EXIT_ANGLE] = np.hypot(vx, vy), np.arctan2(vy, vx)
+    answer[EXIT_YAW] = np.arctan2(b[3], b[0])
+
+
+@compiled
+def _verdict(units, bodies, joints, edge, t, answer, rolls):
+    """Update the largest angles, and return the outcome so far and whether a unit is still rising.
+
+    A unit rises while it rolls outwards, or with a wheel off the ground.
+    """
+    outcome, rising = UPRIGHT, False
+    for u in range(units.shape[0]):
+        b = bodies[u]
+        roll, pitch = np.arctan2(b[7], b[8]), -np.arcsin(min(max(b[6], -1.0), 1.0))
+        if abs(roll) > abs(rolls[u]):
+            rolls[u] = roll
+        if abs(roll) > abs(answer[ROLL]):
+            answer[ROLL], answer[ROLL_TIME] = roll, t
+        if abs(pitch) > abs(answer[PITCH]):
+            answer[PITCH], answer[PITCH_TIME] = pitch, t
+        rising = rising or (abs(roll) > LEVEL and roll * b[NOW + 3] > 0.0)
+        beyond = edge - b[AT + 1] - b[3] * units[u, WHOLE_X] - b[5] * units[u, WHOLE_Z]
+        if not np.isfinite(beyond + roll):
+            outcome = LOST
+        elif b[8] <= 0.0:
+            outcome = OVER if beyond > 0.0 else ON_ITS_SIDE
+        elif beyond > units[u, HEIGHT]:
+            outcome = OVER
+    for a in range(joints.shape[0]):
+        rising = rising or joints[a, WHEEL] <= 0.0 or joints[a, WHEEL + 1] <= 0.0
+    return outcome, rising
+
+
+@compiled
+def _means(windows, window, interval, answer):
+    """Set the largest mean of the lateral force over a window, and what belongs to it."""
+    total, best, at = 0.0, 0.0, 0
+    for k in range(windows.shape[0]):
+        total += windows[k, LATERAL] - (windows[k - window, LATERAL] if k >= window else 0.0)
+        answer[RAW] = max(answer[RAW], windows[k, LATERAL])
+        if total > best:
+            best, at = total, k
+    sums = np.zeros(6)
+    for k in range(max(at - window + 1, 0), at + 1):
+        for j in range(6):
+            sums[j] += windows[k, j]
+    answer[MEAN], answer[MEAN_TIME] = sums[LATERAL] / window, at * interval
+    answer[MEAN_ALONG], answer[MEAN_UP] = sums[ALONG] / window, sums[UP] / window
+    if sums[LATERAL] > 0.0:
+        station = sums[STATION] / sums[LATERAL]
+        answer[CENTRE_HEIGHT] = sums[MOMENT] / sums[LATERAL]
+        answer[CONTACT_LENGTH] = np.sqrt(12.0 * max(sums[SPREAD] / sums[LATERAL] - station * station, 0.0))
+
+
+@compiled
+def _record(units, axles, axle_unit, work, forces, row):
+    """Fill the row of this instant, besides the works."""
+    for j in range(6):
+        row[j] = forces[j]
+    kinetic, gravity, spring, tyre, column = 0.0, 0.0, 0.0, 0.0, 14
+    for u in range(units.shape[0]):
+        body, b = units[u], work.bodies[u]
+        wx, wy, wz = b[NOW + 3], b[NOW + 4], b[NOW + 5]
+        kinetic += 0.5 * body[MASS] * (b[NOW] * b[NOW] + b[NOW + 1] * b[NOW + 1] + b[NOW + 2] * b[NOW + 2])
+        kinetic += (
+            0.5 * (body[I_X] * wx * wx + body[I_Y] * wy * wy + body[I_Z] * wz * wz) - body[I_XZ] * wx * wz
+        )
+        for j in range(3):
+            row[column + j], row[column + 6 + j] = body[MASS] * b[AT + j], body[MASS] * b[NOW + j]
+        for a in range(axles.shape[0]):
+            if axle_unit[a] == u:
+                kinetic += _record_axle(axles[a], b, work.joints[a], row, column)
+        gravity += GRAVITY * row[column + 2]
+        for j in range(3):
+            row[column + j] /= body[WHOLE]
+            row[column + 6 + j] /= body[WHOLE]
+        row[column + 3] = np.arctan2(b[3], b[0])
+        row[column + 4] = -np.arcsin(min(max(b[6], -1.0), 1.0))
+        row[column + 5] = np.arctan2(b[7], b[8])
+        row[column + 9], row[column + 10], row[column + 11] = rotated(b, wx, wy, wz)
+        column += 12
+    for a in range(axles.shape[0]):
+        axle, q = axles[a], work.joints[a]
+        for side in range(2):
+            shift = q[JOINT] + (2.0 * side - 1.0) * axle[HALF_SPACING] * np.sin(q[JOINT + 1])
+            spring += 0.5 * axle[SPRING] * shift * shift + axle[PRELOAD] * shift
+            tyre += 0.5 * q[WHEEL + side] * q[WHEEL + side] / axle[TYRE]
+            row[column + side], row[column + 2 + side] = q[WHEEL + side], q[JOINT + side]
+        column += 4
+    row[10], row[11], row[12], row[13] = kinetic, gravity, spring, tyre
+
+
+@compiled
+def _record_axle(axle, b, q, row, column):
+    """Add an axle to place and velocity of its unit's row, and return its kinetic energy."""
+    c, s, rate = np.cos(q[JOINT + 1]), np.sin(q[JOINT + 1]), q[JOINT_NOW + 1]
+    x, y, z = axle[PLACE], axle[BELOW] * s, axle[CENTRE] + q[JOINT] - axle[BELOW] * c
+    px, py, pz = rotated(b, x, y, z)
+    vx, vy, vz = point_velocity(b, x, y, z, axle[BELOW] * c * rate, q[JOINT_NOW] + axle[BELOW] * s * rate)
+    m = axle[AXLE_MASS]
+    for j, place, speed in ((0, px, vx), (1, py, vy), (2, pz, vz)):
+        row[column + j] += m * (b[AT + j] + place)
+        row[column + 6 + j] += m * speed
+    spin = (b[NOW + 3] + rate) ** 2 + (c * b[NOW + 5] - s * b[NOW + 4]) ** 2
+    return 0.5 * m * (vx * vx + vy * vy + vz * vz) + 0.5 * axle[AXLE_INERTIA] * spin

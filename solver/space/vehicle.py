@@ -1,0 +1,408 @@
+"""Vehicles in space: bodies, solid axles, strips that can touch the wall.
+
+Values are floats, or arrays of n samples. All masses and inertias are those of the whole vehicle; the sprung mass is
+what remains without the axles. Springs and tyres carry the vehicle at rest with its floor level: their loads follow
+from the levers of the axles, of more than two from loads that vary linearly along the unit.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from solver import rules
+from solver.body import GRAVITY
+from solver.conditions import Array, Gate, Number, RigidBodyError, number
+from solver.impact.tyres import CORNERING, axle_loads
+from solver.space.state import Fleet
+from solver.space.wall import profile_points
+
+GYRATION = 0.45
+"""Assumed radius of gyration in roll over the width."""
+
+ROLL_STIFFNESS = 3.55e6
+"""Stiffness of a fifth wheel in roll [N m/rad], of one published model of a tractor and semitrailer (GOPS)."""
+
+AXLE_GYRATION = math.sqrt(1.0 / 6.0)
+"""Assumed radius of gyration of an axle over the track: half of its mass in the wheels, half along the beam."""
+
+LONGEST_UPRIGHT, LONGEST_ALONG = 0.05, 0.25
+"""Largest lengths of a point of a strip, upright and along the vehicle [m]."""
+
+DAMPING_RATIO, ROLL_CENTRE = 0.15, 0.6
+"""Assumed damping of a spring to critical for the mass on it [-], and height of the roll centre [m]."""
+
+
+@dataclass(frozen=True)
+class SpaceUnit:
+    """A unit of a train in space, or a single vehicle.
+
+    Parameters
+    ----------
+    length, width : float or ndarray
+        [m].
+    mass : float or ndarray
+        With axles [kg].
+    centre_of_mass, centre_height : float or ndarray
+        Of the whole behind the front and above the ground [m].
+    roll_inertia, pitch_inertia, yaw_inertia : float or ndarray
+        Of the whole about its centre of mass [kg m^2].
+    hitch, kingpin : float or ndarray
+        Of the hinge ahead: behind the front of the unit ahead, and behind the own front [m]; unused of the first unit.
+    hitch_height : float or ndarray
+        Of the hinge ahead [m].
+    roll_stiffness : float or ndarray
+        Of the hinge ahead [N m/rad].
+    """
+
+    length: Number
+    width: Number
+    mass: Number
+    centre_of_mass: Number
+    centre_height: Number
+    roll_inertia: Number
+    pitch_inertia: Number
+    yaw_inertia: Number
+    hitch: Number = 0.0
+    kingpin: Number = 0.0
+    hitch_height: Number = 0.0
+    roll_stiffness: Number = ROLL_STIFFNESS
+
+
+@dataclass(frozen=True)
+class SpaceAxle:
+    """A solid axle on two tyres, under two springs with dampers.
+
+    Parameters
+    ----------
+    position : float or ndarray
+        Behind the front of its unit [m].
+    track, radius : float or ndarray
+        Between the tyres of both sides, height of the axle at rest [m].
+    mass : float or ndarray
+        Of axle and wheels [kg].
+    spring, tyre : float or ndarray
+        Vertical stiffness of one side [N/m].
+    spacing : float or ndarray
+        Between the springs [m].
+    damping_ratio : float or ndarray
+        Of a spring, to critical for the mass that it carries [-].
+    roll_centre : float or ndarray
+        Height at which side force enters the body [m].
+    friction, cornering : float or ndarray
+        Of the tyres, see `fem.laws.contact_forces.side_force` [-].
+    unit : int
+        Number of its unit, from 0.
+    """
+
+    position: Number
+    track: Number
+    radius: Number
+    mass: Number
+    spring: Number
+    spacing: Number
+    tyre: Number
+    damping_ratio: Number = DAMPING_RATIO
+    roll_centre: Number = ROLL_CENTRE
+    friction: Number = 0.0
+    cornering: Number = CORNERING
+    unit: int = 0
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A line of a body or of an axle that can touch the wall, the same on both sides.
+
+    Parameters
+    ----------
+    at : tuple of two floats or ndarrays
+        Both ends behind the front of its unit [m]; equal for an upright strip.
+    height : tuple of two floats or ndarrays
+        Of both ends at rest [m].
+    inset : float or ndarray
+        Inwards from the side of the unit [m].
+    stiffness, plateau : float or ndarray
+        Of the crush law per metre of length [N/m^2], [N/m].
+    restitution : float or ndarray
+        Unloading returns its square of the energy [-].
+    unloading : float or ndarray
+        Slope of unloading per metre in its place [N/m^2], or 0.
+    axle : int
+        Number of the axle that it moves with, or -1 for the body.
+    unit : int
+        Number of its unit, from 0.
+    """
+
+    at: tuple[Number, Number]
+    height: tuple[Number, Number]
+    stiffness: Number
+    inset: Number = 0.0
+    plateau: Number = math.inf
+    restitution: Number = 0.0
+    unloading: Number = 0.0
+    axle: int = -1
+    unit: int = 0
+
+
+@dataclass(frozen=True)
+class SpaceWall:
+    """A wall with a profile.
+
+    Parameters
+    ----------
+    height : float or ndarray
+        Of its top [m].
+    profile : str or sequence of pairs
+        See `profile_points`.
+    friction : float or ndarray
+        Between vehicle and wall [-].
+    """
+
+    height: Number
+    profile: Any = "vertical"
+    friction: Number = 0.0
+
+
+@dataclass(frozen=True)
+class SpaceVehicle:
+    """A vehicle or a train in space."""
+
+    units: tuple[SpaceUnit, ...]
+    axles: tuple[SpaceAxle, ...]
+    strips: tuple[Strip, ...]
+
+
+OF_BODY = ("centre_height", "roll_inertia", "pitch_inertia")
+"""Quantities of a unit that stand in [body] of a scene."""
+
+
+def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number) -> Fleet:
+    """Return the arrays of n vehicles for compiled code.
+
+    Parameters
+    ----------
+    vehicle : SpaceVehicle
+        Its values broadcast with all others.
+    wall : SpaceWall
+        What it strikes.
+    speed, angle : float or ndarray
+        Before the impact [m/s], of the vehicle to the wall [rad].
+
+    Raises
+    ------
+    RigidBodyError
+        For values that are impossible, with the key of the scene.
+    """
+    points = profile_points(wall.profile)
+    Gate().positive(rules.WALL_HEIGHT, number("height", wall.height))
+    Gate().not_negative(rules.FRICTION, number("friction", wall.friction))
+    _demand_counts(vehicle)
+    for table, records in (("", vehicle.units), ("axle.", vehicle.axles), ("strip.", vehicle.strips)):
+        for index, record in enumerate(records):
+            _demand_values(table, index, record)
+    of_sample = (wall.height, wall.friction, speed, angle)
+    n = _samples(vehicle, of_sample)
+    loads = _loads(vehicle, n)
+    units = _columns([_unit(vehicle, index) for index in range(len(vehicle.units))], n)
+    axles = _columns([_axle(vehicle, a, loads[a]) for a in range(len(vehicle.axles))], n)
+    strips = _columns([_strip(vehicle, k) for k in range(len(vehicle.strips))], n)
+    numbers = [
+        np.array(values, dtype=np.int64)
+        for values in (
+            [axle.unit for axle in vehicle.axles],
+            [strip.unit for strip in vehicle.strips],
+            [strip.axle for strip in vehicle.strips],
+            [_points_of(strip) for strip in vehicle.strips],
+        )
+    ]
+    values = (np.ascontiguousarray(np.broadcast_to(value, n), dtype=np.float64) for value in of_sample)
+    return Fleet(units, axles, strips, *numbers, points, *values)
+
+
+def _samples(vehicle: SpaceVehicle, others: Sequence[Number]) -> int:
+    """Return the common number of samples. Raises RigidBodyError for arrays of different sizes."""
+    sizes = {np.size(value) for value in others}
+    for record in (*vehicle.units, *vehicle.axles, *vehicle.strips):
+        for value in vars(record).values():
+            sizes |= {np.size(part) for part in (value if isinstance(value, tuple) else (value,))}
+    sizes -= {1}
+    if len(sizes) > 1:
+        raise RigidBodyError("samples", str(sorted(sizes)), "arrays have different sizes", "one size for all")
+    return sizes.pop() if sizes else 1
+
+
+def _columns(entries: Sequence[Sequence[Number]], n: int) -> Array:
+    """Return columns of entries, shape (n, entries, columns)."""
+    table = np.array([[np.broadcast_to(value, n) for value in entry] for entry in entries], dtype=np.float64)
+    return np.ascontiguousarray(np.moveaxis(table, -1, 0))
+
+
+def _demand_counts(vehicle: SpaceVehicle) -> None:
+    """Require axles to stand on, and a strip. Raises RigidBodyError."""
+    for index in range(len(vehicle.units)):
+        count, least = sum(axle.unit == index for axle in vehicle.axles), 1 if index else 2
+        if count < least:
+            name = f"trailer {index}" if index else "the vehicle"
+            why = f"{name} cannot stand on {count} axles"
+            raise RigidBodyError("axle", f"{len(vehicle.axles)} tables", why, f"at least {least} of {name}")
+    if not vehicle.strips:
+        raise RigidBodyError(
+            "strip", "no table", "nothing of the vehicle can touch the wall", "at least one strip"
+        )
+
+
+def _demand_values(table: str, index: int, record: object) -> None:
+    """Require values in their bounds, by the rules of their names. Raises RigidBodyError."""
+    for name, value in vars(record).items():
+        rule = rules.SPACE.get(name)
+        for part in value if isinstance(value, tuple) else (value,):
+            if rule is None:
+                continue
+            key = f"{table}{index}.{name}" if table else _unit_key(index, name)
+            checked = number(key, part)
+            finite = True if name == "plateau" else np.isfinite(checked)
+            positive = checked > 0.0 if name in rules.SPACE_POSITIVE else checked >= 0.0
+            Gate().demand(rule._replace(key=key), positive & finite, checked)
+
+
+def _unit_key(index: int, name: str) -> str:
+    """Return the key of a quantity of a unit in a scene."""
+    if index:
+        return f"trailer.{index - 1}.{name}"
+    return f"{'body' if name in OF_BODY else 'vehicle'}.{name}"
+
+
+def _loads(vehicle: SpaceVehicle, n: int) -> Array:
+    """Return the loads of the axles at rest [N], shape (axles, n)."""
+    units, unit = vehicle.units, np.array([axle.unit for axle in vehicle.axles])
+    mass = np.array([np.broadcast_to(u.mass, n) for u in units], dtype=np.float64)
+    pairs = list(pairwise(units))
+    hitch = np.array([np.broadcast_to(ahead.centre_of_mass - behind.hitch, n) for ahead, behind in pairs])
+    kingpin = np.array([np.broadcast_to(behind.centre_of_mass - behind.kingpin, n) for _, behind in pairs])
+    along = np.array(
+        [np.broadcast_to(units[a.unit].centre_of_mass - a.position, n) for a in vehicle.axles],
+        dtype=np.float64,
+    )
+    loads = axle_loads(mass, hitch, kingpin, unit, along)
+    for index, axle in enumerate(vehicle.axles):
+        key, gate = f"axle.{index}.position", Gate()
+        length = units[axle.unit].length
+        inside = (np.asarray(axle.position) >= 0.0) & (np.asarray(axle.position) <= length)
+        gate.demand(
+            rules.AXLE._replace(key=key), bool(np.all(inside)), float(np.max(axle.position)), length=length
+        )
+        carried = loads[index] - GRAVITY * np.asarray(axle.mass)
+        gate.demand(rules.AXLE_LOAD._replace(key=key), carried >= 0.0, axle.position, load=carried)
+    return loads
+
+
+def _sprung(vehicle: SpaceVehicle, index: int) -> tuple[Number, Number, Number]:
+    """Return mass, place ahead of the front and height of a unit's sprung mass. Raises RigidBodyError."""
+    unit, own = vehicle.units[index], [axle for axle in vehicle.axles if axle.unit == index]
+    carried = math.fsum if all(isinstance(a.mass, float) for a in own) else sum
+    axles = carried([axle.mass for axle in own])
+    mass = unit.mass - axles
+    Gate().demand(
+        rules.SPRUNG._replace(key=_unit_key(index, "mass")), np.asarray(mass > 0.0), unit.mass, axles=axles
+    )
+    place = (sum(axle.mass * axle.position for axle in own) - unit.mass * unit.centre_of_mass) / mass
+    height = (unit.mass * unit.centre_height - sum(axle.mass * axle.radius for axle in own)) / mass
+    for axle in own:
+        rule = rules.CENTRE_ABOVE._replace(key=_unit_key(index, "centre_height"))
+        Gate().demand(
+            rule, np.asarray(unit.centre_height > axle.radius), unit.centre_height, radius=axle.radius
+        )
+    return mass, place, height
+
+
+def _axle_inertia(axle: SpaceAxle) -> Number:
+    """Return the inertia of an axle in roll and yaw [kg m^2]."""
+    return axle.mass * (AXLE_GYRATION * axle.track) ** 2
+
+
+def _unit(vehicle: SpaceVehicle, index: int) -> list[Number]:
+    """Return the columns of a unit, see `state`. Raises RigidBodyError."""
+    unit, (mass, place, height) = vehicle.units[index], _sprung(vehicle, index)
+    x, z = -unit.centre_of_mass - place, unit.centre_height - height
+    parts: list[tuple[Number, ...]] = [(-x, -z, mass, 0.0)]
+    for axle in vehicle.axles:
+        if axle.unit == index:
+            at = unit.centre_of_mass - axle.position, axle.radius - unit.centre_height
+            parts.append((*at, axle.mass, _axle_inertia(axle)))
+    removed = {
+        "roll_inertia": sum(m * dz**2 + own for _, dz, m, own in parts),
+        "pitch_inertia": sum(m * (dx**2 + dz**2) for dx, dz, m, _ in parts),
+        "yaw_inertia": sum(m * dx**2 + own for dx, _, m, own in parts),
+    }
+    for name, least in removed.items():
+        rule, value = rules.SPRUNG_INERTIA._replace(key=_unit_key(index, name)), getattr(unit, name)
+        Gate().demand(rule, np.asarray(value > least), value, least=least)
+    inertias = [getattr(unit, name) - least for name, least in removed.items()]
+    product = -sum(m * dx * dz for dx, dz, m, _ in parts)
+    behind = vehicle.units[index + 1] if index + 1 < len(vehicle.units) else unit
+    hitch = -behind.hitch - place, behind.hitch_height - height
+    kingpin = -unit.kingpin - place, unit.hitch_height - height
+    return [mass, *inertias, product, height, unit.mass, x, z, *hitch, *kingpin, unit.roll_stiffness]
+
+
+def _axle(vehicle: SpaceVehicle, index: int, load: Array) -> list[Number]:
+    """Return the columns of an axle, see `state`."""
+    axle = vehicle.axles[index]
+    _, place, height = _sprung(vehicle, axle.unit)
+    preload = 0.5 * (load - GRAVITY * np.asarray(axle.mass))
+    damper = 2.0 * axle.damping_ratio * np.sqrt(axle.spring * preload / GRAVITY)
+    lowest = axle.roll_centre + 0.5 * load / axle.tyre
+    return [
+        -axle.position - place, axle.roll_centre - height, axle.mass, _axle_inertia(axle),
+        axle.roll_centre - axle.radius, lowest, 0.5 * axle.track, 0.5 * axle.spacing, axle.spring, damper, preload,
+        axle.tyre, axle.friction, axle.cornering,
+    ]  # fmt: skip
+
+
+def _strip(vehicle: SpaceVehicle, index: int) -> list[Number]:
+    """Return the columns of a strip, see `state`. Raises RigidBodyError."""
+    strip = vehicle.strips[index]
+    unit, (_, place, height) = vehicle.units[strip.unit], _sprung(vehicle, strip.unit)
+    _demand_strip(vehicle, index, unit)
+    base = height if strip.axle < 0 else vehicle.axles[strip.axle].roll_centre
+    ends = [
+        value
+        for at, level in zip(strip.at, strip.height, strict=True)
+        for value in (-at - place, 0.5 * unit.width - strip.inset, level - base)
+    ]
+    length = np.hypot(strip.at[1] - strip.at[0], strip.height[1] - strip.height[0])
+    return [*ends, strip.stiffness, strip.plateau, np.square(strip.restitution), strip.unloading, length]
+
+
+def _demand_strip(vehicle: SpaceVehicle, index: int, unit: SpaceUnit) -> None:
+    """Require a strip within its unit. Raises RigidBodyError."""
+    strip, key = vehicle.strips[index], f"strip.{index}"
+    gate, ends = Gate(), np.array(np.broadcast_arrays(*strip.at, unit.length))
+    inside = (ends[:2] >= 0.0) & (ends[:2] <= ends[2])
+    gate.demand(rules.STRIP_AT._replace(key=f"{key}.at"), inside, ends[:2], length=ends[2])
+    low, high, most = np.broadcast_arrays(*strip.height, 2.0 * np.asarray(unit.centre_height))
+    gate.demand(
+        rules.STRIP_HEIGHT._replace(key=f"{key}.height"), (high <= most) & (low <= most), high, most=most
+    )
+    upwards = (high > low) | (ends[1] > ends[0])
+    gate.demand(rules.STRIP_LENGTH._replace(key=f"{key}.height"), upwards, high)
+    half = 0.5 * np.asarray(unit.width)
+    gate.demand(
+        rules.INSET._replace(key=f"{key}.inset"), np.asarray(strip.inset < half), strip.inset, most=half
+    )
+    if strip.axle >= len(vehicle.axles) or (strip.axle >= 0 and vehicle.axles[strip.axle].unit != strip.unit):
+        own = [str(a) for a, axle in enumerate(vehicle.axles) if axle.unit == strip.unit]
+        why = "the strip's unit has no axle of this number"
+        raise RigidBodyError(f"{key}.axle", str(strip.axle), why, ", ".join(own))
+
+
+def _points_of(strip: Strip) -> int:
+    """Return the number of points of a strip, of the first sample."""
+    (x0, x1), (z0, z1) = ([float(np.ravel(value)[0]) for value in ends] for ends in (strip.at, strip.height))
+    along = abs(x1 - x0) > abs(z1 - z0)
+    return max(
+        1, math.ceil(math.hypot(x1 - x0, z1 - z0) / (LONGEST_ALONG if along else LONGEST_UPRIGHT) - 1e-9)
+    )

@@ -1,0 +1,87 @@
+"""Profiles of walls across their length.
+
+A profile is a line of points (y, z) from the ground upwards: y across the wall, 0 at its toe and negative behind it,
+z the height. Its last part continues upwards at the same slope; the height of a wall ends it. The top of the wall is
+level and extends without end behind the face.
+
+References
+----------
+.. [1] Shapes of the New Jersey and the F-shape barrier, single slope of 11 deg: `shared/vehicle.md`, section 3.
+"""
+
+import math
+from collections.abc import Sequence
+from types import MappingProxyType
+
+import numpy as np
+
+from solver import rules
+from solver.conditions import Array, Gate, RigidBodyError
+
+INCH = 0.0254
+STEEP = 1.0 / math.tan(math.radians(84.0))
+"""Horizontal over vertical length of the upper face of New Jersey and F-shape."""
+
+
+MOST_POINTS = 20
+"""Largest number of points of a profile."""
+
+
+def _safety_shape(height: float, back: float) -> tuple[tuple[float, float], ...]:
+    """Return the profile with 3 in upright, a slope, and the steep upper face [m]."""
+    return (0.0, 0.0), (0.0, 3 * INCH), (-back, height), (-back - STEEP, height + 1.0)
+
+
+PROFILES = MappingProxyType(
+    {
+        "vertical": ((0.0, 0.0), (0.0, 1.0)),
+        "single-slope": ((0.0, 0.0), (-math.tan(math.radians(11.0)), 1.0)),
+        "f-shape": _safety_shape(10 * INCH, 5 * INCH),
+        "new-jersey": _safety_shape(13 * INCH, 7 * INCH),
+    }
+)
+"""Points (y, z) of the named profiles [m]."""
+
+
+def profile_points(profile: str | Sequence[Sequence[float]]) -> Array:
+    """Return the points of a profile.
+
+    Parameters
+    ----------
+    profile : str or sequence of pairs
+        A name of `PROFILES`, or points (y, z) from [0, 0] upwards [m].
+
+    Returns
+    -------
+    ndarray, shape (points, 2)
+        [m].
+
+    Raises
+    ------
+    RigidBodyError
+        For an unknown name, and a line that overhangs or does not lead upwards from [0, 0].
+    """
+    if isinstance(profile, str):
+        if profile not in PROFILES:
+            names = ", ".join(f'"{name}"' for name in PROFILES)
+            raise RigidBodyError(rules.PROFILE.key, repr(profile), "this profile does not exist", names)
+        return np.array(PROFILES[profile])
+    points = np.array(profile, dtype=np.float64)
+    shaped = points.ndim == 2 and points.shape[1] == 2 and len(points) > 1 and bool(np.isfinite(points).all())
+    if (
+        not shaped
+        or points[0].any()
+        or (np.diff(points[:, 1]) <= 0.0).any()
+        or (np.diff(points[:, 0]) > 0.0).any()
+    ):
+        raise RigidBodyError(rules.PROFILE.key, repr(profile), rules.PROFILE.why, rules.PROFILE.allowed)
+    Gate().demand(rules.PROFILE_POINTS, len(points) <= MOST_POINTS, float(len(points)), most=MOST_POINTS)
+    return points
+
+
+def face_at(points: Array, height: Array | float) -> Array:
+    """Return the place y of the face at heights [m], of the shape of `height`."""
+    (y0, z0), (y1, z1) = points[-2:]
+    beyond = y1 + (np.asarray(height) - z1) * (y1 - y0) / (z1 - z0)
+    within = np.interp(height, points[:, 1], points[:, 0])
+    return np.where(np.asarray(height) > z1, beyond, within)

@@ -1,0 +1,343 @@
+"""Vehicle in space of a scene with [body]: its records, its motion, and the texts about it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from postprocess.report.page import Section
+from postprocess.report.tables import Column, Table
+from postprocess.signals import filters
+from postprocess.units import SYSTEMS, measure, percent_up
+from solver import space
+from solver.conditions import Number
+from solver.space.vehicle import DAMPING_RATIO, GYRATION, ROLL_CENTRE, ROLL_STIFFNESS
+from tailslap import progress
+from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.scene.schema import Scene, value_at
+
+TITLE, INCH = "Vehicle in space", 0.0254
+
+FORCES = (
+    Column("name", "Force on the wall"),
+    Column("lateral", "Lateral", "N", form=".0f", style="strong"),
+    Column("longitudinal", "Longitudinal", "N", form=".0f"),
+    Column("vertical", "Vertical", "N", form=".0f"),
+)
+PLANE = (
+    Column("name", "Quantity"),
+    Column("space", "In space", form="#.4g", style="strong"),
+    Column("plane", "In the plane", form="#.4g"),
+    Column("unit", "Unit", is_unit=True),
+)
+LIMITS = (
+    ("torsion of the frame", "the box rolls more than the axles, which lift one after the other", "+"),
+    ("cargo that moves", "the centre of mass moves towards the wall", "+"),
+    ("box that tears off", "the box rolls more, the chassis less", "±"),
+    ("bump stops and play of the springs", "further roll of the body on its axles", "+"),
+    ("deformable wall", "lowers the force, and the wall's top yields", "±"),
+    ("steering and wheels damaged by the impact", "tyres no longer steer the vehicle", "±"),
+    ("wall of finite thickness", "a vehicle on its top falls behind it", "+"),
+)
+"""Omitted parts of the model, their effects, and the sign of the change of roll."""
+
+LIMIT_COLUMNS = (Column("0", "Omitted"), Column("1", "Effect"), Column("2", "Roll"))
+
+SHORTEST_LIFT = 0.05
+"""Shortest time off the ground that the text names [s]."""
+
+CURVES = {"raw": "raw", "mean_50ms": "50 ms mean", "cfc60": "CFC 60"}
+
+
+@dataclass(frozen=True)
+class SpaceInput:
+    """Vehicle, wall, speed and angle of `solver.space`, floats or arrays of n samples."""
+
+    vehicle: space.SpaceVehicle
+    wall: space.SpaceWall
+    speed: Number
+    angle: Number
+
+    @property
+    def arguments(self) -> tuple[space.SpaceVehicle, space.SpaceWall, Any, Any]:
+        """Return the arguments of the functions of `solver.space`."""
+        return self.vehicle, self.wall, self.speed, self.angle
+
+
+def space_input(scene: Scene, values: Mapping[str, Number] | None = None) -> SpaceInput:
+    """Return the vehicle in space of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        With [body].
+    values : dict
+        Values in place of the scene's by dotted key, floats or of shape (n,) [SI]. Inertias of the scene are in
+        proportion to the mass.
+
+    Returns
+    -------
+    SpaceInput
+        For `solver.space`.
+    """
+    values = values or {}
+
+    def value(key: str, default: Number | None = None) -> Any:
+        own = values[key] if key in values else value_at(scene, key)
+        return default if own is None else own
+
+    units = tuple(_unit(scene, number, value, values) for number in range(len(scene.units)))
+    axles = tuple(_axle(scene, number, value) for number in range(len(scene.axle)))
+    strips = tuple(_strip(scene, number, value) for number in range(len(scene.strip)))
+    assert scene.wall
+    wall = space.SpaceWall(value("wall.height"), scene.wall.profile or "vertical", value("contact.friction"))
+    return SpaceInput(
+        space.SpaceVehicle(units, axles, strips), wall, value("impact.speed"), value("impact.angle")
+    )
+
+
+def _unit(scene: Scene, number: int, value: Any, values: Mapping[str, Number]) -> space.SpaceUnit:
+    """Return a unit of the train."""
+    table, body = (f"trailer.{number - 1}",) * 2 if number else ("vehicle", "body")
+    length, width, mass = (value(f"{table}.{name}") for name in ("length", "width", "mass"))
+    scale = mass / value_at(scene, f"{table}.mass")
+
+    def inertia(key: str, default: Number) -> Any:
+        own = value(key)
+        return default if own is None else own if key in values else own * scale
+
+    yaw = inertia(f"{table}.yaw_inertia", mass * (length**2 + width**2) / 12.0)
+    hinge: dict[str, Any] = {}
+    if number:
+        hinge = {name: value(f"{table}.{name}") for name in ("hitch", "kingpin", "hitch_height")}
+        hinge["roll_stiffness"] = value(f"{table}.roll_stiffness", ROLL_STIFFNESS)
+    return space.SpaceUnit(
+        length, width, mass, value(f"{table}.centre_of_mass", 0.5 * length),
+        value(f"{body}.centre_height", value("body.centre_height")),
+        inertia(f"{body}.roll_inertia", mass * (GYRATION * width) ** 2), inertia(f"{body}.pitch_inertia", yaw), yaw,
+        **hinge,
+    )  # fmt: skip
+
+
+def _axle(scene: Scene, number: int, value: Any) -> space.SpaceAxle:
+    """Return an axle."""
+    names = ("position", "track", "radius", "mass", "spring", "spacing", "tyre", "friction", "cornering")
+    keys = {name: value(f"axle.{number}.{name}") for name in names}
+    keys["damping_ratio"] = value(f"axle.{number}.damping_ratio", DAMPING_RATIO)
+    keys["roll_centre"] = value(f"axle.{number}.roll_centre", ROLL_CENTRE)
+    return space.SpaceAxle(**keys, unit=scene.axle[number].unit - 1)
+
+
+def _strip(scene: Scene, number: int, value: Any) -> space.Strip:
+    """Return a strip, which unloads as [contact]."""
+    strip, stiffness = scene.strip[number], value(f"strip.{number}.stiffness")
+    slope, law = value("contact.unloading_stiffness"), value("contact.stiffness")
+    return space.Strip(
+        (value(f"strip.{number}.at.0"), value(f"strip.{number}.at.1")),
+        (value(f"strip.{number}.height.0"), value(f"strip.{number}.height.1")),
+        stiffness, value(f"strip.{number}.inset"), value(f"strip.{number}.plateau", np.inf),
+        value("contact.restitution", 0.0), 0.0 if slope is None else slope / law * stiffness,
+        axle=-1 if strip.axle is None else strip.axle, unit=strip.unit - 1,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class SpaceAnswer:
+    """Motion of a vehicle in space, and the lowest wall that keeps it upright.
+
+    Attributes
+    ----------
+    scene : Scene
+        With [body].
+    inputs : SpaceInput
+        Of the motion.
+    motion : SpaceMotion
+        With its history.
+    lowest_wall : float
+        Lowest wall above which the vehicle remains upright [m]; NaN where no wall does.
+    """
+
+    scene: Scene
+    inputs: SpaceInput
+    motion: space.SpaceMotion
+    lowest_wall: float
+
+    @cached_property
+    def curves(self) -> dict[str, dict[str, np.ndarray]]:
+        """Force on the wall by component and filter [N], shape (rows,)."""
+        h = self.motion.history
+        forces = {
+            "lateral": h["force_normal"], "longitudinal": -h["force_tangential"], "vertical": -h["force_vertical"]
+        }  # fmt: skip
+        interval = float(h["t"][1])
+        return {
+            name: filters.force_curves(force[1:], interval, tuple(CURVES)) for name, force in forces.items()
+        }
+
+    @property
+    def lifted(self) -> list[dict[str, Any]]:
+        """Intervals with wheels off the ground: axle, side, start and duration [s], in order."""
+        t, intervals = self.motion.history["t"], []
+        for axle in range(1, len(self.inputs.vehicle.axles) + 1):
+            for side in ("right", "left"):
+                off = self.motion.history[f"load_{side}_{axle}"] <= 0.0
+                edges = np.flatnonzero(np.diff(np.concatenate([[0], off, [0]]))).reshape(-1, 2)
+                intervals += [
+                    {"axle": axle, "side": side, "start": t[k], "duration": t[min(n, len(t) - 1)] - t[k]}
+                    for k, n in edges.tolist()
+                ]
+        return sorted(intervals, key=lambda interval: float(interval["start"]))
+
+    def numbers(self) -> dict[str, Any]:
+        """Return the part `space` of results, SI.
+
+        Forces are those on the wall; those beside the 50 ms mean of the lateral force are at the same instant.
+        """
+        one, history = self.motion.answers, self.motion.history
+        peaks = {name: float(curve.max()) for name, curve in self.curves["lateral"].items()}
+        works = ("wall_work", "friction_work", "tyre_work", "damping_work", "kinetic_energy")
+        return {
+            "outcome": self.motion.outcome,
+            "largest_roll": float(one.largest_roll),
+            "roll_time": float(one.roll_time),
+            "largest_pitch": float(one.largest_pitch),
+            "pitch_time": float(one.pitch_time),
+            "unit_rolls": one.unit_rolls.tolist(),
+            "lowest_wall": self.lowest_wall,
+            "force": {
+                **peaks,
+                "mean_50ms": float(one.mean_50ms),
+                "t": float(one.mean_time),
+                "longitudinal": -float(one.longitudinal),
+                "vertical": -float(one.vertical),
+                "height": float(one.height),
+                "length": float(one.length),
+            },
+            "exit": {
+                "t": float(one.last_contact),
+                "speed": float(one.exit_speed),
+                "direction": float(one.exit_direction),
+                "yaw": float(one.exit_yaw),
+            },
+            "end": float(one.end),
+            "lifted": self.lifted,
+            "energy": {name: float(history[name][-1]) for name in works},
+            "step": self.motion.step,
+            "error": self.motion.error,
+        }
+
+    @property
+    def verdict(self) -> str:
+        """Sentences on the outcome, the lowest wall, and the force with its height."""
+        one, wall = self.motion.answers, float(self.inputs.wall.height)
+        outcome = {
+            "upright": f"The vehicle remains upright with a roll of {measure(abs(one.largest_roll), 'rad', '.1f')}",
+            "on its side": "The vehicle rolls on its side",
+            "over the wall": "The vehicle rolls over the wall",
+        }[self.motion.outcome]
+        lowest = "no wall keeps it upright"
+        if self.lowest_wall == self.lowest_wall:
+            lowest = f"lowest wall that keeps it upright: {_height(self.lowest_wall)}"
+        force = f"{measure(one.mean_50ms, 'N', '.0f')} at a height of {measure(one.height, 'm', '.2f')}"
+        return (
+            f"{outcome}, on a wall of {_height(wall)}; {lowest}. Force in space, largest 50 ms mean: {force}."
+        )
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Sentences on angles, wheels, force and exit."""
+        one = self.motion.answers
+        roll, pitch = (measure(float(angle), "rad", ".1f") for angle in (one.largest_roll, one.largest_pitch))
+        lifts = [
+            f"{lift['side']} of axle {lift['axle']} from {lift['start']:.2f} s for {lift['duration']:.2f} s"
+            for lift in self.lifted
+            if lift["duration"] >= SHORTEST_LIFT
+        ]
+        direction, yaw = (measure(float(angle), "rad", ".1f") for angle in (one.exit_direction, one.exit_yaw))
+        speed = measure(float(one.exit_speed), "m/s", ".1f")
+        return (
+            f"Largest roll {roll} at {one.roll_time:.2f} s, positive towards the wall; largest pitch {pitch} at "
+            f"{one.pitch_time:.2f} s, positive nose down.",
+            f"Wheels off the ground: {'; '.join(lifts) or 'none'}.",
+            f"Last contact at {one.last_contact:.2f} s: speed {speed}, direction {direction} and heading {yaw} away "
+            "from the wall.",
+            f"Time step {self.motion.step:.1e} s; with twice the step roll, force, height and impulse change by at most "
+            f"{percent_up(self.motion.error)}.",
+        )
+
+    def text(self, units: str) -> list[str]:
+        """Return lines for a terminal."""
+        system = SYSTEMS[units]
+        lines = [TITLE, *(f"  {system.rendered(sentence)}" for sentence in (self.verdict, *self.sentences))]
+        for row in self.force_rows:
+            parts = ", ".join(
+                f"{name} {system.rendered(measure(row[name], 'N', '.0f'))}"
+                for name in ("lateral", "longitudinal", "vertical")
+            )
+            lines.append(f"  {row['name']}: {parts}")
+        return lines
+
+    @property
+    def force_rows(self) -> list[dict[str, Any]]:
+        """Peaks of the force on the wall by filter, each component by itself."""
+        return [
+            {"name": label} | {name: float(curves[key].max()) for name, curves in self.curves.items()}
+            for key, label in CURVES.items()
+        ]
+
+
+def _height(height: float) -> str:
+    """Return a height with inches."""
+    return f"{measure(height, 'm', '.3f')} ({height / INCH:.1f} in)"
+
+
+def solve(scene: Scene) -> SpaceAnswer:
+    """Solve the motion of a scene with [body]. Raises RigidBodyError for impossible values."""
+    inputs = space_input(scene)
+    motion = space.solve_space(*inputs.arguments, on_compile=progress.compiling)
+    lowest = float(space.lowest_walls(*inputs.arguments, on_compile=progress.compiling)[0])
+    return SpaceAnswer(scene, inputs, motion, lowest)
+
+
+def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:
+    """Return the motion in space beside the planar one: what the plane leaves out."""
+    one, interval = answer.motion.answers, float(answer.motion.history["t"][1])
+    rows: list[dict[str, Any]] = [
+        {
+            "name": "largest 50 ms mean of the lateral force", "unit": "N",
+            "space": float(one.mean_50ms), "plane": plane.peaks["mean_50ms"],
+        },
+        {
+            "name": "lateral impulse", "unit": "N s",
+            "space": interval * float(answer.motion.history["force_normal"][1:].sum()),
+            "plane": plane.interval * float(plane.history["force_normal"][1:].sum()),
+        },
+        {"name": "speed at the end", "unit": "m/s", "space": _end_speed(answer), "plane": _planar_speed(plane)},
+        {"name": "largest roll", "unit": "deg", "space": float(np.degrees(one.largest_roll)), "plane": None},
+        {"name": "height of the resultant", "unit": "m", "space": float(one.height), "plane": None},
+    ]  # fmt: skip
+    notes = (
+        "The planar vehicle touches the wall at its corners, that in space at its strips; in the plane there is no "
+        "roll, pitch and height.",
+    )
+    return Table(PLANE, rows, notes=notes)
+
+
+def _end_speed(answer: SpaceAnswer) -> float:
+    """Return the horizontal speed of the first unit at the end [m/s]."""
+    h = answer.motion.history
+    return float(np.hypot(h["v_gx"][-1], h["v_gy"][-1]))
+
+
+def _planar_speed(plane: ImpactAnswer) -> float:
+    """Return the speed of the planar vehicle at the end [m/s]."""
+    return float(np.hypot(plane.history["v_gx"][-1], plane.history["v_gy"][-1]))
+
+
+def section(answer: SpaceAnswer, plane: ImpactAnswer) -> Section:
+    """Return the section of a page."""
+    forces = Table(FORCES, answer.force_rows)
+    tables = (forces, plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS))
+    return Section(TITLE, "", (), tables, (answer.verdict, *answer.sentences), "wide")
