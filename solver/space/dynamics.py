@@ -22,6 +22,7 @@ from solver.space.state import (
     BELOW,
     CENTRE,
     COLUMN,
+    COSINE,
     HITCH_X,
     HITCH_Z,
     I_X,
@@ -42,6 +43,7 @@ from solver.space.state import (
     PLACE,
     RATE,
     SHARE,
+    SINE,
     SPEED,
     SPIN,
     TURN,
@@ -92,6 +94,7 @@ def begin_step(bodies, joints, last):
         for j in range(2):
             joints[a, JOINT_NOW + j] = joints[a, JOINT_SPEED + j] + 0.5 * last * joints[a, JOINT_RATE + j]
             joints[a, JOINT_LOAD + j] = 0.0
+        joints[a, COSINE], joints[a, SINE] = np.cos(joints[a, JOINT + 1]), np.sin(joints[a, JOINT + 1])
 
 
 @compiled
@@ -124,7 +127,7 @@ def assemble(units, axles, axle_unit, bodies, joints):
 def _add_axle(axle, b, q):
     """Add an axle to the mass and load of its body, with its joints eliminated."""
     m, inertia, e = axle[AXLE_MASS], axle[AXLE_INERTIA], axle[BELOW]
-    c, s = np.cos(q[JOINT + 1]), np.sin(q[JOINT + 1])
+    c, s = q[COSINE], q[SINE]
     heave_rate, roll_rate = q[JOINT_NOW], q[JOINT_NOW + 1]
     x, y, z = axle[PLACE], e * s, axle[CENTRE] + q[JOINT] - e * c
     by, bz = e * c, e * s

@@ -23,6 +23,7 @@ from solver.space.state import (
     AXLE_MASS,
     CENTRE,
     CORNERING,
+    COSINE,
     DAMPER,
     DAMPING_WORK,
     END,
@@ -44,7 +45,9 @@ from solver.space.state import (
     PLACE,
     PLATEAU,
     PRELOAD,
+    REACH,
     RETURNED,
+    SINE,
     SPREAD,
     SPRING,
     START,
@@ -73,10 +76,7 @@ moves: the force of a step does not reverse the motion that causes it."""
 
 @compiled
 def wall_facets(profile, height, wall):
-    """Set the facets of a wall of this height, and return their number.
-
-    The last facet is infinitely long: the top.
-    """
+    """Set the facets of a wall of this height, and return their number."""
     last = profile.shape[0] - 2
     count = 0
     for k in range(last + 1):
@@ -85,7 +85,9 @@ def wall_facets(profile, height, wall):
             break
         if k == last or z1 > height:
             y1, z1 = y0 + (height - z0) * (y1 - y0) / (z1 - z0), height
+        size = np.hypot(y0 - y1, z1 - z0)
         wall[count, 0], wall[count, 1], wall[count, 2], wall[count, 3] = y0, z0, y1, z1
+        wall[count, 4], wall[count, 5] = (z1 - z0) / size, (y0 - y1) / size
         count += 1
     return count
 
@@ -140,7 +142,7 @@ def press_axles(axles, axle_unit, bodies, joints, sums, h):
 @compiled
 def _press_axle(axle, b, q, sums, h):
     """Add the forces on one axle."""
-    heave, c, s = q[JOINT], np.cos(q[JOINT + 1]), np.sin(q[JOINT + 1])
+    heave, c, s = q[JOINT], q[COSINE], q[SINE]
     heave_rate, roll_rate = q[JOINT_NOW], q[JOINT_NOW + 1]
     for side in (-1.0, 1.0):
         arm = side * axle[HALF_SPACING]
@@ -156,11 +158,14 @@ def _press_axle(axle, b, q, sums, h):
         arm = (2.0 * side - 1.0) * axle[HALF_TRACK]
         y, dz = arm * c + axle[LOWEST] * s, arm * s - axle[LOWEST] * c
         x, z = axle[PLACE], axle[CENTRE] + heave + dz
-        normal = axle[TYRE] * max(-(b[AT + 2] + b[6] * x + b[7] * y + b[8] * z), 0.0)
-        q[WHEEL + side] = normal
-        if normal > 0.0:
+        depth = -(b[AT + 2] + b[6] * x + b[7] * y + b[8] * z)
+        q[WHEEL + side] = axle[TYRE] * max(depth, 0.0)
+        if depth > 0.0:
+            # The forces act at the ground, above the lowest point of the unloaded tyre.
+            x, y, z, dz = x + depth * b[6], y + depth * b[7], z + depth * b[8], dz + depth * b[8]
             vx, vy, _ = point_velocity(b, x, y, z, -dz * roll_rate, heave_rate + y * roll_rate)
             ahead, left = vx * hx + vy * hy, vy * hx - vx * hy
+            normal = axle[TYRE] * depth
             force = side_force(normal, axle[FRICTION], axle[CORNERING], ahead, left)
             add_axle_force(b, q, axle[CENTRE] + heave, x, y, z, -force * hy, force * hx, normal)
             sums[TYRE_WORK] += h * force * left
@@ -192,6 +197,9 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h):
         u, a, points = fleet.strip_unit[k], fleet.strip_axle[k], fleet.strip_points[k]
         b = work.bodies[u]
         q = work.joints[max(a, 0)]  # unused of a strip of the body
+        if b[AT + 1] - units[u, REACH] > toe:
+            deepest, first = max(deepest, toe - b[AT + 1] + units[u, REACH]), first + 2 * points
+            continue
         centre, of_axle = (axles[a, CENTRE], 1.0 / axles[a, AXLE_MASS]) if a >= 0 else (np.nan, 0.0)
         for side in (-1.0, 1.0):
             ax, ay, az, _, _ = _end(strips[k], START, side, centre, q)
@@ -217,7 +225,7 @@ def _end(strip, at, side, centre, q):
     x, y, z = strip[at], side * strip[at + 1], strip[at + 2]
     if np.isnan(centre):
         return x, y, z, 0.0, 0.0
-    c, s = np.cos(q[JOINT + 1]), np.sin(q[JOINT + 1])
+    c, s = q[COSINE], q[SINE]
     y, z = y * c - z * s, y * s + z * c
     return x, y, centre + q[JOINT] + z, -z * q[JOINT_NOW + 1], q[JOINT_NOW] + y * q[JOINT_NOW + 1]
 
@@ -311,10 +319,8 @@ def _face(wall, facets, low, high):
         bottom = wall[k, 1] if k > 0 else min(low, wall[k, 1])
         part = max(min(high, wall[k, 3]) - max(low, bottom), 0.0) / (high - low)
         if part > 0.0:
-            across, up = wall[k, 0] - wall[k, 2], wall[k, 3] - wall[k, 1]
-            size = np.hypot(across, up)
-            ny, nz, weight = ny + part * up / size, nz + part * across / size, weight + part
-    size = np.hypot(ny, nz)
+            ny, nz, weight = ny + part * wall[k, 4], nz + part * wall[k, 5], weight + part
+    size = np.sqrt(ny * ny + nz * nz)
     return (ny / size, nz / size, weight) if size > 0.0 else (1.0, 0.0, 0.0)
 
 

@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-MASS, I_X, I_Y, I_Z, I_XZ, HEIGHT, WHOLE, WHOLE_X, WHOLE_Z, HITCH_X, HITCH_Z, KING_X, KING_Z, TWIST = range(
-    14
-)
+MASS, I_X, I_Y, I_Z, I_XZ, HEIGHT, WHOLE, WHOLE_X, WHOLE_Z = range(9)
+HITCH_X, HITCH_Z, KING_X, KING_Z, TWIST, REACH = range(9, 15)
 """Columns of a unit.
 
 Sprung mass [kg], its inertias and product of inertia [kg m^2], height at rest [m]; whole mass with axles [kg] and its
-centre in the body's axes [m]; hinges to the unit behind and ahead [m]; stiffness in roll of the hinge ahead [N m/rad].
+centre in the body's axes [m]; hinges to the unit behind and ahead [m]; stiffness in roll of the hinge ahead [N m/rad];
+distance of the farthest point that can touch [m].
 """
 
 PLACE, CENTRE, AXLE_MASS, AXLE_INERTIA, BELOW, LOWEST, HALF_TRACK, HALF_SPACING = range(8)
@@ -34,8 +34,6 @@ Both ends, in the body's axes or about the roll centre of its axle, y to the lef
 [N/m^2], plateau [N/m], and slope of unloading [N/m^2], 0 where the returned part of the energy defines it [-]; length
 [m].
 """
-
-UNIT_COLUMNS, AXLE_COLUMNS, STRIP_COLUMNS = 14, 14, 11
 
 FACE, TOP, ABOVE = range(3)
 """Columns of a point of a strip: deepest penetration of the face and of the top [m]; 1 behind the face's upper edge."""
@@ -83,7 +81,7 @@ UPRIGHT, ON_ITS_SIDE, OVER, LOST = range(4)
 class Fleet(NamedTuple):
     """Vehicles of n samples, with columns named above.
 
-    units: shape (n, units, 14); axles: (n, axles, 14); strips: (n, strips, 11), of the right side; axle_unit,
+    units: shape (n, units, 15); axles: (n, axles, 14); strips: (n, strips, 11), of the right side; axle_unit,
     strip_unit: unit of each; strip_axle: axle of each or -1; strip_points: points of each; profile, shape (points, 2):
     of all walls; height, friction: of each wall; speed, angle: of the train at first touch.
     """
@@ -126,30 +124,22 @@ accelerations of velocity and spin over the last step; velocity and spin at this
 body's axes; mass matrix by rows.
 """
 
-JOINT, JOINT_SPEED, JOINT_RATE, JOINT_NOW, JOINT_LOAD, WHEEL, COLUMN, SHARE, AXLE_STATE = (
-    0,
-    2,
-    4,
-    6,
-    8,
-    10,
-    12,
-    24,
-    27,
-)
+JOINT, JOINT_SPEED, JOINT_RATE, JOINT_NOW, JOINT_LOAD, WHEEL = range(0, 12, 2)
+COLUMN, SHARE, COSINE, SINE, AXLE_STATE = 12, 24, 27, 28, 29
 """First columns of the state of an axle.
 
 Heave and roll relative to the body, their rates half a step ago and ahead, accelerations, rates at this instant, and
-loads; loads of the right and left tyres; mass with that of the body, for heave and for roll; inverse of their own mass.
+loads; loads of the right and left tyres; mass with that of the body, for heave and for roll; inverse of the own mass;
+cosine and sine of the roll.
 """
 
 
 class Work(NamedTuple):
     """Workspace of one sample.
 
-    bodies, shape (units, 76); joints, shape (axles, 27); wall, (facets, 4): from y, z to y, z; memory, (points of both
-    sides, 3); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of both units by unit
-    forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 6): means of the rows so far.
+    bodies, shape (units, 76); joints, shape (axles, 29); wall, (facets, 6): from y, z to y, z, and normal; memory,
+    (points of both sides, 3); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of both
+    units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 6): means of the rows so far.
     """
 
     bodies: np.ndarray
@@ -166,7 +156,7 @@ def workspace(units: int, axles: int, points: int, facets: int, rows: int) -> Wo
     """Return a workspace for one sample."""
     hinges = units - 1
     return Work(
-        np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets + 1, 4)),
+        np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 6)),
         np.zeros((2 * points, 3)), np.zeros(10), np.zeros((6 * hinges, 6)),
         np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 6)),
     )  # fmt: skip

@@ -33,6 +33,7 @@ from solver.space.state import (
     CENTRE,
     CENTRE_HEIGHT,
     CONTACT_LENGTH,
+    COSINE,
     END,
     EXIT_ANGLE,
     EXIT_SPEED,
@@ -68,6 +69,7 @@ from solver.space.state import (
     ROLL,
     ROLL_TIME,
     ROWS_WRITTEN,
+    SINE,
     SPEED,
     SPREAD,
     SPRING,
@@ -88,7 +90,7 @@ QUIET, SOONEST = 0.3, 0.6
 """Time without contact that ends a motion [s], and its earliest end [s]."""
 
 LEVEL = 0.02
-"""Roll up to which a unit counts as rolling back [rad]."""
+"""Sine of the roll up to which a unit counts as rolling back."""
 
 RESOLUTION, LOWEST_WALL, HIGHEST_WALL = 1e-3, 0.1, 1.5
 """Resolution and lowest height of the search for a wall [m], and its start over the height of the highest centre."""
@@ -150,7 +152,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     if not _begin(fleet, i, units, axles, strips, facets, clock.given, work):
         answer[OUTCOME] = OVER
         return
-    touched, row, reached, outcome = 0.0, 0, clock.longest, UPRIGHT
+    touched, touching, row, reached, outcome = 0.0, False, 0, clock.longest, UPRIGHT
     before = np.zeros(10)
     for k in range(int(np.ceil(clock.longest / clock.interval * (1.0 - 1e-12))) * parts + 1):
         t, last, ahead = k * h, h if k > 0 else 0.0, h if k > 0 else 0.5 * h
@@ -159,13 +161,19 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
             before[j] = sums[j]
         press_axles(axles, fleet.axle_unit, bodies, joints, sums, ahead)
         depth = press_strips(fleet, i, units, axles, strips, facets, work, ahead)
-        if k // parts < clock.push.shape[0]:
-            _push(clock.push[k // parts], units[0], bodies[0])
+        for row_of_push in range(
+            (k - 1) // parts if k > 0 else 0, k // parts + 1
+        ):  # two at the border of intervals
+            if row_of_push < clock.push.shape[0]:
+                share = 0.5 if k % parts == 0 and k > 0 else 1.0
+                _push(clock.push[row_of_push], share, units[0], bodies[0])
         if units.shape[0] > 1:
             twist_hinges(units, bodies)
         if depth > 0.0:
             touched = t
+        elif touching:
             _leave(units[0], bodies[0], answer)
+        touching = depth > 0.0
         if k % parts == 0:
             for j in range(6):
                 change = sums[j] - before[j]
@@ -187,6 +195,9 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
             close_hinges(units, fleet.axle_unit, work, ahead, h)
         move(bodies, joints, h)
     answer[OUTCOME], answer[REACHED], answer[TOUCHED], answer[ROWS_WRITTEN] = outcome, reached, touched, row
+    if touching:
+        _leave(units[0], bodies[0], answer)
+    answer[PITCH] = np.arcsin(min(max(answer[PITCH], -1.0), 1.0))  # the sine up to here
     _means(work.windows[:row], clock.window, clock.interval, answer)
 
 
@@ -228,16 +239,16 @@ def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
 
 
 @compiled
-def _push(push, unit, b):
-    """Add the force of a history to the first unit.
+def _push(push, share, unit, b):
+    """Add a share of the force of a history to the first unit.
 
     Columns: along, across and up [N], the point's place ahead of the centre of the whole mass along X [m], and its
-    height [m], NaN for that of the centre.
+    height [m], NaN for that of the centre. The centre is that with the axles at rest on the body.
     """
     x, y, z = rotated(b, unit[WHOLE_X], 0.0, unit[WHOLE_Z])
     height = z if np.isnan(push[4]) else push[4] - b[AT + 2]
     x, y, z = turned_back(b, x + push[3], y, height)
-    add_force(b, x, y, z, push[0], push[1], push[2])
+    add_force(b, x, y, z, share * push[0], share * push[1], share * push[2])
 
 
 @compiled
@@ -259,16 +270,18 @@ def _verdict(units, bodies, joints, edge, t, answer, rolls):
     outcome, rising = UPRIGHT, False
     for u in range(units.shape[0]):
         b = bodies[u]
-        roll, pitch = np.arctan2(b[7], b[8]), -np.arcsin(min(max(b[6], -1.0), 1.0))
-        if abs(roll) > abs(rolls[u]):
-            rolls[u] = roll
-        if abs(roll) > abs(answer[ROLL]):
-            answer[ROLL], answer[ROLL_TIME] = roll, t
-        if abs(pitch) > abs(answer[PITCH]):
-            answer[PITCH], answer[PITCH_TIME] = pitch, t
-        rising = rising or (abs(roll) > LEVEL and roll * b[NOW + 3] > 0.0)
+        sine, roll = abs(b[7]), rolls[u]
+        if sine > abs(roll) * b[8]:  # the tangent is larger than the angle: few angles are computed in vain
+            roll = np.arctan2(b[7], b[8])
+            if abs(roll) > abs(rolls[u]):
+                rolls[u] = roll
+            if abs(roll) > abs(answer[ROLL]):
+                answer[ROLL], answer[ROLL_TIME] = roll, t
+        if abs(b[6]) > abs(answer[PITCH]):
+            answer[PITCH], answer[PITCH_TIME] = -b[6], t
+        rising = rising or (sine > LEVEL and b[7] * b[NOW + 3] > 0.0)
         beyond = edge - b[AT + 1] - b[3] * units[u, WHOLE_X] - b[5] * units[u, WHOLE_Z]
-        if not np.isfinite(beyond + roll):
+        if not np.isfinite(beyond + sine):
             outcome = LOST
         elif b[8] <= 0.0:
             outcome = OVER if beyond > 0.0 else ON_ITS_SIDE
@@ -341,7 +354,7 @@ def _record(units, axles, axle_unit, work, forces, row):
 @compiled
 def _record_axle(axle, b, q, row, column):
     """Add an axle to place and velocity of its unit's row, and return its kinetic energy."""
-    c, s, rate = np.cos(q[JOINT + 1]), np.sin(q[JOINT + 1]), q[JOINT_NOW + 1]
+    c, s, rate = q[COSINE], q[SINE], q[JOINT_NOW + 1]
     x, y, z = axle[PLACE], axle[BELOW] * s, axle[CENTRE] + q[JOINT] - axle[BELOW] * c
     px, py, pz = rotated(b, x, y, z)
     vx, vy, vz = point_velocity(b, x, y, z, axle[BELOW] * c * rate, q[JOINT_NOW] + axle[BELOW] * s * rate)

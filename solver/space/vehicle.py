@@ -8,6 +8,7 @@ from the levers of the axles, of more than two from loads that vary linearly alo
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import reduce
 from itertools import pairwise
 from typing import Any
 
@@ -28,6 +29,9 @@ ROLL_STIFFNESS = 3.55e6
 
 AXLE_GYRATION = math.sqrt(1.0 / 6.0)
 """Assumed radius of gyration of an axle over the track: half of its mass in the wheels, half along the beam."""
+
+SLACK = 1.0
+"""Largest heave of an axle that is assumed where the distance from the wall is judged [m]."""
 
 LONGEST_UPRIGHT, LONGEST_ALONG = 0.05, 0.25
 """Largest lengths of a point of a strip, upright and along the vehicle [m]."""
@@ -345,7 +349,18 @@ def _unit(vehicle: SpaceVehicle, index: int) -> list[Number]:
     behind = vehicle.units[index + 1] if index + 1 < len(vehicle.units) else unit
     hitch = -behind.hitch - place, behind.hitch_height - height
     kingpin = -unit.kingpin - place, unit.hitch_height - height
-    return [mass, *inertias, product, height, unit.mass, x, z, *hitch, *kingpin, unit.roll_stiffness]
+    reach = _reach(vehicle, index, place, height)
+    return [mass, *inertias, product, height, unit.mass, x, z, *hitch, *kingpin, unit.roll_stiffness, reach]
+
+
+def _reach(vehicle: SpaceVehicle, index: int, place: Number, height: Number) -> Number:
+    """Return the distance of the farthest point that can touch from the sprung centre of mass [m]."""
+    unit = vehicle.units[index]
+    along = np.maximum(np.abs(place), np.abs(unit.length + place))
+    levels = [level for strip in vehicle.strips if strip.unit == index for level in strip.height]
+    up = reduce(np.maximum, (np.abs(level - height) for level in levels), np.float64(0.0))
+    result: Number = SLACK + np.sqrt(along**2 + up**2 + 0.25 * np.square(unit.width))
+    return result
 
 
 def _axle(vehicle: SpaceVehicle, index: int, load: Array) -> list[Number]:

@@ -1,0 +1,487 @@
+"""Verification: the vehicle in space against closed forms and independent solutions."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
+from scipy.optimize import root
+from space_vehicles import ANGLE, FAR, MASS, SPEED, axle, truck, truck_unit
+
+from machine_code.compiled import compiled
+from solver.body import GRAVITY
+from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact
+from solver.space import SpaceVehicle, SpaceWall, Strip, solve_space
+from solver.space import state as columns
+from solver.space.dynamics import assemble, begin_step, kick, move
+from solver.space.vehicle import AXLE_GYRATION, fleet_of
+
+LOW = SpaceWall(0.02)
+"""A wall that no strip of the tests touches."""
+
+
+def pushed(vehicle, push, interval, step, end):
+    """Return the history of a vehicle at rest under a force."""
+    return solve_space(
+        vehicle, LOW, 0.0, 1e-12, interval=interval, step=step, end=end, push=np.atleast_2d(push)
+    ).history
+
+
+def constant(intervals, **force):
+    """Return a constant push: along, across, up, ahead, height."""
+    row = [force.get(name, 0.0) for name in ("along", "across", "up", "ahead")] + [
+        force.get("height", np.nan)
+    ]
+    return np.tile(row, (intervals, 1))
+
+
+@compiled
+def fly(units, axles, axle_unit, bodies, joints, h, steps, spins):
+    """Follow free bodies, and store the spin of the first in its own axes after each step."""
+    for k in range(steps):
+        begin_step(bodies, joints, h if k > 0 else 0.0)
+        assemble(units, axles, axle_unit, bodies, joints)
+        kick(axle_unit, bodies, joints, h if k > 0 else 0.5 * h)
+        for j in range(3):
+            spins[k, j] = bodies[0, 31 + j]
+        move(bodies, joints, h)
+    begin_step(bodies, joints, h)
+
+
+def flown(inertias, spin, h, duration):
+    """Return rotation matrices, spins and velocities of a free body without axles."""
+    units = np.zeros((1, 15))
+    units[0, columns.MASS] = 1000.0
+    units[0, columns.I_X : columns.I_Z + 1] = inertias
+    bodies, steps = np.zeros((1, columns.BODY_STATE)), round(duration / h)
+    bodies[0, columns.TURN], bodies[0, columns.SPIN : columns.SPIN + 3] = 1.0, spin
+    spins, none = np.zeros((steps, 3)), np.zeros((0, columns.AXLE_STATE))
+    fly(units, np.zeros((0, 14)), np.zeros(0, dtype=np.int64), bodies, none, h, steps, spins)
+    return bodies[0, :9].reshape(3, 3), spins, bodies[0, columns.NOW + 3 : columns.NOW + 6]
+
+
+def test_free_body_with_three_unequal_inertias():
+    """Kinetic energy and angular momentum in space are constant over 10 s; the spin tumbles about the middle axis."""
+    inertias, spin = np.array([1000.0, 2000.0, 2700.0]), np.array([0.1, 0.6, 0.05])
+    rotation, spins, last = flown(inertias, spin, 1e-5, 10.0)
+    energy = (inertias * spins**2).sum(axis=1)
+    assert np.abs(energy / (inertias @ spin**2) - 1.0).max() < 1e-9
+    momentum = inertias * spin
+    assert np.abs(rotation @ (inertias * last) - momentum).max() < 1e-9 * np.linalg.norm(momentum)
+    assert np.ptp(spins[:, 0]) > 0.1
+
+
+def test_symmetric_top_precesses():
+    """The spin across the axis turns in the body at (I3/I1 - 1) w3: in space the axis precesses at L/I1."""
+    across, along, rate = 1000.0, 1600.0, 1.5
+    inertias, spin, h, duration = (across, across, along), np.array([0.3, 0.0, rate]), 1e-4, 10.0
+    _, spins, _ = flown(inertias, spin, h, duration)
+    angle = np.unwrap(np.arctan2(spins[:, 1], spins[:, 0]))
+    t = h * np.arange(len(angle))
+    assert np.polyfit(t, angle, 1)[0] == pytest.approx((along / across - 1.0) * rate, rel=1e-6)
+
+
+def test_free_vehicle_conserves_angular_momentum():
+    """Body and axles together, free of springs, about their centre of mass in free fall."""
+    vehicle = truck(friction=0.0)
+    fleet = fleet_of(vehicle, LOW, 0.0, 0.1)
+    units, axles = fleet.units[0], fleet.axles[0]
+    bodies, joints, steps, h = (
+        np.zeros((1, columns.BODY_STATE)),
+        np.zeros((2, columns.AXLE_STATE)),
+        2000,
+        1e-4,
+    )
+    bodies[0, columns.TURN], bodies[0, columns.SPIN : columns.SPIN + 3] = 1.0, (0.5, 0.3, 0.4)
+    joints[:, columns.JOINT_SPEED : columns.JOINT_SPEED + 2] = ((0.1, 0.3), (-0.2, 0.2))
+    spins = np.zeros((steps, 3))
+
+    def momentum():
+        b, total, first, mass = bodies[0], np.zeros(3), np.zeros(3), units[0, columns.MASS]
+        rotation, now = b[:9].reshape(3, 3), b[columns.NOW :]
+        ix, iy, iz, xz = units[0, columns.I_X : columns.I_XZ + 1]
+        tensor = np.array([[ix, 0.0, -xz], [0.0, iy, 0.0], [-xz, 0.0, iz]])
+        speed = now[:3]
+        parts = [(mass, np.zeros(3), speed, rotation @ tensor @ now[3:6])]
+        for row, q in zip(axles, joints, strict=True):
+            roll, roll_rate = q[columns.JOINT + 1], q[columns.JOINT_NOW + 1]
+            rod = np.array([0.0, math.cos(roll), math.sin(roll)])
+            below = row[columns.BELOW] * np.array([0.0, math.sin(roll), -math.cos(roll)])
+            place = np.array([row[columns.PLACE], 0.0, row[columns.CENTRE] + q[columns.JOINT]]) + below
+            own = np.array([0.0, 0.0, q[columns.JOINT_NOW]]) + np.cross([roll_rate, 0.0, 0.0], below)
+            velocity = speed + rotation @ (np.cross(now[3:6], place) + own)
+            turning = now[3:6] + np.array([roll_rate, 0.0, 0.0])
+            inertia = row[columns.AXLE_INERTIA] * (turning - rod * (rod @ turning))
+            parts.append((row[columns.AXLE_MASS], rotation @ place, velocity, rotation @ inertia))
+        masses = np.array([part[0] for part in parts])
+        centre = sum(m * place for m, place, _, _ in parts) / masses.sum()
+        drift = sum(m * velocity for m, _, velocity, _ in parts) / masses.sum()
+        for m, place, velocity, inner in parts:
+            total += inner + np.cross(place - centre, m * (velocity - drift))
+            first += m * velocity
+        return total, drift
+
+    begin_step(bodies, joints, 0.0)
+    before, start = momentum()
+    fly(units, axles, fleet.axle_unit, bodies, joints, h, steps, spins)
+    after, drift = momentum()
+    assert np.abs(after - before).max() < 1e-6 * np.linalg.norm(before)
+    assert drift[2] - start[2] == pytest.approx(-GRAVITY * steps * h, rel=1e-9)
+    assert abs(joints[0, columns.JOINT]) > 0.01
+
+
+def test_vehicle_at_rest_stands_on_its_axles():
+    """Axle loads follow from levers; nothing moves within 2 s."""
+    vehicle = truck()
+    h = solve_space(vehicle, SpaceWall(0.9), 0.0, 0.3, end=2.0, step=1e-3).history
+    rear = MASS * GRAVITY * (5.0 - 1.2) / 6.0
+    for side in ("left", "right"):
+        assert h[f"load_{side}_2"] == pytest.approx(0.5 * rear, rel=1e-9)
+        assert h[f"load_{side}_1"] == pytest.approx(0.5 * (MASS * GRAVITY - rear), rel=1e-9)
+    assert np.ptp(h["z_g"]) < 1e-9
+    assert np.abs(h["roll"]).max() < 1e-9
+    assert np.abs(h["pitch"]).max() < 1e-9
+
+
+def axle_weights(vehicle):
+    """Return the loads of two axles by levers [N]."""
+    unit, (front, rear) = vehicle.units[0], vehicle.axles
+    behind = unit.mass * GRAVITY * (unit.centre_of_mass - front.position) / (rear.position - front.position)
+    return unit.mass * GRAVITY - behind, behind
+
+
+class TenDegrees:
+    """A truck with two axles in ten coordinates, written independently: the sprung centre's place, three angles, and
+    heave and roll of each axle relative to the body."""
+
+    def __init__(self, vehicle):
+        unit, self.axles = vehicle.units[0], vehicle.axles
+        self.sprung = unit.mass - sum(a.mass for a in self.axles)
+        self.x = (
+            -unit.mass * unit.centre_of_mass + sum(a.mass * a.position for a in self.axles)
+        ) / self.sprung
+        self.z = (unit.mass * unit.centre_height - sum(a.mass * a.radius for a in self.axles)) / self.sprung
+        self.loads = axle_weights(vehicle)
+        self.rods = [a.mass * (AXLE_GYRATION * a.track) ** 2 for a in self.axles]
+        places = [
+            np.array([self.x, 0.0, self.z]),
+            *(np.array([-a.position, 0.0, a.radius]) for a in self.axles),
+        ]
+        arms = [place - np.array([-unit.centre_of_mass, 0.0, unit.centre_height]) for place in places]
+        self.tensor = np.diag([unit.roll_inertia, unit.pitch_inertia, unit.yaw_inertia])
+        for m, r in zip((self.sprung, *(a.mass for a in self.axles)), arms, strict=True):
+            self.tensor -= m * (r @ r * np.eye(3) - np.outer(r, r))
+        self.tensor -= np.diag([sum(self.rods), 0.0, sum(self.rods)])
+
+    def place(self, c, at, number=None):
+        """Return where a point of the body, or of an axle, is at these coordinates."""
+        at = np.array(at, dtype=float)
+        if number is not None:
+            centre = np.array([0.0, 0.0, self.axles[number].roll_centre])
+            a = c[7 + 2 * number]
+            tilt = np.array([[1, 0, 0], [0, math.cos(a), -math.sin(a)], [0, math.sin(a), math.cos(a)]])
+            at = tilt @ (at - centre) + centre + np.array([0.0, 0.0, c[6 + 2 * number]])
+        return (
+            np.array([self.x, 0.0, self.z])
+            + c[:3]
+            + rotation_of(c[3:6]) @ (at - np.array([self.x, 0.0, self.z]))
+        )
+
+    def potential(self, c):
+        """Return the energy of gravity, springs and tyres [J]."""
+        total = self.sprung * GRAVITY * c[2]
+        for number, (a, load) in enumerate(zip(self.axles, self.loads, strict=True)):
+            total += a.mass * GRAVITY * self.place(c, (-a.position, 0.0, a.radius), number)[2]
+            for side in (-0.5, 0.5):
+                closing = c[6 + 2 * number] + side * a.spacing * math.sin(c[7 + 2 * number])
+                total += 0.5 * a.spring * closing**2 + 0.5 * (load - a.mass * GRAVITY) * closing
+                lowest = (-a.position, side * a.track, -0.5 * load / a.tyre)
+                total += 0.5 * a.tyre * max(-self.place(c, lowest, number)[2], 0.0) ** 2
+        return total
+
+    def stiffness(self):
+        """Return the second derivatives of the potential at rest."""
+        step, size = 1e-4, 10
+        shifts = step * np.eye(size)
+        matrix = np.zeros((size, size))
+        for i in range(size):
+            for j in range(i + 1):
+                signs = ((1, 1), (1, -1), (-1, 1), (-1, -1))
+                values = [a * b * self.potential(a * shifts[i] + b * shifts[j]) for a, b in signs]
+                matrix[i, j] = matrix[j, i] = math.fsum(values) / (4.0 * step**2)
+        return matrix
+
+    def jacobian(self, at, number=None):
+        """Return the derivatives of a point's place by the coordinates, shape (3, 10)."""
+        shifts = 1e-5 * np.eye(10)
+        return np.array([(self.place(d, at, number) - self.place(-d, at, number)) / 2e-5 for d in shifts]).T
+
+    def mass(self):
+        """Return the mass matrix at rest."""
+        rows = self.jacobian((self.x, 0.0, self.z))
+        matrix = self.sprung * rows.T @ rows
+        matrix[3:6, 3:6] += self.tensor
+        for number, (a, rod) in enumerate(zip(self.axles, self.rods, strict=True)):
+            rows = self.jacobian((-a.position, 0.0, a.radius), number)
+            matrix += a.mass * rows.T @ rows
+            turning = np.zeros((2, 10))
+            turning[0, 3] = turning[0, 7 + 2 * number] = turning[1, 5] = 1.0
+            matrix += rod * turning.T @ turning
+        return matrix
+
+
+def rotation_of(angles):
+    """Return the rotation by roll, pitch and yaw."""
+    (cx, cy, cz), (sx, sy, sz) = np.cos(angles), np.sin(angles)
+    roll = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    pitch = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    yaw = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    return yaw @ pitch @ roll
+
+
+@pytest.mark.parametrize("force", [{"across": 0.1}, {"up": 0.3, "ahead": 2.0}])
+def test_small_motions_are_those_of_ten_linear_degrees(force):
+    """Heave, pitch and roll by a small constant force follow from scipy.linalg.eigh of the ten-degree system."""
+    undamped = truck(friction=0.0, damping_ratio=0.0)
+    model = TenDegrees(undamped)
+    squares, modes = eigh(model.stiffness(), model.mass())
+    interval, end = 5e-3, 2.0
+    h = pushed(undamped, constant(round(end / interval), height=1.35, **force), interval, 5e-5, end)
+    at = np.array([-5.0 + force.get("ahead", 0.0), 0.0, 1.35])
+    load = np.array([0.0, force.get("across", 0.0), force.get("up", 0.0)])
+    t, response = h["t"], np.zeros((h["t"].size, 10))
+    for square, mode, amount in zip(squares, modes.T, modes.T @ model.jacobian(at).T @ load, strict=True):
+        rate = math.sqrt(abs(square))
+        factor = 0.5 * t**2 if rate < 0.05 else (1.0 - np.cos(rate * t)) / square
+        response += np.outer(amount * factor, mode)
+    names = (
+        {"pitch": 4, "heave_1": 6, "heave_2": 8}
+        if "up" in force
+        else {"roll": 3, "axle_roll_1": 7, "axle_roll_2": 9}
+    )
+    for name, column in names.items():
+        scale = np.abs(response[:, column]).max()
+        assert scale > 1e-9
+        assert np.abs(h[name] - response[:, column]).max() < 1e-5 * scale, name
+
+
+def test_rates_of_the_linear_system_are_those_of_a_truck():
+    """The ten-degree system itself: three rates are zero, no other, and heave is near that of springs in series."""
+    model = TenDegrees(truck(friction=0.0))
+    rates = np.sqrt(np.abs(eigh(model.stiffness(), model.mass(), eigvals_only=True))) / (2.0 * math.pi)
+    assert (rates < 0.01).sum() == 3
+    series = sum(2.0 / (1.0 / a.spring + 1.0 / a.tyre) for a in model.axles)
+    assert np.abs(rates - math.sqrt(series / MASS) / (2.0 * math.pi)).min() < 0.1
+
+
+TILTED = SpaceVehicle(
+    (truck_unit(),), (axle(2.0, friction=3.0, roll_centre=0.6), axle(8.0, friction=3.0, roll_centre=0.6)), FAR
+)
+"""A truck with equal axles, whose tilt is a plane problem."""
+
+
+def tilt(c, force):
+    """Return what must vanish at rest in the plane under a side force at the centre: forces on body and axles.
+
+    c: height of the centre less that at rest, roll of the body, heave and roll of both axles. Written by moments.
+    """
+    unit, a = TILTED.units[0], TILTED.axles[0]
+    weight, load = MASS * GRAVITY, 0.5 * MASS * GRAVITY
+    sprung, below = MASS - 2.0 * a.mass, a.roll_centre - a.radius
+    height = (MASS * unit.centre_height - 2.0 * a.mass * a.radius) / sprung
+    lift, roll, heave, joint = c
+    up, left = np.array([-math.sin(roll), math.cos(roll)]), np.array([math.cos(roll), math.sin(roll)])
+    centre = np.array([0.0, height + lift])
+    pivot = centre + (a.roll_centre - height + heave) * up
+    turned = np.array([[math.cos(joint), -math.sin(joint)], [math.sin(joint), math.cos(joint)]])
+    basis = np.array([left, up]).T
+    own = pivot + basis @ turned @ [0.0, -below]
+    point = centre + (unit.centre_height - height) * up  # of the force, fixed to the body
+    loads, feet = [], []
+    for side in (-0.5, 0.5):
+        foot = pivot + basis @ turned @ [side * a.track, -a.roll_centre - 0.5 * load / a.tyre]
+        loads.append(-2.0 * a.tyre * foot[1])
+        feet.append(foot[0])
+    preload = load - a.mass * GRAVITY
+    springs = [
+        0.5 * preload + a.spring * (heave + side * a.spacing * math.sin(joint)) for side in (-0.5, 0.5)
+    ]
+    # Both axles together; the ground pushes up by the loads, and to the side by the force.
+    upward = sum(loads) - weight
+    of_axles = (2.0 * a.mass * np.array([0.0, -GRAVITY]) + np.array([-force, sum(loads)])) @ up - 2.0 * sum(
+        springs
+    )
+    about = -force * point[1] + sum(n * (x - point[0]) for n, x in zip(loads, feet, strict=True))
+    about -= GRAVITY * (sprung * (centre[0] - point[0]) + 2.0 * a.mass * (own[0] - point[0]))
+    about_pivot = sum(n * (x - pivot[0]) for n, x in zip(loads, feet, strict=True)) - force * pivot[1]
+    about_pivot -= 2.0 * a.mass * GRAVITY * (own[0] - pivot[0])
+    about_pivot -= 2.0 * sum(
+        n * side * a.spacing * math.cos(joint) for n, side in zip(springs, (-0.5, 0.5), strict=True)
+    )
+    return [upward, of_axles, about, about_pivot], loads
+
+
+def balanced(function, guess):
+    """Return where a function vanishes."""
+    solution = root(function, guess, tol=1e-13).x
+    assert np.abs(function(solution)).max() < 1e-4
+    return solution
+
+
+@pytest.fixture(scope="module")
+def lifting():
+    """Return the force that unloads the right wheels, and the state of rest near it."""
+    rest = np.array([0.0, -1e-3, 0.0, -1e-3])
+
+    def unloaded(values):
+        balance, loads = tilt(values[:4], 1e4 * values[4])
+        return [*balance, loads[0]]
+
+    for force in np.arange(1e3, 4e4, 1e3):
+        rest = balanced(lambda c, f=force: tilt(c, f)[0], rest)
+    return 1e4 * balanced(unloaded, [*rest, 4.0])[4], rest
+
+
+def tilted(force):
+    """Return the history under a side force that grows slowly to this value."""
+    grown = np.clip((np.arange(4000) + 0.5) / 3000.0, 0.0, 1.0)
+    rise = grown**3 * (10.0 - 15.0 * grown + 6.0 * grown**2)
+    push = np.outer(force * rise, [0.0, 1.0, 0.0, 0.0, 0.0])
+    push[:, 4] = np.nan
+    damped = replace(TILTED, axles=tuple(replace(a, damping_ratio=0.6) for a in TILTED.axles))
+    return pushed(damped, push, 2e-2, 1e-3, 80.0)
+
+
+@pytest.mark.parametrize("part", [0.5, 0.9])
+def test_tilt_by_a_side_force(lifting, part):
+    """Static roll by springs and tyres in series, with the lever of the leaning body."""
+    limit, rest = lifting
+    assert 0.6 < limit / (MASS * GRAVITY * 0.5 * 1.85 / 1.35) < 0.95  # the body's lean takes the rest
+    expected = balanced(lambda c: tilt(c, part * limit)[0], rest)
+    h = tilted(part * limit)
+    assert h["roll"][-1] == pytest.approx(expected[1], rel=1e-4)
+    assert h["axle_roll_1"][-1] == pytest.approx(expected[3], rel=1e-4)
+    assert h["load_left_1"][-1] == pytest.approx(0.5 * tilt(expected, part * limit)[1][1], rel=1e-4)
+
+
+def test_wheels_lift_at_the_force_of_equilibrium(lifting):
+    """The load of the right wheels vanishes within 1e-4 of that force."""
+    limit, _ = lifting
+    assert tilted((1.0 - 1e-4) * limit)["load_right_1"].min() > 0.0
+    assert tilted((1.0 + 1e-4) * limit)["load_right_1"].min() == 0.0
+
+
+def corners(x, y):
+    """Return both corners as strips of a height of 0.1 m, of 2 MN/m each."""
+    return tuple(Strip((at, at), (0.5, 0.6), 2e7, plateau=3.5e6, restitution=0.225) for at in (x, y))
+
+
+HELD = 1e14
+"""Inertia that holds roll and pitch [kg m^2]."""
+
+
+def test_held_vehicle_is_the_planar_one():
+    """With roll and pitch held, and corners at one height, every strike is that of the planar vehicle."""
+    unit = truck_unit(roll_inertia=HELD, pitch_inertia=HELD)
+    vehicle = SpaceVehicle((unit,), truck(friction=0.0, roll_centre=0.5).axles, corners(0.0, 10.0))
+    step = 1e-5
+    h = solve_space(
+        vehicle, SpaceWall(1.0, friction=0.35), SPEED, ANGLE, interval=2e-5, step=step, end=0.52
+    ).history
+    body = ImpactVehicle(10.0, 2.438, MASS)
+    law = WallContact(CrushLaw(2e6, 0.0, 0.225, 3.5e5), 0.35)
+    plane = solve_impact(body, law, first_touch(body, ANGLE, SPEED), end=0.52, step=step)
+    force, t = h["force_normal"], h["t"]
+    for strike in plane.strikes[:2]:
+        during = (t > strike.start - 5e-3) & (t < strike.end + 5e-3)
+        assert 2e-5 * force[during].sum() == pytest.approx(strike.impulse, rel=1e-6)
+        assert force[during].max() == pytest.approx(strike.peak_force, rel=1e-6)
+        edges = t[during][np.flatnonzero(force[during] > 0.0)[[0, -1]]]
+        assert edges == pytest.approx([strike.start, strike.end], abs=4e-5)
+    at = plane.at(0.5)
+    k = round(0.5 / 2e-5)
+    for name, value in (("v_gx", at.v_gx), ("v_gy", at.v_gy), ("omega_z", at.omega), ("yaw", -at.theta)):
+        assert h[name][k] == pytest.approx(value, rel=1e-5, abs=1e-6), name
+
+
+def test_stiff_springs_roll_as_heave_and_roll_of_one_body():
+    """Rigid springs and a held pitch: the plane system of heave and roll on unilateral tyres, integrated by SciPy."""
+    height, stiffness, half = 0.81, 1.2e6, 0.925
+    unit = truck_unit(pitch_inertia=HELD)
+    axles = tuple(
+        axle(at, 800.0, 1e11, 0.5 * stiffness, roll_centre=0.5, damping_ratio=0.0, spacing=2.0)
+        for at in (2.0, 8.0)
+    )
+    vehicle = SpaceVehicle((unit,), axles, FAR)
+    end, interval = 1.2, 5e-3
+    times = interval * (np.arange(round(end / interval)) + 0.5)
+    pulse = lambda t: 2.2e5 * math.sin(math.pi * min(t / 0.3, 1.0)) ** 2  # noqa: E731
+    push = np.array([[0.0, -pulse(t), 0.0, 0.0, height] for t in times])
+    h = solve_space(vehicle, LOW, 0.0, 1e-9, interval=interval, step=2e-6, end=end, push=push).history
+
+    def rates(t, state):
+        z, roll, v, w = state
+        force = push[min(int(t / interval), len(push) - 1), 1]
+        total, moment = -MASS * GRAVITY, -force * (height - z)
+        for side in (-half, half):
+            arm = side * math.cos(roll) + (1.35 + 0.25 * MASS * GRAVITY / (0.5 * stiffness)) * math.sin(roll)
+            depth = -(z + side * math.sin(roll) - (1.35 + 0.5 * MASS * GRAVITY / stiffness) * math.cos(roll))
+            load = stiffness * max(depth, 0.0)
+            total, moment = total + load, moment + load * arm
+        return [v, w, total / MASS, moment / 12070.0]
+
+    state, rolls = [1.35, 0.0, 0.0, 0.0], [0.0]
+    for k in range(len(push)):
+        state = solve_ivp(
+            rates,
+            (k * interval, (k + 1 - 1e-9) * interval),
+            state,
+            method="DOP853",
+            rtol=1e-10,
+            atol=1e-12,
+            max_step=1e-3,
+        ).y[:, -1]
+        rolls.append(state[1])
+    assert max(map(abs, rolls)) > 0.1
+    assert np.abs(h["roll"] - rolls).max() < 1e-4 * max(map(abs, rolls))
+
+
+@pytest.mark.parametrize("profile", ["vertical", "new-jersey"])
+def test_energy_balance(profile):
+    """Kinetic energy, gravity, springs and tyres against the works of wall, friction, side forces and dampers."""
+    motion = solve_space(truck(), SpaceWall(0.81, profile, 0.35), SPEED, ANGLE, step=2e-5)
+    h = motion.history
+    energy = h["kinetic_energy"] + h["gravity_energy"] + h["spring_energy"] + h["tyre_energy"]
+    works = h["wall_work"] + h["friction_work"] + h["tyre_work"] + h["damping_work"]
+    assert np.abs(energy - energy[0] - works).max() < 1e-6 * energy[0]
+    for name in ("friction_work", "tyre_work", "damping_work"):
+        assert h[name][-1] < -1e3
+        assert np.diff(h[name]).max() <= 1e-6
+
+
+def test_momentum_is_that_of_the_forces():
+    """The lateral impulse of the wall alone changes the lateral momentum of a vehicle without tyres' side forces."""
+    h = solve_space(truck(friction=0.0), SpaceWall(0.9, friction=0.35), SPEED, ANGLE, step=2e-4).history
+    for force, speed in (("force_normal", "v_gy"), ("force_tangential", "v_gx")):
+        impulse = 5e-4 * np.cumsum(h[force])
+        assert (
+            np.abs(impulse - MASS * (h[speed] - h[speed][0])).max()
+            < 1e-3 * impulse[-1] ** 2 / abs(impulse[-1]) + 1.0
+        )
+
+
+def test_second_order_by_a_smooth_force():
+    """The error of roll and yaw decreases with the square of the step."""
+    vehicle, interval, end = truck(), 8e-3, 0.8
+    times = interval * (np.arange(round(end / interval)) + 0.5)
+    push = np.array([[0.0, 6e4 * math.sin(math.pi * t / end) ** 2, 0.0, 1.0, 1.0] for t in times])
+    ends = []
+    for step in (1e-3, 5e-4, 2.5e-4, 1.25e-4, 4e-6):
+        h = solve_space(vehicle, LOW, SPEED, 0.01, interval=interval, step=step, end=end, push=push).history
+        ends.append([h["roll"][-1], h["yaw"][-1], h["pitch"][-1]])
+    errors = np.abs(np.array(ends[:-1]) - ends[-1])
+    for column in errors.T:
+        assert np.polyfit(np.log([1, 2, 4, 8]), -np.log(column), 1)[0] == pytest.approx(2.0, abs=0.1)
+    assert errors[-1].max() < 1e-5
