@@ -143,7 +143,9 @@ CENTRE_ABOVE = Rule(
 )
 STRIP_AT = Rule("strip", "a strip is a part of its vehicle", "from 0 to the length, {length:.6g} m")
 STRIP_HEIGHT = Rule(
-    "strip", "a strip is a part of its vehicle", "up to twice the height of the centre of mass, {most:.6g} m"
+    "strip",
+    "a strip is a part of its vehicle",
+    "up to three times the height of the centre of mass, {most:.6g} m",
 )
 STRIP_LENGTH = Rule("strip", "the strip has no length", "two heights upwards, or two places rearwards")
 INSET = Rule(

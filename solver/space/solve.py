@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +22,8 @@ OUTCOMES = ("upright", "on its side", "over the wall", "lost")
 WINDOW, LONGEST = 0.05, 4.0
 """Duration of the mean of the design force, and latest end of a motion [s]."""
 
-INTERVAL, MANY_INTERVAL = 5e-4, 1e-3
-"""Time between rows of one motion and of many [s]."""
+INTERVAL, MANY_INTERVAL, SEARCH_INTERVAL = 5e-4, 1e-3, 2e-3
+"""Time between rows of one motion, of many, and in the search for a wall [s]."""
 
 PHASE, MANY_PHASE = 0.2, 0.4
 """Step times the rate of the fastest oscillation on the first attempt at one motion, and of many [rad]."""
@@ -228,6 +228,8 @@ def lowest_walls(
 ) -> Array:
     """Return the lowest walls above which n vehicles remain upright [m].
 
+    Walls from there up to the height of the highest centre of mass are tried in steps of `scan`.
+
     Parameters
     ----------
     vehicle, wall, speed, angle
@@ -240,7 +242,7 @@ def lowest_walls(
     Returns
     -------
     ndarray, shape (n,)
-        NaN where a wall 1.5 times as high as the highest centre of mass does not suffice; 0.1 where any wall does.
+        NaN where a wall as high as the highest centre of mass does not suffice; 0.1 where any wall does.
 
     Raises
     ------
@@ -248,7 +250,7 @@ def lowest_walls(
         As `solve_spaces`.
     """
     fleet = fleet_of(vehicle, wall, speed, angle)
-    clock = _clock(MANY_INTERVAL, _parts(fleet, MANY_INTERVAL, MANY_PHASE, None), None, NO_PUSH)
+    clock = _clock(SEARCH_INTERVAL, _parts(fleet, SEARCH_INTERVAL, MANY_PHASE, None), None, NO_PUSH)
     lowest = np.empty(len(fleet.units))
     arguments = fleet, clock, _workspace(fleet, clock), scan, lowest
     compile_once(lambda: find_lowest_walls(*arguments), find_lowest_walls, *arguments, on_compile=on_compile)
@@ -285,7 +287,7 @@ def _run(
     answers, rolls = np.zeros((n, state.ANSWERS)), np.zeros((n, units))
     arguments = fleet, clock, work, rows, answers, rolls
     compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
-    columns = dict(zip(SpaceAnswers._fields[:-1], answers.T, strict=True))
+    columns: dict[str, Any] = dict(zip(SpaceAnswers._fields[:-1], answers.T, strict=True))
     columns |= {name: columns[name].astype(np.int64) for name in ("outcome", "rows")}
     return SpaceAnswers(**columns, unit_rolls=rolls), rows[0]
 

@@ -4,8 +4,8 @@ A step evaluates the forces at the positions of an instant, advances the velocit
 a step after, then the positions to the next instant. Forces that depend on velocities take those at the instant, from
 the velocities half a step before and the last accelerations. The scheme is of second order.
 
-A motion ends with a unit that has rolled by 90 deg; or where the wall has not touched for `QUIET`, all wheels are
-loaded and all units roll back; or at the longest time.
+A motion ends with a unit that has rolled by 90 deg; or where the wall has not pushed for `QUIET` by more than the tenth
+of its largest force, all wheels are loaded and all units roll back; or at the longest time.
 """
 
 import numpy as np
@@ -77,6 +77,7 @@ from solver.space.state import (
     STATION,
     TOUCHED,
     TURN,
+    TWIST,
     TYRE,
     UP,
     UPRIGHT,
@@ -86,14 +87,15 @@ from solver.space.state import (
     WHOLE_Z,
 )
 
-QUIET, SOONEST = 0.3, 0.6
-"""Time without contact that ends a motion [s], and its earliest end [s]."""
+QUIET, SOONEST, LEANING = 0.3, 0.6, 0.1
+"""Time without force of the wall that ends a motion [s], its earliest end [s], and the force over the largest up to
+which a vehicle merely leans on the wall."""
 
 LEVEL = 0.02
 """Sine of the roll up to which a unit counts as rolling back."""
 
-RESOLUTION, LOWEST_WALL, HIGHEST_WALL = 1e-3, 0.1, 1.5
-"""Resolution and lowest height of the search for a wall [m], and its start over the height of the highest centre."""
+RESOLUTION, LOWEST_WALL = 1e-3, 0.1
+"""Resolution and lowest height of the search for a wall [m]."""
 
 
 @compiled
@@ -111,13 +113,14 @@ def advance(fleet, clock, work, rows, answers, rolls):
 def lowest_walls(fleet, clock, work, scan, lowest):
     """Find for every sample the lowest wall above which it remains upright.
 
-    scan: steps downwards before the bisection [m]; lowest, shape (n,): NaN where the highest wall does not suffice.
+    scan: steps downwards from the height of the highest centre of mass, before the bisection [m]; lowest, shape (n,):
+    NaN where a wall of that height does not suffice.
     """
     rows, answer, rolls = np.zeros((0, 0)), np.zeros(ANSWERS), np.zeros(fleet.units.shape[1])
     for i in range(fleet.units.shape[0]):
         holds, fails = np.nan, LOWEST_WALL
         for u in range(fleet.units.shape[1]):
-            centre = HIGHEST_WALL * (fleet.units[i, u, HEIGHT] + fleet.units[i, u, WHOLE_Z])
+            centre = fleet.units[i, u, HEIGHT] + fleet.units[i, u, WHOLE_Z]
             holds = centre if u == 0 else max(holds, centre)
         _follow(fleet, clock, i, holds, work, rows, answer, rolls)
         if answer[OUTCOME] != UPRIGHT:
@@ -152,7 +155,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     if not _begin(fleet, i, units, axles, strips, facets, clock.given, work):
         answer[OUTCOME] = OVER
         return
-    touched, touching, row, reached, outcome = 0.0, False, 0, clock.longest, UPRIGHT
+    touched, largest, touching, row, reached, outcome = 0.0, 0.0, False, 0, clock.longest, UPRIGHT
     before = np.zeros(10)
     for k in range(int(np.ceil(clock.longest / clock.interval * (1.0 - 1e-12))) * parts + 1):
         t, last, ahead = k * h, h if k > 0 else 0.0, h if k > 0 else 0.5 * h
@@ -169,9 +172,11 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
                 _push(clock.push[row_of_push], share, units[0], bodies[0])
         if units.shape[0] > 1:
             twist_hinges(units, bodies)
-        if depth > 0.0:
+        force = sums[LATERAL] - before[LATERAL]
+        largest = max(largest, force)
+        if force > LEANING * largest:
             touched = t
-        elif touching:
+        if touching and depth <= 0.0:
             _leave(units[0], bodies[0], answer)
         touching = depth > 0.0
         if k % parts == 0:
@@ -339,6 +344,10 @@ def _record(units, axles, axle_unit, work, forces, row):
         row[column + 4] = -np.arcsin(min(max(b[6], -1.0), 1.0))
         row[column + 5] = np.arctan2(b[7], b[8])
         row[column + 9], row[column + 10], row[column + 11] = rotated(b, wx, wy, wz)
+        if u > 0:
+            ahead = work.bodies[u - 1]
+            sine = ahead[1] * b[2] + ahead[4] * b[5] + ahead[7] * b[8]
+            spring += 0.5 * body[TWIST] * sine * sine
         column += 12
     for a in range(axles.shape[0]):
         axle, q = axles[a], work.joints[a]

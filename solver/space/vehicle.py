@@ -8,7 +8,6 @@ from the levers of the axles, of more than two from loads that vary linearly alo
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 from itertools import pairwise
 from typing import Any
 
@@ -200,7 +199,7 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
     RigidBodyError
         For values that are impossible, with the key of the scene.
     """
-    points = profile_points(wall.profile)
+    profile = profile_points(wall.profile)
     Gate().positive(rules.WALL_HEIGHT, number("height", wall.height))
     Gate().not_negative(rules.FRICTION, number("friction", wall.friction))
     _demand_counts(vehicle)
@@ -209,11 +208,11 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
             _demand_values(table, index, record)
     of_sample = (wall.height, wall.friction, speed, angle)
     n = _samples(vehicle, of_sample)
-    loads = _loads(vehicle, n)
     units = _columns([_unit(vehicle, index) for index in range(len(vehicle.units))], n)
+    loads = _loads(vehicle, n)
     axles = _columns([_axle(vehicle, a, loads[a]) for a in range(len(vehicle.axles))], n)
     strips = _columns([_strip(vehicle, k) for k in range(len(vehicle.strips))], n)
-    numbers = [
+    of_axles, of_strips, carriers, points = (
         np.array(values, dtype=np.int64)
         for values in (
             [axle.unit for axle in vehicle.axles],
@@ -221,9 +220,13 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
             [strip.axle for strip in vehicle.strips],
             [_points_of(strip) for strip in vehicle.strips],
         )
-    ]
-    values = (np.ascontiguousarray(np.broadcast_to(value, n), dtype=np.float64) for value in of_sample)
-    return Fleet(units, axles, strips, *numbers, points, *values)
+    )
+    heights, friction, speeds, angles = (
+        np.ascontiguousarray(np.broadcast_to(value, n), dtype=np.float64) for value in of_sample
+    )
+    return Fleet(
+        units, axles, strips, of_axles, of_strips, carriers, points, profile, heights, friction, speeds, angles
+    )  # fmt: skip
 
 
 def _samples(vehicle: SpaceVehicle, others: Sequence[Number]) -> int:
@@ -358,7 +361,9 @@ def _reach(vehicle: SpaceVehicle, index: int, place: Number, height: Number) -> 
     unit = vehicle.units[index]
     along = np.maximum(np.abs(place), np.abs(unit.length + place))
     levels = [level for strip in vehicle.strips if strip.unit == index for level in strip.height]
-    up = reduce(np.maximum, (np.abs(level - height) for level in levels), np.float64(0.0))
+    up: Any = np.float64(0.0)
+    for level in levels:
+        up = np.maximum(up, np.abs(level - height))
     result: Number = SLACK + np.sqrt(along**2 + up**2 + 0.25 * np.square(unit.width))
     return result
 
@@ -398,7 +403,7 @@ def _demand_strip(vehicle: SpaceVehicle, index: int, unit: SpaceUnit) -> None:
     gate, ends = Gate(), np.array(np.broadcast_arrays(*strip.at, unit.length))
     inside = (ends[:2] >= 0.0) & (ends[:2] <= ends[2])
     gate.demand(rules.STRIP_AT._replace(key=f"{key}.at"), inside, ends[:2], length=ends[2])
-    low, high, most = np.broadcast_arrays(*strip.height, 2.0 * np.asarray(unit.centre_height))
+    low, high, most = np.broadcast_arrays(*strip.height, 3.0 * np.asarray(unit.centre_height))
     gate.demand(
         rules.STRIP_HEIGHT._replace(key=f"{key}.height"), (high <= most) & (low <= most), high, most=most
     )

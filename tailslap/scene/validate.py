@@ -368,6 +368,13 @@ def _check_space(scene: schema.Scene) -> None:
     _refuse(scene, "with [body] the wall is rigid; remove this key", *(f"wall.{key}" for key in keys))
     if not scene.needed_contact.crushes:
         raise InputError("contact.stiffness", Missing, "this key is required with [body]")
+    for unit in range(1, len(scene.units) + 1):
+        count, least = sum(axle.unit == unit for axle in scene.axle), 2 if unit == 1 else 1
+        if count < least:
+            why = f"with [body] unit {unit} of the train requires at least {least}"
+            raise InputError("axle", Verbatim(f"{count} tables of this unit"), why)
+    if not scene.strip:
+        raise InputError("strip", Missing, "with [body] at least one strip of the vehicle can touch the wall")
     for number, strip in enumerate(scene.strip):
         if strip.unit > len(scene.units):
             raise InputError(f"strip.{number}.unit", strip.unit, f"allowed are 1 to {len(scene.units)}")

@@ -18,7 +18,13 @@ def graph():
 
 
 STEPS = ("step", "trajectories", "solve", "tyres")
-COMPILED = {"solver.space.forces", "solver.space.step", "solver.space.dynamics", "solver.space.solve", *(f"solver.impact.{name}" for name in STEPS)}
+COMPILED = {
+    "solver.space.forces",
+    "solver.space.step",
+    "solver.space.dynamics",
+    "solver.space.solve",
+    *(f"solver.impact.{name}" for name in STEPS),
+}
 """Modules of compiled steps."""
 
 

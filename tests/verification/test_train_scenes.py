@@ -9,7 +9,6 @@ import pytest
 
 import tailslap
 from postprocess.units import SI
-from solver.tipping import RollingVehicle, lowest_walls
 from tailslap.case import case_of
 from tailslap.case.impact.answers import LARGEST, ImpactAnswer, both_strikes
 from tailslap.case.impact.case import ImpactCase
@@ -172,32 +171,6 @@ def test_what_no_unit_can_have_is_refused_by_its_key(changes, key):
     with pytest.raises(InputError) as caught:
         case_of(*vary(Source(given=SCENE), changes))
     assert caught.value.key == key
-
-
-ROLL = {"wall_height": 1.0, "centre_height": 1.4, "track": 1.85, "suspension": 3e6}
-
-
-def test_each_unit_of_a_train_rolls_by_the_force_on_it():
-    """The unit that needs the higher wall stands for the train; a key of a trailer is its own."""
-    case = train(tipping=ROLL, **{"trailer.0.centre_height": 1.9})
-    found = case.rigid_numbers()["tipping"]
-    history, units = case.answer.history, found["units"]
-    assert len(units) == len(case.motion.vehicles)
-    assert found["lowest_safe_wall"] == max(unit["lowest_safe_wall"] for unit in units)
-    mass, width = case.scene.trailer[0].mass, case.scene.trailer[0].width
-    trailer = RollingVehicle(mass, 1.9, mass * (0.45 * width) ** 2, 1.85, 3e6)
-    alone = lowest_walls(trailer, history["force_normal_2"][1:], case.answer.interval)
-    assert units[1]["lowest_safe_wall"] == float(alone)
-    total = sum(history[f"force_normal_{number}"] for number in range(1, len(units) + 1))
-    assert total == pytest.approx(history["force_normal"], abs=1e-3 * total.max())
-
-
-def test_refusals_of_a_trailer_s_roll():
-    key, wide = "trailer.0.track", {"tipping": ROLL, "trailer.0.track": 2.8}
-    for changes in ({key: 1.8}, wide):
-        with pytest.raises(InputError) as caught:
-            train(**changes)
-        assert caught.value.key == key
 
 
 def test_the_set_up_names_and_draws_every_unit(case):

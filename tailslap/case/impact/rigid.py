@@ -117,7 +117,7 @@ class RigidImpact(Case):
         """Raise InputError for an impossible vehicle, or without an impact."""
         if self.scene.impact is None or self.scene.contact is None:
             raise InputError("contact", Missing, "a whole impact needs this table and [impact]")
-        _ = self.touch
+        _ = self.touch, self.space_input
         assert self.motion.strikes or self.scene.time.end
 
     @cached_property
@@ -310,14 +310,24 @@ class RigidImpact(Case):
         return [*parts, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
 
     @cached_property
-    def space(self) -> Any:
-        """Motion of the vehicle in space, None without [body]."""
+    def space_input(self) -> Any:
+        """Vehicle in space, None without [body]. Raises InputError for impossible values."""
         if self.scene.body is None:
             return None
         from tailslap.case.impact import space
 
         with refusals(self.scene):
-            return space.solve(self.scene)
+            return space.space_input(self.scene)
+
+    @cached_property
+    def space(self) -> Any:
+        """Motion of the vehicle in space, None without [body]."""
+        if self.space_input is None:
+            return None
+        from tailslap.case.impact import space
+
+        with refusals(self.scene):
+            return space.solve(self.space_input)
 
     def force_sentence(self, answer: answers.ImpactAnswer, reliable: bool = True) -> str:
         """Return a sentence on the largest 50 ms mean and the roll."""

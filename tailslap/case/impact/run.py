@@ -17,7 +17,7 @@ from fem.plate.properties import ModelError
 from solver.impact import ImpactMotion, Strike
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
-from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method
+from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
 from tailslap.case.plate_input import refusal
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar
@@ -129,7 +129,7 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
         answer = _answer(fe_plan, run)
         last = answers.last_awaited(answer.strikes, answer.units)
         leans = last is not None and last.cut and not in_progress(last)
-        awaited = (last.end + fe_plan.case.after_second) if last else BEYOND * until
+        awaited = (last.end + AFTER_SECOND) if last else BEYOND * until
         if (now < awaited and not leans) or any(map(in_progress, answer.strikes)):
             return False
         return not any(map(in_progress, rigid_motion(fe_plan.case, now).strikes))

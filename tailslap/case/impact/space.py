@@ -13,7 +13,7 @@ from postprocess.signals import filters
 from postprocess.units import SYSTEMS, measure, percent_up
 from solver import space
 from solver.conditions import Number
-from solver.space.vehicle import DAMPING_RATIO, GYRATION, ROLL_CENTRE, ROLL_STIFFNESS
+from solver.space.vehicle import DAMPING_RATIO, GYRATION, ROLL_CENTRE, ROLL_STIFFNESS, fleet_of
 from tailslap import progress
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.scene.schema import Scene, value_at
@@ -81,6 +81,11 @@ def space_input(scene: Scene, values: Mapping[str, Number] | None = None) -> Spa
     -------
     SpaceInput
         For `solver.space`.
+
+    Raises
+    ------
+    RigidBodyError
+        For impossible values.
     """
     values = values or {}
 
@@ -93,9 +98,11 @@ def space_input(scene: Scene, values: Mapping[str, Number] | None = None) -> Spa
     strips = tuple(_strip(scene, number, value) for number in range(len(scene.strip)))
     assert scene.wall
     wall = space.SpaceWall(value("wall.height"), scene.wall.profile or "vertical", value("contact.friction"))
-    return SpaceInput(
+    inputs = SpaceInput(
         space.SpaceVehicle(units, axles, strips), wall, value("impact.speed"), value("impact.angle")
     )
+    fleet_of(*inputs.arguments)
+    return inputs
 
 
 def _unit(scene: Scene, number: int, value: Any, values: Mapping[str, Number]) -> space.SpaceUnit:
@@ -149,8 +156,6 @@ class SpaceAnswer:
 
     Attributes
     ----------
-    scene : Scene
-        With [body].
     inputs : SpaceInput
         Of the motion.
     motion : SpaceMotion
@@ -159,7 +164,6 @@ class SpaceAnswer:
         Lowest wall above which the vehicle remains upright [m]; NaN where no wall does.
     """
 
-    scene: Scene
     inputs: SpaceInput
     motion: space.SpaceMotion
     lowest_wall: float
@@ -232,15 +236,16 @@ class SpaceAnswer:
     def verdict(self) -> str:
         """Sentences on the outcome, the lowest wall, and the force with its height."""
         one, wall = self.motion.answers, float(self.inputs.wall.height)
+        roll = measure(abs(float(one.largest_roll)), "rad", ".1f")
         outcome = {
-            "upright": f"The vehicle remains upright with a roll of {measure(abs(one.largest_roll), 'rad', '.1f')}",
+            "upright": f"The vehicle remains upright with a roll of {roll}",
             "on its side": "The vehicle rolls on its side",
             "over the wall": "The vehicle rolls over the wall",
         }[self.motion.outcome]
         lowest = "no wall keeps it upright"
         if self.lowest_wall == self.lowest_wall:
             lowest = f"lowest wall that keeps it upright: {_height(self.lowest_wall)}"
-        force = f"{measure(one.mean_50ms, 'N', '.0f')} at a height of {measure(one.height, 'm', '.2f')}"
+        force = f"{measure(float(one.mean_50ms), 'N', '.0f')} at a height of {measure(float(one.height), 'm', '.2f')}"
         return (
             f"{outcome}, on a wall of {_height(wall)}; {lowest}. Force in space, largest 50 ms mean: {force}."
         )
@@ -263,8 +268,8 @@ class SpaceAnswer:
             f"Wheels off the ground: {'; '.join(lifts) or 'none'}.",
             f"Last contact at {one.last_contact:.2f} s: speed {speed}, direction {direction} and heading {yaw} away "
             "from the wall.",
-            f"Time step {self.motion.step:.1e} s; with twice the step roll, force, height and impulse change by at most "
-            f"{percent_up(self.motion.error)}.",
+            f"Time step {self.motion.step:.1e} s; with twice the step roll, force, height and impulse change by at "
+            f"most {percent_up(self.motion.error)}.",
         )
 
     def text(self, units: str) -> list[str]:
@@ -293,12 +298,11 @@ def _height(height: float) -> str:
     return f"{measure(height, 'm', '.3f')} ({height / INCH:.1f} in)"
 
 
-def solve(scene: Scene) -> SpaceAnswer:
-    """Solve the motion of a scene with [body]. Raises RigidBodyError for impossible values."""
-    inputs = space_input(scene)
+def solve(inputs: SpaceInput) -> SpaceAnswer:
+    """Solve the motion of a vehicle. Raises RigidBodyError for steps that are too short."""
     motion = space.solve_space(*inputs.arguments, on_compile=progress.compiling)
     lowest = float(space.lowest_walls(*inputs.arguments, on_compile=progress.compiling)[0])
-    return SpaceAnswer(scene, inputs, motion, lowest)
+    return SpaceAnswer(inputs, motion, lowest)
 
 
 def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:

@@ -1,0 +1,127 @@
+"""Verification: wrong input of the vehicle in space is refused with key, given and allowed values; profiles."""
+
+import math
+import tomllib
+
+import numpy as np
+import pytest
+from space_vehicles import truck, truck_unit
+
+import tailslap
+from solver import RigidBodyError
+from solver.space import SpaceWall, profile_points, solve_space, solve_spaces
+from solver.space.wall import face_at
+
+SCENE = "impact-tipping-tl4-sut"
+
+
+def refused(changes):
+    """Return the error of a scene with changed keys."""
+    with pytest.raises(tailslap.InputError) as caught:
+        tailslap.rigid(SCENE, changes=changes)
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "allowed"),
+    [
+        ({"axle.1.position": "11 m"}, "axle.1.position", "10 m"),
+        ({"axle.0.position": "6 m"}, "axle.1.position", "before and behind the centre"),
+        ({"axle": None}, "axle", "at least 2"),
+        ({"strip": None}, "strip", "at least one strip"),
+        ({"strip.3.height": ["49 in", "5 m"]}, "strip.3.height", "4.05 m"),
+        ({"strip.0.at": "12 m"}, "strip.0.at", "10 m"),
+        ({"strip.0.height": ["0.9 m", "0.45 m"]}, "strip.0.height", "upwards"),
+        ({"strip.0.inset": "1.3 m"}, "strip.0.inset", "1.219 m"),
+        ({"strip.1.axle": 5}, "strip.1.axle", "0, 1"),
+        ({"strip.0.unit": 2}, "strip.0.unit", "1 to 1"),
+        ({"body.centre_height": "0.4 m"}, "body.centre_height", "0.5 m"),
+        ({"body.centre_height": math.nan}, "body.centre_height", "from 0.05"),
+        ({"body.roll_inertia": "100 kg m^2"}, "body.roll_inertia", "more than"),
+        ({"axle.0.mass": "9.5 t"}, "vehicle.mass", "more than the axles"),
+        ({"axle.0.tyre": None}, "axle.0.tyre", "required"),
+        ({"wall.profile": [[0, 0], [0.1, 0.9]]}, "wall.profile", "y not"),
+        ({"wall.profile": [[0, 0], [-0.1, 0.5], [-0.2, 0.4]]}, "wall.profile", "z growing"),
+        ({"wall.profile": [[0, 0]]}, "wall.profile", "at least two points"),
+        ({"wall.profile": "jersey"}, "wall.profile", "new-jersey"),
+        ({"wall.height": None}, "wall.height", "required"),
+        ({"wall.foundation_stiffness": 1e6}, "wall.foundation_stiffness", "rigid"),
+        ({"wall.elements": [3, 3]}, "wall.elements", "rigid"),
+        (
+            {"contact.stiffness": None, "contact.plateau_force": None, "contact.restitution": None},
+            "contact.stiffness",
+            "required",
+        ),
+    ],
+)
+def test_wrong_values_are_refused_with_their_key(changes, key, allowed):
+    error = refused(changes)
+    assert error.key == key
+    assert allowed in str(error)
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes", "key"),
+    [
+        ("mash-tl4-sut", {"body.centre_height": 1.3}, "body"),
+        ("impact-mash-tl4-sut", {"axle.0.track": "1.85 m"}, "axle.0.track"),
+        ("impact-mash-tl4-sut", {"wall.height": "32 in"}, "wall.length"),
+    ],
+)
+def test_keys_of_space_require_a_body(scene, changes, key):
+    with pytest.raises(tailslap.InputError) as caught:
+        tailslap.rigid(scene, changes=changes)
+    assert caught.value.key == key
+
+
+def test_values_that_are_not_finite_are_refused():
+    with pytest.raises(RigidBodyError, match=r"body.roll_inertia is nan, but it is not a finite number"):
+        solve_space(truck(truck_unit(roll_inertia=math.nan)), SpaceWall(0.9), 25.0, 0.26)
+
+
+def test_arrays_of_different_sizes_are_refused():
+    with pytest.raises(RigidBodyError, match="samples"):
+        solve_spaces(truck(truck_unit(mass=np.full(3, 9979.0))), SpaceWall(np.full(2, 0.9)), 25.0, 0.26)
+
+
+def test_named_profiles_have_their_published_points():
+    """New Jersey: 3 in upright, 55 deg to 13 in high and 7 in back; F-shape: 10 and 5 in; 84 deg above."""
+    inch = 0.0254
+    for name, height, back in (("new-jersey", 13, 7), ("f-shape", 10, 5)):
+        points = profile_points(name)
+        assert face_at(points, np.array([0.0, 3 * inch, height * inch])) == pytest.approx(
+            [0.0, 0.0, -back * inch]
+        )
+        assert math.degrees(math.atan2(height - 3, back)) == pytest.approx(55.0, abs=0.6)
+        above = face_at(points, height * inch + np.array([0.0, 0.4]))
+        assert math.degrees(math.atan2(0.4, above[0] - above[1])) == pytest.approx(84.0)
+    slope = face_at(profile_points("single-slope"), np.array([0.0, 0.9]))
+    assert math.degrees(math.atan2(slope[0] - slope[1], 0.9)) == pytest.approx(11.0)
+
+
+def test_results_have_the_keys_of_the_interface():
+    space = tailslap.rigid(SCENE).summary["space"]
+    assert space["outcome"] in ("upright", "on its side", "over the wall")
+    assert {"raw", "mean_50ms", "height", "length"} <= set(space["force"])
+    assert 0.1 <= space["lowest_wall"] <= 0.914
+    assert 0.0 < space["largest_roll"] < math.pi / 2
+
+
+def test_scene_without_a_body_loads_no_space():
+    """A scene pays only for what it has: the packages of the vehicle in space are not imported."""
+    import subprocess
+    import sys
+
+    code = (
+        "import sys, tailslap; tailslap.rigid('impact-mash-tl4-sut'); "
+        "print([name for name in sys.modules if name.startswith('solver.space')])"
+    )
+    output = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert output.stdout.strip() == "[]"
+
+
+def test_shipped_scene_is_a_scene_file():
+    from importlib import resources
+
+    text = resources.files("tailslap.scene").joinpath(f"shipped/{SCENE}.toml").read_text("utf-8")
+    assert len(tomllib.loads(text)["strip"]) == 4

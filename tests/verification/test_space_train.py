@@ -1,0 +1,93 @@
+"""Verification: trains in space: rest, energy, hinges that stay closed, and the planar train."""
+
+import math
+
+import numpy as np
+import pytest
+from space_vehicles import ANGLE, SPEED, train
+
+from solver.impact import CrushLaw, HitchedVehicle, ImpactVehicle, WallContact, first_touch, solve_impact
+from solver.space import SpaceWall, Strip, solve_space
+
+STRIPS = (
+    Strip((0.0, 0.0), (0.45, 1.0), 4e6, plateau=7e5, restitution=0.225),
+    Strip((5.4, 5.4), (0.05, 1.0), 2e6, plateau=4e5, restitution=0.225, axle=1),
+    Strip((1.0, 14.6), (1.2, 1.2), 1e6, plateau=6e4, restitution=0.225, unit=1),
+    Strip((13.0, 13.0), (0.05, 1.0), 4e6, plateau=8e5, restitution=0.225, axle=4, unit=1),
+    Strip((14.6, 14.6), (1.2, 3.5), 2e6, plateau=3e5, restitution=0.225, unit=1),
+)
+WALL = SpaceWall(1.0668, friction=0.35)
+
+
+@pytest.fixture(scope="module")
+def motion():
+    """Return the train on a wall of 42 in."""
+    return solve_space(train(STRIPS), WALL, 50 * 0.44704, ANGLE, step=1e-4)
+
+
+def test_train_at_rest_stays():
+    """The kingpin carries its part of the trailer; nothing moves within 1 s."""
+    h = solve_space(train(STRIPS), WALL, 0.0, 0.3, end=1.0, step=1e-3).history
+    for name in ("z_g", "z_g_2", "pitch", "pitch_2", "roll", "roll_2"):
+        assert np.ptp(h[name]) < 1e-12, name
+    total = sum(h[f"load_{side}_{number}"][-1] for side in ("left", "right") for number in range(1, 6))
+    assert total == pytest.approx((8200.0 + 27770.0) * 9.80665, rel=1e-12)
+    rear = 27770.0 * 9.80665 * (7.0 - 0.9) / (12.8 - 0.9)
+    assert sum(
+        h[f"load_{side}_{number}"][-1] for side in ("left", "right") for number in (4, 5)
+    ) == pytest.approx(rear, rel=1e-12)
+
+
+def test_energy_balance_of_a_train(motion):
+    """Hinges take no energy besides that of their stiffness in roll."""
+    h = motion.history
+    energy = h["kinetic_energy"] + h["gravity_energy"] + h["spring_energy"] + h["tyre_energy"]
+    works = h["wall_work"] + h["friction_work"] + h["tyre_work"] + h["damping_work"]
+    assert np.abs(energy - energy[0] - works).max() < 1e-6 * energy[0]
+    assert np.abs(h["roll_2"]).max() > 0.1
+
+
+def test_hinge_stays_closed(motion):
+    """Both units have the hinge at one point; in roll it is twisted by at most its moment over the stiffness."""
+    h = motion.history
+    yaw = [h["yaw"], h["yaw_2"]]
+    level = np.abs(h["roll"]) + np.abs(h["roll_2"]) < 0.02
+    ends = [
+        np.array([h[f"x_g{end}"] + arm * np.cos(angle), h[f"y_g{end}"] + arm * np.sin(angle)])
+        for end, arm, angle in (("", 2.3 - 5.4, yaw[0]), ("_2", 7.0 - 0.9, yaw[1]))
+    ]
+    assert level.sum() > 100
+    assert np.abs(ends[0] - ends[1])[:, level].max() < 2e-2  # the roll moves the centres to the side
+
+
+def test_held_train_is_the_planar_one():
+    """With roll and pitch held, and corners at one height, impulses and velocities are those of the planar train."""
+    corners = ((0.0, 0, 3.5e6), (6.4, 0, 3.5e6), (0.0, 1, 8.75e6), (14.6, 1, 8.75e6))
+    strips = tuple(
+        Strip((at, at), (0.5, 0.6), 2e7, plateau=most, restitution=0.225, unit=unit)
+        for at, unit, most in corners
+    )
+    held = train(strips, friction=0.0, roll_centre=0.5, roll_inertia=1e14, pitch_inertia=1e14)
+    h = solve_space(
+        held, SpaceWall(1.0, friction=0.35), SPEED, ANGLE, interval=4e-5, step=4e-5, end=0.72
+    ).history
+    laws = [WallContact(CrushLaw(2e6, 0.0, 0.225, most), 0.35) for most in (3.5e5, 8.75e5)]
+    tractor, trailer = (
+        ImpactVehicle(6.4, 2.5, 8200.0, 2.3, 3e4),
+        ImpactVehicle(14.6, 2.6, 27770.0, 7.0, 4.5e5),
+    )
+    hitched = (HitchedVehicle(trailer, laws[1], 5.4, 0.9),)
+    start = first_touch(tractor, ANGLE, SPEED, hitched)
+    plane = solve_impact(tractor, laws[0], start, end=0.72, trailers=hitched, tolerance=1e-6)
+    force, t = h["force_normal"], h["t"]
+    for strikes in ([0], [1, 2], [3], [4]):  # of the second and third the contacts overlap
+        few = [plane.strikes[number] for number in strikes]
+        during = (t > min(s.start for s in few) - 1e-3) & (t < max(s.end for s in few) + 1e-3)
+        assert 4e-5 * force[during].sum() == pytest.approx(math.fsum(s.impulse for s in few), rel=1e-6)
+    at = plane.at(0.7)
+    k = round(0.7 / 4e-5)
+    for end in ("", "_2"):
+        for name, column in (("v_gx", "v_gx"), ("v_gy", "v_gy"), ("omega", "omega_z")):
+            assert h[f"{column}{end}"][k] == pytest.approx(
+                float(getattr(at, f"{name}{end}")), rel=1e-5, abs=1e-5
+            )
