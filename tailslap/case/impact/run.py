@@ -17,7 +17,7 @@ from fem.plate.properties import ModelError
 from solver.impact import ImpactMotion, Strike
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
-from tailslap.case.impact.rigid import LONGEST, RigidImpact, paper_method
+from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
 from tailslap.case.plate_input import refusal
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar
@@ -109,7 +109,7 @@ def rigid_motion(case: RigidImpact, end: float) -> ImpactMotion:
 def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = None) -> ImpactRun:
     """Integrate the model to the impact's end.
 
-    It is the scene's end, or `after_second` after the second strike, for a train after that of its last rear, not
+    It is the scene's end, or `AFTER_SECOND` after the second strike, for a train after that of its last rear, not
     before the rigid vehicle's end, and when neither is in a strike. snapshots: number of instants at which the motion
     of all nodes is stored; end: another end [s].
     """
@@ -129,7 +129,7 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
         answer = _answer(fe_plan, run)
         last = answers.last_awaited(answer.strikes, answer.units)
         leans = last is not None and last.cut and not in_progress(last)
-        awaited = (last.end + fe_plan.case.after_second) if last else BEYOND * until
+        awaited = (last.end + AFTER_SECOND) if last else BEYOND * until
         if (now < awaited and not leans) or any(map(in_progress, answer.strikes)):
             return False
         return not any(map(in_progress, rigid_motion(fe_plan.case, now).strikes))
