@@ -3,11 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from postprocess.report.page import Section
+from postprocess.report.page import Picture, Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
 from postprocess.units import SYSTEMS, measure, percent_up
@@ -28,8 +29,8 @@ FORCES = (
 )
 PLANE = (
     Column("name", "Quantity"),
-    Column("space", "In space", form="#.4g", style="strong"),
-    Column("plane", "In the plane", form="#.4g"),
+    Column("space", "In space", form="#.4g", style="strong", unit_key="unit"),
+    Column("plane", "In the plane", form="#.4g", unit_key="unit"),
     Column("unit", "Unit", is_unit=True),
 )
 LIMITS = (
@@ -336,8 +337,11 @@ def _planar_speed(plane: ImpactAnswer) -> float:
     return float(np.hypot(plane.history["v_gx"][-1], plane.history["v_gy"][-1]))
 
 
-def section(answer: SpaceAnswer, plane: ImpactAnswer) -> Section:
-    """Return the section of a page."""
+def section(answer: SpaceAnswer, plane: ImpactAnswer, film: Path | None = None) -> Section:
+    """Return the section of a page, with the animation if it is drawn."""
+    from tailslap.case.impact import space_figures
+
     forces = Table(FORCES, answer.force_rows)
     tables = (forces, plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS))
-    return Section(TITLE, "", (), tables, (answer.verdict, *answer.sentences), "wide")
+    figures = [*space_figures.charts(answer), *([Picture(film, space_figures.FILM)] if film else [])]
+    return Section(TITLE, "", figures, tables, (answer.verdict, *answer.sentences), "wide")
