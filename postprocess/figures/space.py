@@ -345,7 +345,7 @@ def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Ch
 
 
 def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
-    """Return the views of an animation, from behind and from above; the latter moves with the first unit."""
+    """Return the views of an animation, from behind and from above, the latter about the first unit."""
     unit, first = (
         leaning_unit(vehicle, history),
         np.stack([history["x_g"], 0.0 * history["x_g"]], axis=-1)[:, None],

@@ -77,9 +77,9 @@ def test_a_corner_is_rotated_about_the_centre_of_mass(angles, corner):
 
 
 def test_wheels_follow_heave_and_roll_of_their_axle():
-    """The axle rolls about its roll centre, and the body moves so that the common centre of mass remains.
+    """The axle rolls about its roll centre, and the body is displaced so that the common centre of mass remains.
 
-    Rear axle, 0.1 of the mass: heave 0.2 m, roll with sine 0.6; its centre moves by -0.1 (0.6, 0.8 - 1) + (0, 0.2) m.
+    Rear axle, 0.1 of the mass: heave 0.2 m, roll with sine 0.6, which displaces its centre by (0.06, 0.02 + 0.2) m.
     """
     h = history(heave_2=0.2, axle_roll_2=ROLL)
     centre_y, centre_z = 0.1 * 0.6, 0.6 + 0.2 - 0.1 * 0.8
@@ -180,7 +180,7 @@ def test_a_train_has_a_line_for_each_unit():
 
 
 def test_an_animation_has_both_views(tmp_path):
-    """The plan moves with the first unit; frames of a rolling vehicle differ."""
+    """The plan is about the first unit; frames of a rolling vehicle differ."""
     from PIL import Image
 
     h = history(6, x_g=np.arange(6.0), y_g=2.0, roll=0.1 * np.arange(6))
@@ -207,8 +207,9 @@ def test_drawn_tyres_are_compressed_by_their_loads(changes):
     from tailslap.scene.read import read_scene
 
     answer = case.solve(read_scene("impact-tipping-tl4-sut", changes)[0])
-    h, drawn = answer.motion.history, geometry(answer)
-    for number, axle in enumerate(answer.inputs.vehicle.axles):
+    vehicle, wall, motion = answer.inputs.vehicle, answer.inputs.wall, answer.motion
+    h, drawn = motion.history, geometry(vehicle, wall)
+    for number, axle in enumerate(vehicle.axles):
         at_rest = h[f"load_right_{number + 1}"][0] / axle.tyre
         lowest = [(-axle.position, side * 0.5 * axle.track, -at_rest) for side in (-1.0, 1.0)]
         depth = -space.moved(drawn, h, 0, lowest, number)[..., 2]
@@ -217,9 +218,9 @@ def test_drawn_tyres_are_compressed_by_their_loads(changes):
             assert axle.tyre * np.maximum(depth[:, column], 0.0) == pytest.approx(load, rel=1e-6, abs=1.0)
     edge, top = drawn.face[-1]
     assert (top, edge < -0.1) == (pytest.approx(0.9144), bool(changes))
-    elevation, _, force, angles = charts(answer)
+    elevation, _, force, angles = charts(vehicle, wall, motion, answer.lifted)
     (height,) = marks(force, Line, 1)
-    assert height.y[np.nanargmin(np.abs(height.x - answer.motion.answers.mean_time))] > 0.5
-    assert f"{np.degrees(answer.motion.answers.largest_roll):.1f} deg" in elevation.in_units(SI).caption
+    assert height.y[np.nanargmin(np.abs(height.x - motion.answers.mean_time))] > 0.5
+    assert f"{np.degrees(motion.answers.largest_roll):.1f} deg" in elevation.in_units(SI).caption
     (bars,) = marks(angles, Boxes, 2)
     assert len(bars.x) == len(answer.lifted)

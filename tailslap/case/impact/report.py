@@ -18,7 +18,7 @@ from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
 from postprocess.units import Units, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
-from tailslap.case.impact import checks, error, figures, run
+from tailslap.case.impact import checks, error, figures, run, space_figures
 from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, matched_strikes, remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
@@ -129,9 +129,8 @@ class ImpactReport(FeReport):
         space = self.outcome.fe_plan.case.space
         if space is None:
             return self
-        from tailslap.case.impact import space_figures
-
-        return replace(self, film=space_figures.animation(space, folder, units, size))
+        vehicle, wall = space.inputs.vehicle, space.inputs.wall
+        return replace(self, film=space_figures.animation(vehicle, wall, space.motion, folder, units, size))
 
     def summary(self, pictures: bool) -> dict[str, Any]:
         """Return the content of `summary.json`, SI."""

@@ -16,6 +16,7 @@ from solver import space
 from solver.conditions import Number
 from solver.space.vehicle import DAMPING_RATIO, GYRATION, ROLL_CENTRE, ROLL_STIFFNESS
 from tailslap import progress
+from tailslap.case.impact import space_figures
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.scene.schema import Scene, value_at
 
@@ -35,7 +36,7 @@ PLANE = (
 )
 LIMITS = (
     ("torsion of the frame", "the box rolls more than the axles, which lift one after the other", "+"),
-    ("cargo that moves", "the centre of mass moves towards the wall", "+"),
+    ("loose cargo", "displaces the centre of mass towards the wall", "+"),
     ("box that tears off", "the box rolls more, the chassis less", "±"),
     ("bump stops and play of the springs", "further roll of the body on its axles", "+"),
     ("deformable wall", "lowers the force, and the wall's top yields", "±"),
@@ -264,8 +265,8 @@ class SpaceAnswer:
             f"Wheels off the ground: {'; '.join(lifts) or 'none'}.",
             f"Last contact at {one.last_contact:.2f} s: speed {speed}, direction {direction} and heading {yaw} away "
             "from the wall.",
-            f"Time step {self.motion.step:.1e} s; with twice the step roll, force, height and impulse change by at most "
-            f"{percent_up(self.motion.error)}.",
+            f"Time step {self.motion.step:.1e} s; with twice the step roll, force, height and impulse change by at "
+            f"most {percent_up(self.motion.error)}.",
         )
 
     def text(self, units: str) -> list[str]:
@@ -339,9 +340,8 @@ def _planar_speed(plane: ImpactAnswer) -> float:
 
 def section(answer: SpaceAnswer, plane: ImpactAnswer, film: Path | None = None) -> Section:
     """Return the section of a page, with the animation if it is drawn."""
-    from tailslap.case.impact import space_figures
-
     forces = Table(FORCES, answer.force_rows)
     tables = (forces, plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS))
-    figures = [*space_figures.charts(answer), *([Picture(film, space_figures.FILM)] if film else [])]
+    charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
+    figures = [*charts, *([Picture(film, space_figures.FILM)] if film else [])]
     return Section(TITLE, "", figures, tables, (answer.verdict, *answer.sentences), "wide")

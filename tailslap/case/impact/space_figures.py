@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +13,9 @@ from postprocess.figures.animation import write_animation
 from postprocess.signals import filters
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
+from solver.space import SpaceMotion, SpaceVehicle, SpaceWall
 from solver.space.wall import face_at, profile_points
 from tailslap import progress
-
-if TYPE_CHECKING:
-    from tailslap.case.impact.space import SpaceAnswer
 
 TALL = (720, 430)
 """Size of the animation [pixels]."""
@@ -25,14 +24,13 @@ OVER_CENTRE = 1.6
 """Assumed top of a body over the height of its centre of mass, where no strip is higher."""
 
 FILM = (
-    "Vehicle from behind and from above, which moves with the vehicle, and lateral force, ten times slower than the "
+    "Vehicle from behind, and from above centred on its centre of mass; lateral force below; ten times slower than the "
     "vehicle"
 )
 
 
-def geometry(answer: SpaceAnswer) -> drawings.Vehicle:
-    """Return vehicle and wall of an answer for its drawings."""
-    vehicle, wall = answer.inputs.vehicle, answer.inputs.wall
+def geometry(vehicle: SpaceVehicle, wall: SpaceWall) -> drawings.Vehicle:
+    """Return vehicle and wall for drawings."""
     strips = tuple(
         drawings.Strip(strip.unit, strip.axle, _pair(strip.at), _pair(strip.height), float(strip.inset))
         for strip in vehicle.strips
@@ -62,9 +60,11 @@ def _pair(ends: tuple[object, ...]) -> tuple[float, float]:
     return start, end
 
 
-def charts(answer: SpaceAnswer) -> list[Chart]:
-    """Return the charts of the section on the vehicle in space."""
-    vehicle, one, h = geometry(answer), answer.motion.answers, answer.motion.history
+def charts(
+    vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion, lifted: Sequence[Mapping[str, Any]]
+) -> list[Chart]:
+    """Return the charts of a motion; lifted: see `SpaceAnswer.lifted`."""
+    drawn, one, h = geometry(vehicle, wall), motion.answers, motion.history
     row = int(np.argmin(np.abs(h["t"] - one.roll_time)))
     resultant = drawings.Resultant(float(one.mean_50ms), float(one.height))
     interval, name = float(h["t"][1]), "mean_50ms"
@@ -72,30 +72,32 @@ def charts(answer: SpaceAnswer) -> list[Chart]:
         filters.force_curves(h[column][1:], interval, (name,))[name]
         for column in ("force_normal", "moment_height")
     )
-    heights = {
-        "wall": float(answer.inputs.wall.height),
-        "G at rest": float(answer.inputs.vehicle.units[0].centre_height),
-    }
+    heights = {"wall": float(wall.height), "G at rest": float(vehicle.units[0].centre_height)}
     lifts = [
         drawings.Lift(lift["axle"] - 1, lift["side"], lift["start"], lift["start"] + lift["duration"])
-        for lift in answer.lifted
+        for lift in lifted
     ]
     return [
-        drawings.draw_elevation(vehicle, h, row, resultant),
-        drawings.draw_plan(vehicle, h, row),
+        drawings.draw_elevation(drawn, h, row, resultant),
+        drawings.draw_plan(drawn, h, row),
         drawings.draw_force_height(h["t"][1:], force, moment, heights),
-        drawings.draw_angles(vehicle, h, lifts),
+        drawings.draw_angles(drawn, h, lifts),
     ]
 
 
 def animation(
-    answer: SpaceAnswer, folder: Path, units: Units = SI, size: tuple[int, int] | None = None
+    vehicle: SpaceVehicle,
+    wall: SpaceWall,
+    motion: SpaceMotion,
+    folder: Path,
+    units: Units = SI,
+    size: tuple[int, int] | None = None,
 ) -> Path:
-    """Write the motion in space as a GIF.
+    """Write a motion in space as a GIF.
 
     units: of the axes; size [pixels].
     """
-    h, vehicle = answer.motion.history, geometry(answer)
+    h = motion.history
     with progress.announced("Drawing the animation in space ..."):
-        views = drawings.film_views(vehicle, h)
+        views = drawings.film_views(geometry(vehicle, wall), h)
         return write_animation(folder / "space.gif", h["t"], views, h["force_normal"], units, size or TALL)
