@@ -106,7 +106,8 @@ def _frames(
     lower.set(xlim=(t[0], t[-1]), xlabel="t [s]")
     lower.set_ylabel(f"force [{load_unit}]")
     (so_far,) = lower.plot([], [], color=BODY, linewidth=1.4, animated=True)
-    clock = figure.axes[0].set_title("", fontsize=9, loc="left", animated=True)
+    first: Any = figure.axes[0]
+    clock = first.set_title("", fontsize=9, loc="left", animated=True)
     canvas.draw()
     background, images = canvas.copy_from_bbox(figure.bbox), []
     for number in chosen:
@@ -117,7 +118,7 @@ def _frames(
         so_far.set_data(t[: number + 1], force[: number + 1])
         clock.set_text(f"{t[number]:.3f} s")
         lower.draw_artist(so_far)
-        clock.axes.draw_artist(clock)
+        first.draw_artist(clock)
         images.append(Image.fromarray(np.array(canvas.buffer_rgba())).convert("RGB"))
     palette = images[-1].quantize(COLOURS)
     return [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
@@ -144,7 +145,11 @@ def _draw_views(figure: Any, views: Sequence[View], units: Units) -> list[tuple[
         axes.grid(visible=False)
         axes.add_patch(Polygon(_wall(length * view.face, low, high), color=WALL, alpha=0.6, linewidth=0))
         for outline in view.outlines:
-            look = {"facecolor": to_rgba(BODY, view.fill), "edgecolor": to_rgba(BODY, 0.7), "linewidth": 0.7}
+            look: dict[str, Any] = {
+                "facecolor": to_rgba(BODY, view.fill),
+                "edgecolor": to_rgba(BODY, 0.7),
+                "linewidth": 0.7,
+            }
             body = Polygon(length * outline[0], animated=True, **look)
             axes.add_patch(body)
             bodies.append((body, length * outline))

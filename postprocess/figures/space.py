@@ -241,7 +241,7 @@ def _axle_marks(vehicle: Vehicle, now: History, unit: int, plane: tuple[int, int
             continue
         ends = [(-axle.position, side * 0.5 * axle.track, axle.radius) for side in (-1.0, 1.0)]
         beam = moved(vehicle, now, unit, ends, number)[0][:, plane]
-        marks.append(Line("", *beam.T, "soft", 2.0))
+        marks.append(Line("", beam[:, 0], beam[:, 1], "soft", 2.0))
         for side, name in zip((-1, 1), SIDES, strict=True):
             is_lifted = now[f"load_{name}_{number + 1}"][0] <= 0.0
             outline = wheel(vehicle, now, number, side, plane == (0, 1))[0][:, plane]

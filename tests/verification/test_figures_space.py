@@ -139,7 +139,8 @@ def test_the_plan_has_units_wall_and_direction():
 
 
 def test_the_height_is_the_moment_over_the_force_above_five_percent():
-    t, force = np.arange(5) * 0.1, np.array([0.0, 100e3, 4.9e3, 5.1e3, 50e3])
+    t, none = np.linspace(0.0, 0.4, 5), np.zeros(5)
+    force = np.array([0.0, 100e3, 4.9e3, 5.1e3, 50e3])
     chart = space.draw_force_height(t, force, force * np.array([9.0, 0.8, 9.0, 0.7, 0.6]), {"wall": 0.9})
     (height,) = marks(chart, Line, 1)
     assert height.y == pytest.approx([np.nan, 0.8, np.nan, 0.7, 0.6], nan_ok=True)
@@ -147,7 +148,7 @@ def test_the_height_is_the_moment_over_the_force_above_five_percent():
     assert line.y == pytest.approx(force / 1e3)
     (level,) = marks(chart, Level, 1)
     assert (level.label, level.value) == ("wall", 0.9)
-    still = space.draw_force_height(t, 0.0 * t, 0.0 * t, {})
+    still = space.draw_force_height(t, none, none, {})
     assert np.isnan(marks(still, Line, 1)[0].y).all()
 
 
@@ -211,7 +212,8 @@ def test_drawn_tyres_are_compressed_by_their_loads(changes):
     h, drawn = motion.history, geometry(vehicle, wall)
     for number, axle in enumerate(vehicle.axles):
         at_rest = h[f"load_right_{number + 1}"][0] / axle.tyre
-        lowest = [(-axle.position, side * 0.5 * axle.track, -at_rest) for side in (-1.0, 1.0)]
+        place, half = float(axle.position), 0.5 * float(axle.track)
+        lowest = [(-place, side * half, -float(at_rest)) for side in (-1.0, 1.0)]
         depth = -space.moved(drawn, h, 0, lowest, number)[..., 2]
         for column, side in enumerate(space.SIDES):
             load = h[f"load_{side}_{number + 1}"]

@@ -11,6 +11,7 @@ import numpy as np
 from postprocess.report.page import Picture, Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
+from postprocess.svg.chart import Chart
 from postprocess.units import SYSTEMS, measure, percent_up
 from solver import space
 from solver.conditions import Number
@@ -234,15 +235,16 @@ class SpaceAnswer:
     def verdict(self) -> str:
         """Sentences on the outcome, the lowest wall, and the force with its height."""
         one, wall = self.motion.answers, float(self.inputs.wall.height)
+        roll = measure(abs(float(one.largest_roll)), "rad", ".1f")
         outcome = {
-            "upright": f"The vehicle remains upright with a roll of {measure(abs(one.largest_roll), 'rad', '.1f')}",
+            "upright": f"The vehicle remains upright with a roll of {roll}",
             "on its side": "The vehicle rolls on its side",
             "over the wall": "The vehicle rolls over the wall",
         }[self.motion.outcome]
         lowest = "no wall keeps it upright"
         if self.lowest_wall == self.lowest_wall:
             lowest = f"lowest wall that keeps it upright: {_height(self.lowest_wall)}"
-        force = f"{measure(one.mean_50ms, 'N', '.0f')} at a height of {measure(one.height, 'm', '.2f')}"
+        force = f"{measure(float(one.mean_50ms), 'N', '.0f')} at a height of {measure(float(one.height), 'm', '.2f')}"
         return (
             f"{outcome}, on a wall of {_height(wall)}; {lowest}. Force in space, largest 50 ms mean: {force}."
         )
@@ -343,5 +345,5 @@ def section(answer: SpaceAnswer, plane: ImpactAnswer, film: Path | None = None) 
     forces = Table(FORCES, answer.force_rows)
     tables = (forces, plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS))
     charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
-    figures = [*charts, *([Picture(film, space_figures.FILM)] if film else [])]
+    figures: list[Chart | Picture] = [*charts, *([Picture(film, space_figures.FILM)] if film else [])]
     return Section(TITLE, "", figures, tables, (answer.verdict, *answer.sentences), "wide")

@@ -13,7 +13,7 @@ from postprocess.figures.animation import write_animation
 from postprocess.signals import filters
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
-from solver.space import SpaceMotion, SpaceVehicle, SpaceWall
+from solver.space import SpaceMotion, SpaceUnit, SpaceVehicle, SpaceWall
 from solver.space.wall import face_at, profile_points
 from tailslap import progress
 
@@ -35,23 +35,27 @@ def geometry(vehicle: SpaceVehicle, wall: SpaceWall) -> drawings.Vehicle:
         drawings.Strip(strip.unit, strip.axle, _pair(strip.at), _pair(strip.height), float(strip.inset))
         for strip in vehicle.strips
     )
-    units = []
-    for number, unit in enumerate(vehicle.units):
-        heights = [height for strip in strips if strip.unit == number for height in strip.height]
-        own = [
-            height for strip in strips if strip.unit == number and strip.axle < 0 for height in strip.height
-        ]
-        centre = float(unit.centre_height)
-        low, top = min(own, default=0.5 * centre), max([*heights, OVER_CENTRE * centre])
-        sizes = (float(value) for value in (unit.length, unit.width, unit.mass, unit.centre_of_mass))
-        units.append(drawings.Unit(*sizes, centre, low, top))
+    units = tuple(
+        _unit(unit, [strip for strip in strips if strip.unit == k]) for k, unit in enumerate(vehicle.units)
+    )
     names = drawings.Axle._fields[1:]
     axles = tuple(
         drawings.Axle(axle.unit, *(float(getattr(axle, name)) for name in names)) for axle in vehicle.axles
     )
     points, top = profile_points(wall.profile), float(wall.height)
     face = np.array([*points[points[:, 1] < top], (float(face_at(points, top)), top)])
-    return drawings.Vehicle(tuple(units), axles, strips, face)
+    return drawings.Vehicle(units, axles, strips, face)
+
+
+def _unit(unit: SpaceUnit, strips: Sequence[drawings.Strip]) -> drawings.Unit:
+    """Return a unit with lower and upper edge of its body by its strips."""
+    centre = float(unit.centre_height)
+    low = min((min(strip.height) for strip in strips if strip.axle < 0), default=0.5 * centre)
+    top = max([OVER_CENTRE * centre, *(max(strip.height) for strip in strips)])
+    length, width, mass, behind = (
+        float(v) for v in (unit.length, unit.width, unit.mass, unit.centre_of_mass)
+    )
+    return drawings.Unit(length, width, mass, behind, centre, low, top)
 
 
 def _pair(ends: tuple[object, ...]) -> tuple[float, float]:
