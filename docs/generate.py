@@ -186,6 +186,7 @@ FILES = (
         "plate at the tail-slap: velocities along and normal to the wall, angular velocity, von Mises stress",
     ),
     ("`impact.gif`", "animation of a whole impact"),
+    ("`space.gif`", "animation of the vehicle in space, for scenes with `[body]`"),
     ("`fields.npz`", "fields of the plate at N instants, for `[output] fields = N`"),
     (
         "`ro-crate-metadata.json`",

@@ -101,17 +101,19 @@ def plan_view(
     frame: Floats,
     group: str,
     labels: tuple[str, str] = ("", ""),
+    width: float = chart.FULL,
 ) -> Chart:
     """Draw marks beside the wall Y <= 0, seen from above.
 
-    frame: its lower and upper corner, shape (2, 2) [m]; labels: of both axes, which without them have no ticks.
+    frame: its lower and upper corner, shape (2, 2) [m]; labels: of both axes, which without them have no ticks; width:
+    of the chart [pixels].
     """
     low, high = frame
     wall = np.array([(low[0], low[1]), (high[0], low[1]), (high[0], 0.0), (low[0], 0.0)])
     ends = zip(labels, frame.T.tolist(), strict=True)
     x, y = (chart.Axis(label, a, b, named=None if label else ()) for label, (a, b) in ends)
     plot = chart.Plot((area(wall, "grey", 0.25), *marks), y, None, "xy", has_grid=False)
-    return chart.draw_chart(name, caption, (plot,), x, group, chart.FULL)
+    return chart.draw_chart(name, caption, (plot,), x, group, width)
 
 
 def _position(outline: Floats, instant: float, shade: float, top: float, row: int | None) -> list[Mark]:
@@ -194,7 +196,7 @@ def draw_set_up(units: Sequence[Unit], words: Mapping[str, str], caption: str) -
     from_point, to_point = (np.array([front[k, 0, 0], 0.5 * low]) for k in (0, 1))
     slide = words.get("slide") or measure(to_point[0] - from_point[0], "m", ".3g")
     marks += [
-        *_arrow(from_point, to_point, size),
+        *arrow(from_point, to_point, size),
         _words(slide, 0.5 * (from_point + to_point), (0.0, -3.0), "middle"),
     ]
     return plan_view("set-up", caption, marks, np.array([(start_x, low), (end_x, high)]), "Set-up")
@@ -232,12 +234,12 @@ def _speed(unit: Unit, size: float, text: str) -> list[Mark]:
     """Return the arrow of the speed at first touch."""
     start, theta = np.array([unit.x_g[0], unit.y_g[0]]), float(unit.theta[0])
     end = start + 0.3 * size * np.array([np.cos(theta), -np.sin(theta)])
-    return [*_arrow(start, end, size), _words(text, end, (0.0, -8.0), "middle")]
+    return [*arrow(start, end, size), _words(text, end, (0.0, -8.0), "middle")]
 
 
-def _arrow(start: Floats, end: Floats, size: float) -> list[Mark]:
-    """Return a line with a filled head at its end."""
+def arrow(start: Floats, end: Floats, size: float, colour: str = "ink") -> list[Mark]:
+    """Return a line with a filled head at its end, in proportion to a size."""
     along = (end - start) / (float(np.linalg.norm(end - start)) or 1.0) * 0.03 * size
     across = 0.3 * np.array([-along[1], along[0]])
     head = np.stack([end, end - along + across, end - along - across])
-    return [_line(np.stack([start, end]), width=1.2), area(head, "ink", 1.0)]
+    return [_line(np.stack([start, end]), colour, 1.2), area(head, colour, 1.0)]

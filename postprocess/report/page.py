@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Picture:
-    """PNG file embedded in the page, with caption."""
+    """PNG or GIF file embedded in the page, with caption."""
 
     path: Path
     caption: str
@@ -166,5 +166,7 @@ def page_text(page: Page) -> str:
 
 
 def data_uri(path: Path) -> str:
-    """Return a PNG file as a data URI."""
-    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
+    """Return a PNG or GIF file as a data URI."""
+    return f"data:image/{path.suffix.removeprefix('.')};base64," + base64.b64encode(path.read_bytes()).decode(
+        "ascii"
+    )

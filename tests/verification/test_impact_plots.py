@@ -167,7 +167,8 @@ def test_animation(tmp_path, instants, frames):
 
     t = np.linspace(0.0, 0.3, instants)
     outlines = positions.vehicle_outlines(25.0 * t, 2.5 - t, 0.26 - t / 2.0, 10.0, 2.4, 5.0)
-    path = animation.write_animation(tmp_path / "impact.gif", t, outlines, 1e5 * np.sin(10.0 * t))
+    view = animation.from_above(outlines)
+    path = animation.write_animation(tmp_path / "impact.gif", t, (view,), 1e5 * np.sin(10.0 * t))
     assert path == tmp_path / "impact.gif"
     with Image.open(path) as film:
         assert getattr(film, "n_frames", 1) == frames

@@ -10,7 +10,7 @@ import pytest
 
 import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
-from postprocess.figures.animation import write_animation
+from postprocess.figures.animation import from_above, write_animation
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table
@@ -295,9 +295,9 @@ def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
         return plain(axes, label, *more, **others)
 
     monkeypatch.setattr(Axes, "set_ylabel", set_ylabel)
-    outlines, force = np.stack([SQUARE, SQUARE]), np.array([0.0, 10.0 * KIP])
-    write_animation(tmp_path / "a.gif", np.array([0.0, 0.1]), outlines, force, units=US)
-    write_animation(tmp_path / "b.gif", np.array([0.0, 0.1]), outlines, force)
+    views, force = (from_above(np.stack([SQUARE, SQUARE])),), np.array([0.0, 10.0 * KIP])
+    write_animation(tmp_path / "a.gif", np.array([0.0, 0.1]), views, force, units=US)
+    write_animation(tmp_path / "b.gif", np.array([0.0, 0.1]), views, force)
     assert labels == ["Y [ft]", "force [kip]", "Y [m]", "force [kN]"]
     assert (ends[0], ends[1]) == (pytest.approx(ends[2] / FOOT), pytest.approx(10.0 * 1.05))
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from postprocess.figures import impact
-from postprocess.figures.animation import SIZE, write_animation
+from postprocess.figures.animation import SIZE, from_above, write_animation
 from postprocess.figures.impact import StrikeMark
 from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.svg.chart import FULL, Chart
@@ -165,7 +165,7 @@ def animation(
         return write_animation(
             folder / "impact.gif",
             h["t"],
-            outlines(outcome.fe, outcome.fe_plan.case.motion.vehicles),
+            (from_above(outlines(outcome.fe, outcome.fe_plan.case.motion.vehicles)),),
             h["force_normal"],
             units=units,
             size=size or SIZE,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
 from postprocess.units import Units, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
-from tailslap.case.impact import checks, error, figures, run
+from tailslap.case.impact import checks, error, figures, run, space_figures
 from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, matched_strikes, remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import CURVES, RigidImpact
@@ -87,6 +87,7 @@ class ImpactReport(FeReport):
     """Report of a run of a whole impact."""
 
     outcome: run.ImpactOutcome
+    film: Path | None = None
 
     kicker = "Whole impact, unilateral contact: finite elements compared with the rigid vehicle"
     about = (
@@ -106,7 +107,7 @@ class ImpactReport(FeReport):
     @property
     def sections(self) -> list[Section]:
         """Sections of the page, with empty ones, which are not shown."""
-        return _sections(self.outcome)
+        return _sections(self.outcome, self.film)
 
     @property
     def tables(self) -> list[Table]:
@@ -123,9 +124,13 @@ class ImpactReport(FeReport):
         return omitted_parts(self.outcome.fe_plan.case.scene, pictures)
 
     def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> ImpactReport:
-        """Write the animation into a folder."""
+        """Write the animations into a folder."""
         figures.animation(self.outcome, folder, units, size)
-        return self
+        space = self.outcome.fe_plan.case.space
+        if space is None:
+            return self
+        vehicle, wall = space.inputs.vehicle, space.inputs.wall
+        return replace(self, film=space_figures.animation(vehicle, wall, space.motion, folder, units, size))
 
     def summary(self, pictures: bool) -> dict[str, Any]:
         """Return the content of `summary.json`, SI."""
@@ -252,7 +257,7 @@ def _design_table(outcome: run.ImpactOutcome) -> Table:
     return design_table(outcome.fe_plan.case, outcome.lateral_force, longitudinal)
 
 
-def _sections(outcome: run.ImpactOutcome) -> list[Section]:
+def _sections(outcome: run.ImpactOutcome, film: Path | None) -> list[Section]:
     design = _design_table(outcome)
     levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
     forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
@@ -262,7 +267,7 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
         Section("Lateral force over time", figures=forces[:1], layout="wide"),
         Section("Positions along the wall", figures=[positions], layout="tall"),
-        *space_sections(outcome),
+        *space_sections(outcome, film),
         Section(
             "Units and hinges of the train",
             figures=figures.train_figures(outcome),
@@ -290,14 +295,14 @@ def _sections(outcome: run.ImpactOutcome) -> list[Section]:
     ]
 
 
-def space_sections(outcome: run.ImpactOutcome) -> list[Section]:
+def space_sections(outcome: run.ImpactOutcome, film: Path | None) -> list[Section]:
     """Return the section on the vehicle in space, none without [body]."""
     case = outcome.fe_plan.case
     if case.space is None:
         return []
     from tailslap.case.impact import space
 
-    return [space.section(case.space, outcome.rigid)]
+    return [space.section(case.space, outcome.rigid, film)]
 
 
 def _wall(outcome: run.ImpactOutcome) -> list[Table]:

@@ -167,7 +167,7 @@ class RigidImpact(Case):
     def motion_until(self, end: float | None) -> impact.ImpactMotion:
         """Return the impact to another end [s].
 
-        None: `after_second` after the second strike, for a train after that of the last rear, or when a strike then in
+        None: `AFTER_SECOND` after the second strike, for a train after that of the last rear, or when a strike then in
         progress is over.
         """
         with refusals(self.scene):

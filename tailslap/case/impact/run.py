@@ -109,7 +109,7 @@ def rigid_motion(case: RigidImpact, end: float) -> ImpactMotion:
 def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = None) -> ImpactRun:
     """Integrate the model to the impact's end.
 
-    It is the scene's end, or `after_second` after the second strike, for a train after that of its last rear, not
+    It is the scene's end, or `AFTER_SECOND` after the second strike, for a train after that of its last rear, not
     before the rigid vehicle's end, and when neither is in a strike. snapshots: number of instants at which the motion
     of all nodes is stored; end: another end [s].
     """

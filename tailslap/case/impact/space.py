@@ -3,18 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from postprocess.report.page import Section
+from postprocess.report.page import Picture, Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
+from postprocess.svg.chart import Chart
 from postprocess.units import SYSTEMS, measure, percent_up
 from solver import space
 from solver.conditions import Number
 from solver.space.vehicle import DAMPING_RATIO, GYRATION, ROLL_CENTRE, ROLL_STIFFNESS, fleet_of
 from tailslap import progress
+from tailslap.case.impact import space_figures
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.scene.schema import Scene, value_at
 
@@ -28,13 +31,13 @@ FORCES = (
 )
 PLANE = (
     Column("name", "Quantity"),
-    Column("space", "In space", form="#.4g", style="strong"),
-    Column("plane", "In the plane", form="#.4g"),
+    Column("space", "In space", form="#.4g", style="strong", unit_key="unit"),
+    Column("plane", "In the plane", form="#.4g", unit_key="unit"),
     Column("unit", "Unit", is_unit=True),
 )
 LIMITS = (
     ("torsion of the frame", "the box rolls more than the axles, which lift one after the other", "+"),
-    ("cargo that moves", "the centre of mass moves towards the wall", "+"),
+    ("loose cargo", "displaces the centre of mass towards the wall", "+"),
     ("box that tears off", "the box rolls more, the chassis less", "±"),
     ("bump stops and play of the springs", "further roll of the body on its axles", "+"),
     ("deformable wall", "lowers the force, and the wall's top yields", "±"),
@@ -340,8 +343,10 @@ def _planar_speed(plane: ImpactAnswer) -> float:
     return float(np.hypot(plane.history["v_gx"][-1], plane.history["v_gy"][-1]))
 
 
-def section(answer: SpaceAnswer, plane: ImpactAnswer) -> Section:
-    """Return the section of a page."""
+def section(answer: SpaceAnswer, plane: ImpactAnswer, film: Path | None = None) -> Section:
+    """Return the section of a page, with the animation if it is drawn."""
     forces = Table(FORCES, answer.force_rows)
     tables = (forces, plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS))
-    return Section(TITLE, "", (), tables, (answer.verdict, *answer.sentences), "wide")
+    charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
+    figures: list[Chart | Picture] = [*charts, *([Picture(film, space_figures.FILM)] if film else [])]
+    return Section(TITLE, "", figures, tables, (answer.verdict, *answer.sentences), "wide")

@@ -1,0 +1,368 @@
+"""Charts of a vehicle in space that strikes a wall.
+
+The vehicle from behind and from above at one instant, height of the force, and angles with lifted wheels over time. A
+history has the columns of the solver by name, shape (rows,) each: x_g, y_g, z_g, yaw, pitch and roll of the first
+unit, of later units with "_2" and so on; load_right_1, load_left_1, heave_1 and axle_roll_1 of the first axle. Points
+of a unit at rest are (x, y, z): ahead of its front, to the left of its middle, and above the ground [m].
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from postprocess.figures import histories
+from postprocess.figures.animation import View
+from postprocess.figures.positions import arrow, plan_view
+from postprocess.svg import chart
+from postprocess.svg.chart import Axis, Chart
+from postprocess.svg.marks import Boxes, Level, Line, Mark, Outline, Swatch, Words, area, dot, look
+from postprocess.svg.scales import Floats
+from postprocess.units import measure
+
+History = Mapping[str, Floats]
+
+GROUP, WIDTH = "Vehicle in space", 400.0
+"""Heading of the charts, and width of a drawing to scale, whose letters shrink on narrow screens [pixels]."""
+
+EDGE, DEPTH, WHEEL, ARROW = 0.3, 2.0, 0.3, 0.8
+"""Margin, least depth of the wall, width of a wheel, and length of the arrow of the force [m]."""
+
+LEAST = 0.05
+"""Force below which its height is not drawn, over the largest."""
+
+COLOURS = ("fe", "rigid", "green", "violet")
+"""Colours of the units."""
+
+SIDES = ("right", "left")
+"""Sides of an axle by -1 and 1 times its y."""
+
+
+class Unit(NamedTuple):
+    """Body of a unit.
+
+    Mass with axles [kg]; its centre behind the front and above the ground; lower and upper edge of the drawn box [m].
+    """
+
+    length: float
+    width: float
+    mass: float
+    centre: float
+    centre_height: float
+    low: float
+    top: float
+
+
+class Axle(NamedTuple):
+    """Axle of a unit.
+
+    Place behind the front, track, height of the axle and of its roll centre at rest [m]; mass [kg].
+    """
+
+    unit: int
+    position: float
+    track: float
+    radius: float
+    roll_centre: float
+    mass: float
+
+
+class Strip(NamedTuple):
+    """Line that can touch the wall.
+
+    Both ends behind the front of its unit and above the ground, and inwards from its side [m]; axle: -1 for the body.
+    """
+
+    unit: int
+    axle: int
+    at: tuple[float, float]
+    height: tuple[float, float]
+    inset: float
+
+
+class Vehicle(NamedTuple):
+    """Vehicle and the face of the wall.
+
+    face: line from [0, 0] to the upper edge, points (y, z) [m].
+    """
+
+    units: tuple[Unit, ...]
+    axles: tuple[Axle, ...]
+    strips: tuple[Strip, ...]
+    face: Floats
+
+
+class Resultant(NamedTuple):
+    """Largest 50 ms mean of the lateral force [N], and its height [m]."""
+
+    force: float
+    height: float
+
+
+def column(history: History, name: str, unit: int) -> Floats:
+    """Return a column of a unit, counted from 0."""
+    return history[name if unit == 0 else f"{name}_{unit + 1}"]
+
+
+def moved(
+    vehicle: Vehicle, history: History, unit: int, points: Sequence[Sequence[float]], axle: int = -1
+) -> Floats:
+    """Return points of a unit in space at every row, shape (rows, points, 3) [m].
+
+    points: at rest, shape (points, 3); axle: number of the axle that they move with, -1 for the body.
+    """
+    body, still = vehicle.units[unit], np.array(points, dtype=float)
+    place = np.stack([column(history, name, unit) for name in ("x_g", "y_g", "z_g")], axis=-1)[:, None]
+    centre = np.zeros_like(place) + np.array([-body.centre, 0.0, body.centre_height])
+    for number, own in enumerate(vehicle.axles):
+        if own.unit == unit:
+            rest = np.array([(-own.position, 0.0, own.radius)])
+            centre += own.mass / body.mass * (_with_axle(own, history, number, rest) - rest)
+    local = _with_axle(vehicle.axles[axle], history, axle, still) if axle >= 0 else still
+    return np.asarray(place + np.einsum("rij,rpj->rpi", _rotation(history, unit), local - centre))
+
+
+def _with_axle(axle: Axle, history: History, number: int, points: Floats) -> Floats:
+    """Return points that heave and roll with an axle, in the axes of its unit."""
+    heave, roll = (history[f"{name}_{number + 1}"][:, None] for name in ("heave", "axle_roll"))
+    x, y, z = points.T - np.array([[0.0], [0.0], [axle.roll_centre]])
+    s, c = np.sin(roll), np.cos(roll)
+    return np.stack([x + 0.0 * heave, y * c - z * s, axle.roll_centre + heave + y * s + z * c], axis=-1)
+
+
+def _rotation(history: History, unit: int) -> Floats:
+    """Return the rotations of a unit by yaw, then pitch, then roll, shape (rows, 3, 3)."""
+    angles = [column(history, name, unit) for name in ("yaw", "pitch", "roll")]
+    (cy, sy), (cp, sp), (cr, sr) = ((np.cos(angle), np.sin(angle)) for angle in angles)
+    rows = [
+        (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+        (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+        (-sp, cp * sr, cp * cr),
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def box(vehicle: Vehicle, history: History, unit: int) -> Floats:
+    """Return the corners of a body, shape (rows, 8, 3) [m].
+
+    Those of the rear face come first: lower right, lower left, upper left, upper right.
+    """
+    body, half = vehicle.units[unit], 0.5 * vehicle.units[unit].width
+    face = ((-half, body.low), (half, body.low), (half, body.top), (-half, body.top))
+    return moved(vehicle, history, unit, [(x, *corner) for x in (-body.length, 0.0) for corner in face])
+
+
+def wheel(vehicle: Vehicle, history: History, number: int, side: int, above: bool = False) -> Floats:
+    """Return the outline of a wheel from behind or from above, shape (rows, 4, 3) [m].
+
+    side: -1 for the right one, 1 for the left one.
+    """
+    axle = vehicle.axles[number]
+    out, inner = (side * 0.5 * axle.track + 0.5 * part * WHEEL for part in (1.0, -1.0))
+    ends = [(axle.radius, 0.0), (-axle.radius, 0.0)] if above else [(0.0, axle.radius), (0.0, -axle.radius)]
+    (x0, z0), (x1, z1) = ((-axle.position + along, axle.radius + up) for along, up in ends)
+    points = [(x0, out, z0), (x0, inner, z0), (x1, inner, z1), (x1, out, z1)]
+    return moved(vehicle, history, axle.unit, points, number)
+
+
+def draw_elevation(vehicle: Vehicle, history: History, row: int, resultant: Resultant) -> Chart:
+    """Draw the unit that rolls most in a row from behind, on the profile of the wall."""
+    now = {name: values[row : row + 1] for name, values in history.items()}
+    unit = leaning_unit(vehicle, now)
+    corners, roll = box(vehicle, now, unit)[0, :, 1:], float(column(now, "roll", unit)[0])
+    low, high = corners.min(axis=0) - EDGE, corners.max(axis=0) + EDGE
+    edge, top = vehicle.face[-1]
+    low = np.minimum(low, (edge - DEPTH, -EDGE))
+    high = np.maximum(high, (EDGE, top + EDGE))
+    marks = [
+        Line("", np.array([0.0, high[0]]), np.zeros(2), "ink", 1.4),
+        area(np.array([*vehicle.face, (low[0], top), (low[0], 0.0)]), "grey", 0.25),
+        *_force_marks(vehicle.face, resultant),
+        *_far_marks(corners[4:], corners[:4]),
+        *_axle_marks(vehicle, now, unit, (1, 2)),
+        area(corners[:4], "fe", 0.12),
+        *_strip_marks(vehicle, now, unit),
+        *_centre_mark(now, unit, ("y_g", "z_g")),
+    ]
+    name = f"Unit {unit + 1}" if len(vehicle.units) > 1 else "Vehicle"
+    caption = (
+        f"{name} from behind at its largest roll, {measure(roll, 'rad', '.1f')} at {float(now['t'][0]):.2f} s, rear "
+        "face bold and front face thin; arrow: largest 50 ms mean of the lateral force, at the height of its resultant"
+    )
+    plot = chart.Plot(tuple(marks), Axis("Z [m]", low[1], high[1]), None, "xy", has_grid=False)
+    return chart.draw_chart("space_elevation", caption, (plot,), Axis("Y [m]", high[0], low[0]), GROUP, WIDTH)
+
+
+def draw_plan(vehicle: Vehicle, history: History, row: int) -> Chart:
+    """Draw all units in a row from above."""
+    now = {name: values[row : row + 1] for name, values in history.items()}
+    marks, corners = list[Mark](), [box(vehicle, now, unit)[0, :, :2] for unit in range(len(vehicle.units))]
+    for unit, (body, corner) in enumerate(zip(vehicle.units, corners, strict=True)):
+        marks += _axle_marks(vehicle, now, unit, (0, 1))
+        floor, roof = corner[[0, 1, 5, 4]], corner[[3, 2, 6, 7]]
+        marks += [*_far_marks(roof, floor), area(floor, "fe", 0.12)]
+        centre, speed = (
+            np.array([column(now, name, unit)[0] for name in names])
+            for names in (("x_g", "y_g"), ("v_gx", "v_gy"))
+        )
+        along = speed / (float(np.linalg.norm(speed)) or 1.0)
+        marks += [
+            *_centre_mark(now, unit, ("x_g", "y_g")),
+            *arrow(centre, centre + 0.3 * body.length * along, body.length),
+        ]
+    every = np.concatenate(corners)
+    frame = np.array([every.min(axis=0) - EDGE, every.max(axis=0) + EDGE])
+    frame[0, 1] = min(frame[0, 1], vehicle.face[-1, 0] - EDGE)
+    marks.insert(0, Line("", frame[:, 0], np.full(2, vehicle.face[-1, 0]), "soft", 1.0))
+    caption = (
+        f"Vehicle from above at {float(now['t'][0]):.2f} s, lower edge of the body bold and upper edge thin; arrow: "
+        "direction of travel; grey: wall, its toe and its upper edge"
+    )
+    return plan_view("space_plan", caption, marks, frame, GROUP, ("X along the wall [m]", "Y [m]"), WIDTH)
+
+
+def leaning_unit(vehicle: Vehicle, history: History) -> int:
+    """Return the unit with the largest roll."""
+    rolls = [float(np.abs(column(history, "roll", unit)).max()) for unit in range(len(vehicle.units))]
+    return int(np.argmax(rolls))
+
+
+def _far_marks(far: Floats, near: Floats) -> list[Mark]:
+    """Return a further face of a body, thin, and its edges to the near face."""
+    edges = np.stack([far, near, np.full_like(far, np.nan)], axis=1).reshape(-1, 2)
+    return [Outline(far[:, 0], far[:, 1], "fe", 0.5, 0.03), Line("", edges[:, 0], edges[:, 1], "steel", 0.6)]
+
+
+def _axle_marks(vehicle: Vehicle, now: History, unit: int, plane: tuple[int, int]) -> list[Mark]:
+    """Return beams and wheels of a unit; those off the ground are red."""
+    marks = list[Mark]()
+    for number, axle in enumerate(vehicle.axles):
+        if axle.unit != unit:
+            continue
+        ends = [(-axle.position, side * 0.5 * axle.track, axle.radius) for side in (-1.0, 1.0)]
+        beam = moved(vehicle, now, unit, ends, number)[0][:, plane]
+        marks.append(Line("", beam[:, 0], beam[:, 1], "soft", 2.0))
+        for side, name in zip((-1, 1), SIDES, strict=True):
+            is_lifted = now[f"load_{name}_{number + 1}"][0] <= 0.0
+            outline = wheel(vehicle, now, number, side, plane == (0, 1))[0][:, plane]
+            marks.append(area(outline, "red" if is_lifted else "soft", 0.6))
+    return [*marks, Swatch("wheel on the ground", "soft"), Swatch("off the ground", "red")]
+
+
+def _strip_marks(vehicle: Vehicle, now: History, unit: int) -> list[Mark]:
+    """Return the strips of a unit on the side of the wall, from behind."""
+    marks = list[Mark]()
+    for strip in vehicle.strips:
+        if strip.unit == unit:
+            y = strip.inset - 0.5 * vehicle.units[unit].width
+            ends = [(-at, y, height) for at, height in zip(strip.at, strip.height, strict=True)]
+            _, across, up = moved(vehicle, now, unit, ends, strip.axle)[0].T
+            marks.append(Line("strips", across, up, "rigid", 2.4))
+    return marks
+
+
+def _centre_mark(now: History, unit: int, names: tuple[str, str]) -> list[Mark]:
+    """Return the centre of mass of a unit with its name."""
+    centre = np.array([column(now, name, unit)[0] for name in names])
+    return [dot(centre, "ink", 3.0), Words("G", float(centre[0]), float(centre[1]), (6.0, 11.0))]
+
+
+def _force_marks(face: Floats, resultant: Resultant) -> list[Mark]:
+    """Return the arrow of the force into the face of the wall, with value and height."""
+    force, height = resultant
+    start = np.array([np.interp(height, face[:, 1], face[:, 0]), height])
+    tip = start - (ARROW, 0.0)
+    texts = (measure(force / 1e3, "kN", ".0f"), -2.0), (f"at {measure(height, 'm', '.2f')}", 11.0)
+    return [
+        *arrow(start, tip, 5.0, "difference"),
+        *(Words(text, float(tip[0]), height, (5.0, down), "start", "difference") for text, down in texts),
+    ]
+
+
+def draw_force_height(t: Floats, force: Floats, moment: Floats, levels: Mapping[str, float]) -> Chart:
+    """Draw the lateral force and the height of its resultant over time.
+
+    t [s]; force [N] and moment [N m]: 50 ms means, shape (n,); levels: heights by name [m].
+    """
+    pressed = force > LEAST * force.max(initial=0.0)
+    height = np.where(pressed, moment / np.where(pressed, force, 1.0), np.nan)
+    forces = Line("50 ms mean", *histories.thinned(t, force / 1e3), "fe", 1.8)
+    heights = Line("height", *_thinned_with_gaps(t, height), "fe", 1.8)
+    lines = [Level(name, round(level, 3), "soft") for name, level in levels.items()]
+    plots = (
+        chart.Plot((forces,), Axis("lateral force [kN]", low=0.0), 130.0, has_legend=False),
+        chart.Plot((*lines, heights), Axis("height of the resultant [m]", low=0.0), 130.0),
+    )
+    caption = (
+        "50 ms mean of the lateral force on the wall, and height of its resultant where the force exceeds "
+        f"{100 * LEAST:g} % of the largest"
+    )
+    return chart.draw_chart("space_force", caption, plots, histories.TIME, GROUP, chart.HALF)
+
+
+def _thinned_with_gaps(t: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Return times and values of rows at even instants, NaN in gaps."""
+    rows = np.unique(np.linspace(0, t.size - 1, 2 * histories.STRETCHES).astype(int))
+    return t[rows], values[rows]
+
+
+class Lift(NamedTuple):
+    """Interval with the wheels of a side of an axle off the ground [s]; axle: its number from 0."""
+
+    axle: int
+    side: str
+    start: float
+    end: float
+
+
+def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Chart:
+    """Draw roll and pitch of each unit, and the lifts of the wheels, over time."""
+    count, wheels = len(vehicle.units), [(axle, side) for axle in range(len(vehicle.axles)) for side in SIDES]
+    plots = []
+    for name, label in (("roll", "roll, to the wall [deg]"), ("pitch", "pitch, nose down [deg]")):
+        lines = [
+            Line(
+                f"unit {unit + 1}" if count > 1 else name,
+                *histories.thinned(history["t"], np.degrees(column(history, name, unit))),
+                COLOURS[unit % len(COLOURS)],
+                **look(unit) | {"width": 1.8},
+            )
+            for unit in range(count)
+        ]
+        plots.append(
+            chart.Plot(tuple(lines), Axis(label), 120.0 if name == "roll" else 70.0, has_legend=count > 1)
+        )
+    rows = np.array([wheels.index((lift.axle, lift.side)) for lift in lifts], dtype=float)
+    times = np.array([(lift.start, lift.end) for lift in lifts]).reshape(-1, 2)
+    texts = [f"{lift.end - lift.start:.3f} s" for lift in lifts]
+    places = [f"axle {lift.axle + 1} {lift.side}, from {lift.start:.3f} s" for lift in lifts]
+    bars = Boxes("off the ground", times, rows[:, None] + (-0.35, 0.35), "red", texts, places)
+    names = tuple((float(row), f"axle {axle + 1} {side}") for row, (axle, side) in enumerate(wheels))
+    across = Axis("wheels off the ground", len(wheels) - 0.5, -0.5, named=names)
+    plots.append(chart.Plot((bars,), across, 15.0 * len(wheels), "xy", has_grid=False, has_legend=False))
+    caption = "Roll and pitch, and intervals with wheels off the ground"
+    return chart.draw_chart("space_angles", caption, plots, histories.TIME, GROUP, chart.HALF)
+
+
+def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
+    """Return the views of an animation, from behind and from above, the latter about the first unit."""
+    unit, first = (
+        leaning_unit(vehicle, history),
+        np.stack([history["x_g"], 0.0 * history["x_g"]], axis=-1)[:, None],
+    )
+    axles, faces = (
+        range(len(vehicle.axles)),
+        ([4, 5, 6, 7], [0, 4, 7, 3], [1, 5, 6, 2], [3, 2, 6, 7], [0, 1, 2, 3]),
+    )
+    behind = [
+        wheel(vehicle, history, n, side) for n in axles if vehicle.axles[n].unit == unit for side in (-1, 1)
+    ]
+    corners = box(vehicle, history, unit)
+    above = [box(vehicle, history, number)[:, [0, 1, 5, 4]] for number in range(len(vehicle.units))]
+    above += [wheel(vehicle, history, n, side, above=True) for n in axles for side in (-1, 1)]
+    elevation = tuple(outline[..., 1:] for outline in (*(corners[:, face] for face in faces), *behind))
+    plan = tuple(outline[..., :2] - first for outline in above)
+    return (
+        View(elevation, vehicle.face, ("Y", "Z"), is_mirrored=True, fill=0.12),
+        View(plan, np.zeros((1, 2)), ("X from G", "Y")),
+    )
