@@ -22,7 +22,7 @@ OUTCOMES = ("upright", "on its side", "over the wall", "lost")
 WINDOW, LONGEST = 0.05, 4.0
 """Duration of the mean of the design force, and latest end of a motion [s]."""
 
-INTERVAL, MANY_INTERVAL, SEARCH_INTERVAL = 5e-4, 1e-3, 2e-3
+INTERVAL, MANY_INTERVAL, SEARCH_INTERVAL = 1e-3, 1e-3, 2e-3
 """Time between rows of one motion, of many, and in the search for a wall [s]."""
 
 PHASE, MANY_PHASE = 0.2, 0.4
@@ -197,8 +197,12 @@ def solve_spaces(
 
     Parameters
     ----------
-    vehicle, wall, speed, angle
-        As of `solve_space`, floats or arrays of n values.
+    vehicle : SpaceVehicle
+        Its values are floats or of shape (n,), as those of the next.
+    wall : SpaceWall
+        What it strikes.
+    speed, angle : float or ndarray
+        Before the impact [m/s], [rad].
     refine : int
         Steps in place of each chosen one.
 
@@ -232,8 +236,12 @@ def lowest_walls(
 
     Parameters
     ----------
-    vehicle, wall, speed, angle
-        As of `solve_spaces`; the height of the wall is not used.
+    vehicle : SpaceVehicle
+        Its values are floats or of shape (n,), as those of the next.
+    wall : SpaceWall
+        Its height is not used.
+    speed, angle : float or ndarray
+        Before the impact [m/s], [rad].
     scan : float
         Step of the search before the bisection to 1 mm [m].
     on_compile : callable

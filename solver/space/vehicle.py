@@ -171,7 +171,17 @@ class SpaceWall:
 
 @dataclass(frozen=True)
 class SpaceVehicle:
-    """A vehicle or a train in space."""
+    """A vehicle or a train in space.
+
+    Parameters
+    ----------
+    units : tuple of SpaceUnit
+        Front to rear.
+    axles : tuple of SpaceAxle
+        At least two of the first unit, and one of each other.
+    strips : tuple of Strip
+        At least one.
+    """
 
     units: tuple[SpaceUnit, ...]
     axles: tuple[SpaceAxle, ...]

@@ -380,7 +380,7 @@ class Strip(SceneTable):
     stiffness: LayerStiffness = needed("crush stiffness per length of the strip")
     plateau: StripPlateau | None = key("greatest crush force per length of the strip; default: no plateau")
     axle: Annotated[int, Field(ge=0, le=100, strict=True)] | None = key(
-        "number of the axle, from 0, with which it moves; default: it moves with the body"
+        "number of the axle, from 0, that carries it; default: the body carries it"
     )
     unit: UnitNumber = key("number of the unit of a train that has the strip; 1 for the vehicle", 1)
 

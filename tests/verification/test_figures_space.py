@@ -207,7 +207,7 @@ def test_drawn_tyres_are_compressed_by_their_loads(changes):
     from tailslap.case.impact.space_figures import charts, geometry
     from tailslap.scene.read import read_scene
 
-    answer = case.solve(read_scene("impact-tipping-tl4-sut", changes)[0])
+    answer = case.solve(case.space_input(read_scene("impact-tipping-tl4-sut", changes)[0]))
     vehicle, wall, motion = answer.inputs.vehicle, answer.inputs.wall, answer.motion
     h, drawn = motion.history, geometry(vehicle, wall)
     for number, axle in enumerate(vehicle.axles):

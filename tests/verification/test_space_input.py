@@ -108,7 +108,7 @@ def test_results_have_the_keys_of_the_interface():
 
 
 def test_scene_without_a_body_loads_no_space():
-    """A scene pays only for what it has: the packages of the vehicle in space are not imported."""
+    """Without [body] the packages of the vehicle in space are not imported."""
     import subprocess
     import sys
 

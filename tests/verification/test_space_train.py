@@ -26,7 +26,7 @@ def motion():
 
 
 def test_train_at_rest_stays():
-    """The kingpin carries its part of the trailer; nothing moves within 1 s."""
+    """The kingpin carries its part of the trailer; all stays at rest for 1 s."""
     h = solve_space(train(STRIPS), WALL, 0.0, 0.3, end=1.0, step=1e-3).history
     for name in ("z_g", "z_g_2", "pitch", "pitch_2", "roll", "roll_2"):
         assert np.ptp(h[name]) < 1e-12, name
@@ -56,8 +56,8 @@ def test_hinge_stays_closed(motion):
         np.array([h[f"x_g{end}"] + arm * np.cos(angle), h[f"y_g{end}"] + arm * np.sin(angle)])
         for end, arm, angle in (("", 2.3 - 5.4, yaw[0]), ("_2", 7.0 - 0.9, yaw[1]))
     ]
-    assert level.sum() > 100
-    assert np.abs(ends[0] - ends[1])[:, level].max() < 2e-2  # the roll moves the centres to the side
+    assert level.sum() > 50
+    assert np.abs(ends[0] - ends[1])[:, level].max() < 2e-2  # the roll shifts the centres to the side
 
 
 def test_held_train_is_the_planar_one():

@@ -27,7 +27,7 @@ FORCES = (
     Column("name", "Force on the wall"),
     Column("lateral", "Lateral", "N", form=".0f", style="strong"),
     Column("longitudinal", "Longitudinal", "N", form=".0f"),
-    Column("vertical", "Vertical", "N", form=".0f"),
+    Column("vertical", "Down", "N", form=".0f"),
 )
 PLANE = (
     Column("name", "Quantity"),
@@ -176,7 +176,7 @@ class SpaceAnswer:
         """Force on the wall by component and filter [N], shape (rows,)."""
         h = self.motion.history
         forces = {
-            "lateral": h["force_normal"], "longitudinal": -h["force_tangential"], "vertical": -h["force_vertical"]
+            "lateral": h["force_normal"], "longitudinal": -h["force_tangential"], "vertical": h["force_vertical"]
         }  # fmt: skip
         interval = float(h["t"][1])
         return {
@@ -200,7 +200,8 @@ class SpaceAnswer:
     def numbers(self) -> dict[str, Any]:
         """Return the part `space` of results, SI.
 
-        Forces are those on the wall; those beside the 50 ms mean of the lateral force are at the same instant.
+        Forces are those on the wall, the vertical one downwards. Those beside the 50 ms mean of the lateral force are
+        at the same instant.
         """
         one, history = self.motion.answers, self.motion.history
         peaks = {name: float(curve.max()) for name, curve in self.curves["lateral"].items()}
@@ -218,7 +219,7 @@ class SpaceAnswer:
                 "mean_50ms": float(one.mean_50ms),
                 "t": float(one.mean_time),
                 "longitudinal": -float(one.longitudinal),
-                "vertical": -float(one.vertical),
+                "vertical": float(one.vertical),
                 "height": float(one.height),
                 "length": float(one.length),
             },
