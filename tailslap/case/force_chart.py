@@ -63,4 +63,7 @@ def force_tables(case: Any) -> dict[str, Table]:
     answer = case.answer
     tables = {"Strikes": strikes_table({"rigid": answer.numbers()["strikes"]})}
     longitudinal = float(answer.longitudinal["mean_50ms"].max())
-    return tables | {"Design forces": short(design_table(case, answer.peaks["mean_50ms"], longitudinal))}
+    in_space = case.space.numbers()["force"] if case.space else None
+    return tables | {
+        "Design forces": short(design_table(case, answer.peaks["mean_50ms"], longitudinal, in_space))
+    }

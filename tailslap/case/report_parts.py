@@ -30,6 +30,10 @@ DESIGN = (
     *columns({"height": "Height", "length": "Length"}, "m", form=".2f"),
     Column("source", "Source", style="soft"),
 )
+OF_SPACE = (
+    "Ratios: the force in space over the design load. Its height is that of the resultant, its length that of a "
+    "uniform force with the same standard deviation along the wall; along and vertical forces are at the same instant."
+)
 OUTSIDE_THE_PLANE = "Height, length and vertical force of this impact are outside the planar model."
 CHECKS = (
     Column("name", "Check"),
@@ -121,8 +125,16 @@ def design_ratios(case: Case, lateral: float) -> list[dict[str, Any]]:
     ]
 
 
-def design_table(case: Case, lateral: float, longitudinal: float | None = None) -> Table:
-    """Return a force [N] above the design loads of the test level."""
+def design_table(
+    case: Case,
+    lateral: float,
+    longitudinal: float | None = None,
+    in_space: Mapping[str, float] | None = None,
+) -> Table:
+    """Return a force [N] above the design loads of the test level.
+
+    in_space: the force with its height and length of the vehicle in space, see `SpaceAnswer.numbers`.
+    """
     name, force, ratio, *others = DESIGN
     ratio = replace(ratio, label=f"{case.force_name} / design")
     computed = dict.fromkeys(column.key for column in DESIGN) | {
@@ -130,10 +142,17 @@ def design_table(case: Case, lateral: float, longitudinal: float | None = None) 
         "force": lateral,
         "longitudinal": longitudinal,
     }
-    loads = design_ratios(case, lateral)
-    return Table(
-        (name, force, ratio, *others), [computed, *loads] if loads else [], notes=(OUTSIDE_THE_PLANE,)
-    )
+    rows, loads = [computed], design_ratios(case, lateral)
+    if in_space:
+        names = ("longitudinal", "vertical", "height", "length")
+        of_space = {name: in_space[name] for name in names} | {"force": in_space["mean_50ms"]}
+        rows = [
+            computed | of_space | {"name": "In space, 50 ms mean"},
+            computed | {"name": "In the plane, 50 ms mean"},
+        ]
+        loads = design_ratios(case, in_space["mean_50ms"])
+    notes = (OF_SPACE if in_space else OUTSIDE_THE_PLANE,)
+    return Table((name, force, ratio, *others), [*rows, *loads] if loads else [], notes=notes)
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:

@@ -254,7 +254,9 @@ def durations_table(answer: ImpactAnswer) -> Table:
 def _design_table(outcome: run.ImpactOutcome) -> Table:
     """Return the 50 ms means of the plate's force above the design loads."""
     longitudinal = float(outcome.fe.longitudinal["mean_50ms"].max())
-    return design_table(outcome.fe_plan.case, outcome.lateral_force, longitudinal)
+    case = outcome.fe_plan.case
+    in_space = case.space.numbers()["force"] if case.space else None
+    return design_table(case, outcome.lateral_force, longitudinal, in_space)
 
 
 def _sections(outcome: run.ImpactOutcome, film: Path | None) -> list[Section]:
