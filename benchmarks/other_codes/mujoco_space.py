@@ -4,15 +4,15 @@
 
 Three scenes have the same bodies in both: the sprung mass with its product of inertia, free in space, and two axles,
 each on a slide joint and a hinge at its roll centre. The force of a wall is the history of an impact of `solver.space`,
-half of it for 0.6 s, applied alike to both without a wall; springs, dampers and tyres are forces of a passive callback,
-by MuJoCo's Jacobians of the points that they join. Masses, inertias and loads at rest are computed here from the
-records of the vehicle. The largest roll, pitch and yaw are to agree within 1 %.
+half as large and 0.6 s long, applied equally to both without a wall; springs, dampers and tyres are forces of a passive
+callback, by MuJoCo's Jacobians of the points that they join. Masses, inertias and loads at rest are computed here from
+the records of the vehicle. The largest roll, pitch and yaw are to agree within 1 %.
 
 In a fourth scene the engine computes the contact: a thin box on the sprung mass touches a box that is the wall, by
 MuJoCo's soft constraints without friction; in `solver.space` both corners of the box are strips. The laws differ:
-MuJoCo's contact is a spring and damper in proportion to the mass that a corner moves, whose force begins with the
+MuJoCo's contact is a spring and damper in proportion to the effective mass at a corner, whose force begins with the
 velocity of the approach; a strip crushes from zero force and returns a part of its energy. Impulse and angles differ by
-that. The engine's force, applied in `solver.space` at its line, confirms it: the bodies then move alike.
+that. The engine's force, applied in `solver.space` at its line, confirms it: both motions are then equal.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ SCENES = {
 }  # fmt: skip
 """Changes of the shipped scene."""
 PART, LASTING, LONG = 0.5, 0.6, 2.0
-"""Part of the force of an impact that is applied, and for how long: without the wall all of it overturns the vehicles;
-duration of the motions [s]."""
+"""Part of the force of an impact that is applied, and for how long [s]: the whole force without the wall overturns the
+vehicles; duration of the motions [s]."""
 UNTOUCHED = (Strip((0.0, 0.0), (2.2, 2.4), 1e5),)
 """Strip that touches no wall, because a vehicle has one."""
 SOFT = 0.08, 0.5
