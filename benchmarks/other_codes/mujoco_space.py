@@ -183,13 +183,14 @@ class Truck:
             data.qfrc_passive[joint : joint + 2] += force * rate
 
     def _tyres(self, model: Any, data: Any, body: int, axle: SpaceAxle, load: float) -> None:
-        """Add the loads and side forces of both tyres of an axle at their lowest points."""
+        """Add the loads and side forces of both tyres of an axle, at the ground."""
         turn, ahead = data.xmat[body].reshape(3, 3), data.xmat[1].reshape(3, 3)[:2, 0]
         ahead = np.array([*(ahead / np.hypot(*ahead)), 0.0])
         left, jacobian = np.array([-ahead[1], ahead[0], 0.0]), np.empty((3, model.nv))
         for side in (-0.5, 0.5):
             point = data.xpos[body] + turn @ (0.0, side * axle.track, -axle.roll_centre - load / axle.tyre)
             normal = axle.tyre * max(-point[2], 0.0)
+            point[2] = max(point[2], 0.0)
             mujoco.mj_jac(model, data, jacobian, None, point, body)
             velocity = jacobian @ data.qvel
             force = np.array([0.0, 0.0, normal])
