@@ -87,7 +87,7 @@ def _lines(tables: Mapping[str, Any], prefix: str = "") -> list[str]:
         name = f"{prefix}{key}"
         if isinstance(value, Mapping):
             below += ["", f"[{name}]", *_lines(value, f"{name}.")]
-        elif name in schema.LISTED:
+        elif name in schema.LISTED and isinstance(value, tuple):  # [[strip]] has a number of this name
             below += [line for table in value for line in ("", f"[[{name}]]", *_lines(table, f"{name}."))]
         elif value is not None:
             lines.append(f"{key} = {toml_value(value)}")
@@ -253,7 +253,7 @@ def _rows(table: BaseModel, given: vary.Tables, changed: frozenset[str], prefix:
         value, key = getattr(table, name), prefix + name
         if isinstance(value, BaseModel):
             rows += _rows(value, given.get(name) or {}, changed, f"{key}.")
-        elif name in schema.LISTED:
+        elif name in schema.LISTED and isinstance(value, tuple):  # [[strip]] has a number of this name
             tables = dict(enumerate(given.get(name, ())))
             for number, unit in enumerate(value):
                 rows += _rows(unit, tables.get(number, {}), changed, f"{key}.{number}.")
