@@ -35,6 +35,9 @@ GROUPS: dict[str, Limits] = {
 }
 """Default range of each factor."""
 
+SHORTEST = 0.1
+"""Least length of a strip whose ends are lowered [m]."""
+
 ROLL_INERTIA = (0.9 / 1.1) ** 2, (1.4 / 1.1) ** 2
 """Default range of a roll inertia over its nominal value: radii of gyration of 0.9 to 1.4 m about 1.1 m."""
 
@@ -171,8 +174,10 @@ def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
         body = f"trailer.{strip.unit - 2}" if strip.unit > 1 else "body"
         centre = values.get(f"{body}.centre_height", values.get("body.centre_height"))
         if centre is not None:
-            ends = {f"strip.{number}.height.{end}": strip.height[end] for end in (0, 1)}
-            values |= {key: np.minimum(height, 2.0 * np.asarray(centre)) for key, height in ends.items()}
+            low, high = strip.height
+            most = 2.0 * np.asarray(centre), 2.0 * np.asarray(centre) - SHORTEST * (high > low)
+            values[f"strip.{number}.height.0"] = np.minimum(low, most[1])
+            values[f"strip.{number}.height.1"] = np.minimum(high, most[0])
     return values
 
 
