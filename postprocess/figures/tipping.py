@@ -129,3 +129,38 @@ def _band(walls: Floats, band: Floats) -> Sequence[Mark]:
     """Return a band with its median."""
     low, middle, high = band
     return Layer("5 to 95 %", walls, low, high, "steel", 0.4), Line("median", walls, middle, "fe", 2.2)
+
+
+class OutcomeBar(NamedTuple):
+    """Probabilities of the outcomes of a test.
+
+    parts: upright, on its side, over the wall; published: whether each one is the published outcome.
+    """
+
+    label: str
+    parts: tuple[float, ...]
+    published: Sequence[bool]
+
+
+def draw_outcomes(bars: Sequence[OutcomeBar]) -> Chart:
+    """Draw the probabilities of the outcomes of tests as bars, with the published one marked."""
+    rows = np.arange(len(bars), dtype=float)[::-1]
+    ends = np.concatenate([np.zeros((len(bars), 1)), np.cumsum([bar.parts for bar in bars], axis=1)], axis=1)
+    labels, marks = [bar.label for bar in bars], list[Mark]()
+    across = rows[:, None] + 0.2 * np.array([-1.0, 1.0])
+    for number, (name, colour, strength) in enumerate((("upright", "green", 0.45), *OUTCOMES)):
+        said = [f"{bar.parts[number]:.2f}" for bar in bars]
+        marks.append(Boxes(name, ends[:, number : number + 2], across, colour, said, labels, strength))
+    x, y = list[float](), list[float]()
+    for bar, row, edges in zip(bars, rows.tolist(), ends.tolist(), strict=True):
+        parts = [number for number, published in enumerate(bar.published) if published]
+        x += [edges[parts[0]], edges[parts[-1] + 1], np.nan]
+        y += [row - 0.33, row - 0.33, np.nan]
+    marks.append(Line("published outcome", np.array(x), np.array(y), "ink", 2.4, dots=3.4))
+    named = tuple(zip(rows.tolist(), labels, strict=True))
+    axis = chart.Axis("", -0.6, len(bars) - 0.4, named=named)
+    plot = chart.Plot(tuple(marks), axis, 34.0 * len(bars) + 8.0, "y", False)
+    caption = "Probabilities of the outcomes of crash tests, and the published outcome (line below)"
+    return chart.draw_chart(
+        "outcomes", caption, (plot,), chart.Axis("probability", 0.0, 1.0), width=chart.FULL
+    )

@@ -165,6 +165,7 @@ def test_refused_indices_are_stated(found):
     assert report.summary["indices_refused"]["roll"] == refusal
 
 
+@pytest.mark.long
 def test_a_low_vehicle_is_upright_on_every_wall(tmp_path):
     """A centre of mass at 0.7 m, below walls of 0.91 m and more, with strips below twice its height."""
     low = case("body.centre_height=0.7 m", 'strip.3.height=["1.2 m", "1.3 m"]', "strip.2.height=1.2 m")
