@@ -112,7 +112,9 @@ def validation_report(validation: Validation) -> Report:
     )
     scored = scores(validation.outcomes) if validation.outcomes else ()
     if scored:
-        answer += f" {_scores_in_words(scored)}"
+        worst = min(validation.outcomes, key=lambda row: row.stated)
+        least = f"Least probability of a published outcome: {worst.stated:.2f}, {worst.case}."
+        answer += f" {_scores_in_words(scored)} {least}"
     headline = Headline("Predictions beside published tests", answer, "", certainty)
     table = Table(ROWS, [_shown(row) for row in rows], "")
     sections = (
