@@ -142,8 +142,8 @@ def test_the_report(found):
     report = tipping_report.report(found)
     for words in ("95 % of the samples upright", "Profiles of a wall", "AASHTO (Report 350)", "f-shape"):
         assert words in str(report.page)
-    assert np.size(report.histories["map.csv"]["largest_roll"]) == SMALL["POINTS"] ** 2
-    assert len(report.histories["samples.csv"]["outcome"]) == found.answers["outcome"].shape[1]
+    assert np.size(report.histories["map.csv"]["largest_roll"]) == found.rolls.size
+    assert np.size(report.histories["samples.csv"]["outcome"]) == found.answers["outcome"].shape[1]
     walls = report.summary["lowest_walls"]
     assert [walls[level]["wall"] for level in ("5", "50", "95")] == [
         found.keeps(level)[0] for level in (0.05, 0.5, 0.95)

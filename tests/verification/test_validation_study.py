@@ -165,7 +165,7 @@ def test_brier_scores_by_hand():
     assert (always.score, always.right) == (pytest.approx(2.0 / 3.0), 1)
     validation = predictions.Validation((), (), 10, 1.0, tuple(rows), ({"name": "b", "why": "unknown"},))
     sections = validation_report_module._outcome_sections(validation, outcomes.scores(rows))
-    assert "published outcome" in sections[0].figures[0].svg
+    assert "published outcome" in str(sections[0].figures[0])
     assert [len(table.rows) for table in sections[0].tables] == [3, 3, 1]
 
 
