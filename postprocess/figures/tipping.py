@@ -96,7 +96,7 @@ def draw_upright(walls: Floats, fractions: Floats, interval: Floats, wall: float
 
 
 def draw_force(walls: Floats, band: Floats, loads: Mapping[str, float], wall: float) -> Chart:
-    """Draw the 50 ms mean of the lateral force over the height of the wall.
+    """Draw the 50 ms mean of the lateral force over walls.
 
     band: 5, 50 and 95 %, shape (3, n) [N]; loads: published ones by name [N]; wall: of the scene [m].
     """
@@ -143,7 +143,7 @@ class OutcomeBar(NamedTuple):
 
 
 def draw_outcomes(bars: Sequence[OutcomeBar]) -> Chart:
-    """Draw the probabilities of the outcomes of tests as bars, with the published one marked."""
+    """Draw the probabilities of outcomes with the published one marked."""
     rows = np.arange(len(bars), dtype=float)[::-1]
     ends = np.concatenate([np.zeros((len(bars), 1)), np.cumsum([bar.parts for bar in bars], axis=1)], axis=1)
     labels, marks = [bar.label for bar in bars], list[Mark]()

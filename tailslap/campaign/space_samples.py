@@ -49,7 +49,10 @@ COLUMNS = ("outcome", "largest_roll", "mean_50ms", "height", "length")
 
 
 def nominal_values(case: ImpactCase) -> dict[str, float]:
-    """Return the value of each key that may vary alone [SI], factors as 1."""
+    """Return the nominal value of each key that may vary [SI].
+
+    Factors are 1.
+    """
     scene, units = case.scene, space_input(case.scene).vehicle.units
     values: dict[str, Any] = {}
     for number, unit in enumerate(units):
@@ -73,7 +76,10 @@ def nominal_values(case: ImpactCase) -> dict[str, float]:
 
 
 def members(scene: Scene, key: str) -> list[str]:
-    """Return the keys of the scene that a factor applies to, those with a value other than 0."""
+    """Return the keys of the scene that a factor applies to.
+
+    Values of 0 are not among them.
+    """
     table, _, name = key.split(".")
     keys = [f"{table}.{number}.{name}" for number in range(len(getattr(scene, table)))]
     return [key for key in keys if value_at(scene, key)]
@@ -135,7 +141,10 @@ def space_ranges(case: ImpactCase, ranges: tuple[str, ...], fixed: tuple[str, ..
 
 
 def stated_ranges(case: ImpactCase, limits: Mapping[str, Limits | TypedLimits]) -> tuple[Range, ...]:
-    """Return ranges with their ends and sources as stated, factors last. Raises InputError."""
+    """Return ranges with stated ends and sources, factors last.
+
+    Raises InputError.
+    """
     singles = {key: ends for key, ends in limits.items() if "*" not in key}
     ranges = input_ranges.ranges_of(case, tuple(singles), singles, (), ())  # type: ignore[arg-type]  # texts with units
     factors = (
@@ -147,7 +156,7 @@ def stated_ranges(case: ImpactCase, limits: Mapping[str, Limits | TypedLimits]) 
 
 
 def _typed_factor(text: str) -> tuple[str, Limits]:
-    """Return key and range of a factor, KEY=LOWER:UPPER. Raises InputError."""
+    """Return key and range of a typed factor. Raises InputError."""
     key, _, values = (part.strip() for part in text.partition("="))
     try:
         lower, upper = map(float, values.split(":"))
@@ -161,7 +170,9 @@ def _typed_factor(text: str) -> tuple[str, Limits]:
 
 
 def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
-    """Return values by key of the scene, factors applied and strips within the vehicle.
+    """Return values by key of the scene, with factors applied.
+
+    Strips are within the vehicle.
 
     inputs: by key, floats or of shape (n,) [SI].
     """

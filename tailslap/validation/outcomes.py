@@ -52,7 +52,10 @@ class OutcomeRow(NamedTuple):
 
 
 class Score(NamedTuple):
-    """Brier score of a forecast, and the number of cases on the right side of one half."""
+    """Brier score of a forecast.
+
+    right: number of cases on the right side of one half.
+    """
 
     name: str
     score: float
@@ -67,7 +70,10 @@ def metres_or_newtons(text: str) -> float:
 
 
 def rule_height(rule: Mapping[str, str]) -> float:
-    """Return the height from which on walls hold [m], stated or AASHTO's H = G - W B / (2 F)."""
+    """Return the height from which on walls hold [m].
+
+    It is stated, or AASHTO's H = G - W B / (2 F).
+    """
     if "height" in rule:
         return metres_or_newtons(rule["height"])
     centre, weight, width, force = (
@@ -77,7 +83,10 @@ def rule_height(rule: Mapping[str, str]) -> float:
 
 
 def predicted_samples(case: Mapping[str, Any], vehicle: Mapping[str, Any]) -> dict[str, Floats]:
-    """Return outcome, force [N] and height [m] of the samples of a case, shape (n,)."""
+    """Return outcome, force and height of the samples of a case.
+
+    Of shape (n,) [N], [m].
+    """
     scene, source = vary(Source(given=vehicle["scene"] | {"wall": case["wall"]}), {})
     ranges = space_samples.stated_ranges(
         ImpactCase(scene, source), vehicle["ranges"] | case.get("ranges", {})
@@ -105,7 +114,10 @@ def outcome_rows(parameters: Mapping[str, Any], show: Callable[[float], None]) -
 
 
 def outcome_row(case: Mapping[str, Any], outcomes: Floats, heights: Mapping[str, float]) -> OutcomeRow:
-    """Return the row of a case from the outcomes of its samples; those without one count as over the wall."""
+    """Return the row of a case from the outcomes of samples.
+
+    Samples without an outcome count as over the wall.
+    """
     counts = np.bincount(outcomes.astype(int), minlength=len(space.OUTCOMES)) / outcomes.size
     probabilities = {UPRIGHT: float(counts[0]), SIDE: float(counts[1]), OVER: float(counts[2] + counts[3])}
     stated = float(sum(probabilities[name] for name in STATED[case["published"]]))
@@ -116,7 +128,7 @@ def outcome_row(case: Mapping[str, Any], outcomes: Floats, heights: Mapping[str,
 
 
 def scores(rows: Sequence[OutcomeRow]) -> tuple[Score, ...]:
-    """Return the scores of the probabilities, of each rule, and of a constant forecast."""
+    """Return the scores of probabilities, rules and a constant forecast."""
     over = np.array([row.published == OVER for row in rows], dtype=float)
     forecasts = {OURS: np.array([row.probabilities[OVER] for row in rows])}
     forecasts |= {
@@ -127,5 +139,5 @@ def scores(rows: Sequence[OutcomeRow]) -> tuple[Score, ...]:
 
 
 def brier(forecast: Floats, event: Floats) -> tuple[float, int]:
-    """Return the mean square of forecast minus event, and the number of forecasts on its side of one half."""
+    """Return the Brier score of a forecast, and its right cases."""
     return float(np.mean((forecast - event) ** 2)), int(np.count_nonzero((forecast > 0.5) == (event > 0.5)))

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from postprocess.report.command_report import write_report
 from solver import space
 from tailslap import cli
 from tailslap.campaign import records, space_samples
@@ -138,8 +139,10 @@ def test_fractions_are_those_of_motions_of_their_own(found):
     assert (found.answers["height"][wall] == direct.height).all()
 
 
-def test_the_report(found):
+def test_the_report(found, tmp_path):
     report = tipping_report.report(found)
+    write_report(report, tmp_path)
+    assert (tmp_path / "samples.csv").read_text(encoding="utf-8").startswith("body.centre_height")
     for words in ("95 % of the samples upright", "Profiles of a wall", "AASHTO (Report 350)", "f-shape"):
         assert words in str(report.page)
     assert np.size(report.histories["map.csv"]["largest_roll"]) == found.rolls.size

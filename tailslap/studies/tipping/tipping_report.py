@@ -110,7 +110,10 @@ def report(result: TippingResult) -> Report:
         Section("Method", sentences=_sentences(result)),
         Section("Omitted effects", tables=(Table(LIMIT_COLUMNS, LIMITS),)),
     )
-    files = "summary.json (in SI); map.csv (largest rolls); walls.csv (distributions); samples.csv (samples)"
+    files = (
+        "summary.json (in SI); map.csv (largest rolls); walls.csv (distributions); samples.csv (samples, outcome 0 "
+        "upright, 1 on its side, 2 over the wall)"
+    )
     cost = f"{result.seconds:.1f} s, {result.processor:.1f} s of processor time"
     return Report(
         study_page(result.case, "Roll over the wall", headline(result), sections, files),
@@ -144,7 +147,10 @@ def headline(result: TippingResult) -> Headline:
 
 
 def _height(height: float, result: TippingResult | None = None) -> str:
-    """Return a height with inches; NaN is above the highest wall."""
+    """Return a height with inches.
+
+    NaN is above the highest wall.
+    """
     if height != height:
         return "none" if result is None else f"above {_height(float(result.walls[-1]))}"
     if result is not None and height == result.walls[0]:
@@ -182,7 +188,7 @@ def held_rows(result: TippingResult) -> list[Record]:
 
 
 def profile_rows(result: TippingResult) -> list[Record]:
-    """Return fractions and bands of the named profiles at the height of the scene's wall."""
+    """Return fractions and bands of the named profiles."""
     return [{"profile": name} | _distribution(columns) for name, columns in result.profiles.items()]
 
 
@@ -220,7 +226,10 @@ def _wall_charts(result: TippingResult, loads: Mapping[str, Any]) -> list[Any]:
 
 
 def _input_rows(result: TippingResult, name: str) -> list[Record]:
-    """Return inputs with indices of an output, largest first, or without where refused."""
+    """Return inputs with indices of an output, largest first.
+
+    Without indices where these are refused.
+    """
     words = {item.key: item.in_words()[0] for item in result.ranges}
     rows = sorted(result.sources.get(name, ()), key=lambda row: -row["total"])
     if not rows:
@@ -275,7 +284,7 @@ def _sentences(result: TippingResult) -> list[str]:
 
 
 def _decrease(result: TippingResult) -> str:
-    """Return a sentence on fractions that decrease with the height of the wall, if any does."""
+    """Return a sentence on fractions that decrease with the height."""
     highest = np.maximum.accumulate(result.upright)
     lower = int(np.argmax(highest - result.upright))
     if highest[lower] == result.upright[lower]:
@@ -330,9 +339,11 @@ def _walls(result: TippingResult) -> Record:
 
 
 def _samples(result: TippingResult) -> Record:
-    """Return the samples with their answers at the scene's wall."""
+    """Return the samples with their answers at the scene's wall.
+
+    Outcomes are numbers of `solver.space.OUTCOMES`.
+    """
     assert result.case.scene.wall
     number = int(np.argmin(np.abs(result.walls - (result.case.scene.wall.height or 0.0))))
-    outcomes = [OUTCOMES[int(outcome)] for outcome in result.answers["outcome"][number]]
-    answers = {name: values[number] for name, values in result.answers.items() if name != "outcome"}
-    return {**result.inputs, "outcome": outcomes, **answers}
+    answers = {name: values[number] for name, values in result.answers.items()}
+    return {**result.inputs, **answers}

@@ -116,12 +116,15 @@ class TippingResult:
 
     @property
     def intervals(self) -> Array:
-        """Intervals of these fractions due to the number of samples, shape (2, n)."""
+        """Intervals of these fractions, shape (2, n)."""
         outcomes = self.answers["outcome"]
         return binomial_interval((outcomes == 0.0).sum(axis=1), self.count)
 
     def keeps(self, level: float) -> tuple[float, float, float]:
-        """Return the lowest wall that keeps a fraction upright, and its interval [m]; NaN above all walls."""
+        """Return the lowest wall that keeps a fraction upright.
+
+        With its interval [m], NaN above all walls.
+        """
         low, high = self.intervals
         lowest, earliest, latest = (
             lowest_wall(self.walls, part, level) for part in (self.upright, high, low)
@@ -144,9 +147,9 @@ def binomial_interval(successes: Array, trials: int) -> Array:
 
 
 def lowest_wall(walls: Array, fractions: Array, level: float) -> float:
-    """Return the height from which on fractions reach a level, linear between walls [m].
+    """Return the height above which all fractions reach a level [m].
 
-    It is the lowest wall where all reach it, and NaN where the highest one does not.
+    It is linear between walls, the lowest wall where all reach it, and NaN where the highest does not.
     """
     below = np.flatnonzero(fractions < level)
     if not below.size:
@@ -201,7 +204,10 @@ def _varies(table: Array) -> bool:
 
 
 def wall_heights(case: ImpactCase) -> Array:
-    """Return the heights of the walls of the samples, the scene's and common ones among them [m]."""
+    """Return the heights of the walls of the samples [m].
+
+    The scene's and common ones are among them.
+    """
     assert case.scene.wall
     assert case.scene.wall.height
     highest = max(HIGHEST, *(float(unit.centre_height) for unit in case.space.inputs.vehicle.units))
