@@ -1,63 +1,166 @@
-"""Chart of rolls over heights of centre and wall."""
+"""Charts of vehicles that roll over a wall.
 
+Largest rolls over heights of wall and centre of mass; fraction upright, force and height of the resultant over the
+height of the wall.
+"""
+
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from postprocess.svg import chart
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Swatch
+from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Span, Swatch
 from postprocess.svg.scales import Floats, Shades, cells_about
 
 MAP, RED = 620.0, "#d8453a"
 
+INCH = 0.0254
 INCHES = (27, 32, 36, 42, 54)
 """Heights of common walls on the map [in]."""
 
+OUTCOMES = (("on its side", "rigid", 0.45), ("over the wall", "red", 0.45))
+"""Outcomes besides upright with colour and opacity."""
 
-class Boundary(NamedTuple):
-    """Lowest walls that prevent rollover [m].
 
-    centres: heights of the centre of mass; line: walls, shape (k,); band: 5, 50 and 95 % of samples, shape (3, n),
-    over band_centres.
+class Lines(NamedTuple):
+    """Walls that keep 5, 50 and 95 % of the samples upright.
+
+    centres: heights of the centre of mass, shape (n,); walls: heights, shape (3, n) [m]; NaN above all walls.
     """
 
     centres: Floats
-    line: Floats
-    band_centres: Floats
-    band: Floats
+    walls: Floats
 
 
 def draw_map(
-    centres: Floats, walls: Floats, rolls: Floats, boundary: Boundary, nominal: tuple[float, float]
+    centres: Floats, walls: Floats, rolls: Floats, lines: Lines, nominal: tuple[float, float]
 ) -> Chart:
     """Draw the largest rolls over heights of wall and centre of mass.
 
-    rolls [rad], shape (walls, centres), red where the vehicle tips; nominal: centre and wall of the scene [m].
+    rolls [rad], shape (walls, centres), 90 deg where the vehicle does not remain upright; nominal: centre and wall of
+    the scene [m].
     """
     degrees, tips = np.degrees(rolls).ravel(), rolls.ravel() >= 0.5 * np.pi
     shades = Shades(0.0, float(degrees[~tips].max(initial=1.0)))
     colours = np.where(tips, RED, shades.colours(np.where(tips, 0.0, degrees)))
     row, column = np.divmod(np.arange(rolls.size), centres.size)
     x, y = cells_about(centres, False)[column], cells_about(walls, False)[row]
-    said = [f"{roll:.1f} deg" if roll < 90.0 else "tips" for roll in degrees]
+    said = [f"{roll:.1f} deg" if roll < 90.0 else "rolls over" for roll in degrees]
     at = [f"wall {walls[i]:.3f} m; centre {centres[j]:.3f} m" for i, j in zip(row, column, strict=True)]
     start, end, bottom, top = (float(edge) for edge in (x.min(), x.max(), y.min(), y.max()))
-    line, (low, middle, high) = (np.clip(heights, bottom, top) for heights in (boundary.line, boundary.band))
+    looks = (("5 % upright", "2 3", 1.4), ("50 % upright", "7 3", 1.8), ("95 % upright", "", 2.6))
+    drawn = zip(looks, np.clip(lines.walls, bottom, top), strict=True)
     marks: list[Mark] = [
         Boxes("largest roll", x, y, colours.tolist(), said, at),
         *(Swatch(*colour_key) for colour_key in shades.keys("deg")),
-        Swatch("tips", RED),
-        Layer("5 to 95 %", boundary.band_centres, low, high, "ink", 0.25),
-        Line("median", boundary.band_centres, middle, "ink", 1.0, "4 3"),
-        Line("lowest wall without rollover", boundary.centres, line, "ink", 2.2),
+        Swatch("rolls over", RED),
+        *(
+            Line(name, lines.centres, heights, "ink", width, dashes)
+            for (name, dashes, width), heights in drawn
+        ),
         Line("the scene", np.array(nominal[:1]), np.array(nominal[1:]), "ink", 0.0, dots=4.5),
-        *(Line("", np.array([start, end]), np.full(2, 0.0254 * inches), "#ffffff", 1.0) for inches in INCHES),
-        *(Level(f"{inches} in", 0.0254 * inches, "rigid") for inches in INCHES),
+        *(Line("", np.array([start, end]), np.full(2, INCH * inches), "#ffffff", 1.0) for inches in INCHES),
+        *(Level(f"{inches} in", INCH * inches, "rigid") for inches in INCHES),
     ]
     across = chart.Axis("height of the centre of mass [m]", start, end, margin=0.0)
     plot = chart.Plot(tuple(marks), chart.Axis("height of the wall [m]", bottom, top), 380.0, "xy", False)
-    caption = (
-        "Largest roll and lowest wall without rollover, nominal (line) and in 90 % of the samples (band)"
+    caption = "Largest roll of the nominal vehicle, and walls that keep 5, 50 and 95 % of the samples upright (lines)"
+    return chart.draw_chart("map", caption, (plot,), across, "Roll", MAP)
+
+
+def draw_upright(walls: Floats, fractions: Floats, interval: Floats, wall: float, level: float) -> Chart:
+    """Draw the fractions of each outcome over the height of the wall.
+
+    fractions: upright, on its side, over the wall, shape (3, n); interval: of the first, shape (2, n); wall: of the
+    scene [m]; level: fraction that the wall is to keep upright.
+    """
+    upright, side, _ = 100.0 * fractions
+    layers = zip(
+        OUTCOMES, ((upright, upright + side), (upright + side, np.full_like(side, 100.0))), strict=True
     )
-    return chart.draw_chart("map", caption, (plot,), across, "Tipping", MAP)
+    marks: list[Mark] = [
+        *(
+            Layer(name, walls, low, high, colour, strength)
+            for (name, colour, strength), (low, high) in layers
+        ),
+        Layer("95 % interval", walls, 100.0 * interval[0], 100.0 * interval[1], "ink", 0.2),
+        Line("upright", walls, upright, "ink", 2.2),
+        Level(f"{100.0 * level:g} %", 100.0 * level, "ink"),
+        Span("the scene", wall, wall, "ink"),
+    ]
+    plot = chart.Plot(tuple(marks), chart.Axis("fraction of the samples [%]", 0.0, 100.0), 220.0)
+    caption = "Outcome of the samples over the height of the wall"
+    return chart.draw_chart("upright", caption, (plot,), _across(walls), "Walls", chart.HALF)
+
+
+def draw_force(walls: Floats, band: Floats, loads: Mapping[str, float], wall: float) -> Chart:
+    """Draw the 50 ms mean of the lateral force over walls.
+
+    band: 5, 50 and 95 %, shape (3, n) [N]; loads: published ones by name [N]; wall: of the scene [m].
+    """
+    levels = [Level(name, force / 1e3, "rigid") for name, force in loads.items()]
+    marks = (*_band(walls, band / 1e3), *levels, Span("the scene", wall, wall, "ink"))
+    plot = chart.Plot(marks, chart.Axis("largest 50 ms mean [kN]", low=0.0), 220.0)
+    caption = "Lateral force over the height of the wall, and published design loads (lines across)"
+    return chart.draw_chart("force-over-height", caption, (plot,), _across(walls), "Walls", chart.HALF)
+
+
+def draw_resultant(walls: Floats, band: Floats, heights: Mapping[str, float], wall: float) -> Chart:
+    """Draw the height of the resultant over the height of the wall.
+
+    band: 5, 50 and 95 %, shape (3, n) [m]; heights: published ones by name [m]; wall: of the scene [m].
+    """
+    levels = [Level(name, height, "rigid") for name, height in heights.items()]
+    top = Line("top of the wall", walls, walls, "grey", 1.2, "2 3")
+    marks = (*_band(walls, band), top, *levels, Span("the scene", wall, wall, "ink"))
+    plot = chart.Plot(marks, chart.Axis("height of the resultant [m]", low=0.0), 220.0)
+    caption = "Height of the resultant at the largest 50 ms mean, and published heights (lines across)"
+    return chart.draw_chart("resultant", caption, (plot,), _across(walls), "Walls", chart.HALF)
+
+
+def _across(walls: Floats) -> chart.Axis:
+    """Return the axis of heights of walls."""
+    return chart.Axis("height of the wall [m]", float(walls[0]), float(walls[-1]), margin=0.0)
+
+
+def _band(walls: Floats, band: Floats) -> Sequence[Mark]:
+    """Return a band with its median."""
+    low, middle, high = band
+    return Layer("5 to 95 %", walls, low, high, "steel", 0.4), Line("median", walls, middle, "fe", 2.2)
+
+
+class OutcomeBar(NamedTuple):
+    """Probabilities of the outcomes of a test.
+
+    parts: upright, on its side, over the wall; published: whether each one is the published outcome.
+    """
+
+    label: str
+    parts: tuple[float, ...]
+    published: Sequence[bool]
+
+
+def draw_outcomes(bars: Sequence[OutcomeBar]) -> Chart:
+    """Draw the probabilities of outcomes with the published one marked."""
+    rows = np.arange(len(bars), dtype=float)[::-1]
+    ends = np.concatenate([np.zeros((len(bars), 1)), np.cumsum([bar.parts for bar in bars], axis=1)], axis=1)
+    labels, marks = [bar.label for bar in bars], list[Mark]()
+    across = rows[:, None] + 0.2 * np.array([-1.0, 1.0])
+    for number, (name, colour, strength) in enumerate((("upright", "green", 0.45), *OUTCOMES)):
+        said = [f"{bar.parts[number]:.2f}" for bar in bars]
+        marks.append(Boxes(name, ends[:, number : number + 2], across, colour, said, labels, strength))
+    x, y = list[float](), list[float]()
+    for bar, row, edges in zip(bars, rows.tolist(), ends.tolist(), strict=True):
+        parts = [number for number, published in enumerate(bar.published) if published]
+        x += [edges[parts[0]], edges[parts[-1] + 1], np.nan]
+        y += [row - 0.33, row - 0.33, np.nan]
+    marks.append(Line("published outcome", np.array(x), np.array(y), "ink", 2.4, dots=3.4))
+    named = tuple(zip(rows.tolist(), labels, strict=True))
+    axis = chart.Axis("", -0.6, len(bars) - 0.4, named=named)
+    plot = chart.Plot(tuple(marks), axis, 34.0 * len(bars) + 8.0, "y", False)
+    caption = "Probabilities of the outcomes of crash tests, and the published outcome (line below)"
+    return chart.draw_chart(
+        "outcomes", caption, (plot,), chart.Axis("probability", 0.0, 1.0), width=chart.FULL
+    )

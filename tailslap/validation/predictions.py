@@ -1,4 +1,4 @@
-"""Blind predictions of published forces, durations and speeds, with 90 % bands.
+"""Blind predictions of published forces, durations, speeds and outcomes, with 90 % bands.
 
 Vehicles, ranges and published values stand in parameters.toml and were fixed before the first prediction. The band of a
 prediction is the spread of rigid impacts over these ranges; nothing is adjusted to a published value. The plateau of
@@ -25,6 +25,8 @@ from tailslap.campaign import input_ranges, sampling
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.units import to_si
 from tailslap.scene.vary import Source, vary
+from tailslap.validation import outcomes
+from tailslap.validation.outcomes import OutcomeRow
 
 Floats = NDArray[np.float64]
 
@@ -40,6 +42,8 @@ QUANTITIES = {
     "cfc60": ("largest force, CFC 60", "kN", 1e-3),
     "duration": ("duration of the second strike", "ms", 1e3),
     "exit_speed": ("speed after the last strike", "m/s", 1.0),
+    "space_mean_50ms": ("largest 50 ms mean, in space", "kN", 1e-3),
+    "height": ("height of the resultant", "m", 1.0),
 }
 """Label, shown unit and factor of each quantity."""
 
@@ -68,12 +72,17 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class Validation:
-    """The rows, the inputs of each vehicle with their sources, and the cost."""
+    """The rows, the inputs of each vehicle with their sources, the cost, and the outcomes.
+
+    skipped: published tests that are not computed, and why.
+    """
 
     rows: tuple[Row, ...]
     inputs: tuple[dict[str, Any], ...]
     impacts: int
     seconds: float
+    outcomes: tuple[OutcomeRow, ...] = ()
+    skipped: tuple[dict[str, str], ...] = ()
 
     @property
     def force_ratios(self) -> Floats:
@@ -110,7 +119,17 @@ def validate() -> Validation:
                 impacts += next(iter(predicted[key][1].values())).size
             rows += [compared(case, value, *predicted[key]) for value in case["published"]]
             show(number / len(published["cases"]))
-    return Validation(tuple(rows), tuple(_inputs(published)), impacts, time.perf_counter() - began)
+    with progress.progress_bar("validation: motions in space") as show:
+        for case in published["space_cases"]:
+            table = outcomes.predicted_samples(case, published["space_vehicles"][case["vehicle"]])
+            rows += [compared(case, value, (), table) for value in case["published"]]
+            impacts += table["outcome"].size
+        of_tests = outcomes.outcome_rows(published, show)
+    impacts += len(of_tests) * outcomes.SAMPLES
+    return Validation(
+        tuple(rows), tuple(_inputs(published)), impacts, time.perf_counter() - began, of_tests,
+        tuple(published["not_computed"]),
+    )  # fmt: skip
 
 
 def parameters() -> dict[str, Any]:
@@ -121,8 +140,9 @@ def parameters() -> dict[str, Any]:
 def _inputs(parameters: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Return the ranges of every vehicle as rows."""
     return [
-        {"vehicle": name, "key": key, "lower": lower, "upper": upper, "source": source}
-        for name, vehicle in parameters["vehicles"].items()
+        {"vehicle": f"{name}{ending}", "key": key, "lower": lower, "upper": upper, "source": source}
+        for table, ending in (("vehicles", ""), ("space_vehicles", " in space"))
+        for name, vehicle in parameters[table].items()
         for key, (lower, upper, source) in vehicle["ranges"].items()
     ]
 
@@ -159,11 +179,14 @@ def compared(
     ranges: tuple[input_ranges.Range, ...],
     tables: Mapping[str, Floats],
 ) -> Row:
-    """Return the prediction of one published value beside it."""
+    """Return the prediction of one published value beside it.
+
+    Without ranges, tables are samples of shape (n,), and the fraction of the plateaus is not determined.
+    """
     quantity, (number, unit) = published["quantity"], published["value"].split(" ", 1)
     value = float(number) * to_si(unit)[0]
     lower, median, upper = sampling.band_of(tables[quantity]).percentiles
-    sources, _ = sampling.index_rows(ranges, tables[quantity])
+    sources = sampling.index_rows(ranges, tables[quantity])[0] if ranges else []
     plateaus = [row["first_order"] for row in sources if row["key"].endswith("plateau_force")]
     return Row(
         case["name"], quantity, median, lower, upper, value, median / value, lower <= value <= upper,

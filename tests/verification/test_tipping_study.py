@@ -1,115 +1,228 @@
-"""Verification: the study of tipping: its map, line and samples are those of the solver, and its refusals."""
+"""Verification: the study of roll over walls: exact fractions, samples that are motions of their own, refusals."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from solver import tipping
-from tailslap.case.impact import rigid
+from postprocess.report.command_report import write_report
+from solver import space
+from tailslap import cli
+from tailslap.campaign import records, space_samples
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.studies import find_study
 from tailslap.studies.tipping import tipping_report, tipping_study
 
-SCENE = "impact-tipping-tl4-sut"
-FIXED = ("vehicle.mass", "vehicle.centre_of_mass", "contact.friction", "impact.speed", "impact.angle")
+SCENE, INCH = "impact-tipping-tl4-sut", 0.0254
+FREE = ("body.centre_height", "contact.friction", "axle.*.spring")
+SMALL = {
+    "POINTS": 3, "LINE_CENTRES": 2, "LINE_SAMPLES": 4, "LINE_WALLS": 1, "STEP": 40 * INCH, "WALLS": ()
+}  # fmt: skip
 
 
 def case(*changes):
     return ImpactCase(*read_scene(SCENE, changes))
 
 
+def fixed(own):
+    """All inputs except FREE."""
+    return tuple(item.key for item in space_samples.space_ranges(own, (), ()) if item.key not in FREE)
+
+
+def computed(own, place, samples=128, ranges=(), **small):
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in (SMALL | small).items():
+            patch.setattr(tipping_study, name, value)
+        patch.setattr(space, "PROFILES", {name: space.PROFILES[name] for name in ("vertical", "f-shape")})
+        return tipping_study.compute(own, place, samples, ranges, fixed(own), 1)
+
+
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    place = tmp_path_factory.mktemp("study") / "out"
-    return tipping_study.compute(case(), place, 128, ("contact.restitution=0.1:0.4",), FIXED, 1)
+    return computed(case(), tmp_path_factory.mktemp("study") / "out")
 
 
-def test_the_map_and_the_line_are_the_solver_s(found):
-    force, interval = found.case.answer.history["force_normal"][1:], found.case.answer.interval
-    for i, j in ((0, 0), (10, 20), (49, 49), (15, 30)):
-        vehicle = replace(found.answer.vehicle, centre_height=found.centres[j])
-        assert found.rolls[i, j] == tipping.largest_rolls(vehicle, found.walls[i], force, interval)
-    tips = found.rolls == tipping.TIPPED
-    assert (tips == (found.walls[:, None] < found.line)).mean() > 0.99
-    assert (np.diff(found.line) > 0.0).all()
-    own = np.interp(1.35, found.centres, found.line)
-    assert own == pytest.approx(found.answer.lowest_wall, abs=2e-3)
+def by_height(source, inputs):
+    """Upright on walls of at least the height of the centre less 0.6 m; a force of 1 MN/m of that height."""
+    count = max(np.size(values) for values in inputs.values())
+    wall, centre, friction = (
+        np.broadcast_to(inputs.get(key, own), count)
+        for key, own in (("wall.height", 36 * INCH), ("body.centre_height", 1.35), ("contact.friction", 0.35))
+    )
+    outcome = np.where(wall >= centre - 0.6, 0.0, 2.0)
+    answers = {"outcome": outcome, "largest_roll": 0.1 * centre, "mean_50ms": 1e6 * wall + 1e5 * friction}
+    columns = {name: values.tolist() for name, values in answers.items()}
+    return columns | {"height": wall.tolist(), "length": wall.tolist(), "processor": 0.01}
 
 
-def test_samples_are_impacts_of_their_own(found):
-    """Lowest walls of samples beside the same scenes, each solved for itself."""
-    for number in (0, 5, 11):
-        changes = [
-            f"{key}={float(values[number])!r}" for key, values in found.samples.items() if key in found.inputs
-        ]
-        own = rigid.tipping_of(varied := case(*map(str.strip, changes)), varied.answer)
-        assert found.samples["lowest_safe_wall"][number] == pytest.approx(own.lowest_wall, abs=0.012)
+@pytest.fixture
+def exact(monkeypatch, tmp_path):
+    monkeypatch.setattr(space_samples, "solve_samples", by_height)
+    return computed(case(), tmp_path / "out", 1280, WALLS=tuple(np.linspace(0.55, 0.95, 41)), POINTS=9)
 
 
-def test_lowest_walls_of_the_samples_lie_within_2_mm_of_those_of_small_steps():
-    """95 in 100 of them, with low restitution as with high; beside steps of 0.1 ms and smaller ones of the roll."""
-    own, draw = case(), np.random.default_rng(5)
-    for low, high in ((0.0, tipping_study.ABRUPT), (tipping_study.ABRUPT, 0.4)):
-        ranges = {
-            "contact.restitution": (low, high), "contact.stiffness": (1e6, 3e6),
-            "tipping.centre_height": (1.25, 1.45), "impact.angle": (0.24, 0.29),
-        }  # fmt: skip
-        inputs = {key: draw.uniform(*ends, 100) for key, ends in ranges.items()}
-        found = own.impacts(
-            {key: values for key, values in inputs.items() if "tipping" not in key},
-            after_second=rigid.AFTER_TIPPING, interval=tipping_study.STEP, step=1e-4,
-        )  # fmt: skip
-        vehicle = rigid.tipping_of(own, own.answer).vehicle
-        exact = [
-            float(tipping.lowest_walls(replace(vehicle, centre_height=centre), force, tipping_study.STEP))
-            for centre, force in zip(inputs["tipping.centre_height"], found.mean_force.T, strict=True)
-        ]
-        off = np.abs(np.array(tipping_study.measure(own.source, inputs)["lowest"]) - exact)
-        assert np.percentile(off, 95) < 2e-3
+def test_walls_of_a_known_law_by_hand(exact):
+    """Centres are uniform from 1.2 to 1.5 m: a wall h keeps (h - 0.6)/0.3 of them upright."""
+    law = np.clip((exact.walls - 0.6) / 0.3, 0.0, 1.0)
+    assert np.abs(exact.upright - law).max() < 0.01  # stratified samples
+    for level in tipping_study.LEVELS:
+        wall, low, high = exact.keeps(level)
+        assert wall == pytest.approx(0.6 + 0.3 * level, abs=0.006)
+        assert low < wall < high
+    assert (exact.intervals[0] <= law).all()
+    assert (law <= exact.intervals[1]).all()
+    middle = 1e6 * exact.walls + 0.35e5
+    assert exact.band("mean_50ms")[1] == pytest.approx(middle, rel=1e-3)
+    tips = exact.map_walls[:, None] < exact.centres - 0.6
+    assert ((exact.rolls == 0.5 * np.pi) == tips).all()
+    index = {row["key"]: row["total"] for row in exact.sources["mean_50ms"]}
+    assert index == pytest.approx(
+        {"body.centre_height": 0.0, "contact.friction": 1.0, "axle.*.spring": 0.0}, abs=0.02
+    )
 
 
-def test_the_band_holds_the_line_and_the_centre_s_height_counts_most(found):
-    low, middle, high = found.band
-    assert (low < middle).all()
-    assert (middle < high).all()
-    first = max(found.sources, key=lambda row: row["total"])
-    assert first["key"] == "tipping.centre_height"
-    assert found.holds(0.0) == 0.0
-    assert found.holds(2.0) == 1.0
-    assert found.holds(0.69) < found.holds(0.81) < 1.0
+def test_lowest_wall_by_hand():
+    walls = np.array([0.5, 0.6, 0.7, 0.8])
+    lowest = tipping_study.lowest_wall
+    assert lowest(walls, np.array([0.0, 0.4, 0.6, 1.0]), 0.5) == pytest.approx(0.65)
+    assert lowest(walls, np.array([0.6, 0.4, 0.6, 1.0]), 0.5) == pytest.approx(0.65), (
+        "all higher walls keep it"
+    )
+    assert lowest(walls, np.array([0.6, 0.7, 0.8, 1.0]), 0.5) == 0.5
+    assert np.isnan(lowest(walls, np.array([0.6, 0.7, 0.8, 0.4]), 0.5))
 
 
-def test_the_report(found):
-    made = tipping_report.report(found)
-    text = str(made.page)
-    for words in ("Lowest wall without rollover", "shift of the cargo", "No rollover"):
-        assert words in text
-    assert np.size(made.histories["map.csv"]["largest_roll"]) == 2500
-    held = [row["holds"] for row in made.summary["walls"]]
-    assert held == sorted(held)
-    assert made.summary["tipping"]["lowest_safe_wall"] == found.answer.lowest_wall
+def test_binomial_interval_against_published_values():
+    """0, 5 and 10 of 10: 30.85 %, and 18.71 to 81.29 % (Clopper and Pearson 1934)."""
+    low, high = tipping_study.binomial_interval(np.array([0, 5, 10]), 10)
+    assert low == pytest.approx([0.0, 0.18709, 0.69150], abs=1e-5)
+    assert high == pytest.approx([0.30850, 0.81291, 1.0], abs=1e-5)
 
 
-def test_refused_indices_are_said_and_not_shown(found):
-    made = tipping_report.report(replace(found, sources=[], refusal="Sobol indices are not determined."))
-    assert "main source of variance" not in made.page.headline.certainty
-    assert "Sobol indices are not determined." in made.terminal
-    assert made.summary["indices_refused"] == "Sobol indices are not determined."
-    assert not any("total" in row for row in made.summary["inputs"])
-    assert "Sobol indices are not determined." in str(made.page)
-    assert tipping_report.report(found).summary["indices_refused"] is None
+def test_an_interrupted_study_resumes(monkeypatch, tmp_path):
+    calls = []
+
+    def stopped(source, inputs):
+        calls.append(inputs)
+        if len(calls) == 4:
+            raise InputError("wall.height", 0.0, "stop")
+        return by_height(source, inputs)
+
+    monkeypatch.setattr(space_samples, "solve_samples", stopped)
+    with pytest.raises(InputError):
+        computed(case(), tmp_path / "out")
+    before, saved = len(calls), records.count(tmp_path / ".out.journal")
+    again = computed(case(), tmp_path / "out")
+    monkeypatch.setattr(space_samples, "solve_samples", by_height)
+    whole = computed(case(), tmp_path / "other")
+    assert saved > 0
+    assert len(calls) - before == round(whole.processor / 0.01) - saved
+    assert (again.answers["outcome"] == whole.answers["outcome"]).all()
+    assert again.sources == whole.sources
 
 
-@pytest.mark.parametrize(("changes", "key"), [
-    (("tipping=",), "tipping"), (("contact.side_stiffness=1 MN/m^2",), "contact.side_stiffness"),
+def test_fractions_are_those_of_motions_of_their_own(found):
+    """The scene's wall, with each sample given to the solver by its own keys."""
+    own, wall = found.case.scene, int(np.argmin(np.abs(found.walls - 36 * INCH)))
+    springs, centre = found.inputs["axle.*.spring"], found.inputs["body.centre_height"]
+    values = {
+        "wall.height": np.full(springs.size, 36 * INCH), "contact.friction": found.inputs["contact.friction"],
+        "body.centre_height": centre, "axle.0.spring": 0.2e6 * springs, "axle.1.spring": 0.35e6 * springs,
+        "strip.3.height.1": np.minimum(2.6, 2.0 * centre),
+    }  # fmt: skip
+    direct = space.solve_spaces(*space_samples.space_input(own, values).arguments)
+    assert found.upright[wall] == np.mean(direct.outcome == 0)
+    assert (found.answers["mean_50ms"][wall] == direct.mean_50ms).all()
+    assert (found.answers["height"][wall] == direct.height).all()
+
+
+def test_the_report(found, tmp_path):
+    report = tipping_report.report(found)
+    write_report(report, tmp_path)
+    assert (tmp_path / "samples.csv").read_text(encoding="utf-8").startswith("body.centre_height")
+    for words in ("95 % of the samples upright", "Profiles of a wall", "AASHTO (Report 350)", "f-shape"):
+        assert words in str(report.page)
+    assert np.size(report.histories["map.csv"]["largest_roll"]) == found.rolls.size
+    assert np.size(report.histories["samples.csv"]["outcome"]) == found.answers["outcome"].shape[1]
+    walls = report.summary["lowest_walls"]
+    assert [walls[level]["wall"] for level in ("5", "50", "95")] == [
+        found.keeps(level)[0] for level in (0.05, 0.5, 0.95)
+    ]
+    assert {row["profile"] for row in report.summary["profiles"]} == {"vertical", "f-shape"}
+    assert all(
+        0.0 <= row["interval"][0] <= row["upright"] <= row["interval"][1] <= 1.0
+        for row in report.summary["walls"]
+    )
+
+
+def test_refused_indices_are_stated(found):
+    refusal = "Sobol indices are not determined."
+    report = tipping_report.report(
+        replace(found, sources={}, refusals={"roll": refusal, "mean_50ms": refusal})
+    )
+    assert "Main source" not in report.page.headline.certainty
+    assert refusal in report.terminal
+    assert report.summary["indices_refused"]["roll"] == refusal
+
+
+@pytest.mark.long
+def test_a_low_vehicle_is_upright_on_every_wall(tmp_path):
+    """A centre of mass at 0.7 m, below walls of 0.91 m and more, with strips below twice its height."""
+    low = case("body.centre_height=0.7 m", 'strip.3.height=["1.2 m", "1.3 m"]', "strip.2.height=1.2 m")
+    result = computed(low, tmp_path / "out", ranges=("body.centre_height=0.66 m:0.74 m",), LOWEST=36 * INCH)
+    assert (result.upright == 1.0).all()
+    assert result.keeps(0.95)[0] == result.walls[0]
+    assert "at most" in tipping_report.headline(result).answer
+
+
+def test_factors_apply_to_all_axles_and_strips():
+    own = case().scene
+    values = space_samples.expanded(own, {"axle.*.spring": np.array([2.0]), "axle.1.spring": np.array([1e5])})
+    assert values["axle.0.spring"] == pytest.approx(0.4e6)
+    assert values["axle.1.spring"] == pytest.approx(1e5), "a key of its own comes before the factor"
+    lowered = space_samples.expanded(own, {"body.centre_height": np.array([1.2, 1.5])})
+    assert lowered["strip.3.height.1"] == pytest.approx([2.4, 2.6])
+
+
+@pytest.mark.parametrize(("options", "key"), [
+    (("--range", "axle.*.spring=2:1"), "axle.*.spring"), (("--range", "axle.*.spring=a:b"), "axle.*.spring"),
+    (("--range", "nosuch=1:2"), "nosuch"), (("--fix", "nosuch"), "nosuch"),
+    (("--range", "axle.*.spring=1:2", "--fix", "axle.*.spring"), "axle.*.spring"),
 ])  # fmt: skip
-def test_refusals(changes, key, tmp_path):
-    with pytest.raises(InputError) as caught:
-        tipping_study.compute(case(*changes), tmp_path / "out", 128, (), (), 1)
-    assert caught.value.key == key
+def test_refused_ranges(options, key, tmp_path, capsys):
+    assert cli._status(["study", "tipping", SCENE, "--out", str(tmp_path / "out"), *options]) == 2
+    assert key in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_planar_scene_is_refused(tmp_path, capsys):
+    assert cli._status(["study", "tipping", "impact-mash-tl4-sut", "--out", str(tmp_path / "out")]) == 2
+    assert "body" in capsys.readouterr().err
+
+
+@pytest.mark.long
+def test_the_command_with_another_profile(tmp_path, monkeypatch):
+    for name, value in SMALL.items():
+        monkeypatch.setattr(tipping_study, name, value)
+    words = [
+        "--samples",
+        "128",
+        "--workers",
+        "1",
+        "--set",
+        "wall.profile=f-shape",
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    assert cli._status(["study", "tipping", SCENE, *words]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    by_profile = {row["profile"]: row["upright"] for row in summary["profiles"]}
+    at_scene = next(row for row in summary["walls"] if row["height_of_wall"] == pytest.approx(36 * INCH))
+    assert at_scene["upright"] == by_profile["f-shape"]
+    assert "f-shape" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
 
 def test_it_is_a_study():

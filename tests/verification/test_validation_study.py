@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 
 import tailslap
-from tailslap.campaign import input_ranges
+from solver import space
+from solver.space.vehicle import fleet_of
+from tailslap.campaign import input_ranges, sampling, space_samples
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.space import space_input
 from tailslap.scene.vary import Source, vary
-from tailslap.validation import predictions
+from tailslap.validation import outcomes, predictions
+from tailslap.validation import validation_report as validation_report_module
 from tailslap.validation.validation_report import validation_report
 
 PARAMETERS = predictions.parameters()
@@ -98,6 +102,98 @@ def test_statistics_and_report_by_hand():
     assert dataclasses.is_dataclass(validation)
 
 
+def test_space_vehicles_contain_their_own_values_and_are_possible():
+    """Every sample has wheels that carry load and strips within the vehicle, without a motion."""
+    for name, vehicle in PARAMETERS["space_vehicles"].items():
+        own = ImpactCase(*vary(Source(given=dict(vehicle["scene"])), {}))
+        ranges, nominal = (
+            space_samples.stated_ranges(own, vehicle["ranges"]),
+            space_samples.nominal_values(own),
+        )
+        for item in ranges:
+            assert item.lower <= nominal[item.key] <= item.upper, (name, item.key)
+        points, _ = sampling.sobol_points(ranges, outcomes.SAMPLES)
+        inputs = dict(zip((item.key for item in ranges), points, strict=True))
+        fleet = fleet_of(*space_samples.sampled_input(own.scene, inputs).arguments)
+        assert len(fleet.units) == outcomes.SAMPLES
+
+
+def test_each_published_outcome_states_a_source():
+    for case in (*PARAMETERS["outcomes"], *PARAMETERS["space_cases"]):
+        assert case["source"], case["name"]
+        assert case["vehicle"] in PARAMETERS["space_vehicles"]
+    assert {case["published"] for case in PARAMETERS["outcomes"]} <= set(outcomes.STATED)
+    assert all(case["why"] for case in PARAMETERS["not_computed"])
+
+
+def test_rules_reproduce_published_heights():
+    """AASHTO LRFD, C13.2: 34.0 in for TL-4; with 80 kip and 22 kip 36.6 in."""
+    inches = [outcomes.rule_height(rule) / 0.0254 for rule in PARAMETERS["rules"]]
+    assert inches == pytest.approx([34.0, 36.625, 32.0, 36.0], abs=1e-9)
+
+
+def test_brier_scores_by_hand():
+    """Probabilities 0.6, 0.1 and 0.2 of over, over and contained: (0.16 + 0.81 + 0.04)/3."""
+    parts = np.concatenate([np.repeat([0, 1, 2], 10), [2, 3]])
+    heights = {"rule": 0.9}
+    base = {
+        "name": "a",
+        "vehicle": "10000S",
+        "wall": {"height": "0.8 m"},
+        "source": "here",
+        "published": "contained",
+    }
+    row = outcomes.outcome_row(base, parts, heights)
+    assert sum(row.probabilities.values()) == pytest.approx(1.0, abs=1e-15)
+    assert row.probabilities == pytest.approx(
+        {"upright": 10 / 32, "on its side": 10 / 32, "over the wall": 12 / 32}
+    )
+    assert row.stated == pytest.approx(20 / 32)
+    assert row.holds == {"rule": False}
+
+    def with_probability(over, published, holds):
+        probabilities = {"upright": 1.0 - over, "on its side": 0.0, "over the wall": over}
+        return row._replace(probabilities=probabilities, published=published, holds={"rule": holds})
+
+    rows = [
+        with_probability(0.6, "over the wall", False), with_probability(0.1, "over the wall", True),
+        with_probability(0.2, "contained", True),
+    ]  # fmt: skip
+    ours, rule, always = outcomes.scores(rows)
+    assert (ours.score, ours.right) == (pytest.approx((0.16 + 0.81 + 0.04) / 3.0), 2)
+    assert (rule.score, rule.right) == (pytest.approx(1.0 / 3.0), 2)
+    assert (always.score, always.right) == (pytest.approx(2.0 / 3.0), 1)
+    validation = predictions.Validation((), (), 10, 1.0, tuple(rows), ({"name": "b", "why": "unknown"},))
+    sections = validation_report_module._outcome_sections(validation, outcomes.scores(rows))
+    assert "published outcome" in str(sections[0].figures[0])
+    assert [len(table.rows) for table in sections[0].tables] == [3, 3, 1]
+
+
+def test_outcomes_of_samples_are_motions_of_their_own():
+    """The first samples of a case, each as a scene of its own."""
+    case = PARAMETERS["outcomes"][0]
+    vehicle = PARAMETERS["space_vehicles"][case["vehicle"]]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(outcomes, "SAMPLES", 32)
+        samples = outcomes.predicted_samples(case, vehicle)
+    own = ImpactCase(*vary(Source(given=vehicle["scene"] | {"wall": case["wall"]}), {}))
+    ranges = space_samples.stated_ranges(own, vehicle["ranges"])
+    points, _ = sampling.sobol_points(ranges, 32)
+    for number in (0, 7):
+        inputs = {item.key: float(value) for item, value in zip(ranges, points[:, number], strict=True)}
+        changes = {
+            key: value
+            for key, value in space_samples.expanded(own.scene, inputs).items()
+            if ".height." not in key
+        }
+        centre = inputs["body.centre_height"]
+        changes |= {"strip.3.height": [1.2446, min(2.6, 2.0 * centre)]}
+        scene, _ = vary(Source(given=vehicle["scene"] | {"wall": case["wall"]}), changes)
+        single = space.solve_spaces(*space_input(scene).arguments)
+        assert samples["outcome"][number] == single.outcome[0]
+        assert samples["space_mean_50ms"][number] == pytest.approx(float(single.mean_50ms[0]), rel=1e-9)
+
+
 @pytest.mark.long
 def test_rows_that_fail_stay():
     """Every published value of the file has its row, in its order, whether it lies in the band or not."""
@@ -105,10 +201,16 @@ def test_rows_that_fail_stay():
     listed = [
         (case["name"], published["quantity"])
         for case, published in itertools.chain.from_iterable(
-            ((case, published) for published in case["published"]) for case in PARAMETERS["cases"]
+            ((case, published) for published in case["published"])
+            for case in (*PARAMETERS["cases"], *PARAMETERS["space_cases"])
         )
     ]
     assert [(row["case"], row["quantity"]) for row in result.summary["rows"]] == listed
     for row in result.summary["rows"]:
         assert row["lower"] < row["predicted"] < row["upper"]
         assert row["inside"] is (row["lower"] <= row["published"] <= row["upper"])
+    assert [row["case"] for row in result.summary["outcomes"]] == [
+        case["name"] for case in PARAMETERS["outcomes"]
+    ]
+    for row in result.summary["outcomes"]:
+        assert sum(row["probabilities"].values()) == pytest.approx(1.0, abs=1e-12)

@@ -1,4 +1,4 @@
-"""Study `tipping` of the roll of vehicles over walls."""
+"""Study `tipping` of the roll of vehicles in space over walls."""
 
 import click
 
@@ -10,16 +10,16 @@ SAMPLES = "Minimum number of samples."
 
 STUDY = Study(
     name="tipping",
-    summary="Roll for wall heights and centre heights; lowest wall without rollover, with Sobol indices.",
+    summary="Walls that keep 5, 50 and 95 % of uncertain vehicles upright; force and its height; Sobol indices.",
     compute=later("tailslap.studies.tipping.tipping_study:compute"),
     report=later("tailslap.studies.tipping.tipping_report:report"),
     needs_plate=False,
     analyses=(WHOLE_IMPACT,),
     options=(
         click.Option(
-            ["--samples"], type=Whole(128, 4_000_000), default=8000, show_default=True, help=SAMPLES
+            ["--samples"], type=Whole(128, 4_000_000), default=2048, show_default=True, help=SAMPLES
         ),
-        *range_options("tipping.centre_height='1.2 m:1.5 m'"),
+        *range_options("body.centre_height='1.2 m:1.5 m' or 'axle.*.spring'=0.5:2"),
         WORKERS,
     ),
 )

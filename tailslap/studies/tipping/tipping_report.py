@@ -1,154 +1,349 @@
 """Report of the study `tipping`."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from typing import Any
+
+import numpy as np
 
 from postprocess.figures import studies
 from postprocess.figures import tipping as figures
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
-from postprocess.units import grouped, measure, percent_up
+from postprocess.units import grouped, measure
+from solver.space import OUTCOMES
 from tailslap.campaign import sampling
 from tailslap.campaign.records import Record
-from tailslap.case.impact.tipping import LIMIT_COLUMNS, LIMITS
-from tailslap.case.report_parts import study_page, study_summary
+from tailslap.campaign.sampling import Array
+from tailslap.case.impact.space import LIMIT_COLUMNS, LIMITS
+from tailslap.case.report_parts import design_forces_of, study_page, study_summary
 from tailslap.studies.sobol_tables import INDEX_METHOD, index_columns, main_source, with_intervals
-from tailslap.studies.tipping.tipping_study import ABRUPT, FINE_STEP, INCH, STEP, WALLS, TippingResult
+from tailslap.studies.tipping.tipping_study import (
+    INCH,
+    LEVELS,
+    LINE_SAMPLES,
+    OUTPUTS,
+    WALLS,
+    TippingResult,
+    binomial_interval,
+    highest_centre,
+)
+
+BANDS = {
+    "mean_50ms": ("50 ms mean", "N", ".0f"),
+    "height": ("Resultant", "m", ".2f"),
+    "length": ("Length", "m", ".2f"),
+}
+"""Label, unit and form of the answers in tables."""
+
+
+def _percent(fraction: float) -> str:
+    """Return a fraction in per cent."""
+    return f"{100.0 * fraction:.1f} %"
+
+
+def _per_cents(ends: Sequence[float]) -> str:
+    """Return the ends of an interval in per cent."""
+    return f"{100.0 * ends[0]:.1f} to {100.0 * ends[1]:.1f} %"
+
+
+def _columns() -> tuple[Column, ...]:
+    """Return the columns of fractions and bands."""
+    bands = [
+        column
+        for name, (label, unit, form) in BANDS.items()
+        for column in (
+            Column(f"{name}.1", label, unit, form=form, style="strong"),
+            Column(f"{name}.0", "5 %", unit, form=form),
+            Column(f"{name}.2", "95 %", unit, form=form),
+        )
+        if name != "length" or column.key == "length.1"
+    ]
+    interval = Column("interval", "", form=_per_cents)
+    return (Column("upright", "Upright", form=_percent, style="strong", below=interval), *bands)
+
 
 HELD = (
     Column("inches", "Wall [in]", form=".1f"),
-    Column("height", "Wall", "m", form=".3f"),
-    Column("roll", "Largest roll", form=str),
-    Column("holds", "No rollover", form=lambda part: f"{100.0 * part:.1f} %", style="strong"),
+    Column("height_of_wall", "Wall", "m", form=".3f"),
+    *_columns(),
+)
+PROFILES = (Column("profile", "Profile"), *_columns())
+KEPT = (
+    Column("level", "Upright", form=lambda level: f"{100.0 * level:g} %"),
+    Column("wall", "Lowest wall", form=str, style="strong"),
+    Column("interval", "By the number of samples", form=str),
+)
+LOADS = (
+    Column("name", "Published load"),
+    Column("force", "Lateral", "N", form="#.4g", style="strong"),
+    Column("height", "Height", "m", form=".2f"),
+    Column("length", "Length", "m", form=".2f"),
+    Column("source", "Source", style="soft"),
 )
 INPUTS = (Column("key", "Input"), Column("range", "Range", form=str), Column("origin", "Source"))
 MEANING = (
-    "No rollover: fraction of the samples without rollover at this wall height, for the ranges below. Omitted "
-    "effects are not included."
+    "Upright: fraction of the samples, with its 95 % interval due to their number. Resultant: height of the lateral "
+    "force at the largest 50 ms mean; length: of the uniform force with the same standard deviation along the wall."
 )
 
 
 def report(result: TippingResult) -> Report:
-    """Return the report with map and samples."""
-    scene, answer = result.case.scene, result.answer
-    assert scene.tipping
-    boundary = figures.Boundary(result.centres, result.line, result.band_centres, result.band)
-    nominal = scene.tipping.centre_height, scene.tipping.wall_height
-    map_chart = figures.draw_map(result.centres, result.walls, result.rolls, boundary, nominal)
-    words = {item.key: item.in_words()[0] for item in result.ranges}
-    sources = [
-        row | {"range": words[row["key"]]} for row in sorted(result.sources, key=lambda row: -row["total"])
-    ]
-    held, inputs = (
-        Table(HELD, walls_held(result), notes=(MEANING,)),
-        Table((*INPUTS, *index_columns()), sources),
-    )
-    index_charts = [studies.draw_sensitivity(sources, "the lowest wall")] if sources else []
-    if result.refusal:
-        rows = [{"key": item.key, "range": words[item.key], "origin": item.origin} for item in result.ranges]
-        inputs = Table(INPUTS, rows, notes=(result.refusal,))
-    opening = headline(result)
+    """Return the report with map, walls and samples."""
+    scene = result.case.scene
+    assert scene.wall
+    loads = design_forces_of(scene.impact.test_level if scene.impact else None)
+    load_rows = [{"name": name} | vars(load) | {"force": load.force} for name, load in loads.items()]
+    load_rows = [row | {"name": name} for row, name in zip(load_rows, loads, strict=True)]
+    kept, held = Table(KEPT, kept_rows(result)), Table(HELD, held_rows(result), notes=(MEANING,))
+    profiles = Table(PROFILES, profile_rows(result))
     sections = (
-        Section("Heights of wall and centre of mass", answer.verdict, (map_chart,), layout="tall"),
-        Section("Walls", tables=(held,)),
-        Section("Sensitivity of the lowest wall", result.refusal, index_charts),
-        Section("Inputs and Sobol indices", tables=(inputs,)),
+        Section(
+            "Heights of wall and centre of mass", result.nominal.verdict, (_map_chart(result),), layout="tall"
+        ),
+        Section(
+            "Walls", "", _wall_charts(result, loads), (kept, held, Table(LOADS, load_rows)), layout="wide"
+        ),
+        Section(f"Profiles of a wall of {_height(scene.wall.height or 0.0)}", tables=(profiles,)),
+        *(_sensitivity(result, name) for name in OUTPUTS),
         Section("Method", sentences=_sentences(result)),
         Section("Omitted effects", tables=(Table(LIMIT_COLUMNS, LIMITS),)),
     )
-    kicker = "Roll over the wall and lowest wall without rollover"
-    files = "summary.json (in SI); map.csv (largest rolls); samples.csv (vehicles and lowest walls)"
-    cost = f"Cost:   {grouped(result.lowest.size)} impacts and the map in {result.seconds:.1f} s"
+    files = (
+        "summary.json (in SI); map.csv (largest rolls); walls.csv (distributions); samples.csv (samples, outcome 0 "
+        "upright, 1 on its side, 2 over the wall)"
+    )
+    cost = f"{result.seconds:.1f} s, {result.processor:.1f} s of processor time"
     return Report(
-        study_page(result.case, kicker, opening, sections, files),
+        study_page(result.case, "Roll over the wall", headline(result), sections, files),
         study_summary("tipping", result.case) | _summary(result),
         (
-            Table(HELD, held.rows, f"{scene.name}: walls"),
-            result.refusal
-            or Table(with_intervals((INPUTS[0], *index_columns())), sources, "Lowest wall without rollover"),
-            cost,
+            Table(KEPT, kept.rows, f"{scene.name}: lowest walls that keep the samples upright"),
+            Table(HELD, held.rows, "Walls"),
+            Table(PROFILES, profiles.rows, "Profiles"),
+            *(_index_text(result, name) for name in OUTPUTS),
+            f"Cost:   {grouped(result.motions)} motions in {cost}",
         ),
         {},
-        {"map.csv": _map(result), "samples.csv": result.samples},
+        {"map.csv": _map(result), "walls.csv": _walls(result), "samples.csv": _samples(result)},
     )
 
 
-def walls_held(result: TippingResult) -> list[Record]:
-    """Return roll and fraction without rollover for common walls.
-
-    The wall of the scene is one of them. The roll is that of the nominal vehicle.
-    """
-    from solver.tipping import TIPPED, largest_rolls
-
-    tipping, answer = result.case.scene.tipping, result.case.answer
-    assert tipping
-    heights = sorted({*WALLS, tipping.wall_height})
-    rolls = [
-        float(largest_rolls(result.answer.vehicle, h, answer.history["force_normal"][1:], answer.interval))
-        for h in heights
-    ]
-    words = ["tips" if roll >= TIPPED else measure(roll, "rad", ".1f") for roll in rolls]
-    rows = zip(heights, words, strict=True)
-    return [{"inches": h / INCH, "height": h, "roll": roll, "holds": result.holds(h)} for h, roll in rows]
-
-
 def headline(result: TippingResult) -> Headline:
-    """Return the headline with the lowest wall."""
-    low, _, high = sampling.band_of(result.lowest).percentiles
-    nominal = f"{measure(result.answer.lowest_wall, 'm', '.3f')} ({result.answer.lowest_wall / INCH:.1f} in)"
-    ends = f"{measure(low, 'm', '.2f', named=False)} and {measure(high, 'm', '.2f')}"
-    certainty = f"90 % of the samples lie between {ends}"
-    if result.sources:
+    """Return the headline with the wall that keeps 95 % upright."""
+    lowest, *ends = result.keeps(LEVELS[-1])
+    middle = result.keeps(LEVELS[1])[0]
+    answer = (
+        f"Lowest wall that keeps 95 % of the samples upright: {_height(lowest, result)}; 50 %: "
+        f"{_height(middle, result)}; all values nominal: {_height(result.nominal.lowest_wall)}."
+    )
+    certainty = f"By the number of samples, {result.count}, the wall lies {_between(ends, result)}."
+    if rows := result.sources.get("roll"):
         certainty += (
-            f"; main source of variance {main_source(max(result.sources, key=lambda row: row['total']))}"
+            f" Main source of variance of the roll {main_source(max(rows, key=lambda row: row['total']))}."
         )
-    answer = f"Lowest wall without rollover: {nominal}."
-    return Headline(f"Roll over the wall: {result.case.subject}", answer, result.case.set_up, f"{certainty}.")
+    return Headline(f"Roll over the wall: {result.case.subject}", answer, result.case.set_up, certainty)
+
+
+def _height(height: float, result: TippingResult | None = None) -> str:
+    """Return a height with inches.
+
+    NaN is above the highest wall.
+    """
+    if height != height:
+        return "none" if result is None else f"above {_height(float(result.walls[-1]))}"
+    if result is not None and height == result.walls[0]:
+        return f"at most {_height(height)}"
+    return f"{measure(height, 'm', '.2f')} ({height / INCH:.1f} in)"
+
+
+def _between(ends: Sequence[float], result: TippingResult) -> str:
+    """Return an interval of heights in words."""
+    low, high = ends
+    if low != low or high == result.walls[0]:
+        return _height(high, result)
+    return f"above {_height(low)}" if high != high else f"between {_height(low)} and {_height(high)}"
+
+
+def kept_rows(result: TippingResult) -> list[Record]:
+    """Return the lowest walls by fraction upright."""
+    rows = []
+    for level in LEVELS:
+        wall, *ends = result.keeps(level)
+        rows.append({"level": level, "wall": _height(wall, result), "interval": _between(ends, result)})
+    return rows
+
+
+def held_rows(result: TippingResult) -> list[Record]:
+    """Return fractions and bands of common walls and the scene's."""
+    assert result.case.scene.wall
+    heights = sorted({*WALLS, result.case.scene.wall.height or 0.0})
+    rows = []
+    for height in heights:
+        number = int(np.argmin(np.abs(result.walls - height)))
+        columns = {name: values[number] for name, values in result.answers.items()}
+        rows.append({"inches": height / INCH, "height_of_wall": height} | _distribution(columns))
+    return rows
+
+
+def profile_rows(result: TippingResult) -> list[Record]:
+    """Return fractions and bands of the named profiles."""
+    return [{"profile": name} | _distribution(columns) for name, columns in result.profiles.items()]
+
+
+def _distribution(columns: Mapping[str, Array]) -> Record:
+    """Return fraction upright with interval, and percentiles of the answers."""
+    upright = int((columns["outcome"] == 0.0).sum())
+    low, high = binomial_interval(np.array([upright]), columns["outcome"].size)[:, 0].tolist()
+    bands = {name: np.percentile(columns[name], sampling.PERCENTILES).tolist() for name in BANDS}
+    return {"upright": upright / columns["outcome"].size, "interval": [low, high], **bands}
+
+
+def _map_chart(result: TippingResult) -> Any:
+    """Draw the map."""
+    scene, lines = result.case.scene, figures.Lines(result.line_centres, result.lines)
+    assert scene.wall
+    _, centre = highest_centre(result.case)
+    return figures.draw_map(
+        result.centres, result.map_walls, result.rolls, lines, (centre, scene.wall.height or 0.0)
+    )
+
+
+def _wall_charts(result: TippingResult, loads: Mapping[str, Any]) -> list[Any]:
+    """Draw outcomes, force and resultant over the height of the wall."""
+    assert result.case.scene.wall
+    wall, outcome = result.case.scene.wall.height or 0.0, result.answers["outcome"]
+    side = (outcome == float(OUTCOMES.index("on its side"))).mean(axis=1)
+    fractions = np.array([result.upright, side, 1.0 - result.upright - side])
+    forces = {name: load.force for name, load in loads.items()}
+    heights = {name: load.height for name, load in loads.items() if load.height is not None}
+    return [
+        figures.draw_upright(result.walls, fractions, result.intervals, wall, LEVELS[-1]),
+        figures.draw_force(result.walls, result.band("mean_50ms"), forces, wall),
+        figures.draw_resultant(result.walls, result.band("height"), heights, wall),
+    ]
+
+
+def _input_rows(result: TippingResult, name: str) -> list[Record]:
+    """Return inputs with indices of an output, largest first.
+
+    Without indices where these are refused.
+    """
+    words = {item.key: item.in_words()[0] for item in result.ranges}
+    rows = sorted(result.sources.get(name, ()), key=lambda row: -row["total"])
+    if not rows:
+        return [{"key": item.key, "range": words[item.key], "origin": item.origin} for item in result.ranges]
+    return [row | {"range": words[row["key"]]} for row in rows]
+
+
+def _sensitivity(result: TippingResult, name: str) -> Section:
+    """Return the section of the indices of an output."""
+    rows, refusal = _input_rows(result, name), result.refusals.get(name, "")
+    title = f"Inputs and sensitivity of {OUTPUTS[name]}"
+    if refusal:
+        return Section(title, refusal, tables=(Table(INPUTS, rows),))
+    figure = studies.draw_sensitivity(rows, OUTPUTS[name])
+    return Section(title, "", (figure,), (Table((*INPUTS, *index_columns()), rows),))
+
+
+def _index_text(result: TippingResult, name: str) -> Table | str:
+    """Return the indices of an output for a terminal."""
+    columns = with_intervals((INPUTS[0], *index_columns()))
+    title = f"Sobol indices of {OUTPUTS[name]}"
+    return result.refusals.get(name) or Table(columns, _input_rows(result, name), title)
 
 
 def _sentences(result: TippingResult) -> list[str]:
     """Describe the method."""
+    wall, count = result.case.scene.wall, result.count
+    assert wall
+    rows = count // 2
+    named = (
+        wall.profile
+        if isinstance(wall.profile, str)
+        else "vertical"
+        if wall.profile is None
+        else "given by points"
+    )
     return [
-        f"Map and line: nominal impact with {result.centres.size} heights of the centre of mass and "
-        f"{result.walls.size} of the wall. Band of the line: all inputs above except speed, angle, mass and "
-        "longitudinal position of the centre of mass, at fixed heights of the centre of mass.",
-        f"{grouped(result.lowest.size)} impacts of the rigid vehicle: {grouped(result.lowest[:2].size)} points of "
-        f"{sampling.points_in_words(len(result.ranges), result.lowest.shape[1])} (seed {sampling.SEED}) for the "
-        "distribution, the others for the indices. The inputs are independent and uniformly distributed. Results are "
-        "reproducible.",
-        INDEX_METHOD,
-        f"The time step of the impacts is {1e3 * STEP:g} ms, and {1e3 * FINE_STEP:g} ms for restitutions below "
-        f"{ABRUPT:g}. With a step of 0.1 ms, the lowest wall changes by less than 2 mm in 95 % of the samples. With "
-        "twice the step, peak forces, impulses and angular velocities change by at most "
-        f"{percent_up(result.error)} in 95 % of the samples. The lowest wall has a resolution of 1 mm.",
+        f"Profile of the wall: {named}. The same {grouped(count)} samples strike {result.walls.size} walls; lowest "
+        "walls are interpolated between these. A wall counts where it and all higher ones keep the fraction upright."
+        f"{_decrease(result)}",
+        f"Samples: {grouped(count)} points of {sampling.points_in_words(len(result.ranges), rows)} (seed "
+        f"{sampling.SEED}); inputs are independent and uniformly distributed. Results are reproducible.",
+        f"Map: nominal vehicle; lines: {LINE_SAMPLES} samples at each of {result.line_centres.size} heights of the "
+        f"centre of mass ({result.centre_key}).",
+        "Keys with * are factors of the scene's values of all axles or strips, which vary together. The heights of "
+        "strips are at most twice that of the centre of mass.",
+        f"Indices: at the scene's wall, of {' and of '.join(OUTPUTS.values())}; a roll without return counts as 90 "
+        f"deg. {INDEX_METHOD}",
+        f"{grouped(result.motions)} motions in space with the step of many motions; "
+        f"{int((result.answers['outcome'] == 3.0).sum())} of the samples had no result and count as not upright.",
     ]
+
+
+def _decrease(result: TippingResult) -> str:
+    """Return a sentence on fractions that decrease with the height."""
+    highest = np.maximum.accumulate(result.upright)
+    lower = int(np.argmax(highest - result.upright))
+    if highest[lower] == result.upright[lower]:
+        return ""
+    before = int(np.argmax(result.upright[:lower]))
+    at = [f"{_percent(result.upright[n])} at {_height(float(result.walls[n]))}" for n in (before, lower)]
+    return f" The fraction does not always grow with the height: {', '.join(at)}."
 
 
 def _summary(result: TippingResult) -> Record:
     """Return the numbers of the study, SI."""
-    nominal = result.answer.numbers()
+    kept = {f"{100 * level:g}": result.keeps(level) for level in LEVELS}
     return {
         "seed": sampling.SEED,
-        "tipping": nominal,
-        "impacts": result.lowest.size,
-        "error": result.error,
-        "lowest_safe_wall": sampling.band_of(result.lowest).numbers(),
-        "walls": [{"height": row["height"], "holds": row["holds"]} for row in walls_held(result)],
-        "line": {"centre_height": result.centres, "lowest_safe_wall": result.line},
-        "band": {"centre_height": result.band_centres, "percentiles": result.band},
-        "inputs": result.sources or [asdict(item) for item in result.ranges],
-        "indices_refused": result.refusal or None,
-        "cost": {"seconds": result.seconds},
+        "space": result.nominal.numbers(),
+        "motions": result.motions,
+        "samples": result.count,
+        "lowest_walls": {level: {"wall": wall, "interval": ends} for level, (wall, *ends) in kept.items()},
+        "walls": held_rows(result),
+        "profiles": profile_rows(result),
+        "lines": {"centre_height": result.line_centres, "lowest_wall": result.lines, "levels": LEVELS},
+        "inputs": [asdict(item) for item in result.ranges],
+        "indices": dict(result.sources),
+        "indices_refused": dict(result.refusals),
+        "cost": {"seconds": result.seconds, "processor_seconds": result.processor},
     }
 
 
 def _map(result: TippingResult) -> Record:
     """Return the columns of the map."""
-    import numpy as np
-
-    walls, centres = np.meshgrid(result.walls, result.centres, indexing="ij")
+    walls, centres = np.meshgrid(result.map_walls, result.centres, indexing="ij")
     return {
         "wall_height": walls.ravel(),
         "centre_height": centres.ravel(),
         "largest_roll": result.rolls.ravel(),
     }
+
+
+def _walls(result: TippingResult) -> Record:
+    """Return the distributions over the height of the wall."""
+    low, high = result.intervals
+    columns = {
+        "wall_height": result.walls,
+        "upright": result.upright,
+        "upright_low": low,
+        "upright_high": high,
+    }
+    for name in BANDS:
+        ends = zip(sampling.PERCENTILES, result.band(name), strict=True)
+        columns |= {f"{name}_{percent}": values for percent, values in ends}
+    return columns
+
+
+def _samples(result: TippingResult) -> Record:
+    """Return the samples with their answers at the scene's wall.
+
+    Outcomes are numbers of `solver.space.OUTCOMES`.
+    """
+    assert result.case.scene.wall
+    number = int(np.argmin(np.abs(result.walls - (result.case.scene.wall.height or 0.0))))
+    answers = {name: values[number] for name, values in result.answers.items()}
+    return {**result.inputs, **answers}

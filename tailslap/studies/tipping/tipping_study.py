@@ -1,61 +1,54 @@
-"""Roll of vehicles over walls.
+"""Roll of vehicles in space over walls.
 
-The lowest wall without rollover is sought. A map shows the largest roll over the heights of wall and centre of mass,
-with the line of the lowest walls and its band for uncertain inputs. Sobol indices show the sources of the variance. The
-impacts of the samples are those of the rigid vehicle with fixed time steps; their error is the change with twice the
-step.
+Samples of uncertain inputs strike walls of many heights. The fraction upright, the lowest wall that keeps 5, 50 and
+95 % upright, and the distribution of force and height of the resultant follow. A map shows the largest roll of the
+nominal vehicle over the heights of wall and centre of mass. Sobol indices show the sources of the variance at the
+scene's wall.
 """
 
 import math
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from solver import tipping
-from tailslap.campaign import engine, input_ranges, sampling
+from solver import space
+from tailslap.campaign import engine, sampling, space_samples
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array
-from tailslap.case import case_of
-from tailslap.case.impact import rigid
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.tipping import TippingAnswer, rolling_vehicle
-from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.scene.vary import Source
-from tailslap.studies.uncertainty.uncertainty_ranges import demand_corners, impact_ranges
+from tailslap.case.impact.space import SpaceAnswer
+from tailslap.errors import InputError, Missing
+from tailslap.scene.vary import Source, vary
 
 INCH = 0.0254
 WALLS = tuple(INCH * inches for inches in (27, 32, 36, 42, 54))
 """Heights of common walls [m]."""
 
-POINTS, HIGHEST_WALL, CENTRE_RANGE = 50, 1.5, 0.35
-"""Points of the map per axis, highest wall, and variation of the centre of mass to both sides [m]."""
+LOWEST, HIGHEST, STEP = 20 * INCH, 60 * INCH, 2 * INCH
+"""Range of the heights of walls, at least up to the highest centre of mass, and their distance [m]."""
 
-BAND_CENTRES, BAND_SAMPLES = 9, 128
-"""Heights of the centre of mass with a band, and samples of each."""
+POINTS, MAP_RANGE, ABOVE_AXLES = 50, 0.35, 0.05
+"""Points of the map per axis, variation of the centre of mass to both sides, least height above the axles [m]."""
 
-STEP, FINE_STEP, ABRUPT, BLOCK = 1e-3, 2e-4, 0.06, 512
-"""Time steps of the samples [s], restitution below which the finer one applies, and samples of a part.
+LINE_CENTRES, LINE_SAMPLES, LINE_WALLS = 5, 64, 2
+"""Centres of mass with lines on the map, samples of each, and heights of walls per one of theirs."""
 
-Forces end abruptly at low restitution. 95 % of the lowest walls then differ by less than 2 mm from those of small
-steps.
-"""
+BLOCK = 64
+"""Samples of a part."""
 
-TIPPING_KEYS = tuple(
-    f"tipping.{name}" for name in ("centre_height", "roll_inertia", "suspension", "damping_ratio")
-)
-"""Keys of tipping that vary."""
-FIXED_OF_BAND = (
-    "impact.speed",
-    "impact.angle",
-    "vehicle.mass",
-    "vehicle.centre_of_mass",
-    "tipping.centre_height",
-)
-"""Keys that do not vary within the band of the line."""
+LEVELS = (0.05, 0.5, 0.95)
+"""Fractions of the samples that the lines keep upright."""
+
+CONFIDENCE = 0.95
+"""Probability of the intervals of fractions and walls due to the number of samples."""
+
+OUTPUTS = {"roll": "the largest roll", "mean_50ms": "the largest 50 ms mean"}
+"""Quantities with Sobol indices, at the scene's wall."""
 
 
 @dataclass(frozen=True)
@@ -64,56 +57,108 @@ class TippingResult:
 
     Attributes
     ----------
-    answer : TippingAnswer
-        Roll of the scene's own vehicle.
-    centres, walls, rolls : ndarray, shape (k,), (k,), (k, k)
-        Heights [m], and largest roll by wall and centre [rad].
-    line : ndarray, shape (k,)
-        Lowest wall without rollover by centre [m].
-    band_centres, band : ndarray, shape (n,), (3, n)
-        Heights of the centre, and percentiles of the lowest wall [m].
+    nominal : SpaceAnswer
+        Motion of the scene's own vehicle.
+    centre_key : str
+        Key of the centre of mass on the map, the highest one of the train.
+    centres, map_walls, rolls : ndarray, shape (k,), (k,), (k, k)
+        Heights [m], and largest roll of the nominal vehicle by wall and centre, at most 90 deg [rad].
+    walls : ndarray, shape (n,)
+        Heights of the walls of the samples [m].
+    answers : dict of ndarray, shape (n, samples)
+        Answers of the samples by name and wall.
+    line_centres, lines : ndarray, shape (m,), (3, m)
+        Heights of the centre, and the walls that keep 5, 50 and 95 % of the samples upright [m]; NaN above all walls.
+    profiles : dict of dict
+        Answers at the height of the scene's wall by profile.
     ranges : tuple of Range
         Uncertain inputs.
-    inputs, lowest : dict of ndarray, ndarray
-        Samples by key, shape ((inputs + 2) rows,), and their lowest walls, shape (inputs + 2, rows) [m].
-    sources : list of dict
-        One row per input, see `sampling.index_rows`.
-    refusal : str
-        Reason without indices, or "".
-    error : float
-        Change of peaks, impulses and spin of the impacts with twice the step, not exceeded by 95 % of the samples [-].
+    inputs : dict of ndarray, shape (samples,)
+        Samples by key.
+    sources : dict of list
+        Rows of `sampling.index_rows` by output, empty where refused.
+    refusals : dict of str
+        Reasons without indices by output.
+    motions : int
+        Number of motions.
+    seconds, processor : float
+        Wall time, and processor time of all motions, of an earlier part as well [s].
     """
 
     case: ImpactCase
-    answer: TippingAnswer
+    nominal: SpaceAnswer
+    centre_key: str
     centres: Array
-    walls: Array
+    map_walls: Array
     rolls: Array
-    line: Array
-    band_centres: Array
-    band: Array
+    walls: Array
+    answers: Mapping[str, Array]
+    line_centres: Array
+    lines: Array
+    profiles: Mapping[str, Mapping[str, Array]]
     ranges: tuple[Range, ...]
     inputs: Mapping[str, Array]
-    lowest: Array
-    sources: list[Record]
-    refusal: str
-    error: float
+    sources: Mapping[str, list[Record]]
+    refusals: Mapping[str, str]
+    motions: int
     seconds: float
+    processor: float
 
     @property
-    def samples(self) -> dict[str, Array]:
-        """Return the samples of the distribution and their lowest walls.
+    def count(self) -> int:
+        """Number of samples of each wall."""
+        return int(self.answers["outcome"].shape[1])
 
-        The shape is (2 rows,).
+    @property
+    def upright(self) -> Array:
+        """Fraction of the samples that remains upright by wall, shape (n,)."""
+        return (self.answers["outcome"] == 0.0).mean(axis=1)
+
+    @property
+    def intervals(self) -> Array:
+        """Intervals of these fractions, shape (2, n)."""
+        outcomes = self.answers["outcome"]
+        return binomial_interval((outcomes == 0.0).sum(axis=1), self.count)
+
+    def keeps(self, level: float) -> tuple[float, float, float]:
+        """Return the lowest wall that keeps a fraction upright.
+
+        With its interval [m], NaN above all walls.
         """
-        count = self.lowest[:2].size
-        return {key: values[:count] for key, values in self.inputs.items()} | {
-            "lowest_safe_wall": self.lowest[:2].ravel()
-        }
+        low, high = self.intervals
+        lowest, earliest, latest = (
+            lowest_wall(self.walls, part, level) for part in (self.upright, high, low)
+        )
+        return lowest, earliest, latest
 
-    def holds(self, wall: float) -> float:
-        """Return the fraction of samples without rollover."""
-        return float(np.mean(self.lowest[:2] <= wall))
+    def band(self, name: str) -> Array:
+        """Return the percentiles of an answer by wall, shape (3, n)."""
+        return np.percentile(self.answers[name], sampling.PERCENTILES, axis=1)
+
+
+def binomial_interval(successes: Array, trials: int) -> Array:
+    """Return the interval of Clopper and Pearson of fractions, shape (2, n)."""
+    from scipy.stats import beta
+
+    tail, successes = 0.5 * (1.0 - CONFIDENCE), np.asarray(successes, dtype=float)
+    low = beta.ppf(tail, successes, np.maximum(trials - successes + 1.0, 0.5))
+    high = beta.ppf(1.0 - tail, successes + 1.0, np.maximum(trials - successes, 0.5))
+    return np.array([np.where(successes == 0.0, 0.0, low), np.where(successes == trials, 1.0, high)])
+
+
+def lowest_wall(walls: Array, fractions: Array, level: float) -> float:
+    """Return the height above which all fractions reach a level [m].
+
+    It is linear between walls, the lowest wall where all reach it, and NaN where the highest does not.
+    """
+    below = np.flatnonzero(fractions < level)
+    if not below.size:
+        return float(walls[0])
+    last = int(below[-1])
+    if last == len(walls) - 1:
+        return math.nan
+    part = (level - fractions[last]) / (fractions[last + 1] - fractions[last])
+    return float(walls[last] + part * (walls[last + 1] - walls[last]))
 
 
 def compute(
@@ -124,145 +169,135 @@ def compute(
     fixed: tuple[str, ...],
     workers: int | None,
 ) -> TippingResult:
-    """Compute map, line, band and samples.
+    """Compute map, lines, walls, profiles and indices.
 
     An interrupted study resumes from its journal. Raises InputError.
     """
-    if case.scene.tipping is None:
-        raise InputError("tipping", Missing, "`tailslap study tipping` requires this table")
-    if case.scene.trailer:
+    if case.scene.body is None:
         raise InputError(
-            "trailer",
-            Verbatim("a train"),
-            "`tailslap study tipping` supports one unit, because its samples contain the total force only; remove this "
-            "table, or use `tailslap rigid` for the roll of each unit",
+            "body", Missing, "`tailslap study tipping` requires this table, with [[axle]], [[strip]], [wall]"
         )
-    demand_corners(case)
     began = time.perf_counter()
-    answer = rigid.tipping_of(case, case.answer)
-    varied = tipping_ranges(case, answer, ranges, fixed)
-    centres = _centres(case, POINTS)
-    walls, interval = np.linspace(0.4, HIGHEST_WALL, POINTS), case.answer.interval
-    force = case.answer.history["force_normal"][1:]
-    vehicle = replace(answer.vehicle, centre_height=centres)
-    rolls = tipping.largest_rolls(vehicle, walls[:, None], force, interval)
-    line = tipping.lowest_walls(vehicle, force, interval)
-    sampled: Record = {}
+    varied, nominal = space_samples.space_ranges(case, ranges, fixed), case.space
+    done: Record = {}
 
     def solve(inputs: Mapping[str, Array]) -> dict[str, Array]:
-        sampled.update(_solved(case, inputs, varied, place, samples, workers))
-        return {"lowest": sampled["lowest"]}
+        done.update(_solved(case, varied, inputs, samples, place, workers))
+        return {name: done[name] for name in OUTPUTS}
 
     inputs, tables = sampling.sampled(varied, samples, solve)
-    lowest = tables["lowest"]
-    if not lowest[:2].std() > 0.0:
-        raise InputError(
-            "--range", Verbatim("these ranges"), "no vehicle within these ranges rolls over any wall"
-        )
+    indexed = {name: sampling.index_rows(varied, table) for name, table in tables.items() if _varies(table)}
+    refusals = {name: "The quantity is constant." for name in tables if name not in indexed}
     return TippingResult(
-        case, answer, centres, walls, rolls, line, sampled["centres"], sampled["band"], varied, inputs, lowest,
-        *sampling.index_rows(varied, lowest), sampled["error"], time.perf_counter() - began,
+        case, nominal, done["centre_key"], done["centres"], done["map_walls"], done["rolls"], done["walls"],
+        done["answers"], done["line_centres"], done["lines"], done["profiles"], varied,
+        {key: values[: done["answers"]["outcome"].shape[1]] for key, values in inputs.items()},
+        {name: rows for name, (rows, _) in indexed.items()},
+        refusals | {name: why for name, (_, why) in indexed.items() if why},
+        done["motions"], time.perf_counter() - began, done["processor"],
     )  # fmt: skip
 
 
-def _centres(case: ImpactCase, count: int) -> Array:
-    """Return heights of the centre of mass [m]."""
-    assert case.scene.tipping
-    height = case.scene.tipping.centre_height
-    return np.linspace(max(height - CENTRE_RANGE, 0.1), height + CENTRE_RANGE, count)
+def _varies(table: Array) -> bool:
+    """Return True unless a table is constant."""
+    return bool(table.std() > 1e-9 * abs(table.mean()))
 
 
-def tipping_ranges(
-    case: ImpactCase, answer: TippingAnswer, ranges: tuple[str, ...], fixed: tuple[str, ...]
-) -> tuple[Range, ...]:
-    """Return the ranges of impact and roll.
+def wall_heights(case: ImpactCase) -> Array:
+    """Return the heights of the walls of the samples [m].
 
-    Ranges of the impact are those of the study of uncertainty, those of the roll are assumed. Raises InputError.
+    The scene's and common ones are among them.
     """
-    vehicle, about = answer.vehicle, input_ranges.about
-    limits = {
-        "tipping.centre_height": about(float(vehicle.centre_height), 0.1, "± 0.1 m, assumed"),
-        "tipping.roll_inertia": about(
-            float(vehicle.roll_inertia), 0.25 * float(vehicle.roll_inertia), "± 25 %, assumed"
-        ),
-        "tipping.suspension": about(
-            float(vehicle.suspension), 0.3 * float(vehicle.suspension), "± 30 %, assumed"
-        ),
-        "tipping.damping_ratio": (0.0, 0.3, input_ranges.ASSUMED),
-    }
-    of_roll = [text for text in (*ranges, *fixed) if text.partition("=")[0].strip() in TIPPING_KEYS]
-    of_impact = impact_ranges(
-        case, tuple(r for r in ranges if r not in of_roll), tuple(f for f in fixed if f not in of_roll)
-    )
-    typed = tuple(r for r in ranges if r in of_roll), tuple(f for f in fixed if f in of_roll)
-    roll_ranges = input_ranges.ranges_of(case, TIPPING_KEYS, limits, *typed)
-    return (
-        *of_impact,
-        *(replace(item, given=getattr(vehicle, item.key.split(".")[1])) for item in roll_ranges),
-    )
+    assert case.scene.wall
+    assert case.scene.wall.height
+    highest = max(HIGHEST, *(float(unit.centre_height) for unit in case.space.inputs.vehicle.units))
+    spaced = np.arange(LOWEST, highest + STEP - 1e-6, STEP)
+    return np.unique(np.round([*spaced, *WALLS, case.scene.wall.height], 6))
+
+
+def highest_centre(case: ImpactCase) -> tuple[str, float]:
+    """Return key and height of the highest centre of mass [m]."""
+    nominal = space_samples.nominal_values(case)
+    heights = {key: value for key, value in nominal.items() if key.endswith("centre_height")}
+    return max(heights.items(), key=lambda item: item[1])
 
 
 def _solved(
     case: ImpactCase,
-    inputs: Mapping[str, Array],
     varied: tuple[Range, ...],
-    place: Path,
+    inputs: Mapping[str, Array],
     samples: int,
+    place: Path,
     workers: int | None,
 ) -> Record:
-    """Return lowest walls of samples and band."""
-    first = next(iter(inputs.values()))
-    size = first.size
-    order = np.argsort(inputs.get("contact.restitution", first))  # steps of a block are similar
-    centres = _centres(case, BAND_CENTRES)
-    few = {key: values[:BAND_SAMPLES] for key, values in inputs.items() if key not in FIXED_OF_BAND}
-    blocks = order.reshape(-1, math.gcd(size, BLOCK))
-    parts = {
-        f"samples {n}": (case.source, {key: values[rows] for key, values in inputs.items()})
-        for n, rows in enumerate(blocks)
-    }
-    band = {
-        f"centre {n}": (case.source, few | {"tipping.centre_height": np.full(BAND_SAMPLES, centre)})
-        for n, centre in enumerate(centres)
+    """Return the answers of all parts of the study."""
+    walls, (key, centre) = wall_heights(case), highest_centre(case)
+    size = next(iter(inputs.values())).size
+    count = 2 * size // (len(varied) + 2)
+    first = {name: values[:count] for name, values in inputs.items()}
+    few = {name: values[:LINE_SAMPLES] for name, values in first.items() if name != key}
+    lowest = ABOVE_AXLES + max(axle.radius or 0.0 for axle in case.scene.axle)
+    centres = np.linspace(max(centre - MAP_RANGE, lowest), centre + MAP_RANGE, POINTS)
+    line_centres, line_walls = np.linspace(centres[0], centres[-1], LINE_CENTRES), walls[::LINE_WALLS]
+    map_walls = np.linspace(walls[0], walls[-1], POINTS)
+
+    def part(values: Mapping[str, Any], source: Source = case.source) -> tuple[object, ...]:
+        return source, dict(values)
+
+    blocks = np.array_split(np.arange(size), math.ceil(size / BLOCK))
+    groups: dict[str, dict[str, tuple[object, ...]]] = {
+        "samples": {
+            f"samples {n}": part({k: v[rows] for k, v in inputs.items()}) for n, rows in enumerate(blocks)
+        },
+        "walls": {f"wall {h:.6f}": part(first | {"wall.height": np.full(count, h)}) for h in walls},
+        "map": {
+            f"centre {c:.6f}": part({key: np.full(POINTS, c), "wall.height": map_walls}) for c in centres
+        },
+        "lines": {
+            f"line {c:.6f} {h:.6f}": part(
+                few | {name: np.full(LINE_SAMPLES, x) for name, x in ((key, c), ("wall.height", h))}
+            )
+            for c in line_centres
+            for h in line_walls
+        },
+        "profiles": {
+            f"profile {name}": part(first, vary(case.source, {"wall.profile": name})[1])
+            for name in space.PROFILES
+        },
     }
     definition = {
         "study": "tipping", "scene": case.scene.model_dump(), "samples": samples,
         "ranges": [[item.key, item.lower, item.upper] for item in varied],
     }  # fmt: skip
-    groups = (measure, parts, f"{size} impacts"), (measure, band, "band")
-    sample_records, band_records = engine.run_study(place, definition, groups, workers)
-    lowest, errors = np.empty(size), []
-    for rows, record in zip(blocks, sample_records.values(), strict=True):
-        lowest[rows] = record["lowest"]
-        errors += record["error"]
-    ends = [np.percentile(record["lowest"], sampling.PERCENTILES) for record in band_records.values()]
+    together = {name: arguments for parts in groups.values() for name, arguments in parts.items()}
+    motions = (space_samples.solve_samples, together, "motions")
+    (results,) = engine.run_study(place, definition, (motions,), workers)
+    records = {name: {key: results[key] for key in parts} for name, parts in groups.items()}
+    tables = {name: {c: _column(of, c) for c in space_samples.COLUMNS} for name, of in records.items()}
+    answers = {c: values.reshape(len(walls), count) for c, values in tables["walls"].items()}
+    line = (tables["lines"]["outcome"].reshape(LINE_CENTRES, len(line_walls), -1) == 0.0).mean(axis=2)
     return {
-        "lowest": lowest,
-        "error": float(np.percentile(errors, 95)),
-        "centres": centres,
-        "band": np.array(ends).T,
-    }
+        "roll": _largest(tables["samples"]), "mean_50ms": tables["samples"]["mean_50ms"],
+        "centre_key": key, "centres": centres, "map_walls": map_walls,
+        "rolls": _largest(tables["map"]).reshape(POINTS, POINTS).T,
+        "walls": walls, "answers": answers, "line_centres": line_centres,
+        "lines": np.array([[lowest_wall(line_walls, of, level) for of in line] for level in LEVELS]),
+        "profiles": {
+            name: {c: np.array(records["profiles"][f"profile {name}"][c]) for c in space_samples.COLUMNS}
+            for name in space.PROFILES
+        },
+        "motions": sum(values["outcome"].size for values in tables.values()),
+        "processor": math.fsum(record["processor"] for record in results.values()),
+    }  # fmt: skip
 
 
-def measure(source: Source, inputs: Mapping[str, Array]) -> dict[str, list[float]]:
-    """Return the lowest walls [m] and the errors of impacts.
+def _column(records: Mapping[str, Mapping[str, list[float]]], name: str) -> Array:
+    """Return an answer of all parts of a group in their order."""
+    return np.concatenate([record[name] for record in records.values()])
 
-    Inputs are by key, shape (n,) [SI].
-    """
-    from tailslap.scene.vary import vary
 
-    case = case_of(*vary(source, {}))
-    assert isinstance(case, ImpactCase)
-    assert case.scene.tipping
-    restitution = inputs.get("contact.restitution", case.scene.needed_contact.restitution or 0.0)
-    step = FINE_STEP if np.min(restitution) < ABRUPT else STEP
-    impacts = case.impacts(inputs, after_second=rigid.AFTER_TIPPING, interval=STEP, step=step)
-    varied = {key.split(".")[1]: values for key, values in inputs.items() if key in TIPPING_KEYS}
-    if "vehicle.mass" in inputs:
-        varied["mass"] = inputs["vehicle.mass"]
-    vehicle = replace(rolling_vehicle(case.scene, case.scene.tipping, case.scene.vehicle), **varied)
-    lowest = tipping.lowest_walls(vehicle, impacts.mean_force.T, STEP)
-    return {
-        "lowest": np.broadcast_to(lowest, impacts.error.shape).tolist(),
-        "error": np.minimum(impacts.error, 1.0).tolist(),
-    }
+def _largest(table: Mapping[str, Array]) -> Array:
+    """Return the largest rolls, 90 deg unless upright [rad]."""
+    return np.where(
+        table["outcome"] == 0.0, np.minimum(np.abs(table["largest_roll"]), 0.5 * np.pi), 0.5 * np.pi
+    )

@@ -1,0 +1,212 @@
+"""Samples of vehicles in space: ranges of their inputs, and answers of many motions.
+
+A key with "*" is a factor of the scene's values of all axles or strips, which vary together. A strip may not be higher
+than twice the height of the centre of mass; where that varies, the ends of higher strips are lowered.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from solver import space
+from solver.conditions import RigidBodyError
+from tailslap.campaign import input_ranges
+from tailslap.campaign.input_ranges import Limits, Range, TypedLimits, about
+from tailslap.campaign.sampling import Array
+from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.space import SpaceInput, space_input
+from tailslap.errors import InputError, Verbatim
+from tailslap.scene.schema import Scene, value_at
+from tailslap.scene.vary import Source, vary
+
+CENTRE_RANGE = 0.15
+"""Half the default range of the height of a centre of mass [m]."""
+
+TRUCK = "times the scene's, assumed: {} of a single-unit truck"
+GROUPS: dict[str, Limits] = {
+    "axle.*.spring": (0.5, 2.0, TRUCK.format("0.15 to 0.6 MN/m a side")),
+    "axle.*.spacing": (0.9, 1.1, TRUCK.format("0.9 to 1.1 m")),
+    "axle.*.friction": (0.5 / 0.65, 0.8 / 0.65, TRUCK.format("0.5 to 0.8")),
+    "strip.*.stiffness": (0.5, 1.5, "times the scene's, ± 50 % assumed"),
+    "strip.*.plateau": (200.0 / 350.0, 500.0 / 350.0, TRUCK.format("200 to 500 kN of 350 kN of a corner")),
+}
+"""Default range of each factor."""
+
+SHORTEST = 0.1
+"""Least length of a strip whose ends are lowered [m]."""
+
+ROLL_INERTIA = (0.9 / 1.1) ** 2, (1.4 / 1.1) ** 2
+"""Default range of a roll inertia over its nominal value: radii of gyration of 0.9 to 1.4 m about 1.1 m."""
+
+OF_AXLE, OF_STRIP = ("spring", "spacing", "friction", "tyre", "cornering"), ("stiffness", "plateau")
+"""Keys of one axle and one strip that may vary alone."""
+
+COLUMNS = ("outcome", "largest_roll", "mean_50ms", "height", "length")
+"""Answers that samples record."""
+
+
+def nominal_values(case: ImpactCase) -> dict[str, float]:
+    """Return the nominal value of each key that may vary [SI].
+
+    Factors are 1.
+    """
+    scene, units = case.scene, space_input(case.scene).vehicle.units
+    values: dict[str, Any] = {}
+    for number, unit in enumerate(units):
+        table, body = (f"trailer.{number - 1}",) * 2 if number else ("vehicle", "body")
+        values |= {
+            f"{table}.{name}": getattr(unit, name) for name in ("mass", "centre_of_mass", "yaw_inertia")
+        }
+        if not number or value_at(scene, f"{body}.centre_height") is not None:
+            values[f"{body}.centre_height"] = unit.centre_height
+        values |= {f"{body}.{name}": getattr(unit, name) for name in ("roll_inertia", "pitch_inertia")}
+    for table, count, names in (("axle", len(scene.axle), OF_AXLE), ("strip", len(scene.strip), OF_STRIP)):
+        values |= {
+            key: value_at(scene, key) for n in range(count) for key in (f"{table}.{n}.{x}" for x in names)
+        }
+    unloading = "unloading_stiffness" if scene.needed_contact.unloading_stiffness else "restitution"
+    keys = (f"contact.{unloading}", "contact.friction", "impact.speed", "impact.angle")
+    values |= {key: value_at(scene, key) for key in keys} | {
+        key: 1.0 for key in GROUPS if members(scene, key)
+    }
+    return {key: float(value) for key, value in values.items() if value is not None}
+
+
+def members(scene: Scene, key: str) -> list[str]:
+    """Return the keys of the scene that a factor applies to.
+
+    Values of 0 are not among them.
+    """
+    table, _, name = key.split(".")
+    keys = [f"{table}.{number}.{name}" for number in range(len(getattr(scene, table)))]
+    return [key for key in keys if value_at(scene, key)]
+
+
+def default_ranges(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, Limits]:
+    """Return the default range of each input [SI]."""
+    known = input_ranges.default_limits(case.scene)
+    mass, unloading = nominal["vehicle.mass"], nominal.get("contact.unloading_stiffness")
+    limits = {
+        "impact.speed": known["impact.speed"],
+        "impact.angle": known["impact.angle"],
+        "vehicle.mass": known.get("vehicle.mass", about(mass, 0.05 * mass, "± 5 %, assumed")),
+        "contact.restitution": (0.1, 0.35, "assumed; 0.22: the paper"),
+        "contact.friction": (0.2, 0.5, "assumed; 0.2: FHWA/NTRCI model of TL5CMB-2, 0.47: the paper"),
+    }
+    if unloading:
+        limits["contact.unloading_stiffness"] = about(unloading, 0.5 * unloading, "± 50 %, assumed")
+    for number, unit in enumerate(case.scene.units):
+        table, body = (f"trailer.{number - 1}",) * 2 if number else ("vehicle", "body")
+        middle, height = f"{table}.centre_of_mass", f"{body}.centre_height"
+        limits[middle] = about(nominal[middle], 0.05 * unit.length, "± 5 % of the length, assumed")
+        if height in nominal:
+            limits[height] = about(nominal[height], CENTRE_RANGE, f"± {CENTRE_RANGE} m, assumed")
+        for name in ("roll_inertia",) if number else ("roll_inertia", "yaw_inertia"):
+            key = f"{body if name == 'roll_inertia' else table}.{name}"
+            low, high = ROLL_INERTIA if name == "roll_inertia" else (0.8, 1.2)
+            why = (
+                "radii of gyration of 0.82 to 1.27 times the scene's, assumed"
+                if low < 0.8
+                else "± 20 %, assumed"
+            )
+            limits[key] = (low * nominal[key], high * nominal[key], why)
+    return {key: ends for key, ends in (limits | GROUPS).items() if key in nominal}
+
+
+def space_ranges(case: ImpactCase, ranges: tuple[str, ...], fixed: tuple[str, ...]) -> tuple[Range, ...]:
+    """Return the ranges of a vehicle in space, factors last. Raises InputError."""
+    nominal = nominal_values(case)
+    limits, factors = default_ranges(case, nominal), [key for key in GROUPS if key in nominal]
+    of_factor = lambda text: text.partition("=")[0].strip() in factors  # noqa: E731
+    used = tuple(key for key in nominal if key not in factors)
+    singles = input_ranges.ranges_of(
+        case,
+        used,
+        limits,
+        tuple(r for r in ranges if not of_factor(r)),
+        tuple(f for f in fixed if not of_factor(f)),
+    )
+    typed = dict(map(_typed_factor, filter(of_factor, ranges)))
+    ends = {key: limits[key] for key in factors if key not in fixed} | typed
+    both = [key for key in typed if key in fixed]
+    if both:
+        raise InputError("--fix", both[0], "--range and --fix exclude each other; remove one of the two")
+    return (
+        *(replace(item, given=nominal[item.key]) for item in singles),
+        *(Range(key, ends[key][0], ends[key][1], "", 1.0, ends[key][2]) for key in factors if key in ends),
+    )
+
+
+def stated_ranges(case: ImpactCase, limits: Mapping[str, Limits | TypedLimits]) -> tuple[Range, ...]:
+    """Return ranges with stated ends and sources, factors last.
+
+    Raises InputError.
+    """
+    singles = {key: ends for key, ends in limits.items() if "*" not in key}
+    ranges = input_ranges.ranges_of(case, tuple(singles), singles, (), ())  # type: ignore[arg-type]  # texts with units
+    factors = (
+        Range(key, float(ends[0]), float(ends[1]), "", 1.0, ends[2])
+        for key, ends in limits.items()
+        if "*" in key
+    )
+    return (*ranges, *factors)
+
+
+def _typed_factor(text: str) -> tuple[str, Limits]:
+    """Return key and range of a typed factor. Raises InputError."""
+    key, _, values = (part.strip() for part in text.partition("="))
+    try:
+        lower, upper = map(float, values.split(":"))
+    except ValueError:
+        lower = upper = 0.0
+    if not 0.0 < lower < upper < np.inf:
+        raise InputError(
+            key, values, f"this key is a factor of the scene's values; allowed is e.g. {key}=0.5:2"
+        )
+    return key, (lower, upper, input_ranges.FROM_USER)
+
+
+def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values by key of the scene, with factors applied.
+
+    Strips are within the vehicle.
+
+    inputs: by key, floats or of shape (n,) [SI].
+    """
+    values: dict[str, Any] = {}
+    for key in inputs:
+        if "*" in key:
+            values |= {member: value_at(scene, member) * inputs[key] for member in members(scene, key)}
+    values |= {key: value for key, value in inputs.items() if "*" not in key}
+    for number, strip in enumerate(scene.strip):
+        body = f"trailer.{strip.unit - 2}" if strip.unit > 1 else "body"
+        centre = values.get(f"{body}.centre_height", values.get("body.centre_height"))
+        if centre is not None:
+            low, high = strip.height
+            most = 2.0 * np.asarray(centre), 2.0 * np.asarray(centre) - SHORTEST * (high > low)
+            values[f"strip.{number}.height.0"] = np.minimum(low, most[1])
+            values[f"strip.{number}.height.1"] = np.minimum(high, most[0])
+    return values
+
+
+def sampled_input(scene: Scene, inputs: Mapping[str, Any]) -> SpaceInput:
+    """Return the arguments of `solver.space` of samples, see `expanded`."""
+    return space_input(scene, expanded(scene, inputs))
+
+
+def solve_samples(source: Source, inputs: Mapping[str, Array]) -> dict[str, Any]:
+    """Return the answers of samples as lists, and their processor time [s].
+
+    inputs: by key, shape (n,) [SI]. Raises InputError.
+    """
+    began = time.process_time()
+    scene, _ = vary(source, {})
+    try:
+        answers = space.solve_spaces(*sampled_input(scene, inputs).arguments)
+    except RigidBodyError as error:
+        raise InputError(error.key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
+    columns = {name: getattr(answers, name).tolist() for name in COLUMNS}
+    return columns | {"processor": time.process_time() - began}
