@@ -139,6 +139,7 @@ def headline(result: TippingResult) -> Headline:
         f"{_height(middle, result)}; all values nominal: {_height(result.nominal.lowest_wall)}."
     )
     certainty = f"By the number of samples, {result.count}, the wall lies {_between(ends, result)}."
+    certainty += _decrease(result)
     if rows := result.sources.get("roll"):
         certainty += (
             f" Main source of variance of the roll {main_source(max(rows, key=lambda row: row['total']))}."
