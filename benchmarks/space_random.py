@@ -68,7 +68,7 @@ def axles_of(
     track, spacing = random.uniform(1.75, 2.0), random.uniform(0.9, 1.1)
     front, rear = random.uniform(0.1, 0.15) * length, random.uniform(0.7, 0.78) * length
     springs = np.sort(random.uniform(0.15e6, 0.6e6, 2))
-    common = {
+    common: dict[str, Any] = {
         "track": track, "radius": 0.5, "spacing": spacing, "damping_ratio": random.uniform(0.05, 0.3),
         "roll_centre": random.uniform(0.5, 0.7), "friction": random.uniform(0.5, 0.8) if grip else 0.0,
     }  # fmt: skip

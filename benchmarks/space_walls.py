@@ -24,7 +24,8 @@ INCH = 0.0254
 def on_wall(inputs: SpaceInput, profile: str, height: float) -> SpaceMotion:
     """Solve the motion on a wall of this profile and height [in]."""
     wall = replace(inputs.wall, height=height * INCH, profile=profile)
-    return solve_space(inputs.vehicle, wall, inputs.speed, inputs.angle)
+    vehicle, _, speed, angle = inputs.arguments
+    return solve_space(vehicle, wall, speed, angle)
 
 
 def entry(motion: SpaceMotion) -> str:

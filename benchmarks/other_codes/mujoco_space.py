@@ -31,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import command_line
 
 from solver.body import GRAVITY
-from solver.space import SpaceAxle, SpaceUnit, SpaceVehicle, SpaceWall, Strip, solve_space
+from solver.space import SpaceAxle, SpaceVehicle, SpaceWall, Strip, solve_space
 from solver.space.vehicle import AXLE_GYRATION
 from tailslap.case.impact.space import space_input
 from tailslap.scene.read import read_scene
@@ -98,8 +98,8 @@ def around(mass: float, place: np.ndarray) -> np.ndarray:
     return mass * (place @ place * np.eye(3) - np.outer(place, place))
 
 
-def masses_of(unit: SpaceUnit, axles: tuple[SpaceAxle, ...]) -> Masses:
-    """Subtract the axles from the whole vehicle: places relative to its centre, x ahead and z up."""
+def masses_of(unit: Any, axles: Any) -> Masses:
+    """Subtract the axles from the whole vehicle, whose values are floats; places are relative to its centre."""
     places = [np.array([unit.centre_of_mass - a.position, 0.0, a.radius - unit.centre_height]) for a in axles]
     mass = unit.mass - sum(a.mass for a in axles)
     centre = -sum(a.mass * place for a, place in zip(axles, places, strict=True)) / mass
