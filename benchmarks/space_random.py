@@ -119,8 +119,7 @@ def profile_of(random: np.random.Generator, number: int) -> Any:
 
 def values(motion: SpaceMotion) -> dict[str, float]:
     """The quantities by which the program judges a motion."""
-    impulse = float(motion.history["t"][1] * motion.history["force_normal"].sum())
-    return {name: impulse if name == "impulse" else float(getattr(motion.answers, name)) for name in COMPARED}
+    return {name: float(getattr(motion.answers, name)) for name in COMPARED}
 
 
 def solved(seed: int, finer: int, number: int) -> Record:

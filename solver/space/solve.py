@@ -28,11 +28,14 @@ INTERVAL, MANY_INTERVAL, SEARCH_INTERVAL = 1e-3, 1e-3, 2e-3
 PHASE, MANY_PHASE = 0.2, 0.4
 """Step times the rate of the fastest oscillation on the first attempt at one motion, and of many [rad]."""
 
-TOLERANCE, HALVINGS, MOST_PARTS = 1e-3, 5, 4096
+TOLERANCE, HALVINGS, MOST_PARTS = 1e-3, 6, 4096
 """Largest error of one motion, number of halvings of its step, and most steps of an interval."""
 
-COMPARED = {"largest_roll": 0.05, "mean_50ms": 1e3, "height": 0.05, "impulse": 1e2}
-"""Quantities by which the error is judged, with the sizes below which their change is not relative [rad, N, m, N s]."""
+COMPARED = {"largest_roll": 0.05, "mean_50ms": 1e3, "height": 0.05}
+"""Quantities by which the error is judged, with the sizes below which their change is not relative [rad, N, m]."""
+
+SAFETY = 2.0
+"""Error over the larger of the last two changes by half the step, as a single change may be small by chance."""
 
 NO_PUSH = np.zeros((0, 5))
 """No force besides that of the wall."""
@@ -104,7 +107,8 @@ class SpaceMotion:
     step : float
         [s].
     error : float
-        Largest change of `COMPARED` against twice the step; infinite where the outcome changes [-].
+        Twice the larger of the last two changes of `COMPARED` by half the step, with a prescribed step of the change
+        against twice that; infinite where the outcome changes [-].
     """
 
     outcome: str
@@ -176,13 +180,14 @@ def solve_space(
     def run(parts: NDArray[np.int64]) -> tuple[SpaceAnswers, Array]:
         return _run(fleet, interval, parts, end, push, on_compile, with_rows=True)
 
-    coarse = run(np.maximum(parts // 2, 1)) if parts[0] > 1 else None
+    former, changes = (run(parts // 2)[0] if parts[0] > 1 else None), [math.inf]
     for _ in range(1 if step else HALVINGS + 1):
         answers, rows = run(parts)
-        error = math.inf if coarse is None else _change(coarse, (answers, rows), interval)
+        changes.append(math.inf if former is None else _change(former, answers))
+        error = SAFETY * (changes[-1] if step else max(changes[-2:]))
         if error <= tolerance:
             break
-        coarse, parts = (answers, rows), 2 * parts
+        former, parts = answers, 2 * parts
     one = SpaceAnswers(*(values[0] for values in answers))
     table = rows[: int(one.rows)]
     names = column_names(fleet.units.shape[1], fleet.axles.shape[1])
@@ -300,18 +305,13 @@ def _run(
     return SpaceAnswers(**columns, unit_rolls=rolls), rows[0]
 
 
-def _change(coarse: tuple[SpaceAnswers, Array], fine: tuple[SpaceAnswers, Array], interval: float) -> float:
+def _change(coarse: SpaceAnswers, fine: SpaceAnswers) -> float:
     """Return the largest change of the compared quantities, infinite where the outcome changes."""
-    if coarse[0].outcome[0] != fine[0].outcome[0]:
+    if coarse.outcome[0] != fine.outcome[0]:
         return math.inf
     changes = []
     for name, least in COMPARED.items():
-        before, after = (
-            interval * float(rows[: int(answers.rows[0]), 0].sum())
-            if name == "impulse"
-            else float(getattr(answers, name)[0])
-            for answers, rows in (coarse, fine)
-        )
+        before, after = (float(getattr(answers, name)[0]) for answers in (coarse, fine))
         changes.append(abs(after - before) / max(abs(after), least))
     return max(changes)
 

@@ -141,7 +141,7 @@ def run_parts(
         work_left = lambda done: work[round(total - done)]  # noqa: E731
         show = stack.enter_context(progress.counted(label, total, before, work_left=work_left))
         todo = Parts(function, missing, lambda key: parts[str(key)], _died)
-        perform(todo, records, pool, lambda threads: show(len(records)))
+        perform(todo, records, pool, lambda threads: show(sum(key in records for key in parts)))
 
 
 @contextlib.contextmanager

@@ -272,8 +272,8 @@ class SpaceAnswer:
             f"Wheels off the ground: {'; '.join(lifts) or 'none'}.",
             f"Last contact at {one.last_contact:.2f} s: speed {speed}, direction {direction} and heading {yaw} away "
             "from the wall.",
-            f"Time step {self.motion.step:.1e} s; with twice the step roll, force, height and impulse change by at "
-            f"most {percent_up(self.motion.error)}.",
+            f"Time step {self.motion.step:.1e} s; error of roll, force and height by the step at most "
+            f"{percent_up(self.motion.error)}.",
         )
 
     def text(self, units: str) -> list[str]:
