@@ -199,9 +199,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
         if units.shape[0] > 1:
             close_hinges(units, fleet.axle_unit, work, ahead, h)
         move(bodies, joints, h)
-    if (
-        outcome == ON_ITS_SIDE or outcome == OVER
-    ):  # the end is on a row, a moment later than the roll of 90 deg
+    if outcome in (ON_ITS_SIDE, OVER):  # the end is on a row, a moment later than the roll of 90 deg
         answer[ROLL] = min(max(answer[ROLL], -0.5 * np.pi), 0.5 * np.pi)
         for u in range(units.shape[0]):
             rolls[u] = min(max(rolls[u], -0.5 * np.pi), 0.5 * np.pi)
