@@ -44,7 +44,10 @@ def truck(
         Strip((0.0, 0.0), (0.45, 0.9), 4e6, plateau=780e3 * most, restitution=restitution),
         Strip((7.2, 7.2), (0.05, 1.0), 2.1e6, plateau=395e3 * most, restitution=restitution, axle=1),
         Strip((2.6, 10.0), (1.2446, 1.2446), 1e6, plateau=40e3 * most, restitution=restitution),
-        Strip((10.0, 10.0), (1.2446, 2.6), 1.5e6, plateau=220e3 * most, restitution=restitution),
+        *(
+            Strip((at, at), (1.2446, 2.6), 1.5e6, plateau=220e3 * most, restitution=restitution)
+            for at in (2.6, 10.0)
+        ),
     )
     axles = (
         axle(1.2, friction=friction, **of_axles),

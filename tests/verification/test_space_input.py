@@ -124,4 +124,40 @@ def test_shipped_scene_is_a_scene_file():
     from importlib import resources
 
     text = resources.files("tailslap.scene").joinpath(f"shipped/{SCENE}.toml").read_text("utf-8")
-    assert len(tomllib.loads(text)["strip"]) == 4
+    assert len(tomllib.loads(text)["strip"]) == 5
+
+
+TRAIN = "examples/train-in-space.toml"
+
+
+@pytest.fixture(scope="module")
+def train():
+    """Return the result of the train of the examples."""
+    return tailslap.rigid(TRAIN).summary["space"]
+
+
+def test_each_unit_of_a_train_rolls(train):
+    """Both units roll, joined by the fifth wheel; the stated roll is the larger."""
+    rolls = np.abs(train["unit_rolls"])
+    assert rolls.shape == (2,)
+    assert abs(train["largest_roll"]) == rolls.max()
+    assert rolls.min() > 0.2 * rolls.max()
+
+
+def test_stiffness_of_the_fifth_wheel_joins_the_rolls(train):
+    """A fifth wheel without stiffness in roll leaves the tractor level, and the trailer rolls more."""
+    loose = tailslap.rigid(TRAIN, changes={"trailer.0.roll_stiffness": 0.0}).summary["space"]
+    assert abs(loose["unit_rolls"][0]) < abs(train["unit_rolls"][0])
+    assert abs(loose["unit_rolls"][1]) > abs(train["unit_rolls"][1])
+
+
+@pytest.mark.parametrize("key", ["trailer.0.hitch_height", "axle.3.spring"])
+def test_missing_keys_of_a_train_in_space(key):
+    with pytest.raises(tailslap.InputError) as caught:
+        tailslap.rigid(TRAIN, changes={key: None})
+    assert caught.value.key == key
+
+
+def test_trailer_without_an_axle_is_refused():
+    with pytest.raises(tailslap.InputError, match="unit 2 of the train requires at least 1"):
+        tailslap.rigid(TRAIN, changes={f"axle.{n}.{key}": 1 for n in (3, 4) for key in ("unit", "position")})
