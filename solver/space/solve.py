@@ -22,8 +22,8 @@ OUTCOMES = ("upright", "on its side", "over the wall", "lost")
 WINDOW, LONGEST = 0.05, 4.0
 """Duration of the mean of the design force, and latest end of a motion [s]."""
 
-INTERVAL, MANY_INTERVAL, SEARCH_INTERVAL = 1e-3, 1e-3, 2e-3
-"""Time between rows of one motion, of many, and in the search for a wall [s]."""
+INTERVAL, MANY_INTERVAL = 1e-3, 2e-3
+"""Time between rows of one motion, and of many and in the search for a wall [s]."""
 
 PHASE, MANY_PHASE = 0.2, 0.4
 """Step times the rate of the fastest oscillation on the first attempt at one motion, and of many [rad]."""
@@ -263,7 +263,7 @@ def lowest_walls(
         As `solve_spaces`.
     """
     fleet = fleet_of(vehicle, wall, speed, angle)
-    clock = _clock(SEARCH_INTERVAL, _parts(fleet, SEARCH_INTERVAL, MANY_PHASE, None), None, NO_PUSH)
+    clock = _clock(MANY_INTERVAL, _parts(fleet, MANY_INTERVAL, MANY_PHASE, None), None, NO_PUSH)
     lowest = np.empty(len(fleet.units))
     arguments = fleet, clock, _workspace(fleet, clock), scan, lowest
     compile_once(lambda: find_lowest_walls(*arguments), find_lowest_walls, *arguments, on_compile=on_compile)

@@ -1,7 +1,6 @@
 """Samples of vehicles in space: ranges of their inputs, and answers of many motions.
 
-A key with "*" is a factor of the scene's values of all axles or strips, which vary together. A strip may not be higher
-than twice the height of the centre of mass; where that varies, the ends of higher strips are lowered.
+A key with "*" is a factor of the scene's values of all axles or strips, which vary together.
 """
 
 import time
@@ -34,9 +33,6 @@ GROUPS: dict[str, Limits] = {
     "strip.*.plateau": (200.0 / 350.0, 500.0 / 350.0, TRUCK.format("200 to 500 kN of 350 kN of a corner")),
 }
 """Default range of each factor."""
-
-SHORTEST = 0.1
-"""Least length of a strip whose ends are lowered [m]."""
 
 ROLL_INERTIA = (0.9 / 1.1) ** 2, (1.4 / 1.1) ** 2
 """Default range of a roll inertia over its nominal value: radii of gyration of 0.9 to 1.4 m about 1.1 m."""
@@ -172,8 +168,6 @@ def _typed_factor(text: str) -> tuple[str, Limits]:
 def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
     """Return values by key of the scene, with factors applied.
 
-    Strips are within the vehicle.
-
     inputs: by key, floats or of shape (n,) [SI].
     """
     values: dict[str, Any] = {}
@@ -181,14 +175,6 @@ def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
         if "*" in key:
             values |= {member: value_at(scene, member) * inputs[key] for member in members(scene, key)}
     values |= {key: value for key, value in inputs.items() if "*" not in key}
-    for number, strip in enumerate(scene.strip):
-        body = f"trailer.{strip.unit - 2}" if strip.unit > 1 else "body"
-        centre = values.get(f"{body}.centre_height", values.get("body.centre_height"))
-        if centre is not None:
-            low, high = strip.height
-            most = 2.0 * np.asarray(centre), 2.0 * np.asarray(centre) - SHORTEST * (high > low)
-            values[f"strip.{number}.height.0"] = np.minimum(low, most[1])
-            values[f"strip.{number}.height.1"] = np.minimum(high, most[0])
     return values
 
 
