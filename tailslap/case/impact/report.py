@@ -442,6 +442,18 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     return [(part, why) for there, part, why in parts if not there]
 
 
+def _space_lines(scene: Scene) -> Lines:
+    """Return the text of `tailslap check` on the vehicle in space, none without [body]."""
+    if scene.body is None or scene.wall is None or scene.wall.height is None:
+        return {}
+    profile = scene.wall.profile or "vertical"
+    shape = profile if isinstance(profile, str) else f"{len(profile)} points"
+    height = measure(scene.wall.height, "m", ".4g")
+    return {
+        "space": [f"{len(scene.axle)} axles, {len(scene.strip)} strips; wall of {height}, profile: {shape}"]
+    }
+
+
 def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
     """Return the texts of `tailslap check` by label.
 
@@ -462,6 +474,7 @@ def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
         "contact": [contact_words(case.scene.needed_contact)],
         "strikes": [f"expected of the rigid vehicle: {strikes or 'none'}"],
         "end": [f"{motion.t_end:.4g} s"],
+        **_space_lines(case.scene),
         **omitted_lines(omitted_parts(case.scene)),
     }
     if fe_plan is None:
