@@ -58,7 +58,7 @@ def main() -> None:
         same = own.outcome == fine.outcome
         print(f"{profile}, {options.samples} trucks")
         row("time of a motion", "6 ms", f"{1e3 * spent:.2f} ms")
-        row("other outcome", "0", int((~same).sum()))
+        row("other outcome", "0", str((~same).sum()))
         roll = np.degrees(np.abs(own.largest_roll - fine.largest_roll))[same]
         changes = {
             "largest roll [deg]": roll, "50 ms mean [%]": 100.0 * np.abs(own.mean_50ms / fine.mean_50ms - 1.0),

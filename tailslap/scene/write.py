@@ -55,7 +55,7 @@ OPTIONAL: Mapping[str, Mapping[str, str | list[str]]] = {
     },
     "body": IN_SPACE,
     "strip": {"height": ["0.45 m", "0.9 m"], "inset": "0.1 m", "stiffness": "4 MN/m^2"},
-    "wall": {"length": "20 m", "depth": "0.3 m", "height": "32 in"},
+    "wall": {"length": "20 m", "depth": "0.3 m", "height": "32 in", "profile": "new-jersey"},
 }
 """Examples in the comments where that of the quantity does not fit the key."""
 
@@ -87,7 +87,7 @@ def _lines(tables: Mapping[str, Any], prefix: str = "") -> list[str]:
         name = f"{prefix}{key}"
         if isinstance(value, Mapping):
             below += ["", f"[{name}]", *_lines(value, f"{name}.")]
-        elif name in schema.LISTED and isinstance(value, tuple):  # [[strip]] has a number of this name
+        elif name in schema.LISTED:
             below += [line for table in value for line in ("", f"[[{name}]]", *_lines(table, f"{name}."))]
         elif value is not None:
             lines.append(f"{key} = {toml_value(value)}")
@@ -184,6 +184,8 @@ def example(field: FieldInfo) -> str:
             return toml_value(mark)
     if field.annotation is int:
         return "10"
+    if any(int in (kind, *get_args(kind)) for kind in get_args(field.annotation)):
+        return "0"
     return "[20, 6]" if "tuple" in str(field.annotation) else toml_value(next(iter(materials.MATERIALS)))
 
 
