@@ -337,11 +337,13 @@ class RigidImpact(Case):
         number, peak = int(np.argmax(means)), answer.peaks["mean_50ms"]
         strike = answer.strikes[number]
         where = f"strike {number + 1} ({strike.corner} corner, from {strike.start:.3f} s)"
-        verdict = f"{self.space.verdict} " if self.space else ""
         least = "at least " if answer.cut else ""
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
-        plane = " in the plane" if self.space else ""
-        return f"{verdict}{name}{plane}: {least}{force(peak)} in {where}{self.design_ratio(peak)}."
+        if not self.space:
+            return f"{name}: {least}{force(peak)} in {where}{self.design_ratio(peak)}."
+        ratio = self.design_ratio(float(self.space.motion.answers.mean_50ms))
+        plane = f"In the plane{'' if reliable else ', not reliable'}: {least}{force(peak)} in {where}."
+        return f"{self.force_words}: {self.space.force_words}{ratio}. {self.space.verdict} {plane}"
 
     def headline(self) -> Headline:
         """Return the largest 50 ms mean of the rigid vehicle."""

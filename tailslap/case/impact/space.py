@@ -238,21 +238,24 @@ class SpaceAnswer:
 
     @property
     def verdict(self) -> str:
-        """Sentences on the outcome, the lowest wall, and the force with its height."""
-        one, wall = self.motion.answers, float(self.inputs.wall.height)
-        roll = measure(abs(float(one.largest_roll)), "rad", ".1f")
+        """Sentence on the outcome and the lowest wall."""
+        wall = f"on a wall of {_height(float(self.inputs.wall.height))}"
+        roll = measure(abs(float(self.motion.answers.largest_roll)), "rad", ".1f")
         outcome = {
-            "upright": f"The vehicle remains upright with a roll of {roll}",
-            "on its side": "The vehicle rolls on its side",
-            "over the wall": "The vehicle rolls over the wall",
+            "upright": f"The vehicle remains upright {wall} with a roll of {roll}",
+            "on its side": f"The vehicle rolls on its side {wall}",
+            "over the wall": f"The vehicle rolls over the wall {wall.removeprefix('on a wall ')}",
         }[self.motion.outcome]
-        lowest = "no wall keeps it upright"
+        lowest = "no wall up to the height of its centre of mass keeps it upright"
         if self.lowest_wall == self.lowest_wall:
             lowest = f"lowest wall that keeps it upright: {_height(self.lowest_wall)}"
-        force = f"{measure(float(one.mean_50ms), 'N', '.0f')} at a height of {measure(float(one.height), 'm', '.2f')}"
-        return (
-            f"{outcome}, on a wall of {_height(wall)}; {lowest}. Force in space, largest 50 ms mean: {force}."
-        )
+        return f"{outcome}; {lowest}."
+
+    @property
+    def force_words(self) -> str:
+        """Largest 50 ms mean of the lateral force with its height."""
+        one = self.motion.answers
+        return f"{measure(float(one.mean_50ms), 'N', '.0f')} at a height of {measure(float(one.height), 'm', '.2f')}"
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -279,7 +282,7 @@ class SpaceAnswer:
     def text(self, units: str) -> list[str]:
         """Return lines for a terminal."""
         system = SYSTEMS[units]
-        lines = [TITLE, *(f"  {system.rendered(sentence)}" for sentence in (self.verdict, *self.sentences))]
+        lines = [TITLE, *(f"  {system.rendered(sentence)}" for sentence in self.sentences)]
         for row in self.force_rows:
             parts = ", ".join(
                 f"{name} {system.rendered(measure(row[name], 'N', '.0f'))}"
@@ -350,4 +353,4 @@ def section(answer: SpaceAnswer, plane: ImpactAnswer, film: Path | None = None) 
     tables = (forces, plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS))
     charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
     figures: list[Chart | Picture] = [*charts, *([Picture(film, space_figures.FILM)] if film else [])]
-    return Section(TITLE, "", figures, tables, (answer.verdict, *answer.sentences), "wide")
+    return Section(TITLE, "", figures, tables, answer.sentences, "wide")
