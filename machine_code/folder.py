@@ -88,7 +88,7 @@ def _source_of(function: FunctionType) -> bytes:
 def own_sources(function: FunctionType) -> str:
     """Return the digest of the sources of a function outside PACKAGES.
 
-    They are its file, or all files of its package.
+    They are its file, or all files of its package, and those of functions of other packages that it names.
     """
     path, depth = Path(function.__code__.co_filename).resolve(), function.__module__.count(".")
     if any(ROOT / name in path.parents for name in PACKAGES):
@@ -97,7 +97,16 @@ def own_sources(function: FunctionType) -> str:
     with suppress(OSError):
         for source in sorted(path.parents[depth - 1].rglob("*.py")) if depth else []:
             digest.update(source.read_bytes())
+    for other in _named(function):
+        if other.__module__.partition(".")[0] != function.__module__.partition(".")[0]:
+            digest.update(own_sources(other).encode())
     return digest.hexdigest()
+
+
+def _named(function: FunctionType) -> list[FunctionType]:
+    """Return the compiled functions that a function names."""
+    values = (function.__globals__.get(name) for name in function.__code__.co_names)
+    return [value.py_func for value in values if isinstance(getattr(value, "py_func", None), FunctionType)]
 
 
 def read(path: Path, most: int) -> bytes:

@@ -261,20 +261,18 @@ def _press_strip(
         o = 1.0 - p
         x, y, z = o * sx + p * ex, o * sy + p * ey, o * sz + p * ez
         memory = memories[n]
-        if z > top:
+        if z - half > top:
             memory[ABOVE] = 1.0 if y < edge else 0.0
         elif y > edge:
             memory[ABOVE] = 0.0
-        ny, nz, weight, depth, column = 0.0, 0.0, 0.0, 0.0, FACE
-        if memory[ABOVE] > 0.0 and z <= top:
-            nz, weight, depth, column = 1.0, 1.0, top - z, TOP
-        elif memory[ABOVE] == 0.0 or z - half < top:
+        ny, nz, weight, depth, column = 0.0, 1.0, 1.0, top - z, TOP
+        if memory[ABOVE] == 0.0:
             ny, nz, weight = _face(wall, facets, z - half, z + half)
-            depth = (point_of_face(wall, facets, min(z, top)) - y) * ny if weight > 0.0 else -np.inf
-        else:
-            continue
+            if weight == 0.0:
+                continue
+            depth, column = (point_of_face(wall, facets, min(z, top)) - y) * ny, FACE
         deepest = max(deepest, depth)
-        if depth <= 0.0 or weight == 0.0:
+        if depth <= 0.0:
             continue
         memory[column] = max(memory[column], depth)
         inverse = points * (mobility + nz * nz * of_axle)

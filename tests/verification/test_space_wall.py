@@ -1,0 +1,78 @@
+"""Verification: strips on the face of a profile, at its top, and landing on it."""
+
+import math
+
+import numpy as np
+import pytest
+from space_vehicles import ANGLE, MASS, SPEED, axle, truck, truck_unit
+
+from solver.body import GRAVITY
+from solver.space import SpaceVehicle, SpaceWall, Strip, solve_space
+
+
+def on_wall(strips, wall, speed=SPEED, angle=ANGLE, **options):
+    """Return the history of the truck with these strips."""
+    vehicle = SpaceVehicle((truck_unit(),), truck(friction=0.0).axles, strips)
+    return solve_space(vehicle, wall, speed, angle, **options).history
+
+
+@pytest.mark.parametrize(
+    ("profile", "slope"), [("vertical", 0.0), ("single-slope", math.tan(math.radians(11.0)))]
+)
+def test_force_without_friction_is_normal_to_the_face(profile, slope):
+    """The upward part of the force is the slope of the face times the lateral one."""
+    h = on_wall((Strip((0.0, 0.0), (0.5, 0.9), 4e6),), SpaceWall(2.0, profile), end=0.1, step=1e-4)
+    assert h["force_normal"].max() > 1e5
+    assert np.abs(h["force_vertical"] - slope * h["force_normal"]).max() < 1e-9 * h["force_normal"].max()
+    assert np.abs(h["force_tangential"]).max() == 0.0
+    assert np.abs(h["friction_work"]).max() == 0.0
+
+
+def test_friction_along_a_vertical_wall():
+    """Against the sliding, friction times the normal force, nearly all of it along the wall."""
+    h = on_wall((Strip((0.0, 0.0), (0.5, 0.9), 4e6),), SpaceWall(2.0, friction=0.3), end=0.03, step=1e-4)
+    ratio = -h["force_tangential"][2:] / h["force_normal"][2:]
+    assert ratio == pytest.approx(0.3, rel=1e-3)
+
+
+@pytest.mark.parametrize(("top", "part"), [(0.5, 0.0), (0.75, 0.5), (0.6, 0.2), (1.0, 1.0)])
+def test_part_of_a_strip_below_the_top_crushes(top, part):
+    """At first the force is in proportion to the length below the top of the wall."""
+    low = Strip((0.0, 0.0), (0.05, 0.1), 1.0)
+    strips = low, Strip((0.0, 0.0), (0.5, 1.0), 4e6)
+    force = on_wall(strips, SpaceWall(top), end=5e-3, step=1e-5)["force_normal"][2]
+    whole = on_wall(strips, SpaceWall(2.0), end=5e-3, step=1e-5)["force_normal"][2]
+    assert force == pytest.approx(part * whole, rel=2e-3, abs=1.0)
+
+
+def test_box_lands_on_the_top():
+    """A box above the wall that is pushed down rests on the top: wheels and wall carry weight and push."""
+    strips = (
+        Strip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3),
+        Strip((10.0, 10.0), (0.05, 0.4), 4e6, inset=0.3),
+        Strip((0.0, 10.0), (0.95, 0.95), 1e6),
+    )
+    end, load = 6.0, 1.5e5
+    grown = np.clip((np.arange(300) + 0.5) / 150.0, 0.0, 1.0)
+    push = np.zeros((300, 5))
+    push[:, 2], push[:, 4] = -load * grown**2 * (3.0 - 2.0 * grown), np.nan
+    axles = tuple(axle(at, damping_ratio=0.5, friction=3.0) for at in (2.0, 8.0))
+    vehicle = SpaceVehicle((truck_unit(),), axles, strips)
+    h = solve_space(vehicle, SpaceWall(0.9), 0.0, 1e-9, interval=2e-2, step=1e-3, end=end, push=push).history
+    wheels = np.sum([h[f"load_{side}_{number}"] for side in ("left", "right") for number in (1, 2)], axis=0)
+    first = int(np.argmax(h["force_vertical"] > 1e-3))
+    assert first > 10
+    assert h["force_normal"][first] < 1e-3 * h["force_vertical"][first]
+    assert h["force_vertical"][-1] > 1e3
+    assert wheels[-1] + h["force_vertical"][-1] == pytest.approx(MASS * GRAVITY + load, rel=1e-3)
+
+
+def test_strip_in_front_of_the_face_does_not_land():
+    """The same box beside the wall sinks along the face: there is no force of the top."""
+    strips = Strip((0.0, 0.0), (0.05, 0.4), 4e6), Strip((0.0, 10.0), (0.95, 0.95), 1e6, inset=0.1)
+    push = np.zeros((100, 5))
+    push[:, 2], push[:, 4] = -1.5e5, np.nan
+    vehicle = SpaceVehicle((truck_unit(),), truck(friction=0.0).axles, strips)
+    h = solve_space(vehicle, SpaceWall(0.9), 0.0, 1e-9, interval=1e-2, step=1e-3, end=1.0, push=push).history
+    assert h["z_g"].min() < 1.25
+    assert np.abs(h["force_vertical"]).max() == 0.0
