@@ -36,7 +36,10 @@ Both ends, in the body's axes or about the roll centre of its axle, y to the lef
 """
 
 FACE, TOP, ABOVE = range(3)
-"""Columns of a point of a strip: deepest penetration of face and top [m]; 1 after it was above the top, behind the edge."""
+"""Columns of a point of a strip.
+
+Deepest penetration of face and top [m]; 1 after it was above the top behind the edge of the face.
+"""
 
 LATERAL, ALONG, UP, MOMENT, STATION, SPREAD, WALL_WORK, FRICTION_WORK, TYRE_WORK, DAMPING_WORK = range(10)
 """Sums of a row, then works on the vehicle up to now [J].

@@ -338,6 +338,20 @@ def test_code_of_another_package_depends_on_all_of_it(tmp_path, python):
     assert len(list(tmp_path.glob("code/*/whole-*.code"))) == 2
 
 
+def test_code_depends_on_other_packages_that_it_names(tmp_path, python):
+    """A kernel of a file alone calls one of another package: where that has changed, it is compiled again."""
+    (tmp_path / "elsewhere").mkdir()
+    header = "from machine_code.compiled import compiled\n"
+    body = "from elsewhere.called import part\n\n\n@compiled\ndef whole(x):\n    return 2.0 * part(x)\n"
+    (tmp_path / "caller.py").write_text(header + body)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    for factor in (3.0, 5.0):
+        called = f"{header}\n\n@compiled\ndef part(x):\n    return {factor} * x\n"
+        (tmp_path / "elsewhere" / "called.py").write_text(called)
+        done = python("from caller import whole; print(whole(1.0))", "-B", cwd=tmp_path, env=environment)
+        assert done.stdout == f"{2.0 * factor}\n", done.stderr
+
+
 def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path, python):
     """As a law from outside may call one."""
     header = "import math\nfrom machine_code.compiled import compiled\n\n\n"
