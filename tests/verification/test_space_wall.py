@@ -28,6 +28,18 @@ def test_force_without_friction_is_normal_to_the_face(profile, slope):
     assert np.abs(h["friction_work"]).max() == 0.0
 
 
+def test_depth_is_normal_to_the_face():
+    """At one height the depth is smaller by the cosine of the slope, and so is the lateral part of the force."""
+    point = (Strip((0.0, 0.0), (0.5, 0.55), 4e6),)
+    force = {
+        profile: on_wall(point, SpaceWall(2.0, profile), end=5e-3, step=1e-5)["force_normal"][2]
+        for profile in ("vertical", "single-slope")
+    }
+    assert force["single-slope"] / force["vertical"] == pytest.approx(
+        math.cos(math.radians(11.0)) ** 2, rel=1e-3
+    )
+
+
 def test_friction_along_a_vertical_wall():
     """Against the sliding, friction times the normal force, nearly all of it along the wall."""
     h = on_wall((Strip((0.0, 0.0), (0.5, 0.9), 4e6),), SpaceWall(2.0, friction=0.3), end=0.03, step=1e-4)
