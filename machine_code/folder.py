@@ -105,8 +105,8 @@ def own_sources(function: FunctionType) -> str:
 
 def _named(function: FunctionType) -> list[FunctionType]:
     """Return the compiled functions that a function names."""
-    values = (function.__globals__.get(name) for name in function.__code__.co_names)
-    return [value.py_func for value in values if isinstance(getattr(value, "py_func", None), FunctionType)]
+    values = (getattr(function.__globals__.get(name), "py_func", None) for name in function.__code__.co_names)
+    return [value for value in values if isinstance(value, FunctionType)]
 
 
 def read(path: Path, most: int) -> bytes:
