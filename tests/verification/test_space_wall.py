@@ -41,7 +41,7 @@ def test_depth_is_normal_to_the_face():
 
 
 def test_friction_along_a_vertical_wall():
-    """Against the sliding, friction times the normal force, nearly all of it along the wall."""
+    """Against the sliding, friction times the normal force, nearly parallel to the wall."""
     h = on_wall((Strip((0.0, 0.0), (0.5, 0.9), 4e6),), SpaceWall(2.0, friction=0.3), end=0.03, step=1e-4)
     ratio = -h["force_tangential"][2:] / h["force_normal"][2:]
     assert ratio == pytest.approx(0.3, rel=1e-3)
