@@ -170,3 +170,5 @@ SPACE_STEPS = Rule(
     "the vehicle oscillates at this rate [rad/s], too fast to be followed",
     "softer springs, or more mass",
 )
+SPACE_LOST = Rule("axle", "the motion became infinite, at this rate [rad/s]", "softer springs, or more mass")
+NO_CONTACT = Rule("wall.height", "all strips are above the wall", "more than the lowest strip's lower end, m")

@@ -1,8 +1,8 @@
 """Compiled forces on a vehicle in space: springs, tyres, the wall on strips, hinges in roll.
 
 Spring of an axle   linear with a damper, between body and axle, along the body's z
-Tyre                linear and unilateral, upward at the lowest point of the wheel; side force of the axle's law by the
-                    velocity of that point (`fem.laws.contact_forces.side_force`)
+Tyre                linear and unilateral, upward at the ground above the lowest point of the unloaded wheel; side
+                    force of the axle's law by the velocity there (`fem.laws.contact_forces.side_force`)
 Strip               points of equal length on a line; a point is pushed by the crush law along the normal of the face,
                     in proportion to the part of its length below the wall's top. A point that was above the top
                     behind the face's upper edge is pushed up when it comes down. Friction acts against the sliding in

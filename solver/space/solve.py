@@ -16,7 +16,7 @@ from solver.space.step import advance
 from solver.space.step import lowest_walls as find_lowest_walls
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 
-OUTCOMES = ("upright", "on its side", "over the wall", "lost")
+OUTCOMES = ("upright", "on its side", "over the wall")
 """Outcomes by their number in compiled code."""
 
 WINDOW, LONGEST = 0.05, 4.0
@@ -136,7 +136,6 @@ def solve_space(
     step: float | None = None,
     end: float | None = None,
     push: Array = NO_PUSH,
-    spin: Array | None = None,
     tolerance: float = TOLERANCE,
     on_compile: OnCompile = ignore_compiling,
 ) -> SpaceMotion:
@@ -157,8 +156,6 @@ def solve_space(
     push : ndarray, shape (rows, 5)
         Force on the first unit in each interval: along, across and up [N], its place ahead of the centre of mass along
         the wall and its height [m], NaN for that of the centre.
-    spin : ndarray, shape (units, 3) or None
-        Initial spin in the axes of each body [rad/s].
     tolerance : float
         By which the step is chosen [-].
     on_compile : callable
@@ -172,7 +169,7 @@ def solve_space(
     Raises
     ------
     RigidBodyError
-        For impossible values, and where the steps become too short.
+        For impossible values, where no strip reaches the face of the wall, and where the steps become too short.
     """
     fleet = fleet_of(vehicle, wall, speed, angle)
     parts = _parts(fleet, interval, PHASE, step)
@@ -184,15 +181,16 @@ def solve_space(
     for _ in range(1 if step else HALVINGS + 1):
         answers, rows = run(parts)
         changes.append(math.inf if former is None else _change(former, answers))
-        error = SAFETY * (changes[-1] if step else max(changes[-2:]))
+        error, taken = SAFETY * (changes[-1] if step else max(changes[-2:])), interval / int(parts[0])
         if error <= tolerance:
             break
         former, parts = answers, 2 * parts
     one = SpaceAnswers(*(values[0] for values in answers))
+    Gate().demand(rules.NO_CONTACT, bool(one.rows), float(fleet.height[0]))
     table = rows[: int(one.rows)]
     names = column_names(fleet.units.shape[1], fleet.axles.shape[1])
     history = {"t": interval * np.arange(len(table)), **dict(zip(names, table.T, strict=True))}
-    return SpaceMotion(OUTCOMES[int(one.outcome)], one, history, interval / int(parts[0]), error)
+    return SpaceMotion(OUTCOMES[int(one.outcome)], one, history, taken, error)
 
 
 def solve_spaces(
@@ -300,6 +298,7 @@ def _run(
     answers, rolls = np.zeros((n, state.ANSWERS)), np.zeros((n, units))
     arguments = fleet, clock, work, rows, answers, rolls
     compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
+    Gate().demand(rules.SPACE_LOST, answers[:, state.OUTCOME] != state.LOST, _fastest(fleet))
     columns: dict[str, Any] = dict(zip(SpaceAnswers._fields[:-1], answers.T, strict=True))
     columns |= {name: columns[name].astype(np.int64) for name in ("outcome", "rows")}
     return SpaceAnswers(**columns, unit_rolls=rolls), rows[0]

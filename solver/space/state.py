@@ -107,8 +107,8 @@ class Clock(NamedTuple):
     """Steps of n samples.
 
     interval: of a row [s]; parts, shape (n,): steps in it; window: rows of the mean; longest: latest end [s]; given:
-    True if the end is the longest, whatever the motion; push: constant force [N] at a body's point, shape (7,): its
-    three components, time of its smooth rise [s], and the point [m]; hold: True to hold roll and pitch.
+    True if the end is the longest, whatever the motion; push, shape (rows, 5): force on the first unit in each
+    interval, see `solve_space`.
     """
 
     interval: float

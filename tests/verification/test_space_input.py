@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -77,6 +78,17 @@ def test_keys_of_space_require_a_body(scene, changes, key):
 def test_values_that_are_not_finite_are_refused():
     with pytest.raises(RigidBodyError, match=r"body.roll_inertia is nan, but it is not a finite number"):
         solve_space(truck(truck_unit(roll_inertia=math.nan)), SpaceWall(0.9), 25.0, 0.26)
+
+
+def test_strips_above_the_wall_are_refused():
+    """Without a strip that reaches the face there is no impact."""
+    high = replace(truck(), strips=truck().strips[2:])
+    with pytest.raises(RigidBodyError, match="all strips are above the wall"):
+        solve_space(high, SpaceWall(0.9), 25.0, 0.26)
+
+
+def test_step_of_a_motion_is_the_one_that_was_taken():
+    assert solve_space(truck(), SpaceWall(0.9), 25.0, 0.26, step=5e-4).step == 5e-4
 
 
 def test_arrays_of_different_sizes_are_refused():
