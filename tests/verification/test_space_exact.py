@@ -153,8 +153,10 @@ def axle_weights(vehicle):
 
 
 class TenDegrees:
-    """A truck with two axles in ten coordinates, written independently: the sprung centre's place, three angles, and
-    heave and roll of each axle relative to the body."""
+    """Model a truck with two axles in ten coordinates, independently of the solver.
+
+    Coordinates: the place of the sprung centre, three angles, and heave and roll of the axles relative to the body.
+    """
 
     def __init__(self, vehicle):
         unit, self.axles = vehicle.units[0], vehicle.axles

@@ -3,6 +3,7 @@
 import math
 import tomllib
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -173,3 +174,32 @@ def test_missing_keys_of_a_train_in_space(key):
 def test_trailer_without_an_axle_is_refused():
     with pytest.raises(tailslap.InputError, match="unit 2 of the train requires at least 1"):
         tailslap.rigid(TRAIN, changes={f"axle.{n}.{key}": 1 for n in (3, 4) for key in ("unit", "position")})
+
+
+def test_checks_of_a_run_judge_the_motion_in_space():
+    """Energy balance and stated error; a work that is missing and an error above verify.mesh fail."""
+    from types import SimpleNamespace
+
+    from tailslap.case import case_of
+    from tailslap.case.check import evaluated
+    from tailslap.case.impact.checks import CHECKS
+    from tailslap.scene.read import read_scene
+
+    names = "energy in space", "error in space"
+    case: Any = case_of(*read_scene(SCENE))
+    motion = case.space.motion
+
+    def failed(motion):
+        space = replace(case.space, motion=motion)
+        outcome = SimpleNamespace(
+            fe_plan=SimpleNamespace(case=SimpleNamespace(space=space, scene=case.scene))
+        )
+        return [
+            check.name for check in evaluated([CHECKS[name] for name in names], outcome) if not check.passed
+        ]
+
+    assert failed(motion) == []
+    assert failed(replace(motion, history=motion.history | {"friction_work": 0.0 * motion.history["t"]})) == [
+        names[0]
+    ]
+    assert failed(replace(motion, error=0.03)) == [names[1]]

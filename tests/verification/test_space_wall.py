@@ -79,6 +79,24 @@ def test_box_lands_on_the_top():
     assert wheels[-1] + h["force_vertical"][-1] == pytest.approx(MASS * GRAVITY + load, rel=1e-3)
 
 
+def test_landing_crushes_in_proportion_to_the_depth():
+    """A level box is pushed up by its stiffness times length and depth below the top, where it is deepest."""
+    strips = Strip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3), Strip((0.0, 10.0), (0.95, 0.95), 1e5)
+    grown = np.clip((np.arange(400) + 0.5) / 400.0, 0.0, 1.0)
+    push = np.zeros((400, 5))
+    push[:, 2], push[:, 4] = -2e5 * grown**2, np.nan
+    held = truck_unit(roll_inertia=1e14, pitch_inertia=1e14)
+    axles = tuple(axle(at, damping_ratio=0.5) for at in (2.0, 8.0))
+    vehicle = SpaceVehicle((held,), axles, strips)
+    h = solve_space(vehicle, SpaceWall(0.9), 0.0, 1e-9, interval=5e-3, step=1e-4, end=2.0, push=push).history
+    sunk = h["z_g"] - h["z_g"][0] - 400.0 * (h["heave_1"] + h["heave_2"]) / MASS
+    force = 1e5 * 10.0 * np.maximum(-0.05 - sunk, 0.0)
+    rows = np.flatnonzero((force[1:] > 1e4) & (np.diff(sunk) < 0.0)) + 1
+    assert rows.size > 20
+    mean = 0.5 * (force[rows] + force[rows - 1])  # rows hold the mean since the previous one
+    assert h["force_vertical"][rows] == pytest.approx(mean, rel=1e-3)
+
+
 def test_strip_in_front_of_the_face_does_not_land():
     """The same box beside the wall sinks along the face: there is no force of the top."""
     strips = Strip((0.0, 0.0), (0.05, 0.4), 4e6), Strip((0.0, 10.0), (0.95, 0.95), 1e6, inset=0.1)

@@ -131,6 +131,26 @@ def _articulation(outcome: run.ImpactOutcome) -> check.Evaluation | None:
     )
 
 
+@CHECKS.add("energy in space", FAULT)
+def _energy_in_space(outcome: run.ImpactOutcome) -> check.Evaluation | None:
+    space = outcome.fe_plan.case.space
+    if space is None:
+        return None
+    meaning = "largest error of the energy balance of the vehicle in space over its initial energy"
+    return check.Evaluation(space.energy_error, 1e-3, meaning)
+
+
+@CHECKS.add(
+    "error in space", "softer springs and tyres, or heavier axles; a larger verify.mesh", in_percent=True
+)
+def _error_in_space(outcome: run.ImpactOutcome) -> check.Evaluation | None:
+    space = outcome.fe_plan.case.space
+    if space is None:
+        return None
+    meaning = "error of roll, force and height of the vehicle in space by the time step; limit: verify.mesh"
+    return check.Evaluation(space.motion.error, outcome.fe_plan.case.scene.verify.mesh, meaning)
+
+
 def _stated(quantity: str, outcome: run.ImpactOutcome) -> check.Evaluation | None:
     verify, errors = outcome.fe_plan.case.scene.verify, outcome.stated_errors
     if not verify.companion or quantity not in errors:

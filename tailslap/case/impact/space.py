@@ -184,6 +184,14 @@ class SpaceAnswer:
         }
 
     @property
+    def energy_error(self) -> float:
+        """Largest error of the energy balance over the initial energy [-]."""
+        h = self.motion.history
+        energy = h["kinetic_energy"] + h["gravity_energy"] + h["spring_energy"] + h["tyre_energy"]
+        works = h["wall_work"] + h["friction_work"] + h["tyre_work"] + h["damping_work"]
+        return float(np.abs(energy - energy[0] - works).max() / h["kinetic_energy"][0])
+
+    @property
     def lifted(self) -> list[dict[str, Any]]:
         """Intervals with wheels off the ground: axle, side, start and duration [s], in order."""
         t, intervals = self.motion.history["t"], []
