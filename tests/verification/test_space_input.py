@@ -189,14 +189,14 @@ def test_checks_of_a_run_judge_the_motion_in_space():
     case: Any = case_of(*read_scene(SCENE))
     motion = case.space.motion
 
-    def failed(motion):
+    judged: Any = [CHECKS[name] for name in names]
+
+    def failed(motion: Any) -> list[str]:
         space = replace(case.space, motion=motion)
-        outcome = SimpleNamespace(
+        outcome: Any = SimpleNamespace(
             fe_plan=SimpleNamespace(case=SimpleNamespace(space=space, scene=case.scene))
         )
-        return [
-            check.name for check in evaluated([CHECKS[name] for name in names], outcome) if not check.passed
-        ]
+        return [check.name for check in evaluated(judged, outcome) if not check.passed]
 
     assert failed(motion) == []
     assert failed(replace(motion, history=motion.history | {"friction_work": 0.0 * motion.history["t"]})) == [
