@@ -164,12 +164,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
             before[j] = sums[j]
         press_axles(axles, fleet.axle_unit, bodies, joints, sums, ahead)
         depth = press_strips(fleet, i, units, axles, strips, facets, work, ahead)
-        for row_of_push in range(
-            (k - 1) // parts if k > 0 else 0, k // parts + 1
-        ):  # two at the border of intervals
-            if row_of_push < clock.push.shape[0]:
-                share = 0.5 if k % parts == 0 and k > 0 else 1.0
-                _push(clock.push[row_of_push], share, units[0], bodies[0])
+        _push_at(clock.push, k, parts, units[0], bodies[0])
         if units.shape[0] > 1:
             twist_hinges(units, bodies)
         force = sums[LATERAL] - before[LATERAL]
@@ -180,14 +175,11 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
             _leave(units[0], bodies[0], answer)
         touching = depth > 0.0
         if k % parts == 0:
-            for j in range(6):
-                change = sums[j] - before[j]
-                work.windows[row, j] = (before[j] + 0.5 * change) / parts if k > 0 else 0.0
-                sums[j] = 0.5 * change
+            _end_row(sums, before, k == 0, parts, work.windows[row])
             if row < rows.shape[0]:
-                for j in range(4):
-                    rows[row, 6 + j] = before[6 + j] + (0.5 * (sums[6 + j] - before[6 + j]) if k > 0 else 0.0)
-                _record(units, axles, fleet.axle_unit, work, work.windows[row], rows[row])
+                _record(units, axles, fleet.axle_unit, work, k == 0, before, rows[row])
+                for j in range(6):
+                    rows[row, j] = work.windows[row, j]
             row += 1
         outcome, turning = _verdict(units, bodies, joints, edge, t, answer, rolls)
         done = outcome != UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not turning)
@@ -199,15 +191,33 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
         if units.shape[0] > 1:
             close_hinges(units, fleet.axle_unit, work, ahead, h)
         move(bodies, joints, h)
+    if touching:
+        _leave(units[0], bodies[0], answer)
+    answer[OUTCOME], answer[REACHED], answer[TOUCHED], answer[ROWS_WRITTEN] = outcome, reached, touched, row
+    answer[PITCH] = np.arcsin(min(max(answer[PITCH], -1.0), 1.0))  # the sine up to here
     if outcome in (ON_ITS_SIDE, OVER):  # the end is on a row, a moment later than the roll of 90 deg
         answer[ROLL] = min(max(answer[ROLL], -0.5 * np.pi), 0.5 * np.pi)
         for u in range(units.shape[0]):
             rolls[u] = min(max(rolls[u], -0.5 * np.pi), 0.5 * np.pi)
-    answer[OUTCOME], answer[REACHED], answer[TOUCHED], answer[ROWS_WRITTEN] = outcome, reached, touched, row
-    if touching:
-        _leave(units[0], bodies[0], answer)
-    answer[PITCH] = np.arcsin(min(max(answer[PITCH], -1.0), 1.0))  # the sine up to here
     _means(work.windows[:row], clock.window, clock.interval, answer)
+
+
+@compiled
+def _push_at(pushes, k, parts, unit, b):
+    """Add the force of a history at step k, at the border of two intervals the mean of both."""
+    border = k > 0 and k % parts == 0
+    for row in range(k // parts - (1 if border else 0), k // parts + 1):
+        if row < pushes.shape[0]:
+            _push(pushes[row], 0.5 if border else 1.0, unit, b)
+
+
+@compiled
+def _end_row(sums, before, first, parts, means):
+    """Set the mean forces of a row that ends with this step; the step counts half for it and half for the next."""
+    for j in range(6):
+        change = sums[j] - before[j]
+        means[j] = 0.0 if first else (before[j] + 0.5 * change) / parts
+        sums[j] = 0.5 * change
 
 
 @compiled
@@ -323,10 +333,13 @@ def _means(windows, window, interval, answer):
 
 
 @compiled
-def _record(units, axles, axle_unit, work, forces, row):
-    """Fill the row of this instant, besides the works."""
-    for j in range(6):
-        row[j] = forces[j]
+def _record(units, axles, axle_unit, work, first, before, row):
+    """Fill the row of this instant, besides the forces.
+
+    before: works before this step, half of which they have at the instant.
+    """
+    for j in range(6, 10):
+        row[j] = before[j] + (0.0 if first else 0.5 * (work.sums[j] - before[j]))
     kinetic, gravity, spring, tyre, column = 0.0, 0.0, 0.0, 0.0, 14
     for u in range(units.shape[0]):
         body, b = units[u], work.bodies[u]
