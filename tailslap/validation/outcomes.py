@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 SAMPLES, BLOCK = 256, 32
 """Motions of each case, and at a time on one core."""
 
-UPRIGHT, SIDE, OVER = space.OUTCOMES[:3]
+UPRIGHT, SIDE, OVER = space.OUTCOMES
 CONTAINED = "contained"
 STATED = {CONTAINED: (UPRIGHT, SIDE), UPRIGHT: (UPRIGHT,), SIDE: (SIDE,), OVER: (OVER,)}
 """Outcomes that a published one may be."""
@@ -114,12 +114,9 @@ def outcome_rows(parameters: Mapping[str, Any], show: Callable[[float], None]) -
 
 
 def outcome_row(case: Mapping[str, Any], outcomes: Floats, heights: Mapping[str, float]) -> OutcomeRow:
-    """Return the row of a case from the outcomes of samples.
-
-    Samples without an outcome count as over the wall.
-    """
-    counts = np.bincount(outcomes.astype(int), minlength=len(space.OUTCOMES)) / outcomes.size
-    probabilities = {UPRIGHT: float(counts[0]), SIDE: float(counts[1]), OVER: float(counts[2] + counts[3])}
+    """Return the row of a case from the outcomes of samples."""
+    shares = np.bincount(outcomes.astype(int), minlength=len(space.OUTCOMES)) / outcomes.size
+    probabilities = dict(zip(space.OUTCOMES, shares.tolist(), strict=True))
     stated = float(sum(probabilities[name] for name in STATED[case["published"]]))
     wall = metres_or_newtons(case["wall"]["height"])
     holds = {name: bool(wall >= height) for name, height in heights.items()}

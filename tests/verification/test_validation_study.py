@@ -134,7 +134,7 @@ def test_rules_reproduce_published_heights():
 
 def test_brier_scores_by_hand():
     """Probabilities 0.6, 0.1 and 0.2 of over, over and contained: (0.16 + 0.81 + 0.04)/3."""
-    parts = np.concatenate([np.repeat([0, 1, 2], 10), [2, 3]])
+    parts = np.repeat([0, 1, 2], [10, 10, 12])
     heights = {"rule": 0.9}
     base = {
         "name": "a",
