@@ -1,5 +1,6 @@
-"""Verification: each check of a run fails when its number is made wrong, and only then; over sizes, stiffnesses
-and frictions a run is right to 2e-3 or fails its own checks.
+"""Verification: each check of a run fails for a wrong number, and alone.
+
+Over sizes, stiffnesses and frictions a run is right to 2e-3 or fails its own checks.
 """
 
 import itertools
@@ -26,12 +27,12 @@ METRICS = {
 
 
 def failed(result, **changed):
-    """Names of the checks that fail with these columns of the history, or attributes of the outcome, changed."""
+    """Names of the checks that fail with changed columns or attributes."""
     old = result.run.history
     new = {name: change(old[name].copy()) for name, change in changed.items() if callable(change)}
-    others = {name: value for name, value in changed.items() if not callable(value)}
-    made = replace(result, run=replace(result.run, history=old | new), **others)
-    return {check.name for check in evaluated(CHECKS.values(), made) if not check.passed}
+    attributes = {name: value for name, value in changed.items() if not callable(value)}
+    changed_result = replace(result, run=replace(result.run, history=old | new), **attributes)
+    return {check.name for check in evaluated(CHECKS.values(), changed_result) if not check.passed}
 
 
 def at(index, value):
@@ -79,9 +80,9 @@ def test_a_column_that_is_wrong_fails_its_checks_alone(result, columns, failing)
     ],
 )
 def test_advice_on_the_numerical_error_is_on_its_largest_term(result, term, advice):
-    made = replace(result)
-    made.__dict__["error"] = replace(result.error, **{term: 0.1})
-    (check,) = (each for each in evaluated([CHECKS["numerical error"]], made))
+    inaccurate = replace(result)
+    inaccurate.__dict__["error"] = replace(result.error, **{term: 0.1})
+    (check,) = (check for check in evaluated([CHECKS["numerical error"]], inaccurate))
     assert (check.passed, check.advice) == (False, advice)
 
 
@@ -118,8 +119,8 @@ def test_a_result_of_the_theory_that_is_not_finite(result):
 
 
 def test_a_run_that_never_strikes(result):
-    made = replace(result, run=replace(result.run, strike=None))
-    assert failed(made, fe={}, difference={}, companions=()) == {"tail-slap reached"}
+    endless = replace(result, run=replace(result.run, strike=None))
+    assert failed(endless, fe={}, difference={}, companions=()) == {"tail-slap reached"}
 
 
 def test_every_report_has_the_checks_of_customary_practice(result):
@@ -132,7 +133,7 @@ def test_every_report_has_the_checks_of_customary_practice(result):
 
 
 def test_energy_ratio_as_ls_dyna_has_it(result):
-    """2 % more energy than came in; half of that only fails this program's own, tighter, ledger."""
+    """2 % more energy fails the ratio, half of that the tighter balance alone."""
     energy = result.run.history["kinetic_energy"]
     for share, failing in ((0.01, {"energy balance"}), (0.03, {"energy balance", "energy ratio"})):
         assert failed(result, kinetic_energy=at(200, energy[200] + share * energy[0])) == failing
@@ -142,8 +143,10 @@ def test_energy_ratio_as_ls_dyna_has_it(result):
 
 @pytest.mark.long
 def test_a_spring_with_a_dashpot_and_a_constraint_without_spring(outcome):
-    """Both pass as they are, whatever part of N the dashpot has; and fail with energy from nowhere. The unstressed
-    start rings, and this mesh states a numerical error beyond its limit."""
+    """Both pass unchanged, and fail with energy from nowhere.
+
+    The unstressed start rings, and this mesh states a numerical error beyond its limit.
+    """
     for change in ("corner.damping_ratio=0.2", "corner.constraint=exact"):
         result = outcome("paper-table-3", change, "plate.start=unstressed", "damping.ratio=0.1")
         assert failed(result) == {"numerical error"}
@@ -160,18 +163,18 @@ def test_contact_that_holds_too_much_energy(result):
 
 @pytest.mark.parametrize("reaction", ["drag", "signed"])
 def test_work_that_friction_did_not_do(outcome, reaction):
-    """The ledger's work, and the kinetic energy that would have paid for it."""
+    """Change the recorded work and the kinetic energy that balances it."""
     result = outcome("paper-table-3", f"corner.reaction={reaction}")
     work = result.run.history["friction_work"]
     assert failed(result) == set()
     for factor, more in ((1.02, set()), (1.1, {"friction work against rigid"})):
         paid = {"kinetic_energy": lambda e, f=factor: e + (f - 1.0) * work}
-        found = failed(result, friction_work=lambda w, f=factor: f * w, **paid)
-        assert found == {"friction work", *more}
+        failing = failed(result, friction_work=lambda w, f=factor: f * w, **paid)
+        assert failing == {"friction work", *more}
 
 
 def test_friction_work_that_is_another_body_s(result):
-    """Force, work, impulse and energy agree with each other, and with a friction 10 % higher than the scene's."""
+    """Force, work and energy agree with a friction that is 10 % higher."""
     work, law = result.run.history["friction_work"], result.fe_plan.case.scene.corner
     corner = law.model_copy(update={"friction": 1.1 * result.fe_plan.case.scene.corner_friction})
     scene = result.fe_plan.case.scene.model_copy(update={"corner": corner})
@@ -183,18 +186,19 @@ def test_friction_work_that_is_another_body_s(result):
 
 def test_friction_that_gives_energy_back(result):
     work, energy = result.run.history["friction_work"], result.run.history["kinetic_energy"]
-    gained = 0.001 * abs(work[-1])
-    paid = at(200, energy[200] + work[199] + gained - work[200])
-    found = failed(result, friction_work=at(200, work[199] + gained), kinetic_energy=paid)
-    assert found == {"friction takes energy"}
+    increase = 0.001 * abs(work[-1])
+    paid = at(200, energy[200] + work[199] + increase - work[200])
+    failing = failed(result, friction_work=at(200, work[199] + increase), kinetic_energy=paid)
+    assert failing == {"friction takes energy"}
 
 
 def test_friction_where_there_is_none(outcome):
     result = outcome("paper-table-3", "corner.reaction=none")
-    found = failed(result, friction_work=lambda w: w - 1e-4, kinetic_energy=lambda e: e - 1e-4)
-    assert found == {"friction work", "friction work against rigid"}
-    found = failed(result, friction_work=lambda w: w - 1e-4 * np.arange(w.size))
-    assert found == {"friction work", "friction work against rigid"}
+    for columns in (
+        {"friction_work": lambda w: w - 1e-4, "kinetic_energy": lambda e: e - 1e-4},
+        {"friction_work": lambda w: w - 1e-4 * np.arange(w.size)},
+    ):
+        assert failed(result, **columns) == {"friction work", "friction work against rigid"}
 
 
 LAWS = {"drag": Drag(0.47), "signed": Signed(0.47), "none": None}
@@ -202,7 +206,7 @@ LAWS = {"drag": Drag(0.47), "signed": Signed(0.47), "none": None}
 
 @pytest.mark.parametrize(("named", "run"), [*itertools.permutations(LAWS, 2)])
 def test_another_law_than_the_scene_s_in_compiled_code(named, run, monkeypatch):
-    """Behind the back of the program, as if its compiled code were that of the other law."""
+    """Compile another law than the scene names."""
 
     def swapped(case, plate):
         properties, corner, step = fe_input(case, plate)
@@ -217,13 +221,13 @@ def test_another_law_than_the_scene_s_in_compiled_code(named, run, monkeypatch):
 
 @pytest.mark.parametrize("run", ["signed", "none"])
 def test_a_start_by_another_law_than_the_scene_s(run, monkeypatch):
-    """It changes the five quantities by 1e-5, and the work at the start by that of a step."""
+    """The work at the start changes by that of one step."""
 
     def swapped(stepper, state):
         other = Stepper(replace(stepper.model, parameters=stepper.parameters._replace(friction=LAWS[run])))
-        found = react(other, state)
+        reaction = react(other, state)
         stepper._force[:] = other._force
-        return found
+        return reaction
 
     react = Stepper._react
     monkeypatch.setattr(Stepper, "_react", swapped)
@@ -239,7 +243,7 @@ class Fading(NamedTuple):
 
 
 def test_a_law_from_outside_is_held_to_its_own_formula(result, monkeypatch):
-    """Exactly, while the corner slides, stops or is at rest; an impulse is held to where the law names one."""
+    """Sliding, stopping and at rest, with an impulse where the law names one."""
 
     def limit(constants, normal):
         return constants.coefficient * abs(normal) / (1.0 + abs(normal) / constants.half)
@@ -264,29 +268,29 @@ def test_a_law_from_outside_is_held_to_its_own_formula(result, monkeypatch):
 
 @pytest.mark.long
 def test_hourglass_energy_above_the_customary_limit(outcome):
-    """Of all energy; of the strain energy it is shown, for an assumed strain may have all the bending."""
+    """The limit is of the total energy, the strain energy is informative."""
     result = outcome("paper-table-3", "plate.element=quad4-reduced", "damping.ratio=0.01")
     strain, energy = result.run.history["strain_energy"], result.run.history["kinetic_energy"]
     assert failed(result) == set()
     assert failed(result, hourglass_energy=lambda h: h + 0.2 * strain.max()) == set()  # 5e-9 of the energy
-    (shown,) = (check for check in result.checks if check.name == "hourglass over strain energy")
-    assert 0.0 < shown.value < 1.0 == shown.limit
+    (over_strain,) = (check for check in result.checks if check.name == "hourglass over strain energy")
+    assert 0.0 < over_strain.value < 1.0 == over_strain.limit
     bending = {"hourglass_energy": lambda h: h + 0.2 * strain.max()}
-    found = failed(result, **bending, companions=off_by(result, 2e-3))
-    assert found == {"numerical error", "hourglass over strain energy"}
+    failing = failed(result, **bending, companions=off_by(result, 2e-3))
+    assert failing == {"numerical error", "hourglass over strain energy"}
     more = 0.06 * energy[0]
-    found = failed(result, hourglass_energy=lambda h: h + more, kinetic_energy=lambda e: e - more)
-    assert found == {"hourglass over total energy"}
+    failing = failed(result, hourglass_energy=lambda h: h + more, kinetic_energy=lambda e: e - more)
+    assert failing == {"hourglass over total energy"}
 
 
 def off_by(result, distance, refinement=0.5):
-    """A companion whose angular velocity is off from the run's."""
-    its = result.difference | {"omega": result.difference["omega"] + distance}
-    return (Companion("made up", refinement, its),)
+    """A companion with another angular velocity."""
+    difference = result.difference | {"omega": result.difference["omega"] + distance}
+    return (Companion("made up", refinement, difference),)
 
 
 def test_a_soft_spring_is_stated(result):
-    """It displaces the plate by N over its stiffness, in proportion to the effect of the plate's own deflection."""
+    """The error is in proportion to the compliance of the spring."""
     parameters = result.fe_plan.model.parameters
     spring = parameters.corner.constraint._replace(stiffness=1e-4 * parameters.corner.stiffness)
     soft = replace(
@@ -299,7 +303,7 @@ def test_a_soft_spring_is_stated(result):
 
 
 def test_a_companion_that_says_otherwise(result):
-    """Without an answer it confirms nothing; without a companion nothing is stated, which fails where it is wanted."""
+    """An error is required of a companion, unless the scene refuses it."""
     for companions, failing in (
         (off_by(result, 0.0), set()),
         (off_by(result, 1e-3), {"numerical error"}),
@@ -316,38 +320,40 @@ def test_a_companion_that_says_otherwise(result):
 @pytest.mark.parametrize("refinements", [(0.5,), (2.0,), (0.5, 2.0), (2.0, 4.0), (0.5, 0.25)])
 @pytest.mark.parametrize("order", [0.5, 1.0, 2.0])
 def test_the_error_of_a_mesh_of_known_order(refinements, order):
-    """Of a value 1 + h**p the limit is known: the error is stated with the safety factor on what is extrapolated."""
+    """A value 1 + h**p has a known limit."""
     companions = [Companion("", r, {"omega": r**-order}) for r in refinements]
     stated = mesh_error({"omega": 1.0}, companions, order)
-    left = 1.0 if len(refinements) == 1 else min(1.0, *(r**-order for r in refinements))
-    assert stated == pytest.approx(1.0 - left + SAFETY * left)
+    extrapolated = 1.0 if len(refinements) == 1 else min(1.0, *(r**-order for r in refinements))
+    assert stated == pytest.approx(1.0 - extrapolated + SAFETY * extrapolated)
 
 
 def test_three_meshes_that_show_no_order():
-    """A sequence that goes on as it began, or grows, is held to the lowest order."""
-    own, no_order = {"omega": 0.0}, 1.0 / (math.sqrt(2.0) - 1.0)
+    """A sequence that does not converge has the lowest order."""
+    finest, no_order = {"omega": 0.0}, 1.0 / (math.sqrt(2.0) - 1.0)
     for values, expected in (((1.0, -1.0), 1.0), ((1.0, -3.0), 3.0)):
         companions = [Companion("", r, {"omega": value}) for r, value in zip((0.5, 2.0), values, strict=True)]
-        assert mesh_error(own, companions, 1.0) == pytest.approx(expected * (1.0 + SAFETY * no_order))
+        assert mesh_error(finest, companions, 1.0) == pytest.approx(expected * (1.0 + SAFETY * no_order))
 
 
 def test_oscillations_that_agree_by_chance_at_the_strike(result):
-    """The second run has the same amplitude and a higher frequency, in phase at the strike.
+    """The second run has the same amplitude and a higher frequency.
 
-    The root mean square distance is the amplitude.
+    Both are in phase at the strike. The root mean square distance is the amplitude.
     """
     t, end = result.fe_history["t"], result.fe_history["t"][-1]
-    swing = 1e-3 * result.rigid["omega"] * np.cos(10.0 * np.pi * (t / end - 1.0) / PART)
+    slow = 1e-3 * result.rigid["omega"] * np.cos(10.0 * np.pi * (t / end - 1.0) / PART)
     faster = 1e-3 * result.rigid["omega"] * np.cos(14.0 * np.pi * (t / end - 1.0) / PART)
     rigid = result.rigid_history
-    ours, its = (({**rigid, "omega": rigid["omega"] + wave}, rigid) for wave in (swing, faster))
-    apart = distance_in_motion(ours, its, result.rigid, False)
+    histories, companion_histories = (
+        ({**rigid, "omega": rigid["omega"] + wave}, rigid) for wave in (slow, faster)
+    )
+    apart = distance_in_motion(histories, companion_histories, result.rigid, False)
     assert apart == pytest.approx(1e-3, rel=0.02)
-    assert distance_in_motion(ours, ours, result.rigid, True) == 0.0
+    assert distance_in_motion(histories, histories, result.rigid, True) == 0.0
     companion = Companion("made up", 0.5, result.difference, apart)
     assert failed(result, companions=(companion,)) == {"numerical error"}
     broken = {**rigid, "omega": np.full(t.shape, np.nan)}, rigid
-    assert distance_in_motion(ours, broken, result.rigid, True) == math.inf
+    assert distance_in_motion(histories, broken, result.rigid, True) == math.inf
 
 
 def test_oscillations_that_drift_apart_and_meet_again(result):
@@ -358,32 +364,34 @@ def test_oscillations_that_drift_apart_and_meet_again(result):
     rigid, t = result.rigid_history, result.fe_history["t"]
     share, size = t / t[-1], 1e-3 * result.rigid["omega"]
     for decay in (0.0, 3.0):
-        left = np.exp(-decay * share)
-        more = lambda swings: size * left * np.cos(2.0 * np.pi * swings * share)  # noqa: B023, E731
-        ours, its = (({**rigid, "omega": rigid["omega"] + more(swings)}, rigid) for swings in (20, 21))
+        amplitude = np.exp(-decay * share)
+        more = lambda swings: size * amplitude * np.cos(2.0 * np.pi * swings * share)  # noqa: B023, E731
+        histories, other = (({**rigid, "omega": rigid["omega"] + more(swings)}, rigid) for swings in (20, 21))
         at_end = np.sqrt(2.0) * 1e-3 * np.exp(-decay * 0.95)
-        assert distance_in_motion(ours, its, result.rigid, True) == pytest.approx(at_end, rel=0.05)
-        assert distance_in_motion(ours, its, result.rigid, False) < 0.3 * at_end
+        assert distance_in_motion(histories, other, result.rigid, True) == pytest.approx(at_end, rel=0.05)
+        assert distance_in_motion(histories, other, result.rigid, False) < 0.3 * at_end
     companion = Companion("made up", 0.5, result.difference, 1e-3)
     assert failed(result, companions=(companion,)) == {"numerical error"}
 
 
 def test_an_unstressed_plate_is_compared_with_its_companion_over_the_whole_motion(outcome):
-    """Of this modulus the two oscillations differ by about a whole period at the tail-slap."""
+    """The two oscillations differ by about one period at the tail-slap."""
     free = ("plate.start=unstressed", "corner.friction=0", "plate.youngs_modulus=153 GPa")
-    made = outcome("paper-table-3", *free)
-    at_strike = [abs(made.difference[name] - value) for name, value in made.companions[0].difference.items()]
-    assert made.companions[0].apart > 3.0 * max(at_strike)
-    assert made.error.mesh > SAFETY * made.companions[0].apart
+    result = outcome("paper-table-3", *free)
+    at_strike = [
+        abs(result.difference[name] - value) for name, value in result.companions[0].difference.items()
+    ]
+    assert result.companions[0].apart > 3.0 * max(at_strike)
+    assert result.error.mesh > SAFETY * result.companions[0].apart
 
 
 def test_runs_that_strike_late_are_compared_while_the_rigid_motion_lasts(result):
     rigid, t = result.rigid_history, result.fe_history["t"]
     ended = {name: np.where(t <= 0.97 * t[-1], column, np.nan) for name, column in rigid.items()} | {"t": t}
-    ours, its = (({**rigid, "omega": factor * rigid["omega"]}, ended) for factor in (1.0, 1.001))
+    histories, other = (({**rigid, "omega": factor * rigid["omega"]}, ended) for factor in (1.0, 1.001))
     share = np.sqrt(np.mean((rigid["omega"][(t >= 0.9 * 0.97 * t[-1]) & (t <= 0.97 * t[-1])]) ** 2))
     expected = 1e-3 * share / result.rigid["omega"]
-    assert distance_in_motion(ours, its, result.rigid, False) == pytest.approx(expected, rel=1e-3)
+    assert distance_in_motion(histories, other, result.rigid, False) == pytest.approx(expected, rel=1e-3)
 
 
 def test_mass_that_the_geometry_has_not(result):
@@ -394,7 +402,7 @@ def test_mass_that_the_geometry_has_not(result):
 
 
 def test_histories_that_are_not_the_rigid_ones(result):
-    """Each metric beyond its limit in one history, and the check's words name it."""
+    """Each metric exceeds its limit in one history, which the check names."""
     wave = np.cos(np.linspace(0.0, 40.0 * np.pi, result.run.history["t"].size))
     for change, failing in (
         (lambda w: 1.5 * w, {"Sprague-Geers magnitude", "Sprague-Geers combined", "mean residual"}),
@@ -411,7 +419,10 @@ def test_histories_that_are_not_the_rigid_ones(result):
 
 
 def test_a_soft_plate_may_differ_by_its_give(outcome):
-    """A mean residual of 7 % on a plate that deflects by 3 %; the reaction of an unstressed start is not judged."""
+    """A mean residual of 7 % passes on a plate that deflects by 3 %.
+
+    The reaction of an unstressed start is not judged.
+    """
     soft = ("plate.youngs_modulus=20 MPa", "corner.patch_length=0.6")
     result = outcome("paper-table-3", *soft, "start.corner_speed=3")
     (residual,) = [check for check in result.checks if check.name == "mean residual"]
@@ -425,15 +436,15 @@ def test_a_soft_plate_may_differ_by_its_give(outcome):
 
 
 def test_a_run_that_diverges_at_once(result):
-    """A single row, or no number throughout: everything is judged, nothing raises or warns."""
+    """A single row or NaN throughout is judged without an error."""
     for rows, value in ((1, None), (2, np.inf), (3, np.nan), (401, -np.inf)):
         columns = {name: column[:rows] for name, column in result.run.history.items()}
         history = columns if value is None else {name: np.full(rows, value) for name in columns}
         rigid = {name: column[:rows] for name, column in result.rigid_history.items()}
         with np.errstate(all="ignore"):
             run = replace(result.run, history=history, strike=None)
-            made = replace(result, run=run, rigid_history=rigid, fe={}, difference={}, companions=())
-            checks = evaluated(CHECKS.values(), made)
+            diverged = replace(result, run=run, rigid_history=rigid, fe={}, difference={}, companions=())
+            checks = evaluated(CHECKS.values(), diverged)
         assert {check.name for check in checks if not check.passed} >= METRICS
 
 
@@ -447,19 +458,22 @@ MODULI = ("20 GPa", "200 GPa", "2 TPa")
 )
 @pytest.mark.parametrize("reaction", ["drag", "none", pytest.param("signed", marks=pytest.mark.long)])
 def test_right_or_caught(outcome, size, reaction):
-    right, given = 0, (f"vehicle.length={size[0]}", f"vehicle.width={size[1]}", f"corner.reaction={reaction}")
+    count, size_and_law = (
+        0,
+        (f"vehicle.length={size[0]}", f"vehicle.width={size[1]}", f"corner.reaction={reaction}"),
+    )
     for modulus, friction in itertools.product(MODULI, FRICTIONS):
         plate = (f"plate.youngs_modulus={modulus}", f"impact.friction={friction}")
-        result = outcome("paper-table-3", *given, *plate)
+        result = outcome("paper-table-3", *size_and_law, *plate)
         worst = max(map(abs, result.difference.values()), default=math.inf)
         assert worst <= 2e-3 or not result.passed, (modulus, friction)
-        right += worst <= 2e-3 and result.passed
-    assert right >= 5
+        count += worst <= 2e-3 and result.passed
+    assert count >= 5
 
 
 @pytest.mark.long
 def test_each_check_can_fail(outcome):
-    """A scene for every check of the run that a wrong model can trip; the balances are tripped in test_checks."""
+    """Four scenes and a coarse mesh fail the checks of a model."""
     tripped = set()
     for change in (
         ("plate.youngs_modulus=20 TPa", "impact.friction=0.8", "corner.penalty_scale=3", "damping.kind=none"),
@@ -475,11 +489,13 @@ def test_each_check_can_fail(outcome):
 
 
 def test_a_patch_that_no_companion_resolves_is_taken_for_a_point(result):
-    """Two elements of a companion resolve it: the stated error is 1 / (sqrt(2) - 1) times as large below."""
+    """Two elements of a companion are required to resolve a patch."""
     stated = {}
     for patch in (None, 1.9, 2.1):
         case = result.fe_plan.case.with_changes({"corner.patch_length": patch})
-        made = replace(result, fe_plan=replace(result.fe_plan, case=case), companions=off_by(result, 1e-4))
-        stated[patch] = made.error.mesh
+        with_patch = replace(
+            result, fe_plan=replace(result.fe_plan, case=case), companions=off_by(result, 1e-4)
+        )
+        stated[patch] = with_patch.error.mesh
     assert stated[None] == stated[1.9] == pytest.approx(SAFETY * 1e-4 / (math.sqrt(2.0) - 1.0))
     assert stated[2.1] == pytest.approx(SAFETY * 1e-4)

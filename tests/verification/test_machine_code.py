@@ -1,4 +1,4 @@
-"""Verification: compiled code kept on disk is called rightly without Numba, and its threads sleep while they wait."""
+"""Verification: stored compiled code is called without Numba, and waiting threads sleep."""
 
 import fcntl
 import gc
@@ -40,7 +40,7 @@ class Inner(NamedTuple):
 
 
 class Outer(NamedTuple):
-    """As a loop's parameters are: tuples in tuples."""
+    """Tuples in tuples, as the parameters of the time loop."""
 
     inner: Inner
     pair: tuple[float, int]
@@ -57,18 +57,18 @@ class Sums(NamedTuple):
     inner: tuple[float, float]
 
 
-def add(outer, rows, whole, fixed, flags, factor):
+def add(outer, rows, counts, fixed, flags, factor):
     """Sum of all arguments with different weights, by memory of its own."""
-    own = np.zeros(3)
-    own[0] = outer.inner.values.sum() + 10.0 * outer.pair[0] + 100.0 * outer.pair[1]
+    sums = np.zeros(3)
+    sums[0] = outer.inner.values.sum() + 10.0 * outer.pair[0] + 100.0 * outer.pair[1]
     if factor is not None:
-        own[1] = 7.0 * factor
+        sums[1] = 7.0 * factor
     for i in range(rows.shape[0]):
         for j in range(rows.shape[1]):
-            own[2] += (1 + i + 5 * j) * rows[i, j]
+            sums[2] += (1 + i + 5 * j) * rows[i, j]
     some = outer.some and flags[0]
-    whole[0] += 1
-    return Sums(own.sum(), whole.size + fixed.size, some, (own[1], own[2]))
+    counts[0] += 1
+    return Sums(sums.sum(), counts.size + fixed.size, some, (sums[1], sums[2]))
 
 
 def double(value):
@@ -100,32 +100,28 @@ def kernel(keeping):
 def test_the_same_as_in_python(kernel, factor, step):
     """Exact: contiguous and strided arrays, several sizes of numbers, tuples in tuples, a tuple in a result."""
     in_python, in_code = arguments(factor, step), arguments(factor, step)
-    found = kernel(*in_code)
-    assert (found, [type(item) for item in found]) == (add(*in_python), [float, int, bool, tuple])
-    assert type(found) is Sums
+    result = kernel(*in_code)
+    assert (result, [type(item) for item in result]) == (add(*in_python), [float, int, bool, tuple])
+    assert type(result) is Sums
     assert in_code[2].tolist() == [1, 0]
     assert kernel.has_code(*in_code)
 
 
-def subtract(outer, rows, whole, fixed, flags, factor):
+def subtract(outer, rows, counts, fixed, flags, factor):
     """Function of the arguments of `add` with another result."""
-    return Sums(-outer.pair[0], -whole.size, not flags[0], (0.0, 0.0))
+    return Sums(-outer.pair[0], -counts.size, not flags[0], (0.0, 0.0))
 
 
-def said_otherwise(kept, *change):
-    """The file with its header changed, and the digest made right for it."""
-    header, _, code = kept[32:].partition(b"\n")
-    said = json.loads(header)
-    for key, value in zip(change[::2], change[1::2], strict=True):
-        said[key] = value
-    made = json.dumps(said).encode() + b"\n" + code
-    return hashlib.sha256(made).digest() + made
+def with_header(code, header):
+    """Replace the header of a file, with the digest of the new contents."""
+    contents = header + b"\n" + code[32:].partition(b"\n")[2]
+    return hashlib.sha256(contents).digest() + contents
 
 
-def with_header(kept, header):
-    """The file with this for a header."""
-    made = header + b"\n" + kept[32:].partition(b"\n")[2]
-    return hashlib.sha256(made).digest() + made
+def with_other(code, **changes):
+    """Set keys of the header of a file."""
+    header = json.loads(code[32:].partition(b"\n")[0])
+    return with_header(code, json.dumps(header | changes).encode())
 
 
 RESULTS: tuple[Any, ...] = (
@@ -133,54 +129,54 @@ RESULTS: tuple[Any, ...] = (
 )  # fmt: skip
 
 
-def with_other(key, value):
+def set_key(key, value):
     """Return damage that sets a key of the header to a value."""
-    return lambda kept: said_otherwise(kept, key, value)
+    return lambda code: with_other(code, **{key: value})
 
 
 DAMAGE: dict[str, Callable[[bytes], bytes]] = {
-    "cut": lambda kept: kept[:-100],
-    "empty": lambda kept: b"",
-    "without a digest": lambda kept: b"{}\n",
-    "one byte": lambda kept: kept.replace(b"q", b"d", 1),
-    "more": lambda kept: kept + b"\0",
-    "no JSON": lambda kept: with_header(kept, b"\xff{"),
-    "deep": lambda kept: with_header(kept, b"[" * 50_000),
-    "long": lambda kept: with_header(kept, kept[32:].partition(b"\n")[0] + b" " * 2**16),
+    "cut": lambda code: code[:-100],
+    "empty": lambda code: b"",
+    "without a digest": lambda code: b"{}\n",
+    "one byte": lambda code: code.replace(b"q", b"d", 1),
+    "more": lambda code: code + b"\0",
+    "no JSON": lambda code: with_header(code, b"\xff{"),
+    "deep": lambda code: with_header(code, b"[" * 50_000),
+    "long": lambda code: with_header(code, code[32:].partition(b"\n")[0] + b" " * 2**16),
     **{f"JSON {text!r}": partial(with_header, header=text) for text in (b"[]", b"3", b"null", b'"{}"')},
-    **{key: with_other(key, "other") for key in
+    **{key: set_key(key, "other") for key in
         ("kernel", "arguments", "values", "sources", "processor", "versions", "settings", "symbol", "more")},
-    **{f"result {result}": with_other("result", result) for result in RESULTS},
-    "types": lambda kept: said_otherwise(kept, "symbol", 7, "versions", None, "values", ["d"]),
+    **{f"result {result}": set_key("result", result) for result in RESULTS},
+    "types": lambda code: with_other(code, symbol=7, versions=None, values=["d"]),
 }  # fmt: skip
 """Contents of a file, made from the right one."""
 
 
 def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel):
-    """It is compiled again and kept; intact code is loaded without Numba."""
-    given, path = arguments(None, 1), kernel.path(*arguments(None, 1))
+    """Corrupted code is compiled again, intact code loaded without Numba."""
+    inputs, path = arguments(None, 1), kernel.path(*arguments(None, 1))
     assert not path.exists()
-    found, there = kernel(*given), set(sys.modules)
-    kept = path.read_bytes()
+    result, modules = kernel(*inputs), set(sys.modules)
+    code = path.read_bytes()
     for how, damage in DAMAGE.items():
-        path.write_bytes(damage(kept))
-        assert not compiled(add).has_code(*given), how
-    assert "antigravity" not in sys.modules.keys() - there
-    assert compiled(add)(*given) == found
+        path.write_bytes(damage(code))
+        assert not compiled(add).has_code(*inputs), how
+    assert "antigravity" not in sys.modules.keys() - modules
+    assert compiled(add)(*inputs) == result
     loaded = compiled(add)
     loaded.dispatcher = None  # Numba is not asked
-    assert loaded(*given) == found
+    assert loaded(*inputs) == result
 
 
 def test_code_copied_over_another_s_is_compiled_anew(kernel):
-    """Of another kernel for the same types, and of this one for others."""
-    given, other = arguments(None, 1), compiled(subtract)
-    for wrong in ((other, given), (kernel, arguments(0.25, 1))):
+    """Code of another kernel, or for other types, is compiled again."""
+    inputs, other = arguments(None, 1), compiled(subtract)
+    for wrong in ((other, inputs), (kernel, arguments(0.25, 1))):
         assert wrong[0](*wrong[1])
-        shutil.copy(wrong[0].path(*wrong[1]), kernel.path(*given))
+        shutil.copy(wrong[0].path(*wrong[1]), kernel.path(*inputs))
         again = compiled(add)
-        assert not again.has_code(*given)
-        assert again(*given) == add(*given)
+        assert not again.has_code(*inputs)
+        assert again(*inputs) == add(*inputs)
 
 
 def sparse(path):
@@ -189,7 +185,7 @@ def sparse(path):
 
 
 def give_away(path):
-    """A copy of the whole file, of another user."""
+    """A copy of the file that belongs to another user."""
     shutil.copy(path.with_suffix(".whole"), path)
     os.chown(path, 65534, -1)
 
@@ -208,7 +204,7 @@ ODD = {
 
 @pytest.mark.parametrize("how", ODD)
 def test_what_is_no_file_of_this_user_s_alone_is_not_opened(keeping, how):
-    """Nothing is waited for; where it can be, it is replaced."""
+    """It is neither opened nor waited for, and replaced where possible."""
     if how == "another's" and os.geteuid():
         pytest.skip("root alone gives files away")
     kernel, seconds = compiled(double), folder.cache_folder() / folder.TIME_FILE
@@ -228,7 +224,7 @@ def test_what_is_no_file_of_this_user_s_alone_is_not_opened(keeping, how):
 @pytest.mark.parametrize("how", ["open to all", "readable", "another's", "link"])
 def test_in_a_folder_of_others_nothing_is_loaded_or_kept(keeping, how, tmp_path, monkeypatch):
     """The message states the time of compilation."""
-    said: list[str] = []
+    messages: list[str] = []
     place = folder.cache_folder()
     assert compiled(double)(1.5) == 3.0
     if how == "link":
@@ -241,36 +237,36 @@ def test_in_a_folder_of_others_nothing_is_loaded_or_kept(keeping, how, tmp_path,
     before = {path: path.stat().st_mtime_ns for path in place.iterdir()}
     again = compiled(double)
     assert not again.has_code(1.5)
-    compile_once(lambda: again(1.5), again, 1.5, on_compile=said.append)
+    compile_once(lambda: again(1.5), again, 1.5, on_compile=messages.append)
     assert again(1.5) == 3.0
     message = rf"compiled in \d+ s, not kept for the next run: {place}: .*inaccessible to others.*"
-    assert re.fullmatch(message, said[1])
+    assert re.fullmatch(message, messages[1])
     assert {path: path.stat().st_mtime_ns for path in place.iterdir()} == before
 
 
 def test_the_folder_is_made_for_this_user_alone(keeping):
     kernel = compiled(double)
     assert kernel(1.5) == 3.0
-    kept = [folder.cache_folder(), kernel.path(1.5)]
-    assert [path.stat().st_mode & 0o777 for path in kept] == [0o700, 0o600]
+    created = [folder.cache_folder(), kernel.path(1.5)]
+    assert [path.stat().st_mode & 0o777 for path in created] == [0o700, 0o600]
 
 
 def test_below_a_folder_that_may_not_be_searched_code_is_not_kept(keeping, tmp_path, monkeypatch):
     """As below the home of another user."""
     assert compiled(double)(2) == 4.0  # Numba is there
-    said: list[str] = []
+    messages: list[str] = []
     closed = tmp_path / "home"
     closed.mkdir(0o000)
     monkeypatch.setattr(folder, "cache_folder", lambda: closed / "cache" / "code")
     user, again = os.geteuid(), compiled(double)
     os.seteuid(user or 65534)
     try:
-        compile_once(lambda: again(1.5), again, 1.5, on_compile=said.append)
+        compile_once(lambda: again(1.5), again, 1.5, on_compile=messages.append)
     finally:
         os.seteuid(user)
         closed.chmod(0o700)
     assert again(1.5) == 3.0
-    assert said[1].endswith(f"not kept for the next run: {closed / 'cache' / 'code'}: Permission denied")
+    assert messages[1].endswith(f"not kept for the next run: {closed / 'cache' / 'code'}: Permission denied")
 
 
 @pytest.mark.parametrize("missing", ["to compile", "to load"])
@@ -281,15 +277,15 @@ def test_without_a_name_of_numbas_own_it_goes_through_numba(kernel, missing, mon
     if missing == "to compile":
         monkeypatch.delattr(CodeLibrary, "_get_compiled_object")
     else:
-        nowhere = SimpleNamespace(find_spec=lambda *given: None)
+        nowhere = SimpleNamespace(find_spec=lambda *arguments: None)
         monkeypatch.setattr(object_code, "PathFinder", nowhere)  # its functions for memory are not found
         monkeypatch.setattr(object_code, "_engine", object_code._engine.__wrapped__)
     in_python, in_code = arguments(0.25, 2), arguments(0.25, 2)
     prepared = (Prepared(in_code[0]), *in_code[1:])
-    found = kernel(*prepared)
-    assert found == add(*in_python)
-    assert type(found) is Sums
-    assert (in_code[2].tolist(), kernel.bound(*prepared)()) == ([1, 0], found)
+    result = kernel(*prepared)
+    assert result == add(*in_python)
+    assert type(result) is Sums
+    assert (in_code[2].tolist(), kernel.bound(*prepared)()) == ([1, 0], result)
     assert not kernel.has_code(*prepared)
 
 
@@ -311,78 +307,70 @@ def test_other_types_are_refused():
 
 
 def test_a_second_run_does_without_numba(tmp_path, python):
-    """Both kinds of a whole run: sliding along the wall, and an impact from event to event."""
+    """Both kinds of a whole run: sliding, and an impact with events."""
     script = (
         "import sys, tailslap\n"
         "for scene in ('paper-table-3', 'impact-mash-tl4-sut'): assert tailslap.run(scene).passed\n"
         "print('numba' in sys.modules)"
     )
-    said = [python(script, cwd=tmp_path, check=True) for _ in range(2)]
-    assert said[1].stdout.split()[-1] == "False"
+    processes = [python(script, cwd=tmp_path, check=True) for _ in range(2)]
+    assert processes[1].stdout.split()[-1] == "False"
 
 
-def test_code_of_another_package_depends_on_all_of_it(tmp_path, python):
-    """A kernel calls others of its package: where one of them has changed, it is compiled again."""
-    package = tmp_path / "elsewhere" / "within"
-    package.mkdir(parents=True)
-    header = "from machine_code.compiled import compiled\n"
-    body = "@compiled\ndef whole(x):\n    return 2.0 * part(x)\n"
-    (package / "caller.py").write_text(f"{header}from elsewhere.called import part\n\n\n{body}")
+HEADER = "from machine_code.compiled import compiled\n"
+
+
+@pytest.fixture
+def printed(tmp_path, python):
+    """Words that a script prints in a process with code of its own."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
-    script = "from elsewhere.within.caller import whole; print(whole(1.0))"
+
+    def run(script, **variables):
+        process = python(script, "-B", cwd=tmp_path, env=environment | variables)
+        assert process.returncode == 0, process.stderr
+        return process.stdout.split()
+
+    return run
+
+
+@pytest.mark.parametrize("caller", ["caller", "elsewhere.within.caller"])
+def test_code_depends_on_the_functions_that_it_calls(caller, tmp_path, printed):
+    """It is compiled again after a change in its own or another package."""
+    (tmp_path / "elsewhere" / "within").mkdir(parents=True)
+    body = "@compiled\ndef twice(x):\n    return 2.0 * part(x)\n"
+    calling = f"{HEADER}from elsewhere.called import part\n\n\n{body}"
+    (tmp_path / f"{caller.replace('.', '/')}.py").write_text(calling)
     for factor in (3.0, 5.0, 3.0):
-        called = f"{header}\n\n@compiled\ndef part(x):\n    return {factor} * x\n"
-        (package.parent / "called.py").write_text(called)
-        done = python(script, "-B", cwd=tmp_path, env=environment)
-        assert done.stdout == f"{2.0 * factor}\n", done.stderr
-    assert len(list(tmp_path.glob("code/*/whole-*.code"))) == 2
-
-
-def test_code_depends_on_other_packages_that_it_names(tmp_path, python):
-    """A kernel of a file alone calls one of another package: where that has changed, it is compiled again."""
-    (tmp_path / "elsewhere").mkdir()
-    header = "from machine_code.compiled import compiled\n"
-    body = "from elsewhere.called import part\n\n\n@compiled\ndef whole(x):\n    return 2.0 * part(x)\n"
-    (tmp_path / "caller.py").write_text(header + body)
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
-    for factor in (3.0, 5.0):
-        called = f"{header}\n\n@compiled\ndef part(x):\n    return {factor} * x\n"
+        called = f"{HEADER}\n\n@compiled\ndef part(x):\n    return {factor} * x\n"
         (tmp_path / "elsewhere" / "called.py").write_text(called)
-        done = python("from caller import whole; print(whole(1.0))", "-B", cwd=tmp_path, env=environment)
-        assert done.stdout == f"{2.0 * factor}\n", done.stderr
+        assert printed(f"from {caller} import twice; print(twice(1.0))") == [str(2.0 * factor)]
+    assert len(list(tmp_path.glob("code/*/twice-*.code"))) == 2
 
 
-def test_a_function_that_numba_has_of_its_own_is_found_in_a_second_process(tmp_path, python):
-    """As a law from outside may call one."""
-    header = "import math\nfrom machine_code.compiled import compiled\n\n\n"
-    body = "return math.gamma(x)\n"
-    (tmp_path / "outside.py").write_text(f"{header}@compiled\ndef gamma(x):\n    {body}")
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+def test_a_function_of_numba_is_loaded_in_a_second_process(tmp_path, printed):
+    """A law from outside may call one."""
+    body = "@compiled\ndef gamma(x):\n    return math.gamma(x)\n"
+    (tmp_path / "outside.py").write_text(f"import math\n{HEADER}\n\n{body}")
     for _ in range(2):
-        script = "import outside; print(outside.gamma(5.0))"
-        done = python(script, cwd=tmp_path, env=environment)
-        assert done.stdout.split() == ["24.0"], done.stderr
+        assert printed("import outside; print(outside.gamma(5.0))") == ["24.0"]
 
 
-def test_numba_told_not_to_compile_compiles_ours(tmp_path, python):
-    """NUMBA_DISABLE_JIT is for functions of one's own."""
-    header = "from machine_code.compiled import compiled\n\n\n"
-    (tmp_path / "outside.py").write_text(f"{header}@compiled\ndef double(x):\n    return 2.0 * x\n")
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code"), "NUMBA_DISABLE_JIT": "1"}
+def test_compilation_disabled_for_numba_is_not_disabled_here(tmp_path, printed):
+    """NUMBA_DISABLE_JIT is for the functions of a user."""
+    (tmp_path / "outside.py").write_text(f"{HEADER}\n\n@compiled\ndef double(x):\n    return 2.0 * x\n")
     script = "from outside import double; print(double(1.5), double.path(1.5).is_file())"
-    done = python(script, cwd=tmp_path, env=environment)
-    assert done.stdout.split() == ["3.0", "True"], done.stderr
+    assert printed(script, NUMBA_DISABLE_JIT="1") == ["3.0", "True"]
 
 
 def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path, monkeypatch):
-    """The lock is held here, as another process would hold it; a waiting process reports that."""
+    """The lock is held here, as another process holds it."""
     monkeypatch.setattr(folder, "PATIENCE_S", 0.3)
     code, entered, waited = tmp_path / "code" / "kind.code", threading.Event(), threading.Event()
 
-    def compile_there(path, told):
+    def compile_there(path, started):
         def compile_it():
             with one_process_compiles(path, waited.set):
-                told.set()
+                started.set()
 
         thread = threading.Thread(target=compile_it)
         thread.start()
@@ -407,7 +395,7 @@ def test_without_a_folder_each_compiles_for_itself(tmp_path):
 
 
 def test_code_is_known_by_the_types_of_its_arguments(outcome):
-    """After a run its step has code; for arguments of other types there is none."""
+    """After a run its step has code, for those types alone."""
     model = outcome("paper-table-3").fe_plan.model
     kernel, arguments = Stepper(model).step_call
     assert kernel.has_code(*arguments)
@@ -415,25 +403,25 @@ def test_code_is_known_by_the_types_of_its_arguments(outcome):
 
 
 def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(keeping):
-    told: list[str] = []
+    messages: list[str] = []
 
     def use(value):
         function = compiled(double)  # as a new process has it
-        compile_once(lambda: function(value), function, value, on_compile=told.append)
+        compile_once(lambda: function(value), function, value, on_compile=messages.append)
 
     use(1.0)
-    assert re.fullmatch(r"compiling the time loop .*: about 10 s\ncompiled in \d s", "\n".join(told))
+    assert re.fullmatch(r"compiling the time loop .*: about 10 s\ncompiled in \d s", "\n".join(messages))
     use(2.0)
-    assert len(told) == 2
+    assert len(messages) == 2
     folder.save_time(1234.0)
     use(3)  # another kind
-    assert told[2].endswith(": about 1234 s")
-    assert (0.0 < folder.expected_time() < USUAL_S, len(told)) == (True, 4)
+    assert messages[2].endswith(": about 1234 s")
+    assert (0.0 < folder.expected_time() < USUAL_S, len(messages)) == (True, 4)
 
 
-@pytest.mark.parametrize("kept", ["nan", "inf", "-1", "0", "3600", "1e999", "", "x", "1" * 40, "\xe9"])
-def test_a_time_that_no_compiling_takes_is_not_believed(kept, keeping):
-    folder.write(folder.cache_folder() / folder.TIME_FILE, kept.encode())
+@pytest.mark.parametrize("text", ["nan", "inf", "-1", "0", "3600", "1e999", "", "x", "1" * 40, "\xe9"])
+def test_a_time_that_no_compiling_takes_is_not_believed(text, keeping):
+    folder.write(folder.cache_folder() / folder.TIME_FILE, text.encode())
     assert folder.expected_time() == USUAL_S
 
 
@@ -443,21 +431,23 @@ def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path):
     command = [sys.executable, "-m", "tailslap.cli", "run", "paper-table-3", "--no-pictures"]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
 
-    def said():
-        done = subprocess.run(
+    def standard_error():
+        process = subprocess.run(
             command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=True
         )
-        return done.stderr
+        return process.stderr
 
-    assert re.search(r"compiling the time loop .*: about 10 s\n.*compiled in \d+ s", said(), re.DOTALL)
-    assert "compil" not in said()
+    assert re.search(
+        r"compiling the time loop .*: about 10 s\n.*compiled in \d+ s", standard_error(), re.DOTALL
+    )
+    assert "compil" not in standard_error()
 
 
 LATE = 0.5
 
 
 def test_who_waits_long_sleeps():
-    """The processor time of a thread that waits half a second for another is a fraction of that."""
+    """A thread that waits half a second takes a fraction of that."""
     _wait_for_all(new_barrier(), 1, 1)  # compiled
     barrier, spent = new_barrier(), []
 
@@ -476,20 +466,20 @@ def test_who_waits_long_sleeps():
 
 
 def test_threads_meet_again_and_again():
-    """Three threads pass 2 000 barriers on any number of cores: none is missed, and all threads end."""
-    barrier, done = new_barrier(), []
+    """Three threads pass 2 000 barriers on any number of cores."""
+    barrier, ended = new_barrier(), []
 
     def attend(barrier):
         for turn in range(1, 2001):
             _wait_for_all(barrier, 3, turn)
-        done.append(True)
+        ended.append(True)
 
     threads = [threading.Thread(target=attend, args=(barrier,), daemon=True) for _ in range(3)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join(60.0)
-    assert len(done) == 3
+    assert len(ended) == 3
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Verification: the command `paper`: cells by hand, the whole impact by closed forms, its prose, page and files."""
+"""Verification: the command `paper`: cells, closed forms, prose, page and files."""
 
 import html
 import json
@@ -31,7 +31,7 @@ from tailslap.storage.manifest import NAME as MANIFEST
 
 
 @pytest.fixture(scope="module")
-def found():
+def review():
     return paper_numbers.review()
 
 
@@ -51,12 +51,12 @@ def test_percentages(share, text):
     assert percent(share, 3) == text
 
 
-def test_every_difference_of_the_answer(found):
-    tables_3 = [found["table_3"][name] for name in ("analytical", "abaqus", "abaqus_drag")]
+def test_every_difference_of_the_answer(review):
+    tables_3 = [review["table_3"][name] for name in ("analytical", "abaqus", "abaqus_drag")]
     cells = [cell for table in tables_3 for cell in table.values()]
-    for row in (*found["table_4"], *found["table_5"]):
+    for row in (*review["table_4"], *review["table_5"]):
         cells += [*row["peak"], *row["factor"]]
-    cells += [reading["value"] for reading in found["figures"]["readings"]]
+    cells += [reading["value"] for reading in review["figures"]["readings"]]
     assert len(cells) == 15 + 48 + 6
     for cell in cells:
         exact = (cell["computed"] - cell["printed"]) / cell["printed"]
@@ -70,31 +70,34 @@ def test_inputs_in_si_by_hand():
     assert (values["mass"], values["width"], values["length"]) == (9979.0, 2.438, 10.0)
 
 
-def test_a_row_of_table_4_by_hand(found):
-    """The force is inverse to the duration, 1/(1 - e) between the two, and phi_a is force over measured."""
-    made = paper_numbers.force_row(ForceRow("x", "made up", 0.2, 100e3, (300e3, 400e3), (3.0, 4.0)))
-    known = found["table_4"][0]
-    assert known["printed"]["duration"] == 0.1
-    elastic, plastic = (cell["computed"] for cell in made["peak"])
-    assert elastic == pytest.approx(known["peak"][0]["computed"] / 2.0, rel=1e-14)
+def test_a_row_of_table_4_by_hand(review):
+    """The force is inverse to the duration and in proportion to 1/(1 - e).
+
+    phi_a is force over measured force.
+    """
+    row = paper_numbers.force_row(ForceRow("x", "made up", 0.2, 100e3, (300e3, 400e3), (3.0, 4.0)))
+    first = review["table_4"][0]
+    assert first["printed"]["duration"] == 0.1
+    elastic, plastic = (cell["computed"] for cell in row["peak"])
+    assert elastic == pytest.approx(first["peak"][0]["computed"] / 2.0, rel=1e-14)
     assert plastic == pytest.approx(elastic / 0.78, rel=1e-13)
-    assert made["factor"][1]["computed"] == pytest.approx(plastic / 100e3, rel=1e-14)
-    assert made["ratio"]["printed"] == pytest.approx(4.0 / 3.0, rel=1e-15)
-    assert made["ratio"]["computed"] == pytest.approx(1.0 / 0.78, rel=1e-15)
-    assert (made["factor_of_print"], made["impulse"]) == ([3.0, 4.0], pytest.approx(30e3, rel=1e-15))
+    assert row["factor"][1]["computed"] == pytest.approx(plastic / 100e3, rel=1e-14)
+    assert row["ratio"]["printed"] == pytest.approx(4.0 / 3.0, rel=1e-15)
+    assert row["ratio"]["computed"] == pytest.approx(1.0 / 0.78, rel=1e-15)
+    assert (row["factor_of_print"], row["impulse"]) == ([3.0, 4.0], pytest.approx(30e3, rel=1e-15))
 
 
 @pytest.mark.parametrize(
     ("plastic", "rounds"), [(1282e3, True), (1281e3, True), (1284e3, False), (1280e3, False)]
 )
 def test_ratios_that_rounding_explains(plastic, rounds):
-    """1000 kN stands for 999.5 to 1000.5, so that 1/0.78 makes it 1281.4 to 1282.7, and half a kilonewton more."""
+    """1000 kN is 999.5 to 1000.5, so 1/0.78 makes 1281.4 to 1282.7."""
     row = ForceRow("x", "made up", 0.1, 1e6, (1e6, plastic), (1.0, 1.0))
     assert paper_numbers.force_row(row)["rounds"] is rounds
 
 
-def test_every_ratio_is_exact(found):
-    for row in (*found["table_4"], *found["table_5"], *found["row_b"]):
+def test_every_ratio_is_exact(review):
+    for row in (*review["table_4"], *review["table_5"], *review["row_b"]):
         elastic, plastic = (cell["computed"] for cell in row["peak"])
         assert plastic / elastic == pytest.approx(1.0 / 0.78, rel=1e-12)
 
@@ -107,7 +110,10 @@ def test_the_instant_at_which_a_quantity_has_a_value():
 
 
 def test_earlier_methods_by_hand():
-    """Olson stops the lateral motion within A_L sin(theta) - B (1 - cos(theta)); Hirsch pi/2, Ritter twice that."""
+    """Olson stops over A_L sin(theta) - B (1 - cos(theta)).
+
+    Hirsch is pi/2 times, Ritter twice that.
+    """
     theta, speed = math.radians(15.0), 56.0 * 0.44704
     travel = 5.0 * math.sin(theta) - 1.219 * (1.0 - math.cos(theta))
     olson = 9979.0 * (speed * math.sin(theta)) ** 2 / (2.0 * travel)
@@ -125,7 +131,7 @@ def test_marks_are_the_printed_points():
 
 
 def test_the_fraction_of_the_mass_that_a_corner_brings():
-    """A blow J at the rear corner, side along the wall: v_G = J/m and omega = J (L/2)/I add up to J/m_eff."""
+    """A blow J at the rear corner adds J/m and J (L/2)^2/I."""
     inertia = MASS * (10.0**2 + 2.438**2) / 12.0
     assert corner_fraction(0.0) * MASS == pytest.approx(1.0 / (1.0 / MASS + 25.0 / inertia), rel=1e-13)
     assert corner_fraction(0.0) == pytest.approx(0.261, abs=5e-5)
@@ -134,7 +140,7 @@ def test_the_fraction_of_the_mass_that_a_corner_brings():
 
 @pytest.mark.parametrize("friction", [0.0, 0.47])
 def test_the_fraction_against_a_strike_of_the_rear_corner_alone(friction):
-    """Stiff, at angle zero, turning about the front corner: J = (1 + e) m_eff v_E, v_E = 2 v_GY."""
+    """J = (1 + e) m_eff v_E with v_E = 2 v_GY at angle zero."""
     start = ImpactState(0.0, 1.219 + 0.01, -0.002, 20.0, -3.0, 0.6)  # the front corner 20 mm off
     contact = WallContact(CrushLaw(1e11, 0.0, 0.5), friction)
     strike = solve_impact(paper_numbers.IMPACT_TRUCK, contact, start, 1e-3).strikes[0]
@@ -142,20 +148,19 @@ def test_the_fraction_against_a_strike_of_the_rear_corner_alone(friction):
     assert strike.impulse == pytest.approx(1.5 * corner_fraction(friction) * MASS * 2.0 * 3.0, rel=3e-3)
 
 
-def test_the_whole_impact(found):
-    """The rear strike brings that fraction, omega converges on Newton's, a free strike is lengthened by the mean's
-    width, and the front corner leaves and comes back last."""
-    whole = found["whole_impact"]
-    for case in whole["cases"]:
-        assert case["share"] == pytest.approx(whole["share_friction"], rel=5e-3)
+def test_the_whole_impact(review):
+    """Fraction, omega, filtered duration and sequence of the corners are consistent."""
+    impact = review["whole_impact"]
+    for case in impact["cases"]:
+        assert case["share"] == pytest.approx(impact["share_friction"], rel=5e-3)
         assert case["closing"] == pytest.approx(2.0 * 4.55, rel=1e-2)
         assert case["read"]["mean_50ms"] - case["rear_duration"] == pytest.approx(0.05, abs=2e-3)
         assert 0.0 < case["released"] < case["rear_start"] < case["back"]
         assert case["gap"] > 0.1
-    ratio = whole["corner_impulse"] / whole["plastic_impulse"]
-    assert ratio == pytest.approx(2.0 * whole["share"], rel=1e-13)
-    newton = whole["omegas"]["newton"]
-    off = [abs(omega - newton) for omega in (*(c["omega"] for c in whole["cases"]), whole["nearly_rigid"])]
+    ratio = impact["corner_impulse"] / impact["plastic_impulse"]
+    assert ratio == pytest.approx(2.0 * impact["share"], rel=1e-13)
+    newton = impact["omegas"]["newton"]
+    off = [abs(omega - newton) for omega in (*(c["omega"] for c in impact["cases"]), impact["nearly_rigid"])]
     assert off == sorted(off, reverse=True)
     assert off[-1] < 2e-4 * newton
 
@@ -177,24 +182,24 @@ SAID_ELSEWHERE = [
 
 
 @pytest.mark.parametrize(("options", "place"), SAID_ELSEWHERE)
-def test_a_scene_says_the_tables_numbers(options, place, found, capsys):
-    """`tailslap rigid` on the paper's truck, by the scene's path and not the tables'."""
+def test_a_scene_says_the_tables_numbers(options, place, review, capsys):
+    """`tailslap rigid` prints them for the paper's truck."""
     words = [word.strip('"') for word in re.findall(r'"[^"]*"|--set|[\w.]+=(?:"[^"]*"|\S+)', options)]
     assert _status(["rigid", "mash-tl4-sut", *(word.replace('"', "") for word in words)]) == 0
-    value = paper_page.Column(place, "").value(found)
+    value = paper_page.Column(place, "").value(review)
     numbers = [float(word) for word in re.findall(r"-?\d+\.\d*(?:e[-+]?\d+)?", capsys.readouterr().out)]
     value = value / 1e3 if value > 1e3 else value
-    assert any(said == pytest.approx(value, rel=1e-6) for said in numbers), value
+    assert any(number == pytest.approx(value, rel=1e-6) for number in numbers), value
 
 
-def statements(found):
-    """The sentences of docs/paper.md that state computed numbers, in its order and words."""
-    of = (analytical, abaqus, stages, printed_forces, earlier_methods, whole_impact)
-    return [statement for made in of for statement in made(found)]
+def statements(review):
+    """Statements of docs/paper.md with computed numbers, in order."""
+    groups = (analytical, abaqus, stages, printed_forces, earlier_methods, whole_impact)
+    return [statement for group in groups for statement in group(review)]
 
 
-def analytical(found):
-    start, table = found["table_1"]["starts"], found["table_3"]
+def analytical(review):
+    start, table = review["table_1"]["starts"], review["table_3"]
     column, exact = table["analytical"], table["analytical_15"]
     worst = max(abs(column[name]["difference"]) for name in ("v_gy", "v_gx", "slide"))
     longer = exact["slide"]["computed"] / column["slide"]["computed"] - 1.0
@@ -209,12 +214,12 @@ def analytical(found):
         f"against the printed {paper_values.START['omega']} and {paper_values.START['corner_speed']}",
         f"The 90 km/h of Table 1 lead to {start['90 km/h']['omega']['computed']:.4f} and "
         f"{start['90 km/h']['corner_speed']['computed']:.3f}, and a peak force that is {percent(slower, 2)} off",
-        f"belongs to {found['table_1']['implied_speed'] / MPH:.3f} mph",
+        f"belongs to {review['table_1']['implied_speed'] / MPH:.3f} mph",
     ]
 
 
-def abaqus(found):
-    table = found["table_3"]
+def abaqus(review):
+    table = review["table_3"]
     read, drag = table["abaqus_read"], table["abaqus_drag"]
     strike, (fallen, slid) = table["abaqus"]["t"]["computed"], table["crossing"]
     return [
@@ -229,8 +234,8 @@ def abaqus(found):
     ]
 
 
-def stages(found):
-    pull, signs, force = found["reaction"], found["restitution"], found["earlier"]["paper"]
+def stages(review):
+    pull, signs, force = review["reaction"], review["restitution"], review["earlier"]["paper"]
     return [
         f"N from {pull['first'] / 1e3:.2f} to {pull['last'] / 1e3:.2f} kN",
         f"still has a velocity into the wall of {-signs['paper']['corner_recoil']:.3f} m/s",
@@ -241,9 +246,9 @@ def stages(found):
     ]
 
 
-def printed_forces(found):
+def printed_forces(review):
     """Tables 4 and 5."""
-    four, five = found["table_4"], found["table_5"]
+    four, five = review["table_4"], review["table_5"]
     differences = [cell["difference"] for row in four for cell in row["peak"]]
     both = [cell["difference"] for row in five for cell in row["peak"]]
     low, high = (f"{percent(end(differences), 1)}" for end in (min, max))
@@ -259,7 +264,7 @@ def printed_forces(found):
     factors = [row["factor"][0]["computed"] for row in four]
     return [
         f"differ by {100 * min(differences):.1f} to {percent(max(differences), 1)} in both tables; row b with the "
-        f"57.4 mph and 15.4 deg of its test by {percent(found['row_b'][0]['peak'][0]['difference'], 1)}",
+        f"57.4 mph and 15.4 deg of its test by {percent(review['row_b'][0]['peak'][0]['difference'], 1)}",
         f"must be {four[0]['ratio']['computed']:.3f}: rows a, e and f are off by {100 * min(far):.1f} to "
         f"{100 * max(far):.1f} %, rows c and d by less than 0.5 %",
         f"run from {min(impulses):.2f} to {max(impulses):.2f} kN s",
@@ -272,24 +277,25 @@ def printed_forces(found):
 
 
 def wrong_digits(rows):
-    """Number of printed factors whose last digit is not that of the printed forces."""
+    """Number of printed factors that differ from those of the printed forces."""
     pairs = [
         pair for row in rows for pair in zip(row["printed"]["factor"], row["factor_of_print"], strict=True)
     ]
-    return sum(f"{own:.2f}" != f"{printed:.2f}" for printed, own in pairs)
+    return sum(f"{exact:.2f}" != f"{printed:.2f}" for printed, exact in pairs)
 
 
-def earlier_methods(found):
+def earlier_methods(review):
     methods = ("olson", "hirsch", "ritter")
-    earlier = {name: f"{found['earlier'][name] / 1e3:.0f} kN" for name in methods}
+    earlier = review["earlier"]
+    olson, hirsch, ritter = (f"{earlier[name] / 1e3:.0f} kN" for name in methods)
     return [
-        f"A_L = {found['earlier']['front_distance']:g} m, B = {found['earlier']['half_width']:g} m and D = 0 assumed: "
-        f"Olson {earlier['olson']} (average), Hirsch {earlier['hirsch']}, Ritter {earlier['ritter']}",
+        f"A_L = {earlier['front_distance']:g} m, B = {earlier['half_width']:g} m and D = 0 assumed: "
+        f"Olson {olson} (average), Hirsch {hirsch}, Ritter {ritter}",
     ]
 
 
-def whole_impact(found):
-    whole, cases = found["whole_impact"], found["whole_impact"]["cases"]
+def whole_impact(review):
+    impact, cases = review["whole_impact"], review["whole_impact"]["cases"]
     keys = ("omega", "released", "gap", "rear_start", "share", "rear_impulse")
     omega, leaves, away, begins, fraction, impulse = ([case[name] for case in cases] for name in keys)
     lasts = [f"{1e3 * case['rear_duration']:.0f}" for case in cases]
@@ -297,37 +303,40 @@ def whole_impact(found):
     assert np.ptp(fraction) < 1e-3
     assert np.ptp(impulse) < 100.0
     return [
-        f"is {min(omega):.3f} to {max(omega):.3f} rad/s for 1 to 3 MN/m, {whole['nearly_rigid']:.4f} for 200 MN/m",
-        f"leads to {whole['omegas']['newton']:.4f}, the paper's 1 - e {whole['omegas']['paper']:.4f}",
+        f"is {min(omega):.3f} to {max(omega):.3f} rad/s for 1 to 3 MN/m, {impact['nearly_rigid']:.4f} for 200 MN/m",
+        f"leads to {impact['omegas']['newton']:.4f}, the paper's 1 - e {impact['omegas']['paper']:.4f}",
         f"separates from the wall** at {min(leaves):.3f} to {max(leaves):.3f} s, is {min(away):.1f} to "
         f"{max(away):.1f} m off",
         f"strikes at {min(begins):.3f} to {max(begins):.3f} s, in Stage 2, with the corner on the wall, at "
-        f"{whole['paper_time']:.3f} s",
-        f"= {whole['share']:.3f} m ({whole['share_friction']:.3f} with friction; the rear strike of the whole "
+        f"{impact['paper_time']:.3f} s",
+        f"= {impact['share']:.3f} m ({impact['share_friction']:.3f} with friction; the rear strike of the whole "
         f"impact has {fraction[1]:.3f}) at about 2 v_GY. For e = 0 the impulse is "
-        f"{whole['corner_impulse'] / 1e3:.1f} instead of {whole['plastic_impulse'] / 1e3:.1f} kN s",
-        f"For e = 0.22 the whole impact has {impulse[1] / 1e3:.1f} kN s, Stage 3 {whole['paper_impulse'] / 1e3:.1f}",
+        f"{impact['corner_impulse'] / 1e3:.1f} instead of {impact['plastic_impulse'] / 1e3:.1f} kN s",
+        f"For e = 0.22 the whole impact has {impulse[1] / 1e3:.1f} kN s, Stage 3 {impact['paper_impulse'] / 1e3:.1f}",
         f"strikes of {lasts[0]}, {lasts[1]} and {lasts[2]} ms (1, 2, 3 MN/m) appear as {as_read[0]}, {as_read[1]} and "
         f"{as_read[2]} ms",
     ]
 
 
-def test_the_prose_on_the_paper_states_computed_numbers(found):
-    """Every number of docs/paper.md, but the paper's own of two digits, stands in a statement computed here."""
+def test_the_prose_on_the_paper_states_computed_numbers(review):
+    """Each number of docs/paper.md is in a statement computed here.
+
+    Excepted are two numbers of the paper itself.
+    """
     text = " ".join((Path(__file__).parents[2] / "docs" / "paper.md").read_text(encoding="utf-8").split())
-    made = statements(found)
-    assert [statement for statement in made if statement not in text] == []
-    for statement in made:
+    computed = statements(review)
+    assert [statement for statement in computed if statement not in text] == []
+    for statement in computed:
         text = text.replace(statement, "")
     references = r"(?:Section|Tables?|Figures?|Stages?) [\d.]+\d?(?:(?:, \d)* (?:and|to) \d+)?"
     text = re.sub(rf"`[^`]*`|{references}", "", text)
     assert {*re.findall(r"\d+\.\d+", text)} <= {"0.22", "0.1"}
 
 
-def test_tables_are_rectangular_and_without_empty_or_undefined_words(found):
-    shown = [table for section in paper_page.sections(found, {}) for table in section.tables]
-    assert len(shown) == 15
-    for table in shown:
+def test_tables_are_rectangular_and_without_empty_or_undefined_words(review):
+    tables = [table for section in paper_page.sections(review, {}) for table in section.tables]
+    assert len(tables) == 15
+    for table in tables:
         assert len(table.records()) == len(table.rows)
         assert sum(span for _, span in table.groups) in (0, len(table.columns))
         cells = [column.text(row) for row in table.rows for column in table.columns]
@@ -336,33 +345,33 @@ def test_tables_are_rectangular_and_without_empty_or_undefined_words(found):
 
 
 @pytest.mark.parametrize("width", [60, 80, 100])
-def test_no_line_is_longer_than_the_terminal(found, width, monkeypatch):
+def test_no_line_is_longer_than_the_terminal(review, width, monkeypatch):
     """Every word is there, in one piece."""
     monkeypatch.setenv("COLUMNS", str(width))
-    out = printed(paper_page.paper_report(found).terminal)
+    out = printed(paper_page.paper_report(review).terminal)
     longest = max(len(word) for word in out.split() if "─" not in word)
     assert max(map(len, out.splitlines())) <= max(width, longest + 11)
     monkeypatch.setenv("COLUMNS", "100")
-    wide = printed(paper_page.paper_report(found).terminal).split()
+    wide = printed(paper_page.paper_report(review).terminal).split()
     assert {word for word in wide if "─" not in word} <= {*out.split()}
 
 
-def test_a_terminal_shows_the_tables_whole(found, monkeypatch):
-    """Where it is wide enough nothing is cut or wrapped, and markup is left alone."""
+def test_a_terminal_shows_the_tables_whole(review, monkeypatch):
+    """A wide terminal neither cuts nor wraps, and keeps markup."""
     monkeypatch.setenv("COLUMNS", "100")
-    out = printed(paper_page.paper_report(found).terminal)
+    out = printed(paper_page.paper_report(review).terminal)
     lines = out.splitlines()
     assert "…" not in out
     assert "\N{NO-BREAK SPACE}" not in out
     for line, after in pairwise(line for line in lines if "  " not in line.strip()):
         assert not re.fullmatch(r".*(\d\n *(%|kN|m/s|rad|s|m|ms|mph)(?!\w).*|=)", f"{line}\n{after}"), line
-    shown = {" ".join(line.split()) for line in lines}
-    for section in paper_page.sections(found, {}):
+    rows_printed = {" ".join(line.split()) for line in lines}
+    for section in paper_page.sections(review, {}):
         assert section.title in lines
         for table in section.tables:
             for row in table.rows:
                 cells = " ".join(column.text(row) for column in table.columns)
-                assert " ".join(cells.split()) in shown
+                assert " ".join(cells.split()) in rows_printed
 
 
 FILES = {
@@ -393,9 +402,9 @@ def strict(text):
 def test_the_page_holds_every_cell_and_note(parsed):
     # Without spaces: a subscript is an element of its own.
     packed = "".join(parsed.text.replace("\N{NO-BREAK SPACE}", " ").split())
-    shown = [table for part in sections(paper_numbers.review(), {}) for table in part.tables]
-    words = [text for table in shown for text in (table.title, *table.notes)]
-    words += [column.text(row) for table in shown for row in table.rows for column in table.columns]
+    tables = [table for part in sections(paper_numbers.review(), {}) for table in part.tables]
+    words = [text for table in tables for text in (table.title, *table.notes)]
+    words += [column.text(row) for table in tables for row in table.rows for column in table.columns]
     plain = [re.sub("<[^>]+>", "", html.unescape(str(prose(word)))) for word in words]
     pieces = ["".join(text.replace("_", "").split()) for text in plain]
     missing = [text for text in pieces if text not in packed.replace("_", "")]
@@ -403,10 +412,9 @@ def test_the_page_holds_every_cell_and_note(parsed):
 
 
 def test_the_page_fetches_nothing(parsed):
-    loaded = [found for _, found, *_ in parsed.elements if "download" not in found]
-    links = {
-        value for found in loaded for name, value in found.items() if name in ("src", "href", "xlink:href")
-    }
+    loaded = [attributes for _, attributes, *_ in parsed.elements if "download" not in attributes]
+    references = ("src", "href", "xlink:href")
+    links = {value for attributes in loaded for name, value in attributes.items() if name in references}
     assert all(link.startswith("#") for link in links)
     assert {f"#part-{number}" for number in range(1, 8)} <= links
     ids = [value for _, name, value in parsed.attributes if name == "id"]
@@ -415,14 +423,14 @@ def test_the_page_fetches_nothing(parsed):
 
 
 def test_the_figures_are_drawn_with_their_marks(folder):
-    """Two lines, a legend, and a mark in its own colour for each printed point."""
+    """Two lines, a legend, and a coloured mark for each printed point."""
     courses = {reaction: paper_numbers.course(reaction) for reaction in ("drag", "none")}
     curves = [figure(number, name, courses) for number, name in FIGURES.items()]
     assert [curve.name for curve in curves] == ["theta", "v_gy", "v_gx", "omega", "slide"]
     for curve in curves:
-        said = {*" ".join(ElementTree.fromstring(curve.svg).itertext()).split()}
-        assert {"drag", "none", "paper"} <= said
-        assert ("ABAQUS" in said) == (curve.name != "theta")
+        words = {*" ".join(ElementTree.fromstring(curve.svg).itertext()).split()}
+        assert {"drag", "none", "paper"} <= words
+        assert ("ABAQUS" in words) == (curve.name != "theta")
         groups = dict(re.findall(r'<g class="(\w+)"[^>]*>(<path data-label.*?)</g>', curve.svg))
         for points, look in zip(paper_numbers.marks(curve.name).values(), MARK_LOOKS, strict=True):
             assert groups.get(look["colour"], "").count("Z") == len(points)
@@ -432,16 +440,16 @@ def test_the_figures_are_drawn_with_their_marks(folder):
 
 
 def test_files_and_numbers(folder, capsys, tmp_path):
-    """The folder is complete; `--json` prints what `summary.json` holds, without NaN or infinity."""
+    """The folder is complete, and `--json` prints `summary.json` in strict JSON."""
     assert {path.name for path in folder.iterdir()} == FILES
     assert _status(["paper", "--json", "--out", str(tmp_path / "other")]) == 0
-    said = strict(capsys.readouterr().out)
-    assert said == strict((folder / "summary.json").read_text())
-    headline = {name: said.pop(name) for name in ("title", "answer", "set_up", "certainty")}
+    printed_summary = strict(capsys.readouterr().out)
+    assert printed_summary == strict((folder / "summary.json").read_text())
+    headline = {name: printed_summary.pop(name) for name in ("title", "answer", "set_up", "certainty")}
     assert headline["answer"].startswith(
         "Velocities and slide of Table 3's analytical column are reproduced within 0.0"
     )
-    assert said == strict(json.dumps(summary(paper_numbers.review())))
+    assert printed_summary == strict(json.dumps(summary(paper_numbers.review())))
     rows = (folder / "figures_10_to_14_drag.csv").read_text().splitlines()
     assert rows[0] == "t,theta,v_gy,v_gx,omega,slide"
     assert float(rows[-1].split(",")[2]) == pytest.approx(-3.2755267205, abs=5e-11)
@@ -474,9 +482,9 @@ def test_wrong_input_ends_with_two_and_nothing_written(arguments, key, tmp_path,
 
 def test_a_reader_of_the_pipe_may_leave(tmp_path, besides_compiling):
     command = f"{sys.executable} -m tailslap.cli paper | head -n 1; exit ${{PIPESTATUS[0]}}"
-    done = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
-    assert done.stdout.startswith("Velocities and slide of Table 3")
+    process = subprocess.run(["bash", "-c", command], cwd=tmp_path, capture_output=True, text=True)
+    assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
+    assert process.stdout.startswith("Velocities and slide of Table 3")
 
 
 def test_an_earlier_result_is_replaced_and_what_was_added_stays(tmp_path):

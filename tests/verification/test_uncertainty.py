@@ -1,5 +1,4 @@
-"""Verification: the study `uncertainty` against closed forms, SciPy's estimators, laws of similarity and single
-solutions.
+"""Verification: the study `uncertainty` against closed forms and SciPy's estimators.
 
 With all else held, the peak force is g (1 - e)/dt: v_GY is in proportion to 1 - e by Eqs 24 and 31, and Eq 73
 divides by dt. For X = 1 - e and Y = 1/dt, uniform e and dt, all moments are elementary.
@@ -93,7 +92,10 @@ def factor(spread):
 
 
 def test_sobol_indices_of_a_product(product):
-    """V = E X^2 E Y^2 - (E X E Y)^2; alone, V_X = Var X (E Y)^2; in all, V_X = Var X E Y^2; and so for Y."""
+    """Compare with V_X = Var X (E Y)^2 alone, Var X E Y^2 in all.
+
+    The variance is V = E X^2 E Y^2 - (E X E Y)^2; Y has the same form.
+    """
     x, xx, y, yy = moments()
     variance, var_x, var_y = xx * yy - (x * y) ** 2, xx - x * x, yy - y * y
     first = np.array([var_x * y * y, var_y * x * x]) / variance
@@ -107,10 +109,10 @@ def test_sobol_indices_of_a_product(product):
 
 def test_distribution_of_a_product(product):
     x, xx, y, yy = moments()
-    g, found = factor(product), product.band("peak_force")
-    assert found.mean == pytest.approx(g * x * y, rel=1e-6)
-    assert found.standard_deviation == pytest.approx(g * math.sqrt(xx * yy - (x * y) ** 2), rel=1e-4)
-    for fraction, force in zip((0.05, 0.5, 0.95), found.percentiles, strict=True):
+    g, band = factor(product), product.band("peak_force")
+    assert band.mean == pytest.approx(g * x * y, rel=1e-6)
+    assert band.standard_deviation == pytest.approx(g * math.sqrt(xx * yy - (x * y) ** 2), rel=1e-4)
+    for fraction, force in zip((0.05, 0.5, 0.95), band.percentiles, strict=True):
         assert below(force / g) == pytest.approx(fraction, abs=4e-4)  # 2e-3 for random points
     histogram = report(product).summary["peak_force"]["histogram"]
     fractions = np.array([below(edge / g) for edge in histogram["edges"]])
@@ -118,13 +120,13 @@ def test_distribution_of_a_product(product):
 
 
 def below(ratio):
-    """P(X/dt <= ratio) = E of the fraction of the durations above X/ratio, by the midpoint rule over X."""
+    """P(X/dt <= ratio), averaged over X by the midpoint rule."""
     x = 1.0 - E_HIGH + (E_HIGH - E_LOW) * (np.arange(20_000) + 0.5) / 20_000
     return float(np.clip((DT_HIGH - x / ratio) / (DT_HIGH - DT_LOW), 0.0, 1.0).mean())
 
 
 def test_one_input_has_all_the_variance_and_a_uniform_force():
-    """Restitution alone: F = g (1 - e)/dt is uniform, and its index is 1."""
+    """Restitution alone makes F = g (1 - e)/dt uniform, with an index of 1."""
     spread = run(TRUCK, fixed=(*HELD, "strike.duration"))
     top = factor(spread) / spread.case.scene.strike.duration
     expected = [top * (1.0 - E_HIGH + share * (E_HIGH - E_LOW)) for share in (0.05, 0.5, 0.95)]
@@ -143,7 +145,7 @@ def test_indices_lie_between_zero_and_one_and_alone_below_in_all(complete):
 
 
 def ishigami(rows):
-    """f(A), f(B), f(AB), a row each, of sin x + 7 sin^2 y + 0.1 z^4 sin x on (-pi, pi)^3."""
+    """f(A), f(B) and rows f(AB) of Ishigami's function on (-pi, pi)^3."""
     points = math.pi * (2.0 * stats.qmc.Sobol(6, seed=np.random.default_rng(1)).random(rows).T - 1.0)
     a, b = points[:3], points[3:]
     tables = [a, b, *(np.where(np.arange(3)[:, None] == i, b, a) for i in range(3))]
@@ -152,26 +154,26 @@ def ishigami(rows):
 
 
 def test_estimators_are_scipys_and_give_ishigamis_indices():
-    """Exact: V = V_1 + V_2 + V_13, V_1 = (1 + 0.1 pi^4/5)^2/2, V_2 = 7^2/8, V_13 = 0.1^2 pi^8 8/225.
+    """Compare with V_1 = (1 + 0.1 pi^4/5)^2/2, V_2 = 7^2/8, V_13 = 0.1^2 pi^8 8/225.
 
     Control variate of the first-order index: T cov(f_A, f_B), since f_AB varies with f_A by 1 - T.
     """
     table = ishigami(2**14)
-    (f_a, f_b), f_ab, found = table[:2], table[2:], sobol_indices(table)
+    (f_a, f_b), f_ab, indices = table[:2], table[2:], sobol_indices(table)
     reference = stats.sobol_indices(func={"f_A": f_a[None], "f_B": f_b[None], "f_AB": f_ab[:, None]}, n=2**14)
     mean, variance = np.mean(table[:2]), np.var(table[:2])
     chance = np.mean((f_a - mean) * (f_b - mean)) / variance
     first = reference.first_order + reference.total_order * chance
-    assert found.first == pytest.approx(np.clip(first, 0.0, 1.0), abs=1e-12)
-    assert found.total == pytest.approx(reference.total_order, abs=1e-12)
+    assert indices.first == pytest.approx(np.clip(first, 0.0, 1.0), abs=1e-12)
+    assert indices.total == pytest.approx(reference.total_order, abs=1e-12)
     v_1, v_2, v_13 = (1 + 0.1 * math.pi**4 / 5) ** 2 / 2, 49 / 8, 0.01 * math.pi**8 * 8 / 225
     variance = v_1 + v_2 + v_13
-    assert found.first == pytest.approx(np.array([v_1, v_2, 0.0]) / variance, abs=2e-3)
-    assert found.total == pytest.approx(np.array([v_1 + v_13, v_2, v_13]) / variance, abs=2e-3)
+    assert indices.first == pytest.approx(np.array([v_1, v_2, 0.0]) / variance, abs=2e-3)
+    assert indices.total == pytest.approx(np.array([v_1 + v_13, v_2, v_13]) / variance, abs=2e-3)
 
 
 def by_hand(table):
-    """First-order and total indices of centred outputs, the variance at most the sum of the totals' numerators."""
+    """First-order and total indices, the variance bounded by the totals' numerators."""
     (a, b), ab = table[:2], table[2:]
     changes, variance = np.mean((a - ab) ** 2, axis=1) / 2.0, np.var([a, b])
     centre = np.mean([a, b])
@@ -181,7 +183,7 @@ def by_hand(table):
 
 
 def test_the_intervals_are_those_of_the_jackknife_of_groups():
-    """Rows with NaN are omitted: groups are by the number of the row."""
+    """Rows with NaN are omitted before the groups are formed."""
     table = ishigami(256)
     table[3, [0, 1, 40, 41, 42]] = np.nan
     rows, size = np.flatnonzero(np.isfinite(table[3])), 256 // sampling.GROUPS
@@ -189,31 +191,31 @@ def test_the_intervals_are_those_of_the_jackknife_of_groups():
     without = [by_hand(table[:, rows[rows // size != group]]) for group in range(sampling.GROUPS)]
     error = np.std(without, axis=0) * math.sqrt(sampling.GROUPS - 1)
     wide = stats.t.ppf(0.5 + 0.5 * sampling.CONFIDENCE, sampling.GROUPS - 1) * error
-    found, middle = sobol_indices(table), by_hand(table[:, rows])
-    for i, interval in enumerate((found.first_interval, found.total_interval)):
+    indices, middle = sobol_indices(table), by_hand(table[:, rows])
+    for i, interval in enumerate((indices.first_interval, indices.total_interval)):
         expected = np.clip([middle[i] - wide[i], middle[i] + wide[i]], 0.0, 1.0)
         assert interval == pytest.approx(expected, abs=1e-12)
 
 
 def test_the_errors_of_the_indices_are_those_of_random_rows():
-    """For independent rows, half the interval is the quantile times the standard deviation over repetitions."""
-    random, found, half = np.random.default_rng(2), [], []
+    """Half of an interval is a quantile of the error over repetitions."""
+    random, results, half = np.random.default_rng(2), [], []
     for _ in range(60):
         x, y = random.uniform(0.5, 1.0, (2, 2, 512))
         result = sobol_indices(np.array([x[0] * y[0], x[1] * y[1], x[1] * y[0], x[0] * y[1]]))
-        found.append([*result.first, *result.total])
+        results.append([*result.first, *result.total])
         intervals = np.hstack([result.first_interval, result.total_interval])
         half.append((intervals[1] - intervals[0]) / 2.0)
     quantile = stats.t.ppf(0.5 + 0.5 * sampling.CONFIDENCE, sampling.GROUPS - 1)
-    assert np.mean(half, axis=0) == pytest.approx(quantile * np.std(found, axis=0, ddof=1), rel=0.3)
+    assert np.mean(half, axis=0) == pytest.approx(quantile * np.std(results, axis=0, ddof=1), rel=0.3)
 
 
 @pytest.mark.parametrize(("inputs", "rows"), [(2, 32), (11, 32), (21, 64), (2, 512)])
 def test_the_intervals_cover_exact_indices(inputs, rows):
-    """In 95 % of the indices of linear, Ishigami's, product and indicator functions, by points of 12 seeds."""
-    found = [benchmark.coverage(function, rows, 12)["covered"] for function in benchmark.functions(inputs)]
-    assert np.min(np.mean(found, axis=0)) >= 0.95
-    assert np.min(found) >= 0.85, "each function"
+    """95 % of the indices of four functions are covered, over 12 seeds."""
+    covered = [benchmark.coverage(function, rows, 12)["covered"] for function in benchmark.functions(inputs)]
+    assert np.min(np.mean(covered, axis=0)) >= 0.95
+    assert np.min(covered) >= 0.85, "each function"
 
 
 def unit_ranges(inputs):
@@ -222,14 +224,14 @@ def unit_ranges(inputs):
 
 @pytest.mark.parametrize("inputs", [1, 2, 3, 5, 7, 9, 11, 15, 21, 35])
 def test_no_two_columns_of_the_points_coincide(inputs):
-    """Their correlations are below 5 standard deviations of those of independent columns."""
+    """Correlations stay below 5 standard deviations of independent columns."""
     for rows in (2**m for m in range(5, 13)):
         correlation = np.corrcoef(np.vstack(sobol_points(unit_ranges(inputs), rows)))
         assert np.abs(correlation - np.eye(2 * inputs)).max() < 5.0 / math.sqrt(rows), rows
 
 
 def test_points_are_uniform():
-    """Each column, and points of A and B together, by Kolmogorov's statistic of independent points."""
+    """Kolmogorov's statistic of each column, A and B together."""
     for rows in (32, 256, 4096):
         for column in np.vstack(sobol_points(unit_ranges(3), rows)):
             assert stats.kstest(column, "uniform").pvalue > 0.5
@@ -237,7 +239,7 @@ def test_points_are_uniform():
 
 
 def test_totals_whose_sum_is_below_one_are_refused():
-    """Points of B near those of A: f changes by less than its variance."""
+    """Points of B near those of A change f by less than its variance."""
     random = np.random.default_rng(4)
     a = random.random((3, 64))
     b = np.clip(a + 0.1 * random.standard_normal(a.shape), 0.0, 1.0)
@@ -256,32 +258,32 @@ def test_totals_whose_sum_is_below_one_are_refused():
 
 
 def test_few_changed_outputs_have_the_limits_of_a_binomial_fraction():
-    """No change in 64 rows, of outputs of which half differ: at most p/P(differ), (1 - p)^64 = (1 - confidence)/2."""
+    """No change in 64 rows bounds p by (1 - p)^64 = (1 - confidence)/2."""
     a, b = np.arange(64) % 2 * 1.0, np.arange(64) // 2 % 2 * 1.0
-    found = sobol_indices(np.array([a, b, a, b]))
+    indices = sobol_indices(np.array([a, b, a, b]))
     limit = 1.0 - (0.5 - 0.5 * sampling.CONFIDENCE) ** (1.0 / 64.0)
-    assert found.total_interval[:, 0] == pytest.approx([0.0, limit / 0.5], abs=1e-12)
-    assert found.first_interval[:, 0] == pytest.approx([0.0, limit / 0.5], abs=1e-12)
-    assert (found.first[0], found.total[0]) == (0.0, 0.0)
+    assert indices.total_interval[:, 0] == pytest.approx([0.0, limit / 0.5], abs=1e-12)
+    assert indices.first_interval[:, 0] == pytest.approx([0.0, limit / 0.5], abs=1e-12)
+    assert (indices.first[0], indices.total[0]) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("name", [TRUCK, IMPACT])
 def test_refused_indices_are_said_and_not_shown(name, monkeypatch, tmp_path, capsys):
-    """On the page, in the summary and on the terminal, where all points of B are those of A but for a little."""
-    drawn = sampling.sobol_points
+    """Page, summary and terminal report it for points of B near those of A."""
+    points_of = sampling.sobol_points
 
     def near(ranges, rows):
-        a, b = drawn(ranges, rows)
+        a, b = points_of(ranges, rows)
         return a, a + 0.1 * (b - a)
 
     monkeypatch.setattr(sampling, "sobol_points", near)
     assert (
         cli._status(["study", "uncertainty", name, "--samples", "288", "--out", str(tmp_path / "out")]) == 0
     )
-    said = " ".join(capsys.readouterr().out.split())
+    terminal = " ".join(capsys.readouterr().out.split())
     page = (tmp_path / "out" / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    for text in (said, page):
+    for text in (terminal, page):
         assert "Sobol indices are not determined: the sum of the total indices is 0.0" in text
         assert "Largest part of the variance" not in text
         assert "total Sobol index" not in text
@@ -329,7 +331,7 @@ def test_mixtures_take_one_input_from_the_second_table():
 
 
 def test_what_the_theory_refuses_is_counted_and_said(tmp_path, capsys):
-    """Friction from cot(phi) on does not turn the vehicle; a range from 0 to twice that is refused by half."""
+    """Half of a range from 0 to 2 cot(phi) does not rotate the vehicle."""
     phi = math.radians(15.0) + math.atan2(2.438, 10.0)
     limit, out = 1.0 / math.tan(phi), tmp_path / "out"
     arguments = ["--fix", "impact.angle", "--range", f"impact.friction=0:{2.0 * limit}", "--samples", "20000"]
@@ -342,12 +344,15 @@ def test_what_the_theory_refuses_is_counted_and_said(tmp_path, capsys):
     assert all((float(row["impact.friction"]) >= limit) == (row in refused) for row in rows[:500])
     assert len(refused) / len(rows) == pytest.approx(0.5, abs=1e-3)
     assert summary["refused"] / summary["combinations"] == pytest.approx(0.5, abs=1e-3)
-    left_out = summary["rows_left_out"] / summary["rows"]
-    assert left_out == pytest.approx(0.75, abs=5e-3)  # in A, in B or in both
+    omitted = summary["rows_left_out"] / summary["rows"]
+    assert omitted == pytest.approx(0.75, abs=5e-3)  # in A, in B or in both
     assert "impact.friction: given" in summary["first_refusal"]
     assert sum(summary["peak_force"]["histogram"]["counts"]) == len(rows) - len(refused)
-    said, page = capsys.readouterr().out, (out / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
-    for text in (said, page):
+    terminal, page = (
+        capsys.readouterr().out,
+        (out / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " "),
+    )
+    for text in (terminal, page):
         assert "50 % of them have no solution" in text.replace("\n", " ")
     assert "does not rotate the side of the vehicle" in page
 
@@ -365,8 +370,8 @@ def test_a_study_of_which_nothing_is_left_is_refused(tmp_path, capsys):
 def test_the_same_call_gives_the_same_files(tmp_path):
     folders = [tmp_path / "one", tmp_path / "two"]
     for folder in folders:
-        given = ["mash-tl3-car", "--samples", "2000", "--out", str(folder)]
-        assert cli._status(["study", "uncertainty", *given]) == 0
+        arguments = ["mash-tl3-car", "--samples", "2000", "--out", str(folder)]
+        assert cli._status(["study", "uncertainty", *arguments]) == 0
         files = {
             "report.html",
             "samples.csv",
@@ -394,41 +399,37 @@ def test_the_result_folder_has_the_scene_s_name(tmp_path, monkeypatch):
 
 
 def test_default_ranges():
-    """MASH: 2.5 mph, 1.5 deg; 110 lb for the pickup, 55 lb for the car; the truck's tolerance is not known."""
-    found = {item.key: item for item in uncertainty_ranges.corner_ranges(plan_of("mash-tl3-pickup"))}
+    """MASH allows 2.5 mph, 1.5 deg, 110 lb for the pickup, 55 lb for the car."""
+    ranges = {item.key: item for item in uncertainty_ranges.corner_ranges(plan_of("mash-tl3-pickup"))}
     expected = {"vehicle.mass": (4890 * POUND, 5110 * POUND), "impact.speed": (59.5 * MPH, 64.5 * MPH)}
     expected |= {"impact.angle": (23.5 * DEGREE, 26.5 * DEGREE), "impact.friction": (0.3, 0.6)}
     expected |= {"impact.restitution": (0.0, 0.4), "strike.duration": (0.08, 0.18)}
-    assert set(found) == set(expected)
+    assert set(ranges) == set(expected)
     for key, ends in expected.items():
-        assert (found[key].lower, found[key].upper) == pytest.approx(ends, rel=1e-12)
-    (mass,) = (
-        item
-        for item in uncertainty_ranges.corner_ranges(plan_of("mash-tl1-car"))
-        if item.key == "vehicle.mass"
-    )
+        assert (ranges[key].lower, ranges[key].upper) == pytest.approx(ends, rel=1e-12)
+    ranges_of_car = uncertainty_ranges.corner_ranges(plan_of("mash-tl1-car"))
+    (mass,) = (item for item in ranges_of_car if item.key == "vehicle.mass")
     assert (mass.lower / POUND, mass.upper / POUND) == pytest.approx((2365, 2475), rel=1e-12)
     assert "vehicle.mass" not in {item.key for item in uncertainty_ranges.corner_ranges(plan_of(TRUCK))}
 
 
 def test_only_what_the_force_depends_on_varies():
-    """[start] overrides Stage 1; without friction no coefficient counts."""
-    found = [item.key for item in uncertainty_ranges.corner_ranges(plan_of("paper-table-3"))]
-    assert found == ["impact.friction", "strike.duration"]
-    assert [item.key for item in uncertainty_ranges.corner_ranges(plan_of("paper-abaqus"))] == [
-        "strike.duration"
-    ]
+    """[start] overrides Stage 1, and a frictionless corner its coefficient."""
+    for scene, keys in (
+        ("paper-table-3", ["impact.friction", "strike.duration"]),
+        ("paper-abaqus", ["strike.duration"]),
+    ):
+        assert [item.key for item in uncertainty_ranges.corner_ranges(plan_of(scene))] == keys
 
 
 def test_given_ranges_take_units_and_replace_the_default():
-    given = ("impact.speed=50 mph:60 mph", "vehicle.length=30 ft:10 m", "impact.friction=0.2:0.5")
-    found = {
-        item.key: item for item in uncertainty_ranges.corner_ranges(plan_of(TRUCK), given, ("impact.angle",))
-    }
+    texts = ("impact.speed=50 mph:60 mph", "vehicle.length=30 ft:10 m", "impact.friction=0.2:0.5")
+    items = uncertainty_ranges.corner_ranges(plan_of(TRUCK), texts, ("impact.angle",))
+    ranges = {item.key: item for item in items}
     for key, ends in (("impact.speed", (50 * MPH, 60 * MPH)), ("vehicle.length", (9.144, 10.0))):
-        assert (found[key].lower, found[key].upper) == pytest.approx(ends)
-    assert found["impact.friction"] == Range("impact.friction", 0.2, 0.5, "", 0.47, "--range")
-    assert "impact.angle" not in found
+        assert (ranges[key].lower, ranges[key].upper) == pytest.approx(ends)
+    assert ranges["impact.friction"] == Range("impact.friction", 0.2, 0.5, "", 0.47, "--range")
+    assert "impact.angle" not in ranges
 
 
 WRONG = [
@@ -468,21 +469,21 @@ def test_a_default_range_that_does_not_fit_says_whose_it_is():
 
 
 def test_a_force_that_does_not_change_has_no_indices():
-    """[start] is the state after the impact, so that the speed, forced to vary here, has no effect."""
+    """[start] is the state after the impact, so the speed has no effect."""
     plan = CornerCase(*read_scene("paper-abaqus"))
     with pytest.raises(errors.InputError, match="constant within these ranges"):
         uncertainty_study.spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
 
 
 def test_bands_by_hand():
-    found = band_of(np.array([1.0, 2.0, 3.0, 4.0, 5.0, np.nan]))
-    assert (found.mean, found.percentiles[1]) == (3.0, 3.0)
-    assert found.standard_deviation == pytest.approx(math.sqrt(2.5), rel=1e-15)
-    assert (found.percentiles[0], found.percentiles[2]) == pytest.approx((1.2, 4.8), rel=1e-15)
-    assert found.fraction_below(3.0) == 0.4
-    band = band_of(np.append(np.arange(101.0), np.nan))
-    assert band.percentiles == (5.0, 50.0, 95.0)
-    assert band.standard_deviation == pytest.approx(math.sqrt(101.0 * 102.0 / 12.0), rel=1e-12)
+    small = band_of(np.array([1.0, 2.0, 3.0, 4.0, 5.0, np.nan]))
+    assert (small.mean, small.percentiles[1]) == (3.0, 3.0)
+    assert small.standard_deviation == pytest.approx(math.sqrt(2.5), rel=1e-15)
+    assert (small.percentiles[0], small.percentiles[2]) == pytest.approx((1.2, 4.8), rel=1e-15)
+    assert small.fraction_below(3.0) == 0.4
+    large = band_of(np.append(np.arange(101.0), np.nan))
+    assert large.percentiles == (5.0, 50.0, 95.0)
+    assert large.standard_deviation == pytest.approx(math.sqrt(101.0 * 102.0 / 12.0), rel=1e-12)
     table = band_of(np.array([[1.0, np.nan], [2.0, 3.0], [9.0, 9.0]]))
     assert table.values.tolist() == [1.0, 2.0, 3.0], "mixtures are not of the distribution"
 
@@ -497,7 +498,7 @@ def test_a_hundred_thousand_combinations_in_two_seconds():
 
 
 def test_more_rows_come_closer(complete):
-    """A quarter of the combinations agrees with the whole within its own intervals."""
+    """A quarter of the combinations agrees within its own intervals."""
     fewer = run(TRUCK, samples=25_000)
     assert fewer.rows * 4 == complete.rows
     low, high = indices(fewer, "first_order_interval").T
@@ -515,18 +516,21 @@ def test_an_unknown_study_lists_the_known_ones(capsys):
 
 
 def test_what_is_held_and_how_the_scene_s_own_force_compares(complete):
-    made = report(complete)
-    assert made.summary["held"] == ("vehicle.length", "vehicle.width", "vehicle.mass")
+    study_report = report(complete)
+    assert study_report.summary["held"] == ("vehicle.length", "vehicle.width", "vehicle.mass")
     below_own = np.mean(complete.samples["peak_force"] < complete.case.force.peak_force)
-    assert f"exceeds {100.0 * below_own:.0f} % of the samples" in made.page.headline.answer
-    nothing = {"peak_force": np.where(np.arange(complete.rows) < 0, 0.0, complete.tables["peak_force"])}
-    nothing["peak_force"][0] = np.nan
-    summary = report(replace(complete, tables=nothing)).summary
+    assert f"exceeds {100.0 * below_own:.0f} % of the samples" in study_report.page.headline.answer
+    tables = {"peak_force": np.where(np.arange(complete.rows) < 0, 0.0, complete.tables["peak_force"])}
+    tables["peak_force"][0] = np.nan
+    summary = report(replace(complete, tables=tables)).summary
     assert summary["rows_left_out"] == summary["refused"] == complete.rows
 
 
 def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass():
-    """F = v sqrt(k m) of a point mass, here too where the path is the same: k ~ v^2, k ~ m; T ~ sqrt(m/k)."""
+    """F = v sqrt(k m) and T ~ sqrt(m/k) where the path is equal.
+
+    The stiffness is in proportion to v^2 and to m.
+    """
     plan, ones = impact_of(), np.ones(3)
     faster, heavier = np.array([1.0, 1.3, 1.0]), np.array([1.0, 1.0, 1.7])
     inputs = {"impact.speed": 20.0 * faster, "vehicle.mass": 9000.0 * heavier}
@@ -545,7 +549,7 @@ def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass():
 
 
 def test_many_impacts_are_the_single_one():
-    """Against the one at a smaller step, with yaw inertia and centre of mass of their own."""
+    """Many impacts at a coarser step, with other inertia, match one."""
     vehicle = ("vehicle.centre_of_mass=4.6 m", "vehicle.yaw_inertia=80000 kg m^2")
     plan = impact_of(*vehicle, "contact.initial_force=20 kN")
     exact = answers.both_strikes(plan.answer)
@@ -556,9 +560,9 @@ def test_many_impacts_are_the_single_one():
 
 
 def test_rows_of_the_force_history_hold_impulse_and_mean():
-    given: dict[str, Any] = {"length": 10.0, "width": 2.438, "mass": 9979.0, "speed": 25.0}
-    given |= {"angle": 0.26, "friction": 0.47}
-    impacts = solve_impacts(**given, stiffness=np.array([[1e6, 2e6]]), restitution=0.22, interval=5e-4)
+    inputs: dict[str, Any] = {"length": 10.0, "width": 2.438, "mass": 9979.0, "speed": 25.0}
+    inputs |= {"angle": 0.26, "friction": 0.47}
+    impacts = solve_impacts(**inputs, stiffness=np.array([[1e6, 2e6]]), restitution=0.22, interval=5e-4)
     assert impacts.mean_force.shape[1:] == (1, 2)
     for force, k in zip(impacts.mean_force[:, 0].T, (1e6, 2e6), strict=True):
         vehicle = ImpactVehicle(10.0, 2.438, 9979.0)
@@ -571,11 +575,11 @@ def test_rows_of_the_force_history_hold_impulse_and_mean():
         assert moving_mean(padded, 5e-4, 0.05).max() == pytest.approx(mean, rel=1e-3)
     first = impacts.mean_force[: round(0.2 / 5e-4)].sum(axis=0) * 5e-4
     assert first == pytest.approx(impacts.impulse[0], rel=1e-9)
-    assert solve_impacts(**given, stiffness=1e6, restitution=0.2).mean_force.shape == (0,)
+    assert solve_impacts(**inputs, stiffness=1e6, restitution=0.2).mean_force.shape == (0,)
 
 
 def test_filtered_peaks_are_those_in_the_strike():
-    """A rectangle of 80 ms and 1 N, and 10 ms later one of 2 N: the mean of the first does not know the second."""
+    """A rectangle of 1 N for 80 ms, then one of 2 N after 10 ms."""
     force = np.zeros(400)
     force[100:180], force[190:300] = 1.0, 2.0
     curves = answers.filtered(force, 1e-3)
@@ -585,7 +589,7 @@ def test_filtered_peaks_are_those_in_the_strike():
 
 
 def test_the_shipped_truck_varies_what_is_not_known_of_it():
-    """Front and rear by themselves, within the ranges whose middles the scene takes, each with its origin."""
+    """Front and rear vary separately, about the middle values of the scene."""
     truck = impact_of(name="impact-mash-tl4-sut")
     ranges = {item.key: item for item in uncertainty_ranges.impact_ranges(truck)}
     expected = {f"contact{part}.plateau_force": (200e3, 500e3) for part in ("", ".rear")}
@@ -602,7 +606,7 @@ def test_the_shipped_truck_varies_what_is_not_known_of_it():
 
 
 def test_raw_and_filtered_forces_are_of_the_same_total():
-    """Both corners on their plateaus at once: the sum, which the force of one corner is not."""
+    """Both corners are on their plateaus at once."""
     changes = "contact.restitution=0.1", "contact.friction=0.3"
     truck = impact_of(*changes, name="impact-mash-tl4-sut")
     strikes = {strike.corner: strike for strike in truck.motion.strikes[:2]}
@@ -621,9 +625,9 @@ def test_stiffness_alone_has_all_of_the_variance():
     )
     ranges = uncertainty_ranges.impact_ranges(plan, (), fixed)
     assert [item.key for item in ranges] == ["contact.stiffness"]
-    found = uncertainty_study.spread(plan, ranges, 288)
+    study = uncertainty_study.spread(plan, ranges, 288)
     for name in ("strike_1.raw", "strike_2.mean_50ms", "strike_2.duration"):
-        (source,) = found.sources[name]
+        (source,) = study.sources[name]
         assert (source["first_order"], source["total"]) == pytest.approx((1.0, 1.0), abs=0.05)
 
 
@@ -643,19 +647,19 @@ def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
 
 
 def test_validation_uncertainty_by_hand():
-    """u_val^2 = 3^2 + 4^2 without u_D; E = 13 needs u_D = 12."""
+    """u_val^2 = 3^2 + 4^2 without u_D, and E = 13 requires u_D = 12."""
     band = replace(band_of(np.array([90.0, 100.0, 110.0])), standard_deviation=4.0)
     rows = (ForceRow("x", "made up", 0.1, force, (0.0, 0.0), (0.0, 0.0)) for force in (104.0, 87.0))
     near, far = (uncertainty_study.paper_row(row, "50 ms mean", 100.0, 3.0, band) for row in rows)
-    found = [near[name] for name in ("error", "within", "u_d_needed", "share_below")]
-    assert (found, (far["error"], far["within"])) == ([-4.0, True, 0.0, 2 / 3], (13.0, False))
+    of_near = [near[name] for name in ("error", "within", "u_d_needed", "share_below")]
+    assert (of_near, (far["error"], far["within"])) == ([-4.0, True, 0.0, 2 / 3], (13.0, False))
     assert (far["u_d_needed"], near["verdict"]) == (pytest.approx(12.0, rel=1e-14), "within u_val")
     assert "for u_D of at least" in far["verdict"]
 
 
 def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts):
-    assert [each["row"] for each in impacts.paper_rows] == [*"abcdef"] * 2
-    by_row = {each["row"]: each for each in impacts.paper_rows[:6]}
+    assert [row["row"] for row in impacts.paper_rows] == [*"abcdef"] * 2
+    by_row = {row["row"]: row for row in impacts.paper_rows[:6]}
     assert [by_row[name]["measured"] for name in "abcdef"] == [680e3, 595e3, 415e3, 351e3, 360e3, 375e3]
     assert len({by_row[name]["simulated"] for name in "acdef"}) == 1
     assert by_row["b"]["simulated"] > by_row["a"]["simulated"]
@@ -668,12 +672,12 @@ def test_another_test_level_has_no_rows():
 
 
 def test_curves_go_through_the_scenes_own_values(impacts):
-    keys = [each["key"] for each in impacts.curves]
+    keys = [curve["key"] for curve in impacts.curves]
     assert [curve["key"] for curve in uncertainty_study.input_curves(impacts.case)] == keys
-    for each in impacts.curves:
+    for curve in impacts.curves:
         for name in ("strike_1.raw", "strike_2.impulse"):
-            own = np.interp(each["own"], each["values"], each["columns"][name])
-            assert own == pytest.approx(impacts.nominal[name], rel=0.02), (each["key"], name)
+            interpolated = np.interp(curve["own"], curve["values"], curve["columns"][name])
+            assert interpolated == pytest.approx(impacts.nominal[name], rel=0.02), (curve["key"], name)
 
 
 def test_contacts_that_the_study_cannot_vary_are_refused(refused):
@@ -685,42 +689,42 @@ def test_contacts_that_the_study_cannot_vary_are_refused(refused):
 
 
 def test_ranges_that_make_no_impact_are_refused(tmp_path):
-    for given in ("impact.angle=0 deg:20 deg", "strike.duration=0.1:0.2", "contact.restitution=0.5:1.5"):
-        arguments = ["study", "uncertainty", IMPACT, "--range", given, "--out", str(tmp_path / "out")]
+    for text in ("impact.angle=0 deg:20 deg", "strike.duration=0.1:0.2", "contact.restitution=0.5:1.5"):
+        arguments = ["study", "uncertainty", IMPACT, "--range", text, "--out", str(tmp_path / "out")]
         assert cli._status(arguments) == 2
     assert not (tmp_path / "out").exists()
 
 
 def test_the_study_of_strikes_says_where_it_went(capsys):
     assert cli._status(["study", "strike", IMPACT]) == 2
-    said = capsys.readouterr().err
+    message = capsys.readouterr().err
     for study in ("uncertainty", "flexibility"):
-        assert f"study {study}" in said
+        assert f"study {study}" in message
 
 
 def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
-    made = report(impacts)
-    write_report(made, tmp_path)
+    study_report = report(impacts)
+    write_report(study_report, tmp_path)
     page = (tmp_path / "report.html").read_text()
     drawn = {path.stem for path in tmp_path.glob("*.svg")}
     assert {"bands", "sensitivity", "inputs-legend", "against-contact-friction"} <= drawn
     assert page.count("<svg") == len(drawn) == 4 + len(impacts.curves)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["own"] == pytest.approx(dict(impacts.nominal))
-    assert {each["u_d"] for each in summary["rows"]} == {None}
+    assert {row["u_d"] for row in summary["rows"]} == {None}
     with (tmp_path / "samples.csv").open() as file:
         assert len(list(csv.DictReader(file))) == 2 * impacts.rows
     with (tmp_path / "curves.csv").open() as file:
-        assert {line["input"] for line in csv.DictReader(file)} == {each["key"] for each in impacts.curves}
-    assert max(map(len, printed(made.terminal).splitlines())) <= 96
+        assert {line["input"] for line in csv.DictReader(file)} == {row["key"] for row in impacts.curves}
+    assert max(map(len, printed(study_report.terminal).splitlines())) <= 96
 
 
 def test_impacts_without_a_second_strike_are_told(impacts):
     tables = {name: table.copy() for name, table in impacts.tables.items()}
     tables["strike_2.impulse"][0, :3] = np.nan
-    found = replace(impacts, tables=tables)
-    assert found.band("strike_2.impulse").values.size == 2 * found.rows - 3
-    made = report(found)
-    assert made.summary["without_second_strike"] == 3
-    sentences = [text for part in made.page.sections for text in part.sentences]
+    study = replace(impacts, tables=tables)
+    assert study.band("strike_2.impulse").values.size == 2 * study.rows - 3
+    study_report = report(study)
+    assert study_report.summary["without_second_strike"] == 3
+    sentences = [text for part in study_report.page.sections for text in part.sentences]
     assert any("3 impacts have no second strike" in text for text in sentences)
