@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.figures import histories
-from postprocess.figures.positions import EDGE, SLOWER
+from postprocess.figures.positions import EDGE
+from postprocess.svg.marks import SLOWER
 from postprocess.svg.scales import Floats
 from postprocess.units import SI, Units
 
@@ -130,7 +131,7 @@ def _draw_views(figure: Any, views: Sequence[View], units: Units) -> list[tuple[
     from matplotlib.patches import Polygon
 
     length, unit = units.of("m")
-    bodies, spans = list[tuple[Any, Floats]](), [_frame(view) for view in views]
+    bodies, spans = list[tuple[Any, Floats]](), [frame_of(view) for view in views]
     shares = np.array([max(high[0] - low[0], 1e-9) for low, high in spans])
     wide = (RIGHT - LEFT - BETWEEN * (len(views) - 1)) * shares / shares.sum()
     for number, (view, (low, high)) in enumerate(zip(views, length * np.array(spans), strict=True)):
@@ -143,7 +144,9 @@ def _draw_views(figure: Any, views: Sequence[View], units: Units) -> list[tuple[
         if view.names[0]:
             axes.set_xlabel(f"{view.names[0]} [{unit}]")
         axes.grid(visible=False)
-        axes.add_patch(Polygon(_wall(length * view.face, low, high), color=WALL, alpha=0.6, linewidth=0))
+        axes.add_patch(
+            Polygon(wall_outline(length * view.face, low, high), color=WALL, alpha=0.6, linewidth=0)
+        )
         for outline in view.outlines:
             look: dict[str, Any] = {
                 "facecolor": to_rgba(BODY, view.fill),
@@ -156,7 +159,7 @@ def _draw_views(figure: Any, views: Sequence[View], units: Units) -> list[tuple[
     return bodies
 
 
-def _frame(view: View) -> tuple[Floats, Floats]:
+def frame_of(view: View) -> tuple[Floats, Floats]:
     """Return the lower and upper corner of a view [m]."""
     points = np.concatenate([outline.reshape(-1, 2) for outline in view.outlines])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -165,7 +168,7 @@ def _frame(view: View) -> tuple[Floats, Floats]:
     return low - EDGE, high + EDGE
 
 
-def _wall(face: Floats, low: Floats, high: Floats) -> Floats:
+def wall_outline(face: Floats, low: Floats, high: Floats) -> Floats:
     """Return the outline of the wall behind its face within a view."""
     if len(face) > 1:
         return np.array([*face, (low[0], face[-1, 1]), (low[0], face[0, 1])])

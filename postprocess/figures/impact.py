@@ -5,13 +5,14 @@ Forces, energies, crush, and contact along the side.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from postprocess.figures import histories
 from postprocess.svg import chart
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Boxes, Layer, Level, Line, Span, Swatch, look
+from postprocess.svg.marks import Boxes, Cursor, Layer, Level, Line, Span, Swatch, look
 from postprocess.svg.scales import Floats, Shades
 from postprocess.units import measure
 
@@ -31,6 +32,9 @@ LINES = {
     "mean_50ms": ("50 ms mean", "rigid", look(4) | {"width": 2.2}),
 }
 """Label, colour and look of each curve in the order of drawing."""
+
+SHOWN = ("raw", "mean_50ms")
+"""Curves that are shown at first."""
 
 LAYERS = ("difference", "rigid", "steel", "green", "violet", "soft", "red")
 
@@ -72,29 +76,53 @@ def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
     return tuple(spans)
 
 
+class Forces(NamedTuple):
+    """Filtered curves of one component of the force.
+
+    axis: its name; t [s], curves: by the names of `force_curves`, shape (n,) [N]; model: after the labels of curves.
+    """
+
+    axis: str
+    t: Floats
+    curves: Mapping[str, Floats]
+    model: str = ""
+
+    @property
+    def lines(self) -> list[Line]:
+        """Lines in kN; those outside of `SHOWN` and of a further model are shown on request."""
+        return [
+            Line(
+                label + self.model,
+                *histories.thinned(self.t, self.curves[key] / 1e3),
+                colour,
+                **style,
+                is_shown=not self.model and (key in SHOWN or len(self.curves) <= len(SHOWN)),
+            )
+            for key, (label, colour, style) in LINES.items()
+            if key in self.curves
+        ]
+
+
 def draw_forces(
-    name: str,
     caption: str,
-    t: Floats,
-    curves: Mapping[str, Floats],
+    components: Sequence[Forces],
     strikes: Strikes = (),
     levels: Mapping[str, float] | None = None,
-    width: float = chart.HALF,
+    motion: Floats | None = None,
 ) -> Chart:
-    """Draw filtered curves of one force, in kN.
+    """Draw filtered forces, components one below the other.
 
-    t [s]; curves: by the names of `force_curves`, shape (n,) [N]; levels: design forces by their names [N], drawn as
-    lines; width: of the chart [pixels].
+    Components with the same axis share a plot. levels: design forces of the first by their names [N], drawn as lines;
+    motion: instants of an animation beside the chart [s].
     """
-    stretches = histories.STRETCHES if width == chart.FULL else histories.FEW
-    lines = [
-        Line(label, *histories.thinned(t, curves[key] / 1e3, stretches), colour, **style)
-        for key, (label, colour, style) in LINES.items()
-        if key in curves
-    ]
     across = [Level(label, round(force / 1e3, 1)) for label, force in (levels or {}).items()]
-    plot = chart.Plot((*shaded(strikes), *across, *lines), chart.Axis("force on the wall [kN]"), 270.0)
-    return chart.draw_chart(name, caption, (plot,), START, "Force", width)
+    plots = list[chart.Plot]()
+    for axis in dict.fromkeys(component.axis for component in components):
+        lines = [line for component in components if component.axis == axis for line in component.lines]
+        front = [] if motion is None else [Cursor("", motion)]
+        drawn = (*shaded(strikes), *([] if plots else across), *lines, *front)
+        plots.append(chart.Plot(drawn, chart.Axis(f"{axis} [kN]"), 150.0 if plots else 270.0))
+    return chart.draw_chart("force", caption, plots, START, "Force", chart.FULL)
 
 
 def draw_curves(

@@ -13,15 +13,12 @@ import numpy as np
 from postprocess.figures.impact import StrikeMark, Strikes, corner_colour
 from postprocess.svg import chart
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import HOLD, Line, Mark, Moving, Outline, Swatch, Words, area, dot
+from postprocess.svg.marks import SLOWER, Line, Mark, Moving, Outline, Swatch, Words, area, dot
 from postprocess.svg.scales import Floats
 from postprocess.units import measure
 
 EDGE = 0.4
 """Margin about the drawing [m]."""
-
-SLOWER, MAX_POSES = 10.0, 61
-"""Duration of an animation over that of the motion, and number of its keyframes."""
 
 NAME = 0.04
 """Distance of the names of two instants that stand in one row, over the width of the chart.
@@ -65,7 +62,7 @@ def draw_positions(
     """Draw outlines at instants, later ones more opaque.
 
     outlines: shape (k, points, 2) [m]; instants [s]; strikes: drawn as bars below the face of the wall Y = 0; motion:
-    even instants [s] and outlines there, which are animated `SLOWER` times slower.
+    even instants [s] and outlines there, which are animated.
     """
     caption = "Positions of the vehicle, later ones more opaque"
     if strikes:
@@ -85,8 +82,8 @@ def draw_positions(
             ends[row] = x
         marks += _position(outline, instant, (number + 1) / len(outlines), high[1], row)
     if motion is not None:
-        t, moved = (of[np.unique(np.linspace(0, len(of) - 1, MAX_POSES).astype(int))] for of in motion)
-        marks.append(Moving("", moved[..., 0], moved[..., 1], SLOWER * float(np.ptp(t)) / (1.0 - HOLD)))
+        t, moved = motion
+        marks.append(Moving("", t, moved[..., 0], moved[..., 1]))
     for strike, row in zip(strikes, rows, strict=True):
         marks += _strike(strike, row, high[0])
     return plan_view(
@@ -138,7 +135,7 @@ def _strike(strike: StrikeMark, height: float, end: float) -> list[Mark]:
     """
     (first, last), near = sorted(strike.places), max(strike.places) > end - 3.5
     place, shift, anchor = (first, -6.0, "end") if near else (last, 6.0, "start")
-    text = f"{strike.corner} {strike.start:.3f} to {strike.end:.3f} s"
+    text = f"{strike.corner} {strike.start:.2f} s"
     colour = corner_colour(strike.corner)
     bar = Line("", np.array(strike.places), np.full(2, height), colour, 4.0)
     return [bar, Words(text, place, height, (shift, 3.5), anchor, colour)]

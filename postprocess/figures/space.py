@@ -12,11 +12,24 @@ from typing import NamedTuple
 import numpy as np
 
 from postprocess.figures import histories
-from postprocess.figures.animation import View
+from postprocess.figures.animation import View, frame_of, wall_outline
 from postprocess.figures.positions import arrow, plan_view
 from postprocess.svg import chart
 from postprocess.svg.chart import Axis, Chart
-from postprocess.svg.marks import Boxes, Level, Line, Mark, Outline, Swatch, Words, area, dot, look
+from postprocess.svg.marks import (
+    Boxes,
+    Cursor,
+    Level,
+    Line,
+    Mark,
+    Moving,
+    Outline,
+    Swatch,
+    Words,
+    area,
+    dot,
+    look,
+)
 from postprocess.svg.scales import Floats
 from postprocess.units import measure
 
@@ -282,16 +295,18 @@ def _force_marks(face: Floats, resultant: Resultant) -> list[Mark]:
 def draw_force_height(t: Floats, force: Floats, moment: Floats, levels: Mapping[str, float]) -> Chart:
     """Draw the lateral force and the height of its resultant over time.
 
-    t [s]; force [N] and moment [N m]: 50 ms means, shape (n,); levels: heights by name [m].
+    t: even instants [s], shape (n + 1,); force [N] and moment [N m]: 50 ms means, shape (n,); levels: heights by
+    name [m].
     """
+    cursor, t = Cursor("", t), t[1:]
     pressed = force > LEAST * force.max(initial=0.0)
     height = np.where(pressed, moment / np.where(pressed, force, 1.0), np.nan)
     forces = Line("50 ms mean", *histories.thinned(t, force / 1e3), "fe", 1.8)
     heights = Line("height", *_thinned_with_gaps(t, height), "fe", 1.8)
     lines = [Level(name, round(level, 3), "soft") for name, level in levels.items()]
     plots = (
-        chart.Plot((forces,), Axis("lateral force [kN]", low=0.0), 130.0, has_legend=False),
-        chart.Plot((*lines, heights), Axis("height of the resultant [m]", low=0.0), 130.0),
+        chart.Plot((forces, cursor), Axis("lateral force [kN]", low=0.0), 130.0, has_legend=False),
+        chart.Plot((*lines, heights, cursor), Axis("height of the resultant [m]", low=0.0), 130.0),
     )
     caption = (
         "50 ms mean of the lateral force on the wall, and height of its resultant where the force exceeds "
@@ -329,9 +344,8 @@ def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Ch
             )
             for unit in range(count)
         ]
-        plots.append(
-            chart.Plot(tuple(lines), Axis(label), 120.0 if name == "roll" else 70.0, has_legend=count > 1)
-        )
+        drawn = (*lines, Cursor("", history["t"]))
+        plots.append(chart.Plot(drawn, Axis(label), 120.0 if name == "roll" else 70.0, has_legend=count > 1))
     rows = np.array([wheels.index((lift.axle, lift.side)) for lift in lifts], dtype=float)
     times = np.array([(lift.start, lift.end) for lift in lifts]).reshape(-1, 2)
     texts = [f"{lift.end - lift.start:.3f} s" for lift in lifts]
@@ -366,3 +380,30 @@ def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
         View(elevation, vehicle.face, ("Y", "Z"), is_mirrored=True, fill=0.12),
         View(plan, np.zeros((1, 2)), ("X from G", "Y")),
     )
+
+
+def draw_films(vehicle: Vehicle, history: History) -> list[Chart]:
+    """Draw the motion from behind, and from above about the first unit, as animations."""
+    behind, above = film_views(vehicle, history)
+    captions = (
+        "Vehicle from behind, animated, ten times slower",
+        "Vehicle from above about its centre of mass, animated",
+    )
+    return [
+        _draw_film(name, caption, history["t"], view)
+        for name, caption, view in zip(
+            ("space_behind", "space_above"), captions, (behind, above), strict=True
+        )
+    ]
+
+
+def _draw_film(name: str, caption: str, t: Floats, view: View) -> Chart:
+    """Draw a view as an animation."""
+    low, high = frame_of(view)
+    wall = area(wall_outline(view.face, low, high), "grey", 0.25)
+    moving = [Moving("", t, outline[..., 0], outline[..., 1], fill=view.fill) for outline in view.outlines]
+    ends = (high[0], low[0]) if view.is_mirrored else (low[0], high[0])
+    plot = chart.Plot(
+        (wall, *moving), Axis(f"{view.names[1]} [m]", low[1], high[1]), None, "xy", has_grid=False
+    )
+    return chart.draw_chart(name, caption, (plot,), Axis(f"{view.names[0]} [m]", *ends), GROUP, WIDTH)

@@ -87,7 +87,7 @@ def draw_upright(walls: Floats, fractions: Floats, interval: Floats, wall: float
         ),
         Layer("95 % interval", walls, 100.0 * interval[0], 100.0 * interval[1], "ink", 0.2),
         Line("upright", walls, upright, "ink", 2.2),
-        Level(f"{100.0 * level:g} %", 100.0 * level, "ink"),
+        Level("", 100.0 * level, "ink"),
         Span("the scene", wall, wall, "ink"),
     ]
     plot = chart.Plot(tuple(marks), chart.Axis("fraction of the samples [%]", 0.0, 100.0), 220.0)

@@ -57,6 +57,11 @@ class Section:
         tables = any(table.rows for table in self.tables)
         return not (self.lead or self.figures or tables or self.sentences)
 
+    @property
+    def is_moving(self) -> bool:
+        """True if a figure is animated."""
+        return any(getattr(figure, "is_moving", False) for figure in self.figures)
+
     def in_units(self, units: Units) -> Section:
         """Return the section in other units."""
         return replace(

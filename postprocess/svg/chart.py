@@ -19,7 +19,7 @@ from typing import Literal
 import numpy as np
 
 from postprocess.svg import marks, scales
-from postprocess.svg.marks import Level, Mark, Moving, found_ranges
+from postprocess.svg.marks import Cursor, Level, Line, Mark, Moving, found_ranges
 from postprocess.units import SI, Units
 
 SIZE, SMALL = 12.0, 11.0
@@ -28,8 +28,11 @@ SIZE, SMALL = 12.0, 11.0
 FULL, HALF, PART = 1072.0, 520.0, 340.0
 """Widths of a chart alone, of one of two and of one of three side by side [pixels]."""
 
-HEAD, RIGHT, BARE, LEVEL_ROW = 26.0, 12.0, 4.0, 13.0
-"""Room above a plot, right of the plots, beside a bare axis, and per line of a level's name [pixels]."""
+HEAD, RIGHT, BARE = 26.0, 12.0, 4.0
+"""Room above a plot, right of the plots, and beside a bare axis [pixels]."""
+
+WIDEST = "−0.0"
+"""Widest text of the ticks of a plot of equal scales, whose height is not known before."""
 
 FOOT, ROW, GAP = 36.0, 16.0, 12.0
 """Room below the last plot, per row of words, and between keys [pixels]."""
@@ -121,9 +124,10 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
         for scale, plot in zip(scales, plots, strict=True)
     ]
     ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
-    start = 8.0 + max(marks.text_width(text, SMALL) for of_plot in ticks for _, text in of_plot or [(0, "")])
-    beside = [marks.text_width(line, SMALL) for plot in plots for _, lines in _levels(plot) for line in lines]
-    x_scale = replace(x_scale, start=start, end=width - max([RIGHT, *(8.0 + long for long in beside)]))
+    texts = [text for of_plot in ticks for _, text in of_plot]
+    texts += [WIDEST for plot, of_plot in zip(plots, ticks, strict=True) if plot.height is None and of_plot]
+    start = 8.0 + max((marks.text_width(text, SMALL) for text in texts), default=0.0)
+    x_scale = replace(x_scale, start=start, end=width - RIGHT)
     frames = []
     for plot, scale, marked in zip(plots, sized, ticks, strict=True):
         equal_height = (x_scale.end - x_scale.start) * abs(
@@ -137,10 +141,10 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
 
 
 def _below_names(plot: Plot, scale: scales.Scale) -> scales.Scale:
-    """Extend a scale so that curves stay below the names of spans."""
-    rows = max(
-        (mark.row + 1 for mark in plot.marks if isinstance(mark, marks.Span) and mark.label), default=0
-    )
+    """Extend a scale so that curves stay below the names of spans, and levels with their names too."""
+    spans = [mark for mark in plot.marks if isinstance(mark, marks.Span) and mark.label]
+    rows = max((mark.row + 1 for mark in spans), default=0)
+    rows += any(isinstance(mark, Level) for mark in plot.marks)
     if plot.height is None or scale.is_log or not rows:
         return scale
     part = (SMALL * rows + 3.0) / plot.height
@@ -185,40 +189,29 @@ def _stroked(opening: str, colour: str) -> str:
     return marks.coloured(f'{opening} stroke="currentColor" stroke-width="0.8"/>', colour)
 
 
-def _levels(plot: Plot) -> list[tuple[Level, list[str]]]:
-    """Return the levels and texts in rising order."""
-    levels = sorted((mark for mark in plot.marks if isinstance(mark, Level)), key=lambda level: level.value)
-    values = [f"{level.value:.4g} {plot.y.unit}".rstrip() for level in levels]
-    return [
-        (level, [level.label, value] if level.label else [value])
-        for level, value in zip(levels, values, strict=True)
-    ]
-
-
 def _level_names(frame: Frame) -> str:
-    """Return the names of levels beside the plot.
+    """Return the names of levels at the right end of their lines, above or below.
 
-    Each stands at its line, or as near as other names and the ends of the plot allow.
+    Where other names leave no room they stand further to the left.
     """
-    levels = _levels(frame.plot)[::-1]
-    rooms = [LEVEL_ROW * len(lines) for _, lines in levels]
-    places, end = [], frame.y.end - 5.0
-    for (level, _), room in zip(levels, rooms, strict=True):
-        end = max(float(frame.y.at(level.value)) + 3.0, end + room)
-        places.append(end)
-    end = frame.y.start + 3.0
-    for number in reversed(range(len(levels))):
-        places[number] = min(places[number], end)
-        end = places[number] - rooms[number]
-    drawn = []
-    for (level, lines), place in zip(levels, places, strict=True):
-        names = [
-            marks.words(line, frame.x.end + 5.0, place - LEVEL_ROW * row, size=SMALL)
-            for row, line in enumerate(reversed(lines))
-        ]
-        at = float(frame.y.at(level.value))
-        drawn.append(f'<g data-at="{at:.2f}">{marks.coloured("".join(names), level.colour)}</g>')
+    levels = [mark for mark in frame.plot.marks if isinstance(mark, Level)]
+    placed, drawn = list[tuple[float, float, float]](), []
+    for level in sorted(levels, key=lambda level: -level.value):
+        text = " ".join(filter(None, (level.label, f"{level.value:.4g}", frame.plot.y.unit)))
+        wide, line = marks.text_width(text, SMALL), float(frame.y.at(level.value))
+        ends = [frame.x.end - 4.0, *(start - 8.0 for start, _, _ in placed)]
+        sides = [down for down in (line - 3.0, line + SMALL) if frame.y.end + 8.0 < down <= frame.y.start]
+        places = [(end - wide, end, down) for end in ends for down in sides or [line - 3.0]]
+        place = next(place for place in places if all(_is_clear(place, other) for other in placed))
+        placed.append(place)
+        name = marks.words(text, place[1], place[2], "end", SMALL, marks.HALO)
+        drawn.append(f'<g data-at="{line:.2f}">{marks.coloured(name, level.colour)}</g>')
     return "".join(drawn)
+
+
+def _is_clear(one: tuple[float, float, float], other: tuple[float, float, float]) -> bool:
+    """True if two names, each with start, end and height, do not overlap."""
+    return one[1] < other[0] or other[1] < one[0] or abs(one[2] - other[2]) >= SMALL
 
 
 @dataclass(frozen=True)
@@ -249,7 +242,7 @@ class Chart:
     @property
     def is_moving(self) -> bool:
         """True if the chart is animated."""
-        return any(isinstance(mark, Moving) for plot in self.plots for mark in plot.marks)
+        return any(isinstance(mark, Moving | Cursor) for plot in self.plots for mark in plot.marks)
 
     def in_units(self, units: Units) -> Chart:
         """Return the chart in other units."""
@@ -339,14 +332,16 @@ def _legend(plot: Plot, width: float) -> tuple[str, float]:
         return "", 0.0
     across, row, keys = 0.0, 0, []
     for label, mark in labelled_marks.items():
+        is_shown = not isinstance(mark, Line) or mark.is_shown
         wide = marks.KEY + 6.0 + marks.text_width(label, SMALL)
-        if across and across + wide > width:
+        if across and across + wide > width and is_shown:
             across, row = 0.0, row + 1
         text = marks.words(label, marks.KEY + 5.0, 9.0, size=SMALL)
         place = f'transform="translate({across:.1f} {row * ROW + 2.0:.1f})"'
-        key = f'<g class="key" {marks.labelled(label)}data-width="{wide:.1f}" {place}>'
+        hidden = "" if is_shown else ' style="display:none"'
+        key = f'<g class="key" {marks.labelled(label)}data-width="{wide:.1f}" {place}{hidden}>'
         keys.append(key + mark.key() + marks.coloured(text, "ink") + "</g>")
-        across += wide + GAP
+        across += (wide + GAP) * is_shown
     return "".join(keys), (row + 1) * ROW + 2.0
 
 

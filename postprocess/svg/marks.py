@@ -14,6 +14,7 @@ from itertools import compress, pairwise
 from typing import ClassVar, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
 from postprocess.svg.scales import Floats, Range, Scale, extent
 from postprocess.units import SI
@@ -52,8 +53,8 @@ DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 3", "5 2 1 2", "4 4", "1 5")
 
 WIDTHS = (3.0, 2.2, 1.7, 1.4)
 
-HOLD = 0.12
-"""Fraction of an animation during which the body rests at its end."""
+SLOWER, MAX_FRAMES, HOLD = 10.0, 121, 0.12
+"""Duration of an animation over that of the motion, number of its frames, and part of it that holds the last one."""
 
 SMALL_BOX = 9.0
 """Size below which boxes are drawn without gaps [pixels]."""
@@ -78,10 +79,11 @@ def path(places: Floats) -> str:
     return "".join(pieces)
 
 
-def coloured(elements: str, colour: str) -> str:
+def coloured(elements: str, colour: str, is_shown: bool = True) -> str:
     """Return a group of elements in this colour."""
     name = f'class="{colour}" ' if colour in PALETTE else ""
-    return f'<g {name}color="{PALETTE.get(colour, colour)}" fill="currentColor">{elements}</g>'
+    hidden = "" if is_shown else ' style="display:none"'
+    return f'<g {name}color="{PALETTE.get(colour, colour)}" fill="currentColor"{hidden}>{elements}</g>'
 
 
 def words(text: str, x: float, y: float, anchor: str = "start", size: float = 12.0, more: str = "") -> str:
@@ -172,7 +174,8 @@ class Line(Mark):
     """Line through points, shape (n,).
 
     It has gaps where they are not finite. Its samples are `values`, by default y, at `at`, by default x. A width of 0
-    draws points alone; dots is their radius. Points with `at` have it as their title.
+    draws points alone; dots is their radius. Points with `at` have it as their title. is_shown: False if it is shown
+    on request.
     """
 
     label: str
@@ -184,6 +187,7 @@ class Line(Mark):
     dots: float = 0.0
     values: Sequence[str] | Sequence[float] = ()
     at: Sequence[str] = ()
+    is_shown: bool = True
 
     def draw(self, x: Scale, y: Scale) -> str:
         """Return a path and its points.
@@ -201,7 +205,7 @@ class Line(Mark):
             )
         elif self.dots and self.width:
             elements += f'<path d="{"".join(dots)}"{self._dots()}/>'
-        return coloured(elements, self.colour)
+        return coloured(elements, self.colour, self.is_shown)
 
     def samples(self, x: Scale, y: Scale) -> Samples:
         """Return places and values of the points that are drawn."""
@@ -302,42 +306,69 @@ def found_ranges(marks: Sequence[Mark]) -> tuple[Range, Range]:
     return (float(low_x), float(high_x)), (float(low_y), float(high_y))
 
 
+def film_rows(t: Floats) -> NDArray[np.intp]:
+    """Return the rows of the instants that an animation shows, shape (frames,)."""
+    return np.unique(np.linspace(0, len(t) - 1, MAX_FRAMES).astype(int))
+
+
+def animated(elements: str, travel: float, t: Floats) -> str:
+    """Return elements that CSS moves along x in one step for each frame, over and over.
+
+    travel: distance [pixels]; t: instants [s]. Without animation the elements are at the end, as on paper and for
+    readers who prefer reduced motion. Pages can pause it.
+    """
+    style = (
+        f"@keyframes motion{{from{{transform:none}}{100.0 * (1.0 - HOLD):g}%,to{{transform:translateX(var(--shift))}}}}"
+        ".moving{transform:translateX(var(--shift));animation:motion var(--time) infinite}"
+        "@media print,(prefers-reduced-motion:reduce){.moving{animation:none}}"
+    )
+    variables = f"--shift:{travel:.2f}px;--time:{SLOWER * float(np.ptp(t)) / (1.0 - HOLD):.3g}s"
+    steps = f"animation-timing-function:steps({len(film_rows(t)) - 1})"
+    return f'<style>{style}</style><g class="moving" style="{variables};{steps}">{elements}</g>'
+
+
 @dataclass(frozen=True)
 class Moving(Mark):
-    """Closed polygon in rigid motion, in a plot of equal scales.
+    """Closed polygon, of which an animation shows one instant at a time.
 
-    x, y: corners at even instants, shape (instants, points); seconds: duration of one run. CSS alone animates it: it
-    stands still for readers who prefer reduced motion, and pages can pause it.
+    t: even instants [s], shape (n,); x, y: corners, shape (n, points). The instants stand side by side, and pass behind
+    the plot as behind a window.
     """
 
     label: str
+    t: Floats
     x: Floats
     y: Floats
-    seconds: float
     colour: str = "fe"
+    fill: float = 0.45
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """Return the polygon and its keyframes.
+        """Return the chosen instants in a window."""
+        wide, rows = x.end - x.start, film_rows(self.t)
+        places = np.stack([x.at(self.x[rows]) - x.start, y.at(self.y[rows]) - y.end], axis=-1)
+        places[..., 0] += wide * np.arange(rows.size)[:, None]
+        edges = "".join(f"{path(place)}Z" for place in places)
+        shapes = f'<path d="{edges}" fill-opacity="{self.fill:g}" stroke="currentColor" stroke-width="1.2"/>'
+        window = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{wide:.2f}" height="{y.start - y.end:.2f}"'
+        film = animated(shapes, wide * (1 - rows.size), self.t)
+        return coloured(f"<svg {window}>{film}</svg>", self.colour)
 
-        They hold position of the first corner and rotation.
-        """
-        across, down = x.at(self.x), y.at(self.y)
-        angle = np.unwrap(np.arctan2(down[:, 1] - down[:, 0], across[:, 1] - across[:, 0]))
-        turns = [
-            f"transform:translate({a:.1f}px,{b:.1f}px) rotate({turn:.4f}rad)"
-            for a, b, turn in zip(across[:, 0], down[:, 0], angle - angle[0], strict=True)
-        ]
-        times = [*np.linspace(0.0, 100.0 * (1.0 - HOLD), len(turns)), 100.0]
-        frames = "".join(f"{t:.2f}%{{{turn}}}" for t, turn in zip(times, [*turns, turns[-1]], strict=True))
-        style = (
-            f"@keyframes motion{{{frames}}}.moving{{{turns[-1]};animation:motion {self.seconds:.3g}s linear infinite}}"
-            "@media (prefers-reduced-motion:reduce){.moving{animation:none}}"
-        )
-        edge = path(np.stack([across[0] - across[0, 0], down[0] - down[0, 0]], axis=-1))
-        shape = (
-            f'<path class="moving" d="{edge}Z" fill-opacity="0.45" stroke="currentColor" stroke-width="1.5"/>'
-        )
-        return f"<style>{style}</style>{coloured(shape, self.colour)}"
+
+@dataclass(frozen=True)
+class Cursor(Mark):
+    """Line across a plot over time, at the instant that `Moving` marks of the same instants show."""
+
+    ACROSS = ("t",)
+    UP = ()
+    label: str
+    t: Floats
+    colour: str = "ink"
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """Return the line."""
+        start, end = x.at(self.t[[0, -1]])
+        line = f'<path d="M{start:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-width="1.5"/>'
+        return coloured(animated(line, end - start, self.t), self.colour)
 
 
 @dataclass(frozen=True)

@@ -46,30 +46,46 @@ const setTicks = (holder, attribute, ticks, shift) => holder.replaceChildren(...
 const plotOf = (element) => {
   const { box, x, y, scales, nearest, quantity, fixed } = element.dataset, [left, top, right, bottom] = numbers(box);
   const [across, up] = scales.split(" "), plot = { element, top, right, bottom, nearest, quantity, fixed };
-  const parts = all(element, ".marks path:not(.moving), .marks text").map((node) =>
+  const parts = all(element, ".marks path:not(.moving path), .marks text").map((node) =>
     ({ node, path: node.getAttribute("d"), at: ["x", "y"].map((name) => +node.getAttribute(name)) }));
   const lines = parts.filter(({ node, path }) => path && node.dataset.label).map(({ node, path }) => {
     const home = path.match(/[ML]-?[\d.]+ -?[\d.]+/g).map((point) => numbers(point.slice(1)));
-    return { plot, node, label: node.dataset.label, isOn: true, home, places: home };
+    return { plot, node, label: node.dataset.label, isOn: node.parentNode.style.display !== "none", home, places: home };
   });
   return Object.assign(plot, { parts, lines, x: axisOf(x, across, left, right), y: axisOf(y, up, bottom, top) });
 };
-const drawPlot = ({ element, parts, lines, x, y, top, right, bottom }) => {
-  const [across, down, [start, end]] = [shownAt(x), shownAt(y), x.place];
+/* Words of a narrow drawing stay inside of it, and those that would cover earlier ones are not shown. */
+const separate = (element) => {
+  const { left, right } = element.ownerSVGElement.getBoundingClientRect(), seen = [];
+  all(element, ".marks text").forEach((node) => {
+    node.style.display = "";
+    const box = node.getBoundingClientRect(), shift = Math.max(0, left - box.left) - Math.max(0, box.right - right);
+    const [start, end] = [box.left + shift, box.right + shift];
+    node.setAttribute("x", +node.getAttribute("x") + shift);
+    const isFree = seen.every((other) => end < other[0] || start > other[1] || box.top > other[3] - 2 || box.bottom < other[2] + 2);
+    if (isFree) seen.push([start, end, box.top, box.bottom]);
+    else node.style.display = "none";
+  });
+};
+const drawPlot = ({ element, parts, lines, x, y, top, right }) => {
+  const [across, down, [start, end], [bottom]] = [shownAt(x), shownAt(y), x.place, y.place];
   const moved = (path) => path.replace(/([MLHV])(-?[\d.]+)(?: (-?[\d.]+))?/g, (_, kind, a, b) =>
     kind + (kind === "V" ? down(a) : across(a)).toFixed(2) + (b === undefined ? "" : ` ${down(b).toFixed(2)}`));
   parts.forEach(({ node, path, at: [a, b] }) => set(node, path ? { d: moved(path) } : { x: across(a), y: down(b) }));
   all(element, ".beside > g").forEach((name) => {
     const at = Number(name.dataset.at), height = down(at);
-    set(name, { transform: `translate(${end - right} ${height - at})` });
-    name.style.display = height < top - 1 || height > bottom + 1 ? "none" : "";
+    set(name, { transform: `translate(${end - right} ${height - at})` }).style.display = "";
+    const isCut = name.getBoundingClientRect().left < element.ownerSVGElement.getBoundingClientRect().left;
+    name.style.display = isCut || height < top - 1 || height > bottom + 1 ? "none" : "";
   });
   lines.forEach((line) => (line.places = line.home.map(([a, b]) => [across(a), down(b)])));
   const isWhole = [x, y].every(({ from, to, seen }) => seen[0] === from && seen[1] === to);
   const corners = [[start, top], [end, top], [end, bottom], [start, bottom]].map(([a, b]) => `${a}px ${b}px`);
   element.querySelector(".marks").style.clipPath = isWhole ? "" : `polygon(${corners}) view-box`;
-  element.querySelector(".moving")?.style.setProperty("display", isWhole ? "" : "none");
-  element.querySelector(".frame")?.setAttribute("width", end - start);
+  const [left, above] = [across(0), down(0)], matrix = [across(1) - left, 0, 0, down(1) - above, left, above];
+  all(element, ".moving").forEach((node) => set(node.closest("g:not(.moving)"), { transform: `matrix(${matrix})` }));
+  if (element.querySelector(".frame")) set(element.querySelector(".frame"), { width: end - start, height: bottom - top });
+  if (matrix[0] < 1 && isWhole) separate(element);
   const holder = element.querySelector(".ticks g");
   if (y.scale === "named" || !holder.childElementCount) return;
   const ticks = ticksOf(y, 26);
@@ -114,16 +130,18 @@ const chartOf = (svg) => {
     setTicks(holder, "x", ticks, 0);
     set(axis.querySelector("path"), { d: ticks.map(([at]) => `M${at} ${last.bottom}v3`).join("") });
   };
-  /* As wide as its place, if that is narrower than the chart; the keys stand above it as buttons. */
-  const isFixed = plots.some(({ fixed, x }) => fixed || x.scale === "named");
+  /* As wide as its place, drawings to scale at most as wide as drawn; the keys stand above it as buttons. */
+  const isFixed = plots.some(({ fixed, x }) => fixed === "wide" || (x.scale === "named" && fixed !== "equal")), isEqual = last.fixed === "equal";
   let drawnWide = 0;
-  const room = () => (isFixed ? width : Math.min(width, figure.clientWidth));
+  const room = () => (isFixed ? width : Math.min(isEqual ? width : Infinity, figure.clientWidth));
   const fit = (wide) => {
-    if (!wide || !lines.length || wide === drawnWide) return;
+    if (!wide || wide === drawnWide) return;
     drawnWide = wide;
-    set(svg, { viewBox: `0 ${top} ${wide} ${height - top}`, width: wide, height: height - top });
+    const narrower = (wide - width) / (last.right - last.x.from), lower = isEqual ? narrower * (last.bottom - last.top) : 0;
+    set(svg, { viewBox: `0 ${top} ${wide} ${height - top + lower}`, width: wide, height: height - top + lower });
     svg.closest(".large")?.classList.toggle("fitted", !isFixed);
-    plots.forEach(({ x, right }) => (x.place = [x.from, right + wide - width]));
+    plots.forEach(({ x, y, right }) => Object.assign(x, { place: [x.from, right + wide - width] }) && (y.place = [y.from + lower, y.to]));
+    set(axis, { transform: `translate(0 ${lower})` });
     if (!isFixed) draw();
   };
   const reset = () => {
@@ -147,7 +165,7 @@ const chartOf = (svg) => {
       column += 1;
     });
   };
-  const plotAt = ([x, y]) => plots.find((plot) => x >= plot.x.place[0] && x <= plot.x.place[1] && y >= plot.top && y <= plot.bottom);
+  const plotAt = ([x, y]) => plots.find((plot) => x >= plot.x.place[0] && x <= plot.x.place[1] && y >= plot.top && y <= plot.y.place[0]);
   const show = ([x, y], reader) => {
     clear();
     if (!csv || !lines.length || !plotAt([x, y])) return;
@@ -156,7 +174,7 @@ const chartOf = (svg) => {
     if (!line) return;
     const rows = [[said(line.table[0][0], line.table[i + 1][0]).filter(Boolean).join(" ")]];
     found.forEach((near) => near.forEach(([each, n], k) => {
-      const [a, b] = each.places[n], { quantity, nearest, top, bottom, y: { ends } } = each.plot;
+      const [a, b] = each.places[n], { quantity, nearest, top, y: { ends, place: [bottom] } } = each.plot;
       if (!k && quantity) rows.push([quantity.replace(/ \[.*/, "")]);
       const value = said(each.table[0][1], each.table[n + 1][1], 1e-6 * Math.abs(ends[1] - ends[0]))[1];
       rows.push([`${each.label} ${value}`, getComputedStyle(each.node).color]);
@@ -170,7 +188,7 @@ const chartOf = (svg) => {
       return row;
     }));
     [note.hidden, note.ariaLive] = [false, reader ? "polite" : "off"];
-    const foot = new DOMPoint(x, last.bottom + 4).matrixTransform(svg.getScreenCTM()), around = figure.getBoundingClientRect();
+    const foot = new DOMPoint(x, last.y.place[0] + 4).matrixTransform(svg.getScreenCTM()), around = figure.getBoundingClientRect();
     note.style.left = `${Math.max(0, Math.min(foot.x - around.left - note.offsetWidth / 2, around.width - note.offsetWidth))}px`;
     note.style.top = `${foot.y - around.top}px`;
   };
@@ -225,13 +243,13 @@ const charts = all(document, "svg.chart").map(chartOf);
 /* Keys of the lines as buttons; those of a legend that has no lines are of all charts of its section. */
 charts.forEach(({ svg, section, lines }) => {
   const reach = lines.length ? lines : charts.filter((other) => other.section === section).flatMap((other) => other.lines);
-  if (!reach.length) return;
   const row = document.createElement("div");
   row.className = "keys";
   all(svg, ".key").forEach((key) => {
-    const { label, width } = key.dataset, own = reach.filter((line) => line.label === label), button = document.createElement("button");
-    add(button, "svg", { width, height: 14 }).append(...[...key.cloneNode(true).childNodes]);
-    set(button, { type: "button", "aria-pressed": true, "aria-label": label }).disabled = !own.length;
+    const { label, width } = key.dataset, own = reach.filter((line) => line.label === label);
+    const button = document.createElement(own.length ? "button" : "span");
+    add(button, "svg", { width, height: 14, "aria-hidden": true }).append(...[...key.cloneNode(true).childNodes]);
+    if (own.length) set(button, { type: "button", "aria-pressed": own[0].isOn, "aria-label": label });
     button.addEventListener("click", () => own.forEach((line) => {
       line.isOn = !line.isOn;
       line.node.parentNode.style.display = line.isOn ? "" : "none";
@@ -247,6 +265,7 @@ const observer = new ResizeObserver(() => {
   charts.forEach(({ fit }, i) => fit(rooms[i]));
 });
 all(document, "main").forEach((main) => observer.observe(main));
+document.getAnimations().forEach((each) => (each.startTime = document.timeline.currentTime));
 
 const unfold = (id) => document.getElementById(id)?.querySelectorAll("details").forEach((part) => (part.open = true));
 document.querySelectorAll("nav a").forEach((link) => link.addEventListener("click", () => unfold(link.hash.slice(1))));

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.figures.impact import StrikeMark, draw_forces
+from postprocess.figures.impact import Forces, StrikeMark, draw_forces
 from postprocess.report.tables import Table
 from postprocess.signals.filters import force_curves
-from postprocess.svg.chart import FULL, Chart
+from postprocess.svg.chart import Chart
 from tailslap.case.report_parts import design_forces_of, design_table, short, strikes_table
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def force_chart(case: Any) -> Chart:
     level = case.scene.impact.test_level if case.scene.impact else None
     levels = {name: design.force for name, design in design_forces_of(level).items()}
     caption = "Lateral force on the wall, rigid vehicle" + ("; lines across: design forces" if levels else "")
-    return draw_forces("force", caption, t, curves, strikes, levels, FULL)
+    return draw_forces(caption, [Forces("force on the wall", t, curves)], strikes, levels)
 
 
 def _impact(case: RigidImpact) -> Curves:

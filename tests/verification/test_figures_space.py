@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from postprocess.figures import animation, space
-from postprocess.svg.marks import Boxes, Level, Line, Outline, Words
+from postprocess.svg.marks import Boxes, Level, Line, Moving, Outline, Words
 from postprocess.units import SI
 
 UNIT = space.Unit(length=10.0, width=2.4, mass=10000.0, centre=4.0, centre_height=1.5, low=0.5, top=2.7)
@@ -139,7 +139,7 @@ def test_the_plan_has_units_wall_and_direction():
 
 
 def test_the_height_is_the_moment_over_the_force_above_five_percent():
-    t, none = np.linspace(0.0, 0.4, 5), np.zeros(5)
+    t, none = np.linspace(0.0, 0.5, 6), np.zeros(5)
     force = np.array([0.0, 100e3, 4.9e3, 5.1e3, 50e3])
     chart = space.draw_force_height(t, force, force * np.array([9.0, 0.8, 9.0, 0.7, 0.6]), {"wall": 0.9})
     (height,) = marks(chart, Line, 1)
@@ -189,6 +189,10 @@ def test_an_animation_has_both_views(tmp_path):
     corners = space.box(VEHICLE, h, 0)
     assert behind.outlines[4] == pytest.approx(corners[:, :4, 1:])
     assert above.outlines[0][:, 0, 0] == pytest.approx(-6.0)
+    films = space.draw_films(VEHICLE, h)
+    drawn = [[mark.y for mark in marks(film, Moving)] for film in films]
+    assert [len(each) for each in drawn] == [len(behind.outlines), len(above.outlines)]
+    np.testing.assert_array_equal(drawn[0][4], behind.outlines[4][..., 1])
     assert behind.is_mirrored
     assert behind.face is FACE
     path = animation.write_animation(tmp_path / "space.gif", h["t"], (behind, above), 1e5 * h["t"])

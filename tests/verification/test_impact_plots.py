@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from postprocess.figures import animation, impact, positions
-from postprocess.svg.marks import Words
+from postprocess.svg.marks import HOLD, MAX_FRAMES, SLOWER, Line, Words
 
 T = np.linspace(0.0, 0.5, 5001)
 STRIKES = (
@@ -53,7 +53,7 @@ def test_positions_name_instants_and_strikes():
     x, y, theta = np.array([0.0, 2.0, 5.0]), np.array([2.4, 1.5, 1.2]), np.array([0.26, 0.1, 0.0])
     outlines = positions.vehicle_outlines(x, y, theta, 10.0, 2.4, 5.0)
     curve = positions.draw_positions(outlines, (0.0, 0.1, 0.25), STRIKES)
-    shown = {"0.00 s", "0.10 s", "0.25 s", "front 0.000 to 0.080 s", "rear 0.290 to 0.360 s"}
+    shown = {"0.00 s", "0.10 s", "0.25 s", "front 0.00 s", "rear 0.29 s"}
     assert shown <= set(texts(curve.svg))
 
 
@@ -65,28 +65,73 @@ def test_positions_keep_their_scale():
     assert sides[0] / sides[1] == pytest.approx(4.0, rel=1e-4)
 
 
-def test_what_moves_ends_where_the_last_outline_is():
-    """Rotated by 0.3 rad about its first corner and displaced by 4 m in 0.5 s; by CSS, which readers can disable."""
-    t, x = np.linspace(0.0, 0.5, 200), np.linspace(0.0, 4.0, 200)
+def frames(svg, wide):
+    """Corners of an animated polygon in each frame from the strip of all, shape (frames, points, 2) [pixels]."""
+    strip = found(r'class="moving".*?<path d="([^"]*)Z" fill', svg).split("Z")
+    corners = np.array([[pair.split() for pair in frame[1:].split("L")] for frame in strip], float)
+    corners[..., 0] -= wide * np.arange(len(corners))[:, None]
+    return corners
+
+
+@pytest.mark.parametrize("rows", [40, 500])
+def test_the_animation_shows_each_instant_where_the_vehicle_was(rows):
+    """Rotated by 0.3 rad and displaced by 4 m; the strip of frames ends where the last outline is drawn."""
+    t, x = np.linspace(0.0, 0.5, rows), np.linspace(0.0, 4.0, rows)
     every = positions.vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
     chart = positions.draw_positions(every[[0, -1]], t[[0, -1]].tolist(), motion=(t, every))
-    place = r"translate\(([-\d.]+)px,([-\d.]+)px\) rotate\(([-\d.]+)rad\)"
-    frames = np.array(re.findall(rf"[\d.]+%\{{transform:{place}\}}", chart.svg), float)
-    assert len(frames) == positions.MAX_POSES + 1
-    assert frames[0, 2] == 0.0
-    assert frames[-1, 2] == pytest.approx(-0.3, abs=1e-3), (
-        "the front comes away from the wall: y points down here"
-    )
-    drawn = re.findall(r'class="moving" d="M([^"]*)Z"', chart.svg)[0]
-    corners = np.array([corner.split() for corner in drawn.split("L")], float) @ [1.0, 1.0j]
-    moved = corners * np.exp(1j * frames[-1, 2]) + frames[-1, 0] + 1j * frames[-1, 1]
-    last = re.findall(r'<path data-label="0.50 s" d="M([^"]*)Z"', chart.svg)[0]
-    expected = np.array([corner.split() for corner in last.split("L")], float) @ [1.0, 1.0j]
-    np.testing.assert_allclose(moved, expected, atol=0.1)
-    assert "prefers-reduced-motion:reduce){.moving{animation:none}}" in chart.svg
-    assert f"animation:motion {positions.SLOWER * 0.5 / 0.88:.3g}s linear infinite" in chart.svg
+    left, top, right, _ = map(float, found(r'data-box="([^"]*)"', chart.svg).split())
+    shown = frames(chart.svg, right - left) + np.array([left, top])
+    assert len(shown) == min(rows, MAX_FRAMES)
+    for instant, corners in (("0.00 s", shown[0]), ("0.50 s", shown[-1])):
+        edge = found(rf'<path data-label="{instant}" d="M([^"]*)Z"', chart.svg)
+        np.testing.assert_allclose(
+            corners, np.array([pair.split() for pair in edge.split("L")], float), atol=0.03
+        )
+    way = float(found(r"--shift:(-?[\d.]+)px", chart.svg))
+    assert way == pytest.approx(-(right - left) * (len(shown) - 1), abs=0.01 * len(shown))
+    assert f"steps({len(shown) - 1})" in chart.svg
+    assert f"--time:{SLOWER * 0.5 / (1.0 - HOLD):.3g}s" in chart.svg
     assert chart.is_moving
     assert not positions.draw_positions(every[[0, -1]], t[[0, -1]].tolist()).is_moving
+
+
+def test_a_train_bends_in_the_animation():
+    """The second unit turns against the first: the outline is not that of a rigid body."""
+    t = np.linspace(0.0, 0.5, 30)
+    bent = np.stack(
+        [np.array([(9.0, 1.0), (5.0, 1.0), (1.0, 1.0 + rise), (1.0, 3.0), (9.0, 3.0)]) for rise in t]
+    )
+    chart = positions.draw_positions(bent[[0, -1]], t[[0, -1]].tolist(), motion=(t, bent))
+    left, _, right, _ = map(float, found(r'data-box="([^"]*)"', chart.svg).split())
+    shown = frames(chart.svg, right - left)
+    turned = np.arctan2(*(shown[:, 2] - shown[:, 1]).T)
+    assert turned[0] - turned[-1] == pytest.approx(np.arctan(0.5 / 4.0), abs=1e-3)
+    np.testing.assert_allclose(shown[:, 0], shown[0, 0][None].repeat(30, 0), atol=0.01)
+
+
+def test_the_cursor_runs_from_start_to_end_with_the_animation():
+    force = impact.Forces("force", T[1:], {"raw": 1e5 + 0.0 * T[1:]})
+    svg = impact.draw_forces("Force", [force], motion=T).svg
+    left, _, right, _ = map(float, found(r'data-box="([^"]*)"', svg).split())
+    assert float(found(r'class="moving".*?<path d="M([\d.]+) ', svg)) == pytest.approx(left, abs=0.01)
+    assert float(found(r"--shift:(-?[\d.]+)px", svg)) == pytest.approx(right - left, abs=0.02)
+    assert f"steps({MAX_FRAMES - 1})" in svg
+
+
+def test_filters_and_the_rigid_vehicle_are_shown_on_request():
+    """Raw and 50 ms mean of the plate are drawn; the others have a key that a page shows."""
+    curves = {name: 1e5 * np.sin(6.0 * T) for name in impact.LINES}
+    forces = [
+        impact.Forces("lateral", T, curves),
+        impact.Forces("lateral", T, {"raw": curves["raw"]}, ", rigid"),
+    ]
+    chart = impact.draw_forces("Force", [*forces, impact.Forces("along", T, curves)])
+    lateral, along = ([mark for mark in plot.marks if isinstance(mark, Line)] for plot in chart.plots)
+    assert [line.label for line in lateral if line.is_shown] == ["raw", "50 ms mean"]
+    assert [line.label for line in along if line.is_shown] == ["raw", "50 ms mean"]
+    assert {line.label for line in lateral if not line.is_shown} >= {"CFC 60", "raw, rigid"}
+    assert chart.svg.count('style="display:none"') == 4 + 4 + 3, "keys, lateral and longitudinal lines"
+    assert all(label in chart.csv for label in ("CFC 60: lateral", "CFC 60: along", "raw, rigid: lateral"))
 
 
 def test_instants_of_close_positions_stand_in_two_rows():
@@ -104,19 +149,26 @@ def test_a_spike_of_the_force_is_drawn():
     """One sample of 1 MN among 5001 reaches as far above a level line of 500 kN as that above zero."""
     force = np.zeros_like(T)
     force[1234] = 1e6
-    svg = impact.draw_forces("force", "Force", T, {"raw": force}, STRIKES, {"AASHTO LRFD": 5e5}).svg
+    svg = impact.draw_forces(
+        "Force", [impact.Forces("force", T, {"raw": force})], STRIKES, {"AASHTO LRFD": 5e5}
+    ).svg
     line = points(svg, "grey")[:, 1]
     level = -float(found(r'class="difference"[^>]*><path d="M\S+ ([\d.]+)H', svg))
     assert line.max() - level == pytest.approx(level - line.min(), rel=1e-4)
-    assert {"raw", "front", "rear", "AASHTO LRFD", "500 kN"} <= set(texts(svg))
+    assert {"raw", "front", "rear", "AASHTO LRFD 500 kN"} <= set(texts(svg))
     assert "CFC 60" not in texts(svg)
 
 
-def test_names_of_close_levels_do_not_overlap():
+def test_names_of_close_levels_stand_at_their_lines_and_do_not_overlap():
     levels = {"a": 340e3, "b": 350e3, "c": 356e3}
-    svg = impact.draw_forces("force", "Force", T, {"raw": 5e5 * np.sin(T)}, (), levels).svg
-    heights = [float(found(rf'y="([\d.]+)" font-size="11">{name}</text>', svg)) for name in levels]
-    assert (np.diff(heights) < -2.2 * 10.0).all()
+    forces = impact.Forces("force", T, {"raw": 5e5 * np.sin(T)})
+    svg = impact.draw_forces("Force", [forces], (), levels).svg
+    found_names = re.findall(r'data-at="([\d.]+)"><g[^>]*><text x="([\d.]+)" y="([\d.]+)"', svg)
+    at, ends, heights = np.array(found_names, float).T  # from the highest level down
+    assert len(at) == 3
+    assert all(min(abs(heights - at + 3.0)[k], abs(heights - at - 11.0)[k]) < 0.02 for k in range(3))
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        assert abs(heights[one] - heights[other]) >= 11.0 or abs(ends[one] - ends[other]) > 40.0
 
 
 def test_a_loop_keeps_its_corners():

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from postprocess.figures.impact import Forces, StrikeMark, draw_forces
 from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Plot, draw_chart
@@ -161,6 +162,37 @@ def test_arrow_keys_read_the_samples_aloud(shown_chart):
         "",
     ]
     assert note.get_attribute("aria-live") == "polite"
+
+
+RIGHT_AND_SIZE = "mark => ((box) => [box.right, box.width / box.height])(mark.getBoundingClientRect())"
+
+
+def test_motion_fits_a_narrow_window_and_runs_with_the_cursor(browser, tmp_path):
+    """The polygon ends where the last outline is; equal scales; no word covers another; buttons of 24 px."""
+    t, x = np.linspace(0.0, 0.5, 20), np.linspace(0.0, 4.0, 20)
+    every = vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
+    strikes = (StrikeMark("front", 0.0, 0.1, (0.0, 2.0)), StrikeMark("rear", 0.2, 0.3, (1.0, 3.0)))
+    rows = [0, 4, 8, 12, 16, 19]
+    drawn = draw_positions(every[rows], t[rows].tolist(), strikes, motion=(t, every))
+    curves = {"raw": 1e3 * t, "cfc60": 2e3 * t, "mean_50ms": t}
+    figures = drawn, draw_forces("Force", [Forces("force", t, curves)], motion=t)
+    path = write_page(
+        tmp_path / "p.html", Page("", Headline("Motion", ""), (Section("Motion", figures=figures),), "")
+    )
+    with opened(browser, path, 390) as found:
+        shown = found.page
+        starts = shown.evaluate("document.getAnimations().map((each) => each.startTime)")
+        assert len(starts) == 2
+        assert starts[0] == starts[1]
+        assert shown.locator("svg.chart").first.bounding_box()["width"] <= 358
+        shown.emulate_media(reduced_motion="reduce")
+        end, ratio = shown.locator("[data-label='0.50 s']").evaluate(RIGHT_AND_SIZE)
+        assert ratio == pytest.approx(np.divide(*np.ptp(every[-1], axis=0)), rel=0.05)
+        assert shown.locator(".moving").first.evaluate(RIGHT_AND_SIZE)[0] == pytest.approx(end, abs=1.5)
+        assert charts.words(shown) == []
+        assert shown.get_by_role("button", name="CFC 60").get_attribute("aria-pressed") == "false"
+        heights = shown.locator(".keys button").evaluate_all("all => all.map((each) => each.offsetHeight)")
+        assert min(heights) >= 24
 
 
 def test_motion_is_paused_and_is_not_where_the_reader_prefers_none(browser, tmp_path):

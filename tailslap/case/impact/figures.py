@@ -7,9 +7,9 @@ import numpy as np
 
 from postprocess.figures import impact
 from postprocess.figures.animation import SIZE, from_above, write_animation
-from postprocess.figures.impact import StrikeMark
+from postprocess.figures.impact import Forces, StrikeMark
 from postprocess.figures.positions import draw_positions, vehicle_outlines
-from postprocess.svg.chart import FULL, Chart
+from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
 from solver.impact import ImpactVehicle, corner_name
 from tailslap import progress
@@ -76,23 +76,18 @@ def position_strip(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicl
     return draw_positions(every[rows], t[rows], marks(answer), motion=(t, every))
 
 
-def force_figures(outcome: ImpactOutcome, levels: dict[str, float]) -> list[Chart]:
+def force_figure(outcome: ImpactOutcome, levels: dict[str, float]) -> Chart:
     """Draw the raw and filtered forces of plate and rigid vehicle."""
-    strikes, t = marks(outcome.fe), outcome.fe.history["t"][1:]
-    lateral = "Lateral force on the wall, FE; lines across: design forces" if levels else "Lateral force, FE"
-    return [
-        impact.draw_forces("force_lateral", lateral, t, outcome.fe.lateral, strikes, levels, FULL),
-        impact.draw_forces(
-            "force_longitudinal", "Longitudinal force on the wall, FE", t, outcome.fe.longitudinal, strikes
-        ),
-        impact.draw_forces(
-            "force_rigid",
-            "Lateral force on the wall, rigid vehicle",
-            t,
-            outcome.rigid.lateral,
-            marks(outcome.rigid),
-        ),
-    ]
+    fe, rigid = outcome.fe, outcome.rigid
+    of_rigid = {name: rigid.lateral[name] for name in impact.SHOWN}
+    components = (
+        Forces("lateral force on the wall", fe.history["t"][1:], fe.lateral),
+        Forces("lateral force on the wall", rigid.history["t"][1:], of_rigid, ", rigid"),
+        Forces("longitudinal force", fe.history["t"][1:], fe.longitudinal),
+    )
+    caption = "Force on the wall by filter, FE and rigid vehicle; upright line: instant of the animation"
+    caption += "; lines across: design forces" if levels else ""
+    return impact.draw_forces(caption, components, marks(fe), levels, fe.history["t"])
 
 
 def train_figures(outcome: ImpactOutcome) -> list[Chart]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -87,7 +87,6 @@ class ImpactReport(FeReport):
     """Report of a run of a whole impact."""
 
     outcome: run.ImpactOutcome
-    film: Path | None = None
 
     kicker = "Whole impact, unilateral contact: finite elements compared with the rigid vehicle"
     about = (
@@ -107,7 +106,7 @@ class ImpactReport(FeReport):
     @property
     def sections(self) -> list[Section]:
         """Sections of the page, with empty ones, which are not shown."""
-        return _sections(self.outcome, self.film)
+        return _sections(self.outcome)
 
     @property
     def tables(self) -> list[Table]:
@@ -127,10 +126,10 @@ class ImpactReport(FeReport):
         """Write the animations into a folder."""
         figures.animation(self.outcome, folder, units, size)
         space = self.outcome.fe_plan.case.space
-        if space is None:
-            return self
-        vehicle, wall = space.inputs.vehicle, space.inputs.wall
-        return replace(self, film=space_figures.animation(vehicle, wall, space.motion, folder, units, size))
+        if space is not None:
+            vehicle, wall = space.inputs.vehicle, space.inputs.wall
+            space_figures.animation(vehicle, wall, space.motion, folder, units, size)
+        return self
 
     def summary(self, pictures: bool) -> dict[str, Any]:
         """Return the content of `summary.json`, SI."""
@@ -259,30 +258,25 @@ def _design_table(outcome: run.ImpactOutcome) -> Table:
     return design_table(case, outcome.lateral_force, longitudinal, in_space)
 
 
-def _sections(outcome: run.ImpactOutcome, film: Path | None) -> list[Section]:
+def _sections(outcome: run.ImpactOutcome) -> list[Section]:
     design = _design_table(outcome)
     levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
-    forces, (loops, along) = figures.force_figures(outcome, levels), figures.contact_figures(outcome)
+    loops, along = figures.contact_figures(outcome)
     positions = figures.position_strip(outcome.fe, outcome.fe_plan.case.motion.vehicles)
     return [
         Section("Peak lateral force", tables=[peak_table(outcome), design]),
         Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
-        Section("Lateral force over time", figures=forces[:1], layout="wide"),
-        Section("Positions along the wall", figures=[positions], layout="tall"),
-        *space_sections(outcome, film),
+        Section(
+            "Motion and force", figures=[positions, figures.force_figure(outcome, levels)], layout="tall"
+        ),
+        *space_sections(outcome),
         Section(
             "Units and hinges of the train",
             figures=figures.train_figures(outcome),
             tables=[hinges_table(outcome)],
             layout="wide",
         ),
-        Section("Longitudinal force, and force of the rigid vehicle", figures=forces[1:], layout="wide"),
-        Section(
-            "Energy, and force along the side" if along else "Energy",
-            figures=[figures.energy_figure(outcome), *along],
-            layout="wide",
-        ),
-        Section("Force over crush", figures=loops, layout="narrow"),
+        Section("Energy and crush", figures=[figures.energy_figure(outcome), *loops, *along], layout="wide"),
         Section("Deformable wall", tables=_wall(outcome)),
         Section("Forces by filter", tables=[filtered_table(outcome)], is_folded=True),
         Section("The second strike's duration", tables=[durations_table(outcome.fe)], is_folded=True),
@@ -297,14 +291,14 @@ def _sections(outcome: run.ImpactOutcome, film: Path | None) -> list[Section]:
     ]
 
 
-def space_sections(outcome: run.ImpactOutcome, film: Path | None) -> list[Section]:
+def space_sections(outcome: run.ImpactOutcome) -> list[Section]:
     """Return the section on the vehicle in space, none without [body]."""
     case = outcome.fe_plan.case
     if case.space is None:
         return []
     from tailslap.case.impact import space
 
-    return [space.section(case.space, outcome.rigid, film)]
+    return [space.section(case.space, outcome.rigid)]
 
 
 def _wall(outcome: run.ImpactOutcome) -> list[Table]:

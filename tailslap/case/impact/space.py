@@ -3,15 +3,13 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from postprocess.report.page import Picture, Section
+from postprocess.report.page import Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
-from postprocess.svg.chart import Chart
 from postprocess.units import SYSTEMS, measure, percent_up
 from solver import space
 from solver.conditions import Number
@@ -355,10 +353,9 @@ def _planar_speed(plane: ImpactAnswer) -> float:
     return float(np.hypot(plane.history["v_gx"][-1], plane.history["v_gy"][-1]))
 
 
-def section(answer: SpaceAnswer, plane: ImpactAnswer, film: Path | None = None) -> Section:
-    """Return the section of a page, with the animation if it is drawn."""
+def section(answer: SpaceAnswer, plane: ImpactAnswer) -> Section:
+    """Return the section of a page."""
     forces = Table(FORCES, answer.force_rows)
     tables = (forces, plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS))
     charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
-    figures: list[Chart | Picture] = [*charts, *([Picture(film, space_figures.FILM)] if film else [])]
-    return Section(TITLE, "", figures, tables, answer.sentences, "wide")
+    return Section(TITLE, "", charts, tables, answer.sentences, "wide")

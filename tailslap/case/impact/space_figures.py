@@ -23,11 +23,6 @@ TALL = (720, 430)
 OVER_CENTRE = 1.6
 """Assumed top of a body over the height of its centre of mass, where no strip is higher."""
 
-FILM = (
-    "Vehicle from behind, and from above centred on its centre of mass; lateral force below; ten times slower than the "
-    "vehicle"
-)
-
 
 def geometry(vehicle: SpaceVehicle, wall: SpaceWall) -> drawings.Vehicle:
     """Return vehicle and wall for drawings."""
@@ -82,9 +77,10 @@ def charts(
         for lift in lifted
     ]
     return [
+        *drawings.draw_films(drawn, h),
         drawings.draw_elevation(drawn, h, row, resultant),
         drawings.draw_plan(drawn, h, row),
-        drawings.draw_force_height(h["t"][1:], force, moment, heights),
+        drawings.draw_force_height(h["t"], force, moment, heights),
         drawings.draw_angles(drawn, h, lifts),
     ]
 
