@@ -18,10 +18,10 @@ from scipy.optimize import brentq
 from scipy.stats import qmc
 
 from solver.impact import stiffness_of_duration
+from tailslap.campaign.planar_ranges import impact_ranges
 from tailslap.case.impact.case import ImpactCase
 from tailslap.replication.paper_values import TABLE_4, ForceRow
 from tailslap.scene.read import read_scene
-from tailslap.studies.uncertainty.uncertainty_ranges import impact_ranges
 
 SCENE = str(Path(__file__).parents[1] / "examples" / "linear-truck.toml")
 STIFFNESS, MEAN = "contact.stiffness", "strike_2.mean_50ms"

@@ -28,12 +28,12 @@ from postprocess.report.tables import pairs
 from postprocess.report.terminal import printed
 from solver.impact import solve_impact
 from solver.impact.solve import MANY_TOLERANCE
+from tailslap.campaign.planar_ranges import impact_ranges
 from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import energy_error
 from tailslap.case.impact.run import attempt
 from tailslap.scene.read import read_scene
-from tailslap.studies.uncertainty.uncertainty_ranges import impact_ranges
 
 EXAMPLES, LAWS = Path(__file__).parents[1] / "examples", ("penalty", "exact")
 SCENE, TRAIN = str(EXAMPLES / "linear-truck.toml"), str(EXAMPLES / "linear-train.toml")

@@ -18,6 +18,7 @@ from solver.stage_3 import (
     olson_force,
     ritter_force,
     strike_force,
+    triangle_mean,
 )
 
 __all__ = [
@@ -40,4 +41,5 @@ __all__ = [
     "ritter_force",
     "strike_force",
     "tail_slap",
+    "triangle_mean",
 ]

@@ -74,6 +74,26 @@ def strike_force(mass: Number, lateral_speed: Number, duration: Number) -> Strik
     return StrikeForce(impulse + 0.0 * dt, dt + 0.0 * peak, peak)
 
 
+def triangle_mean(peak_force: float, duration: float, window: float) -> float:
+    """Return the largest mean of a triangular pulse over a window.
+
+    Parameters
+    ----------
+    peak_force : float
+        Of the pulse [N].
+    duration, window : float
+        Both positive [s].
+
+    Returns
+    -------
+    float
+        Mean force over the window about the peak [N].
+    """
+    if window < duration:
+        return peak_force * (1.0 - 0.5 * window / duration)
+    return 0.5 * peak_force * duration / window
+
+
 @dataclass(frozen=True)
 class OlsonForce(Generic[V]):
     """Olson's estimate, as floats or arrays of one shape.

@@ -18,6 +18,7 @@ from postprocess.units import SYSTEMS
 from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.case.case import Case
 from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.force_band import ForceBand
 from tailslap.case.of_arguments import (
     Changes,
     Scene,
@@ -44,6 +45,7 @@ def run(
     tolerance: float | None = None,
     allow_large: bool = False,
     picture_size: str | tuple[int, int] | None = None,
+    band: bool = True,
 ) -> result.Result:
     """Run a scene without writing files.
 
@@ -64,6 +66,8 @@ def run(
     picture_size : tuple of int or str, optional
         Width and height [pixels] of the pictures written by `save`, (3200, 1400) or "3200x1400"; text and lines are
         scaled.
+    band : bool
+        Compute the band of the force over varied inputs, of 256 rigid vehicles.
 
     Returns
     -------
@@ -83,7 +87,7 @@ def run(
     (True, 0.3867)
     """
     size, case = picture_pixels(picture_size), affordable_case(scene, changes, allow_large)
-    report = case.report(case.run(tolerance))
+    report = case.report(case.run(tolerance), _force_band(case, band))
     partial = result.Result(
         "run",
         case.scene.name,
@@ -100,7 +104,9 @@ def run(
 
 
 @checked_arguments
-def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "si") -> result.Result:
+def rigid(
+    scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "si", band: bool = True
+) -> result.Result:
     """Solve the rigid-body method, or a whole impact of the rigid vehicle.
 
     Mesh and FE libraries are not loaded.
@@ -113,6 +119,8 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
         Values by dotted key, or texts KEY=VALUE.
     units : {"si", "us"}
         Units of the printed text, "si" or "us"; numbers are in SI.
+    band : bool
+        Compute the band of the force over varied inputs, of 256 rigid vehicles.
 
     Returns
     -------
@@ -134,8 +142,10 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
     from tailslap.case import force_chart
 
     case = case_of_scene(scene, changes)
-    headline, motion = case.headline(), case.rigid_history()
-    summary = data_files.plain({**vars(headline), **case.rigid_numbers()})
+    distribution = _force_band(case, band)
+    headline, motion = case.headline(distribution), case.rigid_history()
+    numbers = {**vars(headline), **case.rigid_numbers(), "force_band": distribution.numbers()}
+    summary = data_files.plain(numbers)
 
     def fill(folder: Path, pictures: bool, units: str) -> None:
         data_files.write_summary(folder / "summary.json", summary)
@@ -152,6 +162,13 @@ def rigid(scene: Scene, changes: Changes | None = None, *, units: UnitSystem = "
         make_charts=lambda: (force_chart.force_chart(case), case.drawing()),
         changes=changes_of(case.source),
     )
+
+
+def _force_band(case: Case, is_requested: bool) -> ForceBand:
+    """Return the band of the force of a case if it is requested."""
+    from tailslap.campaign import band_samples
+
+    return band_samples.force_band(case) if is_requested else ForceBand(refusal="not requested")
 
 
 @checked_arguments

@@ -128,7 +128,7 @@ def commands() -> None:
     help="Refine the mesh until the relative error is below this value, of whole impacts at least 0.005.",
 )
 @click.option("--resume", is_flag=True, help="Resume from the checkpoint of an interrupted run.")
-@options.with_options(options.FORCE, *options.WATCHED)
+@options.with_options(options.NO_BAND, options.FORCE, *options.WATCHED)
 def run(
     case: Case,
     allow_large: bool,
@@ -137,6 +137,7 @@ def run(
     no_pictures: bool,
     tolerance: float | None,
     resume: bool,
+    no_band: bool,
     force: bool,
     units: str,
     as_json: bool,
@@ -154,7 +155,11 @@ def run(
     with result_folder(place, force=force, origin=of) as folder:
         with checkpoints.checkpointed(place, definition, resume):
             result = tailslap.run(
-                case, tolerance=tolerance, allow_large=allow_large, picture_size=picture_size
+                case,
+                tolerance=tolerance,
+                allow_large=allow_large,
+                picture_size=picture_size,
+                band=not no_band,
             )
             assert result.fill is not None
             report = result.fill(folder, False, units)
@@ -166,12 +171,12 @@ def run(
 
 @commands.command()
 @takes_a_case
-@options.with_options(*options.PRINTED)
-def rigid(case: Case, as_json: bool, units: UnitSystem) -> int:
+@options.with_options(options.NO_BAND, *options.PRINTED)
+def rigid(case: Case, no_band: bool, as_json: bool, units: UnitSystem) -> int:
     """Solve the rigid-body method, or the whole impact of the rigid vehicle."""
     if as_json and units == "us":
         raise errors.InputError("--units", units, "--json is always in SI; remove one of the two options")
-    return show(tailslap.rigid(case, units=units), as_json)
+    return show(tailslap.rigid(case, units=units, band=not no_band), as_json)
 
 
 class Studies(click.Group):

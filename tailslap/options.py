@@ -133,6 +133,7 @@ ALLOW_LARGE = click.Option(
     is_flag=True,
     help="Run even if the estimate exceeds this machine's memory, threads or time.",
 )
+NO_BAND = click.Option(["--no-band"], is_flag=True, help="Omit the band of the force over varied inputs.")
 WORKERS = click.Option(
     ["--workers"], type=Whole(1, 256), help="Number of worker processes  [default: number of cores]"
 )

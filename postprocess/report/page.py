@@ -79,18 +79,19 @@ class Headline:
     """First lines of a page and of its text on a terminal.
 
     They are keys of a summary. title: subject of the page; answer: the result; set_up: subject of the computation;
-    certainty: reliability of the result.
+    certainty: reliability of the numbers; band: origin of the interval of the result, after the answer.
     """
 
     title: str
     answer: str
     set_up: str = ""
     certainty: str = ""
+    band: str = ""
 
     @property
     def lines(self) -> tuple[str, ...]:
         """All lines but the title, without empty ones."""
-        return tuple(line for line in (self.answer, self.set_up, self.certainty) if line)
+        return tuple(line for line in (self.answer, self.band, self.set_up, self.certainty) if line)
 
     def in_units(self, units: Units) -> Headline:
         """Return the headline in these units."""

@@ -29,6 +29,7 @@ SAMPLES_A_PERIOD = 6.0
 
 FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
     "raw": lambda force, interval: force,
+    "mean_10ms": lambda force, interval: moving_mean(force, interval, 0.01),
     "mean_50ms": lambda force, interval: moving_mean(force, interval, 0.05),
     "cfc60": lambda force, interval: cfc_filter(force, interval, 60),
     "cfc180": lambda force, interval: cfc_filter(force, interval, 180),

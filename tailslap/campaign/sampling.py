@@ -51,16 +51,28 @@ def sobol_points(ranges: tuple[Range, ...], rows: int) -> tuple[Array, Array]:
 
     They are the halves of one set of points in twice the dimensions.
     """
-    from scipy.stats import qmc
-
     random, columns = np.random.default_rng(SEED), 2 * len(ranges)
     if not _are_nets(len(ranges), rows):
-        drawn = qmc.LatinHypercube(columns, seed=random).random(rows).T
+        drawn = latin_hypercube(columns, rows, random.spawn(1)[0])
     else:
+        from scipy.stats import qmc
+
         drawn = qmc.Sobol(columns, scramble=True, bits=64, seed=random).random(rows).T
     lower, upper = (np.array([[getattr(item, end)] for item in ranges]) for end in ("lower", "upper"))
     a, b = (lower + (upper - lower) * half for half in np.split(drawn, 2))
     return a, b
+
+
+def latin_hypercube(columns: int, rows: int, random: np.random.Generator) -> Array:
+    """Return points of the unit cube, one in each of n equal parts of every axis.
+
+    Shape (columns, rows).
+    """
+    offsets = random.uniform(size=(rows, columns)).T
+    parts = np.tile(np.arange(1, rows + 1), (columns, 1))
+    for column in parts:
+        random.shuffle(column)
+    return np.asarray((parts - offsets) / rows)
 
 
 def _are_nets(inputs: int, rows: int) -> bool:

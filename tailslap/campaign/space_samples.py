@@ -183,6 +183,15 @@ def sampled_input(scene: Scene, inputs: Mapping[str, Any]) -> SpaceInput:
     return space_input(scene, expanded(scene, inputs))
 
 
+def force_and_outcome(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Array]:
+    """Return the largest 50 ms mean [N] and the number of the outcome of samples, shape (n,).
+
+    Raises RigidBodyError.
+    """
+    answers = space.solve_spaces(*sampled_input(scene, inputs).arguments)
+    return {"mean_50ms": answers.mean_50ms, "outcome": answers.outcome.astype(float)}
+
+
 def solve_samples(source: Source, inputs: Mapping[str, Array]) -> dict[str, Any]:
     """Return the answers of samples as lists, and their processor time [s].
 

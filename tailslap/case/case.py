@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison.records import Compared
-from postprocess.signals.design_forces import design_forces
+from postprocess.signals.design_forces import REPORT_350, design_forces
 from postprocess.units import SI, Units, force, measure
 from tailslap.case import plate_input, resources
 from tailslap.case.check import Check, Evaluation
+from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError
 from tailslap.scene import write
@@ -115,8 +116,8 @@ class Outcome(ABC):
 
     @property
     @abstractmethod
-    def lateral_force(self) -> float:
-        """Lateral force of the answer [N], NaN without a result."""
+    def mean_force(self) -> float:
+        """50 ms mean of the lateral force, which is compared with design forces [N], NaN without a result."""
 
     @property
     @abstractmethod
@@ -204,9 +205,6 @@ class Case(ABC):
     force_words: ClassVar[str]
     """Name of the force of the answer."""
 
-    force_name: ClassVar[str]
-    """Short name of that force beside design forces."""
-
     force_column: ClassVar[str]
     """Column of that force in the table of a sweep, after the name of the model."""
 
@@ -266,23 +264,26 @@ class Case(ABC):
         return words | {name: self.quantity(key) for name, key in keys.items()}
 
     @abstractmethod
-    def headline(self) -> Headline:
-        """Return the result of the rigid vehicle with its set-up."""
+    def headline(self, band: ForceBand = NO_BAND) -> Headline:
+        """Return the result of the rigid vehicle with its set-up.
+
+        band: of its force over varied inputs.
+        """
 
     @abstractmethod
     def drawing(self) -> Chart:
         """Draw the set-up from above."""
 
-    def design_ratio(self, peak: float) -> str:
-        """Return a force [N] as a multiple of the first design force.
+    def design_ratio(self, mean: float) -> str:
+        """Return a 50 ms mean [N] as a multiple of the first design force of MASH.
 
-        Empty for scenes without a test level.
+        Empty for scenes without a test level, and for levels that have only loads of lighter vehicles.
         """
         level = self.scene.impact and self.scene.impact.test_level
-        if not level:
+        first = design_forces(level)[0] if level else None
+        if first is None or first.name == REPORT_350:
             return ""
-        first = design_forces(level)[0]
-        return f", {peak / first.force:.2g} times {first.name}, {level} ({force(first.force)})"
+        return f", {mean / first.force:.2g} times {first.name}, {level} ({force(first.force)})"
 
     @abstractmethod
     def rigid_numbers(self) -> dict[str, Any]:
@@ -337,8 +338,11 @@ class Case(ABC):
         """Run the plate and check it, see `within_tolerance`. Raises InputError."""
 
     @abstractmethod
-    def report(self, outcome: Any) -> RunReport:
-        """Return the report of a run, which it writes on request."""
+    def report(self, outcome: Any, band: ForceBand = NO_BAND) -> RunReport:
+        """Return the report of a run, which it writes on request.
+
+        band: of the force over varied inputs.
+        """
 
     @staticmethod
     @abstractmethod

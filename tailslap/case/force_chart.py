@@ -59,7 +59,7 @@ def _tail_slap(case: RigidStages) -> Curves:
 def force_tables(case: Any) -> dict[str, Table]:
     """Return tables of strikes and of the largest force over design forces."""
     if not case.scene.contact:
-        return {"Design forces": short(design_table(case, float(case.force.peak_force)))}
+        return {"Design forces": short(design_table(case, case.mean_force(float(case.force.peak_force))))}
     answer = case.answer
     tables = {"Strikes": strikes_table({"rigid": answer.numbers()["strikes"]})}
     longitudinal = float(answer.longitudinal["mean_50ms"].max())

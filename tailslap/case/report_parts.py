@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import tailslap
@@ -16,15 +15,10 @@ from tailslap.case.case import Case
 from tailslap.case.check import Check, printed_check
 from tailslap.errors import typed_command
 
-PEAKS = (
-    Column("what", "Peak lateral force"),
-    Column("fe", "FE", "N", form="#.4g", style="strong"),
-    Column("rigid", "Rigid", "N", form="#.4g", style="strong"),
-)
 DESIGN = (
     Column("name", "Design load", style="whole"),
     Column("force", "Lateral", "N", form="#.4g", style="strong"),
-    Column("ratio", "Ratio", form=".2f"),
+    Column("ratio", "50 ms mean / design", form=".2f"),
     Column("longitudinal", "Along", "N", form="#.3g"),
     Column("vertical", "Vertical", "N", form="#.3g"),
     *columns({"height": "Height", "length": "Length"}, "m", form=".2f"),
@@ -135,10 +129,8 @@ def design_table(
 
     in_space: the force with its height and length of the vehicle in space, see `SpaceAnswer.numbers`.
     """
-    name, force, ratio, *others = DESIGN
-    ratio = replace(ratio, label=f"{case.force_name} / design")
     computed = dict.fromkeys(column.key for column in DESIGN) | {
-        "name": f"This impact, {case.force_name[0].lower()}{case.force_name[1:]}",
+        "name": "This impact, 50 ms mean",
         "force": lateral,
         "longitudinal": longitudinal,
     }
@@ -152,7 +144,7 @@ def design_table(
         ]
         loads = design_ratios(case, in_space["mean_50ms"])
     notes = (OF_SPACE if in_space else OUTSIDE_THE_PLANE,)
-    return Table((name, force, ratio, *others), [*rows, *loads] if loads else [], notes=notes)
+    return Table(DESIGN, [*rows, *loads] if loads else [], notes=notes)
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:

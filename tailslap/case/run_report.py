@@ -21,6 +21,7 @@ from postprocess.report.tables import Column, Table, pairs
 from postprocess.units import SI, Units, duration, number
 from tailslap.case import resources
 from tailslap.case.case import FePlan, Outcome, RunReport
+from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.report_parts import design_ratios, failed_section, footer, passed_text
 from tailslap.case.run_fields import field_series
 from tailslap.scene import write
@@ -58,6 +59,7 @@ class FeReport(RunReport):
     """Summary, page and terminal text of a run."""
 
     outcome: Outcome
+    band: ForceBand = NO_BAND
 
     kicker: ClassVar[str]
     """Line above the headline of the page."""
@@ -118,8 +120,9 @@ class FeReport(RunReport):
             "scene": fe_plan.case.scene.name,
             "version": tailslap.__version__,
             "passed": outcome.passed,
+            "force_band": self.band.numbers(),
             "checks": [asdict(check) for check in outcome.checks],
-            "design_forces": design_ratios(fe_plan.case, outcome.lateral_force),
+            "design_forces": design_ratios(fe_plan.case, outcome.mean_force),
             "chosen": [asdict(decision) for decision in fe_plan.decisions],
             "cost": run_cost(outcome),
             "left_out": [{"part": part, "why": why} for part, why in self.omitted(pictures)],

@@ -220,9 +220,9 @@ def _rounded(bound: float, inwards: Callable[[float], int]) -> float:
     return inwards(round(bound / step, 6)) * step
 
 
-def value_line(name: str, value: float, unit: str, system: str) -> str:
+def value_line(name: str, value: float, unit: str, system: str, digits: int = 7) -> str:
     """Return a line of a list of values, converted from SI."""
-    return f"  {name:<18}{shown(value, unit, system, width=14)}"
+    return f"  {name:<18}{shown(value, unit, system, width=14, digits=digits)}"
 
 
 def shown(value: float, unit: str, system: str = "si", width: int = 0, digits: int = 7) -> str:

@@ -23,7 +23,7 @@ from postprocess.report.terminal import printed
 from postprocess.signals.filters import moving_mean
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
 from tailslap import cli, errors, studies
-from tailslap.campaign import sampling
+from tailslap.campaign import planar_ranges, sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import band_of, sampled, sobol_indices, sobol_points
 from tailslap.case.corner.corner_case import CornerCase
@@ -31,7 +31,7 @@ from tailslap.case.impact import answers, case
 from tailslap.replication.paper_values import ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.storage.manifest import NAME as MANIFEST
-from tailslap.studies.uncertainty import uncertainty_ranges, uncertainty_study
+from tailslap.studies.uncertainty import uncertainty_study
 from tailslap.studies.uncertainty.uncertainty_report import report
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -47,7 +47,7 @@ def plan_of(name, *changes):
 
 def run(name, *ranges, fixed=(), samples=100_000):
     plan = plan_of(name)
-    return uncertainty_study.spread(plan, uncertainty_ranges.corner_ranges(plan, ranges, fixed), samples)
+    return uncertainty_study.spread(plan, planar_ranges.corner_ranges(plan, ranges, fixed), samples)
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +66,7 @@ def complete():
 def impacts():
     """The study of a whole impact, as small as it gets."""
     plan = impact_of()
-    return uncertainty_study.spread(plan, uncertainty_ranges.impact_ranges(plan), 288)
+    return uncertainty_study.spread(plan, planar_ranges.impact_ranges(plan), 288)
 
 
 def impact_of(*changes, name=IMPACT):
@@ -308,8 +308,8 @@ PLANS = [
 @pytest.mark.parametrize(("name", "ranges", "changes"), PLANS)
 def test_each_combination_is_the_plan_s_own_solution(name, ranges, changes):
     plan = CornerCase(*read_scene(name, changes))
-    keys = [item.key for item in uncertainty_ranges.corner_ranges(plan, ranges)]
-    ranges = uncertainty_ranges.corner_ranges(plan, ranges)
+    keys = [item.key for item in planar_ranges.corner_ranges(plan, ranges)]
+    ranges = planar_ranges.corner_ranges(plan, ranges)
     inputs, tables = sampled(ranges, 10, plan.many)
     assert list(inputs) == keys
     columns = np.array([*inputs.values()]).T[:64].tolist()
@@ -319,7 +319,7 @@ def test_each_combination_is_the_plan_s_own_solution(name, ranges, changes):
 
 
 def test_mixtures_take_one_input_from_the_second_table():
-    ranges = uncertainty_ranges.corner_ranges(plan_of(TRUCK))
+    ranges = planar_ranges.corner_ranges(plan_of(TRUCK))
     inputs, tables = sampled(ranges, 100, lambda given: {"sum": sum(given.values(), np.zeros(()))})
     keys, values = list(inputs), np.array([*inputs.values()]).reshape(len(ranges), len(ranges) + 2, -1)
     a, b, *mixed = np.moveaxis(values, 1, 0)
@@ -400,17 +400,17 @@ def test_the_result_folder_has_the_scene_s_name(tmp_path, monkeypatch):
 
 def test_default_ranges():
     """MASH allows 2.5 mph, 1.5 deg, 110 lb for the pickup, 55 lb for the car."""
-    ranges = {item.key: item for item in uncertainty_ranges.corner_ranges(plan_of("mash-tl3-pickup"))}
+    ranges = {item.key: item for item in planar_ranges.corner_ranges(plan_of("mash-tl3-pickup"))}
     expected = {"vehicle.mass": (4890 * POUND, 5110 * POUND), "impact.speed": (59.5 * MPH, 64.5 * MPH)}
     expected |= {"impact.angle": (23.5 * DEGREE, 26.5 * DEGREE), "impact.friction": (0.3, 0.6)}
     expected |= {"impact.restitution": (0.0, 0.4), "strike.duration": (0.08, 0.18)}
     assert set(ranges) == set(expected)
     for key, ends in expected.items():
         assert (ranges[key].lower, ranges[key].upper) == pytest.approx(ends, rel=1e-12)
-    ranges_of_car = uncertainty_ranges.corner_ranges(plan_of("mash-tl1-car"))
+    ranges_of_car = planar_ranges.corner_ranges(plan_of("mash-tl1-car"))
     (mass,) = (item for item in ranges_of_car if item.key == "vehicle.mass")
     assert (mass.lower / POUND, mass.upper / POUND) == pytest.approx((2365, 2475), rel=1e-12)
-    assert "vehicle.mass" not in {item.key for item in uncertainty_ranges.corner_ranges(plan_of(TRUCK))}
+    assert "vehicle.mass" not in {item.key for item in planar_ranges.corner_ranges(plan_of(TRUCK))}
 
 
 def test_only_what_the_force_depends_on_varies():
@@ -419,12 +419,12 @@ def test_only_what_the_force_depends_on_varies():
         ("paper-table-3", ["impact.friction", "strike.duration"]),
         ("paper-abaqus", ["strike.duration"]),
     ):
-        assert [item.key for item in uncertainty_ranges.corner_ranges(plan_of(scene))] == keys
+        assert [item.key for item in planar_ranges.corner_ranges(plan_of(scene))] == keys
 
 
 def test_given_ranges_take_units_and_replace_the_default():
     texts = ("impact.speed=50 mph:60 mph", "vehicle.length=30 ft:10 m", "impact.friction=0.2:0.5")
-    items = uncertainty_ranges.corner_ranges(plan_of(TRUCK), texts, ("impact.angle",))
+    items = planar_ranges.corner_ranges(plan_of(TRUCK), texts, ("impact.angle",))
     ranges = {item.key: item for item in items}
     for key, ends in (("impact.speed", (50 * MPH, 60 * MPH)), ("vehicle.length", (9.144, 10.0))):
         assert (ranges[key].lower, ranges[key].upper) == pytest.approx(ends)
@@ -457,7 +457,7 @@ WRONG = [
 @pytest.mark.parametrize(("ranges", "fixed", "key", "message"), WRONG)
 def test_wrong_ranges_are_told_which_key(ranges, fixed, key, message):
     with pytest.raises(errors.InputError) as caught:
-        uncertainty_ranges.corner_ranges(plan_of(TRUCK), ranges, fixed)
+        planar_ranges.corner_ranges(plan_of(TRUCK), ranges, fixed)
     assert caught.value.key == key
     assert message in caught.value.allowed
 
@@ -465,7 +465,7 @@ def test_wrong_ranges_are_told_which_key(ranges, fixed, key, message):
 def test_a_default_range_that_does_not_fit_says_whose_it_is():
     message = r"impact\.angle: given .* by default .*1\.5 deg, MASH.*--range changes"
     with pytest.raises(errors.InputError, match=message):
-        uncertainty_ranges.corner_ranges(plan_of(TRUCK, "impact.angle=1 deg"))
+        planar_ranges.corner_ranges(plan_of(TRUCK, "impact.angle=1 deg"))
 
 
 def test_a_force_that_does_not_change_has_no_indices():
@@ -490,7 +490,7 @@ def test_bands_by_hand():
 
 def test_a_hundred_thousand_combinations_in_two_seconds():
     plan = plan_of("mash-tl3-pickup")
-    ranges = uncertainty_ranges.corner_ranges(plan)
+    ranges = planar_ranges.corner_ranges(plan)
     began = time.process_time()
     spread = uncertainty_study.spread(plan, ranges, 100_000)
     assert time.process_time() - began < 2.0
@@ -591,7 +591,7 @@ def test_filtered_peaks_are_those_in_the_strike():
 def test_the_shipped_truck_varies_what_is_not_known_of_it():
     """Front and rear vary separately, about the middle values of the scene."""
     truck = impact_of(name="impact-mash-tl4-sut")
-    ranges = {item.key: item for item in uncertainty_ranges.impact_ranges(truck)}
+    ranges = {item.key: item for item in planar_ranges.impact_ranges(truck)}
     expected = {f"contact{part}.plateau_force": (200e3, 500e3) for part in ("", ".rear")}
     expected |= {f"contact{part}.restitution": (0.1, 0.35) for part in ("", ".rear")}
     expected |= {f"contact{part}.stiffness": (1e6, 3e6) for part in ("", ".rear")}
@@ -620,10 +620,8 @@ def test_raw_and_filtered_forces_are_of_the_same_total():
 
 def test_stiffness_alone_has_all_of_the_variance():
     plan = impact_of()
-    fixed = tuple(
-        item.key for item in uncertainty_ranges.impact_ranges(plan) if item.key != "contact.stiffness"
-    )
-    ranges = uncertainty_ranges.impact_ranges(plan, (), fixed)
+    fixed = tuple(item.key for item in planar_ranges.impact_ranges(plan) if item.key != "contact.stiffness")
+    ranges = planar_ranges.impact_ranges(plan, (), fixed)
     assert [item.key for item in ranges] == ["contact.stiffness"]
     study = uncertainty_study.spread(plan, ranges, 288)
     for name in ("strike_1.raw", "strike_2.mean_50ms", "strike_2.duration"):
@@ -668,7 +666,7 @@ def test_rows_are_the_papers_and_row_b_has_its_own_speed_and_angle(impacts):
 
 def test_another_test_level_has_no_rows():
     plan = impact_of(name="impact-mash-tl3-car")
-    assert uncertainty_study.spread(plan, uncertainty_ranges.impact_ranges(plan), 288).paper_rows == ()
+    assert uncertainty_study.spread(plan, planar_ranges.impact_ranges(plan), 288).paper_rows == ()
 
 
 def test_curves_go_through_the_scenes_own_values(impacts):
@@ -685,7 +683,7 @@ def test_contacts_that_the_study_cannot_vary_are_refused(refused):
         {"contact.side_stiffness": 1e10},
         {"contact.stiffness": None, "contact.restitution": None},
     ):
-        assert refused(uncertainty_ranges.demand_corners, impact_of().varied(changes)) == next(iter(changes))
+        assert refused(planar_ranges.demand_corners, impact_of().varied(changes)) == next(iter(changes))
 
 
 def test_ranges_that_make_no_impact_are_refused(tmp_path):

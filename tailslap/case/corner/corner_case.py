@@ -9,6 +9,7 @@ from postprocess.comparison import quantities
 from tailslap.case import check
 from tailslap.case.case import within_tolerance
 from tailslap.case.corner.rigid_stages import RigidStages
+from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:
@@ -47,11 +48,14 @@ class CornerCase(RigidStages):
 
         return within_tolerance(self, corner_run.run_corner, tolerance)
 
-    def report(self, outcome: CornerOutcome) -> CornerReport:
-        """Return the report of a run."""
+    def report(self, outcome: CornerOutcome, band: ForceBand = NO_BAND) -> CornerReport:
+        """Return the report of a run.
+
+        band: of the force over varied inputs.
+        """
         from tailslap.case.corner.corner_report import CornerReport
 
-        return CornerReport(outcome)
+        return CornerReport(outcome, band)
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:

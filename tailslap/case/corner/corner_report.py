@@ -27,7 +27,8 @@ from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.numerical_error import FLOOR
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.rigid_stages import RigidStages
-from tailslap.case.report_parts import PEAKS, TAIL_SLAP, checks_section, design_table, short
+from tailslap.case.force_band import NO_BAND, ForceBand
+from tailslap.case.report_parts import TAIL_SLAP, checks_section, design_table, short
 from tailslap.case.run_fields import series_of_ends
 from tailslap.case.run_report import (
     FeReport,
@@ -42,6 +43,15 @@ from tailslap.scene.schema import Scene
 PAPER = (
     Column("paper_analytical", "Paper, analytical", form=".5g", style="soft", unit_key="quantity.unit"),
     Column("paper_abaqus", "Paper, ABAQUS", form=".5g", style="soft", unit_key="quantity.unit"),
+)
+PEAKS = (
+    Column("what", "Lateral force of Stage 3"),
+    Column("fe", "By FE", "N", form="#.4g", style="strong"),
+    Column("rigid", "By rigid body", "N", form="#.4g", style="strong"),
+)
+STAGE_3 = (
+    "Stage 3 computes the force from the lateral speed at the tail-slap, where the FE run ends: the FE model confirms "
+    "the speed, not the pulse. Design loads compare with the 50 ms mean."
 )
 METRICS = (
     Column("name", "History"),
@@ -70,7 +80,7 @@ class CornerReport(FeReport):
     @property
     def headline(self) -> Headline:
         """Peak force of the tail-slap, the set-up, and its accuracy."""
-        return headline(self.outcome)
+        return headline(self.outcome, self.band)
 
     @property
     def histories(self) -> dict[str, dict[str, NDArray[np.float64]]]:
@@ -108,7 +118,7 @@ class CornerReport(FeReport):
 
     def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> CornerReport:
         """Draw contours at the tail-slap into a folder."""
-        return CornerReport(draw_pictures(self.outcome, folder, units, size))
+        return replace(self, outcome=draw_pictures(self.outcome, folder, units, size))
 
     def summary(self, pictures: bool) -> dict[str, Any]:
         """Return the content of `summary.json`, SI.
@@ -168,13 +178,16 @@ def peak_table(outcome: CornerOutcome) -> Table:
     Also that of the rigid body by the other convention of restitution.
     """
     case = outcome.fe_plan.case
-    what = f"Tail-slap, triangle of {1e3 * case.scene.strike.duration:g} ms"
-    peak = outcome.lateral_force if outcome.fe else None
-    rows: list[dict[str, object]] = [{"what": what, "fe": peak, "rigid": case.force.peak_force}]
+    peaks = {"fe": outcome.lateral_force if outcome.fe else None, "rigid": float(case.force.peak_force)}
+    means = {name: peak and case.mean_force(peak) for name, peak in peaks.items()}
+    rows: list[dict[str, object]] = [
+        {"what": f"Peak of a triangle of {1e3 * case.scene.strike.duration:g} ms", **peaks},
+        {"what": "50 ms mean", **means},
+    ]
     if other := case.other_convention():
-        label = f"With {rigid_stages.CONVENTIONS[other[0]]}"
+        label = f"Peak with {rigid_stages.CONVENTIONS[other[0]]}"
         rows.append({"what": label, "fe": None, "rigid": other[1].force.peak_force})
-    return Table(PEAKS, rows)
+    return Table(PEAKS, rows, notes=(STAGE_3,))
 
 
 def comparison(outcome: CornerOutcome, title: str = "") -> Table:
@@ -193,7 +206,7 @@ def comparison(outcome: CornerOutcome, title: str = "") -> Table:
 
 
 def _forces(outcome: CornerOutcome) -> list[Table]:
-    return [peak_table(outcome), design_table(outcome.fe_plan.case, outcome.lateral_force)]
+    return [peak_table(outcome), design_table(outcome.fe_plan.case, outcome.mean_force)]
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
@@ -264,25 +277,26 @@ def check_lines(case: RigidStages, fe_plan: CornerPlan | None) -> Lines:
     }
 
 
-def headline(outcome: CornerOutcome) -> Headline:
+def headline(outcome: CornerOutcome, band: ForceBand = NO_BAND) -> Headline:
     """Return the peak force of the tail-slap, the set-up, and its accuracy."""
     fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
     failed = set(failed_names(outcome.checks))
     sentence = "No tail-slap within the run."
     if outcome.fe:
         reliable = not failed - corner_checks.reaction_checks() - {"agreement with rigid"}
-        sentence = case.force_sentence(outcome.lateral_force, reliable)
+        sentence = case.force_sentence(outcome.lateral_force, reliable, band)
     return Headline(
         case.headline().title,
         failed_sentence(outcome.checks) + sentence,
         f"{case.set_up} {plate_sentence(fe_plan)}",
         _certainty(outcome) if outcome.fe else "",
+        band.sentence,
     )
 
 
 def _certainty(outcome: CornerOutcome) -> str:
     """Return the effect of flexibility and the numerical error as sentences."""
-    difference, stated = quantities.largest(outcome.difference), "not estimated"
+    case, difference, stated = outcome.fe_plan.case, quantities.largest(outcome.difference), "not estimated"
     if outcome.companions:
         stated = f"at most {percent_up(outcome.error.total)}"
     text = f"Finite elements and rigid-body method agree within {percent_up(difference)}"
@@ -290,7 +304,7 @@ def _certainty(outcome: CornerOutcome) -> str:
         text = f"Vehicle flexibility changes the motion by at most {percent_up(difference)}"
     rings = " The motion is reliable, the history of the reaction is not."
     rings = rings if set(failed_names(outcome.checks)) & corner_checks.reaction_checks() else ""
-    return f"{text}; discretisation error {stated}.{rings}{outcome.fe_plan.case.other_force()}"
+    return f"{text}; discretisation error {stated}.{rings}{case.other_force()}{case.pull()}"
 
 
 def flutter_sentence(fe_plan: CornerPlan) -> str:

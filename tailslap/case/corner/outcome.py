@@ -120,6 +120,11 @@ class CornerOutcome(Outcome):
         return self.fe_plan.case.peak_force(self.fe["v_gy"]) if self.fe else float("nan")
 
     @property
+    def mean_force(self) -> float:
+        """50 ms mean of that pulse [N]."""
+        return self.fe_plan.case.mean_force(self.lateral_force)
+
+    @property
     def by_flexibility(self) -> float:
         """Effect of the plate's flexibility by companions, without any by statics."""
         ratio = self.fe_plan.deflection_ratio

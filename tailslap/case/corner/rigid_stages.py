@@ -25,6 +25,7 @@ from postprocess.report.page import Headline
 from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent
 from tailslap.case import case
+from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, vary
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
 
 ROWS = 401
 """Number of instants of a history of the rigid motion."""
+
+MEAN_WINDOW = 0.05
+"""Window of the mean that is compared with design forces [s]."""
 
 STAGE_3 = ("impulse", "duration", "peak_force")
 LABELS = {
@@ -67,7 +71,6 @@ class RigidStages(case.Case):
     name = case.CORNER
     compared = quantities.TAIL_SLAP
     force_words = "Peak lateral force at the tail-slap"
-    force_name = "Peak"
     force_column = "peak_force"
 
     def __post_init__(self) -> None:
@@ -127,6 +130,10 @@ class RigidStages(case.Case):
         return float(
             solver.strike_force(self.scene.vehicle.mass, v_gy, self.scene.strike.duration).peak_force
         )
+
+    def mean_force(self, peak: float) -> float:
+        """Return the 50 ms mean of a pulse with this peak [N]."""
+        return solver.triangle_mean(peak, self.scene.strike.duration, MEAN_WINDOW)
 
     def many(self, inputs: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
         """Return the peak force of n combinations of inputs [N].
@@ -226,17 +233,32 @@ class RigidStages(case.Case):
             )
         return parts
 
-    def force_sentence(self, peak: float, reliable: bool = True) -> str:
-        """Return a peak force of the tail-slap [N] as a sentence."""
+    def force_sentence(self, peak: float, reliable: bool = True, band: ForceBand = NO_BAND) -> str:
+        """Return a peak force of the tail-slap [N] as a sentence, with its 50 ms mean."""
         pulse = f"triangular pulse of {1e3 * self.scene.strike.duration:g} ms, assumed"
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
-        return f"{name}: {force(peak)} ({pulse}){self.design_ratio(peak)}."
+        interval = f"{band.interval}; " if band.interval else ""
+        mean = self.mean_force(peak)
+        return (
+            f"{name}: {force(peak)} ({interval}{pulse}); 50 ms mean {force(mean)}{self.design_ratio(mean)}."
+        )
 
-    def headline(self) -> Headline:
+    def headline(self, band: ForceBand = NO_BAND) -> Headline:
         """Return the peak force of the tail-slap with the set-up."""
-        sentence = self.force_sentence(self.force.peak_force)
-        certainty = f"Exact solution of the rigid-body equations.{self.other_force()}"
-        return Headline(f"Tail-slap force: {self.subject}", sentence, self.set_up, certainty)
+        sentence = self.force_sentence(self.force.peak_force, band=band)
+        certainty = f"Exact solution of the rigid-body equations.{self.other_force()}{self.pull()}"
+        return Headline(f"Tail-slap force: {self.subject}", sentence, self.set_up, certainty, band.sentence)
+
+    def pull(self) -> str:
+        """Return the largest pull of the wall as a sentence, empty where it only pushes."""
+        reaction = self.rigid_history()["reaction_normal"]
+        if not reaction.min() < 0.0:
+            return ""
+        ends = [measure(-float(reaction[row]), "N", ".3g") for row in (0, -1)]
+        return (
+            f" The constraint makes the wall pull the vehicle, first with {ends[0]}, at the end with {ends[1]}; a real "
+            "wall cannot, see a scene with [contact]."
+        )
 
     def other_force(self) -> str:
         """Return the peak force by the other convention as a sentence.

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tailslap.case.case import within_tolerance
 from tailslap.case.check import check_columns
+from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.impact import answers, rigid
 from tailslap.scene.schema import Scene
 
@@ -51,11 +52,14 @@ class ImpactCase(rigid.RigidImpact):
         """
         return within_tolerance(self, _run, tolerance)
 
-    def report(self, outcome: ImpactOutcome) -> ImpactReport:
-        """Return the report of a run."""
+    def report(self, outcome: ImpactOutcome, band: ForceBand = NO_BAND) -> ImpactReport:
+        """Return the report of a run.
+
+        band: of the force over varied inputs.
+        """
         from tailslap.case.impact.report import ImpactReport
 
-        return ImpactReport(outcome)
+        return ImpactReport(outcome, band)
 
     @staticmethod
     def columns(scene: Scene) -> dict[str, type]:

@@ -20,6 +20,7 @@ from solver.impact import train
 from tailslap import progress
 from tailslap.case.case import WHOLE_IMPACT, Case
 from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.impact import answers
 from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Scene, Vehicle, value_at
@@ -75,6 +76,9 @@ OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "stiffness", "hitch", "kingpin"
 OF_AN_AXLE = ("position", "friction", "cornering")
 """Keys of an axle that it depends on."""
 
+DIGITS = 4
+"""Digits of numbers in the text; those in files and in --json are complete."""
+
 INTERVAL = 5e-4
 """Time between rows of the forces of many impacts [s]: peaks of a 50 ms mean are within 1e-4."""
 
@@ -83,6 +87,7 @@ STRIKES = 32
 
 CURVES = {
     "raw": "raw",
+    "mean_10ms": "10 ms mean",
     "mean_50ms": "50 ms mean",
     "cfc60": "CFC 60",
     "cfc180": "CFC 180",
@@ -110,7 +115,6 @@ class RigidImpact(Case):
     name = WHOLE_IMPACT
     compared = quantities.STRIKES
     force_words = "Largest 50 ms mean of the lateral force"
-    force_name = "50 ms mean"
     force_column = "peak.mean_50ms"
 
     def __post_init__(self) -> None:
@@ -284,6 +288,13 @@ class RigidImpact(Case):
             rows.append(largest | answers.strike_columns(both, (curves, curves), INTERVAL))
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
+    def largest_means(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Return the largest 50 ms mean of the force of n impacts [N], see `many`."""
+        impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
+        rows = round(answers.MEAN_WINDOW / INTERVAL)
+        total = np.cumsum(np.pad(impacts.mean_force, ((rows, rows), (0, 0))), axis=0)
+        return {answers.LARGEST: (total[rows:] - total[:-rows]).max(axis=0) / rows}
+
     def details(self) -> list[str]:
         """List the properties of the contact."""
         contact, wall = self.scene.needed_contact, self.scene.meshed_wall
@@ -329,7 +340,9 @@ class RigidImpact(Case):
         with refusals(self.scene):
             return space.solve(self.space_input)
 
-    def force_sentence(self, answer: answers.ImpactAnswer, reliable: bool = True) -> str:
+    def force_sentence(
+        self, answer: answers.ImpactAnswer, reliable: bool = True, band: ForceBand = NO_BAND
+    ) -> str:
         """Return a sentence on the largest 50 ms mean and the roll."""
         if not answer.strikes:
             return "The vehicle does not strike the wall."
@@ -339,19 +352,23 @@ class RigidImpact(Case):
         where = f"strike {number + 1} ({strike.corner} corner, from {strike.start:.3f} s)"
         least = "at least " if answer.cut else ""
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
+        interval = f" ({band.interval})" if band.interval else ""
         if not self.space:
-            return f"{name}: {least}{force(peak)} in {where}{self.design_ratio(peak)}."
-        ratio = self.design_ratio(float(self.space.motion.answers.mean_50ms))
+            return f"{name}: {least}{force(peak)}{interval} in {where}{self.design_ratio(peak)}."
+        mean = float(self.space.motion.answers.mean_50ms)
+        height = measure(float(self.space.motion.answers.height), "m", ".2f")
+        in_space = f"{force(mean)}{interval} at a height of {height}{self.design_ratio(mean)}"
         plane = f"In the plane{'' if reliable else ', not reliable'}: {least}{force(peak)} in {where}."
-        return f"{self.force_words}: {self.space.force_words}{ratio}. {self.space.verdict} {plane}"
+        return f"{self.force_words}: {in_space}. {self.space.verdict} {plane}"
 
-    def headline(self) -> Headline:
+    def headline(self, band: ForceBand = NO_BAND) -> Headline:
         """Return the largest 50 ms mean of the rigid vehicle."""
         return Headline(
             f"Impact force: {self.subject}",
-            self.force_sentence(self.answer),
+            self.force_sentence(self.answer, band=band),
             self.set_up,
             f"Rigid vehicle; error by the time step at most {percent_up(self.motion.error)}.",
+            band.sentence,
         )
 
     def drawing(self) -> Chart:
@@ -399,26 +416,33 @@ class RigidImpact(Case):
         lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
         lines += ["Strikes"] if answer.strikes else ["no strike"]
         for strike in answer.strikes:
-            peak, impulse = shown(strike.peak_force, "N", units), shown(strike.impulse, "N s", units)
+            peak, impulse = (
+                shown(value, unit, units, digits=DIGITS)
+                for value, unit in ((strike.peak_force, "N"), (strike.impulse, "N s"))
+            )
             least = "at least " if strike.cut else ""
             when = f"from {strike.start:.4f} s for {least}{strike.duration:.4f} s"
             lines.append(f"  {strike.corner:<16} {when}: peak {least}{peak}, impulse {least}{impulse}")
         lines += ["", "Hinges"] if self.trailers else []
         for number, hinge in enumerate(answer.hinges, 1):
-            peak, mean = (shown(hinge[name], "N", units) for name in ("peak_force", "mean_50ms"))
+            peak, mean = (
+                shown(hinge[name], "N", units, digits=DIGITS) for name in ("peak_force", "mean_50ms")
+            )
             angle = f"largest articulation angle {math.degrees(hinge['largest_angle']):.4g} deg"
             lines.append(f"  hinge {number}: peak force {peak}, 50 ms mean {mean}, {angle}")
         lines += ["", "Lateral force on the wall, peak"]
-        lines += [value_line(label, answer.peaks[name], "N", units) for name, label in CURVES.items()]
+        lines += [value_line(label, answer.peaks[name], "N", units, DIGITS) for name, label in CURVES.items()]
         lines += ["", "At the end, of the first unit" if self.trailers else "At the end"]
-        lines += [value_line(label, answer.end[name], unit, units) for name, (label, unit) in ENDS.items()]
+        lines += [
+            value_line(label, answer.end[name], unit, units, DIGITS) for name, (label, unit) in ENDS.items()
+        ]
         if "tyre_work" in answer.history:
             lines += ["", "Tyres"]
             lines += [
-                value_line(f"load of axle {number}", load, "N", units)
+                value_line(f"load of axle {number}", load, "N", units, DIGITS)
                 for number, load in enumerate(self.motion.loads, 1)
             ]
-            lines.append(value_line("work", float(answer.history["tyre_work"][-1]), "J", units))
+            lines.append(value_line("work", float(answer.history["tyre_work"][-1]), "J", units, DIGITS))
         if self.space:
             lines = [*self.space.text(units), "", *lines]
         if remarks := answers.remarks(answer):
@@ -505,8 +529,8 @@ def _paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
     """Return lines on the paper's method."""
     if beside is None:
         return []
-    impulse = shown(beside["impulse"], "N s", units, digits=4)
-    force = shown(beside["peak_force"], "N", units, digits=4)
+    impulse = shown(beside["impulse"], "N s", units, digits=DIGITS)
+    force = shown(beside["peak_force"], "N", units, digits=DIGITS)
     lines = [
         "",
         "The paper's method (uniform rectangle, whole side stopped at once)",
@@ -514,7 +538,7 @@ def _paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
         f"{beside['duration']:g} s",
     ]
     if read := beside["computed_duration"]:
-        force = shown(beside["computed_peak_force"], "N", units, digits=4)
+        force = shown(beside["computed_peak_force"], "N", units, digits=DIGITS)
         lines.append(f"  {force} with {read:.3f} s, the duration in the 50 ms mean")
     return lines
 

@@ -68,7 +68,7 @@ class ImpactOutcome(Outcome):
         return max(self.stated_errors.values())
 
     @property
-    def lateral_force(self) -> float:
+    def mean_force(self) -> float:
         """Largest 50 ms mean force [N]."""
         return float(self.fe.peaks["mean_50ms"])
 

@@ -49,7 +49,7 @@ LIMIT_COLUMNS = (Column("0", "Omitted"), Column("1", "Effect"), Column("2", "Rol
 SHORTEST_LIFT = 0.05
 """Shortest time off the ground that the text names [s]."""
 
-CURVES = {"raw": "raw", "mean_50ms": "50 ms mean", "cfc60": "CFC 60"}
+CURVES = {"raw": "raw", "mean_10ms": "10 ms mean", "mean_50ms": "50 ms mean", "cfc60": "CFC 60"}
 
 
 @dataclass(frozen=True)
@@ -254,14 +254,11 @@ class SpaceAnswer:
         }[self.motion.outcome]
         lowest = "no wall up to the height of its centre of mass keeps it upright"
         if self.lowest_wall == self.lowest_wall:
-            lowest = f"lowest wall that keeps it upright: {_height(self.lowest_wall)}"
+            lowest = (
+                f"lowest wall that keeps it upright with these inputs: {_height(self.lowest_wall)}, with varied ones "
+                "see `tailslap study tipping`"
+            )
         return f"{outcome}; {lowest}."
-
-    @property
-    def force_words(self) -> str:
-        """Largest 50 ms mean of the lateral force with its height."""
-        one = self.motion.answers
-        return f"{measure(float(one.mean_50ms), 'N', '.0f')} at a height of {measure(float(one.height), 'm', '.2f')}"
 
     @property
     def sentences(self) -> tuple[str, ...]:

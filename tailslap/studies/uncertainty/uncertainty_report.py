@@ -11,6 +11,7 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.units import force, grouped
+from tailslap.campaign.planar_ranges import used_keys
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import PERCENTILES, SEED, points_in_words
 from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
@@ -23,7 +24,6 @@ from tailslap.studies.sobol_tables import (
     main_source,
     with_intervals,
 )
-from tailslap.studies.uncertainty.uncertainty_ranges import used_keys
 from tailslap.studies.uncertainty.uncertainty_study import LEVEL, TABLES, Spread
 
 BINS = 60

@@ -20,6 +20,7 @@ from postprocess.units import measure
 from tailslap import progress
 from tailslap.campaign import sampling
 from tailslap.campaign.input_ranges import Range
+from tailslap.campaign.planar_ranges import corner_ranges, demand_corners, impact_ranges
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array, Band
 from tailslap.case.case import Case
@@ -27,7 +28,6 @@ from tailslap.case.impact import answers
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Verbatim
 from tailslap.replication import paper_values
-from tailslap.studies.uncertainty.uncertainty_ranges import corner_ranges, demand_corners, impact_ranges
 
 CORNER_SAMPLES, IMPACT_SAMPLES = 100_000, 4_000
 """Default numbers of samples."""

@@ -1,0 +1,82 @@
+"""Band of the force of a scene, from few rigid vehicles with varied inputs."""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tailslap.campaign import planar_ranges, sampling, space_samples
+from tailslap.campaign.input_ranges import Range
+from tailslap.campaign.sampling import Array
+from tailslap.case.case import Case
+from tailslap.case.force_band import ForceBand
+from tailslap.errors import InputError
+
+SAMPLES, BLOCK = 256, 64
+"""Number of vehicles, and at a time on one core."""
+
+Columns = Mapping[str, Array]
+
+
+def force_band(case: Case) -> ForceBand:
+    """Return the band of the force of a case over the default ranges.
+
+    The force is that of the headline: the peak of a constrained corner, otherwise the largest 50 ms mean. A band that
+    cannot be computed contains the reason.
+    """
+    try:
+        ranges, solve = _problem(case)
+        drawn = sampling.latin_hypercube(len(ranges), SAMPLES, np.random.default_rng(sampling.SEED))
+        inputs = {
+            item.key: item.lower + (item.upper - item.lower) * column
+            for item, column in zip(ranges, drawn, strict=True)
+        }
+        columns = sampling.solved_in_blocks(solve, inputs, BLOCK)
+    except InputError as error:
+        return ForceBand(refusal=str(error))
+    return _band(ranges, inputs, columns)
+
+
+def _problem(case: Any) -> tuple[tuple[Range, ...], Any]:
+    """Return ranges, and the function of inputs that returns the force. Raises InputError."""
+    if case.scene.contact is None:
+        return planar_ranges.corner_ranges(case), case.many
+    if case.scene.body is not None:
+        return space_samples.space_ranges(case, (), ()), partial(space_samples.force_and_outcome, case.scene)
+    planar_ranges.demand_corners(case)
+    return planar_ranges.impact_ranges(case), case.largest_means
+
+
+def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> ForceBand:
+    """Return the band of samples, without those that have no solution."""
+    force = next(iter(columns.values()))
+    solved = np.isfinite(force)
+    if np.count_nonzero(solved) < sampling.MIN_ROWS:
+        return ForceBand(refusal="too few of the varied inputs have a solution")
+    from solver.space import OUTCOMES
+
+    number = columns.get("outcome", np.empty(0))
+    fractions = {name: float(np.mean(number == k)) for k, name in enumerate(OUTCOMES) if number.size}
+    return ForceBand(
+        sampling.band_of(force).percentiles,
+        int(np.count_nonzero(solved)),
+        variance_shares({key: values[solved] for key, values in inputs.items()}, force[solved]),
+        {item.key: (item.lower, item.upper, item.origin) for item in ranges},
+        fractions,
+    )
+
+
+def variance_shares(inputs: Columns, output: Array) -> dict[str, float]:
+    """Return the part of the variance due to each input, largest first.
+
+    The output is approximated by a linear function of independent inputs (Saltelli et al., Global Sensitivity Analysis,
+    2008, section 1.2.5, squared standardised regression coefficients).
+    """
+    values = np.array(list(inputs.values()))
+    scaled = (values - values.mean(axis=1, keepdims=True)) / values.std(axis=1, keepdims=True)
+    slopes = np.linalg.lstsq(scaled.T, output - output.mean(), rcond=None)[0]
+    shares = slopes**2 / max(float(np.var(output)), np.finfo(float).tiny)
+    order = np.argsort(-shares)
+    keys = list(inputs)
+    return {keys[number]: float(shares[number]) for number in order}

@@ -1,0 +1,84 @@
+"""Band of a force over inputs that are not known exactly, and its sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from postprocess.units import measure
+
+LARGEST_SHARES, LEAST_SHARE = 2, 0.05
+"""Number of inputs that the sentence names, and their least part of the variance."""
+
+
+@dataclass(frozen=True)
+class ForceBand:
+    """Distribution of the force of rigid vehicles with varied inputs.
+
+    Attributes
+    ----------
+    percentiles : tuple of float
+        5 %, 50 % and 95 % of the force [N], empty where there are none.
+    samples : int
+        Number of vehicles.
+    shares : dict of str to float
+        Part of the variance due to each input by linear regression, by key, largest first [-].
+    ranges : dict of str to tuple
+        Lower and upper end [SI] and origin of the range of each key.
+    outcomes : dict of str to float
+        Fraction of the vehicles in space by outcome [-], empty in the plane.
+    refusal : str
+        Reason why there is no band, or "".
+    """
+
+    percentiles: tuple[float, ...] = ()
+    samples: int = 0
+    shares: Mapping[str, float] = field(default_factory=dict)
+    ranges: Mapping[str, tuple[float, float, str]] = field(default_factory=dict)
+    outcomes: Mapping[str, float] = field(default_factory=dict)
+    refusal: str = ""
+
+    @property
+    def interval(self) -> str:
+        """Limits of the central 90 % in words, empty without a band."""
+        if not self.percentiles:
+            return ""
+        lower, _, upper = self.percentiles
+        form = ".0f" if lower >= 1e5 else ".3g"
+        ends = measure(lower, "N", form, named=False), measure(upper, "N", form)
+        return f"90 % of such impacts: {ends[0]} to {ends[1]}"
+
+    @property
+    def sentence(self) -> str:
+        """Origin of the band, and the inputs that change the force most."""
+        if not self.percentiles:
+            return f"Without a band of the force: {self.refusal}." if self.refusal else ""
+        assumed = sum("assumed" in origin for *_, origin in self.ranges.values())
+        largest = [
+            f"`{key}` ({100.0 * share:.0f} %)"
+            for key, share in list(self.shares.items())[:LARGEST_SHARES]
+            if share > LEAST_SHARE
+        ]
+        parts = [
+            f"Band of {self.samples} rigid vehicles over {len(self.ranges)} inputs, {assumed} with assumed ranges",
+            ", ".join(f"{100.0 * fraction:.0f} % {name}" for name, fraction in self.outcomes.items()),
+            f"largest parts of the variance: {', '.join(largest)}" if largest else "",
+        ]
+        return f"{'; '.join(filter(None, parts))}."
+
+    def numbers(self) -> dict[str, Any]:
+        """Return the part `force_band` of results, SI."""
+        names = ("percentile_5", "percentile_50", "percentile_95")
+        return {
+            **dict(zip(names, self.percentiles, strict=False)),
+            "samples": self.samples,
+            "shares": dict(self.shares),
+            "ranges": {key: list(ends) for key, ends in self.ranges.items()},
+            "outcomes": dict(self.outcomes),
+            "refusal": self.refusal,
+        }
+
+
+NO_BAND = ForceBand()
+"""Record of a force without a band."""

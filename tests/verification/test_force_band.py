@@ -1,0 +1,142 @@
+"""Verification: bands of forces on the first screen.
+
+Exact: stratified points, parts of the variance of linear functions, means of triangles, percentiles of samples.
+Agreement: the band of 256 samples with that of the study of uncertainty.
+"""
+
+import numpy as np
+import pytest
+
+import solver
+import tailslap
+from postprocess.signals.filters import moving_mean
+from postprocess.units import SI
+from tailslap.campaign import band_samples, planar_ranges, sampling
+from tailslap.case import case_of
+from tailslap.case.force_band import NO_BAND
+from tailslap.case.impact import answers
+from tailslap.scene.read import read_scene
+
+TRUCK, IMPACT, SPACE = "mash-tl4-sut", "impact-mash-tl4-sut", "impact-tipping-tl4-sut"
+
+
+def case(name, *changes):
+    return case_of(*read_scene(name, changes))
+
+
+@pytest.fixture(scope="module")
+def bands():
+    return {name: band_samples.force_band(case(name)) for name in (TRUCK, IMPACT, SPACE)}
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(1, 7), (5, 64)])
+def test_each_part_of_an_axis_has_one_point(columns, rows):
+    points = sampling.latin_hypercube(columns, rows, np.random.default_rng(1))
+    assert points.shape == (columns, rows)
+    assert np.sort(np.floor(points * rows), axis=1) == pytest.approx(np.tile(np.arange(rows), (columns, 1)))
+
+
+def test_shares_of_a_linear_function_are_exact():
+    random = np.random.default_rng(2)
+    x = {"a": random.normal(size=200), "b": random.random(200), "c": random.random(200)}
+    y = 1.0 + 2.0 * x["a"] - 5.0 * x["b"]
+    shares = band_samples.variance_shares(x, y)
+    assert shares["a"] == pytest.approx(4.0 * np.var(x["a"]) / np.var(y), rel=1e-12)
+    assert shares["b"] == pytest.approx(25.0 * np.var(x["b"]) / np.var(y), rel=1e-12)
+    assert shares["c"] == pytest.approx(0.0, abs=1e-20)
+    assert list(shares) == sorted(shares, key=lambda key: -shares[key])
+
+
+@pytest.mark.parametrize("duration", [0.02, 0.05, 0.08, 0.1, 0.18])
+def test_the_mean_of_a_triangle_is_that_of_the_filter(duration):
+    interval = 1e-5
+    t = interval * (np.arange(round(0.4 / interval)) + 0.5)
+    force = np.interp(t, [0.2 - 0.5 * duration, 0.2, 0.2 + 0.5 * duration], [0.0, 1.0, 0.0], 0.0, 0.0)
+    largest = moving_mean(force, interval, 0.05).max()
+    assert solver.triangle_mean(1.0, duration, 0.05) == pytest.approx(largest, rel=1e-6)
+
+
+def test_largest_means_are_those_of_all_columns():
+    own = case(IMPACT)
+    random = np.random.default_rng(3)
+    inputs = {
+        item.key: item.lower + (item.upper - item.lower) * random.random(16)
+        for item in planar_ranges.impact_ranges(own)
+    }
+    means = own.largest_means(inputs)[answers.LARGEST]
+    assert means == pytest.approx(own.many(inputs)[answers.LARGEST], rel=2e-3)
+
+
+def test_percentiles_are_those_of_single_solutions(bands):
+    """Of the constrained corner, by one call for each sample."""
+    own, band = case(TRUCK), bands[TRUCK]
+    drawn = sampling.latin_hypercube(len(band.ranges), 256, np.random.default_rng(sampling.SEED))
+    inputs = [
+        low + (high - low) * row for (low, high, _), row in zip(band.ranges.values(), drawn, strict=True)
+    ]
+    forces = [
+        own.varied(dict(zip(band.ranges, values, strict=True))).force.peak_force
+        for values in np.transpose(inputs).tolist()
+    ]
+    assert band.percentiles == pytest.approx(np.percentile(forces, (5, 50, 95)), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", [TRUCK, IMPACT])
+def test_a_band_agrees_with_the_study(bands, name):
+    """Of 4096 other samples; the error of percentiles of 256 is about a tenth of the band."""
+    own = case(name)
+    ranges = (planar_ranges.impact_ranges if own.scene.contact else planar_ranges.corner_ranges)(own)
+    a, _ = sampling.sobol_points(ranges, 4096)
+    column = "peak.mean_50ms" if own.scene.contact else "peak_force"
+    inputs = dict(zip((item.key for item in ranges), a, strict=True))
+    lower, middle, upper = np.percentile(own.many(inputs)[column], (5, 50, 95))
+    assert bands[name].percentiles == pytest.approx((lower, middle, upper), abs=0.1 * (upper - lower))
+
+
+def test_the_first_screen_has_band_origin_and_outcomes(bands):
+    for name, band in bands.items():
+        lower, middle, upper = band.percentiles
+        assert 0.0 < lower < middle < upper
+        headline = case(name).headline(band).in_units(SI)
+        assert f"90 % of such impacts: {lower / 1e3:.0f} to {upper / 1e3:.0f} kN" in headline.answer
+        assert headline.band == SI.rendered(band.sentence)
+        assert headline.lines[1] == headline.band
+        first = next(iter(band.shares))
+        assert f"largest parts of the variance: `{first}` " in headline.band
+    assert sum(bands[SPACE].outcomes.values()) == pytest.approx(1.0, abs=1e-12)
+    assert f"{100.0 * bands[SPACE].outcomes['upright']:.0f} % upright" in bands[SPACE].sentence
+    assert not bands[IMPACT].outcomes
+
+
+def test_results_contain_the_band(bands):
+    summary = tailslap.rigid(IMPACT).summary
+    assert summary["force_band"]["percentile_95"] == bands[IMPACT].percentiles[2]
+    without = tailslap.rigid(IMPACT, band=False).summary
+    assert "percentile_95" not in without["force_band"]
+    assert without["band"] == "Without a band of the force: not requested."
+
+
+@pytest.mark.parametrize(("name", "changes", "key"), [
+    (IMPACT, ("contact.side_stiffness=1 MN/m^2",), "contact.side_stiffness"),
+    (IMPACT, ("contact=", "contact.friction=0.3"), "contact.stiffness"),
+])  # fmt: skip
+def test_a_band_that_cannot_be_computed_is_named(name, changes, key):
+    band = band_samples.force_band(case(name, *changes))
+    assert not band.percentiles
+    assert key in band.refusal
+    assert band.sentence.startswith("Without a band of the force: ")
+    assert not band.interval
+
+
+def test_no_ratio_to_loads_of_lighter_vehicles():
+    """TL-1 has loads of Report 350 alone; a 50 ms mean stands over MASH's load of TL-4."""
+    assert "times" not in case("impact-mash-tl1-car").headline(NO_BAND).answer
+    truck = case(TRUCK)
+    mean = solver.triangle_mean(float(truck.force.peak_force), truck.scene.strike.duration, 0.05)
+    assert f", {mean / 355_858:.2g} times MASH (TTI), TL-4" in truck.headline().answer
+
+
+def test_a_pull_of_the_wall_is_named():
+    pulls = case(TRUCK).headline().in_units(SI).certainty
+    reaction = case(TRUCK).rigid_history()["reaction_normal"]
+    assert f"first with {-reaction[0] / 1e3:.3g} kN, at the end with {-reaction[-1] / 1e3:.3g} kN" in pulls
