@@ -27,7 +27,7 @@ from meshes import plate_mesh
 from postprocess.report.tables import pairs
 from postprocess.report.terminal import printed
 from solver.impact import solve_impact
-from solver.impact.solve import MANY_TOLERANCE
+from solver.impact.solve import MANY_TOLERANCE, Impacts
 from tailslap.campaign.planar_ranges import impact_ranges
 from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase
@@ -170,23 +170,54 @@ def rigid_trains() -> Iterator[Row]:
     own = plan.vehicle, plan.contact, plan.touch, 1.2
     times = [_processor(lambda: solve_impact(*own, trailers=plan.trailers))[0] for _ in range(12)][1:]
     yield "rigid train, 1.2 s", f"{1e3 * statistics.median(times):.0f} ms ({1e3 * min(times):.0f} least)"
-    ranges, random = impact_ranges(plan), np.random.default_rng(1)
-    inputs = {each.key: random.uniform(each.lower, each.upper, 512) for each in ranges}
+    inputs = _drawn(plan, 512)
     seconds, found = _processor(lambda: plan.impacts(inputs, interval=5e-4))
     yield "512 rigid trains, a sample of them", f"{1e3 * seconds / 512:.1f} ms"
     few = {key: values[:128] for key, values in inputs.items()}
-    fine = plan.impacts(few, tolerance=MANY_TOLERANCE / 64.0)
-    errors = []
-    for i in range(128):
+    true, restitution = _true_errors(plan, few, found), few["contact.restitution"]
+    for low, high in ((0.0, 0.01), (0.01, 0.1), (0.1, 0.4)):
+        those = (restitution >= low) & (restitution < high)
+        what = f"  restitution {low:g} to {high:g}: error of the largest strike; stated"
+        yield what, _both_errors(true[those], found.error[:128][those])
+
+
+def rigid_samples() -> Iterator[Row]:
+    """Samples of `study uncertainty impact-mash-tl4-sut` with all inputs: processor time, and errors."""
+    plan = ImpactCase(*read_scene("impact-mash-tl4-sut"))
+    inputs = _drawn(plan, 512)
+    times = [_processor(lambda: plan.many(inputs))[0] for _ in range(6)][1:]  # the first compiles
+    each = min(times) / 512
+    yield (
+        "an impact with all inputs",
+        f"{1e3 * each:.2f} ms ({1e3 * statistics.median(times) / 512:.2f} median)",
+    )
+    yield "100 000 of them, two cores; asked: 12 s", f"{0.5e5 * each:.0f} s"
+    found = plan.impacts(inputs, interval=5e-4)
+    few = {key: values[:128] for key, values in inputs.items()}
+    errors = _both_errors(_true_errors(plan, few, found), found.error[:128])
+    yield "error of the largest strike; stated", errors
+
+
+def _drawn(plan: ImpactCase, samples: int) -> dict[str, np.ndarray]:
+    """Draw samples of the ranges of `study uncertainty`."""
+    random = np.random.default_rng(1)
+    return {each.key: random.uniform(each.lower, each.upper, samples) for each in impact_ranges(plan)}
+
+
+def _true_errors(plan: ImpactCase, inputs: dict[str, np.ndarray], found: Impacts) -> np.ndarray:
+    """Largest change of peak and impulse of the largest strike of the first samples at a finer tolerance."""
+    fine, errors = plan.impacts(inputs, tolerance=MANY_TOLERANCE / 64.0), []
+    for i in range(fine.error.size):
         coarse, exact = found.impulse[:, i], fine.impulse[:, i]
         k, j = np.nanargmax(coarse), np.nanargmax(exact)
         peak = abs(found.peak_force[k, i] / fine.peak_force[j, i] - 1.0)
         errors.append(max(peak, abs(coarse[k] / exact[j] - 1.0)))
-    for low, high in ((0.0, 0.01), (0.01, 0.1), (0.1, 0.4)):
-        those = (few["contact.restitution"] >= low) & (few["contact.restitution"] < high)
-        true, stated = np.array(errors)[those], found.error[:128][those]
-        text = f"{np.median(true):.0e}, most {max(true):.0e}; {np.median(stated):.0e}, {max(stated):.0e}"
-        yield f"  restitution {low:g} to {high:g}: error of the largest strike; stated", text
+    return np.array(errors)
+
+
+def _both_errors(true: np.ndarray, stated: np.ndarray) -> str:
+    """Medians and largest values of true and stated errors."""
+    return f"{np.median(true):.0e}, most {max(true):.0e}; {np.median(stated):.0e}, {max(stated):.0e}"
 
 
 def _processor(call: Callable[[], Any]) -> tuple[float, Any]:
@@ -240,7 +271,7 @@ def filters() -> Iterator[Row]:
     yield "50 ms mean of a half sine of 100 ms over the formula - 1", f"{difference:+.1e}"
 
 
-FUNCTIONS = (filters, rigid_limit, against_rigid, loop_time, whole_run, rigid_trains)
+FUNCTIONS = (filters, rigid_limit, against_rigid, loop_time, whole_run, rigid_trains, rigid_samples)
 PARTS = {part.__name__: part for part in (*FUNCTIONS, striking_bars, bouncing_bar, meshes)}
 
 if __name__ == "__main__":

@@ -77,7 +77,7 @@ def moving_mean(values: Floats, interval: float, width: float) -> Floats:
     """
     check_samples(values, interval, width)
     added = math.ceil(0.5 * width / interval) + 1
-    held = np.pad(values, added, mode="edge")
+    held = _extended(values, added)
     edges = interval * (np.arange(held.size + 1) - added)
     integral = np.concatenate(([0.0], np.cumsum(held))) * interval
     centres = interval * np.minimum(np.arange(values.size) + 0.5, values.size - 0.5 * width / interval)
@@ -105,14 +105,20 @@ def settling_rows(cutoff: float, interval: float) -> int:
     return math.ceil(max(PAD, PERIODS / cutoff) / interval)
 
 
+def _extended(values: Floats, added: int) -> Floats:
+    """Return the values with this number of copies of the first and the last at the ends."""
+    return np.concatenate((np.full(added, values[0]), values, np.full(added, values[-1])))
+
+
 def _both_ways(values: Floats, interval: float, cutoff: float, corner: float) -> Floats:
     """Filter forward and backward with this w_a, from steady states."""
     from scipy.linalg.blas import dtbsv  # scipy.signal takes longer to import than a run to compute
 
     added = settling_rows(cutoff, interval)
-    held = np.pad(values, added, mode="edge")
+    held = _extended(values, added)
     entering, leaving = _coefficients(corner)
-    band = np.tile(leaving[:, None], held.size)
+    band = np.empty((leaving.size, held.size), order="F")
+    band[:] = leaving[:, None]
     for _ in ("forward", "backward"):
         change = np.convolve(held - held[0], entering)[: held.size]
         held = (held[0] + dtbsv(leaving.size - 1, band, change, lower=1))[::-1]

@@ -185,8 +185,9 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
     part, parts_taken, h = 0, parts, whole
     loaded, largest = 0.0, 0.0
-    motion[2] -= 0.5 * h * work.load
-    start_tyres(tyres, i, work.masses, work.load, motion, h)
+    for m in range(motion.shape[1]):
+        motion[2, m] -= 0.5 * h * work.load[m]
+    start_tyres(tyres, i, work.masses, work.headings, work.load, motion, h)
     for k in range(clock.most):
         t, last = part * (whole / parts), h
         _place(points, owner, motion, work.headings, last, k == 0)
@@ -195,8 +196,9 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             h = parts_taken * (whole / parts)
             _look_back(points, last, h)
         kick = 0.5 * (last + h)
-        motion[2] += kick * work.load
-        steer(tyres, i, work.masses, motion, last, kick)
+        for m in range(motion.shape[1]):
+            motion[2, m] += kick * work.load[m]
+        steer(tyres, i, work.masses, work.headings, motion, last, kick)
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.headings, work.ties, h)
         touching = _press(points, owner, motion, work.masses, work.ties, work.effect, active, kick, h)
@@ -214,20 +216,21 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             _leave(kick, h, finish - t, motion, state)
             _name_cut(work.groups, k, finish, strikes)
             reached = finish
-        if row * stride * parts == part and row < rows.shape[0]:
+        if row * stride <= part and row < rows.shape[0]:
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
             if rows.shape[1] > 1:
                 _record(points, owner, motion, pressed, sums, early, kick, rows[row])
-                record_tyres(tyres, i, motion, early * kick, rows[row])
+                record_tyres(tyres, i, work.headings, motion, early * kick, rows[row])
+                row += 1
             else:
-                rows[row, 0] = sums[0]
+                impulse = sums[0]
                 for p in pressed:
-                    rows[row, 0] += early * kick * points[p, NORMAL]
-            row += 1
-        if t >= finish and ((row - 1) * stride * parts == part or row == rows.shape[0]):
+                    impulse += early * kick * points[p, NORMAL]
+                row = _fill(rows, row, stride, part, impulse)
+        if t >= finish and (row == rows.shape[0] or (row - 1) * stride * (whole / parts) >= finish):
             break
         _add(points, owner, motion, pressed, kick, sums)
-        end_tyre_step(tyres, i, motion, kick)
+        end_tyre_step(tyres, i, work.headings, motion, kick)
         _move(points, motion, pressed, h)
         part += parts_taken
     return reached, number
@@ -239,10 +242,11 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
 
     Their number is a power of two, at most twice the last, and divides the position in the whole step. On the law a
     step is a phase of its oscillation, whose stiffness on the line of unloading is larger by 1/e^2. Near jumps of
-    stiffness, at touch, at the deepest point and at the foot of the line, steps decrease with the remaining time. On a
-    vertical line they do not, because its force stops a point within a step.
+    stiffness, at touch, at the deepest point and at the foot of the line, steps decrease with the remaining time, to
+    `floor` times the step beyond the jump. On a vertical line they do not, because its force stops a point within a
+    step.
     """
-    phase, near = clock.phase * clock.pace[i], NEAR * clock.pace[i]
+    phase, near, floor = clock.phase * clock.pace[i], NEAR * clock.pace[i], clock.floor
     shortest = np.inf
     for p in range(points.shape[0]):
         depth, deepest = points[p, DEPTH], points[p, DEEPEST]
@@ -254,26 +258,30 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
         if depth <= points[p, FOOT]:
             if rate > 0.0:
                 time_left = near * (points[p, FOOT] - depth) / rate
-                shortest = min(shortest, max(time_left, pressed) if upright else time_left)
+                length = deepest - points[p, FOOT]
+                least = pressed if upright else floor * (phase * length / rate if length > 0.0 else pressed)
+                shortest = min(shortest, max(time_left, least))
             continue
         shortest = min(shortest, pressed)
         if upright:
             points[p, FOOT] = deepest
         elif rate > 0.0 and depth >= deepest:
             if slowing > 0.0:
-                shortest = min(shortest, near * rate / slowing)
+                least = floor * phase * np.sqrt(_length(points[p]) / slowing) if floor > 0.0 else 0.0
+                shortest = min(shortest, max(near * rate / slowing, least))
         else:
             length = _length(points[p])
             points[p, FOOT] = deepest - length
             speed = max(abs(rate), 1e-300)
             end = deepest - depth if rate > 0.0 else depth - points[p, FOOT]
             swing = max(speed, np.sqrt(length * abs(slowing)))
-            shortest = min(shortest, phase * length / swing, near * end / speed)
+            own = phase * length / swing
+            shortest = min(shortest, own, max(near * end / speed, floor * own))
     parts_taken = min(2 * parts_taken, clock.parts[i])
-    while part % parts_taken > 0 or (
+    while part & (parts_taken - 1) > 0 or (
         parts_taken > 1 and parts_taken * clock.step[i] > shortest * clock.parts[i]
     ):
-        parts_taken //= 2
+        parts_taken >>= 1
     return parts_taken
 
 
@@ -564,16 +572,16 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
 
     loaded: see `_finish`. steered: with tyres a vehicle that is directed towards the wall will return to it.
     """
-    last = groups[4 * reach.size - 3]  # the rear of a train's last unit
-    if reach.size > 1 and number >= 2 and last[SLOT] >= 0.0:
-        if last[STAMP] != k:
-            return last[LAST] + after
+    rear = 4 * reach.size - 3  # of a train's last unit
+    if reach.size > 1 and number >= 2 and groups[rear, SLOT] >= 0.0:
+        if groups[rear, STAMP] != k:
+            return groups[rear, LAST] + after
         return loaded + after if loaded < t else np.inf
     if reach.size == 1 and number >= 2:
         end = 0.0
         for s in range(2):
-            group = groups[int(strikes[s, 0])]
-            pressed = group[STAMP] == k and group[SLOT] == s
+            g = int(strikes[s, 0])
+            pressed = groups[g, STAMP] == k and groups[g, SLOT] == s
             if pressed and not loaded < t:
                 return np.inf
             end = max(end, loaded if pressed else strikes[s, 2])
@@ -591,10 +599,10 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
 def _pressing(groups, k, recent):
     """Return the normal force of the wall in this step [N], and whether a strike in progress began after `recent`."""
     force, is_young = 0.0, False
-    for group in groups:
-        if group[STAMP] == k:
-            force += group[FORCE]
-            is_young = is_young or group[FIRST] > recent
+    for g in range(groups.shape[0]):
+        if groups[g, STAMP] == k:
+            force += groups[g, FORCE]
+            is_young = is_young or groups[g, FIRST] > recent
     return force, is_young
 
 
@@ -602,19 +610,20 @@ def _pressing(groups, k, recent):
 def _all_over(groups, k, pressed):
     """Return the instant [s] from which all strikes are over; that of corners in contact is `pressed`."""
     latest = 0.0
-    for group in groups:
-        if group[SLOT] >= 0.0:
-            latest = max(latest, pressed if group[STAMP] == k else over_from(group[FIRST], group[LAST]))
+    for g in range(groups.shape[0]):
+        if groups[g, SLOT] >= 0.0:
+            over = over_from(groups[g, FIRST], groups[g, LAST])
+            latest = max(latest, pressed if groups[g, STAMP] == k else over)
     return latest
 
 
 @compiled
 def _name_cut(groups, k, finish, strikes):
     """Mark the strikes that are not over when the motion ends."""
-    for group in groups:
-        if 0.0 <= group[SLOT] < strikes.shape[0]:
-            is_cut = group[STAMP] == k or over_from(group[FIRST], group[LAST]) > finish
-            strikes[int(group[SLOT]), CUT] = 1.0 if is_cut else 0.0
+    for g in range(groups.shape[0]):
+        if 0.0 <= groups[g, SLOT] < strikes.shape[0]:
+            is_cut = groups[g, STAMP] == k or over_from(groups[g, FIRST], groups[g, LAST]) > finish
+            strikes[int(groups[g, SLOT]), CUT] = 1.0 if is_cut else 0.0
 
 
 @compiled
@@ -661,6 +670,20 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
             row[base + 3] += (1.0 - returned) * absorbed
             if length_left > 0.0 and length > 0.0:
                 row[base + 2] += returned * absorbed * min(length_left / length, 1.0) ** 2
+
+
+@compiled
+def _fill(rows, row, stride, part, impulse):
+    """Write the impulse at this instant and at rows since the last one, and return the number of the next row.
+
+    A step over several rows begins at a row.
+    """
+    before, count = row - 1, part // stride - row + 1
+    for j in range(1, min(count, rows.shape[0] - row) + 1):
+        rows[before + j, 0] = impulse
+        if j < count:
+            rows[before + j, 0] += (j / count - 1.0) * (impulse - rows[before, 0])
+    return min(row + count, rows.shape[0])
 
 
 @compiled

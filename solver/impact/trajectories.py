@@ -25,6 +25,9 @@ PHASE, TURN = 0.7, 0.025
 PHASE_OF_PARTS, TURN_OF_PARTS, PARTS = 0.32, 0.1, 1024
 """Phase of a part of a step of a train, rotation in its whole step, as above; largest number of parts of a step."""
 
+COARSE_PHASE, COARSE_TURN, COARSE_FLOOR = 1.0, 0.4, 0.5
+"""Both for many vehicles with tyres, and their least step near a jump of stiffness over the step beyond it."""
+
 UPRIGHT_FACTOR = 4.0
 """Factor on the error of a train with a vertical line of unloading, whose steps are of first order."""
 
@@ -46,19 +49,21 @@ WEIGHT = 0.05
 class Timing(NamedTuple):
     """Steps and ends of n samples.
 
-    step [s], its number of parts, and steps per row, shape (n,). end [s], shape (n,): infinite for an open end, which
+    step [s], its number of parts, and parts per row, shape (n,). end [s], shape (n,): infinite for an open end, which
     is `after` [s] after the end of the second strike, or after the start as soon as contact is impossible, and at
     which no strike is in progress.
 
     phase: part of a step in radians of the oscillation on the law, times `pace`, shape (n,), step over the one that the
-    tolerance requires; rate: of the stiffest oscillation [1/s], shape (n,). longest: latest open end [s]; most: largest
-    number of steps. reached, shape (n,): the end, NaN where the steps did not suffice; counted, shape (n,): strikes.
+    tolerance requires; floor: least step near a jump of stiffness over the step beyond it; rate: of the stiffest
+    oscillation [1/s], shape (n,). longest: latest open end [s]; most: largest number of steps. reached, shape (n,): the
+    end, NaN where the steps did not suffice; counted, shape (n,): strikes.
     """
 
     step: np.ndarray
     parts: np.ndarray
     stride: np.ndarray
     phase: float
+    floor: float
     pace: np.ndarray
     rate: np.ndarray
     end: np.ndarray
@@ -161,13 +166,18 @@ def solve_trains(
     h = PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
     many_strikes = len(train.hitch) > 0 or tyres is not None
     varies = step is None and many_strikes
-    if varies:
+    is_coarse = varies and tyres is not None and impulse_alone
+    phase, floor = (COARSE_PHASE, COARSE_FLOOR) if is_coarse else (PHASE_OF_PARTS, 0.0)
+    if is_coarse:
+        h = COARSE_TURN * math.sqrt(tolerance) / turning
+    elif varies:
         h = np.minimum(TURN_OF_PARTS * math.sqrt(tolerance) / turning, 0.5 * SHORTEST)
     if step is not None:
         h = np.full(len(state), step)
     h = np.maximum(h, latest / most)  # first coarser, then finer as far as the computed end allows
     whole = interval or latest
-    h = aimed_step = whole / np.ceil(whole / h)
+    rows_a_step = np.exp2(np.floor(np.log2(np.maximum(h / whole, 1.0)))) if is_coarse else 1.0
+    h = aimed_step = whole / np.ceil(whole / h) * rows_a_step
     parts = np.ones(len(state), dtype=np.int64)
     if varies:
         parts <<= np.log2(np.clip(most * h / latest, 1, PARTS)).astype(np.int64)
@@ -175,10 +185,11 @@ def solve_trains(
     def run(chosen: NDArray[np.int64], h: Array, interval: float | None, room: int = strikes) -> Trajectories:
         few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[..., chosen]) for v in train))
         out, n = np.array(state[chosen]), len(chosen)
-        stride, count = np.ones(n, dtype=np.int64), 0
+        stride, count = parts[chosen], 0
         if interval is not None:
-            stride[:] = np.maximum(np.rint(interval / h), np.ceil(latest / h / MOST_ROWS))
-            count = math.ceil(min(float((latest / h / stride).max()), most)) + 2
+            rows_apart = interval / h if interval else np.ceil(latest / h / MOST_ROWS)
+            stride = np.rint(rows_apart * stride).astype(np.int64)
+            count = math.ceil(min(float((latest / h * parts[chosen] / stride).max()), most)) + 2
         road = chosen_tyres(tyres, chosen)
         wide = columns(out.shape[1]) + (0 if road is None else road.sums.size)
         rows = np.empty((n, count, 1 if impulse_alone else wide))
@@ -186,7 +197,7 @@ def solve_trains(
         ends = np.full(n, math.inf if end is None else end)
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
         clock = Timing(
-            h, parts[chosen], stride, PHASE_OF_PARTS * math.sqrt(tolerance), h / aimed_step[chosen], rate[chosen], ends,
+            h, parts[chosen], stride, phase * math.sqrt(tolerance), floor, h / aimed_step[chosen], rate[chosen], ends,
             after_second, latest, most, reached, counted,
         )  # fmt: skip
         space = workspace(out.shape[1], len(few.hitch), few.unit.size)
@@ -194,7 +205,7 @@ def solve_trains(
         compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
         if counted.max() > room > 2:
             return run(chosen, h, interval, int(counted.max()))
-        return Trajectories(reached, out, strike_rows, rows, h * stride, h, np.zeros(n))
+        return Trajectories(reached, out, strike_rows, rows, h / parts[chosen] * stride, h, np.zeros(n))
 
     chosen, settled = np.arange(len(state)), np.full(len(state), step is not None)
     upright = (train.restitution == 0.0) & (train.unloading_stiffness == 0.0)

@@ -173,7 +173,7 @@ def has_tyres(tyres):
 
 
 @optional(merged=True)
-def start_tyres(tyres, i, masses, load, motion, h):
+def start_tyres(tyres, i, masses, headings, load, motion, h):
     """Begin sample i.
 
     Velocities half a step back are those by the side forces at the start.
@@ -181,12 +181,12 @@ def start_tyres(tyres, i, masses, load, motion, h):
 
 
 @optional(merged=True)
-def steer(tyres, i, masses, motion, last, kick):
+def steer(tyres, i, masses, headings, motion, last, kick):
     """Add the side forces of this instant to the velocities ahead."""
 
 
 @optional(merged=True)
-def end_tyre_step(tyres, i, motion, kick):
+def end_tyre_step(tyres, i, headings, motion, kick):
     """Add impulses and works of the tyres over a step.
 
     Its accelerations are stored for the next.
@@ -194,7 +194,7 @@ def end_tyre_step(tyres, i, motion, kick):
 
 
 @optional(merged=True)
-def record_tyres(tyres, i, motion, h, row):
+def record_tyres(tyres, i, headings, motion, h, row):
     """Fill the columns of the tyres in the row of this instant.
 
     h: time since the end of the sums [s].
@@ -207,21 +207,23 @@ def _has_tyres(tyres):
 
 
 @implements(start_tyres, Tyres)
-def _start_tyres(tyres, i, masses, load, motion, h):
+def _start_tyres(tyres, i, masses, headings, load, motion, h):
     tyres.sums[:], tyres.rate[:] = 0.0, 0.0
     for m in range(motion.shape[1]):
         motion[1, m] = motion[2, m] + 0.5 * h * load[m]
-    steer(tyres, i, masses, motion, 0.0, -0.5 * h)
-    _add_tyres(tyres, i, motion, -0.5 * h, tyres.sums)
+    for u in range(headings.shape[0]):
+        headings[u, 0], headings[u, 1] = np.cos(motion[0, 3 * u + 2]), np.sin(motion[0, 3 * u + 2])
+    steer(tyres, i, masses, headings, motion, 0.0, -0.5 * h)
+    _add_tyres(tyres, i, headings, motion, -0.5 * h, tyres.sums)
     for m in range(motion.shape[1]):
         tyres.rate[m] = (motion[1, m] - motion[2, m]) / (0.5 * h)
 
 
 @implements(steer, Tyres)
-def _steer(tyres, i, masses, motion, last, kick):
+def _steer(tyres, i, masses, headings, motion, last, kick):
     for a in range(tyres.unit.size):
         j, arm = 3 * tyres.unit[a], tyres.along[a, i]
-        c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
+        c, s = headings[tyres.unit[a], 0], headings[tyres.unit[a], 1]
         u = motion[1, j] + 0.5 * last * tyres.rate[j]
         v = motion[1, j + 1] + 0.5 * last * tyres.rate[j + 1]
         w = motion[1, j + 2] + 0.5 * last * tyres.rate[j + 2]
@@ -234,14 +236,14 @@ def _steer(tyres, i, masses, motion, last, kick):
 
 
 @compiled
-def _add_tyres(tyres, i, motion, h, sums):
+def _add_tyres(tyres, i, headings, motion, h, sums):
     """Add impulses and works of the tyres over h to the sums.
 
     sums: shape (4 units,), those of each unit together.
     """
     for a in range(tyres.unit.size):
         j, arm, impulse, first = 3 * tyres.unit[a], tyres.along[a, i], h * tyres.force[a], 4 * tyres.unit[a]
-        c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
+        c, s = headings[tyres.unit[a], 0], headings[tyres.unit[a], 1]
         u, v = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
         w = motion[1, j + 2] + motion[2, j + 2]
         sums[first] += 0.5 * impulse * (u * s + v * c + w * arm)
@@ -251,14 +253,14 @@ def _add_tyres(tyres, i, motion, h, sums):
 
 
 @implements(end_tyre_step, Tyres)
-def _end_tyre_step(tyres, i, motion, kick):
-    _add_tyres(tyres, i, motion, kick, tyres.sums)
+def _end_tyre_step(tyres, i, headings, motion, kick):
+    _add_tyres(tyres, i, headings, motion, kick, tyres.sums)
     for m in range(motion.shape[1]):
         tyres.rate[m] = (motion[2, m] - motion[1, m]) / kick
 
 
 @implements(record_tyres, Tyres)
-def _record_tyres(tyres, i, motion, h, row):
+def _record_tyres(tyres, i, headings, motion, h, row):
     columns = row[row.size - tyres.sums.size :]
     columns[:] = tyres.sums
-    _add_tyres(tyres, i, motion, h, columns)
+    _add_tyres(tyres, i, headings, motion, h, columns)

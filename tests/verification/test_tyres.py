@@ -1,7 +1,7 @@
 """Verification: tyres of a rigid vehicle, samples, a train and the plate: exact side forces, loads, balances."""
 
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -247,6 +247,26 @@ def test_samples_have_tyres():
         motion = solve_impact(vehicle, LAW, first_touch(vehicle, ANGLE, SPEED), axles=own)
         for k in range(2):
             assert found.impulse[k, i] == pytest.approx(motion.strikes[k].impulse, rel=2e-5)
+
+
+def test_samples_with_long_steps_stay_within_their_stated_error():
+    """Steps between strikes are longer than the interval of the rows, which lie between them."""
+    motion, interval = impact(), 5e-4
+    law = {key: getattr(LAW.crush, key) for key in ("stiffness", "plateau_force", "restitution")}
+    found = solve_impacts(
+        **asdict(TRUCK) | law, speed=SPEED, angle=ANGLE, friction=LAW.friction,
+        axles=[asdict(axle) for axle in AXLES], interval=interval,
+    )  # fmt: skip
+    assert 1e-5 < found.error < 4e-3
+    for k, strike in enumerate(motion.strikes[:2]):
+        assert found.impulse[k] == pytest.approx(strike.impulse, rel=float(found.error))
+        assert found.peak_force[k] == pytest.approx(strike.peak_force, rel=float(found.error))
+    t = interval * np.arange(1, int(motion.t_end / interval))
+    exact = motion.at(t).impulse_normal
+    computed = interval * np.cumsum(found.mean_force)[: t.size]
+    np.testing.assert_allclose(computed, exact, atol=float(found.error) * exact[-1])
+    force = np.diff(computed - exact) / interval
+    assert np.abs(force).max() < 0.05 * law["plateau_force"]  # unloading begins 0.2 ms apart
 
 
 @pytest.mark.parametrize(("axle", "key"), [
