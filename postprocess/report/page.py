@@ -17,10 +17,15 @@ from urllib.parse import quote
 
 from postprocess.report.prose import prose
 from postprocess.report.tables import Table
-from postprocess.units import SI, Units
+from postprocess.units import SI, US, Units
 
 if TYPE_CHECKING:
+    from markupsafe import Markup
+
     from postprocess.svg.chart import Chart
+
+SEPARATOR, OTHER = "\x1e", "\x1d"
+"""Marks of the page's template: ends of a part that units change, and place of a chart in other units."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +108,7 @@ class Page:
     """Content of a page.
 
     passed: outcome of its checks, None without any; checked: their number in words; contents: whether its sections
-    are listed on top.
+    are listed on top; original: the page before its conversion to `units`.
     """
 
     kicker: str
@@ -114,6 +119,8 @@ class Page:
     passed: bool | None = None
     contents: bool = False
     checked: str = "checks"
+    units: Units = SI
+    original: Page | None = None
 
     @property
     def verdict(self) -> str:
@@ -139,6 +146,8 @@ class Page:
             headline=self.headline.in_units(units),
             sections=[section.in_units(units) for section in self.sections],
             footer=self.footer.replace("SI units", name),
+            units=units,
+            original=self.original or self,
         )
 
 
@@ -152,7 +161,7 @@ def write_page(path: Path, page: Page) -> Path:
 
 
 def page_text(page: Page) -> str:
-    """Return the HTML of a page.
+    """Return the HTML of a page with both systems of units.
 
     All its pictures must exist.
     """
@@ -165,10 +174,43 @@ def page_text(page: Page) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"prose": prose, "data_uri": data_uri, "quoted": partial(quote, safe=" ,:;[]()/")}
+    environment.filters |= {"words": prose, "prose": lambda text: between(prose(text)), "unit": between}
+    environment.filters |= {"data_uri": data_uri, "quoted": partial(quote, safe=" ,:;[]()/")}
     script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-    return environment.get_template("page.html.j2").render(page=page, script=script, digest=digest)
+    template, original = environment.get_template("page.html.j2"), page.original or page
+    texts = [
+        template.render(page=original.in_units(units), shown=page.units.name, script=script, digest=digest)
+        for units in (SI, US)
+    ]
+    return in_both_units(texts if page.units is SI else texts[::-1], page.units)
+
+
+def between(html: str) -> Markup:
+    """Return a part of a page between separators, which `in_both_units` compares."""
+    from markupsafe import Markup
+
+    return Markup(SEPARATOR + html + SEPARATOR)
+
+
+def in_both_units(texts: Sequence[str], units: Units) -> str:
+    """Return one page of two that differ in units, those of the first.
+
+    Texts that differ stand one after the other with the class of their system, of which the page's switch shows one.
+    The page's script puts charts in other units in the place of the first ones.
+    """
+    names = [units.name, US.name if units is SI else SI.name]
+    parts = []
+    for number, pair in enumerate(zip(*(text.split(SEPARATOR) for text in texts), strict=True)):
+        one, other = pair
+        if one == other or number % 2 == 0:
+            parts.append(one.replace(OTHER, ""))
+        elif OTHER in one:
+            parts.append(one.replace(OTHER, f"<template>{other.replace(OTHER, '')}</template>"))
+        else:
+            spans = [f'<span class="{name}">{text}</span>' for name, text in zip(names, pair, strict=True)]
+            parts += sorted(spans)
+    return "".join(parts)
 
 
 def data_uri(path: Path) -> str:

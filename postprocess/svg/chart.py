@@ -245,7 +245,9 @@ class Chart:
         return any(isinstance(mark, Moving | Cursor) for plot in self.plots for mark in plot.marks)
 
     def in_units(self, units: Units) -> Chart:
-        """Return the chart in other units."""
+        """Return the chart in other units, unchanged if it was not drawn from plots."""
+        if not self.plots:
+            return self
         along, x_unit = units.of(self.x.unit)
         plots = []
         for plot in self.plots:

@@ -239,9 +239,9 @@ const chartOf = (svg) => {
   return { svg, section: svg.closest("section"), lines, room, fit };
 };
 
-const charts = all(document, "svg.chart").map(chartOf);
 /* Keys of the lines as buttons; those of a legend that has no lines are of all charts of its section. */
-charts.forEach(({ svg, section, lines }) => {
+let charts = [];
+const addKeys = ({ svg, section, lines }) => {
   const reach = lines.length ? lines : charts.filter((other) => other.section === section).flatMap((other) => other.lines);
   const row = document.createElement("div");
   row.className = "keys";
@@ -259,13 +259,57 @@ charts.forEach(({ svg, section, lines }) => {
     key.style.display = "none";
   });
   svg.before(row);
-});
-const observer = new ResizeObserver(() => {
+};
+const fitAll = () => {
   const rooms = charts.map(({ room }) => room());
   charts.forEach(({ fit }, i) => fit(rooms[i]));
+};
+const prepare = () => {
+  charts = all(document, "svg.chart").map(chartOf);
+  charts.forEach(addKeys);
+  fitAll();
+  document.getAnimations().forEach((each) => (each.startTime = document.timeline.currentTime));
+};
+/* Charts as drawn in the units of the page, and in the others where these differ. */
+const shownIn = document.querySelector(".units :checked")?.id;
+const drawings = all(document, "figure:has(svg.chart)").map((now) =>
+  ({ now, own: now.cloneNode(true), other: now.querySelector("template")?.content.firstElementChild ?? now.cloneNode(true) }));
+document.querySelector(".units")?.addEventListener("change", ({ target }) => {
+  drawings.forEach((each) => {
+    const next = (target.id === shownIn ? each.own : each.other).cloneNode(true);
+    each.now.replaceWith(next);
+    each.now = next;
+  });
+  prepare();
 });
+prepare();
+const observer = new ResizeObserver(fitAll);
 all(document, "main").forEach((main) => observer.observe(main));
-document.getAnimations().forEach((each) => (each.startTime = document.timeline.currentTime));
+
+/* Buttons copy a table as it is shown. */
+const quoted = (cell) => (/[",]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
+const ofTex = (cell) => cell.replace(/[&%#$_{}]/g, "\\$&").replaceAll("−", "$-$").replaceAll("^", "\\^{}");
+const forms = {
+  text: (rows) => rows.map((row) => row.join("\t")),
+  CSV: (rows) => rows.map((row) => row.map(quoted).join(",")),
+  LaTeX: (rows) => [`\\begin{tabular}{l${"r".repeat(rows[0].length - 1)}}`,
+    ...rows.map((row) => `${row.map(ofTex).join(" & ")} \\\\`), "\\end{tabular}"],
+};
+all(document, ".scroll > table").forEach((table) => {
+  const row = document.createElement("div");
+  [row.className, row.textContent] = ["copy", "Copy as"];
+  row.append(...Object.entries(forms).map(([name, form]) => {
+    const button = set(document.createElement("button"), { type: "button" });
+    button.textContent = name;
+    button.addEventListener("click", async () => {
+      const shown = all(table, "tr:not(.groups)").map((line) => [...line.children].map((cell) => cell.innerText.trim().replace(/\s+/g, " ")));
+      await navigator.clipboard.writeText(form(shown).join("\n"));
+      button.textContent = `${name} ✓`;
+    });
+    return button;
+  }));
+  table.parentNode.after(row);
+});
 
 const unfold = (id) => document.getElementById(id)?.querySelectorAll("details").forEach((part) => (part.open = true));
 document.querySelectorAll("nav a").forEach((link) => link.addEventListener("click", () => unfold(link.hash.slice(1))));

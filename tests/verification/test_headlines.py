@@ -28,6 +28,8 @@ def case(name, *changes):
 
 def rigid_force(name):
     found = tailslap.rigid(name).summary
+    if "space" in found:
+        return found["space"]["force"]["mean_50ms"]
     return found["peaks"]["mean_50ms"] if "peaks" in found else found["stage3"]["peak_force"]
 
 

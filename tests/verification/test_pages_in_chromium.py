@@ -69,6 +69,35 @@ def test_nothing_is_wrong_with_the_page_of_a_run(browser, tmp_path, outcome):
     assert inspection.faults(browser, path) == {}
 
 
+def test_the_switch_changes_units_and_tables_are_copied_as_shown(browser, tmp_path, outcome):
+    made = CornerReport(outcome("mash-tl4-sut", "impact.speed=20 m/s")).page(pictures=False)
+    with opened(browser, write_page(tmp_path / "p.html", made)) as session:
+        shown = session.page
+        shown.context.grant_permissions(["clipboard-read", "clipboard-write"])
+
+        def copied(form):
+            shown.locator(".copy").first.get_by_role("button", name=form).click()
+            return shown.evaluate("navigator.clipboard.readText()")
+
+        headline = shown.locator(".headline")
+        assert "kN" in headline.inner_text()
+        heading, first, *_ = list(csv.reader(copied("CSV").splitlines()))
+        assert heading[1] == "By FE [kN]"
+        shown.get_by_role("radio", name="US").check()
+        assert "kN" not in headline.inner_text()
+        in_kip = copied("text").split("\n")[1].split("\t")
+        assert float(in_kip[1]) == pytest.approx(float(first[1]) / 4.4482216, rel=1e-3)
+        rows = copied("LaTeX").splitlines()
+        assert (rows[0], rows[-1]) == (r"\begin{tabular}{lrr}", r"\end{tabular}")
+        assert rows[1].endswith(r"& By FE [kip] & By rigid body [kip] \\")
+        drawn = shown.locator("svg.chart").all_text_contents()
+        assert drawn
+        assert not [text for text in drawn if "kN" in text]
+        shown.get_by_role("radio", name="SI").check()
+        assert [text for text in shown.locator("svg.chart").all_text_contents() if "kN" in text]
+        assert not session.errors
+
+
 def test_a_link_of_the_contents_opens_the_folded_section(browser, tmp_path):
     folded = Section("Folded", sentences=("A sentence.",), is_folded=True)
     made = Page("", Headline("Links", ""), (Section("Open", "A lead."), folded), "", contents=True)

@@ -47,7 +47,7 @@ class Parsed(HTMLParser):
         self.elements: list[Element] = []
         self.open: list[int] = []
         self.pieces: list[str] = []
-        self.feed(text)
+        self.feed(re.sub("<template>.*?</template>", "", text, flags=re.DOTALL))  # charts in other units
         self.close()
         assert self.open == []
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from html.parser import HTMLParser
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,7 +13,7 @@ import tailslap
 from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import from_above, write_animation
 from postprocess.report.command_report import Report
-from postprocess.report.page import Headline, Page, Section
+from postprocess.report.page import Headline, Page, Section, page_text
 from postprocess.report.tables import Column, Table
 from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
 from postprocess.svg.marks import Level, Line
@@ -150,6 +151,24 @@ def test_a_report_is_in_american_units_everywhere():
     assert shown.page.footer == "US units, files in SI; x along"
     assert Report(page, {}, ()).in_units(SI).page.headline.answer == SI.rendered(two) == "2 m"
     assert Report(page, {}, ()).in_units(SI).page.footer == page.footer
+
+
+def test_a_page_has_both_systems_and_its_switch_shows_one():
+    """Texts without a unit stand once; the command's units are shown first."""
+    two = measure(2.0, "m", "g")
+    table = Table(
+        (Column("a", "a", form=str), Column("b", "b", "N", form=".1f")), [{"a": "same", "b": 445e3}]
+    )
+    section = Section("Part", two, tables=(table,), sentences=("A sentence.",))
+    page = Page("", Headline("Title", two), (section,), "")
+    for made, name in ((page, "si"), (page.in_units(US), "us"), (page.in_units(US).in_units(SI), "si")):
+        html = page_text(made).replace("\N{NO-BREAK SPACE}", " ")
+        assert html.count('<span class="si">2 m</span><span class="us">6.56 ft</span>') == 2
+        assert '<span class="si">445.0</span><span class="us">100.0</span>' in html
+        assert '<span class="si">b [kN]</span><span class="us">b [kip]</span>' in html
+        assert html.count("A sentence.") == html.count(">same<") == 1
+        assert re.findall(r'id="(\w+)" checked', html) == [name]
+        assert not set("\x1d\x1e\x02\x03") & set(html)
 
 
 def test_records_that_name_their_unit_are_in_american_units():
@@ -302,19 +321,48 @@ def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
     assert (ends[0], ends[1]) == (pytest.approx(ends[2] / FOOT), pytest.approx(10.0 * 1.05))
 
 
-def page_text(place):
-    """Words of a page without tags, what is folded and drawn included, but for the set-up, in the scene's units."""
-    html = (place / "report.html").read_text(encoding="utf-8")
-    without = r"<title>.*?</title>|<header>.*?</header>|<svg[^>]*Set-up from above.*?</figure>"
-    html = re.sub(without, "", html, flags=re.DOTALL)
-    text = re.sub(r"<style>.*?</style>|<pre.*?</pre>|<script>.*?</script>", "", html, flags=re.DOTALL)
-    return re.sub(r"<[^>]+>", "", text).replace("\N{NO-BREAK SPACE}", " ")
+class Shown(HTMLParser):
+    """Words of a page in one system of units, without header, set-up, inputs and charts in the other system."""
+
+    def __init__(self, html, system):
+        super().__init__()
+        self.hidden = {
+            "title",
+            "header",
+            "style",
+            "script",
+            "pre",
+            "template",
+            "us" if system == "si" else "si",
+        }
+        self.open: list[bool] = []
+        self.words = ""
+        self.feed(
+            re.sub(r"<svg[^>]*Set-up from above.*?</figcaption>", "</figcaption>", html, flags=re.DOTALL)
+        )
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in ("meta", "img", "input", "br"):
+            self.open.append(bool({tag, dict(attrs).get("class")} & self.hidden))
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_endtag(self, tag):
+        self.open.pop()
+
+    def handle_data(self, data):
+        self.words += "" if any(self.open) else data.replace("\N{NO-BREAK SPACE}", " ")
+
+
+def words_of(place, system):
+    return Shown((place / "report.html").read_text(encoding="utf-8"), system).words
 
 
 def test_modes_say_the_beam_in_feet(tmp_path, capsys):
     arguments = ["modes", "paper-table-3", "--count", "1", "--set", "plate.elements=[8,2]", "--units", "us"]
     assert cli._status([*arguments, "--out", str(tmp_path / "a")]) == 0
-    text = page_text(tmp_path / "a")
+    text = words_of(tmp_path / "a", "us")
     assert "free beam of length 32.8 ft and depth 7.999 ft" in text
     for value in ("25.053 m/s", "10 m"):  # as the scene has them, in title and set-up
         text = text.replace(value, "")
@@ -336,7 +384,7 @@ def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path):
     for units in ("us", "si"):
         given = ["compare", str(folder), str(folder), "--units", units, "--out", str(tmp_path / units)]
         assert cli._status(given) == 0
-    us, si = page_text(tmp_path / "us"), page_text(tmp_path / "si")
+    us, si = words_of(tmp_path / "us", "us"), words_of(tmp_path / "si", "si")
     force = ("N [kip]", "N [kN]"), ("difference of R [kip]", "difference of R [kN]")
     for unit, other in (("s [ft]", "s [m]"), *force):
         assert unit in us

@@ -16,7 +16,7 @@ from postprocess.report import tables
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
-from postprocess.units import Units, measure, milliseconds, percent_up
+from postprocess.units import Units, force, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.impact import checks, error, figures, run, space_figures
@@ -88,6 +88,9 @@ DURATIONS_NOTE = (
     "isolated strike by 50 ms."
 )
 
+
+LEAST_CHANGE = 1e-6
+"""Smallest effect of flexibility that the headline states as a bound [-]."""
 
 WALL_NOTE = (
     "The rigid vehicle strikes a rigid wall. Contact force minus foundation force is the wall's inertia."
@@ -164,15 +167,21 @@ def headline(outcome: run.ImpactOutcome, band: ForceBand = NO_BAND) -> Headline:
 
 
 def _certainty(outcome: run.ImpactOutcome) -> str:
+    """Return the effect of flexibility and the discretisation error, in the plane, as sentences."""
+    mean_force = force(outcome.fe.peaks["mean_50ms"])
+    plane = f"In the plane {mean_force}. " if outcome.fe_plan.case.space else ""
     heavy = error.of_weight(outcome.difference, outcome.fe.strikes)
-    changes = {name: _largest(heavy, name) for name in ("impulse", "duration", "peak_force")}
+    changes = {
+        name: max(LEAST_CHANGE, _largest(heavy, name)) for name in ("impulse", "duration", "peak_force")
+    }
     of = f" of strikes above {100 * WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
     what = (
         "Flexibility of vehicle and wall" if outcome.fe_plan.case.scene.meshed_wall else "Vehicle flexibility"
     )
     mean = abs(outcome.fe.peaks["mean_50ms"] / outcome.rigid.peaks["mean_50ms"] - 1.0) if heavy else math.nan
+    mean = max(LEAST_CHANGE, mean)
     text = (
-        f"{what} changes the impulses{of} by at most {percent_up(changes['impulse'])}, durations by "
+        f"{plane}{what} changes the impulses{of} by at most {percent_up(changes['impulse'])}, durations by "
         f"{percent_up(changes['duration'])}, peak forces by {percent_up(changes['peak_force'])}, the largest 50 ms "
         f"mean by {percent_up(mean)}"
     )

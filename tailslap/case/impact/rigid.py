@@ -358,8 +358,7 @@ class RigidImpact(Case):
         mean = float(self.space.motion.answers.mean_50ms)
         height = measure(float(self.space.motion.answers.height), "m", ".2f")
         in_space = f"{force(mean)}{interval} at a height of {height}{self.design_ratio(mean)}"
-        plane = f"In the plane{'' if reliable else ', not reliable'}: {least}{force(peak)} in {where}."
-        return f"{self.force_words}: {in_space}. {self.space.verdict} {plane}"
+        return f"{self.force_words}: {in_space}. {self.space.verdict}"
 
     def headline(self, band: ForceBand = NO_BAND) -> Headline:
         """Return the largest 50 ms mean of the rigid vehicle."""

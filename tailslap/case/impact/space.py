@@ -1,5 +1,6 @@
 """Vehicle in space of a scene with [body]: its records, its motion, and the texts about it."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -244,21 +245,22 @@ class SpaceAnswer:
 
     @property
     def verdict(self) -> str:
-        """Sentence on the outcome and the lowest wall."""
-        wall = f"on a wall of {_height(float(self.inputs.wall.height))}"
+        """Sentence on the outcome."""
+        wall = f"a wall of {_height(float(self.inputs.wall.height))}"
         roll = measure(abs(float(self.motion.answers.largest_roll)), "rad", ".1f")
-        outcome = {
-            "upright": f"The vehicle remains upright {wall} with a roll of {roll}",
-            "on its side": f"The vehicle rolls on its side {wall}",
-            "over the wall": f"The vehicle rolls over the wall {wall.removeprefix('on a wall ')}",
+        return {
+            "upright": f"The vehicle remains upright on {wall} with a roll of {roll}.",
+            "on its side": f"The vehicle rolls on its side on {wall}.",
+            "over the wall": f"The vehicle rolls over {wall}.",
         }[self.motion.outcome]
-        lowest = "no wall up to the height of its centre of mass keeps it upright"
-        if self.lowest_wall == self.lowest_wall:
-            lowest = (
-                f"lowest wall that keeps it upright with these inputs: {_height(self.lowest_wall)}, with varied ones "
-                "see `tailslap study tipping`"
-            )
-        return f"{outcome}; {lowest}."
+
+    @property
+    def lowest(self) -> str:
+        """Sentence on the lowest wall that keeps the vehicle upright."""
+        if not math.isfinite(self.lowest_wall):
+            return "No wall up to the height of its centre of mass keeps the vehicle upright."
+        height = _height(self.lowest_wall)
+        return f"Lowest wall for these inputs: {height}; over varied inputs: `tailslap study tipping`."
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -273,6 +275,7 @@ class SpaceAnswer:
         direction, yaw = (measure(float(angle), "rad", ".1f") for angle in (one.exit_direction, one.exit_yaw))
         speed = measure(float(one.exit_speed), "m/s", ".1f")
         return (
+            self.lowest,
             f"Largest roll {roll} at {one.roll_time:.2f} s, positive towards the wall; largest pitch {pitch} at "
             f"{one.pitch_time:.2f} s, positive nose down.",
             f"Wheels off the ground: {'; '.join(lifts) or 'none'}.",
