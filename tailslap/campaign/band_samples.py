@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tailslap.campaign import planar_ranges, sampling, space_samples
+from tailslap.campaign import planar_ranges, sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import Array
 from tailslap.case.case import Case
@@ -43,6 +43,8 @@ def _problem(case: Any) -> tuple[tuple[Range, ...], Any]:
     if case.scene.contact is None:
         return planar_ranges.corner_ranges(case), case.many
     if case.scene.body is not None:
+        from tailslap.campaign import space_samples
+
         return space_samples.space_ranges(case, (), ()), partial(space_samples.force_and_outcome, case.scene)
     planar_ranges.demand_corners(case)
     return planar_ranges.impact_ranges(case), case.largest_means
@@ -54,10 +56,11 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
     solved = np.isfinite(force)
     if np.count_nonzero(solved) < sampling.MIN_ROWS:
         return ForceBand(refusal="too few of the varied inputs have a solution")
-    from solver.space import OUTCOMES
+    fractions: dict[str, float] = {}
+    if "outcome" in columns:
+        from solver.space import OUTCOMES
 
-    number = columns.get("outcome", np.empty(0))
-    fractions = {name: float(np.mean(number == k)) for k, name in enumerate(OUTCOMES) if number.size}
+        fractions = {name: float(np.mean(columns["outcome"] == k)) for k, name in enumerate(OUTCOMES)}
     return ForceBand(
         sampling.band_of(force).percentiles,
         int(np.count_nonzero(solved)),
