@@ -52,13 +52,13 @@ def scheme() -> str:
     return positions.draw_set_up([unit], positions.SYMBOLS, positions.SCHEME).svg
 
 
-def train() -> str:
-    """Positions of the rigid train of MASH TL-5 at each strike, and their animation."""
+def positions(scene: str) -> str:
+    """Positions of a rigid vehicle at each strike, and their animation."""
     from tailslap.case.impact.case import ImpactCase
     from tailslap.case.impact.figures import position_strip
     from tailslap.scene.read import read_scene
 
-    case = ImpactCase(*read_scene(str(FOLDER.parents[1] / "examples" / "linear-train.toml")))
+    case = ImpactCase(*read_scene(scene))
     return position_strip(case.answer, case.motion.vehicles).svg
 
 
@@ -78,7 +78,7 @@ def scene_page() -> str:
     return "\n".join(parts)
 
 
-SCENE_INTRODUCTION = """A number without a unit is in SI; a text contains its unit, e.g. "56 mph". Optional tables
+SCENE_INTRODUCTION = """Quote a value with its unit, e.g. "56 mph"; bare numbers are SI. Optional tables
 that are absent are not part of the model ([Scenes and results](../scenes.md))."""
 KEY_HEADINGS = ("key", "meaning", "default", "allowed")
 
@@ -144,6 +144,8 @@ def results_page() -> str:
         "Additional columns of a train": train_columns(),
     }
     parts = ["# Result files and columns", "", RESULTS_INTRODUCTION, "", table(("file", "contents"), FILES)]
+    keys = [(f"`{key}`", unit, meaning) for key, unit, meaning in SUMMARY]
+    parts += ["## summary.json", "", SUMMARY_NOTE, "", table(("key", "unit", "contents"), keys)]
     for title, known in columns.items():
         parts += [f"## {title}", "", *([OF_TRAINS, ""] if "a train" in title else [])]
         rows = [(f"`{c.name}`", c.unit, c.meaning or c.caption) for c in known.values()]
@@ -170,11 +172,85 @@ equivalent, e.g. strain energy, are 0 or absent.
 
 `tailslap.load`, `compare` and `export` verify the files by the manifest. Damaged or modified files are refused by name;
 `--force` (Python: `force=True`) reads the intact ones."""
+SUMMARY_NOTE = """Keys of a run; a dot stands between a key and those in it, `[]` is each entry of a list, and `*` any
+name. A key that does not apply is null or absent."""
+SUMMARY = (
+    ("title", "", "subject of the page"),
+    ("answer", "", "result in one sentence"),
+    ("set_up", "", "vehicle, impact and plate"),
+    ("certainty", "", "agreement of the models and discretisation error"),
+    ("band", "", "sentence on the band of the force"),
+    ("scene", "", "name of the scene"),
+    ("version", "", "version of the program"),
+    ("passed", "", "true if no check failed"),
+    ("force_band.percentile_*", "N", "5, 50 and 95 % of the force over varied inputs"),
+    ("force_band.samples", "", "number of rigid vehicles"),
+    ("force_band.shares.*", "", "fraction of the variance by input"),
+    ("force_band.ranges.*", "", "range of an input"),
+    ("force_band.outcomes.*", "", "fraction of samples by outcome, with `[body]`"),
+    ("force_band.refusal", "", "reason for no band"),
+    ("checks[].*", "", "name, value, limit, outcome, meaning and advice of a check"),
+    (
+        "design_forces[].*",
+        "N, m",
+        "design load with its source, height and length; `ratio`: computed force over it",
+    ),
+    ("chosen[].*", "", "choices of the program with their reasons"),
+    ("cost.*", "s", "elements, nodes, steps, time step and times of the run"),
+    ("left_out[].*", "", "parts that are not computed, with reasons"),
+    (
+        "plate.*",
+        "kg, Pa, Hz, s",
+        "mass, Young's modulus, first and highest frequency, stable time step of the plate",
+    ),
+    ("remarks", "", "sentences on the force history"),
+    ("numerical_error.*", "", "stated error by source or strike, relative"),
+    ("difference.*", "", "FE over rigid minus 1 by quantity"),
+    ("rigid.t", "s", "constrained corner: time of the tail-slap; `fe` has the same keys"),
+    ("rigid.v_*", "m/s", "velocities of G, `v_gx` along the wall and `v_gy` away from it"),
+    ("rigid.omega", "rad/s", "angular velocity, positive as the rear rotates towards the wall"),
+    ("rigid.slide", "m", "slide of the corner"),
+    ("peak_force.*", "N", "peak force of the tail-slap, FE and rigid"),
+    ("companions[].*", "", "runs on other meshes and their differences"),
+    ("attempts", "", "number of runs with more damping"),
+    ("metrics.*", "", "Sprague-Geers metrics and residuals by column"),
+    ("stage1.*", "rad/s, m/s, N s", "Stage 1: angular velocity, corner speed, impulse"),
+    ("start.*", "rad, rad/s, m/s", "start of Stage 2"),
+    ("stage3.*", "N s, s, N", "Stage 3: impulse, duration, peak force"),
+    ("tolerance", "", "result of `--tolerance`"),
+    (
+        "rigid.strikes[].*",
+        "s, N, N s, m, J",
+        "whole impact: corner, times, peak, impulses, place and energies of each strike",
+    ),
+    ("rigid.peaks.*", "N", "largest lateral force by filter"),
+    ("rigid.end.*", "s, rad, rad/s, m/s", "state at the end of the motion"),
+    ("rigid.second_strike.*", "s, N, N s", "duration of the second strike by filter, as the paper reads it"),
+    ("rigid.tyre_work", "J", "work of the tyres on the vehicle"),
+    ("rigid.hinges[].*", "N, rad", "largest force and articulation of each hinge of a train"),
+    ("space.outcome", "", "`upright`, `on its side` or `over the wall`"),
+    (
+        "space.*",
+        "rad, s, m",
+        "largest roll and pitch with their times, lowest wall without rollover, end, step, error",
+    ),
+    (
+        "space.force.*",
+        "N, s, m",
+        "force on the wall by filter; at the largest 50 ms mean: components, height, length",
+    ),
+    ("space.exit.*", "s, m/s, rad", "time, speed, direction and heading at the last contact"),
+    ("space.lifted[].*", "s", "intervals with wheels off the ground"),
+    ("space.energy.*", "J", "works and kinetic energy at the end"),
+    ("paper_method.*", "s, N, N s", "the paper's Stages 1 to 3 for the same vehicle"),
+    ("occupant_risk[].*", "", "ASI, THIV, OIV and so on, with their limitations"),
+    ("wall.*", "m, N", "deflection and forces of a deformable wall"),
+    ("vehicle.*", "m, kg m^2", "centre of mass behind the front, and yaw inertia"),
+)
 FILES = (
     (
         "`summary.json`",
-        "sentences `title`, `answer`, `set_up`, `certainty`; numbers: `rigid`, `fe`, `difference`, `checks`, `cost`, "
-        "`chosen`, `left_out` etc.",
+        "first lines of the page and all numbers, [below](#summaryjson)",
     ),
     ("`history.csv`", "history of the FE run, one row per instant"),
     ("`rigid.csv`", "history of the rigid vehicle at the same instants"),
@@ -310,7 +386,9 @@ def main() -> int:
         print("\n".join(f"docs/reference/{name} is not as the program is" for name in old), end="")
         return 1 if old else 0
     FOLDER.mkdir(exist_ok=True)
-    made["../train.svg"] = f"{NOTICE}{train()}\n"  # not checked: its last digits are those of the rigid train
+    train = str(FOLDER.parents[1] / "examples" / "linear-train.toml")
+    for name, scene in {"train": train, "truck": "impact-mash-tl4-sut"}.items():
+        made[f"../{name}.svg"] = f"{NOTICE}{positions(scene)}\n"  # not checked: last digits differ by machine
     for name, text in made.items():
         (FOLDER / name).write_text(text, encoding="utf-8")
     return 0

@@ -17,7 +17,10 @@ EQUATION = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>(
 """An equation as pymdownx.arithmatex leaves it, and the punctuation behind it, which stays on its line."""
 
 
-FUNCTION, THIN = re.compile(r"((?<!<msup>)<mi>(?:arctan|cos|exp|ln|sin)</mi>)"), '<mspace width="0.17em"/>'
+FUNCTION, THIN = (
+    re.compile(r"((?<!<msup>)<mi>(?:arctan|cos|exp|ln|max|min|sin|tanh)</mi>)"),
+    '<mspace width="0.17em"/>',
+)
 """A function's name, and the space about it, which browsers leave out."""
 
 
@@ -56,14 +59,19 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Show pictures and scripts of the gallery, each under the title that its docstring has."""
     if page.file.src_uri != "gallery/index.md":
         return markdown
-    parts = [markdown]
+    parts, thumbnails = list[str](), list[str]()
     for script in sorted(GALLERY.glob("*.py")):
         text, made = script.read_text(encoding="utf-8"), picture(script)
         title, _blank, *rest = (ast.get_docstring(ast.parse(text)) or "").splitlines()
         code = text.split('"""')[2].strip()
         shown = f"![{title}]({made.name})" if made else ""
-        parts.append(f"## {title}\n\n{' '.join(rest)}\n\n{shown}\n\n```python\n{code}\n```")
-    return "\n\n".join(parts)
+        parts.append(
+            f"## {title} {{#{script.stem}}}\n\n{' '.join(rest)}\n\n{shown}\n\n```python\n{code}\n```"
+        )
+        thumbnails += [f"[![]({made.name}) {title}](#{script.stem})"] if made else []
+    return "\n\n".join(
+        [markdown, f'<div class="thumbnails" markdown>\n{" ".join(thumbnails)}\n</div>', *parts]
+    )
 
 
 def on_page_content(content: str, **_: Any) -> str:

@@ -25,7 +25,7 @@ _MEANINGS = {
     "x_g": ("m", "position of the centre of mass along the wall, from the point of first contact"),
     "y_g": ("m", "distance of the centre of mass from the wall"),
     "theta": ("rad", "angle between the side of the vehicle and the wall"),
-    "omega": ("rad/s", "angular velocity, positive where it closes the angle"),
+    "omega": ("rad/s", "angular velocity, positive as the rear rotates towards the wall"),
     "v_gx": ("m/s", "velocity of the centre of mass along the wall"),
     "v_gy": ("m/s", "velocity of the centre of mass normal to the wall, negative towards it"),
     "slide": ("m", "displacement of the corner along the wall"),
@@ -81,7 +81,7 @@ class Measures(NamedTuple):
     Attributes
     ----------
     theta, omega : float
-        Angle between side and wall [rad], and spin [rad/s], positive where it closes the angle.
+        Angle between side and wall [rad], and spin [rad/s], positive as the rear rotates towards the wall.
     v_gx, v_gy : float
         Velocity of the centre of mass [m/s].
     slide, v_p : float

@@ -80,7 +80,7 @@ class ImpactMeasures(NamedTuple):
     x_g, y_g : float
         Centre of mass in the wall's frame [m].
     theta, omega : float
-        Angle between side and wall [rad], and spin [rad/s], positive where it closes the angle.
+        Angle between side and wall [rad], and spin [rad/s], positive as the rear rotates towards the wall.
     v_gx, v_gy : float
         Velocity of the centre of mass [m/s].
     kinetic_energy, strain_energy, hourglass_energy : float

@@ -42,7 +42,7 @@ class RigidStart:
     angle : float
         Of side PE to the wall [rad].
     omega : float
-        Spin that closes the angle [rad/s].
+        Angular velocity [rad/s], positive as the rear rotates towards the wall.
     corner_speed : float
         Of the corner along the wall [m/s].
     """

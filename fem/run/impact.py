@@ -34,7 +34,7 @@ class FirstTouch:
     angle : float
         Between side and wall [rad].
     v_x, v_y, omega : float
-        Of the corner [m/s], and the spin that closes the angle [rad/s].
+        Of the corner [m/s], and the angular velocity [rad/s], positive as the rear rotates towards the wall.
     """
 
     angle: float

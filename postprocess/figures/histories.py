@@ -37,7 +37,7 @@ COMPARED = (
     ("v_gy", "v_GY", "m/s", "Motion", "Velocity of G across the wall, negative towards it"),
     ("v_gx", "v_GX", "m/s", "Motion", "Velocity of G along the wall"),
     ("theta", "θ", "rad", "Motion", "Angle θ between the side PE and the wall"),
-    ("omega", "ω", "rad/s", "Motion", "Angular velocity ω, positive where it closes the angle"),
+    ("omega", "ω", "rad/s", "Motion", "Angular velocity ω, positive as the rear rotates towards the wall"),
     ("slide", "s", "m", "Motion", "Slide of the corner P along the wall"),
     ("reaction_normal", "N", "N", "Reaction", "Wall reaction on the vehicle, below zero a pull"),
     ("reaction_tangential", "R", "N", "Reaction", "Friction force on the vehicle along the wall"),

@@ -62,7 +62,7 @@ const separate = (element) => {
     const box = node.getBoundingClientRect(), shift = Math.max(0, left - box.left) - Math.max(0, box.right - right);
     const [start, end] = [box.left + shift, box.right + shift];
     node.setAttribute("x", +node.getAttribute("x") + shift);
-    const isFree = seen.every((other) => end < other[0] || start > other[1] || box.top > other[3] - 2 || box.bottom < other[2] + 2);
+    const isFree = seen.every((other) => end < other[0] - 4 || start > other[1] + 4 || box.top > other[3] - 2 || box.bottom < other[2] + 2);
     if (isFree) seen.push([start, end, box.top, box.bottom]);
     else node.style.display = "none";
   });

@@ -117,11 +117,12 @@ class ImpactMotion:
         -------
         SimpleNamespace
             Arrays of the shape of `times`, forces and energies summed over the points: `t` [s]; `x_g`, `y_g`, centre of
-            mass [m]; `theta`, between the wall side and the wall [rad]; `omega`, positive where it closes the angle
-            [rad/s]; `v_gx`, `v_gy` [m/s]; `force_normal`, `force_tangential`, of the wall on the vehicle along +Y and
-            +X [N]; `impulse_normal`, `impulse_tangential`, their integrals [N s]; `impulse_angular`, the integral of
-            their moment about X = Y = 0 [N m s]; `kinetic_energy` [J]; `crush_energy_stored`, `crush_energy_lost`,
-            absorbed by the crush, which unloading would return and which it would not [J]; `crush_work`, of the normal
+            mass [m]; `theta`, between the wall side and the wall [rad]; `omega` [rad/s], positive as the rear swings
+            towards the wall; `v_gx`, `v_gy` [m/s]; `force_normal`, `force_tangential`, of the wall on the vehicle along
+            +Y and +X [N]; `impulse_normal`, `impulse_tangential`, their integrals [N s]; `impulse_angular`, the
+            integral of their moment about X = Y = 0 [N m s]; `kinetic_energy` [J]; `crush_energy_stored`,
+            `crush_energy_lost`, absorbed by the crush, which unloading would return and which it would not [J];
+            `crush_work`, of the normal
             forces on the crush, stored and lost together [J]; `friction_work`, on the vehicle, 0 or less [J]. Of a
             train the motion is that of the first vehicle, with "_2" at the end of the name that of the next and so on;
             `impulse_normal_1`, `impulse_tangential_1` are the wall's on the first alone; the others are of the train.

@@ -47,7 +47,7 @@ class Train(NamedTuple):
     friction : ndarray, shape (points, n)
         mu [-].
     load : ndarray, shape (units, 3, n)
-        Constant external force along X and Y [N], and moment that closes the angle [N m].
+        Constant external force along X and Y [N], and moment that turns the rear towards the wall [N m].
     """
 
     mass: np.ndarray
@@ -219,7 +219,7 @@ class ImpactState:
     v_gx, v_gy : float
         Velocity of the centre of mass [m/s].
     omega : float
-        Angular velocity [rad/s], positive where it closes the angle: d theta/dt = -omega.
+        Angular velocity [rad/s], positive as the rear rotates towards the wall: d theta/dt = -omega.
 
     Raises
     ------

@@ -43,7 +43,10 @@ PLOTTED = (
     "values; paper: initial state and analytical column of Table 3 (Figure 10: t = 0.38 s of Section 3.1.1); ABAQUS: "
     "ABAQUS column of Table 3."
 )
-AXES = " SI units; X along the wall, in the direction of travel, Y away from it; ω positive where it closes the angle."
+AXES = (
+    " SI units; X along the wall, in the direction of travel, Y away from it; ω positive as the rear rotates towards "
+    "the wall."
+)
 
 MOTION_LOOKS: Any = ({"colour": "rigid", "width": 3.2}, {"colour": "fe", "width": 1.6, "dashes": "5 3"})
 MARK_LOOKS: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour in ("ink", "difference"))

@@ -33,7 +33,8 @@ Mass = Annotated[float, Quantity("a mass", "kg", '"9979 kg"', least=1e-6, most=1
 Speed = Annotated[float, Quantity("a speed", "m/s", '"56 mph"', least=1e-6, most=1e4)]
 Angle = Annotated[float, Quantity("an angle", "rad", '"15 deg"', least=math.radians(1e-4), below=math.pi / 2)]
 AngularVelocity = Annotated[
-    float, Quantity("an angular velocity that closes the angle", "rad/s", "0.707", least=1e-9, most=1e6)
+    float,
+    Quantity("an angular velocity of the rear towards the wall", "rad/s", "0.707", least=1e-9, most=1e6),
 ]
 Friction = Annotated[float, Quantity("a coefficient of friction", "", "0.47", least=0.0, most=1e3)]
 Cornering = Annotated[float, Quantity("a cornering coefficient", "", "6.0", least=0.0, most=1e3)]
@@ -258,7 +259,7 @@ class StartTable(SceneTable):
         "initial angle between the side of the vehicle and the wall; default: from Stage 1"
     )
     omega: AngularVelocity | None = key(
-        "initial angular velocity, positive where it closes the angle; default: from Stage 1"
+        "initial angular velocity, positive as the rear rotates towards the wall; default: from Stage 1"
     )
     corner_speed: Speed | None = key("initial speed of the corner along the wall; default: from Stage 1")
 

@@ -98,7 +98,7 @@ def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
     scripts = {path.stem for path in (DOCS / "gallery").glob("*.py")}
     pictures = re.findall(r'<img alt="[^"]{10,}" src="(\w+)\.(?:png|svg)"', texts["gallery"])
     assert set(pictures) == {path.stem for path in (site / "gallery").glob("*.[ps][nv]g")} == scripts
-    assert len(pictures) == texts["gallery"].count('class="language-python highlight"') == 10
+    assert len(pictures) == texts["gallery"].count('class="language-python highlight"') == 12
 
 
 def demand_equations(texts):
@@ -141,13 +141,44 @@ def test_every_column_of_a_history_has_a_row():
             assert re.search(row, PAGES["results.md"], re.MULTILINE), name
 
 
+def leaves(value, key=""):
+    """Keys of numbers and texts in a summary, with [] for the entries of a list."""
+    if isinstance(value, dict) and value:
+        return {leaf for name, part in value.items() for leaf in leaves(part, f"{key}.{name}".strip("."))}
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return leaves(value[0], f"{key}[]")
+    return {key}
+
+
+def is_documented(key):
+    """True if a row has the key, or one above it; `fe` is as `rigid`, an empty table as its entries."""
+    own = re.sub("^fe\\b", "rigid", key)
+    rows = [row for row, _, _ in generate.SUMMARY]
+    return any(
+        own == row
+        or own.startswith(row.removesuffix("*"))
+        or own in (row.rstrip(".*[]"), re.split(r"[.\[]", row)[0])
+        for row in rows
+    )
+
+
+def test_keys_without_a_row_are_found():
+    assert is_documented("fe.strikes[].peak_force")
+    assert is_documented("wall")
+    assert not is_documented("other")
+    assert not is_documented("rigid.other")
+    assert leaves({"a": {"b": 1, "c": [{"d": 2}]}}) == {"a.b", "a.c[].d"}
+
+
 def test_every_column_of_a_run_has_a_row():
     from tailslap.result.columns import corner_columns, impact_columns
 
     axle = ["plate.elements=[8,2]", 'axle=[{position="2 m",friction=0.7}]']
     scenes = {"paper-table-3": ["plate.elements=[8,2]"], "impact-mash-tl4-sut": axle}
     for (scene, changes), known in zip(scenes.items(), (corner_columns(), impact_columns()), strict=True):
-        history = tailslap.run(scene, changes).history
+        run = tailslap.run(scene, changes)
+        history = run.history
+        assert [key for key in leaves(run.summary) if not is_documented(key)] == []
         assert set(history) == set(known)
         assert [column.name for column in known.values() if not (column.meaning and column.unit)] == []
 

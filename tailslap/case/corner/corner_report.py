@@ -75,7 +75,10 @@ class CornerReport(FeReport):
     outcome: CornerOutcome
 
     kicker = "Constrained corner: finite elements compared with the exact rigid-body solution"
-    about = "SI units; X along the wall in the driving direction, Y away from it, ω positive where it closes the angle."
+    about = (
+        "SI units; X along the wall in the driving direction, Y away from it, ω positive as the rear rotates towards "
+        "the wall."
+    )
 
     @property
     def headline(self) -> Headline:
