@@ -72,7 +72,7 @@ def measured(scene: str, angle: float) -> Angle:
     sampled = case.many({"impact.angle": np.array([np.radians(angle)])})
     names = [name for name in answers.COLUMNS if own[name] == own[name]]
     many = [abs(float(sampled[name][0]) / own[name] - 1.0) for name in names]
-    mean = case.row(None)["rigid.peak.mean_50ms"]
+    mean = case.row(None)["rigid.peaks.mean_50ms"]
     soft, hard = (error.changes(each.rigid, each.fe) for each in (outcome, stiff))
     limits = {name: (STIFFER * hard[name] - soft[name]) / (STIFFER - 1.0) for name in soft}
     return Angle(

@@ -98,6 +98,7 @@ def run(
         ),
         make_fields=report.fields,
         make_ends=report.fields_of_ends,
+        make_charts=lambda: report.page(pictures=False).charts,
         changes=changes_of(case.source),
     )
     return result.of_run(data_files.plain(report.summary(True)), partial)

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from html.parser import HTMLParser
 from typing import Any
 
 import pytest
@@ -111,3 +112,43 @@ def plate_model():
 def distorted_mesh():
     """Displace the inner nodes of the plate by up to a fifth of an element."""
     return distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4))
+
+
+class Shown(HTMLParser):
+    """Words of a page in one system of units, without header, set-up, inputs and charts in the other system."""
+
+    def __init__(self, html, system):
+        super().__init__()
+        self.hidden = {
+            "title",
+            "header",
+            "style",
+            "script",
+            "pre",
+            "template",
+            "us" if system == "si" else "si",
+        }
+        self.open: list[bool] = []
+        self.words = ""
+        self.feed(
+            re.sub(r"<svg[^>]*Set-up from above.*?</figcaption>", "</figcaption>", html, flags=re.DOTALL)
+        )
+
+    def handle_starttag(self, tag, attrs):
+        if tag not in ("meta", "img", "input", "br"):
+            self.open.append(bool({tag, dict(attrs).get("class")} & self.hidden))
+
+    def handle_startendtag(self, tag, attrs):
+        pass
+
+    def handle_endtag(self, tag):
+        self.open.pop()
+
+    def handle_data(self, data):
+        self.words += "" if any(self.open) else data.replace("\N{NO-BREAK SPACE}", " ")
+
+
+@pytest.fixture(scope="session")
+def words_of():
+    """Return the words of the page in a folder in one system of units."""
+    return lambda place, system: Shown((place / "report.html").read_text(encoding="utf-8"), system).words

@@ -40,6 +40,16 @@ FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
 A "SAE filter, 60 Hz cut-off" is `low_pass` at 60 Hz, whereas CFC 60 is 3 dB down at 100 Hz.
 """
 
+LABELS = {
+    "raw": "raw",
+    "mean_10ms": "10 ms mean",
+    "mean_50ms": "50 ms mean",
+    "cfc60": "CFC 60",
+    "cfc180": "CFC 180",
+    "cutoff_60hz": "60 Hz cut-off",
+}
+"""Names of the filtered forces in tables and charts."""
+
 CUTOFFS = {"cfc60": 100.0, "cfc180": 300.0, "cutoff_60hz": 60.0}
 """Cut-off frequencies of these filters [Hz]."""
 

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from fem.run.impact import ImpactRun
     from postprocess.fields.series import FieldSeries
     from postprocess.report.command_report import Report
-    from postprocess.report.page import Headline
+    from postprocess.report.page import Headline, Page
     from postprocess.svg.chart import Chart
 
 CaseT = TypeVar("CaseT", bound="Case")
@@ -168,6 +168,10 @@ class RunReport(ABC):
         None without a tail-slap.
         """
         return None
+
+    @abstractmethod
+    def page(self, pictures: bool) -> Page:
+        """Return the page; pictures: whether they are requested."""
 
     @abstractmethod
     def written(

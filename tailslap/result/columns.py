@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.explicit.columns import COLUMNS, IMPACT_COLUMNS, HistoryColumn
+from postprocess.signals.filters import LABELS
 from tailslap.errors import one_of
 
 if TYPE_CHECKING:
@@ -162,7 +163,13 @@ def corner_columns() -> dict[str, HistoryColumn]:
 
 def impact_columns() -> dict[str, HistoryColumn]:
     """Return the columns of a whole impact."""
-    return IMPACT_COLUMNS | {ENERGY_ERROR.name: ENERGY_ERROR}
+    meaning = "lateral force on the wall, {}, 0 in the first row"
+    filtered = (
+        HistoryColumn(f"force_normal_{name}", "N", meaning=meaning.format(label))
+        for name, label in LABELS.items()
+        if name != "raw"
+    )
+    return IMPACT_COLUMNS | {column.name: column for column in (*filtered, ENERGY_ERROR)}
 
 
 def train_columns() -> dict[str, HistoryColumn]:

@@ -87,7 +87,7 @@ def test_a_band_agrees_with_the_study(bands, name):
     own = case(name)
     ranges = (planar_ranges.impact_ranges if own.scene.contact else planar_ranges.corner_ranges)(own)
     a, _ = sampling.sobol_points(ranges, 4096)
-    column = "peak.mean_50ms" if own.scene.contact else "peak_force"
+    column = "peaks.mean_50ms" if own.scene.contact else "peak_force"
     inputs = dict(zip((item.key for item in ranges), a, strict=True))
     lower, middle, upper = np.percentile(own.many(inputs)[column], (5, 50, 95))
     assert bands[name].percentiles == pytest.approx((lower, middle, upper), abs=0.1 * (upper - lower))

@@ -45,11 +45,11 @@ def test_a_row_is_what_the_rigid_vehicle_gives():
     assert row["rigid.strike_2.duration"] == second.duration
     assert 0.0 < row["rigid.strike_1.mean_50ms"] < first.peak_force
     overall = max(row[f"rigid.strike_{k}.mean_50ms"] for k in (1, 2))
-    assert overall == pytest.approx(row["rigid.peak.mean_50ms"], rel=1e-12)
+    assert overall == pytest.approx(row["rigid.peaks.mean_50ms"], rel=1e-12)
     assert compute_row(0, source, {"contact.restitution": 2.0})["status"] == "refused"
 
 
-def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
+def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path, words_of):
     """No FE columns; its page has the strikes of the rigid vehicle; the same call computes nothing again."""
     varied = ("contact.stiffness=1e6,4e6", "contact.restitution=0,2")
     definition = make_definition(scene_file(tmp_path, RIGID), (), ("contact.stiffness=1e6,4e6",), None, 1)
@@ -71,8 +71,7 @@ def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path):
     perform(definition, tmp_path / "sweep", units="us")
     shown = (tmp_path / "sweep" / "report.html").read_text()
     assert [words for words in ("F₁, 50 ms [kip]", "contact.stiffness [kip/ft]") if words not in shown] == []
-    attributes = r"<style>.*?</style>|<script.*?</script>|href=\"[^\"]*\"|content=\"[^\"]*\""
-    assert "kN" not in re.sub(attributes, "", shown, flags=re.DOTALL)
+    assert "kN" not in words_of(tmp_path / "sweep", "us")
     least = found["rigid.strike_1.mean_50ms"].min() / 4448.2216152605
     assert f"{least:.5g}" in shown
     assert perform(definition, tmp_path / "sweep").effort.runs == 0

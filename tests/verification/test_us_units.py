@@ -2,7 +2,6 @@
 
 import json
 import re
-from html.parser import HTMLParser
 from types import SimpleNamespace
 from typing import Any
 
@@ -321,45 +320,7 @@ def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
     assert (ends[0], ends[1]) == (pytest.approx(ends[2] / FOOT), pytest.approx(10.0 * 1.05))
 
 
-class Shown(HTMLParser):
-    """Words of a page in one system of units, without header, set-up, inputs and charts in the other system."""
-
-    def __init__(self, html, system):
-        super().__init__()
-        self.hidden = {
-            "title",
-            "header",
-            "style",
-            "script",
-            "pre",
-            "template",
-            "us" if system == "si" else "si",
-        }
-        self.open: list[bool] = []
-        self.words = ""
-        self.feed(
-            re.sub(r"<svg[^>]*Set-up from above.*?</figcaption>", "</figcaption>", html, flags=re.DOTALL)
-        )
-
-    def handle_starttag(self, tag, attrs):
-        if tag not in ("meta", "img", "input", "br"):
-            self.open.append(bool({tag, dict(attrs).get("class")} & self.hidden))
-
-    def handle_startendtag(self, tag, attrs):
-        pass
-
-    def handle_endtag(self, tag):
-        self.open.pop()
-
-    def handle_data(self, data):
-        self.words += "" if any(self.open) else data.replace("\N{NO-BREAK SPACE}", " ")
-
-
-def words_of(place, system):
-    return Shown((place / "report.html").read_text(encoding="utf-8"), system).words
-
-
-def test_modes_say_the_beam_in_feet(tmp_path, capsys):
+def test_modes_say_the_beam_in_feet(tmp_path, capsys, words_of):
     arguments = ["modes", "paper-table-3", "--count", "1", "--set", "plate.elements=[8,2]", "--units", "us"]
     assert cli._status([*arguments, "--out", str(tmp_path / "a")]) == 0
     text = words_of(tmp_path / "a", "us")
@@ -380,7 +341,7 @@ def test_a_modal_run_says_feet_and_json_stays_si(capsys):
         assert float(row[2]) == pytest.approx(values[key] / FOOT, rel=1e-6)
 
 
-def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path):
+def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path, words_of):
     for units in ("us", "si"):
         given = ["compare", str(folder), str(folder), "--units", units, "--out", str(tmp_path / units)]
         assert cli._status(given) == 0

@@ -48,7 +48,7 @@ FORCES = ("raw", "mean_50ms", "cfc60")
 
 COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANTITIES)
 
-LARGEST = "peak.mean_50ms"
+LARGEST = "peaks.mean_50ms"
 """Column of the largest 50 ms mean of an impact."""
 
 SAME_STRIKE, MEAN_WINDOW = 0.05, 0.05
@@ -109,6 +109,12 @@ class ImpactAnswer:
     def cut(self) -> list[int]:
         """Numbers from 1 of the incomplete strikes."""
         return [number for number, strike in enumerate(self.strikes, 1) if strike.cut]
+
+    @property
+    def columns(self) -> dict[str, np.ndarray]:
+        """History with the filtered lateral force, shape (rows,) each, 0 in the first row."""
+        curves = {f"force_normal_{name}": force for name, force in self.lateral.items() if name != "raw"}
+        return dict(self.history) | {name: np.concatenate(([0.0], force)) for name, force in curves.items()}
 
     @cached_property
     def lateral(self) -> dict[str, np.ndarray]:

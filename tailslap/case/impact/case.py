@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from postprocess.signals.filters import LABELS
 from tailslap.case.case import within_tolerance
 from tailslap.case.check import check_columns
 from tailslap.case.force_band import NO_BAND, ForceBand
@@ -75,7 +76,7 @@ class ImpactCase(rigid.RigidImpact):
             for k in strikes:
                 kinds[f"{model}.strike_{k}.corner"] = str
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
-            kinds |= {f"{model}.peak.{name}": float for name in rigid.CURVES}
+            kinds |= {f"{model}.peaks.{name}": float for name in LABELS}
             kinds |= {f"{model}.end.{name}": float for name in answers.END}
             for k in range(1, len(scene.units)):
                 kinds |= {f"{model}.hinge_{k}.{name}": float for name in HINGE}
@@ -138,7 +139,7 @@ def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
         row[f"{model}.strike_{k}.corner"] = strike.corner
         values = {"mean_50ms": answers.mean_peak(answer, strike), **answers.strike_numbers(strike)}
         row |= {f"{model}.strike_{k}.{name}": float(values[name]) for name in VALUES}
-    row |= {f"{model}.peak.{name}": float(value) for name, value in answer.peaks.items()}
+    row |= {f"{model}.peaks.{name}": float(value) for name, value in answer.peaks.items()}
     for k, hinge in enumerate(answer.hinges, 1):
         row |= {f"{model}.hinge_{k}.{name}": value for name, value in hinge.items()}
     return row | {f"{model}.end.{name}": value for name, value in answer.end.items()}

@@ -22,7 +22,7 @@ from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.impact import checks, error, figures, run, space_figures
 from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, remarks
 from tailslap.case.impact.plan import ImpactPlan
-from tailslap.case.impact.rigid import CURVES, RigidImpact
+from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.report_parts import checks_section, design_table, short, strikes_table
 from tailslap.case.run_report import (
     FeReport,
@@ -255,7 +255,7 @@ def force_table(outcome: run.ImpactOutcome) -> Table:
             "along": along[name],
             **in_space.get(label, {}),
         }
-        for name, label in CURVES.items()
+        for name, label in filters.LABELS.items()
     ]
     missing = dict.fromkeys(column.key for column in FORCE_IN_SPACE)
     columns = (*FORCE, *FORCE_IN_SPACE) if space else FORCE
@@ -264,7 +264,7 @@ def force_table(outcome: run.ImpactOutcome) -> Table:
 
 def durations_table(answer: ImpactAnswer) -> Table:
     """Return the second strike's durations."""
-    rows = [{"curve": CURVES[name], **values} for name, values in answer.second_strike.items()]
+    rows = [{"curve": filters.LABELS[name], **values} for name, values in answer.second_strike.items()]
     return Table(DURATIONS, rows, notes=(DURATIONS_NOTE,))
 
 
@@ -409,9 +409,9 @@ def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
 
 def histories(outcome: run.ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
     """Return the columns of `history.csv` and `rigid.csv`, SI."""
-    h = dict(outcome.fe.history)
+    h = outcome.fe.columns
     ordered = {name: h[name] for name in FIRST} | h | {"energy_error": checks.energy_error(outcome)}
-    return {"history.csv": ordered, "rigid.csv": dict(outcome.rigid.history)}
+    return {"history.csv": ordered, "rigid.csv": outcome.rigid.columns}
 
 
 def contact_words(contact: Contact) -> str:

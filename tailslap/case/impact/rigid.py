@@ -13,6 +13,7 @@ import solver
 from fem.laws.unilateral import penalty_stiffness
 from postprocess.comparison import quantities
 from postprocess.report.page import Headline
+from postprocess.signals.filters import LABELS
 from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent_up
 from solver import impact
@@ -85,16 +86,6 @@ INTERVAL = 5e-4
 STRIKES = 32
 """Strikes of each of many impacts for which there is room at first."""
 
-CURVES = {
-    "raw": "raw",
-    "mean_10ms": "10 ms mean",
-    "mean_50ms": "50 ms mean",
-    "cfc60": "CFC 60",
-    "cfc180": "CFC 180",
-    "cutoff_60hz": "60 Hz cut-off",
-}
-"""Labels of the force curves."""
-
 ENDS = {
     "t": ("time", "s"),
     "theta": ("angle", "rad"),
@@ -115,7 +106,7 @@ class RigidImpact(Case):
     name = WHOLE_IMPACT
     compared = quantities.STRIKES
     force_words = "Largest 50 ms mean of the lateral force"
-    force_column = "peak.mean_50ms"
+    force_column = "peaks.mean_50ms"
 
     def __post_init__(self) -> None:
         """Raise InputError for an impossible vehicle, or without an impact."""
@@ -394,7 +385,7 @@ class RigidImpact(Case):
 
     def rigid_history(self) -> dict[str, np.ndarray]:
         """Return columns of the impact by name, SI."""
-        return dict(self.answer.history)
+        return self.answer.columns
 
     def rigid_numbers(self) -> dict[str, Any]:
         """Return strikes, peaks and end state, SI."""
@@ -430,7 +421,7 @@ class RigidImpact(Case):
             angle = f"largest articulation angle {math.degrees(hinge['largest_angle']):.4g} deg"
             lines.append(f"  hinge {number}: peak force {peak}, 50 ms mean {mean}, {angle}")
         lines += ["", "Lateral force on the wall, peak"]
-        lines += [value_line(label, answer.peaks[name], "N", units, DIGITS) for name, label in CURVES.items()]
+        lines += [value_line(label, answer.peaks[name], "N", units, DIGITS) for name, label in LABELS.items()]
         lines += ["", "At the end, of the first unit" if self.trailers else "At the end"]
         lines += [
             value_line(label, answer.end[name], unit, units, DIGITS) for name, (label, unit) in ENDS.items()

@@ -50,7 +50,7 @@ LIMIT_COLUMNS = (Column("0", "Omitted"), Column("1", "Effect"), Column("2", "Rol
 SHORTEST_LIFT = 0.05
 """Shortest time off the ground that the text names [s]."""
 
-CURVES = {"raw": "raw", "mean_10ms": "10 ms mean", "mean_50ms": "50 ms mean", "cfc60": "CFC 60"}
+CURVES = {name: filters.LABELS[name] for name in ("raw", "mean_10ms", "mean_50ms", "cfc60")}
 
 
 @dataclass(frozen=True)
