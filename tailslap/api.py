@@ -67,7 +67,7 @@ def run(
         Width and height [pixels] of the pictures written by `save`, (3200, 1400) or "3200x1400"; text and lines are
         scaled.
     band : bool
-        Compute the band of the force over varied inputs, of 256 rigid vehicles.
+        Compute the band of the force over varied inputs, of up to 256 rigid vehicles.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def rigid(
     units : {"si", "us"}
         Units of the printed text, "si" or "us"; numbers are in SI.
     band : bool
-        Compute the band of the force over varied inputs, of 256 rigid vehicles.
+        Compute the band of the force over varied inputs, of up to 256 rigid vehicles.
 
     Returns
     -------

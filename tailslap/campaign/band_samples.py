@@ -13,8 +13,8 @@ from tailslap.case.case import Case
 from tailslap.case.force_band import ForceBand
 from tailslap.errors import InputError
 
-SAMPLES, BLOCK = 256, 64
-"""Number of vehicles, and at a time on one core."""
+SAMPLES, SAMPLES_OF_SLOW, BLOCK = 256, 128, 32
+"""Number of vehicles, of trains and vehicles in space, and at a time on one core."""
 
 Columns = Mapping[str, Array]
 
@@ -27,7 +27,8 @@ def force_band(case: Case) -> ForceBand:
     """
     try:
         ranges, solve = _problem(case)
-        drawn = sampling.latin_hypercube(len(ranges), SAMPLES, np.random.default_rng(sampling.SEED))
+        count = SAMPLES_OF_SLOW if case.scene.trailer or case.scene.body else SAMPLES
+        drawn = sampling.latin_hypercube(len(ranges), count, np.random.default_rng(sampling.SEED))
         inputs = {
             item.key: item.lower + (item.upper - item.lower) * column
             for item, column in zip(ranges, drawn, strict=True)
