@@ -195,21 +195,21 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h):
     deepest, first, toe = -np.inf, 0, work.wall[0, 0]
     for k in range(strips.shape[0]):
         u, a, points = fleet.strip_unit[k], fleet.strip_axle[k], fleet.strip_points[k]
-        b = work.bodies[u]
+        b, strip = work.bodies[u], strips[k]
         q = work.joints[max(a, 0)]  # unused of a strip of the body
         if b[AT + 1] - units[u, REACH] > toe:
             deepest, first = max(deepest, toe - b[AT + 1] + units[u, REACH]), first + 2 * points
             continue
         centre, of_axle = (axles[a, CENTRE], 1.0 / axles[a, AXLE_MASS]) if a >= 0 else (np.nan, 0.0)
         for side in (-1.0, 1.0):
-            ax, ay, az, _, _ = _end(strips[k], START, side, centre, q)
-            bx, by, bz, _, _ = _end(strips[k], END, side, centre, q)
+            ax, ay, az, _, _ = _end(strip, START, side, centre, q)
+            bx, by, bz, _, _ = _end(strip, END, side, centre, q)
             depth = (
                 toe - b[AT + 1] - min(b[3] * ax + b[4] * ay + b[5] * az, b[3] * bx + b[4] * by + b[5] * bz)
             )
             if depth > 0.0:
                 depth = _press_strip(
-                    strips[k], side, centre, b, q, work.wall, facets, work.memory[first : first + points],
+                    strip, side, centre, b, q, work.wall, facets, work.memory[first : first + points],
                     fleet.friction[i], 4.0 / units[u, MASS], of_axle, work.bodies[0, AT], work.sums, h,
                 )  # fmt: skip
             deepest, first = max(deepest, depth), first + points
@@ -260,13 +260,15 @@ def _press_strip(
         p = (n + 0.5) / points
         o = 1.0 - p
         x, y, z = o * sx + p * ex, o * sy + p * ey, o * sz + p * ez
-        memory = memories[n]
+        if y > wall[0, 0]:  # clear of the wall at any height
+            memories[n, ABOVE] = 0.0
+            continue
         if z - half > top:
-            memory[ABOVE] = 1.0 if y < edge else 0.0
+            memories[n, ABOVE] = 1.0 if y < edge else 0.0
         elif y > edge:
-            memory[ABOVE] = 0.0
+            memories[n, ABOVE] = 0.0
         ny, nz, weight, depth, column = 0.0, 1.0, 1.0, top - z, TOP
-        if memory[ABOVE] == 0.0:
+        if memories[n, ABOVE] == 0.0:
             ny, nz, weight = _face(wall, facets, z - half, z + half)
             if weight == 0.0:
                 continue
@@ -274,9 +276,9 @@ def _press_strip(
         deepest = max(deepest, depth)
         if depth <= 0.0:
             continue
-        memory[column] = max(memory[column], depth)
+        memories[n, column] = max(memories[n, column], depth)
         inverse = points * (mobility + nz * nz * of_axle)
-        force = weight * _crushed(crush, memory[column], depth, STEEPEST / (h * h * inverse))
+        force = weight * _crushed(crush, memories[n, column], depth, STEEPEST / (h * h * inverse))
         if force <= 0.0:
             continue
         vx, vy, vz = o * svx + p * evx, o * svy + p * evy, o * svz + p * evz

@@ -34,8 +34,10 @@ TOLERANCE, HALVINGS, MOST_PARTS = 1e-3, 6, 4096
 COMPARED = {"largest_roll": 0.05, "mean_50ms": 1e3, "height": 0.05}
 """Quantities by which the error is judged, with the sizes below which their change is not relative [rad, N, m]."""
 
-SAFETY = 2.0
-"""Error over the larger of the last two changes by half the step, as a single change may be small by chance."""
+SAFETY, FORMER, UNRESOLVED, LEAST_ERROR = 2.0, 0.25, 0.1, 2e-4
+"""Error over the last change by half the step; the part of the change before it that counts, as in a scheme of second
+order; the change from which a step does not resolve the motion and does not count; least error of a chosen step. A
+single change may be small by chance."""
 
 NO_PUSH = np.zeros((0, 5))
 """No force besides that of the wall."""
@@ -107,8 +109,9 @@ class SpaceMotion:
     step : float
         [s].
     error : float
-        Twice the larger of the last two changes of `COMPARED` by half the step, with a prescribed step of the change
-        against twice that; infinite where the outcome changes [-].
+        Twice the last change of `COMPARED` by half the step or a quarter of the change before it, whichever is larger,
+        and at least `LEAST_ERROR`; with a prescribed step twice the change against twice that; infinite where the
+        outcome changes [-].
     """
 
     outcome: str
@@ -177,14 +180,15 @@ def solve_space(
     def run(parts: NDArray[np.int64]) -> tuple[SpaceAnswers, Array]:
         return _run(fleet, interval, parts, end, push, on_compile, with_rows=True)
 
-    former, changes = (run(parts // 2)[0] if parts[0] > 1 else None), [math.inf]
+    former, before = (run(parts // 2)[0] if parts[0] > 1 else None), math.inf
     for _ in range(1 if step else HALVINGS + 1):
         answers, rows = run(parts)
-        changes.append(math.inf if former is None else _change(former, answers))
-        error, taken = SAFETY * (changes[-1] if step else max(changes[-2:])), interval / int(parts[0])
+        change, taken = math.inf if former is None else _change(former, answers), interval / int(parts[0])
+        error = SAFETY * max(change, FORMER * before if before < UNRESOLVED else 0.0)
+        error = error if step else max(error, LEAST_ERROR)
         if error <= tolerance:
             break
-        former, parts = answers, 2 * parts
+        former, before, parts = answers, change, 2 * parts
     one = SpaceAnswers(*(values[0] for values in answers))
     Gate().demand(rules.NO_CONTACT, bool(one.rows), float(fleet.height[0]))
     table = rows[: int(one.rows)]

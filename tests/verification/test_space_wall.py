@@ -8,6 +8,7 @@ from space_vehicles import ANGLE, MASS, SPEED, axle, truck, truck_unit
 
 from solver.body import GRAVITY
 from solver.space import SpaceVehicle, SpaceWall, Strip, solve_space
+from solver.space.solve import COMPARED, LEAST_ERROR
 
 
 def on_wall(strips, wall, speed=SPEED, angle=ANGLE, **options):
@@ -106,3 +107,15 @@ def test_strip_in_front_of_the_face_does_not_land():
     h = solve_space(vehicle, SpaceWall(0.9), 0.0, 1e-9, interval=1e-2, step=1e-3, end=1.0, push=push).history
     assert h["z_g"].min() < 1.25
     assert np.abs(h["force_vertical"]).max() == 0.0
+
+
+@pytest.mark.parametrize(("profile", "height"), [("vertical", 0.7), ("new-jersey", 0.55)])
+def test_stated_error_bounds_the_distance_from_an_eighth_of_the_step(profile, height):
+    """The second truck is 3e-3 off with the step that suffices for the first."""
+    wall = SpaceWall(height, profile, 0.3)
+    motion = solve_space(truck(), wall, SPEED, ANGLE)
+    fine = solve_space(truck(), wall, SPEED, ANGLE, step=motion.step / 8.0)
+    assert LEAST_ERROR <= motion.error <= 1e-3
+    for name, least in COMPARED.items():
+        own, true = float(getattr(motion.answers, name)), float(getattr(fine.answers, name))
+        assert abs(own - true) <= motion.error * max(abs(true), least)
