@@ -218,7 +218,7 @@ def simulate_impact(
     latest : float
         End of the run [s], to a row.
     finished : callable
-        Called at intervals; the run ends when it returns True for the rows so far.
+        Called at intervals from the expected end; the run ends when it returns True for the rows so far.
     progress : callable
         Called with the simulated time [s].
     checkpoint : Checkpoint, optional
@@ -226,7 +226,8 @@ def simulate_impact(
     snapshots : int
         Number of instants at which positions and velocities of all nodes are recorded, with the end.
     duration : float, optional
-        Expected end of the run [s], which determines the spacing of the snapshots; by default the latest.
+        Expected end of the run [s], which determines the spacing of the snapshots; by default the latest for these,
+        and the start for `finished`.
 
     Returns
     -------
@@ -243,7 +244,9 @@ def simulate_impact(
     interval = stride * model.parameters.time_step
 
     def over(rows: np.ndarray) -> bool:
-        return not np.isfinite(rows[-1]).all() or finished(_run(stepper, rows, stride))
+        if not np.isfinite(rows[-1]).all():
+            return True
+        return (len(rows) - 1) * interval >= (duration or 0.0) and finished(_run(stepper, rows, stride))
 
     shapes = observers.ShapeSampler(CHECK_ROWS)
     keeper = observers.SnapshotKeeper(snapshots, (duration or latest) / interval, stepper.nodal)

@@ -154,7 +154,7 @@ def run(
         All rows, and states.
     """
     before, pace, finished = state, math.inf, False
-    history = stepper.record(state, 0, 1).rows if earlier is None else earlier
+    history = stored = stepper.record(state, 0, 1).rows if earlier is None else earlier
     if earlier is None:
         waits = [observer.due(-1) or 2 for observer in observers]
         finished = _call_observers(observers, waits, 1, history, state)
@@ -164,9 +164,21 @@ def run(
         began = time.perf_counter()
         new, before, state = stepper.record(state, stride, max(1, min(most, int(LONGEST_S / pace))))
         pace = (time.perf_counter() - began) / len(new)
-        history = np.concatenate([history, new])
+        stored = _extended(stored, len(history), new)
+        history = stored[: len(history) + len(new)]
         finished = _call_observers(observers, waits, len(new), history, state)
     return Recorded(history, before, state)
+
+
+def _extended(stored: np.ndarray, count: int, new: np.ndarray) -> np.ndarray:
+    """Return an array with new rows behind the first `count`.
+
+    It doubles where it is full, so that the cost of a row does not grow with their number.
+    """
+    if count + len(new) > len(stored):
+        stored = np.concatenate([stored[:count], np.empty((count + len(new), stored.shape[1]))])
+    stored[count : count + len(new)] = new
+    return stored
 
 
 def _call_observers(

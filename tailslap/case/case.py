@@ -397,8 +397,10 @@ def within_tolerance(case: CaseT, run: Callable[[CaseT], OutcomeT], tolerance: f
         error, finer = outcome.stated_error, plate_input.refined(outcome.fe_plan.plate).counts
         if not error > tolerance or math.prod(finer) > MOST_ELEMENTS:
             break
-        lengths = {d.key: d.value for d in outcome.fe_plan.decisions if d.key.endswith("_length")}
-        case = case.varied({**lengths, "plate.elements": finer})
+        chosen = {
+            d.key: d.value for d in outcome.fe_plan.decisions if d.key.endswith(("_length", "plate.element"))
+        }
+        case = case.varied({**chosen, "plate.elements": finer})
         if not resources.affordable(case.scene, case.duration):
             break
     return outcome.with_tolerance(error, tolerance)

@@ -321,7 +321,7 @@ class Contact(SceneTable):
     )
     patch_length: Length | None = key(
         "length of the side over which the force of a corner is distributed; default: one node, "
-        "or half the vehicle's width of trains if plate.elements is omitted"
+        "or half the vehicle's width if plate.elements is omitted"
     )
     enforcement: Literal["penalty", "exact"] = key("enforcement of contact without crush", "penalty")
     penalty_scale: Scale = key(

@@ -17,7 +17,7 @@ from postprocess.units import SI, percent_up
 from solver.impact import Strike
 from tailslap import cli, errors
 from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.impact import answers, checks, error, report, rigid, run
+from tailslap.case.impact import answers, checks, error, plan, report, rigid, run
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
@@ -528,7 +528,7 @@ def test_an_unsure_impact_fails():
 def test_a_third_mesh_is_run_where_two_leave_hope(monkeypatch):
     """A third mesh is omitted where the elements are far too few."""
     counts = []
-    monkeypatch.setattr(error, "third", lambda finer: counts.append(finer.counts))
+    monkeypatch.setattr(error, "finer", lambda plate: counts.append(plate.counts))
     unsure = planned(*PICKUP, "verify.mesh=0.01", scene="impact-mash-tl2-pickup").run()
     assert (counts, unsure.passed) == ([(12, 4)], False)
     hopeless = planned("plate.elements=[4,2]", "plate.youngs_modulus=2e9").run()
@@ -549,12 +549,41 @@ def test_what_is_stated_bounds_what_a_fine_mesh_finds():
 def test_a_mesh_left_open_is_of_quadratic_elements_and_takes_smaller_steps():
     open_mesh = planned(*OPEN).plan()
     assert {decision.key: decision.value for decision in open_mesh.decisions} == {
-        "plate.elements": (16, 4), "plate.element": "quad9", "time.safety_factor": 0.7,
+        "plate.elements": (16, 4), "plate.element": "quad9", "time.safety_factor": 0.7, "contact.patch_length": 1.219,
     }  # fmt: skip
     assert open_mesh.model.parameters.time_step <= 0.7 * open_mesh.model.stable_time_step
     own_step = planned(*OPEN, "time.safety_factor=0.9").plan()
     assert "time.safety_factor" not in {decision.key for decision in own_step.decisions}
     assert own_step.model.parameters.time_step > 1.2 * open_mesh.model.parameters.time_step
+
+
+def test_a_chosen_mesh_is_refined_once_where_its_error_exceeds_the_limit():
+    """From four to eight across; the error of the finer one bounds its distance from 16 across."""
+    case = planned(*PICKUP, *OPEN, "verify.mesh=0.006", scene="impact-mash-tl2-pickup")
+    assert run.with_errors(run.attempt(case), meshes=2).stated_error > 0.006
+    outcome = case.run()
+    elements, *_ = outcome.fe_plan.decisions
+    assert (elements.value, outcome.passed) == ((24, 8), True)
+    assert elements.why.endswith("with half as many the estimated error exceeds verify.mesh")
+    chosen = {"plate.element": "quad9", **plan.chosen_lengths(case.scene)}
+    found = error.changes(outcome.fe, run.attempt(case.varied({**chosen, "plate.elements": (48, 16)})).fe)
+    assert {name for name, each in found.items() if abs(each) > outcome.mesh_error[name]} == set()
+    own_mesh = planned(*PICKUP, "verify.mesh=1e-4", scene="impact-mash-tl2-pickup").run()
+    assert (own_mesh.fe_plan.plate.counts, own_mesh.passed) == ((18, 6), False)
+
+
+def test_the_force_of_a_corner_converges_on_a_chosen_mesh():
+    """Twice the elements change impulses and durations by 8e-4 with the force at nodes, by 6e-5 over half a width."""
+    case = planned(*OPEN, "contact.restitution=0.1", "contact.plateau_force=400 kN")
+    changes = []
+    for lengths in ({}, plan.chosen_lengths(case.scene)):
+        keys = {**lengths, "plate.element": "quad9"}
+        coarse, fine = (run.attempt(case.varied({**keys, "plate.elements": (4 * n, n)})).fe for n in (4, 8))
+        found = error.changes(coarse, fine)
+        changes.append(
+            max(abs(found[f"strike_{k}.{name}"]) for k in (1, 2) for name in ("impulse", "duration"))
+        )
+    assert changes[1] < 1e-4 < 5e-4 < changes[0]
 
 
 @pytest.mark.long

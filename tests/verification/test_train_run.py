@@ -219,7 +219,8 @@ def test_finer_meshes_of_a_tolerance_keep_the_chosen_lengths(monkeypatch):
     monkeypatch.setattr(impact_case, "_run", coarse)
     case(**OPEN).run(tolerance=0.02)
     _, finer = asked
-    assert (finer.scene.plate.elements, finer.scene.contact.patch_length) == ((24, 8), 1.22)
+    assert (finer.scene.plate.elements, finer.scene.plate.element) == ((24, 8), "quad9")
+    assert finer.scene.contact.patch_length == 1.22
     assert finer.scene.trailer[0].hitch_length == 1.22
 
 

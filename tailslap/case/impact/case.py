@@ -123,9 +123,7 @@ def _run(case: ImpactCase) -> ImpactOutcome:
     """Run the plate with error and checks."""
     from tailslap.case.impact import checks, run
 
-    outcome = run.attempt(case)
-    if case.scene.verify.companion:
-        outcome = run.with_errors(outcome)
+    outcome = run.assessed(case) if case.scene.verify.companion else run.attempt(case)
     return replace(outcome, checks=checks.impact_checks(outcome))
 
 

@@ -42,8 +42,8 @@ COARSEST = 2
 LATER = 1.1
 """Durations of a strike after which it is over on other meshes as well; it may last a little longer there."""
 
-THIRD_UP_TO = 1000
-"""Largest number of elements of a third mesh."""
+FINER_UP_TO = 2000
+"""Largest number of elements of a third mesh, and of a chosen mesh that is refined."""
 
 
 def assessed_strikes(strikes: Sequence[Strike]) -> list[Strike]:
@@ -98,10 +98,10 @@ def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:
     yield plate, refined(plate)
 
 
-def third(finer: Plate) -> Plate | None:
+def finer(plate: Plate) -> Plate | None:
     """Return a mesh twice as fine, None if it is too large."""
-    finest = refined(finer)
-    return finest if math.prod(finest.counts) <= THIRD_UP_TO else None
+    finest = refined(plate)
+    return finest if math.prod(finest.counts) <= FINER_UP_TO else None
 
 
 def changes(one: ImpactAnswer, other: ImpactAnswer) -> dict[str, float]:

@@ -78,16 +78,16 @@ class ImpactOutcome(Outcome):
         return paper_method(self.fe_plan.case.scene, self.rigid)
 
 
-def attempt(case: RigidImpact) -> ImpactOutcome:
+def attempt(case: RigidImpact, refined: bool = False) -> ImpactOutcome:
     """Run the plate once, and compare it with the rigid vehicle.
 
-    There are no further runs and no checks. Raises InputError.
+    There are no further runs and no checks. refined: see `make_impact_plan`. Raises InputError.
     """
     began = time.perf_counter()
     with announced("Building the model ..."):
         from fem.run import impact
 
-        fe_plan = plan.make_impact_plan(case)
+        fe_plan = plan.make_impact_plan(case, refined)
     impact.compile_impact_loop(fe_plan.model, on_compile=compiling)
     setup = time.perf_counter() - began
     return replace(compared(fe_plan, simulated(fe_plan, case.scene.kept_fields)), setup_s=setup)
@@ -124,8 +124,6 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
 
     def finished(run: ImpactRun) -> bool:
         now = float(run.history["t"][-1])
-        if now < until:
-            return False
         answer = _answer(fe_plan, run)
         last = answers.last_awaited(answer.strikes, answer.units)
         leans = last is not None and last.cut and not in_progress(last)
@@ -175,10 +173,25 @@ def corners_of(fe_plan: plan.ImpactPlan, run: ImpactRun) -> np.ndarray:
     return corner
 
 
-def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
+def assessed(case: RigidImpact) -> ImpactOutcome:
+    """Run the plate, with its error by other meshes.
+
+    A mesh that the scene leaves open is refined once where the error exceeds the limit. Raises InputError.
+    """
+    outcome = attempt(case)
+    if case.scene.needed_plate.elements is None and error.finer(outcome.fe_plan.plate):
+        outcome = with_errors(outcome, meshes=2)
+        if not outcome.stated_error > case.scene.verify.mesh:
+            return outcome
+        outcome = attempt(case, refined=True)
+    return with_errors(outcome)
+
+
+def with_errors(outcome: ImpactOutcome, meshes: int = 3) -> ImpactOutcome:
     """Return the outcome with its error by two other meshes.
 
-    A third mesh is used where the error may then be within the limit. Without possible meshes no error is added.
+    A third mesh is used where the error may then be within the limit, if `meshes` allows it. Without possible meshes
+    no error is added.
     """
     limit = outcome.fe_plan.case.scene.verify.mesh
     for coarse, fine in error.companions(outcome.fe_plan.plate):
@@ -190,7 +203,7 @@ def with_errors(outcome: ImpactOutcome) -> ImpactOutcome:
         moved = list(error.changes(outcome.fe, sequence[-1]).values())
         moved += [distances[-1] for distances in error.hinge_changes(outcome.fe, sequence)]
         within = max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values())
-        if within and (finest := error.third(fine)):
+        if within and meshes > 2 and (finest := error.finer(fine)):
             estimated = _estimated(outcome, [*sequence, _on(outcome, finest)])
         return estimated
     return outcome
