@@ -469,8 +469,8 @@ def confirm(
     Parameters
     ----------
     scene : str, path or mapping
-        Name of a scene of the program, path of a TOML file, or tables of a scene; with a constrained corner, without
-        friction.
+        Name of a scene of the program, path of a TOML file, or tables of a scene; with a constrained corner, whose
+        friction is omitted.
     changes : mapping or sequence of str, optional
         Values by dotted key, or texts KEY=VALUE.
     program : str
@@ -503,7 +503,8 @@ def confirm(
 
     if program not in SOLVERS:
         raise InputError("--with", program, one_of(program, SOLVERS))
-    solver_deck = deck.make_deck(affordable_case(scene, changes, allow_large), program)
+    case = confirm.without_friction(affordable_case(scene, changes, allow_large))
+    solver_deck = deck.make_deck(case, program)
     with TemporaryDirectory(prefix="tailslap-") as folder:
         confirmation = confirm.run_confirmation(solver_deck, Path(folder), time_limit)
     histories = {name: columns.history(motion) for name, motion in confirmation.histories.items()}

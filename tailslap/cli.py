@@ -5,6 +5,7 @@ Messages go to standard error, results to standard output.
 
 import contextlib
 import io
+import logging
 import os
 import re
 import signal
@@ -55,6 +56,7 @@ def main(arguments: list[str] | None = None) -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without Greek letters shows question marks
     sys.stderr = _Messages.instead_of(sys.stderr)
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns of a home that cannot be written
     status = _status(arguments)
     if status == INTERRUPTED:  # the end of the interpreter restores what ends it with another status
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):

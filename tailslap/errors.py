@@ -7,7 +7,7 @@ import errno
 import os
 import shlex
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 APT_INSTALL = "apt-get install -y --no-install-recommends"
 APT_PACKAGES = (  # the same names on Debian 12 and 13 and on Ubuntu 22.04 and 24.04
@@ -70,12 +70,15 @@ class Verbatim(str):
     """Text that messages show without quotes."""
 
 
-def nearest(name: str, known: Iterable[str], form: str = "{}") -> str:
+def nearest(name: str, known: Collection[str], form: str = "{}") -> str:
     """Return a hint at the known name nearest to a wrong one.
 
-    It is "; did you mean NAME?", empty without a near name. form: of the name in the hint.
+    It is "; did you mean NAME?", empty without a near name. Names that contain all words of the wrong one come
+    first. form: of the name in the hint.
     """
-    matches = difflib.get_close_matches(name, list(known), 1)
+    words = set(name.split("-"))
+    fuller = [each for each in known if words <= set(each.split("-"))] if len(words) > 1 else []
+    matches = difflib.get_close_matches(name, fuller or list(known), 1, 0.1 if fuller else 0.6)
     return f"; did you mean {form.format(matches[0])}?" if matches else ""
 
 

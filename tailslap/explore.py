@@ -1,3 +1,7 @@
+# /// script
+# [tool.marimo.display]
+# theme = "system"
+# ///
 """Explore a scene on a page, opened by `tailslap explore`.
 
 It is a marimo app, whose cells run again when their inputs change.
@@ -5,7 +9,7 @@ It is a marimo app, whose cells run again when their inputs change.
 
 import marimo
 
-app = marimo.App(width="full", app_title="tailslap explore")
+app = marimo.App(width="full", app_title="tailslap explore", html_head_file="explore_head.html")
 
 with app.setup:
     import math
@@ -16,6 +20,7 @@ with app.setup:
     import marimo as mo
     import tomlkit
 
+    import postprocess
     import tailslap
     from postprocess.svg.chart import Chart, draw_chart
     from tailslap import progress
@@ -54,6 +59,9 @@ with app.setup:
     NARROW = 400.0
     """Width of a chart in a narrow window [pixels]."""
 
+    DARK = (Path(postprocess.__path__[0]) / "templates" / "dark.css").read_text(encoding="utf-8")
+    """Colours of charts on dark screens."""
+
     STYLE = """<style>
     .sliders { display: grid; grid-template-columns: repeat(auto-fill, minmax(19rem, 1fr)); gap: 0.2rem 2rem; }
     .found { display: grid; grid-template-columns: 3fr 2fr; gap: 0.3rem 2rem; align-items: start; }
@@ -74,7 +82,10 @@ with app.setup:
       .wide { display: none; }
       .narrow { display: block; }
     }
-    </style>"""
+    .found .paper { fill: none; }
+    .found .halo { stroke: var(--background); }
+    @media (prefers-color-scheme: dark) { DARK }
+    </style>""".replace("DARK", DARK)
 
 
 @app.function
@@ -93,7 +104,7 @@ def slider(key: str, quantity: str | float) -> tuple[mo.ui.slider, float, str]:
     even = (float(f"{step * k:.6g}") for k in range(math.ceil(low / step), math.floor(high / step) + 1))
     heading = f"{label} [{unit}]" if unit else label
     element = mo.ui.slider(
-        steps=sorted({*even, value}), value=value, label=heading, show_value=True, full_width=True
+        steps=sorted({*even, value}), value=value, label=heading, include_input=True, full_width=True
     )
     return element, value, unit
 

@@ -8,7 +8,7 @@ import shutil
 import textwrap
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import chain
+from itertools import chain, takewhile
 
 from postprocess.report.page import Headline, Section
 from postprocess.report.prose import NO_BREAK, glued
@@ -103,7 +103,7 @@ class Laid:
 def table_lines(table: Table, width: int) -> list[str]:
     """Return a table as lines of this width.
 
-    Words wrap. Where numbers require more, further columns stand below, beside the first one again.
+    Words wrap. Where numbers require more, further columns stand below, beside the first ones again.
     """
     for least in (LEAST, 0):
         columns = [_laid(table, number, least) for number in range(len(table.columns))]
@@ -136,13 +136,16 @@ def _laid(table: Table, number: int, least: int) -> Laid:
 def _blocks(columns: list[Laid], width: int) -> Iterator[list[Laid]]:
     """Yield columns that fit side by side.
 
-    Each block begins with the first column.
+    Each block begins with the first columns of words, which identify a row, or with the first column alone where
+    these take half of the width.
     """
-    block = columns[:1]
-    for column in columns[1:]:
-        if len(block) > 1 and sum(part.narrowest + GAP for part in block) + column.narrowest > width:
+    first = list(takewhile(lambda column: column.is_words, columns))
+    narrow = len(first) < len(columns) and sum(part.narrowest + GAP for part in first) < 0.5 * width
+    block = first = first if first and narrow else columns[:1]
+    for column in columns[len(first) :]:
+        if len(block) > len(first) and sum(part.narrowest + GAP for part in block) + column.narrowest > width:
             yield block
-            block = columns[:1]
+            block = first
         block = [*block, column]
     yield block
 

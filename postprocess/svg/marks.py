@@ -1,6 +1,6 @@
 """Marks of a plot, and the SVG text of their elements.
 
-A colour is a name of `PALETTE`, which pages may redefine (`page.css` does for dark screens), or "#rrggbb".
+A colour is a name of `PALETTE`, which pages may redefine (`dark.css` does), or "#rrggbb".
 """
 
 from __future__ import annotations

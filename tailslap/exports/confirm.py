@@ -22,12 +22,15 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.units import percent, percent_up
+from tailslap.case import case_of
+from tailslap.case.case import Case
 from tailslap.case.report_parts import study_page
 from tailslap.comparing.compare_report import compare_items, compare_report
 from tailslap.comparing.source import Item
 from tailslap.exports import calculix
 from tailslap.exports.deck import Deck, write_deck
 from tailslap.result.columns import column_units
+from tailslap.scene.vary import vary
 
 if TYPE_CHECKING:
     from tailslap.case.corner.outcome import CornerOutcome
@@ -121,6 +124,13 @@ class Confirmation:
         return all(abs(value) <= self.limit for value in self.difference.values())
 
 
+def without_friction(case: Case) -> Case:
+    """Return the case without friction at the corner, which decks of CalculiX cannot have."""
+    if case.scene.contact or not case.scene.corner_friction:
+        return case
+    return case_of(*vary(case.source, {"corner.reaction": "none", "corner.friction": None}))
+
+
 def run_confirmation(deck: Deck, folder: Path, time_limit: float) -> Confirmation:
     """Run the deck and this program's model.
 
@@ -191,5 +201,8 @@ def _headline(confirmation: Confirmation) -> Headline:
         f"{percent(differences[key], 4)}, of {QUANTITIES[key].symbol} (limit {percent_up(confirmation.limit)})."
     )
     increments, seconds = len(confirmation.columns["t"]), confirmation.seconds
-    certainty = f"CalculiX: one layer of bricks, {increments} increments, {seconds:.3g} s."
+    certainty = (
+        "Friction is omitted from both models: a boundary condition of CalculiX has none. CalculiX: one layer of "
+        f"bricks, {increments} increments, {seconds:.3g} s."
+    )
     return Headline(f"{case.scene.name} in CalculiX", answer, case.set_up, certainty)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 from postprocess.units import FOOT, INCH, KIP, MPH, POUND, SYSTEMS
+from tailslap.errors import nearest
 
 if TYPE_CHECKING:
     from pydantic_core.core_schema import CoreSchema
@@ -104,7 +105,7 @@ def to_si(text: str) -> tuple[float, Dimension]:
     scale, powers = 1.0, (0, 0, 0, 0)
     for name, power in unit_factors(text):
         if name not in UNITS:
-            raise ValueError(f'"{name}" is unknown; allowed are {", ".join(UNITS)}')
+            raise ValueError(f'"{name}" is unknown{nearest(name, UNITS)}; allowed are {", ".join(UNITS)}')
         factor, dimension = UNITS[name]
         scale = scale * factor**power if power > 0 else scale / factor**-power
         length, mass, time, angle = (total + power * p for total, p in zip(powers, dimension, strict=True))

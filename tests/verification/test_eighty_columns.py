@@ -229,6 +229,23 @@ def test_did_you_mean(change, hint):
     assert hint in str(caught.value)
 
 
+def test_suggestions_have_all_words_given():
+    """Of the scenes with both words, the most similar one, not tl5cmb-2; units have suggestions as well."""
+    with pytest.raises(errors.InputError, match=r"did you mean impact-mash-tl4-sut\?"):
+        read.read_scene("impact-tl4")
+    with pytest.raises(errors.InputError, match=r'"lbs" is unknown; did you mean lb\?'):
+        read.read_scene("mash-tl4-sut", ("vehicle.mass=22000 lbs",))
+
+
+def test_further_columns_stand_beside_all_words_that_name_a_row():
+    """Both columns of words above the numbers that have no room."""
+    numbers = [Column(f"n{k}", f"number {k}", form=".6f") for k in range(8)]
+    row = {"result": "first", "column": "v_gy"} | {f"n{k}": 1234.5 for k in range(8)}
+    lines = table_lines(Table((Column("result", "Result"), Column("column", "Column"), *numbers), [row]), 80)
+    assert max(map(len, lines)) <= 80
+    assert [line.split()[:2] for line in lines if "first" in line] == [["first", "v_gy"]] * 2
+
+
 def test_a_shell_completes_scenes_and_keys(tmp_path):
     def completed(*words):
         line = " ".join(("tailslap", *words))

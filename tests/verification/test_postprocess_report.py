@@ -459,8 +459,7 @@ def test_without_scripts_all_is_there(any_page):
 
 
 def test_every_colour_of_charts_has_one_in_the_dark():
-    css = (TEMPLATES / "page.css").read_text(encoding="utf-8")
-    dark = css[css.index("prefers-color-scheme: dark") : css.index("@media print")]
+    dark = (TEMPLATES / "dark.css").read_text(encoding="utf-8")
     assert set(PALETTE) == set(re.findall(r"svg \.(\w+) \{ color:", dark))
     for name, light in PALETTE.items():
         (other,) = re.findall(rf"svg \.{name} \{{ color: (#\w{{6}})", dark)
