@@ -1,4 +1,4 @@
-"""Multiply-adds of the machine and in the machine code of the internal forces."""
+"""Multiply-adds of the machine and of the internal forces."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def _chains(values: np.ndarray, repeats: int, factor: float, term: float) -> Non
 
 
 def multiply_add_rate(threads: int = 1) -> float:
-    """Return the operations per second in packed multiply-adds on registers, two each, of all threads."""
+    """Return the rate of packed multiply-adds on registers of all threads [1/s]."""
     values, repeats = np.ones((threads, 256)), 20_000
     _chains(values[0], 1, 0.5, 0.5)
     team = [threading.Thread(target=_chains, args=(row, repeats, 0.5, 0.5)) for row in values]
@@ -42,7 +42,7 @@ def multiply_add_rate(threads: int = 1) -> float:
 
 
 def multiply_adds(stepper: Stepper) -> tuple[int, int]:
-    """Count packed and scalar multiply-adds in the machine code of the internal forces.
+    """Count packed and scalar multiply-adds in the internal forces.
 
     The kernel is compiled again, since code from the cache on disk cannot be read. Every packed loop has its
     scalar twin, for arrays that overlap; the twin is never executed.

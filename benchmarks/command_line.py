@@ -1,4 +1,7 @@
-"""Command lines, tables, times and processes of the benchmarks; they run the sources of this checkout."""
+"""Command lines, tables, times and processes of the benchmarks.
+
+They run the sources of this checkout.
+"""
 
 from __future__ import annotations
 
@@ -93,13 +96,13 @@ def spread(values: Sequence[float], form: str = ".3g") -> str:
 
 
 def on_all_cores(function: Callable[..., Any], *arguments: Iterable[Any], chunk: int = 1) -> list[Any]:
-    """Return the values of a function, computed by as many processes as there are cores."""
+    """Return the values of a function, computed on all cores."""
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
         return list(pool.map(function, *arguments, chunksize=chunk))
 
 
 def run_command(*words: object) -> tuple[int, str, str]:
-    """Run a command of the program here, and return its exit status, output and messages."""
+    """Run a command here, and return its status, output and messages."""
     from tailslap.cli import _status
 
     output, messages = io.StringIO(), io.StringIO()
@@ -109,7 +112,7 @@ def run_command(*words: object) -> tuple[int, str, str]:
 
 
 def sweep_rows(folder: Path) -> list[dict[str, Any]]:
-    """Return the rows of a sweep without times and parts reused from earlier rows."""
+    """Return the rows of a sweep without times and reused parts."""
     import pyarrow.parquet as parquet
 
     from tailslap.campaign.sweep_table import CIRCUMSTANCES, TABLE
@@ -120,7 +123,7 @@ def sweep_rows(folder: Path) -> list[dict[str, Any]]:
 
 
 def read_records(file: Path | None) -> list[dict[str, Any]]:
-    """Return the records of a file, a line of JSON each, none without a file."""
+    """Return the records of a file of JSON lines."""
     return [json.loads(line) for line in file.read_text().splitlines()] if file and file.exists() else []
 
 

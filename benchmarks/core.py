@@ -1,4 +1,4 @@
-"""Accuracy, conservation, steps and cost of the finite-element core; single precision.
+"""Accuracy, conservation, steps and cost of the finite-element core.
 
     .venv/bin/python benchmarks/core.py [PART ...]
 
@@ -42,7 +42,7 @@ ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy")
 
 
 def accuracy() -> None:
-    """Print the differences of shipped scenes, of stiff plates and of irregular meshes."""
+    """Print differences of shipped scenes, stiff plates and irregular meshes."""
     for name in ("paper-table-3", "paper-abaqus"):
         row(f"{name} as shipped: largest of five differences", "5e-6", f"{worst(outcome(name)):.1e}")
     for required, what, changes in (
@@ -56,7 +56,7 @@ def accuracy() -> None:
 
 
 def flexibility() -> None:
-    """Print the exponent of the difference over E, with light damping against flutter by friction."""
+    """Print the exponent of the difference over E, lightly damped."""
     for reaction in REACTIONS[:2]:
         changes = [(f"corner.reaction={reaction}", f"plate.youngs_modulus={e}", DAMPED) for e in MODULI]
         worsts = [worst(outcome("paper-table-3", *change)) for change in changes]
@@ -75,7 +75,10 @@ def conservation() -> None:
 
 
 def diverges(plan: CornerPlan, factor: float) -> bool:
-    """Return True if a disturbed plate diverges in 20 000 steps of this multiple of the stable one."""
+    """Return True if a disturbed plate diverges in 20 000 steps.
+
+    factor: the step over the stable one.
+    """
     loop = plan.model.parameters._replace(time_step=factor * plan.model.stable_time_step)
     stepper = Stepper(type(plan.model)(**{**plan.model.__dict__, "parameters": loop}))
     state = stepper.advance(stepper.start(plan.start, "unstressed"), 20_000)
@@ -83,7 +86,7 @@ def diverges(plan: CornerPlan, factor: float) -> bool:
 
 
 def steps() -> None:
-    """Print the number of steps over the fewest that are stable, found by bisection."""
+    """Print the steps over the fewest that are stable."""
     plan = outcome("paper-abaqus").fe_plan
     low, high = 0.8, 1.3
     while high - low > 1e-3:
@@ -95,7 +98,7 @@ def steps() -> None:
 
 
 def elements() -> None:
-    """Print error and cost of elements, materials and constraints, undamped except of one-point quads."""
+    """Print error and cost of elements, materials and constraints."""
     print("\npaper-table-3 with; largest difference; compliance of the corner; steps; loop [s]; updates/s")
     for changes in VARIANTS:
         result = outcome("paper-table-3", *changes)
@@ -120,7 +123,7 @@ def point_and_patch() -> None:
 
 
 def precision() -> None:
-    """Print differences, drift of the energy and range of the reaction in double and single precision.
+    """Print differences, energy and reaction in double and single precision.
 
     `SingleStepper` names the parts in single precision. The energy is constant: there is neither friction nor damping.
     """

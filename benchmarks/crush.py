@@ -1,4 +1,4 @@
-"""Forces by the durations of Table 4 of the paper, beside the measured ones.
+"""Forces by the durations of Table 4, beside the measured ones.
 
     .venv/bin/python benchmarks/crush.py
 
@@ -40,7 +40,10 @@ def as_read(stiffness: float) -> float:
 
 
 def stiffness_as_read(duration: float) -> float:
-    """Stiffness [N/m] of which the 50 ms mean of the second strike has this duration [s]; NaN above 10 MN/m."""
+    """Stiffness [N/m] by the duration [s] of the second 50 ms mean.
+
+    NaN above 10 MN/m.
+    """
     low, high = math.log(1e5), math.log(1e7)
     if as_read(1e7) > duration:
         return math.nan
@@ -48,23 +51,21 @@ def stiffness_as_read(duration: float) -> float:
 
 
 def forces(case: ImpactCase, stiffness: Law, samples: int = SAMPLES) -> tuple[float, np.ndarray]:
-    """Return the 50 ms mean of the second strike with its 5 and 95 % quantiles [N].
+    """Return the second 50 ms mean with its band [N].
 
-    stiffness: function of the inputs [N/m] of each impact.
+    The band is 5 to 95 %. stiffness: function of the inputs [N/m] of each impact.
     """
-    own = {key: np.array([value]) for key, value in case.inputs.items()}
-    varied = set(case.inputs) - {
-        STIFFNESS
-    }  # one crush law of front and rear, the inertia of a uniform rectangle
-    ranges = [item for item in impact_ranges(case, RANGES) if item.key in varied]
+    nominal = {key: np.array([value]) for key, value in case.inputs.items()}
+    # One crush law of front and rear, the inertia of a uniform rectangle.
+    ranges = [item for item in impact_ranges(case, RANGES) if item.key in {*case.inputs} - {STIFFNESS}]
     draws = qmc.Sobol(len(ranges), seed=1).random(samples)
     drawn = {key: np.full(samples, value) for key, value in case.inputs.items()}
     drawn |= {r.key: r.lower + (r.upper - r.lower) * u for r, u in zip(ranges, draws.T, strict=True)}
-    found = []
-    for inputs in (own, drawn):
-        known = {key: inputs[key] for key in ("vehicle.centre_of_mass", *(item.key for item in ranges))}
-        found.append(case.many({**known, STIFFNESS: stiffness(inputs)})[MEAN])
-    return float(found[0][0]), np.nanpercentile(found[1], [5.0, 95.0])
+    means = []
+    for inputs in (nominal, drawn):
+        values = {key: inputs[key] for key in ("vehicle.centre_of_mass", *(item.key for item in ranges))}
+        means.append(case.many({**values, STIFFNESS: stiffness(inputs)})[MEAN])
+    return float(means[0][0]), np.nanpercentile(means[1], [5.0, 95.0])
 
 
 def of_strike(duration: float) -> Law:
@@ -85,18 +86,21 @@ def of_all(stiffness: float) -> Law:
 
 
 def rows(samples: int = SAMPLES) -> Iterator[tuple[ForceRow, list[Reading]]]:
-    """Yield row, duration [s], measured force [N], and by reading: stiffness [N/m], force and band [N]."""
+    """Yield rows of Table 4 with forces by each reading.
+
+    A reading is stiffness [N/m], force and band [N].
+    """
     case = ImpactCase(*read_scene(SCENE))
-    own = {key: np.array([value]) for key, value in case.inputs.items()}
-    found = {}
+    nominal = {key: np.array([value]) for key, value in case.inputs.items()}
+    readings_of = {}
     for duration in sorted({row.duration for row in TABLE_4}):
         law, read = of_strike(duration), stiffness_as_read(duration)
-        readings = [(float(law(own)[0]), *forces(case, law, samples))]
+        readings = [(float(law(nominal)[0]), *forces(case, law, samples))]
         if math.isfinite(read):
             readings.append((read, *forces(case, of_all(read), samples)))
-        found[duration] = readings
+        readings_of[duration] = readings
     for row in TABLE_4:
-        yield row, found[row.duration]
+        yield row, readings_of[row.duration]
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""Damage files of the program by a random sequence, and count the outcomes.
+"""Damage files of the program at random, and count the outcomes.
 
     .venv/bin/python benchmarks/damage.py PART [COUNT [SEED]]
 
@@ -53,21 +53,21 @@ MADE = {
 
 
 def in_child(judge: Callable[[], str]) -> str:
-    """Return the outcome of a function in a process of its own, which may die or hang."""
+    """Return the outcome of a function in a process that may die."""
     reading, writing = os.pipe()
     if not (child := os.fork()):
         signal.alarm(PATIENCE_S)
         try:
-            said = judge()
+            outcome = judge()
         except BaseException as error:  # whatever it is, it is counted
-            said = f"BAD {type(error).__name__}: {error}"
-        os.write(writing, said.encode()[:4096])
+            outcome = f"BAD {type(error).__name__}: {error}"
+        os.write(writing, outcome.encode()[:4096])
         os._exit(0)
     os.close(writing)
     with os.fdopen(reading) as file:
-        said = file.read()
+        outcome = file.read()
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    return said if status == 0 else f"BAD end with {status}"
+    return outcome if status == 0 else f"BAD end with {status}"
 
 
 class Sums(NamedTuple):
@@ -107,43 +107,43 @@ CALLS: tuple[tuple[Callable[..., Any], tuple[Any, ...]], ...] = (
 
 
 def caches(count: int, seed: int) -> Judged:
-    """Kept code of small kernels: flipped, cut, grown, swapped."""
+    """Damage stored code of small kernels."""
     from machine_code.compiled import compiled
 
     os.environ["NUMBA_CACHE_DIR"] = tempfile.mkdtemp()
-    files = [compiled(function).path(*given) for function, given in CALLS]
-    for function, given in CALLS:
-        compiled(function)(*given)
-    whole = [path.read_bytes() for path in files]
+    files = [compiled(function).path(*arguments) for function, arguments in CALLS]
+    for function, arguments in CALLS:
+        compiled(function)(*arguments)
+    contents = [path.read_bytes() for path in files]
 
     def call(which: int) -> str:
-        function, given = CALLS[which]
+        function, arguments = CALLS[which]
         kernel = compiled(function)
-        if kernel(*given) != function(*given):
+        if kernel(*arguments) != function(*arguments):
             return "BAD number"
         return "compiled anew" if "dispatcher" in vars(kernel) else "loaded"
 
     chance = random.Random(seed)
     for _ in range(count):
         which, how = chance.randrange(len(CALLS)), chance.choice(("flipped", "cut", "grown", "swapped"))
-        files[which].write_bytes(damaged(whole[which], how, chance.choice(whole), chance))
+        files[which].write_bytes(damaged(contents[which], how, chance.choice(contents), chance))
         yield how, in_child(lambda which=which: call(which))  # type: ignore[misc]
-        files[which].write_bytes(whole[which])
+        files[which].write_bytes(contents[which])
 
 
 def damaged(content: bytes, how: str, other: bytes, chance: random.Random) -> bytes:
-    """The content with such a damage; other: that of another file."""
-    found = bytearray(content)
+    """The content with a damage, or other content."""
+    result = bytearray(content)
     if how == "flipped":
         for _ in range(chance.randint(1, 8)):
-            found[chance.randrange(len(found))] ^= 1 << chance.randrange(8)
+            result[chance.randrange(len(result))] ^= 1 << chance.randrange(8)
     elif how == "cut":
-        del found[chance.randrange(len(found)) :]
+        del result[chance.randrange(len(result)) :]
     elif how == "grown":
-        found += b"\0\n"
+        result += b"\0\n"
     else:
-        found = bytearray(other if how == "swapped" else chance.choice(WRONG).encode())
-    return bytes(found)
+        result = bytearray(other if how == "swapped" else chance.choice(WRONG).encode())
+    return bytes(result)
 
 
 def damage(path: Path, how: str, other: Path, chance: random.Random) -> None:
@@ -154,22 +154,25 @@ def damage(path: Path, how: str, other: Path, chance: random.Random) -> None:
         path.write_bytes(damaged(content, how, other.read_bytes(), chance))
 
 
-def judged(status: int, told: str, is_right: Callable[[], bool], forced: bool = False) -> str:
-    """What came of a command, from its status and messages; by force other numbers come with a remark."""
-    if "fault" in told or status not in (0, 1, 2):
-        return f"BAD status {status}: {told}"
+def judged(status: int, messages: str, is_right: Callable[[], bool], forced: bool = False) -> str:
+    """Outcome of a command by its status and messages.
+
+    By force other numbers come with a remark.
+    """
+    if "fault" in messages or status not in (0, 1, 2):
+        return f"BAD status {status}: {messages}"
     if status == 2:
-        lines = [line for line in told.splitlines() if ": remark: " not in line]
-        return "refused" if len(lines) == 1 else f"BAD message: {told}"
-    if forced and ": remark: " in told:
+        lines = [line for line in messages.splitlines() if ": remark: " not in line]
+        return "refused" if len(lines) == 1 else f"BAD message: {messages}"
+    if forced and ": remark: " in messages:
         return "read with a remark"
-    return "the same" if is_right() else f"BAD numbers with status {status}: {told}"
+    return "the same" if is_right() else f"BAD numbers with status {status}: {messages}"
 
 
 class Results:
     """Results whose files are damaged, in a folder each.
 
-    whole: copies that stay as they are; at_work, expected: folders for commands that read a damaged or a whole result.
+    whole: copies that stay intact; at_work, expected: folders for commands that read a damaged or an intact result.
     """
 
     def __init__(self) -> None:
@@ -180,7 +183,7 @@ class Results:
         self.at_work, self.expected = self.folder / "out", self.folder / "expected"
 
     def files(self) -> list[Path]:
-        """Files that are read again, beginning with the kind of result."""
+        """Files that are read again, each below the kind of its result."""
         files = sorted(path.relative_to(self.whole) for path in self.whole.rglob("*") if path.is_file())
         return [name for name in files if name.suffix not in (".svg", ".html", ".png", ".gif")]
 
@@ -194,36 +197,36 @@ class Results:
         """Judge `tailslap.load`."""
         from tailslap import InputError
 
-        shown, status, refusal = "", 0, ""
+        numbers, status, refusal = "", 0, ""
         whole_numbers = np.printoptions(threshold=sys.maxsize, floatmode="unique")
         with whole_numbers, warnings.catch_warnings(record=True) as remarks:
             warnings.simplefilter("always")
             try:
-                shown = numbers_of(self.folder / kind, forced)
+                numbers = numbers_of(self.folder / kind, forced)
             except InputError as error:
                 status, refusal = 2, str(error).replace("\n", " ")
-            told = refusal or "".join(f": remark: {each.message}\n" for each in remarks)
-            return judged(status, told, lambda: shown == numbers_of(self.whole / kind, forced), forced)
+            messages = refusal or "".join(f": remark: {remark.message}\n" for remark in remarks)
+            return judged(status, messages, lambda: numbers == numbers_of(self.whole / kind, forced), forced)
 
     def command(self, words: tuple[str, ...], forced: bool) -> str:
-        """Judge a command; @KIND among its words is a result."""
+        """Judge a command whose words name results by @KIND."""
 
-        def made(place: Path, out: Path) -> tuple[int, str, str]:
-            given = [str(place / word.strip("@")) if "@" in word else word for word in words]
-            return run_command(*given, "--out", out, *["--force"] * forced)
+        def run(place: Path, out: Path) -> tuple[int, str, str]:
+            arguments = [str(place / word.strip("@")) if "@" in word else word for word in words]
+            return run_command(*arguments, "--out", out, *["--force"] * forced)
 
         def is_right() -> bool:
-            _, expected, _ = made(self.whole, self.expected)
-            same = shown.replace(str(self.at_work), "") == expected.replace(str(self.expected), "")
+            _, expected, _ = run(self.whole, self.expected)
+            same = output.replace(str(self.at_work), "") == expected.replace(str(self.expected), "")
             return same and all(map(self._is_written, self.expected.iterdir()))
 
-        status, shown, told = made(self.folder, self.at_work)
+        status, output, messages = run(self.folder, self.at_work)
         if status == 2 and self.at_work.exists():
             return "BAD refused, and something written"
-        return judged(status, told, is_right, forced)
+        return judged(status, messages, is_right, forced)
 
     def _is_written(self, path: Path) -> bool:
-        """Return True where a file of numbers has the same bytes, and for any other file."""
+        """Return True unless a file of numbers has other bytes."""
         if path.suffix not in (".csv", ".json") or path.name[0] == ".":
             return True
         return path.read_bytes() == (self.at_work / path.name).read_bytes()
@@ -231,10 +234,12 @@ class Results:
     def go_on(self) -> str:
         """Judge the sweep, which computes lost rows again."""
         line = [*TAILSLAP, *SWEEP, "--out", str(self.folder / "sweep")]
-        given = {**os.environ, "PYTHONPATH": str(ROOT)}
-        done = subprocess.run(line, env=given, capture_output=True, text=True, check=False)
-        found, whole = self.folder / "sweep", self.whole / "sweep"
-        return judged(done.returncode, done.stderr, lambda: sweep_rows(found) == sweep_rows(whole))
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        process = subprocess.run(line, env=environment, capture_output=True, text=True, check=False)
+        damaged_sweep, intact_sweep = self.folder / "sweep", self.whole / "sweep"
+        return judged(
+            process.returncode, process.stderr, lambda: sweep_rows(damaged_sweep) == sweep_rows(intact_sweep)
+        )
 
     def readers(self, kind: str, forced: bool) -> dict[str, Callable[[], str]]:
         """Judgements of what reads a result of this kind, by name."""
@@ -249,70 +254,70 @@ def numbers_of(place: Path, forced: bool) -> str:
     """All numbers of a result, to the bit."""
     import tailslap
 
-    found = tailslap.load(place, force=forced)
-    arrays = {label: {n: c.tolist() for n, c in h.items()} for label, h in found.histories.items()}
-    fields = vars(found.fields) if found.make_fields else {}
-    return repr((found.command, found.scene, found.passed, found.summary, arrays, fields))
+    result = tailslap.load(place, force=forced)
+    arrays = {label: {n: c.tolist() for n, c in h.items()} for label, h in result.histories.items()}
+    fields = vars(result.fields) if result.make_fields else {}
+    return repr((result.command, result.scene, result.passed, result.summary, arrays, fields))
 
 
 def results(count: int, seed: int) -> Judged:
-    """Files of results, then read by load, compare and export, also by force; and by the sweep, which goes on."""
-    made, chance = Results(), random.Random(seed)
-    read = made.files()
+    """Damage results, read by load, compare and export, and by the sweep."""
+    store, chance = Results(), random.Random(seed)
+    read = store.files()
     for _ in range(count):
         name, how, forced = chance.choice(read), chance.choice(HOWS), chance.random() < 0.3
-        kind, other = name.parts[0], made.whole / chance.choice([n for n in read if n != name])
-        damage(made.folder / name, how, other, chance)
-        readers = made.readers(kind, forced)
+        kind, other = name.parts[0], store.whole / chance.choice([n for n in read if n != name])
+        damage(store.folder / name, how, other, chance)
+        readers = store.readers(kind, forced)
         reader = chance.choice([*readers, *["go on"] * (2 * (kind == "sweep"))])
         by_force = " by force" * (forced and reader in readers)
-        yield f"{kind}, {reader}{by_force}, {how}", in_child(readers.get(reader, made.go_on))
-        made.restore(kind)
+        yield f"{kind}, {reader}{by_force}, {how}", in_child(readers.get(reader, store.go_on))
+        store.restore(kind)
 
 
 def checkpoints(count: int, seed: int) -> Judged:
-    """Checkpoints of interrupted runs, from which they go on: with the files of a run that was left alone."""
-    from tailslap.storage import checkpoints as kept
+    """Damage checkpoints of interrupted runs, and resume from them."""
+    from tailslap.storage import checkpoints as storage
 
     folder = Path(tempfile.mkdtemp())
-    whole = folder / "whole"
-    kept.SAVE_S, kept.MAX_SHARE = 0.0, math.inf
-    save, left = kept.Checkpoints.save, math.inf
+    intact = folder / "whole"
+    storage.SAVE_S, storage.MAX_SHARE = 0.0, math.inf
+    save, remaining = storage.Checkpoints.save, math.inf
 
     def save_or_stop(self: Any, arrays: Any) -> None:
-        nonlocal left
+        nonlocal remaining
         save(self, arrays)
-        left -= 1
-        if left == 0:
+        remaining -= 1
+        if remaining == 0:
             raise KeyboardInterrupt
 
-    kept.Checkpoints.save = save_or_stop  # type: ignore[method-assign]
-    made = {kind: MADE[kind] for kind in ("run", "other", "impact")}
-    for kind, words in made.items():
-        left = 10**9
-        assert run_command(*words, "--out", whole / kind)[0] in (0, 1), kind
-        left = {"run": 3, "other": 1, "impact": 2}[kind] * (10**9 - left) // 4
+    storage.Checkpoints.save = save_or_stop  # type: ignore[method-assign]
+    commands = {kind: MADE[kind] for kind in ("run", "other", "impact")}
+    for kind, words in commands.items():
+        remaining = 10**9
+        assert run_command(*words, "--out", intact / kind)[0] in (0, 1), kind
+        remaining = {"run": 3, "other": 1, "impact": 2}[kind] * (10**9 - remaining) // 4
         assert run_command(*words, "--out", folder / kind)[0] == 130, kind
-    left = math.inf
+    remaining = math.inf
     files = {path: path.read_bytes() for path in sorted(folder.glob(".*checkpoint-*"))}
     print(f"{len(files)} checkpoints", file=sys.stderr)
 
     def resumed(kind: str) -> str:
-        status, _, told = run_command(*made[kind], "--out", folder / kind, "--resume")
-        if "fault" in told or status == 2:
-            return f"BAD status {status}: {told}"
+        status, _, messages = run_command(*commands[kind], "--out", folder / kind, "--resume")
+        if "fault" in messages or status == 2:
+            return f"BAD status {status}: {messages}"
         names = ("history.csv", "rigid.csv", *["fields.npz"] * (kind == "run"))
-        is_same = all((folder / kind / n).read_bytes() == (whole / kind / n).read_bytes() for n in names)
-        end = "made anew" if "damaged" in told or "no checkpoint" in told else "gone on from"
+        is_same = all((folder / kind / n).read_bytes() == (intact / kind / n).read_bytes() for n in names)
+        end = "made anew" if "damaged" in messages or "no checkpoint" in messages else "gone on from"
         is_resumed = end == "gone on from"
         if how != "missing" and (how == "left whole") != is_resumed:  # others of the run may be there
-            return f"BAD {end}: {told}"
-        return end if is_same else f"BAD numbers, {end}: {told}"
+            return f"BAD {end}: {messages}"
+        return end if is_same else f"BAD numbers, {end}: {messages}"
 
     chance = random.Random(seed)
     for _ in range(count):
         path, how = chance.choice([*files]), chance.choice((*HOWS, "left whole"))
-        other = chance.choice([each for each in files if each != path])
+        other = chance.choice([entry for entry in files if entry != path])
         if how != "left whole":
             damage(path, how, other, chance)
         kind = path.name[1:].partition(".")[0]

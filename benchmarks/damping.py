@@ -1,4 +1,4 @@
-"""Effect and cost of the damping of elastic velocities, beside the stated effect.
+"""Effect and cost of the damping of elastic velocities.
 
     .venv/bin/python benchmarks/damping.py
 
@@ -50,7 +50,7 @@ def advance_time(fe_plan: Any) -> float:
 
 
 def cost() -> None:
-    """Print the ratio of loops with damping and without, and the set-up of the prediction."""
+    """Print the cost of damping in the loop, and of its prediction."""
     choices = (), ("damping.kind=elastic-velocity", "damping.rate=100")
     plain, damped = (make_corner_plan(plan_of(changes)) for changes in choices)
     for fe_plan in (plain, damped):

@@ -1,4 +1,4 @@
-"""Calls of a process to the kernel that fail, whichever library makes them.
+"""Calls of a process to the kernel that fail, by any library.
 
 A function runs in a child process under a filter of seccomp, which asks the parent before each call to a file
 (`seccomp_unotify(2)`, Linux 5.5 or later on x86-64). The parent names the files of the call; one chosen call returns
@@ -52,7 +52,7 @@ class Call(NamedTuple):
 
 
 def is_supported() -> bool:
-    """Return True where the kernel has user notification and the numbers of the calls are those above."""
+    """Return True where the kernel has user notification."""
     action = ctypes.c_uint32(ASK_PARENT)
     return platform.machine() == "x86_64" and libc.syscall(SECCOMP, 2, 0, ctypes.byref(action)) == 0
 
@@ -60,9 +60,10 @@ def is_supported() -> bool:
 def run_in_child(
     function: Callable[[], str], folder: str, number: int = 0, error: int = 0
 ) -> tuple[str, list[Call]]:
-    """Run a function in a child process, and return its text and the calls to files below a folder.
+    """Run a function in a child, and return its text and calls.
 
-    The call of this number, from 1, fails with the error, and is the last one of the list; without a number none fails.
+    Calls are those to files below a folder. The call of this number, from 1, fails with the error, and is the last one
+    of the list; without a number none fails.
     """
     ours, theirs = socket.socketpair()
     reading, writing = os.pipe()
@@ -96,7 +97,7 @@ def run_in_child(
 
 
 def _listener() -> int:
-    """Put this thread under the filter, and return the descriptor of its questions."""
+    """Put this thread under the filter, and return its descriptor."""
     count = len(ARGUMENTS)
     lines = [(LOAD, 0, 0, 0)]
     lines += [(JUMP_IF_EQUAL, count - i, 0, number) for i, (number, _) in enumerate(ARGUMENTS.values())]
@@ -154,7 +155,7 @@ def _paths(question: tuple[int, ...]) -> Iterator[str]:
 
 
 def _link(process: int, file: int) -> str:
-    """Return the path of an open file, or for a negative one the working directory."""
+    """Return the path of an open file, or the working directory."""
     try:
         return os.readlink(f"/proc/{process}/" + (f"fd/{file}" if file >= 0 else "cwd"))
     except OSError:

@@ -1,4 +1,4 @@
-"""Cost of the parts of a scene in the compiled loop; an omitted part costs nothing.
+"""Cost of the parts of a scene in the compiled loop.
 
     .venv/bin/python benchmarks/features.py [SCENE] [--set KEY=VALUE ...] [--turns N] [--no-commands]
 
@@ -72,7 +72,7 @@ CODE = (
 
 
 def plain_scene(scene: Scene) -> Scene:
-    """The scene with a plate, a penalty spring, and nothing else that a step has to work for."""
+    """The scene with a plate and a penalty spring alone."""
     changes = {
         "corner": {"reaction": "none", "penalty_scale": scene.corner.penalty_scale},
         "time.threads": 1,
@@ -83,7 +83,7 @@ def plain_scene(scene: Scene) -> Scene:
 
 
 def models_of(scene: Scene) -> dict[str, CornerPlan]:
-    """By name the model of the plain scene, and of the plain scene with each part that it can have."""
+    """Models of the plain scene, alone and with each part."""
     plain = plain_scene(scene)
     changes: dict[str, dict[str, Any]] = {
         PLAIN: {},
@@ -95,18 +95,18 @@ def models_of(scene: Scene) -> dict[str, CornerPlan]:
         "neo-Hookean": {"material.law": "neo-hookean"},
         "hourglass control": {"plate.element": "quad4-reduced"},
     }
-    found = {}
-    for name, its in changes.items():
+    models = {}
+    for name, part in changes.items():
         try:
-            changed = varied(plain, its)
-            found[name] = CornerCase(changed, Source.of(changed)).plan()
+            changed = varied(plain, part)
+            models[name] = CornerCase(changed, Source.of(changed)).plan()
         except InputError as error:
             print(f"omitted: {name}. {error}", file=sys.stderr)
-    return found
+    return models
 
 
 class BareParameters(NamedTuple):
-    """Elements, material, nodal masses [kg]; the node that the spring holds, its stiffness [N/m]; step [s]."""
+    """Elements, material, masses [kg], node and stiffness [N/m], and step [s]."""
 
     table: ElementTable
     material: Any
@@ -117,7 +117,10 @@ class BareParameters(NamedTuple):
 
 
 def bare_parameters(loop: LoopParameters) -> BareParameters:
-    """The same model without the parts that a bare loop has no code for; ValueError if it has one of them."""
+    """Parameters of a bare loop.
+
+    Raises ValueError if a part is present.
+    """
     parts = (loop.friction, loop.viscosity, loop.hourglass, loop.elastic_damping)
     if any(part is not None for part in parts) or loop.corner.nodes.size > 1:
         raise ValueError("the bare loop has no code for a part of this model")
@@ -133,13 +136,13 @@ def bare_scratch(loop: LoopParameters) -> Scratch:
 
 
 def _stored(table: ElementTable) -> ElementTable:
-    """Return the table with stored gradients, since mapping from the nodes is a part."""
+    """Return the table with stored gradients, since mapping is a part."""
     return table._replace(mapping=None)
 
 
 @compiled
 def advance_bare(positions: Any, velocities: Any, steps: Any, model: Any, force: Any, scratch: Any) -> Any:
-    """Advance positions and velocities half a step back, shape (2, nodes), in place by this many steps."""
+    """Advance positions and velocities in place, shape (2, nodes)."""
     for _ in range(steps):
         force[:] = 0.0
         _subtract_forces(positions, force, model.table, model.material, scratch)
@@ -149,46 +152,46 @@ def advance_bare(positions: Any, velocities: Any, steps: Any, model: Any, force:
 
 @compiled
 def _subtract_forces(positions: Any, force: Any, table: Any, material: Any, scratch: Any) -> Any:
-    others, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
+    following, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
     connectivity, lattice = table.connectivity, scratch.lattice
     slots = slot_count(connectivity, lattice)
     for first in range(0, slots, BLOCK_SIZE):
         count = min(BLOCK_SIZE, slots - first)
         gather(positions, connectivity, lattice, first, count, rows)
-        subtract_first(others, rows)
+        subtract_first(following, rows)
         rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
         for point in range(table.weights.shape[0]):
-            gradients = point_of(scratch.gradients, first // BLOCK_SIZE, point, 2 * len(others))
+            gradients = point_of(scratch.gradients, first // BLOCK_SIZE, point, 2 * len(following))
             weights = point_of(scratch.weights, first // BLOCK_SIZE, point, 1)
-            _add_point(others, material, rows, gradients, weights)
+            _add_point(following, material, rows, gradients, weights)
         forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
-        balance(others, forces)
+        balance(following, forces)
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
 
 
 @compiled
-def _add_point(others: Any, material: Any, rows: Any, gradients: Any, weights: Any) -> Any:
-    nodes = len(others) + 1
+def _add_point(following: Any, material: Any, rows: Any, gradients: Any, weights: Any) -> Any:
+    nodes = len(following) + 1
     for slot in range(BLOCK_SIZE):
         weight = at_slot(weights, 0, slot)
-        f_11, f_12, f_21, f_22 = _gradient(others, rows, gradients, slot)
+        f_11, f_12, f_21, f_22 = _gradient(following, rows, gradients, slot)
         e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
         e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
         s_11, s_22, s_12 = stress(material, e_11, e_22, f_11 * f_12 + f_21 * f_22)
         s_11, s_22, s_12 = weight * s_11, weight * s_22, weight * s_12
         p_11, p_12 = f_11 * s_11 + f_12 * s_12, f_11 * s_12 + f_12 * s_22
         p_21, p_22 = f_21 * s_11 + f_22 * s_12, f_21 * s_12 + f_22 * s_22
-        for a in range(len(others)):
+        for a in range(len(following)):
             g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
             rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
             rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
 
 
 @inlined
-def _gradient(others: Any, rows: Any, gradients: Any, slot: Any) -> Any:
+def _gradient(following: Any, rows: Any, gradients: Any, slot: Any) -> Any:
     f_11 = f_12 = f_21 = f_22 = 0.0
-    for a in range(len(others)):
+    for a in range(len(following)):
         g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
         x, y = rows[(2 * a + 2) * BLOCK_SIZE + slot], rows[(2 * a + 3) * BLOCK_SIZE + slot]
         f_11, f_12, f_21, f_22 = f_11 + x * g_1, f_12 + x * g_2, f_21 + y * g_1, f_22 + y * g_2
@@ -196,14 +199,14 @@ def _gradient(others: Any, rows: Any, gradients: Any, slot: Any) -> Any:
 
 
 def workspace(fe_plan: CornerPlan) -> tuple[State, Floats, Any]:
-    """State at t = 0, forces and scratch of its own: where they lie in memory is then chance, turn by turn."""
+    """State at t = 0, forces and scratch in new memory."""
     state = copy_state(Stepper(fe_plan.model).start(fe_plan.start, fe_plan.plate.start))
     loop = fe_plan.model.parameters
     return state, np.zeros_like(state.positions), scratch_for(loop.table, loop.hourglass)
 
 
 def run_program(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
-    """Return the seconds of the steps of the program's loop and the final positions."""
+    """Return the seconds of the program's loop and the final positions."""
     (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.parameters
     arguments = (state, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
     spent = seconds(lambda: advance(*arguments))
@@ -218,7 +221,7 @@ def run_bare(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
 
 
 def take_turns(runs: Sequence[Callable[[], float]], turns: int) -> Floats:
-    """What each run returns in each turn, shape (turns, runs): A B C, then C B A, and so on."""
+    """Results of runs in alternating order, shape (turns, runs)."""
     table = np.empty((turns, len(runs)))
     for turn in range(turns):
         for i in range(len(runs))[:: 1 if turn % 2 == 0 else -1]:
@@ -227,7 +230,7 @@ def take_turns(runs: Sequence[Callable[[], float]], turns: int) -> Floats:
 
 
 def ratio(times: Floats, reference: Floats) -> tuple[float, float, float]:
-    """Median of times over reference, both of shape (turns,), and the ends of its 95 % bootstrap interval.
+    """Median of times over reference with its 95 % bootstrap interval.
 
     Turn by turn, because a slow spell of the machine then cancels; the median, because one hiccup must not count.
     """
@@ -238,7 +241,7 @@ def ratio(times: Floats, reference: Floats) -> tuple[float, float, float]:
 
 
 def verdict(plain: Floats, again: Floats, bare: Floats) -> str:
-    """Return COSTS where the whole interval is measurably above 1, FREE where it is below that."""
+    """Return COSTS where the interval is above 1, FREE below."""
     _, low, high = ratio(plain, bare)
     if not low <= max(MEASURABLE, ratio(again, plain)[2]):
         return COSTS
@@ -246,7 +249,7 @@ def verdict(plain: Floats, again: Floats, bare: Floats) -> str:
 
 
 def time_loops(models: dict[str, CornerPlan], turns: int) -> dict[str, Floats]:
-    """Nanoseconds an element update of each loop in each turn, shape (turns,); plain loops and bare one first."""
+    """Nanoseconds of an element update by loop, shape (turns,)."""
     plain = models[PLAIN]
     loops = {PLAIN: (run_program, plain), BARE: (run_bare, plain), AGAIN: (run_program, plain)}
     loops |= {name: (run_program, model) for name, model in models.items() if name != PLAIN}
@@ -269,14 +272,14 @@ class MachineCode(NamedTuple):
 
 
 def count(assembly: str) -> MachineCode:
-    """Counts in LLVM's assembly; the wrappers that Python calls through and reference counts are not the loop's."""
+    """Count instructions in LLVM's assembly, without wrappers."""
     instructions = vector = 0
-    own = False
+    in_loop = False
     for line in assembly.splitlines():
         if line[:1].isalnum() or line[:1] in '_"':
             name = line.strip('"')
-            own = name.startswith("_Z") and not name.startswith(("_ZN7cpython", "_ZN08NumbaEnv"))
-        elif own and line.startswith("\t") and not line.startswith(("\t.", "\t#")):
+            in_loop = name.startswith("_Z") and not name.startswith(("_ZN7cpython", "_ZN08NumbaEnv"))
+        elif in_loop and line.startswith("\t") and not line.startswith(("\t.", "\t#")):
             instructions += 1
             vector += bool(VECTOR.search(line))
     return MachineCode(instructions, vector)
@@ -296,7 +299,7 @@ def bare_code(fe_plan: CornerPlan) -> MachineCode:
 
 
 def _assembly(loop: Kernel, *arguments: Any) -> str:
-    """Compile the loop and return its assembly, which Numba does not keep on disk."""
+    """Compile the loop and return its assembly."""
     _ = loop.dispatcher  # Numba gets to know the functions that it calls
     fresh = make_dispatcher(loop.py_func, loop.targetoptions)
     compile_for(fresh, arguments)
@@ -305,7 +308,7 @@ def _assembly(loop: Kernel, *arguments: Any) -> str:
 
 
 class Process(NamedTuple):
-    """Command with its best and median time [s], modules, time of imports [s], and the costliest packages."""
+    """Times [s], modules and imports of a command, and the costliest packages."""
 
     name: str
     best: float
@@ -316,31 +319,34 @@ class Process(NamedTuple):
 
 
 def find_processes(scene: str, changes: tuple[str, ...]) -> tuple[Process, ...]:
-    """Measure all COMMANDS on a scene; results go to a folder that is removed."""
+    """Measure all COMMANDS on a scene in a temporary folder."""
     processes = []
     with tempfile.TemporaryDirectory(prefix="tailslap-features-") as folder:
         words = [_arguments(command, scene, changes, folder) for command in COMMANDS.values()]
         timed = [partial(seconds, partial(_process, [*TAILSLAP, *arguments])) for arguments in words]
         for name, arguments, times in zip(COMMANDS, words, take_turns(timed, COMMAND_TURNS).T, strict=True):
-            done = _process([sys.executable, "-X", "importtime", "-c", CODE, *arguments])
-            imports = parse_imports(done.stderr)
+            process = _process([sys.executable, "-X", "importtime", "-c", CODE, *arguments])
+            imports = parse_imports(process.stderr)
             largest = sorted(imports.items(), key=lambda item: -item[1])[:5]
             shortest, median = float(times.min()), float(np.median(times))
-            modules, total = int(done.stdout.splitlines()[-1]), sum(imports.values())
+            modules, total = int(process.stdout.splitlines()[-1]), sum(imports.values())
             processes.append(Process(name, shortest, median, modules, total, tuple(largest)))
     return tuple(processes)
 
 
 def parse_imports(report: str) -> dict[str, float]:
-    """Return the seconds of imports by top-level package, from the report of `python -X importtime`."""
+    """Return the seconds of imports by package.
+
+    report: that of `python -X importtime`.
+    """
     packages: dict[str, float] = {}
     for line in report.splitlines():
         head, _, rest = line.partition("import time:")
-        own, _, named = rest.partition("|")
-        if head or not own.strip().isdigit():
+        microseconds, _, named = rest.partition("|")
+        if head or not microseconds.strip().isdigit():
             continue
         package = named.partition("|")[2].strip().split(".")[0]
-        packages[package] = packages.get(package, 0.0) + 1e-6 * int(own)
+        packages[package] = packages.get(package, 0.0) + 1e-6 * int(microseconds)
     return packages
 
 
@@ -351,15 +357,15 @@ def _arguments(command: tuple[str, ...], scene: str, changes: tuple[str, ...], f
 
 
 def _process(command: list[str]) -> subprocess.CompletedProcess[str]:
-    """A run whose check fails ends with 1, and is timed like any other."""
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode not in (0, 1):
-        raise OSError(f"{' '.join(command[-4:])} ended with {done.returncode}: {done.stderr[-300:]}")
-    return done
+    """Run a command, which may end with 0 or 1."""
+    process = subprocess.run(command, capture_output=True, text=True)
+    if process.returncode not in (0, 1):
+        raise OSError(f"{' '.join(command[-4:])} ended with {process.returncode}: {process.stderr[-300:]}")
+    return process
 
 
 def print_parts(scene: str, changes: tuple[str, ...], turns: int) -> bool:
-    """A line a part, and the bare loop; whether both loops without parts compute the same and cost the same."""
+    """Print a line a part, and return True if loops agree."""
     models = models_of(with_elements(CornerCase(*read_scene(scene, changes))).scene)
     codes = {name: program_code(model) for name, model in models.items()} | {BARE: bare_code(models[PLAIN])}
     updates = time_loops(models, turns)
@@ -368,16 +374,16 @@ def print_parts(scene: str, changes: tuple[str, ...], turns: int) -> bool:
         middle, low, high = ratio(updates[name], updates[PLAIN])
         costs = f"{np.median(updates[name]):13.2f}  {middle:.3f} ({low:.3f} to {high:.3f})"
         print(f"{name:<20}{code.instructions:>13}{code.vector:>12}{costs}", flush=True)
-    found = verdict(updates[PLAIN], updates[AGAIN], updates[BARE])
+    cost = verdict(updates[PLAIN], updates[AGAIN], updates[BARE])
     middle, low, high = ratio(updates[PLAIN], updates[BARE])
     apart = difference(models[PLAIN], 1000)
-    print(f"a part left out: {found}; {middle:.3f} ({low:.3f} to {high:.3f}) times the bare loop")
+    print(f"a part left out: {cost}; {middle:.3f} ({low:.3f} to {high:.3f}) times the bare loop")
     print(f"after 1000 steps their positions differ by {apart:.1e} of the plate's length", flush=True)
-    return found != COSTS and apart <= SAME
+    return cost != COSTS and apart <= SAME
 
 
 def difference(fe_plan: CornerPlan, steps: int) -> float:
-    """Return the largest distance between the positions of the two loops over the plate's length."""
+    """Return the largest distance of positions of both loops, relative."""
     ours, bare = (run(fe_plan, steps)[1] for run in (run_program, run_bare))
     return float(np.abs(ours - bare).max() / fe_plan.case.body.length)
 
@@ -393,7 +399,7 @@ def print_commands(scene: str, changes: tuple[str, ...]) -> None:
 
 
 def main() -> int:
-    """Measure and print; 1 where the plain loop costs more or computes other positions."""
+    """Measure and print, and return the exit status."""
     options = command_line.options(__doc__, ("scene", "paper-table-3"), set=[], no_commands=False, turns=40)
     is_free = print_parts(options.scene, tuple(options.set), options.turns)
     if not options.no_commands:

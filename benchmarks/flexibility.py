@@ -1,4 +1,4 @@
-"""Levels of the study of flexibility against runs at further first frequencies, which lie beyond the printed ones.
+"""Levels of the study of flexibility at further first frequencies.
 
     tailslap study flexibility SCENE --out FOLDER
     .venv/bin/python benchmarks/flexibility.py SCENE FOLDER [COUNT [SEED]]
@@ -37,16 +37,19 @@ BELOW = 0.5
 def stated(summary: dict[str, Any]) -> Iterator[tuple[str, str, Reach]]:
     """Start, quantity and level of each statement."""
     if "levels_v_gy" not in summary:
-        yield from (("", name, Reach(**level)) for name, each in summary["levels"].items() for level in each)
+        yield from (("", name, Reach(**level)) for name, rows in summary["levels"].items() for level in rows)
         return
-    for start, each in summary["levels_v_gy"].items():
-        yield from ((start, "v_gy", Reach(**level)) for level in each)
-    for name, each in summary["levels"].items():
-        yield from ((corner_flexibility.STARTS[0], name, Reach(**level)) for level in each)
+    for start, rows in summary["levels_v_gy"].items():
+        yield from ((start, "v_gy", Reach(**level)) for level in rows)
+    for name, rows in summary["levels"].items():
+        yield from ((corner_flexibility.STARTS[0], name, Reach(**level)) for level in rows)
 
 
 def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
-    """Differences of a plate by quantity; plate: start and first frequency [Hz]."""
+    """Differences of a plate by quantity.
+
+    plate: start and first frequency [Hz].
+    """
     case, (start, frequency) = case_of(*read_scene(scene)), plate
     if isinstance(case, CornerCase):
         sweep = corner_flexibility.define(case)
@@ -68,9 +71,9 @@ def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:
     """Print each level, and return the exit status."""
     random = np.random.default_rng(seed)
     summary = json.loads((Path(folder) / "summary.json").read_text())
-    known = [level for level in stated(summary) if level[2].kind in (CROSSED, NOT_REACHED)]
+    determined = [level for level in stated(summary) if level[2].kind in (CROSSED, NOT_REACHED)]
     plates: set[tuple[str, float]] = set()
-    for start, _, reach in known:
+    for start, _, reach in determined:
         printed = rounded_up(reach.frequency)
         drawn = [*random.uniform(printed, 2.0 * printed, count - 1), printed]
         plates |= {(start, float(frequency)) for frequency in drawn}
@@ -78,16 +81,20 @@ def main(scene: str, folder: str, count: int = COUNT, seed: int = 1) -> int:
     rows = dict(zip(plates, runs, strict=True))
     wrong, print_line = 0, "{:22} {:22} {:>6} {:>10} {:>5} {:>9} {:>10} {:>6}".format
     print(print_line("start", "quantity", "level", "printed", "runs", "largest", "exceeded", "ok"))
-    for start, name, reach in known:
+    for start, name, reach in determined:
         printed = rounded_up(reach.frequency)
-        sizes = {f: abs(row[name]) for (own, f), row in rows.items() if own == start and f >= BELOW * printed}
+        sizes = {
+            f: abs(row[name])
+            for (plate_start, f), row in rows.items()
+            if plate_start == start and f >= BELOW * printed
+        }
         beyond = [size for f, size in sizes.items() if f >= printed and np.isfinite(size)]
         exceeded = max((f for f, size in sizes.items() if size > reach.level), default=np.nan)
         ok = max(beyond) <= reach.level
         wrong += not ok
         numbers = f"{printed:.3g} Hz", len(beyond), f"{100 * max(beyond):.3g} %", f"{exceeded:.4g} Hz"
         print(print_line(start, name, f"{100 * reach.level:g} %", *numbers, "yes" if ok else "NO"))
-    print(f"{len(known)} levels, {len(rows)} runs: {wrong} levels exceeded beyond the printed frequency")
+    print(f"{len(determined)} levels, {len(rows)} runs: {wrong} levels exceeded beyond the printed frequency")
     return int(wrong > 0)
 
 

@@ -1,4 +1,4 @@
-"""Many command lines made at random, as tests/verification/test_fuzz.py makes them: the long job.
+"""Many random command lines, as in tests/verification/test_fuzz.py.
 
     .venv/bin/python benchmarks/fuzz.py [COUNT [SEED]]
 
@@ -23,15 +23,15 @@ def main() -> None:
     """Run random command lines."""
     options = command_line.options(__doc__, ("count", 200_000), ("seed", 1))
     count, number = options.count, options.seed
-    made = itertools.count(1)
+    numbers = itertools.count(1)
 
     @seed(number)
     @settings(fuzz, max_examples=count, derandomize=False)
     @given(command_lines())
     def job(arguments: list[str]) -> None:
         demand_good_end(arguments)
-        if (done := next(made)) % PROGRESS == 0:
-            print(f"{done} of {count}", file=sys.stderr, flush=True)
+        if (finished := next(numbers)) % PROGRESS == 0:
+            print(f"{finished} of {count}", file=sys.stderr, flush=True)
 
     job()
     print(f"{count} command lines, seed {number}: each ended as it should")

@@ -41,16 +41,24 @@ Row = tuple[str, str]
 
 
 def bar(elements: int, law: str, **plate: Any) -> Any:
-    """A bar of E = 900, rho = 1, L = 10, or SDNV100's, that meets the wall head on."""
-    given = {"thickness": 1.0, "density": 1.0, "youngs_modulus": 900.0, **plate}
-    length, width = given.pop("length", 10.0), given.pop("width", 10.0 / elements)
-    made = PlateProperties(poissons_ratio=0.0, lumping="row-sum", **given)
+    """A bar that meets the wall head on.
+
+    E = 900, rho = 1 and L = 10, or those of SDNV100.
+    """
+    values = {"thickness": 1.0, "density": 1.0, "youngs_modulus": 900.0, **plate}
+    length, width = values.pop("length", 10.0), values.pop("width", 10.0 / elements)
+    properties = PlateProperties(poissons_ratio=0.0, lumping="row-sum", **values)
     mesh = plate_mesh(length, width, (elements, 1))
-    return build_impact_model([UnitProperties(mesh, made, ContactProperties(None, law))], StepProperties())
+    return build_impact_model(
+        [UnitProperties(mesh, properties, ContactProperties(None, law))], StepProperties()
+    )
 
 
 def bounce(elements: int, law: str, periods: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Instants over tau, force over rho c (v0 + g t), energy over the first; small strains."""
+    """Instants over tau, force over theory, energy over the first.
+
+    Theory is rho c (v0 + g t), at small strains.
+    """
     model, gravity, tau = bar(elements, law), 1e-3, 1.0 / 3.0
     step, stepper = model.parameters.time_step, ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(math.pi / 2.0, 0.0, 0.0))
@@ -60,8 +68,8 @@ def bounce(elements: int, law: str, periods: float) -> tuple[np.ndarray, np.ndar
         state.velocities[1] -= gravity * step
         rows, _, state = stepper.record(state, 1, 1)
         values = dict(zip(ImpactMeasures._fields, rows[0], strict=False))
-        held = sum(values[name] for name in ("kinetic_energy", "strain_energy", "contact_energy"))
-        instants.append((values["normal_impulse"], held + gravity * model.mass * values["y_g"]))
+        energy_of_plate = sum(values[name] for name in ("kinetic_energy", "strain_energy", "contact_energy"))
+        instants.append((values["normal_impulse"], energy_of_plate + gravity * model.mass * values["y_g"]))
     impulse, energy = np.array(instants).T
     t = step * np.arange(1, impulse.size + 1)
     force = np.diff(impulse, prepend=0.0) / step / (30.0 * gravity * t * 10.0 / elements)
@@ -69,15 +77,15 @@ def bounce(elements: int, law: str, periods: float) -> tuple[np.ndarray, np.ndar
 
 
 def bouncing_bar() -> Iterator[Row]:
-    """Row 1: contact times of two periods, their order, energy and force noise over ten periods."""
+    """Contact times of two periods, energy and noise over ten."""
     for law in LAWS:
         t, force, _ = bounce(100, law, 2.0)
-        found = []
+        contacts = []
         for low, high in ((1.5, 6.5), (9.5, 14.5)):
             pressed = t[(t > low) & (t < high) & (force > 1e-9)]
-            found.append(f"{pressed[0]:.3f} to {pressed[-1]:.3f}")
+            contacts.append(f"{pressed[0]:.3f} to {pressed[-1]:.3f}")
         inside = (t > 3.2) & (t < 4.8)
-        yield f"bouncing bar, {law}: contact over tau (3 to 5, 11 to 13)", ", ".join(found)
+        yield f"bouncing bar, {law}: contact over tau (3 to 5, 11 to 13)", ", ".join(contacts)
         noise = f"{force[inside].mean() - 1.0:+.1e}, noise {force[inside].std():.1e}"
         yield f"bouncing bar, {law}: force over theory - 1", noise
         ends = [abs(_end(n, law) - 5.0) for n in (25, 50, 100, 200)]
@@ -94,7 +102,7 @@ def _end(elements: int, law: str) -> float:
 
 
 def striking_bars() -> Iterator[Row]:
-    """Rows 2 and 3: pressure and time of contact of a bar, and Code_Aster's SDNV100, in the linear range."""
+    """Pressure and time of contact of a bar, and SDNV100."""
     steel = {"thickness": 0.02, "density": 8000.0, "youngs_modulus": 2e11, "length": 0.2, "width": 0.02}
     bars: Any = ("bar", {}, 1e-3, 30.0, 10.0), ("SDNV100", steel, 1.0, 5000.0, 0.2)
     for name, plate, speed, wave, length in bars:
@@ -110,46 +118,46 @@ def striking_bars() -> Iterator[Row]:
             middle = (t * wave > 0.2 * length) & (t * wave < 1.8 * length)
             expected = plate.get("density", 1.0) * wave * speed * area
             pressure = force[middle].mean() / expected - 1.0
-            each = ", ".join(f"{error:+.1e}" for error in errors)
-            yield f"{name}, {law}: force; time of contact (50, 100, 200)", f"{pressure:+.1e}; {each}"
+            listed = ", ".join(f"{error:+.1e}" for error in errors)
+            yield f"{name}, {law}: force; time of contact (50, 100, 200)", f"{pressure:+.1e}; {listed}"
 
 
 def rigid_limit() -> Iterator[Row]:
-    """The rigid impact with k to infinity against Stage 1 "newton"."""
+    """The rigid impact with k to infinity against Stage 1."""
     from solver import RectangularBody, corner_impulse
     from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact
 
     size, angle, speed, friction = (10.0, 2.438, 9979.0), math.radians(15.0), 25.034, 0.47
     for e in (0.05, 0.22, 0.9):
         exact = corner_impulse(RectangularBody(*size), speed, angle, friction, e, convention="newton").omega
-        found = []
+        velocities = []
         for k in (1e10, 4e10):
             vehicle = ImpactVehicle(*size)
             contact = WallContact(CrushLaw(k, 0.0, e), friction)
             first = solve_impact(vehicle, contact, first_touch(vehicle, angle, speed), end=0.01)
-            found.append(first.end.omega)
-        limit = 2.0 * found[1] - found[0]  # what is left goes with the duration, 1/sqrt(k)
+            velocities.append(first.end.omega)
+        limit = 2.0 * velocities[1] - velocities[0]  # what is left goes with the duration, 1/sqrt(k)
         yield f"rigid, k to infinity, e = {e}: omega over newton - 1", f"{limit / exact - 1.0:+.1e}"
 
 
 def against_rigid() -> Iterator[Row]:
-    """FE against the rigid vehicle, and the limit of stiff plates; conservation; time of the loop."""
+    """FE against the rigid vehicle, conservation, and time."""
     outcomes = []
     for modulus in ("2e11", "8e11", "3.2e12"):
         plan = ImpactCase(*read_scene(SCENE, (f"plate.youngs_modulus={modulus}",)))
         outcomes.append(attempt(plan))
     first, four, sixteen = (outcome.difference for outcome in outcomes)
     for k in (1, 2):
-        each = [f"{first[f'strike_{k}.{name}']:+.2e}" for name in COMPARED]
-        yield f"FE at 200 GPa over rigid - 1, strike {k}: {', '.join(COMPARED)}", ", ".join(each)
+        listed = ", ".join(f"{first[f'strike_{k}.{name}']:+.2e}" for name in COMPARED)
+        yield f"FE at 200 GPa over rigid - 1, strike {k}: {', '.join(COMPARED)}", listed
         limit = [(4.0 * sixteen[n] - four[n]) / 3.0 for n in (f"strike_{k}.{name}" for name in COMPARED)]
         yield "the same, extrapolated to a rigid plate", ", ".join(f"{value:+.1e}" for value in limit)
     outcome = outcomes[0]
     h, mass, touch = outcome.run.history, outcome.fe_plan.model.mass, outcome.fe_plan.case.touch
     across = np.abs(mass * (h["v_gy"] - touch.v_gy) - h["normal_impulse"]).max() / (mass * 25.0)
     along = np.abs(mass * (h["v_gx"] - touch.v_gx) - h["tangential_impulse"]).max() / (mass * 25.0)
-    turned = h["angular_momentum"] - h["moment_impulse"]
-    spin = np.abs(turned - turned[0]).max() / np.abs(h["angular_momentum"]).max()
+    own_spin = h["angular_momentum"] - h["moment_impulse"]
+    spin = np.abs(own_spin - own_spin[0]).max() / np.abs(h["angular_momentum"]).max()
     text = f"{across:.0e}, {along:.0e}, {spin:.0e}"
     yield "momentum across, along, angular, against the wall's force", text
     energy = np.abs(energy_error(outcome)).max() / (0.5 * mass * 25.034**2)
@@ -157,7 +165,7 @@ def against_rigid() -> Iterator[Row]:
 
 
 def loop_time() -> Iterator[Row]:
-    """FE impacts on 120 elements and of a train on 300: the compiled loop with its records, one core."""
+    """FE impacts on 120 elements, and of a train on 300."""
     for what, scene, end in (("impact, 120 elements", SCENE, 0.7), ("train, 300 elements", TRAIN, 1.2)):
         plan = ImpactCase(*read_scene(scene, (f"time.end={end}",)))
         times = [attempt(plan).run.time_loop_s for _ in range(9)]
@@ -165,52 +173,55 @@ def loop_time() -> Iterator[Row]:
 
 
 def rigid_trains() -> Iterator[Row]:
-    """One rigid train, and samples of the ranges of `study uncertainty`: processor time, and error by restitution."""
+    """One rigid train, and samples of `study uncertainty`."""
     plan = ImpactCase(*read_scene(TRAIN, ("time.end=1.2",)))
-    own = plan.vehicle, plan.contact, plan.touch, 1.2
-    times = [_processor(lambda: solve_impact(*own, trailers=plan.trailers))[0] for _ in range(12)][1:]
+    arguments = plan.vehicle, plan.contact, plan.touch, 1.2
+    times = [_processor(lambda: solve_impact(*arguments, trailers=plan.trailers))[0] for _ in range(12)][1:]
     yield "rigid train, 1.2 s", f"{1e3 * statistics.median(times):.0f} ms ({1e3 * min(times):.0f} least)"
     inputs = _drawn(plan, 512)
-    seconds, found = _processor(lambda: plan.impacts(inputs, interval=5e-4))
+    seconds, impacts = _processor(lambda: plan.impacts(inputs, interval=5e-4))
     yield "512 rigid trains, a sample of them", f"{1e3 * seconds / 512:.1f} ms"
     few = {key: values[:128] for key, values in inputs.items()}
-    true, restitution = _true_errors(plan, few, found), few["contact.restitution"]
+    true, restitution = _true_errors(plan, few, impacts), few["contact.restitution"]
     for low, high in ((0.0, 0.01), (0.01, 0.1), (0.1, 0.4)):
-        those = (restitution >= low) & (restitution < high)
+        chosen = (restitution >= low) & (restitution < high)
         what = f"  restitution {low:g} to {high:g}: error of the largest strike; stated"
-        yield what, _both_errors(true[those], found.error[:128][those])
+        yield what, _both_errors(true[chosen], impacts.error[:128][chosen])
 
 
 def rigid_samples() -> Iterator[Row]:
-    """Samples of `study uncertainty impact-mash-tl4-sut` with all inputs: processor time, and errors."""
+    """Processor time and errors of impact-mash-tl4-sut with all inputs."""
     plan = ImpactCase(*read_scene("impact-mash-tl4-sut"))
     inputs = _drawn(plan, 512)
     times = [_processor(lambda: plan.many(inputs))[0] for _ in range(6)][1:]  # the first compiles
-    each = min(times) / 512
+    seconds = min(times) / 512
     yield (
         "an impact with all inputs",
-        f"{1e3 * each:.2f} ms ({1e3 * statistics.median(times) / 512:.2f} median)",
+        f"{1e3 * seconds:.2f} ms ({1e3 * statistics.median(times) / 512:.2f} median)",
     )
-    yield "100 000 of them, two cores; asked: 12 s", f"{0.5e5 * each:.0f} s"
-    found = plan.impacts(inputs, interval=5e-4)
+    yield "100 000 of them, two cores; asked: 12 s", f"{0.5e5 * seconds:.0f} s"
+    impacts = plan.impacts(inputs, interval=5e-4)
     few = {key: values[:128] for key, values in inputs.items()}
-    errors = _both_errors(_true_errors(plan, few, found), found.error[:128])
+    errors = _both_errors(_true_errors(plan, few, impacts), impacts.error[:128])
     yield "error of the largest strike; stated", errors
 
 
 def _drawn(plan: ImpactCase, samples: int) -> dict[str, np.ndarray]:
     """Draw samples of the ranges of `study uncertainty`."""
     random = np.random.default_rng(1)
-    return {each.key: random.uniform(each.lower, each.upper, samples) for each in impact_ranges(plan)}
+    return {item.key: random.uniform(item.lower, item.upper, samples) for item in impact_ranges(plan)}
 
 
-def _true_errors(plan: ImpactCase, inputs: dict[str, np.ndarray], found: Impacts) -> np.ndarray:
-    """Largest change of peak and impulse of the largest strike of the first samples at a finer tolerance."""
+def _true_errors(plan: ImpactCase, inputs: dict[str, np.ndarray], impacts: Impacts) -> np.ndarray:
+    """Largest change of the largest strike at a finer tolerance.
+
+    Of peak and impulse, in the first samples.
+    """
     fine, errors = plan.impacts(inputs, tolerance=MANY_TOLERANCE / 64.0), []
     for i in range(fine.error.size):
-        coarse, exact = found.impulse[:, i], fine.impulse[:, i]
+        coarse, exact = impacts.impulse[:, i], fine.impulse[:, i]
         k, j = np.nanargmax(coarse), np.nanargmax(exact)
-        peak = abs(found.peak_force[k, i] / fine.peak_force[j, i] - 1.0)
+        peak = abs(impacts.peak_force[k, i] / fine.peak_force[j, i] - 1.0)
         errors.append(max(peak, abs(coarse[k] / exact[j] - 1.0)))
     return np.array(errors)
 
@@ -223,26 +234,31 @@ def _both_errors(true: np.ndarray, stated: np.ndarray) -> str:
 def _processor(call: Callable[[], Any]) -> tuple[float, Any]:
     """Return the processor time of a call [s] and its answer."""
     began = time.process_time()
-    found = call()
-    return time.process_time() - began, found
+    result = call()
+    return time.process_time() - began, result
 
 
 def whole_run() -> Iterator[Row]:
-    """Processor time of the train's run in a process of its own, without pictures."""
+    """Processor time of the train's run in its own process."""
     for what, changes in (("without stated error", ("verify.companion=false",)), ("with stated error", ())):
-        command = ("run", TRAIN, "--no-pictures", *(f"--set={each}" for each in ("time.end=1.2", *changes)))
+        command = (
+            "run",
+            TRAIN,
+            "--no-pictures",
+            *(f"--set={change}" for change in ("time.end=1.2", *changes)),
+        )
         times = [process(ROOT, command).processor for _ in range(6)][1:]  # the first compiles
         yield f"FE train, 1.2 s, whole run {what}", f"{spread(times)} s"
 
 
 def meshes() -> Iterator[Row]:
-    """Peaks and impulses on 20 x 6, 40 x 12, 80 x 24, corners spread over 1 m, at 200 GPa and at 8 Hz."""
+    """Peaks and impulses on three meshes, at 200 GPa and 8 Hz."""
     soft = ("plate.first_frequency=8 Hz", "plate.youngs_modulus=")
     for name, changes in (("200 GPa", ()), ("8 Hz", soft)):
         rows = []
         for mesh in ("[20, 6]", "[40, 12]", "[80, 24]"):
-            given = (*changes, "contact.patch_length=1", f"plate.elements={mesh}", "time.end=0.46")
-            outcome = attempt(ImpactCase(*read_scene(SCENE, given)))
+            keys = (*changes, "contact.patch_length=1", f"plate.elements={mesh}", "time.end=0.46")
+            outcome = attempt(ImpactCase(*read_scene(SCENE, keys)))
             rows.append([v for s in outcome.fe.strikes[:2] for v in (s.peak_force, s.impulse)])
         coarse, middle, fine = np.array(rows)
         orders = np.log2(np.abs(coarse - middle) / np.abs(middle - fine))

@@ -1,4 +1,4 @@
-"""Random whole impacts: failures, stated and true errors, and time.
+"""Failures, errors and time of random whole impacts.
 
     .venv/bin/python benchmarks/impacts_random.py [--runs 200] [--seed 1] [--meshes default quad4:6 ...]
         [--crush] [--trains] [--units N] [--rigid] [--references [MESH ...]] [--every N] [--keep FILE]
@@ -57,7 +57,10 @@ CHOSEN = ("quad4:4", "quad4:6", "quad4:12", "quad9:3")
 
 
 def common_changes(random: np.random.Generator, size: Sequence[float], steepest: float) -> dict[str, Any]:
-    """Draw the contact, the impact and the thickness of a vehicle of length, width and mass."""
+    """Draw contact, impact and thickness of a vehicle.
+
+    size: length, width and mass.
+    """
     length, width, mass = size
     return {
         "contact.restitution": random.uniform(0.1, 0.4),
@@ -117,12 +120,12 @@ def train_changes(seed: int, number: int) -> Draw:
     for unit in range(1 + int(random.integers(1, 4))):
         length, width, mass, crush = (random.uniform(*bounds) for bounds in UNITS[min(unit, 1)])
         centre, radius = random.uniform(0.35, 0.65) * length, random.uniform(0.22, 0.33) * length
-        own = {"length": length, "width": width, "mass": mass, "centre_of_mass": centre}
-        own |= {"yaw_inertia": mass * radius**2, "stiffness": 1e6 * crush}
+        unit_keys = {"length": length, "width": width, "mass": mass, "centre_of_mass": centre}
+        unit_keys |= {"yaw_inertia": mass * radius**2, "stiffness": 1e6 * crush}
         if unit:
-            own["hitch"] = random.uniform(0.75, 1.0) * units[-1]["length"]
-            own |= {"kingpin": random.uniform(0.0, 0.1) * length, **hitch_length}
-        units.append(own)
+            unit_keys["hitch"] = random.uniform(0.75, 1.0) * units[-1]["length"]
+            unit_keys |= {"kingpin": random.uniform(0.0, 0.1) * length, **hitch_length}
+        units.append(unit_keys)
     tractor, *trailers = units
     keys = {
         "contact.stiffness": tractor.pop("stiffness"),
@@ -143,7 +146,7 @@ drawn: Callable[[int, int], Draw] = changes
 
 
 def case_of(seed: int, number: int, mesh: str) -> Any:
-    """The impact on a mesh, with the forces of a train as spread as the program decides."""
+    """The impact on a mesh, with the patch lengths of the program."""
     from tailslap.case.impact.case import ImpactCase
     from tailslap.case.impact.plan import chosen_lengths
     from tailslap.scene.read import read_source
@@ -222,15 +225,17 @@ def rigid(seed: int, number: int) -> Record:
 
 
 def tell_rigid(seed: int, runs: int) -> None:
-    """Print how many rigid impacts are refused, and the true errors of the others beside the stated ones."""
+    """Print refused rigid impacts, and true beside stated errors."""
     records = {number: rigid(seed, number) for number in range(runs)}
     refused = {number: record["refused"] for number, record in records.items() if "refused" in record}
     row(f"rigid: {runs} impacts; refused", "2 %", f"{len(refused)} ({100.0 * len(refused) / runs:.1f} %)")
     for number, why in refused.items():
         print(f"    {number}: {why}")
-    known = {number: record for number, record in records.items() if number not in refused}
-    stated, true = (np.array([record[name] for record in known.values()]) for name in ("stated", "true"))
-    wrong = [number for number, record in known.items() if record["true"] > max(1.5 * record["stated"], 1e-4)]
+    solved = {number: record for number, record in records.items() if number not in refused}
+    stated, true = (np.array([record[name] for record in solved.values()]) for name in ("stated", "true"))
+    wrong = [
+        number for number, record in solved.items() if record["true"] > max(1.5 * record["stated"], 1e-4)
+    ]
     row("  true error beyond 1e-4 and 1.5 times the stated one", "0", f"{len(wrong)} {wrong or ''}")
     row("  stated error: median, most", "1e-3", f"{np.median(stated):.1e}, {stated.max():.1e}")
     row("  true error: median, most", "1e-3", f"{np.median(true):.1e}, {true.max():.1e}")
@@ -239,7 +244,10 @@ def tell_rigid(seed: int, runs: int) -> None:
 
 
 def reference(seed: int, number: int, mesh: str, end: float) -> Record:
-    """The impact on a mesh that others are held against, as long as theirs: a hinge may bear its largest force last."""
+    """The impact on a reference mesh, as long as the others.
+
+    A hinge may bear its largest force last.
+    """
     from tailslap.case.impact.run import attempt
 
     return {"values": read(attempt(case_of(seed, number, mesh).varied({"time.end": end})).fe)}
@@ -248,74 +256,77 @@ def reference(seed: int, number: int, mesh: str, end: float) -> Record:
 def made(
     file: Path | None, seed: int, numbers: Sequence[int], meshes: list[str], references: Callable[..., Any]
 ) -> dict[tuple[int, str], Record]:
-    """Return the records of all runs by number and mesh; those that the file has are read."""
-    found = {(record["number"], record["mesh"]): record for record in read_records(file)}
+    """Return the records of all runs, read or computed."""
+    records_of_runs = {(record["number"], record["mesh"]): record for record in read_records(file)}
 
     def add(number: int, name: str, make: Callable[[int, int, str], Record], mesh: str) -> Record:
-        if (number, name) not in found:
-            found[number, name] = {"number": number, "mesh": name, **make(seed, number, mesh)}
-            add_record(file, found[number, name])
-        return found[number, name]
+        if (number, name) not in records_of_runs:
+            records_of_runs[number, name] = {"number": number, "mesh": name, **make(seed, number, mesh)}
+            add_record(file, records_of_runs[number, name])
+        return records_of_runs[number, name]
 
     for number in numbers:
         records = [add(number, mesh, judged, mesh) for mesh in meshes]
         for mesh in sorted({mesh for record in records for mesh in references(record)}):
             end = max(record["end"] for record in records)
             add(number, f"reference {mesh}", partial(reference, end=end), mesh)
-    return found
+    return records_of_runs
 
 
 def references_of(record: Record, meshes: Sequence[str] | None, every: int) -> Sequence[str]:
-    """Meshes that a run is held against: those named, or if none is, the usual ones; none for None."""
+    """Reference meshes of a run, none for None."""
     if meshes is None or (record["number"] % every and not record["failed"]):
         return ()
     return meshes or (FINER if record["failed"] else REFERENCES)
 
 
 def true_errors(record: Record, references: list[Record], of: Callable[..., float] = min) -> dict[str, float]:
-    """Distance of each quantity from the nearer reference, or the farther, relative; infinite where others strike."""
-    own, others = record["values"], [each["values"] for each in references]
-    alike = [other for other in others if other["corners"] == own["corners"]]
-    names = [name for name in own if name != "corners"]
-    return {
-        name: of((abs(own[name] / other[name] - 1.0) for other in alike), default=math.inf) for name in names
-    }
+    """Relative distance of each quantity from a reference, by default the nearer.
+
+    Infinite where others strike.
+    """
+    ours = record["values"]
+    same = [other["values"] for other in references if other["values"]["corners"] == ours["corners"]]
+    names = [name for name in ours if name != "corners"]
+    return {n: of((abs(ours[n] / other[n] - 1.0) for other in same), default=math.inf) for n in names}
 
 
 def tell(mesh: str, records: dict[tuple[int, str], Record], references: Callable[..., Any]) -> None:
-    """Print the failures on a mesh, and its stated errors beside the true ones."""
-    own = {number: record for (number, name), record in records.items() if name == mesh}
-    failed = {number: record for number, record in own.items() if record["failed"]}
-    most = {number: max(record["stated"].values(), default=math.nan) for number, record in own.items()}
-    passed = [most[number] for number in own if number not in failed]
-    limit, part = "2 %" if drawn is train_changes else "1 %", f"{100.0 * len(failed) / len(own):.1f} %"
-    row(f"{mesh}: {len(own)} impacts; failed", limit, f"{len(failed)} ({part})")
+    """Print failures on a mesh, and stated beside true errors."""
+    runs = {number: record for (number, name), record in records.items() if name == mesh}
+    failed = {number: record for number, record in runs.items() if record["failed"]}
+    most = {number: max(record["stated"].values(), default=math.nan) for number, record in runs.items()}
+    passed = [most[number] for number in runs if number not in failed]
+    limit, part = "2 %" if drawn is train_changes else "1 %", f"{100.0 * len(failed) / len(runs):.1f} %"
+    row(f"{mesh}: {len(runs)} impacts; failed", limit, f"{len(failed)} ({part})")
     for number, record in failed.items():
         print(f"    {number}: {', '.join(record['failed'])}; stated {most[number]:.2%}")
     largest = f"{np.median(passed):.2%}, {max(passed):.2%}"
     row("  largest error stated by one that passes: median, most", "2 %", largest)
-    held = {
+    compared = {
         number: [records[number, f"reference {name}"] for name in meshes]
-        for number, record in own.items()
+        for number, record in runs.items()
         if (meshes := references(record))
     }
-    if held:
-        tell_true(own, failed, held)
+    if compared:
+        tell_true(runs, failed, compared)
 
 
-def tell_true(own: dict[int, Record], failed: dict[int, Record], held: dict[int, list[Record]]) -> None:
-    """Print the true errors of the impacts that have references."""
-    true = {number: true_errors(own[number], finer) for number, finer in held.items()}
-    far = {n: (max(true[n].values()), max(true_errors(r, held[n], max).values())) for n, r in failed.items()}
+def tell_true(runs: dict[int, Record], failed: dict[int, Record], compared: dict[int, list[Record]]) -> None:
+    """Print the true errors of impacts with references."""
+    true = {number: true_errors(runs[number], finer) for number, finer in compared.items()}
+    far = {
+        n: (max(true[n].values()), max(true_errors(r, compared[n], max).values())) for n, r in failed.items()
+    }
     text = ", ".join(f"{number}: {near:.2%} and {farther:.2%}" for number, (near, farther) in far.items())
     row("  errors of those that fail, from either reference", "above 1 %", text)
     pairs = [
-        (error, own[n]["stated"].get(name, 0.0), n, name)
-        for n in held
+        (error, runs[n]["stated"].get(name, 0.0), n, name)
+        for n in compared
         if n not in failed
         for name, error in true[n].items()
     ]
-    row("  impacts with references", "", f"{len(held)}")
+    row("  impacts with references", "", f"{len(compared)}")
     wrong = sorted({n for error, stated, n, _ in pairs if error > max(0.02, stated)})
     row("  wrong and not failed: beyond 2 % and the stated error", "0", f"{len(wrong)} {wrong or ''}")
     bounded = 100.0 * sum(error <= stated for error, stated, *_ in pairs) / len(pairs)

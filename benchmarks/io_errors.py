@@ -1,4 +1,4 @@
-"""Let each call to a file of `run`, `export` or `compare` fail with six errors, and count the outcomes.
+"""Let calls of commands to files fail, and count the outcomes.
 
     .venv/bin/python benchmarks/io_errors.py [TRIAL...] [--every N] [--first N] [--errors NAME ...] [--in-turn]
 
@@ -88,7 +88,7 @@ def status_and_message(words: tuple[str, ...]) -> tuple[int, str]:
 
 
 class Memory:
-    """Answers of the functions that use no file: recorded in one command, repeated in its copies."""
+    """Answers of functions without files, recorded once and repeated."""
 
     def __init__(self) -> None:
         self._answers: dict[str, list[Any]] = {place: [] for place in REMEMBERED}
@@ -104,7 +104,7 @@ class Memory:
 
     @contextlib.contextmanager
     def active(self, is_recording: bool) -> Iterator[None]:
-        """Record the answers in this block, or return them in the order in which they came."""
+        """Record the answers in this block, or return them in order."""
         with contextlib.ExitStack() as stack:
             for place, answers in self._answers.items():
                 effect: Any = self._record(place) if is_recording else list(answers)
@@ -147,7 +147,7 @@ class Laboratory:
         assert self.before != self.after
 
     def outcome(self, number: int, error: int) -> str:
-        """Return what came of a command whose call of this number fails; it begins with BAD where it must not be."""
+        """Return the outcome where this call fails, BAD if wrong."""
         (status, message), _ = self._attempt(number, error)
         self._settle()
         files, remains = self._comparable(self._files("out")), self._remains()
@@ -167,7 +167,7 @@ class Laboratory:
         return f"status {status}, {'earlier' if files == self.before else 'new'} result"
 
     def _prepare(self, trial: Trial) -> None:
-        """Fill the folder in its first state, with the results that the trial needs."""
+        """Fill the folder in its first state with required results."""
         from tailslap.scene.read import shipped_scenes
         from tailslap.storage import manifest
 
@@ -210,7 +210,7 @@ class Laboratory:
         return (status, message), calls
 
     def _files(self, name: str) -> Files:
-        """Return the files that the manifest of a folder lists, none where one differs from it."""
+        """Return the files of a manifest, none where one differs."""
         from tailslap.storage import manifest
 
         folder = self._root / name
@@ -226,7 +226,7 @@ class Laboratory:
         return {name: b"" if name in self._volatile else content for name, content in files.items()}
 
     def _remains(self) -> list[str]:
-        """Return what lies in the folder and is neither the scene nor in a result."""
+        """Return files other than the scene and those of results."""
         names = {"scene.toml", "measured.csv"}
         for folder in ("out", "first", "second"):
             if files := self._files(folder):
@@ -246,7 +246,7 @@ def _refuse_manifest(source: Path, target: Path) -> None:
 def outcomes(
     name: str, numbers: slice = slice(None), errors: tuple[int, ...] = ERRORS, in_turn: bool = False
 ) -> Iterator[tuple[str, str]]:
-    """Yield the calls of a trial with their errors, and what came of each.
+    """Yield the calls of a trial with their errors and outcomes.
 
     numbers: of the calls, all by default; in_turn: with one error for each call instead of all.
     """
@@ -265,15 +265,15 @@ def main() -> None:
     """Let calls fail, and print the outcomes."""
     names = tuple(errno.errorcode[error] for error in ERRORS)
     options = command_line.options(__doc__, ("trials", TRIALS), every=1, first=1, errors=names, in_turn=False)
-    found, numbers = Counter[str](), slice(options.first - 1, None, options.every)
+    counts, numbers = Counter[str](), slice(options.first - 1, None, options.every)
     errors = tuple(getattr(errno, name) for name in options.errors)
     for name in options.trials:
         for label, outcome in outcomes(name, numbers, errors, options.in_turn):
-            found[f"{name}: {outcome.partition(':')[0]}"] += 1
+            counts[f"{name}: {outcome.partition(':')[0]}"] += 1
             if outcome.startswith("BAD"):
                 print(f"{label}: {outcome}", flush=True)
-    print(command_line.counts(found))
-    sys.exit(any("BAD" in outcome for outcome in found))
+    print(command_line.counts(counts))
+    sys.exit(any("BAD" in outcome for outcome in counts))
 
 
 if __name__ == "__main__":

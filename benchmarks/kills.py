@@ -1,4 +1,4 @@
-"""Kill runs, studies and sweeps at random instants or calls, and check their folders.
+"""Kill commands at random instants or calls, and check their folders.
 
     .venv/bin/python benchmarks/kills.py [COUNT [SEED]]
     .venv/bin/python benchmarks/kills.py calls [KIND...]
@@ -114,21 +114,24 @@ def _lives(process: psutil.Process) -> bool:
 
 
 def rows(out: Path) -> list[str]:
-    """List the rows of a finished sweep, without times and parts reused from earlier rows."""
+    """List the rows of a finished sweep without times."""
     return sorted(json.dumps(row, sort_keys=True, default=str) for row in sweep_rows(out))
 
 
 def look(out: Path) -> list[str]:
-    """List the faults of the folder of a killed run or study, as its next reader sees it."""
+    """List the faults of a killed run's folder for its reader."""
     recover(out)
-    found = [] if whole(out) else ["neither the earlier nor the new result is whole"]
+    faults = [] if whole(out) else ["neither the earlier nor the new result is whole"]
     if not (out / "mine.txt").exists() or (out / "mine.txt").read_text() != ADDED:
-        found.append("the file of the user is gone or has changed")
-    return found
+        faults.append("the file of the user is gone or has changed")
+    return faults
 
 
 def prepared(folder: Path, before: Path | None) -> Path:
-    """Return the place of a result, with a copy of an earlier one and a file of the user in it."""
+    """Return the place of a result, with files in it.
+
+    They are a copy of an earlier one and a file of the user.
+    """
     shutil.rmtree(folder / "at-work", ignore_errors=True)
     out = folder / "at-work" / "out"
     out.parent.mkdir()
@@ -141,27 +144,27 @@ def prepared(folder: Path, before: Path | None) -> Path:
 def settled(
     out: Path, arguments: tuple[str, ...], before: Path | None, reference: list[str]
 ) -> tuple[list[str], str]:
-    """List the faults after a kill, and state the content of the folder.
+    """List faults after a kill, and the content of the folder.
 
     The next command clears the remains; a sweep is made to its end, with the rows of the reference.
     """
     if before and before.name == "earlier":
-        found, end = look(out), "the earlier result" if whole(out) == whole(before) else "a new result"
+        faults, end = look(out), "the earlier result" if whole(out) == whole(before) else "a new result"
         with locked(out):
             pass
     else:
-        found, end = look(out) if before else [], "gone on to the same rows"
+        faults, end = look(out) if before else [], "gone on to the same rows"
         again = started(arguments, out, messages=subprocess.PIPE)
-        said = again.communicate()[1].decode()
+        messages = again.communicate()[1].decode()
         if again.returncode:
-            return [*found, f"it does not go on, status {again.returncode}: {said}"], "lost"
+            return [*faults, f"it does not go on, status {again.returncode}: {messages}"], "lost"
         if rows(out) != reference:
-            found.append("its rows differ from those of a sweep left alone")
-    return found + _left(out.parent, out), end
+            faults.append("its rows differ from those of a sweep left alone")
+    return faults + _left(out.parent, out), end
 
 
 def _left(folder: Path, out: Path) -> list[str]:
-    """List remains in the folder and beside it, except journals, which the study itself takes up."""
+    """List remains in the folder and beside it, except journals."""
     journals = [path.name for path in folder.glob(".*.journal")]  # and what SQLite has beside one
     taken_up = {name + ending for name in journals for ending in ("", "-journal", "-wal", "-shm")}
     beside = {path.name for path in folder.iterdir() if path != out} - taken_up
@@ -199,7 +202,7 @@ def at_every_call(kinds: list[str]) -> int:
 
 
 def _calls(arguments: tuple[str, ...], out: Path) -> list[tuple[str, int]]:
-    """List the calls of the command in its folder, each with its number among those of its name."""
+    """List the calls of the command in its folder, numbered by name."""
     trace = out.parent / "trace"
     assert started(arguments, out, f"strace -y -o {trace} -e trace={CALLS}").wait() in (0, 1)
     counts, calls = Counter[str](), []
@@ -213,19 +216,19 @@ def _calls(arguments: tuple[str, ...], out: Path) -> list[tuple[str, int]]:
 
 
 def _contend(out: Path, k: int, start: int) -> None:
-    """Wait for the start, run a command, and write its outcome beside the folder."""
+    """Wait for the start, run a command, and write its outcome."""
     os.read(start, 1)
     began, friction = time.monotonic(), f"impact.friction={0.1 + 0.05 * k}"
-    status, shown, text = run_command(*RACED, "--json", "--set", friction, "--out", out)
+    status, output, text = run_command(*RACED, "--json", "--set", friction, "--out", out)
     if status == 0:
-        text = f"wins {json.loads(shown)['fe']['v_gy']}"
+        text = f"wins {json.loads(output)['fe']['v_gy']}"
     elif status == 2 and text.count("another command uses this folder") == text.count("\n") == 1:
         text = f"told {time.monotonic() - began}"
     (out.parent / f"said-{k}").write_text(text)
 
 
 def race(rounds: int) -> int:
-    """Let eight processes fill one folder at once in each round, and return the number of faults."""
+    """Let eight processes fill one folder, and return the faults."""
     from tailslap import load
 
     ends, wrong, slowest = Counter[str](), 0, 0.0
@@ -247,18 +250,18 @@ def race(rounds: int) -> int:
             for child in children:
                 os.waitpid(child, 0)
             files = [*Path(name).glob("said-*")]
-            said = [path.read_text() for path in files]
+            texts = [path.read_text() for path in files]
             for path in files:
                 path.unlink()
-            winners, told = (
-                [float(text.split()[1]) for text in said if text.startswith(word)]
+            winners, refused = (
+                [float(text.split()[1]) for text in texts if text.startswith(word)]
                 for word in ("wins", "told")
             )
-            slowest = max(slowest, *told)
+            slowest = max(slowest, *refused)
             faults = look(out) + _left(out.parent, out)
-            end = f"{len(winners)} won, {len(told)} were told"
-            if (len(winners), len(told)) != (1, 7):
-                faults.append(f"{end}: {said}")
+            end = f"{len(winners)} won, {len(refused)} were told"
+            if (len(winners), len(refused)) != (1, 7):
+                faults.append(f"{end}: {texts}")
             elif winners[0] != load(out).summary["fe"]["v_gy"]:
                 faults.append("the result is of another")
             ends[end] += 1

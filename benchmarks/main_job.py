@@ -49,7 +49,7 @@ def accuracy() -> None:
 
 
 def robustness() -> None:
-    """Count runs that are correct to 2e-3, that their checks reject, and others."""
+    """Count runs that are correct, rejected or undetected."""
     correct: list[float] = []
     rejected = undetected = 0
     for (length, width), modulus, friction, reaction in itertools.product(
@@ -70,7 +70,7 @@ def robustness() -> None:
 
 
 def exactness() -> None:
-    """Print forces of rigid motions over E t L, and kinetic energy beside the closed form."""
+    """Print forces of rigid motions, and kinetic energy beside closed form."""
     model = outcome("paper-abaqus").fe_plan.model
     stepper, forces = Stepper(model), []
     for angle, shift in ((0.0, 1.0), (0.26, 0.0), (2.0, 0.0)):

@@ -1,4 +1,4 @@
-"""Difference of the modal model from the whole plate, its estimate, and cost.
+"""Difference of the modal model from the full plate, and cost.
 
     .venv/bin/python benchmarks/modal.py
 
@@ -29,22 +29,26 @@ def whole(fe_plan: CornerPlan) -> Run:
     return simulate(fe_plan.model, fe_plan.start, case.motion.strike.t, rows=case.scene.time.rows)
 
 
-def differences(fe_plan: CornerPlan, found: ModalRun) -> dict[str, float]:
+def differences(fe_plan: CornerPlan, modal: ModalRun) -> dict[str, float]:
     """Return the five differences of the modal from the finite-element result."""
     strike = whole(fe_plan).strike
     assert strike
-    return {name: found.values[name] / strike.values[name] - 1.0 for name in KEYS}
+    return {name: modal.values[name] / strike.values[name] - 1.0 for name in KEYS}
 
 
 def accuracy() -> None:
     """Print the differences from the whole plate with the default modes."""
-    for what, asked, change in (("E = 200 GPa", "1e-5", ()), ("first frequency 20 Hz", "1e-3", SOFT)):
+    for what, required, change in (("E = 200 GPa", "1e-5", ()), ("first frequency 20 Hz", "1e-3", SOFT)):
         for name, reaction in SCENES.items():
             fe_plan = corner_case(name, *change).plan()
-            found = modal_run(fe_plan, MODES)
-            off = differences(fe_plan, found)
-            each = ", ".join(f"{key} {value:+.1e}" for key, value in off.items())
-            row(f"{what}, {reaction}: largest of five", asked, f"{max(map(abs, off.values())):.1e} ({each})")
+            modal = modal_run(fe_plan, MODES)
+            off = differences(fe_plan, modal)
+            listed = ", ".join(f"{key} {value:+.1e}" for key, value in off.items())
+            row(
+                f"{what}, {reaction}: largest of five",
+                required,
+                f"{max(map(abs, off.values())):.1e} ({listed})",
+            )
 
 
 def estimate() -> None:
@@ -54,9 +58,9 @@ def estimate() -> None:
         for modulus in ("200 GPa", "20 GPa", "2 GPa", "200 MPa", "20 MPa"):
             fe_plan = corner_case(name, f"plate.youngs_modulus={modulus}").plan()
             for modes in (0, 1, 2, 4, 8):
-                found = modal_run(fe_plan, modes)
-                off = differences(fe_plan, found)
-                ratios.append(found.estimate.total / max(map(abs, off.values())))
+                modal = modal_run(fe_plan, modes)
+                off = differences(fe_plan, modal)
+                ratios.append(modal.estimate.total / max(map(abs, off.values())))
     what = f"estimate over difference, {len(ratios)} runs from 200 GPa to 20 MPa, 0 to 8 modes"
     row(what, "above 1", f"{min(ratios):.1f} to {max(ratios):.1f}")
 

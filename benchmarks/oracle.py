@@ -1,4 +1,4 @@
-"""Bits of results before and after a change: runs of all shipped scenes, studies and sweeps, by the command line alone.
+"""Bits of results before and after a change.
 
     .venv/bin/python benchmarks/oracle.py make FOLDER [--root CHECKOUT] [--only NAME]
     .venv/bin/python benchmarks/oracle.py compare OLD NEW [--tolerance X]
@@ -44,18 +44,18 @@ DURATION = re.compile(r"\b\d[\d.,]*(e-?\d+)? (s|ms|us|µs|min|h|MiB|GiB)\b")
 
 
 def commands() -> dict[str, tuple[str, ...]]:
-    """Arguments by name; {out} stands for the result folder."""
-    found: dict[str, tuple[str, ...]] = {}
+    """Arguments by name, with {out} for the result folder."""
+    arguments: dict[str, tuple[str, ...]] = {}
     for name, scene in ({scene: scene for scene in CORNER} | IMPACT).items():
-        found[f"run-{name}"] = ("run", scene, "--no-pictures", "--out", "{out}")
-        found[f"check-{name}"] = ("check", scene)
-        found[f"rigid-{name}"] = ("rigid", scene)
-        found[f"rigid-json-{name}"] = ("rigid", scene, "--json")
+        arguments[f"run-{name}"] = ("run", scene, "--no-pictures", "--out", "{out}")
+        arguments[f"check-{name}"] = ("check", scene)
+        arguments[f"rigid-{name}"] = ("rigid", scene)
+        arguments[f"rigid-json-{name}"] = ("rigid", scene, "--json")
     for name, (scene, *changes) in VARIED.items():
-        given = tuple(part for change in changes for part in ("--set", change))
-        found[f"run-{name}"] = ("run", scene, *given, "--no-pictures", "--out", "{out}")
-        found[f"check-{name}"] = ("check", scene, *given)
-    others = {
+        options = tuple(part for change in changes for part in ("--set", change))
+        arguments[f"run-{name}"] = ("run", scene, *options, "--no-pictures", "--out", "{out}")
+        arguments[f"check-{name}"] = ("check", scene, *options)
+    further = {
         "us-run": "run mash-tl4-sut --no-pictures --units us --out {out}",
         "us-rigid": "rigid mash-tl4-sut --units us",
         "us-impact": f"rigid {TRUCK} --units us",
@@ -68,14 +68,14 @@ def commands() -> dict[str, tuple[str, ...]]:
         "flexibility": "study flexibility mash-tl4-sut --points 5 --out {out}",
         "random": "study stability mash-tl4-sut --random 3 --out {out}",
     }
-    found |= {name: tuple(words.split()) for name, words in others.items()}
+    arguments |= {name: tuple(words.split()) for name, words in further.items()}
     modulus = "plate.youngs_modulus=log:2 GPa:200 GPa:3"
-    found["sweep"] = ("sweep", "paper-table-3", "--vary", modulus, "--out", "{out}")
-    return found
+    arguments["sweep"] = ("sweep", "paper-table-3", "--vary", modulus, "--out", "{out}")
+    return arguments
 
 
 def make(folder: Path, root: Path, only: str) -> None:
-    """Run the commands in a checkout; a file `status` in each folder has the exit status."""
+    """Run the commands in a checkout, and store their statuses."""
     environment = os.environ | {"PYTHONPATH": str(root), "COLUMNS": "110"}
     for name, arguments in commands().items():
         place = folder / name
@@ -83,10 +83,10 @@ def make(folder: Path, root: Path, only: str) -> None:
             continue
         place.mkdir(parents=True, exist_ok=True)
         command = [*TAILSLAP, *(part.format(out=place / "result") for part in arguments)]
-        done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
-        (place / "stdout").write_text(done.stdout.replace(str(place), "OUT"))
-        (place / "status").write_text(f"{done.returncode}\n")
-        print(f"{name}: {done.returncode}", flush=True)
+        process = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
+        (place / "stdout").write_text(process.stdout.replace(str(place), "OUT"))
+        (place / "status").write_text(f"{process.returncode}\n")
+        print(f"{name}: {process.returncode}", flush=True)
 
 
 def leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
@@ -102,7 +102,7 @@ def leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def table(path: Path) -> Iterator[tuple[str, Any]]:
-    """Cells of a table of a sweep by column and row, without times and versions."""
+    """Cells of a table of a sweep, without times and versions."""
     import pyarrow.parquet as parquet
 
     for name, column in parquet.read_table(path).to_pydict().items():
@@ -124,17 +124,20 @@ def values(path: Path) -> dict[str, Any]:
 
 
 def columns(text: str) -> dict[str, Any]:
-    """Cells of a CSV file, without times; numbers are fractions of the largest of their column."""
+    """Cells of a CSV file without times.
+
+    Numbers are fractions of the largest of their column.
+    """
     head, *rows = (line.split(",") for line in text.splitlines())
-    found: dict[str, Any] = {}
+    cells_by_name: dict[str, Any] = {}
     for name, *cells in zip(head, *rows, strict=False):
         numbers = [number(cell) for cell in cells]
         most = max((abs(cell) for cell in numbers if isinstance(cell, float)), default=1.0) or 1.0
         if not TIMES.search(name):
             scaled = (cell / most if isinstance(cell, float) else cell for cell in numbers)
-            found |= {f"{name}.{row}": cell for row, cell in enumerate(scaled)}
-            found[f"{name}, largest"] = most
-    return found
+            cells_by_name |= {f"{name}.{row}": cell for row, cell in enumerate(scaled)}
+            cells_by_name[f"{name}, largest"] = most
+    return cells_by_name
 
 
 def number(text: str) -> Any:
@@ -146,7 +149,10 @@ def number(text: str) -> Any:
 
 
 def difference(old: Any, new: Any) -> float:
-    """Difference of two numbers, relative above 1; 0 where they are equal, infinite for what is no number."""
+    """Difference of two numbers, relative above 1.
+
+    0 where they are equal, infinite for what is no number.
+    """
     if old == new or (old != old and new != new):
         return 0.0
     numbers = isinstance(old, int | float) and isinstance(new, int | float)
@@ -154,25 +160,29 @@ def difference(old: Any, new: Any) -> float:
 
 
 def compared(old: Path, new: Path, tolerance: float) -> bool:
-    """Compare a file with its earlier state; print what differs by more than the tolerance."""
+    """Compare a file with its earlier state, and print differences."""
     if not new.exists():
         print(f"  {old.name}: is missing")
         return False
     if old.read_bytes() == new.read_bytes():
         return True
     before, after = values(old), values(new)
-    found = {name: difference(value, after.get(name)) for name, value in before.items()}
-    found |= dict.fromkeys(set(after) - set(before), float("inf"))
-    worst = sorted((name for name, by in found.items() if by > tolerance), key=lambda name: -found[name])
+    differences = {name: difference(value, after.get(name)) for name, value in before.items()}
+    differences |= dict.fromkeys(set(after) - set(before), float("inf"))
+    worst = sorted(
+        (name for name, by in differences.items() if by > tolerance), key=lambda name: -differences[name]
+    )
     for name in worst[:4]:
         print(f"  {old.name}{name}: {before.get(name)!r} -> {after.get(name)!r}")
     if worst:
-        print(f"  {old.name}: {len(worst)} of {len(found)} differ, by {found[worst[0]]:.2g} at most")
+        print(
+            f"  {old.name}: {len(worst)} of {len(differences)} differ, by {differences[worst[0]]:.2g} at most"
+        )
     return not worst
 
 
 def compare(old: Path, new: Path, tolerance: float) -> int:
-    """Compare all that both folders have; 1 if anything differs."""
+    """Compare all common results, and return 1 for a difference."""
     failed = 0
     names = sorted(path.name for path in old.iterdir() if (path / "status").exists())
     for name in names:
@@ -194,7 +204,7 @@ def compares(path: Path) -> bool:
 
 def main() -> None:
     """Make or compare."""
-    given = command_line.options(
+    options = command_line.options(
         __doc__,
         ("what", ("make", "compare")),
         ("folders", []),
@@ -202,11 +212,11 @@ def main() -> None:
         only="",
         tolerance=0.0,
     )
-    folders = [Path(folder) for folder in given.folders]
-    if given.what == "make":
-        make(folders[0].resolve(), Path(given.root).resolve(), given.only)
+    folders = [Path(folder) for folder in options.folders]
+    if options.what == "make":
+        make(folders[0].resolve(), Path(options.root).resolve(), options.only)
     else:
-        sys.exit(compare(folders[0], folders[1], given.tolerance))
+        sys.exit(compare(folders[0], folders[1], options.tolerance))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Error and process time of this program and of other codes on one plate.
+"""Error and process time of this program and of other codes.
 
     python -m venv others && others/bin/pip install -r benchmarks/requirements.txt
     .venv/bin/python benchmarks/peers.py --others others/bin/python [--table FILE] [--picture FILE]

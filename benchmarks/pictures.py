@@ -35,13 +35,16 @@ WORDS, TRUTHS = ("setting", "kind", "group", "label", "failed", "refused"), ("so
 
 
 def draw_cost(folder: Path, target: Path) -> None:
-    """Draw the diagrams of error over run time for rigid and flexible plates."""
-    known = json.loads((folder / "summary.json").read_text())["known"]
+    """Draw error over run time for rigid and flexible plates."""
+    certainty = json.loads((folder / "summary.json").read_text())["known"]
     rows = [
         {key: _value(key, text) for key, text in row.items()} for row in read_table(folder / "points.csv")
     ]
     rigid, soft = ([row for row in rows if row["soft"] == is_soft] for is_soft in (False, True))
-    panels = charts(RIGID, rigid, known["rigid"]), charts(SOFT, soft, known["flexible"], known["choices"])
+    panels = (
+        charts(RIGID, rigid, certainty["rigid"]),
+        charts(SOFT, soft, certainty["flexible"], certainty["choices"]),
+    )
     target.write_text(side_by_side([*panels[0], *panels[1]], 1), encoding="utf-8")
 
 
@@ -60,14 +63,14 @@ def side_by_side(charts: list[Chart], across: int = 3) -> str:
 
 
 def draw_stability(folder: Path, target: Path) -> None:
-    """Draw those of the maps that the folder has, below the meaning of the colours."""
+    """Draw the maps of a folder, below the meaning of colours."""
     maps = read_maps(folder / "cells.csv")
     charts = [draw_map("-".join(pair), *maps[pair], "") for pair in SHOWN if pair in maps]
     target.write_text(side_by_side([*charts, draw_meanings(MAP_KINDS, "")]), encoding="utf-8")
 
 
 def read_maps(path: Path) -> dict[tuple[str, str], tuple[MapAxis, MapAxis, list[list[str]]]]:
-    """Return the maps of the study `stability` by the names of their axes, first across and second up."""
+    """Return the maps of the study `stability` by their axes."""
     cells: dict[tuple[str, str], dict[tuple[float, float], str]] = {}
     for row in read_table(path):
         place = (float(row["first_value"]), float(row["second_value"]))

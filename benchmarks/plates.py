@@ -1,4 +1,4 @@
-"""The plates of speed.py and peers.py: our models of them, and the same plate for the other codes."""
+"""Plates of speed.py and peers.py for this program and others."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ ONE_THREAD = {
 
 
 def interpreter_path(name: str | None) -> str | None:
-    """Return an interpreter as an absolute path, links kept: one of a virtual environment is a link."""
+    """Return an interpreter as an absolute path, links included.
+
+    One of a virtual environment is a link.
+    """
     if name is None:
         return None
     if (path := shutil.which(name)) is None:
@@ -34,7 +37,7 @@ def interpreter_path(name: str | None) -> str | None:
 
 
 def on_one_thread() -> None:
-    """Start this process again with one thread for each library, unless it has been."""
+    """Start this process again with one thread for each library."""
     if any(os.environ.get(name) != value for name, value in ONE_THREAD.items()):
         os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | ONE_THREAD)
 
@@ -64,7 +67,10 @@ def make_model(elements: tuple[int, int], distortion: float = 0.0, bare: bool = 
 def same_plate(
     elements: tuple[int, int], distortion: float, time_step: float, folder: Path, angle: float = 0.0
 ) -> Plate:
-    """Return the plate for the other codes; nodes of a distorted mesh go into a file."""
+    """Return the plate for the other codes.
+
+    Nodes of a distorted mesh go into a file.
+    """
     import numpy as np
     from other_codes.plate import Plate
 
@@ -77,7 +83,7 @@ def same_plate(
 
 
 def row_by_row(elements: tuple[int, int], distortion: float) -> np.ndarray:
-    """Return the nodes [m] of our distorted mesh in the other codes' order, shape (nodes, 2)."""
+    """Return the nodes [m] as other codes order them, shape (nodes, 2)."""
     import numpy as np
 
     even, moved = (make_mesh(elements, share).points[:, :2] for share in (0.0, distortion))

@@ -59,7 +59,7 @@ class Spent(NamedTuple):
 
 
 def environment(checkout: Path) -> dict[str, str]:
-    """Return that of a user: bytecode on disk, of this benchmark's own, and one thread of BLAS."""
+    """Return the environment of a user with one thread of BLAS."""
     variables = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     variables |= {"PYTHONPYCACHEPREFIX": str(BYTECODE), "OPENBLAS_NUM_THREADS": "1"}
     return variables | {"PYTHONPATH": str(checkout)}
@@ -78,14 +78,14 @@ def process(checkout: Path, arguments: Sequence[str], program: Sequence[str] = T
 
 
 def row_of_a_sweep(varied: str, checkout: Path) -> Spent:
-    """Return the time of a row in its worker, by the sweep's clock and without processor time."""
+    """Return the time of a row of a sweep, without processor time."""
     with tempfile.TemporaryDirectory() as folder:
         words = ("sweep", "paper-table-3", "--workers", "1", "--vary", varied, "--out", folder + "/s")
         command = [*TAILSLAP, *words]
         subprocess.run(command, env=environment(checkout), cwd=folder, check=True, capture_output=True)
         effort = json.loads(Path(folder, "s", "summary.json").read_text())["effort"]
-    whole = effort["wall_s"] * effort["threads"] / effort["runs"]
-    return Spent(whole - effort["overhead_a_run_s"], float("nan"))
+    duration = effort["wall_s"] * effort["threads"] / effort["runs"]
+    return Spent(duration - effort["overhead_a_run_s"], float("nan"))
 
 
 def compare(what: str, required: str, measure: Callable[[Path], Spent], other: Path, rounds: int) -> None:
@@ -103,13 +103,13 @@ def compare(what: str, required: str, measure: Callable[[Path], Spent], other: P
 def million() -> None:
     """Print the time and memory of the set-up of a million elements."""
     command = [sys.executable, "-c", READY]
-    done = subprocess.run(command, env=environment(ROOT), check=True, capture_output=True, text=True)
-    spent, memory = map(float, done.stdout.split())
+    process = subprocess.run(command, env=environment(ROOT), check=True, capture_output=True, text=True)
+    spent, memory = map(float, process.stdout.split())
     row("a million elements: start ready", "60 s", f"{spent:.0f} s, {memory:.1f} GiB of 4")
 
 
 def libraries(checkout: Path) -> Spent:
-    """Return the time of the libraries alone in this checkout, of `rigid` in the other one."""
+    """Return the time of libraries here, of `rigid` elsewhere."""
     return process(checkout, (), NEEDED) if checkout == ROOT else process(checkout, RIGID)
 
 

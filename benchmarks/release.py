@@ -66,7 +66,7 @@ FIGURES: Mapping[str, Sequence[str]] = {
 
 @dataclass(frozen=True)
 class Measured:
-    """Output of a command, its exit status, None where it was not run, and its time [s]."""
+    """Output, status and time [s] of a command, None if not run."""
 
     command: str
     text: str
@@ -82,24 +82,27 @@ class Measured:
 
 
 def statements(text: str) -> list[str]:
-    """Rows of tables, list items and paragraphs of a page in Markdown, a line each."""
+    """Rows, list items and paragraphs of a page in Markdown."""
     blocks = re.split(r"\n(?=\||- |#|\n)", text)
     lines = (" ".join(block.split()) for block in blocks)
     return [line for line in lines if re.search(r"\d", line) and not line.startswith(("#", "!"))]
 
 
 def stated(words: str, lines: Iterable[str]) -> str:
-    """The statement that contains these words. Raises ValueError where that is not one."""
-    found = [line for line in lines if words in line]
-    if len(found) != 1:
-        raise ValueError(f"docs/accuracy.md has {len(found)} statements with {words!r}")
-    plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", found[0])
+    """The statement that contains these words.
+
+    Raises ValueError where that is not one.
+    """
+    matches = [line for line in lines if words in line]
+    if len(matches) != 1:
+        raise ValueError(f"docs/accuracy.md has {len(matches)} statements with {words!r}")
+    plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", matches[0])
     return plain.strip("|- ").replace("**", "").replace(" | ", "; ")
 
 
-def measure(command: str, given: Mapping[str, str | None]) -> Measured:
-    """Run a command with the paths that it asks for; without them it is not run."""
-    for name, value in given.items():
+def measure(command: str, paths: Mapping[str, str | None]) -> Measured:
+    """Run a command with its paths, or return it as not run."""
+    for name, value in paths.items():
         if name in command and value is None:
             return Measured(command, f"requires --{name.lower()}", None, 0.0)
         command = command.replace(name, value or "")
@@ -110,31 +113,33 @@ def measure(command: str, given: Mapping[str, str | None]) -> Measured:
     return Measured(command, text, run.returncode, time.perf_counter() - began)
 
 
-def report(figures: Mapping[str, Sequence[str]], done: Sequence[Measured], commit: str) -> Report:
-    """Report of all figures: statements with commands and outcomes, then what each command printed."""
+def report(figures: Mapping[str, Sequence[str]], runs: Sequence[Measured], commit: str) -> Report:
+    """Report of all figures with commands, outcomes and outputs."""
     lines = statements(ACCURACY.read_text(encoding="utf-8"))
     rows = [
         {"stated": stated(words, lines), "command": f"`python {run.command}`", "outcome": run.outcome}
-        for run, every in zip(done, figures.values(), strict=True)
+        for run, every in zip(runs, figures.values(), strict=True)
         for words in every
     ]
     heads = (Column("stated", "docs/accuracy.md"), Column("command", "Command"), Column("outcome", "Outcome"))
-    failed = [run.command for run in done if run.status]
-    left = sum(run.status is None for run in done)
-    answer = f"{len(done) - left} of {len(done)} commands ran for {len(rows)} figures; {len(failed)} failed."
+    failed = [run.command for run in runs if run.status]
+    omitted = sum(run.status is None for run in runs)
+    answer = (
+        f"{len(runs) - omitted} of {len(runs)} commands ran for {len(rows)} figures; {len(failed)} failed."
+    )
     machine = f"{platform.machine()}, Python {platform.python_version()}, commit {commit}."
-    sections = [Section("Figures", tables=[Table(heads, rows)]), *map(_printed, done)]
+    sections = [Section("Figures", tables=[Table(heads, rows)]), *map(_printed, runs)]
     below = f"tailslap {tailslap.__version__}, {datetime.date.today().isoformat()}, `python benchmarks/release.py`."
     headline = Headline(f"Verification of tailslap {tailslap.__version__}", answer, machine)
     page = Page("Release", headline, sections, below, passed=not failed, checked="commands")
-    texts = {f"{re.sub(r'[^a-z0-9]+', '-', run.command).strip('-')}.txt": run.text for run in done}
+    texts = {f"{re.sub(r'[^a-z0-9]+', '-', run.command).strip('-')}.txt": run.text for run in runs}
     summary = {"version": tailslap.__version__, "commit": commit, "passed": not failed, "figures": rows}
-    summary["seconds"] = {run.command: run.seconds for run in done}
+    summary["seconds"] = {run.command: run.seconds for run in runs}
     return Report(page, summary, (), texts=texts)
 
 
 def _printed(run: Measured) -> Section:
-    """Return the output of a command, in columns where two blanks separate them."""
+    """Return the output of a command in columns."""
     cells = [re.split(r"\s{2,}", line.strip(), maxsplit=3) for line in run.text.splitlines() if line.strip()]
     width = max(map(len, cells), default=1)
     rows = [{str(k): cell for k, cell in enumerate(line)} for line in cells]
@@ -145,16 +150,18 @@ def _printed(run: Measured) -> Section:
 
 
 def main() -> int:
-    """Run the commands and write the page; returns the exit status."""
-    asked = command_line.options(__doc__, out="results/release", only=[], others=str, earlier=str)
-    chosen = {c: f for c, f in FIGURES.items() if not asked.only or any(words in c for words in asked.only)}
+    """Run the commands and write the page, and return the status."""
+    options = command_line.options(__doc__, out="results/release", only=[], others=str, earlier=str)
+    chosen = {
+        c: f for c, f in FIGURES.items() if not options.only or any(words in c for words in options.only)
+    }
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
-    with result_folder(Path(asked.out), origin=Origin("release", "")) as folder:
-        given = {"OTHERS": asked.others, "EARLIER": asked.earlier}
-        made = report(chosen, [measure(command, given) for command in chosen], commit.stdout.strip())
-        write_report(made, folder)
-    print(f"{made.page.headline.answer}\nPage: {asked.out}/report.html")
-    return 0 if made.passed else 1
+    with result_folder(Path(options.out), origin=Origin("release", "")) as folder:
+        paths = {"OTHERS": options.others, "EARLIER": options.earlier}
+        page_report = report(chosen, [measure(command, paths) for command in chosen], commit.stdout.strip())
+        write_report(page_report, folder)
+    print(f"{page_report.page.headline.answer}\nPage: {options.out}/report.html")
+    return 0 if page_report.passed else 1
 
 
 if __name__ == "__main__":

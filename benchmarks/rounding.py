@@ -26,16 +26,16 @@ CASES = (
 
 
 def main() -> None:
-    """Print each case with the root mean square over the last quarter of its run [N]."""
+    """Print each case with the ripple of its reaction [N]."""
     command_line.options(__doc__)
     for case in CASES:
         outcome = attempt(plan_of(("corner.reaction=none", "damping.kind=none", *case)))
         ripple = outcome.fe_history["reaction_normal"] - outcome.rigid_history["reaction_normal"]
         ripple = ripple[np.isfinite(ripple)]
-        seen = float(np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2)))
+        observed = float(np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2)))
         predicted = rounding_noise(outcome.fe_plan.model).ripple(outcome.rigid["t"])
-        forces = f"{predicted:.2e} N for {seen:.2e} N"
-        print(f"{predicted / seen:5.2f} times: {forces}, {outcome.run.steps} steps, {' '.join(case)}")
+        forces = f"{predicted:.2e} N for {observed:.2e} N"
+        print(f"{predicted / observed:5.2f} times: {forces}, {outcome.run.steps} steps, {' '.join(case)}")
 
 
 if __name__ == "__main__":

@@ -40,7 +40,7 @@ def tell(**values: float) -> None:
 
 
 def stage(name: str, function: Callable[[], Any]) -> Any:
-    """Send the time of a function to the parent process, and return its value."""
+    """Report the time of a function, and return its value."""
     start = time.perf_counter()
     value = function()
     tell(**{name: time.perf_counter() - start})
@@ -53,7 +53,7 @@ def peak() -> float:
 
 
 def measure(elements: tuple[int, int]) -> None:
-    """Measure a size in this process: set-up, steps, and last inertia relief, the most expensive."""
+    """Measure a size in this process, with set-up, steps and start."""
     from fem.laws.friction import Drag
     from fem.model.plate_model import build_model
     from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
@@ -82,10 +82,10 @@ def in_process(elements: tuple[int, int], budget: float) -> dict[str, Any]:
     limit, failure = lambda: resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY)), ""
     settings: dict[str, Any] = {"env": one_thread, "preexec_fn": limit, "capture_output": True, "text": True}
     try:
-        done = subprocess.run(command, timeout=budget, **settings)
-        output = done.stdout
-        if done.returncode:
-            failure = (done.stderr.strip().splitlines() or ["ended"])[-1][:60]
+        process = subprocess.run(command, timeout=budget, **settings)
+        output = process.stdout
+        if process.returncode:
+            failure = (process.stderr.strip().splitlines() or ["ended"])[-1][:60]
     except subprocess.TimeoutExpired as expired:
         output, failure = (expired.stdout or b"").decode(), f"stopped after {budget:g} s"
     values: dict[str, Any] = {"failure": failure}
@@ -95,7 +95,7 @@ def in_process(elements: tuple[int, int], budget: float) -> dict[str, Any]:
 
 
 def exponent(name: str, rows: dict[int, dict[str, Any]]) -> float:
-    """Return the slope of the logarithm of a column over that of the number of elements."""
+    """Return the exponent of a column over the number of elements."""
     large = {count: row[name] for count, row in rows.items() if name in row and count >= FIT_FROM}
     return float(np.polyfit(np.log([*large]), np.log([*large.values()]), 1)[0]) if len(large) > 1 else np.nan
 

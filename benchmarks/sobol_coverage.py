@@ -1,9 +1,10 @@
-"""Coverage of the 95 % intervals of Sobol indices: functions with exact indices, many randomisations of the points.
+"""Coverage of the 95 % intervals of Sobol indices.
 
     .venv/bin/python benchmarks/sobol_coverage.py [--inputs N...] [--rows N...] [--repeats N]
 
-For each function, number of inputs and of rows: the fraction of first-order and of total indices that lie in their
-interval, its mean width, and how often the indices were refused.
+Functions have exact indices, with many randomisations of the points. For each function, number of inputs and of rows:
+the fraction of first-order and of total indices that lie in their interval, its mean width, and how often the indices
+were refused.
 """
 
 from __future__ import annotations
@@ -27,7 +28,10 @@ ROUNDING = 1e-9
 
 
 class Function(NamedTuple):
-    """A function of inputs in (0, 1), shape (inputs, n), with its exact indices, shape (inputs,)."""
+    """A function of inputs in (0, 1) with exact indices.
+
+    Inputs have the shape (inputs, n), indices (inputs,).
+    """
 
     name: str
     of: Callable[[Array], Array]
@@ -36,13 +40,16 @@ class Function(NamedTuple):
 
 
 def linear(name: str, weights: Array) -> Function:
-    """Return the weighted sum, whose indices are the squared weights by their sum."""
+    """Return the weighted sum, whose indices are squared weights."""
     share = weights**2 / np.sum(weights**2)
     return Function(name, lambda x: weights @ x, share, share)
 
 
 def ishigami(inputs: int) -> Function:
-    """Return sin x + 7 sin^2 y + 0.1 z^4 sin x of three inputs, the others without effect."""
+    """Return Ishigami's function of three inputs, the others without effect.
+
+    sin x + 7 sin^2 y + 0.1 z^4 sin x.
+    """
 
     def of(x: Array) -> Array:
         a, b, c = math.pi * (2.0 * x[:3] - 1.0)
@@ -56,7 +63,10 @@ def ishigami(inputs: int) -> Function:
 
 
 def product(inputs: int) -> Function:
-    """Return the function of Sobol, the product of (|4 x - 2| + a)/(1 + a) with a = i²/2."""
+    """Return the function of Sobol.
+
+    The product of (|4 x - 2| + a)/(1 + a) with a = i²/2.
+    """
     a = 0.5 * np.arange(inputs)[:, None] ** 2
     part = (1.0 / 3.0 / (1.0 + a) ** 2)[:, 0]
     variance = np.prod(1.0 + part) - 1.0
@@ -66,7 +76,10 @@ def product(inputs: int) -> Function:
 
 
 def indicator(name: str, inputs: int, fraction: float) -> Function:
-    """Return 1 where the largest input exceeds a limit, in this fraction of the cases."""
+    """Return 1 where the largest input exceeds a limit.
+
+    fraction: of the cases in which it does.
+    """
     limit = (1.0 - fraction) ** (1.0 / inputs)
     rest, variance = limit ** (inputs - 1), fraction * (1.0 - fraction)
     total = np.full(inputs, rest * limit * (1.0 - limit) / variance)
@@ -77,13 +90,13 @@ def functions(inputs: int) -> list[Function]:
     """Return the functions of a number of inputs."""
     unequal = 1.0 / np.arange(1.0, inputs + 1.0)
     unequal[2::3] = 0.0
-    found = [linear("linear", np.ones(inputs)), linear("linear 1/i", unequal)]
-    found += [ishigami(inputs)] if inputs >= 3 else []
-    return [*found, product(inputs), indicator("1 of 2", inputs, 0.5), indicator("1 of 10", inputs, 0.1)]
+    simple = [linear("linear", np.ones(inputs)), linear("linear 1/i", unequal)]
+    simple += [ishigami(inputs)] if inputs >= 3 else []
+    return [*simple, product(inputs), indicator("1 of 2", inputs, 0.5), indicator("1 of 10", inputs, 0.1)]
 
 
 def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -> dict[str, Any]:
-    """Return covered fractions and mean widths, first-order and total, and the fraction of refusals."""
+    """Return covered fractions, mean widths and the fraction of refusals."""
     inputs = function.first.size
     ranges = tuple(Range(f"x{i}", 0.0, 1.0, "", None, "") for i in range(inputs))
     exact, seed = np.array([function.first, function.total]), sampling.SEED
@@ -92,11 +105,11 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
         for sampling.SEED in range(first_seed, first_seed + repeats):
             of = lambda values: {"": function.of(np.array([*values.values()]))}  # noqa: E731
             table = sampling.sampled(ranges, rows * (inputs + 2), of)[1][""]
-            found, refusal = sampling.index_rows(ranges, table)
+            index_rows, refusal = sampling.index_rows(ranges, table)
             if refusal:
                 continue
             kinds = ("first_order_interval", "total_interval")
-            low, high = np.moveaxis(np.array([[row[kind] for row in found] for kind in kinds]), -1, 0)
+            low, high = np.moveaxis(np.array([[row[kind] for row in index_rows] for kind in kinds]), -1, 0)
             covered.append(((low - ROUNDING <= exact) & (exact <= high + ROUNDING)).mean(axis=1))
             widths.append((high - low).mean(axis=1))
     finally:
@@ -111,17 +124,17 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
 
 def main() -> None:
     """Print the table."""
-    given = command_line.options(__doc__, inputs=INPUTS, rows=ROWS, repeats=REPEATS)
+    options = command_line.options(__doc__, inputs=INPUTS, rows=ROWS, repeats=REPEATS)
     print("inputs   rows  function    covered: first  total   width: first  total   refused")
     everything = []
-    for inputs in given.inputs:
-        most = MOST if given.rows == ROWS else math.inf
-        for rows in [rows for rows in given.rows if rows * inputs * (inputs + 2) <= most]:
+    for inputs in options.inputs:
+        most = MOST if options.rows == ROWS else math.inf
+        for rows in [rows for rows in options.rows if rows * inputs * (inputs + 2) <= most]:
             for function in functions(inputs):
-                found = coverage(function, rows, given.repeats)
-                (first, total), (wide, widest) = found["covered"], found["width"]
+                covered = coverage(function, rows, options.repeats)
+                (first, total), (wide, widest) = covered["covered"], covered["width"]
                 everything.append((first, total))
-                fractions = f"{first:15.1%} {total:6.1%} {wide:14.4f} {widest:6.4f} {found['refused']:9.1%}"
+                fractions = f"{first:15.1%} {total:6.1%} {wide:14.4f} {widest:6.4f} {covered['refused']:9.1%}"
                 print(f"{inputs:6} {rows:6}  {function.name:10} {fractions}")
     first, total = np.nanmean(everything, axis=0)
     lowest = np.nanmin(everything)

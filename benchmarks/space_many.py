@@ -1,4 +1,4 @@
-"""Many trucks in space: time of a motion, and changes by a quarter of the step.
+"""Time of many motions in space, and changes by the step.
 
     .venv/bin/python benchmarks/space_many.py [--samples 400] [--seed 8] [--profiles vertical new-jersey]
 
@@ -52,17 +52,17 @@ def main() -> None:
         trucks = drawn(options.samples, options.seed, profile)
         solve_spaces(*drawn(2, 0, profile))  # compiles
         start = time.process_time()
-        own = solve_spaces(*trucks)
+        coarse = solve_spaces(*trucks)
         spent = (time.process_time() - start) / options.samples
         fine = solve_spaces(*trucks, refine=4)
-        same = own.outcome == fine.outcome
+        same = coarse.outcome == fine.outcome
         print(f"{profile}, {options.samples} trucks")
         row("time of a motion", "6 ms", f"{1e3 * spent:.2f} ms")
         row("other outcome", "0", str((~same).sum()))
-        roll = np.degrees(np.abs(own.largest_roll - fine.largest_roll))[same]
+        roll = np.degrees(np.abs(coarse.largest_roll - fine.largest_roll))[same]
         changes = {
-            "largest roll [deg]": roll, "50 ms mean [%]": 100.0 * np.abs(own.mean_50ms / fine.mean_50ms - 1.0),
-            "height [m]": np.abs(own.height - fine.height),
+            "largest roll [deg]": roll, "50 ms mean [%]": 100.0 * np.abs(coarse.mean_50ms / fine.mean_50ms - 1.0),
+            "height [m]": np.abs(coarse.height - fine.height),
         }  # fmt: skip
         for name, values in changes.items():
             middle, most = np.percentile(values, (50, 95))

@@ -1,4 +1,4 @@
-"""Random trucks in space: outcomes, stated and true errors, and time.
+"""Outcomes, errors and time of random trucks in space.
 
     .venv/bin/python benchmarks/space_random.py [--runs 500] [--seed 1] [--finer 8] [--keep FILE]
 
@@ -64,7 +64,7 @@ def drawn(seed: int, number: int) -> Arguments:
 def axles_of(
     random: np.random.Generator, length: float, mass: float, grip: bool
 ) -> tuple[SpaceAxle, SpaceAxle]:
-    """Draw the front and the rear axle, with side force of the tyres or none."""
+    """Draw front and rear axle, with or without side force."""
     track, spacing = random.uniform(1.75, 2.0), random.uniform(0.9, 1.1)
     front, rear = random.uniform(0.1, 0.15) * length, random.uniform(0.7, 0.78) * length
     springs = np.sort(random.uniform(0.15e6, 0.6e6, 2))
@@ -83,19 +83,22 @@ def axles_of(
 
 
 def strips_of(random: np.random.Generator, unit: SpaceUnit, rear: Any, crushes: bool) -> tuple[Strip, ...]:
-    """Draw the strips, with a plateau or none: 200 to 500 kN of the front corner, other strips in proportion."""
+    """Draw the strips, with or without a plateau.
+
+    The front corner has 200 to 500 kN, other strips in proportion.
+    """
     stiffness, plateau, bed = (
         random.uniform(*SPREAD, 4),
         random.uniform(200e3, 500e3),
         random.uniform(1.1, 1.3),
     )
     length, top = float(unit.length), min(2.6, 1.99 * float(unit.centre_height))
-    others, restitution = random.uniform(*SPREAD, 3), random.uniform(0.0, 0.5)
+    factors_of_plateau, restitution = random.uniform(*SPREAD, 3), random.uniform(0.0, 0.5)
     places = (
         (0.0, 0.0, 0.45, 0.9, 4e6, plateau / 0.45, -1),
-        (rear, rear, 0.05, 1.0, 2.1e6, plateau * others[0] / 0.95, 1),
-        (0.26 * length, length, bed, bed, 1e6, plateau * others[1] / 8.0, -1),
-        (length, length, bed, top, 1.5e6, plateau * others[2] / 1.6, -1),
+        (rear, rear, 0.05, 1.0, 2.1e6, plateau * factors_of_plateau[0] / 0.95, 1),
+        (0.26 * length, length, bed, bed, 1e6, plateau * factors_of_plateau[1] / 8.0, -1),
+        (length, length, bed, top, 1.5e6, plateau * factors_of_plateau[2] / 1.6, -1),
     )
     return tuple(
         Strip(
@@ -107,7 +110,7 @@ def strips_of(random: np.random.Generator, unit: SpaceUnit, rear: Any, crushes: 
 
 
 def profile_of(random: np.random.Generator, number: int) -> Any:
-    """Draw a profile: a name, or a line of two to four parts."""
+    """Draw a named profile, or a line of two to four parts."""
     kind = int(random.integers(len(PROFILES) + 1))
     if kind < len(PROFILES):
         return tuple(PROFILES)[kind]
@@ -123,23 +126,27 @@ def values(motion: SpaceMotion) -> dict[str, float]:
 
 
 def solved(seed: int, finer: int, number: int) -> Record:
-    """The motion as the program computes it, and the true errors of its quantities."""
+    """The motion of the program, and true errors of its quantities."""
     arguments = drawn(seed, number)
     start = time.process_time()
     motion = solve_space(*arguments)
     spent = time.process_time() - start
     reference = solve_space(*arguments, step=motion.step / finer)
-    own, true = values(motion), values(reference)
+    computed, true = values(motion), values(reference)
+    errors = {
+        name: abs(computed[name] - true[name]) / max(abs(true[name]), least)
+        for name, least in COMPARED.items()
+    }
     return {
         "number": number, "seed": seed, "seconds": spent, "stated": motion.error, "step": motion.step,
-        "outcome": motion.outcome, "reference": reference.outcome, "reference_error": reference.error, "values": own,
-        "roll": max(abs(own["largest_roll"]), abs(true["largest_roll"])),
-        "true": {name: abs(own[name] - true[name]) / max(abs(true[name]), least) for name, least in COMPARED.items()},
+        "outcome": motion.outcome, "reference": reference.outcome, "reference_error": reference.error,
+        "roll": max(abs(computed["largest_roll"]), abs(true["largest_roll"])),
+        "values": computed, "true": errors,
     }  # fmt: skip
 
 
 def made(file: Path | None, seed: int, runs: int, finer: int) -> list[Record]:
-    """Return the records of all runs; those that the file has are read."""
+    """Return the records of all runs, read or computed."""
     records = {record["number"]: record for record in read_records(file) if record["seed"] == seed}
     missing = [number for number in range(runs) if number not in records]
     for first in range(0, len(missing), BATCH):
@@ -150,7 +157,7 @@ def made(file: Path | None, seed: int, runs: int, finer: int) -> list[Record]:
 
 
 def kind(record: Record) -> str:
-    """Name the class of a truck: crush, tyres, profile, and whether it is near to tipping."""
+    """Name the crush, tyres and profile of a truck, and its risk."""
     number = record["number"]
     _, wall, _, _ = drawn(record["seed"], number)
     profile = wall.profile if isinstance(wall.profile, str) else "line"
@@ -196,7 +203,7 @@ def tell(records: list[Record]) -> None:
 
 
 def tell_beyond(records: list[Record]) -> None:
-    """Print the trucks with a true error beyond the stated one, the largest first."""
+    """Print trucks with true errors beyond the stated ones."""
     for record in records:
         record["largest"] = max(record["true"].values())
         record["ratio"] = max(error / max(record["stated"], 1e-12) for error in record["true"].values())

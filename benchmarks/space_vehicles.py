@@ -59,7 +59,7 @@ def truck(
 def train(
     strips: tuple[Strip, ...], friction: float = 0.65, roll_centre: float = 0.6, **changes: Any
 ) -> SpaceVehicle:
-    """Return a tractor and semitrailer; changes of both units."""
+    """Return a tractor and semitrailer, with changes of both units."""
     ahead: dict[str, Any] = {
         "length": 6.4, "width": 2.5, "mass": 8200.0, "centre_of_mass": 2.3, "centre_height": 1.1,
         "roll_inertia": 6e3, "pitch_inertia": 3e4, "yaw_inertia": 3e4,

@@ -1,4 +1,4 @@
-"""Roll, force and height of the force of a scene with [body] on walls of several heights and profiles.
+"""Roll and force of a scene with [body] on several walls.
 
     .venv/bin/python benchmarks/space_walls.py [SCENE] [--heights 27 32 36 42 54] [--set KEY=VALUE ...]
 

@@ -63,7 +63,10 @@ class Entry:
 
 
 def make_stepper(count: int, distortion: float = 0.0, threads: int = 1, bare: bool = False) -> Any:
-    """Return the time loop on a plate of this many elements; bare: as in the other codes."""
+    """Return the time loop on a plate of this many elements.
+
+    bare: as in the other codes.
+    """
     from fem.run.corner import Stepper
 
     return Stepper(make_model(SIZES[count], distortion, bare), threads)
@@ -83,7 +86,7 @@ def ours(name: str, count: int, **choices: Any) -> tuple[Entry, Any]:
 
 
 def far_corner(count: int, distortion: float, time_step: float) -> list[float]:
-    """Return the far corner [m] of this program's plate at the instant of comparison."""
+    """Return the far corner [m] of this program's plate for comparison."""
     from other_codes.jobs import CHECKED_STEPS
 
     from fem.start.inertia_relief import RigidStart
@@ -96,7 +99,7 @@ def far_corner(count: int, distortion: float, time_step: float) -> list[float]:
 
 
 def other(name: str, count: int, interpreter: str, time_step: float, folder: Path) -> Entry:
-    """Return an entry for another code, a process of its own each turn."""
+    """Return an entry for another code, run as a process."""
     from other_codes.plate import to_text
 
     distortion = DISTORTION if name.endswith(UNEVEN) else 0.0
@@ -107,10 +110,10 @@ def other(name: str, count: int, interpreter: str, time_step: float, folder: Pat
 
     def measure() -> list[float]:
         command = [interpreter, "-m", script, to_text(plate), "rates"]
-        done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True)
-        answers = [line for line in done.stdout.splitlines() if line.startswith('{"version"')]
+        process = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True)
+        answers = [line for line in process.stdout.splitlines() if line.startswith('{"version"')]
         if not answers:
-            entry.remark = f"not measured: {(done.stderr.strip() or 'no answer').splitlines()[-1]}"
+            entry.remark = f"not measured: {(process.stderr.strip() or 'no answer').splitlines()[-1]}"
             return []
         answer = json.loads(answers[0])
         distance = max(abs(a - b) for a, b in zip(answer["far_corner"], expected, strict=True))
@@ -123,7 +126,7 @@ def other(name: str, count: int, interpreter: str, time_step: float, folder: Pat
 
 
 def entries(interpreter: str | None, folder: Path) -> tuple[list[Entry], Any]:
-    """Return all lines in the order of a turn, and our loop on the smallest plate."""
+    """Return all lines in order, and the loop on the smallest plate."""
     lines, loops = [], []
     for count in SIZES:
         for variant, choices in VARIANTS.items():
@@ -150,7 +153,7 @@ def machine() -> list[Entry]:
 
 
 def print_ratios(rates: Sequence[Entry], lines: Sequence[Entry]) -> None:
-    """Print the ratios to the other codes, and of distorted meshes and two threads to the plain loop."""
+    """Print the ratios to other codes and to the plain loop."""
     by_name = {(entry.name, entry.elements): entry for entry in lines}
     pairs: list[tuple[str, float | None, Entry, Entry]] = [
         ("flop/s, 2 threads / 1", None, rates[1], rates[0])

@@ -1,10 +1,11 @@
-"""True over stated numerical error of constrained corners on coarse, wide, soft and steep plates.
+"""True over stated numerical error of constrained corners.
 
     .venv/bin/python benchmarks/stated_error.py [COUNT [SEED]] [--keep FILE]
 
-Each scene is run as a user would, and held against references on finer meshes, of quadratic elements and of linear
-ones, exactly constrained, without damping where it does not flutter. What lies between the references is not judged: a
-true error counts as far as it is beyond that. FILE holds a line of JSON a scene, and takes a campaign up again.
+Plates are coarse, wide, soft and steep. Each scene is run as a user would, and held against references on finer meshes,
+of quadratic elements and of linear ones, exactly constrained, without damping where it does not flutter. The difference
+of the references is not judged: a true error counts as far as it is beyond that. FILE holds a line of JSON a scene,
+and takes a campaign up again.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ def draw(seed: int, number: int) -> tuple[str, ...]:
 
 
 def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
-    """Yield the differences from the rigid motion of finer meshes that pass, of quadratic and of linear elements."""
+    """Yield differences of finer meshes, quadratic and linear, that pass."""
     from tailslap.case.corner import corner_run
     from tailslap.case.resources import expected_effort
 
@@ -94,16 +95,16 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
                 finer = case.varied(changes)
                 if expected_effort(finer.scene, finer.duration).seconds > PATIENCE_S:
                     break
-                found = corner_run.checked(corner_run.attempt(finer))
+                result = corner_run.checked(corner_run.attempt(finer))
             except InputError:
                 continue
-            if found.fe and not set(failed_names(found.checks)) - {"added mass"}:
-                yield found.difference
+            if result.fe and not set(failed_names(result.checks)) - {"added mass"}:
+                yield result.difference
                 break
 
 
 def judge(seed: int, number: int) -> Record:
-    """Return the outcome of a scene's run with its stated and true errors."""
+    """Return the outcome of a scene with stated and true errors."""
     from postprocess.comparison.quantities import largest
 
     try:
@@ -118,19 +119,19 @@ def judge(seed: int, number: int) -> Record:
     }  # fmt: skip
     if not outcome.fe:
         return record
-    found = list(references(case, outcome))
-    if len(found) < 2:
+    finer = list(references(case, outcome))
+    if len(finer) < 2:
         return record | {"true": None, "unsure": None}
-    distances = [_distance(outcome.difference, each) for each in found]
-    return record | {"true": min(distances), "unsure": _distance(*found)}
+    true = min(_distance(outcome.difference, difference) for difference in finer)
+    return record | {"true": true, "unsure": _distance(*finer)}
 
 
-def _distance(ours: Mapping[str, float], its: Mapping[str, float]) -> float:
-    return max(abs(value - its[name]) for name, value in ours.items())
+def _distance(first: Mapping[str, float], second: Mapping[str, float]) -> float:
+    return max(abs(value - second[name]) for name, value in first.items())
 
 
 def print_table(records: list[Record]) -> int:
-    """Print the figures and every scene beyond one, and return the exit status."""
+    """Print figures and scenes beyond one, and return the status."""
     judged = [r for r in records if r.get("true") is not None]
     passed = [r for r in judged if r["end"] == "passed"]
     above = [r for r in passed if r["true"] - r["unsure"] > r["stated"]]

@@ -68,12 +68,12 @@ def measured(scene: str, angle: float) -> Angle:
         for one, other in zip(case.motion.strikes, longer, strict=False)
         for name in answers.COMPARED
     ]
-    own = answers.both_strikes(case.answer)
+    strikes = answers.both_strikes(case.answer)
     sampled = case.many({"impact.angle": np.array([np.radians(angle)])})
-    names = [name for name in answers.COLUMNS if own[name] == own[name]]
-    many = [abs(float(sampled[name][0]) / own[name] - 1.0) for name in names]
+    names = [name for name in answers.COLUMNS if strikes[name] == strikes[name]]
+    many = [abs(float(sampled[name][0]) / strikes[name] - 1.0) for name in names]
     mean = case.row(None)["rigid.peaks.mean_50ms"]
-    soft, hard = (error.changes(each.rigid, each.fe) for each in (outcome, stiff))
+    soft, hard = (error.changes(result.rigid, result.fe) for result in (outcome, stiff))
     limits = {name: (STIFFER * hard[name] - soft[name]) / (STIFFER - 1.0) for name in soft}
     return Angle(
         max(apart),
@@ -89,11 +89,11 @@ def measured(scene: str, angle: float) -> Angle:
 def rows(scene: str, step: float) -> Iterator[tuple[str, str]]:
     """Measure a vehicle over all angles."""
     angles = np.arange(FROM, TO + 0.5 * step, step)
-    found = [measured(scene, float(angle)) for angle in angles]
-    failed, cut = sum(not angle.passed for angle in found), sum(angle.cut for angle in found)
-    yield f"{scene}: impacts; failed; strikes cut", f"{len(found)}; {failed}; {cut}"
+    impacts = [measured(scene, float(angle)) for angle in angles]
+    failed, cut = sum(not impact.passed for impact in impacts), sum(impact.cut for impact in impacts)
+    yield f"{scene}: impacts; failed; strikes cut", f"{len(impacts)}; {failed}; {cut}"
     for name, text in TEXTS.items():
-        yield f"  {text}: most", f"{max(getattr(each, name) for each in found):.1e}"
+        yield f"  {text}: most", f"{max(getattr(impact, name) for impact in impacts):.1e}"
 
 
 def main() -> None:

@@ -1,4 +1,4 @@
-"""The structure of the sources in figures: lines of code, files, imports, names of classes, folders, import circles.
+"""The structure of the sources in figures.
 
     .venv/bin/python benchmarks/structure.py [--files] [--trace]
 
@@ -54,18 +54,18 @@ def code_lines(text: str) -> int:
 
 def import_lines(text: str) -> int:
     """Lines of import statements, those within functions included."""
-    found = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import | ast.ImportFrom))
-    return sum((node.end_lineno or node.lineno) - node.lineno + 1 for node in found)
+    statements = (node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import | ast.ImportFrom))
+    return sum((node.end_lineno or node.lineno) - node.lineno + 1 for node in statements)
 
 
 def classes(root: Path = ROOT) -> Counter[str]:
-    """Names of classes at the head of modules, and how many there are of each."""
+    """Names of classes at the head of modules, with their numbers."""
     trees = (ast.parse(path.read_text(encoding="utf-8")) for path in sources(root))
     return Counter(node.name for tree in trees for node in tree.body if isinstance(node, ast.ClassDef))
 
 
 def reports(path: Path) -> bool:
-    """Return True for modules that turn numbers into text, tables, pages or pictures."""
+    """Return True for modules that write text, tables or pictures."""
     parts = path.relative_to(ROOT).with_suffix("").parts
     computes = parts[:2] in {("postprocess", "signals"), ("postprocess", "comparison")}
     return not computes and (parts[0] == "postprocess" or any("report" in part for part in parts))
@@ -78,8 +78,10 @@ def module_name(path: Path) -> str:
 
 
 def imports(path: Path, names: set[str]) -> Iterator[str]:
-    """Modules of the six packages that a module imports anywhere: at its head, within functions, for types, or by the
-    name of a function, "module:function"."""
+    """Modules of the packages that a module imports anywhere.
+
+    At its head, within functions, for types, or by the name of a function, "module:function".
+    """
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in names)
@@ -91,7 +93,10 @@ def imports(path: Path, names: set[str]) -> Iterator[str]:
 
 
 def circles(root: Path = ROOT) -> list[list[str]]:
-    """Groups of modules that import each other, however indirectly (Tarjan's components of more than one)."""
+    """Groups of modules that import each other.
+
+    Tarjan's components of more than one.
+    """
     paths = {module_name(path): path for path in sources(root)}
     graph = {name: set(imports(path, set(paths))) - {name} for name, path in paths.items()}
     reach = {name: _reached(graph, name) for name in graph}
@@ -100,13 +105,13 @@ def circles(root: Path = ROOT) -> list[list[str]]:
 
 
 def _reached(graph: dict[str, set[str]], start: str) -> set[str]:
-    found: set[str] = set()
-    left = [start]
-    while left:
-        for name in graph[left.pop()] - found:
-            found.add(name)
-            left.append(name)
-    return found
+    modules: set[str] = set()
+    remaining = [start]
+    while remaining:
+        for name in graph[remaining.pop()] - modules:
+            modules.add(name)
+            remaining.append(name)
+    return modules
 
 
 def flat(root: Path = ROOT) -> Counter[str]:
@@ -115,7 +120,10 @@ def flat(root: Path = ROOT) -> Counter[str]:
 
 
 def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
-    """Files that a run's calls enter up to the time loop, climbs from `fem` into `tailslap`, meshes of the plate."""
+    """Count files entered before the time loop, climbs and meshes.
+
+    Climbs are from `fem` into `tailslap`, meshes those of the plate.
+    """
     from fem import cache
     from tailslap.case.corner.corner_case import CornerCase
     from tailslap.scene.read import read_scene
@@ -142,7 +150,7 @@ def trace(scene: str = "paper-table-3") -> tuple[int, int, int]:
 
 
 def assertions(root: Path = ROOT) -> int:
-    """Assertions in the tests: assert statements, and blocks that expect an error or a warning."""
+    """Count asserts, and blocks that expect an error or warning."""
     trees = (ast.parse(path.read_text(encoding="utf-8")) for path in (root / "tests").rglob("*.py"))
     nodes = [node for tree in trees for node in ast.walk(tree)]
     calls = [ast.unparse(node.func) for node in nodes if isinstance(node, ast.Call)]
@@ -172,8 +180,8 @@ def main() -> None:
     twice = sorted(name for name, count in classes().items() if count > 1)
     print(f"class names that exist twice: {len(twice)} {' '.join(twice)}")
     for study in sorted(path for path in (ROOT / "tailslap" / "studies").iterdir() if path.is_dir()):
-        own = sum(count for path, count in lines.items() if path.is_relative_to(study))
-        print(f"study {study.name}: {own} lines" if own else "", end="\n" if own else "")
+        count = sum(n for path, n in lines.items() if path.is_relative_to(study))
+        print(f"study {study.name}: {count} lines" if count else "", end="\n" if count else "")
     tests = sum(code_lines(path.read_text(encoding="utf-8")) for path in (ROOT / "tests").rglob("*.py"))
     print(f"tests: {tests} lines, {assertions()} assertions")
     name, most = flat().most_common(1)[0]

@@ -1,4 +1,4 @@
-"""Rate of a sweep on two cores and one, its overhead, and its rows after kill -9.
+"""Rate and overhead of a sweep, and its rows after kill -9.
 
     .venv/bin/python benchmarks/sweep.py
 
@@ -55,22 +55,24 @@ def rates(folder: Path) -> None:
     sweep(folder / "compile", *few, "1").wait()
     start = {n: finished(sweep(folder / f"start-{n}", *few, str(n))) for n in efforts}
     for turn in range(TURNS):
-        for workers, found in efforts.items():
+        for workers, measured in efforts.items():
             place, began = folder / f"rate-{turn}-{workers}", time.perf_counter()
             processor = finished(sweep(place, *THOUSAND, "--workers", str(workers)))
-            whole = time.perf_counter() - began
-            found.append((whole, processor, json.loads((place / "summary.json").read_text())["effort"]))
-    best = {n: max(effort["runs_a_second"] for *_, effort in found) for n, found in efforts.items()}
-    least = {n: min(whole for whole, *_ in found) for n, found in efforts.items()}
-    alone = {n: [f"{effort['runs_a_second']:.1f}" for *_, effort in found] for n, found in efforts.items()}
-    spent = {n: (min(item[1] for item in found) - start[n]) / 998.0 for n, found in efforts.items()}
+            duration = time.perf_counter() - began
+            effort = json.loads((place / "summary.json").read_text())["effort"]
+            measured.append((duration, processor, effort))
+    runs = {n: [effort["runs_a_second"] for *_, effort in measured] for n, measured in efforts.items()}
+    best = {n: max(rates) for n, rates in runs.items()}
+    least = {n: min(duration for duration, *_ in measured) for n, measured in efforts.items()}
+    listed = {n: ", ".join(f"{rate:.1f}" for rate in rates) for n, rates in runs.items()}
+    spent = {n: (min(item[1] for item in measured) - start[n]) / 998.0 for n, measured in efforts.items()}
     row("1000 runs, two workers against one: rate", "1.8 times", f"{best[2] / best[1]:.2f} times")
-    row("  runs a second: one worker; two workers", "", f"{', '.join(alone[1])}; {', '.join(alone[2])}")
+    row("  runs a second: one worker; two workers", "", f"{listed[1]}; {listed[2]}")
     row("  whole process, start and report included", "", f"{least[1]:.1f} s; {least[2]:.1f} s")
     text = f"{1e3 * spent[1]:.1f} ms; {1e3 * spent[2]:.1f} ms; {2.0 * spent[1] / spent[2]:.2f} times"
     row("  processor time per run, all processes; rate that it allows", "", text)
-    for workers, found in efforts.items():
-        over = min(effort["overhead_a_run_s"] for *_, effort in found)
+    for workers, measured in efforts.items():
+        over = min(effort["overhead_a_run_s"] for *_, effort in measured)
         row(f"overhead per run, {workers} worker(s)", "5 ms", f"{1e3 * over:.1f} ms")
     first, *rest = (sweep_rows(place) for place in sorted(folder.glob("rate-*")))
     same = all(table == first for table in rest)
@@ -78,7 +80,10 @@ def rates(folder: Path) -> None:
 
 
 def finished(process: subprocess.Popen[bytes]) -> float:
-    """Wait for a sweep; its processor time [s], that of its workers included, which are ours once it has ended."""
+    """Wait for a sweep, and return its processor time [s].
+
+    It includes that of its workers, which are children of this process once the sweep has ended.
+    """
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert process.wait() in (0, 1), f"exit status {process.returncode}"
     with contextlib.suppress(ChildProcessError):
@@ -89,7 +94,7 @@ def finished(process: subprocess.Popen[bytes]) -> float:
 
 
 def kills(folder: Path) -> None:
-    """kill -9 in mid-sweep, then the same command again; each table against that of a sweep left alone."""
+    """Compare sweeps after kill -9 with an undisturbed one."""
     sweep(folder / "kill-nothing", *KILLED).wait()
     whom: dict[str, Callable[[int, list[int]], list[int]]] = {
         "a worker": lambda client, below: below[-1:],
@@ -104,19 +109,19 @@ def kills(folder: Path) -> None:
         for victim in victims(process.pid, workers_of(process.pid)):
             with contextlib.suppress(ProcessLookupError):
                 os.kill(victim, signal.SIGKILL)
-        kept = count(place / RECORDS)
+        rows_before = count(place / RECORDS)
         status = process.wait()
         if status < 0:
             sweep(place, *KILLED).wait()
-        found = sweep_rows(place)
-        once = [line["run"] for line in found] == list(range(300))
-        right = found == sweep_rows(folder / "kill-nothing")
+        rows_after = sweep_rows(place)
+        once = [line["run"] for line in rows_after] == list(range(300))
+        right = rows_after == sweep_rows(folder / "kill-nothing")
         verdict = "every row once, none lost, none wrong" if once and right else "ROWS LOST OR WRONG"
-        row(f"kill -9 of {name}, after {kept} of 300 rows", "all rows, once", verdict)
+        row(f"kill -9 of {name}, after {rows_before} of 300 rows", "all rows, once", verdict)
 
 
 def workers_of(pid: int) -> list[int]:
-    """Worker processes of this process: those that its server has forked."""
+    """Worker processes of this process, forked by its server."""
     with contextlib.suppress(psutil.NoSuchProcess):
         return sorted(child.pid for server in psutil.Process(pid).children() for child in server.children())
     return []

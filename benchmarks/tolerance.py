@@ -44,12 +44,7 @@ def draw(seed: int, number: int) -> tuple[tuple[str, ...], float]:
 
 
 def limit(changes: tuple[str, ...], outcome: Any) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Return the flexible plate's five quantities on a far finer mesh, and the failed checks of that run.
-
-    Elements are quadratic, at least twice as many in each direction as in the chosen mesh. With friction, damping
-    suppresses the flutter of the finer mesh, and is increased until it does; slow motion is hardly affected. Where no
-    damping is enough the modal model of that mesh, which does not flutter, replaces it.
-    """
+    """Return the plate's quantities on a finer mesh, and failed checks."""
     from tailslap.case.check import failed_names
     from tailslap.modal_run import modal_run
 

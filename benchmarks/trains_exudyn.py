@@ -1,12 +1,4 @@
-"""Impulses of rigid trains beside Exudyn's, whose bodies are joined by revolute joints.
-
-    pip install exudyn
-    .venv/bin/python benchmarks/trains_exudyn.py [--step 5e-5]
-
-Three trains, each without and with friction. Exudyn integrates bodies and joints by the implicit trapezoidal rule;
-crush and friction are forces of its user functions, written for this comparison. A row for each corner that strikes:
-its impulse over the whole impact by both, and the difference. Exit status 1 where one is above 1e-3 of the largest.
-"""
+"""Impulses of rigid trains beside those of Exudyn."""
 
 import math
 import sys
@@ -50,10 +42,10 @@ def own_impulses(name: str, friction: float) -> dict[str, float]:
     """Impulse of each corner by the program [N s]."""
     vehicle, law, trailers = train_of(name, friction)
     state = first_touch(vehicle, ANGLE, SPEED, trailers)
-    found: dict[str, float] = {}
+    impulses: dict[str, float] = {}
     for strike in solve_impact(vehicle, law, state, END, tolerance=1e-6, trailers=trailers).strikes:
-        found[strike.corner] = found.get(strike.corner, 0.0) + strike.impulse
-    return found
+        impulses[strike.corner] = impulses.get(strike.corner, 0.0) + strike.impulse
+    return impulses
 
 
 class Corner:
@@ -68,7 +60,10 @@ class Corner:
         return mbs.GetObjectOutputBody(self.body, kind, self.place, self.exu.ConfigurationType.Current)
 
     def normal(self, depth: float) -> float:
-        """Return the force, loading along k d, unloading along the line that returns e^2 of the energy."""
+        """Return the force along the lines of loading and unloading.
+
+        Loading has the slope k; unloading returns e^2 of the energy.
+        """
         deepest = max(self.deepest, depth)
         if deepest <= 0.0:
             return 0.0
@@ -104,18 +99,18 @@ def exudyn_impulses(name: str, friction: float, step: float) -> dict[str, float]
     container = exu.SystemContainer()
     mbs, corners, numbers = container.AddSystem(), dict[str, Corner](), []
     states = lined_up(state, distances(vehicle, trailers))
-    for unit, (body, own) in enumerate(zip(bodies, states, strict=True)):
-        x, y, theta, u, v, w = own.tolist()
+    for unit, (body, initial) in enumerate(zip(bodies, states, strict=True)):
+        x, y, theta, u, v, w = initial.tolist()
         node = items.NodeRigidBody2D(referenceCoordinates=[x, y, -theta], initialVelocities=[u, v, w])
         inertia = {"mass": body.mass, "inertia": body.inertia}
         numbers.append(mbs.AddObject(items.ObjectRigidBody2D(nodeNumber=mbs.AddNode(node), **inertia)))
         ahead = (body.front_distance, body.front_distance - body.length)
         for number, corner in enumerate(CORNERS):
             place = [ahead[number % 2], (-0.5 if number < 2 else 0.5) * body.width, 0.0]
-            made = Corner(exu, numbers[-1], place, laws[unit])
+            spring_corner = Corner(exu, numbers[-1], place, laws[unit])
             marker = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=numbers[-1], localPosition=place))
-            mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=made.load))
-            corners[corner_name(unit, CORNERS.index(corner))] = made
+            mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=spring_corner.load))
+            corners[corner_name(unit, CORNERS.index(corner))] = spring_corner
     for unit, trailer in enumerate(trailers):
         ends = (bodies[unit].front_distance - trailer.hitch, trailer.vehicle.front_distance - trailer.kingpin)
         places = [
@@ -145,11 +140,11 @@ def main() -> int:
     step, worst = command_line.options(__doc__, step=5e-5).step, 0.0
     for name in TRAINS:
         for friction in (0.0, 0.47):
-            own, other = own_impulses(name, friction), exudyn_impulses(name, friction, step)
-            largest = max(own.values())
+            ours, other = own_impulses(name, friction), exudyn_impulses(name, friction, step)
+            largest = max(ours.values())
             print(f"{name}, friction {friction:g}")
-            for corner in sorted({*own, *other}):
-                one, two = own.get(corner, 0.0), other.get(corner, 0.0)
+            for corner in sorted({*ours, *other}):
+                one, two = ours.get(corner, 0.0), other.get(corner, 0.0)
                 off = (one - two) / largest
                 worst = max(worst, abs(off))
                 print(f"  {corner:<22}{one / 1e3:10.4f}{two / 1e3:10.4f} kN s  {off:+.1e}")

@@ -33,7 +33,7 @@ Record = dict[str, Any]
 
 
 def plan_of(changes: tuple[str, ...]) -> Any:
-    """Return the case of the scene with these changes, its wall long enough."""
+    """Return the case with changes, on a wall of sufficient length."""
     return corner_case(SCENE, "wall=", *changes)
 
 
@@ -85,7 +85,7 @@ def judged(changes: tuple[str, ...]) -> Record:
 
 
 def against_finer(changes: tuple[str, ...]) -> Record:
-    """Run the scene, and measure its distance from a run on more, quadratic elements."""
+    """Run the scene, and compare with more, quadratic elements."""
     record = judged((*changes, "plate.elements=[20, 6]"))
     finer = judged((*changes, "plate.elements=[30, 4]", "plate.element=quad9"))
     record |= {"from_finer": math.inf, "finer_failed": finer["failed"]}

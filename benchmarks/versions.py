@@ -32,7 +32,7 @@ SMALL = 1e-12
 
 
 def environment(folder: Path, oldest: bool) -> str:
-    """Make a virtual environment with the oldest or newest dependencies, and return its interpreter."""
+    """Make an environment with oldest or newest dependencies."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     names = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
     names = [name.replace(">=", "==") if oldest else name for name in names]
@@ -49,9 +49,9 @@ def summaries(python: str, folder: Path) -> dict[str, dict[str, float]]:
     numbers = {}
     for scene in SCENES:
         line = [python, "-m", "tailslap", "run", scene, "--no-pictures", "--out", str(folder / scene)]
-        done = subprocess.run(line, env={**os.environ, "PYTHONPATH": str(ROOT)}, cwd=folder, check=False)
-        if done.returncode:
-            sys.exit(f"{scene} ends with {done.returncode}")
+        process = subprocess.run(line, env={**os.environ, "PYTHONPATH": str(ROOT)}, cwd=folder, check=False)
+        if process.returncode:
+            sys.exit(f"{scene} ends with {process.returncode}")
         summary = json.loads((folder / scene / "summary.json").read_text())
         values: Any = leaves({name: summary[name] for name in COMPARED})
         numbers[scene] = {name: value for name, value in values if isinstance(value, float)}

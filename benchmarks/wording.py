@@ -1,11 +1,12 @@
-"""Print how the sources read: words of no textbook, summary lines, local names, constants below definitions, Any.
+"""Print how the sources read.
 
     .venv/bin/python benchmarks/wording.py [--files] [--random N] [--seed N] [PATH ...]
 
-With --files every occurrence is listed with its line, with --random N summary lines are drawn at random. Paths
-restrict the count to files and folders of the packages, tests and benchmarks.
+Counted are words of no textbook, first lines of docstrings, local names, constants below definitions and Any. With
+--files every occurrence is listed with its line, with --random N first lines are drawn at random. Paths restrict the
+count to files and folders of the packages, tests and benchmarks.
 
-The list of words is the only one of the project; test_words.py and test_style.py apply it.
+The list of words is the only one of the project; test_words.py applies it.
 """
 
 from __future__ import annotations
@@ -65,9 +66,9 @@ LONGEST_SUMMARY = 12
 
 
 def private_words(text: str, words: Mapping[str, str] = PRIVATE | RETIRED) -> list[str]:
-    """List the private words of a text in their context, with standard ones."""
+    """List the private words of a text with standard ones."""
     text = re.sub(r"`[^`\n]*`|\s+", " ", text)
-    patterns = ((re.compile(rf"\b(?:{each})\b", re.IGNORECASE), standard) for each, standard in words.items())
+    patterns = ((re.compile(rf"\b(?:{word})\b", re.IGNORECASE), standard) for word, standard in words.items())
     matches = ((match, standard) for pattern, standard in patterns for match in pattern.finditer(text))
     return [f"{text[max(0, m.start() - 30) : m.end() + 30]!r}: {standard}" for m, standard in matches]
 
@@ -89,12 +90,12 @@ def comments(text: str) -> Iterator[tuple[int, str]]:
 
 
 def descriptions(text: str) -> list[tuple[int, str]]:
-    """List line numbers and texts of the docstrings and comments of a module."""
+    """List line numbers and texts of docstrings and comments."""
     return [*((node.lineno, str(node.value)) for node in docstrings(ast.parse(text))), *comments(text)]
 
 
 def summaries(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Yield line numbers and summary lines, up to the first blank line, of modules, classes and functions."""
+    """Yield line numbers and first paragraphs of docstrings."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             text = ast.get_docstring(node)
@@ -103,14 +104,21 @@ def summaries(tree: ast.AST) -> Iterator[tuple[int, str]]:
 
 
 def assigned_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Yield line numbers and names of variables that are assigned."""
+    """Yield line numbers and names of arguments and assigned variables.
+
+    Fields of records are not among them: files and the interface have their names.
+    """
+    bodies = [node.body for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    fields = {id(item.target) for body in bodies for item in body if isinstance(item, ast.AnnAssign)}
     for node in ast.walk(tree):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and id(node) not in fields:
             yield node.lineno, node.id
+        elif isinstance(node, ast.arg):
+            yield node.lineno, node.arg
 
 
 def late_constants(tree: ast.Module) -> Iterator[tuple[int, str]]:
-    """Yield constants in capitals that a module declares below its first function or class."""
+    """Yield constants in capitals below a function or class."""
     defined = False
     for node in tree.body:
         defined |= isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef)
@@ -122,55 +130,67 @@ def late_constants(tree: ast.Module) -> Iterator[tuple[int, str]]:
             yield from ((node.lineno, name) for name in names if name.isupper() and not name.startswith("__"))
 
 
-def any_annotations(tree: ast.AST) -> Iterator[int]:
-    """Yield line numbers where `Any` is used."""
-    yield from (node.lineno for node in ast.walk(tree) if isinstance(node, ast.Name) and node.id == "Any")
-
-
 def sources(paths: list[Path]) -> list[Path]:
-    """List the Python files below paths, by default those of packages, tests and benchmarks."""
+    """List the Python files below paths, by default all."""
     folders = paths or [ROOT / name for name in (*PACKAGES, "tests", "benchmarks")]
     return sorted(file for path in folders for file in (path.rglob("*.py") if path.is_dir() else [path]))
 
 
+def is_long(summary: str) -> bool:
+    """Return True for a line of many words or two parts."""
+    return len(summary.split()) > LONGEST_SUMMARY or bool(re.search("[;:]", summary))
+
+
+def occurrences(path: Path) -> dict[str, list[str]]:
+    """List the places of a file by what is wrong with them."""
+    text = path.read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    lines = {
+        "private words": [(n, word) for n, words in descriptions(text) for word in private_words(words)],
+        "long first lines": [(n, summary) for n, summary in summaries(tree) if is_long(summary)],
+        "vague names": [(n, name) for n, name in assigned_names(tree) if name in VAGUE_NAMES],
+        "late constants": list(late_constants(tree)),
+        "Any": [(n.lineno, "") for n in ast.walk(tree) if isinstance(n, ast.Name) and n.id == "Any"],
+    }
+    place = path.relative_to(ROOT)
+    return {kind: [f"{place}:{n}: {words}" for n, words in entries] for kind, entries in lines.items()}
+
+
+def print_figures(name: str, paths: list[Path], is_listed: bool) -> None:
+    """Print the figures of some files, and on request every occurrence."""
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
+    lines = [summary for tree in trees for _, summary in summaries(tree)]
+    lengths = sorted(len(summary.split()) for summary in lines) or [0]
+    names = sum(1 for tree in trees for _ in assigned_names(tree))
+    places = [occurrences(path) for path in paths]
+    counts = {kind: sum(len(entries[kind]) for entries in places) for kind in places[0]}
+    late_files = sum(bool(entries["late constants"]) for entries in places)
+    print(f"{name}: {len(paths)} files")
+    print(f"  private words in docstrings and comments: {counts['private words']}")
+    middle, most = statistics.median(lengths), lengths[int(0.9 * (len(lengths) - 1))]
+    words = f"words: median {middle:.0f}, nine in ten {most}"
+    print(f"  first lines: {len(lines)}; {words}; long or of two parts: {counts['long first lines']}")
+    print(f"  vague names: {counts['vague names']} of {names} arguments and assigned variables")
+    print(f"  files with constants below a definition: {late_files}; Any: {counts['Any']}")
+    if is_listed:
+        print("\n".join(entry for entries in places for kind in entries.values() for entry in kind))
+
+
 def main() -> None:
-    """Print the counts, and on request every occurrence."""
+    """Print the figures of packages, tests and benchmarks, or of paths."""
     options = command_line.options(__doc__, ("paths", []), files=False, random=0, seed=1)
-    listed: dict[str, list[str]] = {"private words": [], "vague names": [], "late constants": [], "Any": []}
-    lines: list[tuple[str, str]] = []
-    names, late_files = 0, set()
-    for path in sources([Path(path).resolve() for path in options.paths]):
-        text, place = path.read_text(encoding="utf-8"), path.relative_to(ROOT)
-        tree = ast.parse(text)
-        for line, words in descriptions(text):
-            listed["private words"] += [f"{place}:{line}: {word}" for word in private_words(words)]
-        packaged = place.parts[0] in PACKAGES
-        for line, name in assigned_names(tree):
-            names += packaged
-            if name in VAGUE_NAMES and packaged:
-                listed["vague names"].append(f"{place}:{line}: {name}")
-        if packaged:
-            late = [f"{place}:{line}: {name}" for line, name in late_constants(tree)]
-            late_files |= {place} if late else set()
-            listed["late constants"] += late
-            listed["Any"] += [f"{place}:{line}" for line in any_annotations(tree)]
-            lines += [(f"{place}:{line}", summary) for line, summary in summaries(tree)]
-    lengths = sorted(len(summary.split()) for _, summary in lines) or [0]
-    joined = sum(bool(re.search("[;:]", summary)) for _, summary in lines)
-    print(f"private words in docstrings and comments: {len(listed['private words'])}")
-    print(
-        f"summary lines: {len(lines)}; words: median {statistics.median(lengths):.0f}, nine in ten "
-        f"{lengths[int(0.9 * (len(lengths) - 1))]}; with ; or : {100 * joined / max(1, len(lines)):.1f} %"
-    )
-    vague = listed["vague names"]
-    print(f"vague names: {len(vague)} of {names} assigned ({100 * len(vague) / max(1, names):.1f} %)")
-    print(f"files with constants below a definition: {len(late_files)}")
-    print(f"Any: {len(listed['Any'])}")
-    if options.files:
-        print("\n".join(entry for entries in listed.values() for entry in entries))
-        for source, summary in lines:
-            if len(summary.split()) > LONGEST_SUMMARY or re.search("[;:]", summary):
-                print(f"{source}: {summary}")
+    folders = {"packages": [ROOT / name for name in PACKAGES]}
+    folders |= {name: [ROOT / name] for name in ("tests", "benchmarks")}
+    if options.paths:
+        folders = {"paths": [Path(path).resolve() for path in options.paths]}
+    for name, paths in folders.items():
+        print_figures(name, sources(paths), options.files)
+    files = [path for paths in folders.values() for path in sources(paths)]
+    lines = [
+        (f"{path.relative_to(ROOT)}:{n}", summary)
+        for path in files
+        for n, summary in summaries(ast.parse(path.read_text(encoding="utf-8")))
+    ]
     for source, summary in random.Random(options.seed).sample(lines, min(options.random, len(lines))):
         print(f"{source}: {summary}")
 

@@ -1,4 +1,4 @@
-"""Fixtures of all tests: scenes run once a session, models of a few numbers."""
+"""Fixtures of all tests, as scenes run once and small models."""
 
 import functools
 import os
@@ -29,14 +29,14 @@ LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}
 
 
 def pytest_configure() -> None:
-    """Commands that the tests interrupt are to hear it, also where a shell has started the tests in the background."""
+    """Let interrupted commands receive SIGINT, also from a background shell."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """A test's folder is its marker: verification, validation or regression."""
+    """Mark a test by its folder, verification, validation or regression."""
     for item in items:
         item.add_marker(item.path.parent.name)
 
@@ -48,7 +48,7 @@ def _outcome(name: str, changes: tuple[str, ...]) -> Any:
 
 @pytest.fixture(scope="session", autouse=True)
 def temporary_folder(tmp_path_factory):
-    """Have all that processes which are killed leave in the temporary folder be where pytest removes it."""
+    """Let killed processes leave their files where pytest removes them."""
     place, before = tmp_path_factory.mktemp("t"), tempfile.tempdir
     os.environ["TMPDIR"] = tempfile.tempdir = str(place)
     yield
@@ -58,7 +58,7 @@ def temporary_folder(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def outcome():
-    """Run a scene with changes; each combination runs once a session."""
+    """Run a scene with changes, each combination once a session."""
     return lambda name, *changes: _outcome(name, changes)
 
 
@@ -66,9 +66,9 @@ def outcome():
 def refused():
     """Key of the wrong input that a call ends with."""
 
-    def key(function: Any, *given: Any) -> str:
+    def key(function: Any, *arguments: Any) -> str:
         with pytest.raises(InputError) as caught:
-            function(*given)
+            function(*arguments)
         return caught.value.key
 
     return key
@@ -76,7 +76,10 @@ def refused():
 
 @pytest.fixture(scope="session")
 def python():
-    """Run code in another process of Python, with options of Python's and settings of `subprocess.run`."""
+    """Run code in another process of Python, with its options.
+
+    settings: of `subprocess.run`.
+    """
 
     def run(code, *options, **settings):
         command = [sys.executable, *options, "-c", code]
@@ -87,13 +90,13 @@ def python():
 
 @pytest.fixture(scope="session")
 def besides_compiling():
-    """Remove the messages of compilation, which depends on earlier tests, from standard error."""
+    """Remove messages of compilation, which depend on earlier tests."""
     return lambda said: re.sub(r"tailslap: (compil|waiting).*\n", "", said)
 
 
 @pytest.fixture(scope="session")
 def plate_model():
-    """Model of the paper's steel plate, or of one that differs in what is given."""
+    """Model of the paper's steel plate, with changes."""
 
     def build(
         elements: tuple[int, int] = (20, 6), reaction: str = "none", mesh: Any = None,
@@ -110,12 +113,15 @@ def plate_model():
 
 @pytest.fixture
 def distorted_mesh():
-    """Displace the inner nodes of the plate by up to a fifth of an element."""
+    """Displace inner nodes of the plate by a fifth of an element."""
     return distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4))
 
 
 class Shown(HTMLParser):
-    """Words of a page in one system of units, without header, set-up, inputs and charts in the other system."""
+    """Words of a page in one system of units.
+
+    Header, set-up, inputs and charts in the other system are omitted.
+    """
 
     def __init__(self, html, system):
         super().__init__()
@@ -150,5 +156,8 @@ class Shown(HTMLParser):
 
 @pytest.fixture(scope="session")
 def words_of():
-    """Return the words of the page in a folder in one system of units."""
+    """Return a function from a folder to the words of its page.
+
+    Words are those of one system of units.
+    """
     return lambda place, system: Shown((place / "report.html").read_text(encoding="utf-8"), system).words

@@ -1,4 +1,4 @@
-"""Charts of a page: that something is drawn in each, that no word is cut, and none stands on another."""
+"""Faults of charts on a page, as cut or overlapping words."""
 
 from __future__ import annotations
 

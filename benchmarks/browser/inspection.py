@@ -14,7 +14,10 @@ LARGEST_MB = 3.0
 
 
 def faults(browser: Any, path: Path, widths: Sequence[int] = WIDTHS) -> dict[str, list[str]]:
-    """Return the faults of a page by kind, on screens of these widths [pixels] and on paper."""
+    """Return the faults of a page by kind.
+
+    widths: of screens [pixels], besides paper.
+    """
     size = path.stat().st_size / 1e6
     by_kind: dict[str, list[str]] = {
         "no scripts": _without_scripts(browser, path),

@@ -1,4 +1,4 @@
-"""A page printed on A4: every table cell, heading and caption must be in the text of the PDF, inside of its paper."""
+"""Cells, headings and captions of a page printed on A4."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TEXTS = """() => {
 
 @dataclass(frozen=True)
 class Printed:
-    """Text of a PDF without blanks, its number of pages, and words that begin outside of the paper."""
+    """Text of a PDF, its pages, and words outside of the paper."""
 
     text: str
     pages: int
@@ -35,7 +35,7 @@ class Printed:
 
 
 def bare(text: str) -> str:
-    """Letters as a PDF may have them: ligatures and superscripts taken apart, without blanks."""
+    """Letters without blanks, ligatures and superscripts."""
     return "".join(unicodedata.normalize("NFKC", text).split())
 
 
@@ -61,24 +61,24 @@ def _collector(page: Any, outside: list[str]) -> Any:
 
 
 def missing(page: Any) -> list[str]:
-    """Cells, headings and captions of an opened page that its PDF has not."""
+    """Cells, headings and captions of a page missing in its PDF."""
     texts = page.evaluate(TEXTS)
     printed = read_pdf(page.pdf(prefer_css_page_size=True, print_background=True))
     lost = [text for text in texts["others"] if bare(text) not in printed.text]
-    found = [f"not on paper: {text.strip()[:60]}" for text in lost]
-    found += [f"outside of the paper: {text[:60]}" for text in printed.outside]
-    return found + list(_lost_cells(texts["tables"], printed.text))
+    faults = [f"not on paper: {text.strip()[:60]}" for text in lost]
+    faults += [f"outside of the paper: {text[:60]}" for text in printed.outside]
+    return faults + list(_lost_cells(texts["tables"], printed.text))
 
 
 def _lost_cells(tables: list[dict[str, Any]], text: str) -> Iterator[str]:
-    """Cells are painted in order, page by page: each is looked for behind the one before."""
+    """Cells are in order, each behind the one before."""
     at = 0
     for table in tables:
         cells = list(filter(None, map(bare, table["cells"])))
         at = max(at, text.find("".join(cells[:BEGINNING]), at))
         for cell in cells:
-            found = text.find(cell, at, at + FAR)
-            if found < 0:
+            place = text.find(cell, at, at + FAR)
+            if place < 0:
                 yield f'not on paper, of table "{table["name"].strip()[:40]}": {cell[:40]}'
             else:
-                at = found + len(cell)
+                at = place + len(cell)

@@ -1,4 +1,4 @@
-"""Accessibility of a page by axe-core, its width, and numbers broken across lines."""
+"""Accessibility of a page, its width, and broken numbers."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ BROKEN = """() => {
 
 
 def violations(page: Any) -> list[str]:
-    """List the rules of axe-core, best practice included, that a page breaks, with the first element."""
+    """List the rules of axe-core that a page breaks, with elements."""
     from axe_playwright_python.sync_playwright import Axe
 
-    found = Axe().run(page).response["violations"]
-    return [f"axe {each['id']}: {each['help']}, {each['nodes'][0]['html'][:120]}" for each in found]
+    violations = Axe().run(page).response["violations"]
+    return [f"axe {rule['id']}: {rule['help']}, {rule['nodes'][0]['html'][:120]}" for rule in violations]
 
 
 def outside(page: Any) -> list[str]:

@@ -43,33 +43,36 @@ def opened(
     scripts: bool = True,
     is_paper: bool = False,
 ) -> Iterator[Opened]:
-    """Open a page with all folded parts; width in pixels, is_paper: in the layout of paper."""
+    """Open a page with all folded parts.
+
+    width: in pixels; is_paper: in the layout of paper.
+    """
     view = {"width": width, "height": 900}
     context = browser.new_context(viewport=view, color_scheme=scheme, java_script_enabled=scripts)
     try:
-        found = Opened(context.new_page())
+        session = Opened(context.new_page())
         address = path.resolve().as_uri()
-        _listen(found, address)
+        _listen(session, address)
         if is_paper:
-            found.page.emulate_media(media="print")
-        found.page.goto(address)
-        found.page.evaluate(
+            session.page.emulate_media(media="print")
+        session.page.goto(address)
+        session.page.evaluate(
             "() => document.querySelectorAll('details').forEach((part) => (part.open = true))"
         )
-        yield found
+        yield session
     finally:
         context.close()
 
 
-def _listen(found: Opened, address: str) -> None:
-    def message(said: Any) -> None:
-        if said.type in ("error", "warning"):
-            found.errors.append(said.text)
+def _listen(session: Opened, address: str) -> None:
+    def message(entry: Any) -> None:
+        if entry.type in ("error", "warning"):
+            session.errors.append(entry.text)
 
-    def request(asked: Any) -> None:
-        if asked.url != address and not asked.url.startswith("data:"):
-            found.requests.append(asked.url)
+    def request(sent: Any) -> None:
+        if sent.url != address and not sent.url.startswith("data:"):
+            session.requests.append(sent.url)
 
-    found.page.on("console", message)
-    found.page.on("pageerror", lambda error: found.errors.append(str(error)))
-    found.page.on("request", request)
+    session.page.on("console", message)
+    session.page.on("pageerror", lambda error: session.errors.append(str(error)))
+    session.page.on("request", request)

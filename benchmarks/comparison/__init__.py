@@ -1,1 +1,1 @@
-"""Parts of peers.py: what is compared, how it is run, what of an error is whose, table and picture."""
+"""Parts of peers.py."""

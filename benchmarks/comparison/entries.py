@@ -33,7 +33,7 @@ SMALL, LARGE = 1000, 100_000
 
 @dataclass(frozen=True)
 class Mesh:
-    """A plate with its exact motion and that of a rigid body with its row-sum masses."""
+    """A plate with exact motions, of row-sum masses too."""
 
     plate: Plate
     distortion: float
@@ -50,7 +50,7 @@ class Mesh:
 
 @dataclass
 class Entry:
-    """Code on a mesh, None for rigid bodies, its measurement and the turns."""
+    """Code on a mesh, its measurement and the turns."""
 
     code: str
     mesh: Mesh | None
@@ -70,8 +70,8 @@ class Entry:
     @property
     def values(self) -> np.ndarray | None:
         """Quantities, equal in all turns."""
-        found = self.turns[-1].values if self.turns else None
-        return None if found is None else np.array(found)
+        values = self.turns[-1].values if self.turns else None
+        return None if values is None else np.array(values)
 
     @property
     def error(self) -> float:
@@ -80,21 +80,21 @@ class Entry:
 
     @property
     def by_masses(self) -> float:
-        """Part of the error by the inertia of row-sum masses, zero of exact masses."""
+        """Error by the inertia of row-sum masses."""
         if self.mesh is None or self.code not in SAME_MODEL:
             return 0.0
         return distance(self.mesh.lumped, self.exact)
 
     @property
     def by_flexibility(self) -> float:
-        """The other part: of a plate its flexibility, of a rigid body the integration."""
+        """Error by flexibility of a plate, by integration of rigid bodies."""
         if self.values is None:
             return NAN
         lumped = self.mesh is not None and self.code in SAME_MODEL
         return distance(self.values, self.mesh.lumped if self.mesh and lumped else self.exact)
 
     def median(self, part: str) -> float:
-        """Of the turns' seconds: whole, setup, loop or rest."""
+        """Seconds of the turns, of the process or a part."""
         return statistics.median(getattr(turn, part) for turn in self.turns) if self.turns else NAN
 
 
@@ -122,7 +122,7 @@ def rigid_entries(plate: Plate, interpreter: str | None, limit: float) -> list[E
 
 
 def plate_entries(mesh: Mesh, interpreter: str | None, limit: float) -> list[Entry]:
-    """Rows of one mesh; where ours alone is shown, it is the command as it stands."""
+    """Rows of one mesh, with the command alone where requested."""
     plate, settings = mesh.plate, {COMMAND: (), EXACT: EXACT_CORNER, ALIKE: AS_THE_OTHERS}
     is_compared = plate.elements not in ((10, 3), (40, 12))
     entries = [
@@ -145,13 +145,13 @@ def _script(interpreter: str | None, script: str, plate: Plate, expected: float,
 
 
 def turns_of(entry: Entry, turns: int) -> int:
-    """Rounds in which an entry takes part: half or a quarter of them on large meshes."""
+    """Rounds of an entry, fewer on large meshes."""
     count = entry.mesh.plate.count if entry.mesh else 0
     return turns if count <= SMALL else math.ceil(turns / (2 if count < LARGE else 4))
 
 
 def run_rounds(entries: Iterable[Entry], turns: int) -> None:
-    """Measure all in turn, after a round of the small ones that counts for nothing, for what is compiled and cached."""
+    """Measure all in turn, after a round of the small ones."""
     listed = list(entries)
     print("a round of the small meshes for what is compiled and cached", file=sys.stderr, flush=True)
     for entry in listed:
@@ -166,9 +166,9 @@ def run_rounds(entries: Iterable[Entry], turns: int) -> None:
 
 
 def apart(entry: Entry, entries: Iterable[Entry]) -> float:
-    """Largest relative distance from the other codes that run the same model on this mesh."""
-    others = [other for other in entries if other is not entry and other.code in SAME_MODEL]
-    found = [other.values for other in others if other.mesh is entry.mesh and other.values is not None]
-    if entry.values is None or entry.code not in SAME_MODEL or not found:
+    """Largest relative distance from codes of the same model."""
+    peers = [other for other in entries if other is not entry and other.code in SAME_MODEL]
+    values = [other.values for other in peers if other.mesh is entry.mesh and other.values is not None]
+    if entry.values is None or entry.code not in SAME_MODEL or not values:
         return NAN
-    return max(distance(entry.values, values) for values in found)
+    return max(distance(entry.values, values) for values in values)

@@ -41,8 +41,8 @@ class Point(NamedTuple):
 
 
 def points(entries: Sequence[Entry], is_distorted: bool) -> list[Point]:
-    """Of the whole event on either kind of mesh; rigid bodies are among the even ones."""
-    found = []
+    """Points of one kind of mesh, rigid bodies among even ones."""
+    chart_points = []
     for entry in entries:
         mesh, is_reckoned = entry.mesh, entry.values is None
         if (mesh is not None and mesh.distortion > 0.0) != is_distorted or not entry.turns:
@@ -50,12 +50,14 @@ def points(entries: Sequence[Entry], is_distorted: bool) -> list[Point]:
         error = _error_of_model(entry, entries) if is_reckoned else entry.error
         if math.isfinite(error) and (mesh is None or mesh.plate.angle == ANGLE):
             count = mesh.plate.count if mesh else 0
-            found.append(Point(entry.code, count, entry.median("whole"), max(error, FLOOR), is_reckoned))
-    return found
+            chart_points.append(
+                Point(entry.code, count, entry.median("whole"), max(error, FLOOR), is_reckoned)
+            )
+    return chart_points
 
 
 def _error_of_model(entry: Entry, entries: Sequence[Entry]) -> float:
-    """That of the other codes on this mesh, for one that has none of its own."""
+    """Error of the other codes on this mesh, for one without."""
     same = [other.error for other in entries if other.mesh is entry.mesh and other.code in SAME_MODEL]
     return next((error for error in same if math.isfinite(error)), math.nan)
 
@@ -64,24 +66,24 @@ def draw(entries: Sequence[Entry]) -> Chart:
     """Equal rectangles above, distorted elements below."""
     plots = []
     for is_distorted, shape in ((False, "equal rectangles"), (True, "distorted elements")):
-        found = points(entries, is_distorted)
-        if found:
-            axis = _axis(f"largest error of five, {shape}", [point.error for point in found])
-            plots.append(Plot(tuple(_marks(found)), axis, 240.0, nearest="xy"))
+        shown_points = points(entries, is_distorted)
+        if shown_points:
+            axis = _axis(f"largest error of five, {shape}", [point.error for point in shown_points])
+            plots.append(Plot(tuple(_marks(shown_points)), axis, 240.0, nearest="xy"))
     caption = "Error at the tail-slap against the time of the whole process; numbers are elements"
     return draw_chart("peers", caption, plots, Axis("whole process [s]", is_log=True), width=WIDTH)
 
 
 def _axis(label: str, errors: Sequence[float]) -> Axis:
-    """From half a power of ten below the least error to the one above the largest."""
+    """Range of the axis in half powers of ten."""
     low, high = math.floor(math.log10(min(errors))), math.ceil(math.log10(max(errors)))
     return Axis(label, 10.0 ** (low - 0.5), 10.0**high, is_log=True)
 
 
-def _marks(found: Sequence[Point]) -> list[Mark]:
+def _marks(chart_points: Sequence[Point]) -> list[Mark]:
     marks: list[Mark] = []
     for code, colour in COLOURS.items():
-        members = [point for point in found if point.code == code]
+        members = [point for point in chart_points if point.code == code]
         ended = [point for point in members if not point.is_reckoned]
         if ended:
             marks.append(_line(code, ended, colour, ""))

@@ -1,4 +1,4 @@
-"""One process: our command, or a script of another code; its time, and the values at the tail-slap."""
+"""One process of this program or another code, with its time."""
 
 from __future__ import annotations
 
@@ -26,10 +26,7 @@ class NotMeasuredError(Exception):
 
 
 class Turn(NamedTuple):
-    """Seconds of a whole process, of its set-up and its loop; values at the tail-slap; version of the code.
-
-    There are no values where the loop was ended before and its time is estimated.
-    """
+    """Times [s], values at the tail-slap and version of a process."""
 
     whole: float
     setup: float
@@ -50,43 +47,43 @@ def run_command(plate: Plate, settings: Sequence[str], distortion: float, limit:
     with tempfile.TemporaryDirectory() as folder:
         arguments = ["run", SCENE, "--no-pictures", "--out", f"{folder}/out"]
         arguments += [word for change in changes for word in ("--set", change)]
-        whole, done = _tailslap(arguments, limit)
-        if "compiled in" in done.stderr:
-            whole, done = _tailslap([*arguments, "--force"], limit)
-        if done.returncode not in (0, 1):
-            raise NotMeasuredError(_last_line(done))
-        found = json.loads(Path(folder, "out", "summary.json").read_text(encoding="utf-8"))
-    cost, values = found["cost"], tuple(found["fe"][name] for name in QUANTITIES)
-    failed = ", ".join(check["name"] for check in found["checks"] if not check["passed"])
+        duration, process = _tailslap(arguments, limit)
+        if "compiled in" in process.stderr:
+            duration, process = _tailslap([*arguments, "--force"], limit)
+        if process.returncode not in (0, 1):
+            raise NotMeasuredError(_last_line(process))
+        summary = json.loads(Path(folder, "out", "summary.json").read_text(encoding="utf-8"))
+    cost, values = summary["cost"], tuple(summary["fe"][name] for name in QUANTITIES)
+    failed = ", ".join(check["name"] for check in summary["checks"] if not check["passed"])
     remark = f"{cost['steps']} steps"
-    if found.get("companions"):
+    if summary.get("companions"):
         remark += " and a run on another mesh, for its numerical error"
     remark += f"; failed: {failed}" if failed else ""
-    return Turn(whole, cost["setup_s"], cost["time_loop_s"], values, remark)
+    return Turn(duration, cost["setup_s"], cost["time_loop_s"], values, remark)
 
 
 def run_rigid() -> Turn:
     """`tailslap rigid`."""
-    whole, done = _tailslap(["rigid", SCENE, "--json"], 60.0)
-    if done.returncode:
-        raise NotMeasuredError(_last_line(done))
-    found = json.loads(done.stdout)["stage2"]
-    return Turn(whole, NAN, NAN, tuple(found[name] for name in QUANTITIES), "closed form")
+    duration, process = _tailslap(["rigid", SCENE, "--json"], 60.0)
+    if process.returncode:
+        raise NotMeasuredError(_last_line(process))
+    strike = json.loads(process.stdout)["stage2"]
+    return Turn(duration, NAN, NAN, tuple(strike[name] for name in QUANTITIES), "closed form")
 
 
 def run_script(interpreter: str, script: str, plate: Plate, expected: float, limit: float) -> Turn:
-    """A script of `other_codes` in its own environment, from the start to the tail-slap."""
+    """Run a script of `other_codes` in its environment."""
     task = [to_text(plate), "event", repr(expected), repr(limit)]
     command = [interpreter, "-m", f"other_codes.{script}", *task]
-    whole, done = _timed(command, _environment(), BENCHMARKS, 3.0 * limit)
-    answers = [line for line in done.stdout.splitlines() if line.startswith('{"version"')]
+    duration, process = _timed(command, _environment(), BENCHMARKS, 3.0 * limit)
+    answers = [line for line in process.stdout.splitlines() if line.startswith('{"version"')]
     if not answers:
-        raise NotMeasuredError(_last_line(done))
-    found: dict[str, Any] = json.loads(answers[0])
-    values, loop = found["values"], found["loop_s"]
-    remark = found["version"] + ("" if values else f"; loop estimated from {found['ran_s']:.0f} s")
-    whole += loop - found["ran_s"]
-    return Turn(whole, found["setup_s"], loop, tuple(values) if values else None, remark)
+        raise NotMeasuredError(_last_line(process))
+    answer: dict[str, Any] = json.loads(answers[0])
+    values, loop = answer["values"], answer["loop_s"]
+    remark = answer["version"] + ("" if values else f"; loop estimated from {answer['ran_s']:.0f} s")
+    duration += loop - answer["ran_s"]
+    return Turn(duration, answer["setup_s"], loop, tuple(values) if values else None, remark)
 
 
 def _tailslap(arguments: Sequence[str], limit: float) -> tuple[float, subprocess.CompletedProcess[str]]:
@@ -97,25 +94,25 @@ def _tailslap(arguments: Sequence[str], limit: float) -> tuple[float, subprocess
 
 
 def _environment() -> dict[str, str]:
-    """That of a user, with bytecode on disk, of this benchmark's own, and one thread."""
-    left_out = ("PYTHONDONTWRITEBYTECODE", "PYTHONPATH")
-    kept = {name: value for name, value in os.environ.items() if name not in left_out}
-    return kept | ONE_THREAD | {"PYTHONPYCACHEPREFIX": str(BYTECODE)}
+    """Environment of a user, with stored bytecode and one thread."""
+    removed = ("PYTHONDONTWRITEBYTECODE", "PYTHONPATH")
+    variables = {name: value for name, value in os.environ.items() if name not in removed}
+    return variables | ONE_THREAD | {"PYTHONPYCACHEPREFIX": str(BYTECODE)}
 
 
 def _timed(
     command: Sequence[str], environment: dict[str, str], folder: Path, most: float
 ) -> tuple[float, subprocess.CompletedProcess[str]]:
-    """Time on the clock of a process; none may take longer than `most` [s]."""
+    """Time of a process [s], limited to `most`."""
     began = time.perf_counter()
     try:
         settings: dict[str, Any] = {"cwd": folder, "env": environment, "timeout": most}
-        done = subprocess.run(command, capture_output=True, text=True, **settings)
+        process = subprocess.run(command, capture_output=True, text=True, **settings)
     except subprocess.TimeoutExpired:
         raise NotMeasuredError(f"took more than {most:.0f} s") from None
-    return time.perf_counter() - began, done
+    return time.perf_counter() - began, process
 
 
-def _last_line(done: subprocess.CompletedProcess[str]) -> str:
-    said = (done.stderr.strip() or "no answer").splitlines()[-1]
+def _last_line(process: subprocess.CompletedProcess[str]) -> str:
+    said = (process.stderr.strip() or "no answer").splitlines()[-1]
     return "not installed" if said.startswith("ModuleNotFoundError") else said

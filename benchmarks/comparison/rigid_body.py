@@ -14,7 +14,10 @@ POINTS = 40
 
 
 def rigid_values(plate: Plate, centre: np.ndarray, j: float) -> np.ndarray:
-    """The `QUANTITIES` at the tail-slap; centre [m] in the body's frame, j [m^2]."""
+    """The `QUANTITIES` of a body with this centre and inertia.
+
+    The centre is in the body's frame [m], j in m^2.
+    """
     r, gamma = float(np.hypot(*centre)), float(np.arctan2(centre[1], -centre[0]))
     first = plate.angle + gamma
 
@@ -37,7 +40,7 @@ def of_rectangle(plate: Plate) -> np.ndarray:
 
 
 def of_row_sums(plate: Plate) -> np.ndarray:
-    """Of a body with the centre and the inertia that the mesh's row-sum masses have."""
+    """The same of the centre and inertia of row-sum masses."""
     masses, body = plate.masses(), plate.body()
     centre = masses @ body / masses.sum()
     return rigid_values(plate, centre, float(masses @ ((body - centre) ** 2).sum(axis=1) / masses.sum()))

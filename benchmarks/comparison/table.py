@@ -47,7 +47,7 @@ def _seconds(spent: float) -> str:
 
 
 def agreement(entries: Sequence[Entry]) -> str:
-    """Return the largest distance of codes that run the same model, empty where fewer than two have ended."""
+    """Return the largest distance of codes of the same model."""
     ended = [entry for entry in entries if entry.code in SAME_MODEL and entry.values is not None]
     if len(ended) < 2:
         return ""
@@ -57,7 +57,7 @@ def agreement(entries: Sequence[Entry]) -> str:
 
 
 def ratios(entries: Sequence[Entry]) -> str:
-    """Return our whole time over the others', medians over the rounds, empty without others."""
+    """Return our time over the others', empty without others."""
     ours, *rest = entries
     texts = []
     for other in (entry for entry in rest if not entry.code.startswith("tailslap")):
@@ -68,7 +68,7 @@ def ratios(entries: Sequence[Entry]) -> str:
 
 
 def values_rows(members: Sequence[Entry]) -> list[tuple[str, ...]]:
-    """Return the five quantities of each code that has them, below those of the exact rigid motion."""
+    """Return the quantities of each code, below the exact ones."""
     named = [("exact", members[0].exact), *((entry.code, entry.values) for entry in members)]
     return [(name, *(f"{value:.10g}" for value in values)) for name, values in named if values is not None]
 

@@ -1,7 +1,4 @@
-"""The plate in Akantu: solid mechanics, explicit, lumped masses; see jobs.py.
-
-With `finite_deformation` its elastic material is St. Venant-Kirchhoff, total Lagrangian.
-"""
+"""The plate in Akantu as an explicit lumped solid."""
 
 from __future__ import annotations
 
@@ -24,7 +21,7 @@ MATERIAL = """material elastic [
 
 
 class AkantuPlate:
-    """The model at its start; the thickness cancels, Akantu's is one."""
+    """The model at its start, with Akantu's thickness of one."""
 
     version = aka.__version__
     velocity_lag = 0.0

@@ -1,12 +1,4 @@
-"""Both strikes of a steel plate that does not crush, in CalculiX by contact, beside this program's.
-
-    .venv/bin/python benchmarks/other_codes/calculix_strike.py [--elements 20 6] [--step 2e-5] [--penalty 1e12]
-
-The scene is examples/linear-truck.toml without crush and friction: the side meets a rigid wall, to 0.24 s. CalculiX:
-one layer of bricks, node-to-surface contact with a linear penalty [Pa/m], `*DYNAMIC` with fixed increments [s], of 1 ms
-between the strikes. Printed are impulse [N s] and spin [rad/s] after each strike, and their ratios to this program's.
-With too large a penalty CalculiX loses the contact without a message. 20 x 6 elements take two minutes, 40 x 12 six.
-"""
+"""Both strikes of a steel plate in CalculiX, beside this program's."""
 
 from __future__ import annotations
 
@@ -33,7 +25,7 @@ CHANGES = ("contact.stiffness=", "contact.restitution=", "contact.friction=0", "
 
 
 def deck(places: np.ndarray, cells: np.ndarray, side: np.ndarray, step: float, penalty: float) -> str:
-    """Input file; places: of the nodes of a layer [m], shape (nodes, 2); side: nodes that can touch the wall."""
+    """Input file of nodes [m], shape (nodes, 2), and of contact nodes."""
     n = len(places)
     wall = range(2 * n + 1, 2 * n + 9)
     layers = [(k + 1 + z * n, x, y, z * THICKNESS) for z in (0, 1) for k, (x, y) in enumerate(places)]
@@ -70,20 +62,20 @@ def in_calculix(elements: tuple[int, int], step: float, penalty: float) -> dict[
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "strike.inp").write_text(deck(places, cells, side, step, penalty))
         subprocess.run(["ccx", "strike"], cwd=folder, check=True, capture_output=True)
-        found = read_calculix(Path(folder) / "strike.dat")
+        nodes = read_calculix(Path(folder) / "strike.dat")
     both = np.tile(places, (2, 1)), np.tile(masses, 2)
-    return centre_of_mass_history(*both, found.t, found.displacements, found.velocities)
+    return centre_of_mass_history(*both, nodes.t, nodes.displacements, nodes.velocities)
 
 
 def main() -> None:
     """Print both."""
-    asked = command_line.options(__doc__, elements=(20, 6), step=2e-5, penalty=1e12)
-    other = in_calculix(tuple(asked.elements), asked.step, asked.penalty)
-    mesh = f"plate.elements=[{asked.elements[0]},{asked.elements[1]}]"
+    options = command_line.options(__doc__, elements=(20, 6), step=2e-5, penalty=1e12)
+    other = in_calculix(tuple(options.elements), options.step, options.penalty)
+    mesh = f"plate.elements=[{options.elements[0]},{options.elements[1]}]"
     changes = (*CHANGES, mesh, "verify.companion=false", "time.end=0.25 s")
-    own = tailslap.run(Path(__file__).parents[2] / "examples" / "linear-truck.toml", changes).history
+    vehicle = tailslap.run(Path(__file__).parents[2] / "examples" / "linear-truck.toml", changes).history
     for words, t in (("first strike", FIRST), ("both strikes", FIRST + FLIGHT + SECOND)):
-        states = [[np.interp(t, its["t"], its[name]) for name in ("v_gy", "omega")] for its in (other, own)]
+        states = [[np.interp(t, h["t"], h[name]) for name in ("v_gy", "omega")] for h in (other, vehicle)]
         (impulse, spin), (ours, turn) = [(MASS * (v + SPEED * np.sin(ANGLE)), w) for v, w in states]
         print(f"{words}: {impulse:.0f} N s, {spin:.4f} rad/s; ratios {impulse / ours:.4f}, {spin / turn:.4f}")
 

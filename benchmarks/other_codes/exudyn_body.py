@@ -1,7 +1,4 @@
-"""The plate as a rigid body in Exudyn: a corner in a sliding joint, generalized-alpha; see jobs.py.
-
-Its integrator asks for an end of the motion and keeps all instants in memory; the tail-slap is found in them.
-"""
+"""The plate as a rigid body in Exudyn."""
 
 from __future__ import annotations
 
@@ -51,7 +48,7 @@ class ExudynBody:
         return NodeRigidBody2D(referenceCoordinates=[x, y, -plate.angle], initialVelocities=velocity)
 
     def _slide(self, body: int) -> None:
-        """The corner on the wall; of the joint's markers the second has the normal, which is the wall's."""
+        """Join the corner to the wall, whose normal has the second marker."""
         wall = self.system.AddObject(ObjectGround())
         corner = [*(-self.arm), 0.0]
         markers = [
@@ -62,7 +59,7 @@ class ExudynBody:
         self.system.AddObject(joint)
 
     def run(self, end: float) -> np.ndarray:
-        """The `QUANTITIES` with the angle behind them at each instant, shape (instants, 6)."""
+        """The `QUANTITIES` and the angle at each instant, shape (instants, 6)."""
         settings = exu.SimulationSettings()
         settings.timeIntegration.endTime = end
         settings.timeIntegration.numberOfSteps = STEPS
@@ -97,8 +94,8 @@ def main() -> None:
     near = rows[first - 2 : first + 2]
     values = (at_zero(near[:, 5].tolist()) @ near[:, :5]).tolist()
     spent = time.perf_counter() - ready
-    done = {"values": values, "loop_s": spent, "ran_s": spent}
-    print(json.dumps({"version": exu.__version__, "setup_s": ready - began, **done}), flush=True)
+    result = {"values": values, "loop_s": spent, "ran_s": spent}
+    print(json.dumps({"version": exu.__version__, "setup_s": ready - began, **result}), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,12 +1,4 @@
-"""Tasks of another code: element updates per second, or the whole event.
-
-    python -m other_codes.akantu_plate PLATE rates
-    python -m other_codes.akantu_plate PLATE event EXPECTED LIMIT
-
-Each script of this folder ends here. PLATE: see `plate.to_text`. EXPECTED: time of the tail-slap [s]. A loop that
-would take longer than LIMIT [s] is ended after PROBE_S, and its time estimated from the steps. The answer is one line
-of JSON.
-"""
+"""Tasks of another code, speed or the whole event."""
 
 from __future__ import annotations
 
@@ -42,7 +34,7 @@ class Code(Protocol):
         """Make steps."""
 
     def state(self) -> tuple[np.ndarray, np.ndarray]:
-        """Positions [m] and velocities [m/s], shape (nodes, 2) each, which do not change later."""
+        """Positions [m] and velocities [m/s], shape (nodes, 2), as copies."""
 
 
 def answer(make: Callable[[Plate], Code]) -> None:
@@ -51,12 +43,12 @@ def answer(make: Callable[[Plate], Code]) -> None:
     code, read = make(plate), Reading(plate, plate.body(), plate.masses())
     setup = time.perf_counter() - began
     job, *numbers = sys.argv[2:]
-    done = event(plate, read, code, *map(float, numbers)) if job == "event" else rates(plate, code)
-    print(json.dumps({"version": code.version, "setup_s": setup, **done}), flush=True)
+    result = event(plate, read, code, *map(float, numbers)) if job == "event" else rates(plate, code)
+    print(json.dumps({"version": code.version, "setup_s": setup, **result}), flush=True)
 
 
 def rates(plate: Plate, code: Code) -> dict[str, Any]:
-    """Element updates a second, and where the far corner was at the instant of comparison."""
+    """Element updates a second, and the far corner for comparison."""
     code.advance(CHECKED_STEPS)
     far = code.state()[0][plate.far].tolist()
     return {"far_corner": far, "rates": update_rates(code.advance, plate.count)}
@@ -65,20 +57,20 @@ def rates(plate: Plate, code: Code) -> dict[str, Any]:
 def update_rates(
     advance: Callable[[int], object], elements: int, batches: int = 5, seconds: float = 0.1
 ) -> list[float]:
-    """Element updates a second in each of several batches of about this many seconds."""
+    """Element updates a second in batches of fixed length."""
     began = time.perf_counter()
     advance(10)
     steps = 10 * max(1, round(seconds / (time.perf_counter() - began)))
-    found = []
+    measured = []
     for _ in range(batches):
         began = time.perf_counter()
         advance(steps)
-        found.append(elements * steps / (time.perf_counter() - began))
-    return found
+        measured.append(elements * steps / (time.perf_counter() - began))
+    return measured
 
 
 def event(plate: Plate, read: Reading, code: Code, expected: float, limit: float) -> dict[str, Any]:
-    """Values at the tail-slap, none where the loop was left; seconds of the loop, and those that it ran."""
+    """Values at the tail-slap with the seconds of the loop."""
     began, steps = time.perf_counter(), expected / plate.time_step
     code.advance(FIRST_STEPS)
     a_step = (time.perf_counter() - began) / FIRST_STEPS
@@ -93,20 +85,20 @@ def event(plate: Plate, read: Reading, code: Code, expected: float, limit: float
 
 
 def approach(plate: Plate, read: Reading, code: Code) -> int:
-    """Go on to a few steps before the wall; the number of steps made since the start."""
-    made = FIRST_STEPS
+    """Advance to a few steps before the wall, and count them."""
+    count = FIRST_STEPS
     while True:
         positions, velocities = code.state()
         omega = read.values(0.0, positions, velocities)[3]
-        left = int(0.9 * read.angle(positions) / (omega * plate.time_step))
-        if left <= NEAR:
-            return made
-        code.advance(left)
-        made += left
+        remaining = int(0.9 * read.angle(positions) / (omega * plate.time_step))
+        if remaining <= NEAR:
+            return count
+        code.advance(remaining)
+        count += remaining
 
 
-def at_the_wall(plate: Plate, read: Reading, code: Code, made: int) -> list[float]:
-    """Values where the angle passes zero, by the cubic through the four steps about it."""
+def at_the_wall(plate: Plate, read: Reading, code: Code, count: int) -> list[float]:
+    """Values at angle zero by a cubic through four steps."""
     states: list[tuple[np.ndarray, np.ndarray]] = [code.state()]
     angles: list[float] = []
     while len(angles) < 2 or angles[-2] > 0.0:
@@ -117,11 +109,11 @@ def at_the_wall(plate: Plate, read: Reading, code: Code, made: int) -> list[floa
     for number in range(len(angles))[-4:]:
         (positions, behind), (_, ahead) = states[number : number + 2]
         velocities = (1.0 - code.velocity_lag) * behind + code.velocity_lag * ahead
-        rows.append(read.values((made + number) * plate.time_step, positions, velocities))
+        rows.append(read.values((count + number) * plate.time_step, positions, velocities))
     return (at_zero(angles[-4:]) @ np.array(rows)).tolist()
 
 
 def at_zero(angles: list[float]) -> np.ndarray:
-    """Weights of the values at these angles in the interpolating polynomial at zero."""
-    others = [[a for a in angles if a != angle] for angle in angles]
-    return np.array([np.prod([b / (b - a) for b in rest]) for a, rest in zip(angles, others, strict=True)])
+    """Weights of interpolation at angle zero."""
+    rests = [[a for a in angles if a != angle] for angle in angles]
+    return np.array([np.prod([b / (b - a) for b in rest]) for a, rest in zip(angles, rests, strict=True)])

@@ -1,7 +1,4 @@
-"""The plate in Kratos: total Lagrangian elements, its explicit strategy with central differences and lumped masses.
-
-See jobs.py.
-"""
+"""The plate in Kratos by total Lagrangian elements."""
 
 from __future__ import annotations
 
@@ -21,7 +18,7 @@ VARIABLES = (
 
 
 class KratosPlate:
-    """The model at its start; a step leaves positions at its end and velocities at its beginning."""
+    """The model at its start, velocities at the begin of a step."""
 
     version = metadata.version("KratosMultiphysics")
     velocity_lag = 1.0

@@ -84,7 +84,10 @@ def angles_of(history: dict[str, np.ndarray]) -> Angles:
 
 @dataclass(frozen=True)
 class Masses:
-    """Sprung mass [kg], its centre behind the front and above the ground [m], inertia [kg m^2]; loads of axles [N]."""
+    """Mass, centre, inertia and axle loads without axles.
+
+    Units are kg, m behind the front and above the ground, kg m^2, N.
+    """
 
     mass: float
     behind: float
@@ -99,7 +102,10 @@ def around(mass: float, place: np.ndarray) -> np.ndarray:
 
 
 def masses_of(unit: Any, axles: Any) -> Masses:
-    """Subtract the axles from the whole vehicle, whose values are floats; places are relative to its centre."""
+    """Subtract the axles from the whole vehicle.
+
+    Its values are floats; places are relative to its centre.
+    """
     places = [np.array([unit.centre_of_mass - a.position, 0.0, a.radius - unit.centre_height]) for a in axles]
     mass = unit.mass - sum(a.mass for a in axles)
     centre = -sum(a.mass * place for a, place in zip(axles, places, strict=True)) / mass
@@ -183,10 +189,10 @@ class Truck:
             data.qfrc_passive[joint : joint + 2] += force * rate
 
     def _tyres(self, model: Any, data: Any, body: int, axle: SpaceAxle, load: float) -> None:
-        """Add the loads and side forces of both tyres of an axle, at the ground."""
+        """Add loads and side forces of both tyres of an axle."""
         turn, ahead = data.xmat[body].reshape(3, 3), data.xmat[1].reshape(3, 3)[:2, 0]
         ahead = np.array([*(ahead / np.hypot(*ahead)), 0.0])
-        left, jacobian = np.array([-ahead[1], ahead[0], 0.0]), np.empty((3, model.nv))
+        across, jacobian = np.array([-ahead[1], ahead[0], 0.0]), np.empty((3, model.nv))
         for side in (-0.5, 0.5):
             point = data.xpos[body] + turn @ (0.0, side * axle.track, -axle.roll_centre - load / axle.tyre)
             normal = axle.tyre * max(-point[2], 0.0)
@@ -195,12 +201,12 @@ class Truck:
             velocity = jacobian @ data.qvel
             force = np.array([0.0, 0.0, normal])
             if normal > 0.0 and axle.friction > 0.0:
-                slip = math.atan2(velocity @ left, max(abs(velocity @ ahead), 1.0))
-                force -= axle.friction * normal * math.tanh(axle.cornering * slip / axle.friction) * left
+                slip = math.atan2(velocity @ across, max(abs(velocity @ ahead), 1.0))
+                force -= axle.friction * normal * math.tanh(axle.cornering * slip / axle.friction) * across
             data.qfrc_passive += jacobian.T @ force
 
     def follow(self, rows: int, push: np.ndarray) -> tuple[Angles, np.ndarray]:
-        """Return the angles at every interval, and the mean forces of the engine's contacts, as a push."""
+        """Return angles and mean contact forces of every interval."""
         parts, poses, contacts = round(INTERVAL / STEP), [], np.zeros((rows, 5))
         mujoco.set_mjcb_passive(self.forces)
         for row in range(rows):
@@ -218,7 +224,7 @@ class Truck:
         return Angles(np.arctan2(turns[:, 7], turns[:, 8]), -np.arcsin(turns[:, 6]), yaw - yaw[0]), contacts
 
     def _touched(self) -> np.ndarray:
-        """Force of the engine's contacts on the truck, and moment about its whole centre."""
+        """Force of contacts on the truck, and moment about its centre."""
         total, one = np.zeros(6), np.zeros(6)
         for number in range(self.data.ncon):
             contact = self.data.contact[number]
@@ -230,7 +236,7 @@ class Truck:
 
 
 def as_push(wrench: np.ndarray, height: float) -> np.ndarray:
-    """The push with a force and its moment about the centre at this height, at its line beside the centre."""
+    """Return the push of a force and moment at a height."""
     if wrench[1] <= 0.0:
         return np.zeros(5)
     return np.array([*wrench[:3], wrench[5] / wrench[1], height - wrench[3] / wrench[1]])
@@ -249,9 +255,9 @@ def applied(history: dict[str, np.ndarray]) -> np.ndarray:
 def tell(name: str, ours: Angles, theirs: Angles, required: str = "1 %") -> None:
     """Print the largest angles of both with their difference."""
     command_line.row(name, "", "")
-    for angle, own in ours.largest.items():
+    for angle, largest in ours.largest.items():
         other = theirs.largest[angle]
-        both = f"{math.degrees(own):8.4f} {math.degrees(other):8.4f} deg  {other / own - 1.0:+.1e}"
+        both = f"{math.degrees(largest):8.4f} {math.degrees(other):8.4f} deg  {other / largest - 1.0:+.1e}"
         command_line.row(f"  largest {angle}: solver.space, MuJoCo, difference", required, both)
 
 
@@ -267,7 +273,7 @@ def compare(name: str, changes: tuple[str, ...]) -> None:
 
 
 def engine() -> None:
-    """Compare a contact in the engine with strips of corners, and with the engine's force applied."""
+    """Compare a contact in the engine with strips, and its force."""
     inputs = space_input(read_scene(SCENE, ())[0])
     vehicle, _, speed, angle = inputs.arguments
     (unit,) = vehicle.units
@@ -284,11 +290,13 @@ def engine() -> None:
     levels = LEVEL - 0.5 * THICK, LEVEL + 0.5 * THICK
     corners = tuple(Strip((at, at), levels, slope, restitution=RETURNED) for at in (0.0, unit.length))
     end = INTERVAL * (rows - 1)
-    own = solve_space(
+    strips_motion = solve_space(
         replace(vehicle, strips=corners), SpaceWall(2.0), speed, angle, interval=INTERVAL, end=end
     )
-    tell("contact in MuJoCo, strips in solver.space", angles_of(own.history), theirs, "explained")
-    impulses = (INTERVAL * float(force.sum()) for force in (own.history["force_normal"], contacts[:, 1]))
+    tell("contact in MuJoCo, strips in solver.space", angles_of(strips_motion.history), theirs, "explained")
+    impulses = (
+        INTERVAL * float(force.sum()) for force in (strips_motion.history["force_normal"], contacts[:, 1])
+    )
     command_line.row(
         "  impulse: solver.space, MuJoCo", "", ", ".join(f"{1e-3 * part:.2f} kN s" for part in impulses)
     )
@@ -298,7 +306,7 @@ def engine() -> None:
 
 
 def main() -> None:
-    """Print the largest angles of each scene in both, and of the scene with contact in the engine."""
+    """Print the largest angles of each scene in both."""
     command_line.options(__doc__)
     for name, changes in SCENES.items():
         compare(name, changes)

@@ -1,4 +1,4 @@
-"""Plate of all codes: mesh, masses, initial state and results.
+"""Plate of all codes, with mesh, masses and results.
 
 The plate is unstrained in rigid motion; its corner at the origin stays on the wall, y = 0, and slides along it without
 friction. Only NumPy is required. Each code runs it by explicit central differences with row-sum masses.
@@ -19,9 +19,10 @@ QUANTITIES = ("t", "v_gx", "v_gy", "omega", "slide")
 
 @dataclass(frozen=True)
 class Plate:
-    """Elements along and across, time step [s], size [m], material (SI), rigid motion of the start [rad, rad/s, m/s].
+    """Elements, step [s], size [m], material (SI) and rigid motion.
 
-    mesh: file of NumPy's with the nodes [m] in the body's frame, shape (nodes, 2), row by row; empty: equal rectangles.
+    The motion is in rad, rad/s and m/s. mesh: file of NumPy's with the nodes [m] in the body's frame, shape (nodes, 2),
+    row by row; empty: equal rectangles.
     """
 
     elements: tuple[int, int]
@@ -53,7 +54,7 @@ class Plate:
         return self.elements[1] * (self.elements[0] + 1)
 
     def body(self) -> np.ndarray:
-        """Nodes [m] in the body's frame, the side of the corner along x, row by row, shape (nodes, 2)."""
+        """Nodes [m] in the body's frame, row by row, shape (nodes, 2)."""
         if self.mesh:
             return np.load(self.mesh)
         x = np.linspace(-self.length, 0.0, self.elements[0] + 1)
@@ -87,14 +88,14 @@ class Plate:
 
 @dataclass(frozen=True)
 class Reading:
-    """What is read off a plate: it has the masses and the body's frame at hand."""
+    """Reads results of a plate by its masses and frame."""
 
     plate: Plate
     body: np.ndarray
     masses: np.ndarray
 
     def angle(self, positions: np.ndarray) -> float:
-        """Angle [rad] to the wall of the rigid rotation that fits the plate best, weighted by mass."""
+        """Angle [rad] of the best rigid rotation to the wall, mass-weighted."""
         arms, reference = positions - self._mean(positions), self.body - self._mean(self.body)
         cosine = self.masses @ (reference * arms).sum(axis=1)
         sine = self.masses @ (reference[:, 0] * arms[:, 1] - reference[:, 1] * arms[:, 0])
@@ -119,5 +120,5 @@ def to_text(plate: Plate) -> str:
 
 def from_argument() -> Plate:
     """The plate that this script was started for."""
-    given = json.loads(sys.argv[1])
-    return Plate(**given | {"elements": tuple(given["elements"])})
+    values = json.loads(sys.argv[1])
+    return Plate(**values | {"elements": tuple(values["elements"])})

@@ -1,9 +1,10 @@
-"""The plate as a minimal NVIDIA Warp program on the CPU, in double precision; see jobs.py.
+"""The plate as a minimal NVIDIA Warp program on the CPU.
 
-One thread an element with its four points unrolled, total Lagrangian, St. Venant-Kirchhoff, plane stress; one
-table of gradients where all elements are congruent, else one an element; forces by atomic add, on the CPU a plain one.
-Launches are recorded once in a graph and replayed, so that Python starts STEPS steps at a time; that is twice as fast
-at 120 elements. Variants with the matrices written out and with other compiler flags ran within 5 % of this.
+In double precision; see jobs.py. One thread an element with its four points unrolled, total Lagrangian, St.
+Venant-Kirchhoff, plane stress; one table of gradients where all elements are congruent, else one an element; forces by
+atomic add, on the CPU a plain one. Launches are recorded once in a graph and replayed, so that Python starts STEPS
+steps at a time; that is twice as fast at 120 elements. Variants with the matrices written out and with other compiler
+flags ran within 5 % of this.
 """
 
 from __future__ import annotations
@@ -80,7 +81,7 @@ def drift(
     corner: int,
     time_step: wp.float64,
 ):
-    """Velocities, then positions of one node; the corner stays on the wall; the force is cleared."""
+    """Advance one node, on the wall at the corner, without force."""
     node = wp.tid()
     velocity = velocities[node] + time_step * mobility[node] * force[node]
     if node == corner:
@@ -100,7 +101,10 @@ def make_material(plate: Plate) -> Material:
 
 
 class WarpPlate:
-    """Arrays of the plate, and recorded graphs of many steps and of one; velocities are half a step behind."""
+    """Arrays of the plate, and recorded graphs of steps.
+
+    Velocities are half a step behind.
+    """
 
     version = wp.config.version
     velocity_lag = 0.5
@@ -116,7 +120,7 @@ class WarpPlate:
             self.many, self.one = (record(calls, steps) for steps in (STEPS, 1))
 
     def _calls(self, plate: Plate, quads: np.ndarray, masses: np.ndarray) -> list[Any]:
-        """Kernels of a step with the number of their threads and their inputs."""
+        """Kernels of a step with threads and inputs."""
         distinct = quads if plate.mesh else quads[:1]
         _, gradients, areas = points_of(plate.body()[distinct])
         tables = wp.array(gradients, dtype=Gradients), wp.array(plate.thickness * areas, dtype=wp.float64)

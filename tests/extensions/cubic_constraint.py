@@ -1,4 +1,7 @@
-"""A constraint from outside: a spring that hardens, N = -k y (1 + (y / h)^2)."""
+"""A constraint from outside, a spring that hardens.
+
+Its force is N = -k y (1 + (y/h)^2).
+"""
 
 from typing import Any, NamedTuple
 
@@ -25,7 +28,7 @@ def energy(constants: Any, gap: float) -> float:
 CONSTRAINT = Constraint(
     name="cubic",
     constants=Cubic,
-    make=lambda given: Cubic(given.penalty_scale * given.youngs_modulus * given.thickness, 1.0),
+    make=lambda inputs: Cubic(inputs.penalty_scale * inputs.youngs_modulus * inputs.thickness, 1.0),
     forces=forces,
     energy=energy,
     stiffness=lambda constants: constants.stiffness,

@@ -1,4 +1,4 @@
-"""A mass lumping from outside: the diagonal of the consistent matrix, scaled to the mass."""
+"""A lumping from outside, the scaled diagonal of the consistent matrix."""
 
 from fem import LUMPINGS, Lumping
 from fem.plate.nodal_masses import scaled_diagonal_masses

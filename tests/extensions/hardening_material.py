@@ -1,4 +1,7 @@
-"""A material from outside: W = U + U^2 / c, with U the energy of linear plane stress and c its first modulus."""
+"""A material from outside, W = U + U^2/c.
+
+U is the energy of linear plane stress and c its first modulus.
+"""
 
 from typing import Any, NamedTuple
 

@@ -1,4 +1,4 @@
-"""A column from outside: the mean height of the plate's nodes above the wall's line."""
+"""A column from outside, the mean height above the wall."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""A start from outside: unstrained, but with the corner pressed into its constraint as the reaction asks."""
+"""A start from outside, unstrained with the corner pressed into its constraint."""
 
 from typing import Any
 

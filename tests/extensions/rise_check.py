@@ -1,4 +1,4 @@
-"""A check from outside: the plate comes down, its nodes never rise in the mean."""
+"""A check from outside, that the plate does not rise."""
 
 import numpy as np
 
@@ -7,10 +7,10 @@ from tailslap.case.corner.corner_checks import CHECKS
 from tailslap.case.corner.outcome import CornerOutcome
 
 
-def rise(given: CornerOutcome) -> Evaluation | None:
-    if "height" not in given.history:
+def rise(outcome: CornerOutcome) -> Evaluation | None:
+    if "height" not in outcome.history:
         return None
-    risen = float(np.diff(given.history["height"]).max()) / given.fe_plan.case.body.width
+    risen = float(np.diff(outcome.history["height"]).max()) / outcome.fe_plan.case.body.width
     return Evaluation(risen, 0.0, "largest rise of the plate between two rows over its width")
 
 

@@ -1,4 +1,4 @@
-"""An element from outside: the serendipity quadrilateral of eight nodes."""
+"""An element from outside, the serendipity quadrilateral of eight nodes."""
 
 from fem import ELEMENT_KINDS, ElementKind
 

@@ -1,4 +1,7 @@
-"""A friction law from outside: Coulomb friction whose limit has no corner at N = 0, mu sqrt(N^2 + n^2)."""
+"""A friction law from outside, Coulomb friction with a smooth limit.
+
+The limit is mu sqrt(N^2 + n^2).
+"""
 
 import math
 from typing import Any, NamedTuple
@@ -7,7 +10,7 @@ from fem import FRICTION_LAWS, FrictionLaw
 
 
 class Smoothed(NamedTuple):
-    """Coefficient; force n [N] below which it is rounded off."""
+    """Coefficient, and force n [N] below which it is rounded off."""
 
     coefficient: float
     rounding: float = 1.0

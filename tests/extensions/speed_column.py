@@ -1,4 +1,4 @@
-"""A column of a whole impact from outside: the speed of the centre of mass."""
+"""A column from outside, the speed of the centre of mass."""
 
 from collections.abc import Mapping
 from typing import Any

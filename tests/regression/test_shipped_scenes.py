@@ -1,4 +1,4 @@
-"""Regression: numbers of this program itself, so that a change of them is seen and meant.
+"""Record numbers of this program, so that changes are detected.
 
 They were printed by the program; nothing here confirms them.
 """
@@ -11,7 +11,7 @@ import pytest
 
 @pytest.mark.long
 def test_work_is_bounded(outcome: Callable[..., Any]) -> None:
-    """Steps of the shipped scenes: more of them would be a smaller step for no reason."""
+    """More steps of the shipped scenes have no reason."""
     assert outcome("paper-table-3").run.steps == pytest.approx(5676, abs=3)
     assert outcome("paper-abaqus").run.steps == pytest.approx(5663, abs=3)
 

@@ -1,4 +1,4 @@
-"""Validation: the MASH scenes against the test conditions that are published; every shipped scene runs and passes.
+"""Validate the MASH scenes by published test conditions.
 
 MASH 2016 names a vehicle by its mass in kg; speeds are 31, 44, 62, 56 and 50 mph or 50, 70, 100, 90 and
 80 km/h. Tests 3-10 and 3-11 as printed in National Academies (2024), doi 10.17226/27896, chapters 12 and 13.
@@ -41,7 +41,10 @@ def test_conditions(name):
 
 @pytest.mark.parametrize(("name", "least"), [("mash-tl3-car", 51.0), ("mash-tl3-pickup", 106.0)])
 def test_impact_severity(name, least):
-    """m (v sin(theta))^2 / 2 is above the least that a test must have [kip ft], by less than a tenth."""
+    """The severity is at most a tenth above the least [kip ft].
+
+    The severity is m (v sin(theta))^2/2.
+    """
     scene = read_scene(name)[0]
     assert scene.impact is not None
     severity = scene.vehicle.mass * (scene.impact.speed * math.sin(scene.impact.angle)) ** 2 / 2.0
@@ -74,7 +77,7 @@ TRAINS = {  # kg, km/h, degrees as published
 
 @pytest.mark.parametrize("name", TRAINS)
 def test_conditions_of_tractors(name):
-    """Mass of all units, speed and angle are as published; others are marked as assumed."""
+    """Mass, speed and angle are published, others marked as assumed."""
     mass, kmh, degrees = TRAINS[name]
     scene, text = read_scene(name)[0], shipped_scenes()[name]
     assert sum(unit.mass for unit in scene.units) == pytest.approx(mass, rel=2e-5)
@@ -95,7 +98,7 @@ def test_scenes_that_swung_two_units_as_one_name_their_trains(name):
 @pytest.mark.parametrize("level", ["tl1", "tl2", "tl3"])
 @pytest.mark.parametrize("vehicle", ["car", "pickup"])
 def test_a_level_changes_the_speed_alone(level, vehicle):
-    """The same vehicle at every level; velocities after the impact go with the speed before it."""
+    """Velocities after the impact are in proportion to the speed."""
     plan, fastest = (CornerCase(*read_scene(f"mash-{tl}-{vehicle}")) for tl in (level, "tl3"))
     assert plan.scene.vehicle == fastest.scene.vehicle
     speeds = [p.scene.impact.speed for p in (plan, fastest) if p.scene.impact]

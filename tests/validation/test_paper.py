@@ -1,4 +1,4 @@
-"""Validation: `tailslap paper` and FE runs against the printed numbers of Chuong and Malla (2025).
+"""Validate `tailslap paper` and FE runs by Chuong and Malla (2025).
 
 The numbers are typed here from the paper's text, not taken from the program's data file. The paper has ABAQUS and
 analytical results of the MASH TL-4 single-unit truck in Table 3, read off charts; a chart's reading is held to a unit
@@ -31,7 +31,7 @@ FACTORS = {  # phi_a for e = 0.22 and e = 0, Table 4, then Table 5
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory):
+def answers(tmp_path_factory):
     out = io.StringIO()
     with contextlib.redirect_stdout(out):
         assert _status(["paper", "--json", "--out", str(tmp_path_factory.mktemp("paper") / "out")]) == 0
@@ -43,25 +43,25 @@ def said(tmp_path_factory):
 @pytest.mark.parametrize(
     ("name", "share"), [("v_gy", 1e-3), ("v_gx", 1e-3), ("slide", 1e-3), ("t", 3e-3), ("omega", 8e-3)]
 )
-def test_the_analytical_column(said, column, name, share):
-    """From the printed start, and from 56 mph with theta_0 = 0.26: within what rounding and charts leave."""
-    cell = said["table_3"][column][name]
+def test_the_analytical_column(answers, column, name, share):
+    """From the printed start, and from 56 mph with theta_0 = 0.26."""
+    cell = answers["table_3"][column][name]
     assert cell["printed"] == ANALYTICAL[name]
     assert cell["computed"] == pytest.approx(ANALYTICAL[name], rel=share)
 
 
-def test_the_start_is_that_of_56_mph(said):
-    mph, metric = (said["table_1"]["starts"][words] for words in ("56 mph", "90 km/h"))
+def test_the_start_is_that_of_56_mph(answers):
+    mph, metric = (answers["table_1"]["starts"][words] for words in ("56 mph", "90 km/h"))
     assert mph["omega"]["computed"] == pytest.approx(0.707, abs=5e-4)
     assert mph["corner_speed"]["computed"] == pytest.approx(25.053, abs=1e-3)
     assert abs(metric["omega"]["computed"] - 0.707) > 8e-4
     assert abs(metric["corner_speed"]["computed"] - 25.053) > 0.03
-    assert said["table_1"]["implied_speed"] / 0.44704 == pytest.approx(56.0, abs=2e-3)
+    assert answers["table_1"]["implied_speed"] / 0.44704 == pytest.approx(56.0, abs=2e-3)
 
 
-def test_the_abaqus_column_is_the_frictionless_motion_at_0_3625_s(said):
-    """s to all printed digits, omega to its two, v_GX closer than with friction by a factor of four."""
-    table = said["table_3"]
+def test_the_abaqus_column_is_the_frictionless_motion_at_0_3625_s(answers):
+    """s agrees to all digits, omega to two, v_GX better."""
+    table = answers["table_3"]
     read, drag = table["abaqus_read"], table["abaqus_drag"]
     assert (table["reading"], f"{read['slide']['computed']:.3f}") == (0.3625, "8.915")
     assert f"{read['omega']['computed']:.2f}" == "0.66"
@@ -71,26 +71,29 @@ def test_the_abaqus_column_is_the_frictionless_motion_at_0_3625_s(said):
     assert table["crossing"][1] < 0.2 * 8.915
 
 
-def test_the_peak_force(said):
-    """654 kN for 0.1 s: 2 x 9979 kg x 3.2755 m/s / 0.1 s."""
-    force = said["table_3"]["peak_force"]
+def test_the_peak_force(answers):
+    """The printed 654 kN is 2 m v_GY/(0.1 s)."""
+    force = answers["table_3"]["peak_force"]
     assert force["computed"] == pytest.approx(654e3, abs=0.5e3)
     assert force["printed"] == pytest.approx(2.0 * 9979.0 * 3.274 / 0.1, rel=1e-12)
 
 
-def test_the_reaction_pulls(said):
-    """N = -m r omega^2 S/D, D = 1 + 3 C^2 + 3 mu S C, at the start and with omega = 0.6551 rad/s at the end."""
+def test_the_reaction_pulls(answers):
+    """N is -m r omega^2 S/D.
+
+    D = 1 + 3 C^2 + 3 mu S C.
+    """
     gamma, r = math.atan(0.2438), math.hypot(10.0, 2.438) / 2.0
     for name, phi, omega in (("first", gamma + 0.26, 0.707), ("last", gamma, 0.6551053441)):
         s, c = math.sin(phi), math.cos(phi)
         normal = -9979.0 * r * omega**2 * s / (1.0 + 3.0 * c * c + 3.0 * 0.47 * s * c)
-        assert said["reaction"][name] == pytest.approx(normal, rel=1e-8)
-    assert said["reaction"]["largest"] == pytest.approx(said["reaction"]["last"], rel=1e-12)
+        assert answers["reaction"][name] == pytest.approx(normal, rel=1e-8)
+    assert answers["reaction"]["largest"] == pytest.approx(answers["reaction"]["last"], rel=1e-12)
 
 
-def test_what_restitution_changes(said):
-    """The peak force is proportional to 1 - e or 1 + e; the corner's velocity is e v_0 sin(theta) in both cases."""
-    cases = said["restitution"]
+def test_what_restitution_changes(answers):
+    """The peak force is in proportion to 1 -+ e."""
+    cases = answers["restitution"]
     recoil = 0.22 * 56.0 * 0.44704 * math.sin(math.radians(15.0))
     assert cases["newton"]["change"] == pytest.approx(1.22 / 0.78 - 1.0, rel=1e-12)
     assert cases["e = 0"]["change"] == pytest.approx(1.0 / 0.78 - 1.0, rel=1e-12)
@@ -99,8 +102,8 @@ def test_what_restitution_changes(said):
 
 
 @pytest.mark.parametrize("table", [0, 1])
-def test_tables_4_and_5_are_printed_as_in_the_paper(said, table):
-    for result in said[f"table_{4 + table}"]:
+def test_tables_4_and_5_are_printed_as_in_the_paper(answers, table):
+    for result in answers[f"table_{4 + table}"]:
         row = result["printed"]
         measured, *peak = (1e3 * force for force in FORCES[row["row"]][table])
         assert (row["measured"], row["peak"]) == (measured, peak)
@@ -108,24 +111,27 @@ def test_tables_4_and_5_are_printed_as_in_the_paper(said, table):
         assert row["projected"] == (table == 1 and row["row"] != "f")
 
 
-def test_the_printed_tables_agree_with_themselves(said):
-    """phi_a is force over measured force to a unit of its last digit; projected forces are 1.33 times 50 ms."""
-    for result in (*said["table_4"], *said["table_5"]):
+def test_the_printed_tables_agree_with_themselves(answers):
+    """phi_a is force over measured force.
+
+    Projected forces are 1.33 times those over 50 ms.
+    """
+    for result in (*answers["table_4"], *answers["table_5"]):
         assert result["factor_of_print"] == pytest.approx(result["printed"]["factor"], abs=0.01)
-    for fifty, sae in zip(said["table_4"], said["table_5"], strict=True):
+    for fifty, sae in zip(answers["table_4"], answers["table_5"], strict=True):
         assert sae["printed"]["measured"] == pytest.approx(1.33 * fifty["printed"]["measured"], abs=1.3e3)
 
 
-def test_rows_off_the_exact_ratio(said):
-    """Of the printed ratios b is 1/(1 - 0.22) to rounding, c and d nearly, a, e and f are not."""
-    off = {result["printed"]["row"]: abs(result["ratio"]["difference"]) for result in said["table_4"]}
-    assert [result["printed"]["row"] for result in said["table_4"] if result["rounds"]] == ["b"]
+def test_rows_off_the_exact_ratio(answers):
+    """b is 1/(1 - 0.22) to rounding, c and d nearly."""
+    off = {result["printed"]["row"]: abs(result["ratio"]["difference"]) for result in answers["table_4"]}
+    assert [result["printed"]["row"] for result in answers["table_4"] if result["rounds"]] == ["b"]
     assert {row for row, difference in off.items() if difference > 5e-3} == {"a", "e", "f"}
 
 
-def test_row_b_with_the_speed_and_angle_of_its_test(said):
-    """With 57.4 mph and 15.4 deg both printed forces, 680 and 872 kN, are met to 1 %."""
-    for cell, printed in zip(said["row_b"][0]["peak"], (680e3, 872e3), strict=True):
+def test_row_b_with_the_speed_and_angle_of_its_test(answers):
+    """Speed and angle of the test lead to both printed forces."""
+    for cell, printed in zip(answers["row_b"][0]["peak"], (680e3, 872e3), strict=True):
         assert cell["computed"] == pytest.approx(printed, rel=1e-2)
 
 
@@ -145,7 +151,7 @@ def test_the_analytical_column_of_table_3(name, printed, unit):
 
 
 def test_the_abaqus_column_is_a_motion_without_friction_read_before_the_strike():
-    """Where the corner has slid the printed 8.915 m, the frictionless motion has the printed speeds."""
+    """At the printed 8.915 m the frictionless motion has the printed speeds."""
     free, drag = (plane_motion(TRUCK, *START, FRICTION, reaction) for reaction in ("none", "drag"))
     t = float(np.interp(8.915, *(getattr(free.at(np.linspace(0.0, 0.38, 2001)), x) for x in ("slide", "t"))))
     state = free.at(t)
@@ -155,7 +161,7 @@ def test_the_abaqus_column_is_a_motion_without_friction_read_before_the_strike()
 
 
 def test_the_factor_between_restitutions_is_that_of_row_b():
-    """Row b of Table 4 prints 680 kN for e = 0.22 and 872 kN for e = 0, to the kilonewton."""
+    """Row b prints 680 kN and 872 kN for two restitutions."""
     peaks = []
     for restitution in (0.22, 0.0):
         start = corner_impulse(TRUCK, 57.4 * MPH, math.radians(15.4), FRICTION, restitution)
@@ -165,14 +171,14 @@ def test_the_factor_between_restitutions_is_that_of_row_b():
 
 
 def test_the_analytical_column_by_finite_elements(outcome):
-    """FE with friction as in Eqs 66-67: each value within the paper's rounding and plot reading."""
+    """Values with friction are within rounding and reading of the plots."""
     fe, printed = outcome("paper-table-3").fe, PAPER_TABLE_3["analytical"]
     for name, share in (("v_gx", 1e-3), ("v_gy", 1e-3), ("slide", 1e-3), ("t", 3e-3), ("omega", 8e-3)):
         assert fe[name] == pytest.approx(printed[name], rel=share), name
 
 
 def test_the_abaqus_column_is_the_frictionless_run_read_before_the_strike(outcome):
-    """At t = 0.3625 s: s to all printed digits, omega too, the velocities to 0.2 %."""
+    """s and omega at 0.3625 s have all printed digits."""
     history, printed = outcome("paper-abaqus").fe_history, PAPER_TABLE_3["abaqus"]
     at = {name: np.interp(0.3625, history["t"], history[name]) for name in ("slide", "omega", "v_gx", "v_gy")}
     assert (round(at["slide"], 3), round(at["omega"], 2)) == (printed["slide"], printed["omega"])
@@ -181,7 +187,7 @@ def test_the_abaqus_column_is_the_frictionless_run_read_before_the_strike(outcom
 
 
 def test_with_friction_no_instant_gives_the_abaqus_column(outcome):
-    """Where the run with friction has slid 8.915 m, its velocity along the wall is not the printed one."""
+    """At the printed slide its velocity is not the printed one."""
     history, printed = outcome("paper-table-3").fe_history, PAPER_TABLE_3["abaqus"]
     v_gx = np.interp(printed["slide"], history["slide"], history["v_gx"])
     assert abs(v_gx - printed["v_gx"]) > 0.025

@@ -1,5 +1,7 @@
-"""Validation against published cases of other programs: Code_Aster's SDND100 and SSNV128, NAFEMS' CGS-4 and FV32, and
-Cook's membrane. Body forces and loads act in the tests only; docs/reference-cases.md lists the results.
+"""Validate the program by published cases of other programs.
+
+They are Code_Aster's SDND100 and SSNV128, NAFEMS' CGS-4 and FV32, and Cook's membrane. Body forces and loads act in the
+tests only; docs/reference-cases.md lists the results.
 """
 
 import math
@@ -20,7 +22,7 @@ GRAVITY = 10.0  # [m/s^2], as SDND100 has it
 
 
 class PressedBlock:
-    """A stiff block of 1 kg that has settled on the wall under its weight; friction at the nodes of its boundary.
+    """A stiff block of 1 kg at rest on the wall.
 
     across: body force across the wall over the weight. Without damping of the plate friction lets it flutter.
     """
@@ -39,24 +41,27 @@ class PressedBlock:
         self.start = float(self.mass @ self.state.positions[0]) + self.state.origin[0]
 
     def step(self, along):
-        """A step under a body force along the wall over the mass [m/s^2]."""
+        """Advance one step under a body force along the wall [m/s^2]."""
         self.state.velocities[0] += self.time_step * along
         self.state.velocities[1] -= self.time_step * GRAVITY * self.across
         self.state = self.stepper.record(self.state, 1, 1).state
 
     @property
     def place(self):
-        """Of the centre along the wall since it settled [m]."""
+        """Displacement of the centre along the wall [m]."""
         return float(self.mass @ self.state.positions[0]) + self.state.origin[0] - self.start
 
     @property
     def speed(self):
-        """Of the centre along the wall [m/s]."""
+        """Velocity of the centre along the wall [m/s]."""
         return float(self.mass @ self.state.velocities[0])
 
 
 def test_sdnd100_released_friction_pad():
-    """m = 1 kg, k = 1e4 N/m, mu = 0.1, released at 0.85 mm: half a period each, 0.2 mm shorter, then it sticks."""
+    """Half periods of a pad on a spring decrease by 0.2 mm.
+
+    m = 1 kg, k = 1e4 N/m, mu = 0.1, released at 0.85 mm.
+    """
     pad = PressedBlock(0.1)
     times: list[float] = []
     places: list[float] = []
@@ -64,24 +69,27 @@ def test_sdnd100_released_friction_pad():
         times.append(len(times) * pad.time_step)
         places.append(0.85e-3 + pad.place)
         pad.step(-1e4 * places[-1])
-    found = 1e3 * np.interp(np.arange(1, 7) * math.pi / 100.0, times, places)
-    assert found[:4] == pytest.approx([-0.65, 0.45, -0.25, 0.05], abs=1e-3)
-    assert found[4:] == pytest.approx([0.05, 0.05], abs=1e-3)
+    ends = 1e3 * np.interp(np.arange(1, 7) * math.pi / 100.0, times, places)
+    assert ends[:4] == pytest.approx([-0.65, 0.45, -0.25, 0.05], abs=1e-3)
+    assert ends[4:] == pytest.approx([0.05, 0.05], abs=1e-3)
 
 
 def test_cgs_4_sliding_wedge():
-    """tan a = 0.1, mu = 0.3: a horizontal force of (tan a + mu)/(1 - mu tan a) = 0.412371 weights makes it slide."""
+    """It slides from a horizontal force of 0.412371 weights.
+
+    This is (tan a + mu)/(1 - mu tan a) for tan a = 0.1 and mu = 0.3.
+    """
 
     mu, angle, reference = 0.3, math.atan(0.1), 0.412371
 
     def places(force):
-        """Instants [s] and places along the slope [m] under this force over the weight, after it has risen."""
-        wedge, found = PressedBlock(mu, force * math.sin(angle) + math.cos(angle)), []
+        """Instants [s] and positions [m] along the slope under this force."""
+        wedge, rows = PressedBlock(mu, force * math.sin(angle) + math.cos(angle)), []
         along = force * math.cos(angle) - math.sin(angle)
         for n in range(round(0.2 / wedge.time_step)):
             wedge.step(GRAVITY * along * min(1.0, n * wedge.time_step / 0.05))
-            found.append((n * wedge.time_step, wedge.place))
-        t, place = np.array(found).T
+            rows.append((n * wedge.time_step, wedge.place))
+        t, place = np.array(rows).T
         return t[t > 0.06], place[t > 0.06]
 
     t, place = places(0.999 * reference)
@@ -94,7 +102,7 @@ def test_cgs_4_sliding_wedge():
 
 
 def edge_loads(place, side, traction):
-    """Nodal forces of linear elements of equal length under a traction on a side [N/m], shape of place."""
+    """Nodal forces of a traction on a side [N/m], shape of place."""
     nodes = np.flatnonzero(side)
     nodes, loads = nodes[np.argsort(place[nodes])], np.zeros(place.size)
     lengths = np.diff(place[nodes])
@@ -105,14 +113,17 @@ def edge_loads(place, side, traction):
 
 @pytest.mark.parametrize("law", ["exact", "penalty"])
 def test_ssnv128_plate_with_friction_on_a_rigid_plane(law):
-    """40 mm square, mu = 1, pressed from above and the side, in plane strain; both halves, with damping."""
+    """A square of 40 mm is pressed from above and the side.
+
+    mu = 1, plane strain; both halves are modelled, with damping.
+    """
     size, modulus, ratio, density = 0.04, 1.3e11, 0.2, 7800.0
     plate = PlateProperties(1.0, density, modulus / (1.0 - ratio**2), ratio / (1.0 - ratio))
     mesh, contact = plate_mesh(2.0 * size, size, (64, 32)), ContactProperties(Drag(1.0), law)
     model = build_impact_model([UnitProperties(mesh, plate, contact)], StepProperties())
     stepper, (x, y) = ImpactStepper(model), model.discretisation.positions
-    left, right, top = np.isclose(x, -2.0 * size), np.isclose(x, 0.0), np.isclose(y, size)
-    along = edge_loads(y, left, 15e7) - edge_loads(y, right, 15e7)
+    at_left, at_right, top = np.isclose(x, -2.0 * size), np.isclose(x, 0.0), np.isclose(y, size)
+    along = edge_loads(y, at_left, 15e7) - edge_loads(y, at_right, 15e7)
     loads = np.array([along, edge_loads(x, top, -5e7)])
     dt, period = model.parameters.time_step, 4.0 * size / math.sqrt(plate.youngs_modulus / density)
     state, ramp = stepper.at_touch(FirstTouch(0.0, 0.0, 0.0)), 30.0 * period
@@ -121,16 +132,19 @@ def test_ssnv128_plate_with_friction_on_a_rigid_plane(law):
         state.velocities[:] *= 1.0 - 4.0 * dt / period
         state.velocities[:] += dt * min(1.0, n * dt / ramp) * loads / model.parameters.mass
         state = stepper.record(state, 1, 1).state
-    moved = state.positions[0] + state.origin[0] - x - start
+    slide = state.positions[0] + state.origin[0] - x - start
     face = np.flatnonzero(np.isclose(y, 0.0))
     face = face[np.argsort(x[face])]
-    symmetric = 0.5 * (moved[face] - moved[face][::-1])
-    found = np.interp([0.0, 1.25e-3, 5e-3, 7.5e-3, 11.25e-3], x[face] + 2.0 * size, symmetric)
-    assert found == pytest.approx([2.86e-5, 2.72e-5, 2.28e-5, 1.98e-5, 1.50e-5], rel=0.05)
+    symmetric = 0.5 * (slide[face] - slide[face][::-1])
+    displacements = np.interp([0.0, 1.25e-3, 5e-3, 7.5e-3, 11.25e-3], x[face] + 2.0 * size, symmetric)
+    assert displacements == pytest.approx([2.86e-5, 2.72e-5, 2.28e-5, 1.98e-5, 1.50e-5], rel=0.05)
 
 
 def tapered(length, root, tip, elements, rise=0.0):
-    """Mesh of a trapezoid from x = -length, of height root, to x = 0, of height tip; rise: of its middle line."""
+    """Mesh of a trapezoid from x = -length to x = 0.
+
+    root and tip are its heights there, rise that of the middle line.
+    """
     mesh = plate_mesh(length, 1.0, elements)
     along = 1.0 + mesh.points[:, 0] / length
     mesh.points[:, 1] = (mesh.points[:, 1] - 0.5) * (root + (tip - root) * along) + rise * along
@@ -138,7 +152,7 @@ def tapered(length, root, tip, elements, rise=0.0):
 
 
 def clamped(unit):
-    """Stiffness over the modulus of the unknowns that are not at the left end [m], and their numbers."""
+    """Stiffness over the modulus without the left end, and its unknowns."""
     x = unit.discretisation.positions[0]
     free = np.flatnonzero(np.tile(~np.isclose(x, x.min()), 2))
     return unit.inverse.stiffness.tocsc()[free][:, free], free
@@ -149,7 +163,7 @@ CASES = [("quad9", (8, 4), 3.7e-3), ("quad9", (16, 8), 4e-4), ("quad4", (32, 16)
 
 @pytest.mark.parametrize(("kind", "elements", "tolerance"), CASES)
 def test_fv32_tapered_membrane(kind, elements, tolerance):
-    """Frequencies of NAFEMS; ABAQUS's CPS8R, as the source has it, within 0.37 %."""
+    """Frequencies of NAFEMS, which ABAQUS's CPS8R has within 0.37 %."""
     plate = PlateProperties(0.05, 8000.0, 1.0, 0.3, element=kind)
     unit = unit_plate(tapered(10.0, 5.0, 1.0, elements), plate)
     stiffness, free = clamped(unit)
@@ -162,7 +176,10 @@ def test_fv32_tapered_membrane(kind, elements, tolerance):
 
 @pytest.mark.parametrize(("elements", "tolerance"), [(8, 2e-3), (32, 5e-4)])
 def test_cook_s_membrane(elements, tolerance):
-    """A unit shear force at the end raises its middle by 23.97, with E = 1 and a ratio of 1/3."""
+    """A unit shear force raises the middle of the end by 23.97.
+
+    E = 1 and Poisson's ratio is 1/3.
+    """
     plate = PlateProperties(1.0, 1.0, 1.0, 1.0 / 3.0, element="quad9")
     unit = unit_plate(tapered(48.0, 44.0, 16.0, (elements, elements), 30.0), plate)
     x, y = unit.discretisation.positions
@@ -172,8 +189,8 @@ def test_cook_s_membrane(elements, tolerance):
     weights[[0, -1]] = 1.0
     loads[1, edge] = weights / weights.sum()
     stiffness, free = clamped(unit)
-    moved = np.zeros(2 * x.size)
-    moved[free] = spsolve(stiffness, loads.ravel()[free])
+    displacement = np.zeros(2 * x.size)
+    displacement[free] = spsolve(stiffness, loads.ravel()[free])
     middle = edge[edge.size // 2]
     assert (x[middle], y[middle]) == pytest.approx((0.0, 30.0))
-    assert moved[x.size + middle] == pytest.approx(23.97, rel=tolerance)
+    assert displacement[x.size + middle] == pytest.approx(23.97, rel=tolerance)

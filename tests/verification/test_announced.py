@@ -1,4 +1,4 @@
-"""Verification: long work is announced on a terminal with its seconds, and the line is cleared."""
+"""Verify that long work is announced with its seconds."""
 
 import io
 import re
@@ -23,14 +23,14 @@ class Terminal(io.StringIO):
 
 @pytest.fixture
 def terminal(monkeypatch):
-    made = Terminal()
-    monkeypatch.setattr(progress, "sys", SimpleNamespace(stderr=made))  # pytest sets its own in sys
+    stream = Terminal()
+    monkeypatch.setattr(progress, "sys", SimpleNamespace(stderr=stream))  # pytest sets its own in sys
     monkeypatch.setattr(progress, "DELAY", 0.05)
     monkeypatch.setattr(progress, "_last_output", time.monotonic())
     monkeypatch.delenv(progress.MODE, raising=False)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "100")
-    return made
+    return stream
 
 
 def seen(terminal, words, times=1):
@@ -86,8 +86,8 @@ def test_a_bar_that_does_not_move_counts_its_seconds(terminal, monkeypatch):
     monkeypatch.setattr(progress, "clock", lambda seconds: f"{1000.0 * seconds:.0f} ms")
     with progress_bar("Impacts"):
         seen(terminal, "Impacts: 0 %, ", times=3)
-    shown = re.findall(r"0 %, (\d+) ms so far", text(terminal))
-    assert len(set(shown)) > 1
+    times = re.findall(r"0 %, (\d+) ms so far", text(terminal))
+    assert len(set(times)) > 1
 
 
 def test_a_count_begins_with_what_was_done_before(terminal):

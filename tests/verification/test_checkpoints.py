@@ -1,4 +1,4 @@
-"""Verification: a run resumed from a checkpoint has the bits and files of an undisturbed one."""
+"""Verify that a resumed run has the bits of an undisturbed one."""
 
 import functools
 import json
@@ -23,29 +23,31 @@ from tailslap.storage.checkpoints import checkpointed, next_checkpoint
 
 
 class Stopping:
-    """Keeps a copy each time, and interrupts the run at one of them."""
+    """Interrupts a run at one of its checkpoints, and stores this one."""
 
-    def __init__(self, at, kept=None):
-        self.left, self.kept = at, kept
+    def __init__(self, at, arrays=None):
+        self.remaining, self.arrays = at, arrays
 
     def load(self, sizes):
-        if self.kept is not None:  # the expected shapes are those of the arrays
-            assert sizes(len(self.kept["rows"])) == {name: array.shape for name, array in self.kept.items()}
-        return self.kept
+        if self.arrays is not None:  # the expected shapes are those of the arrays
+            shapes = {name: array.shape for name, array in self.arrays.items()}
+            assert sizes(len(self.arrays["rows"])) == shapes
+        return self.arrays
 
     def save(self, arrays):
-        self.left -= 1
-        if self.left == 0:
-            self.kept = {name: np.array(array) for name, array in arrays().items()}
+        self.remaining -= 1
+        if self.remaining == 0:
+            self.arrays = {name: np.array(array) for name, array in arrays().items()}
             raise KeyboardInterrupt
 
 
 def same(a, b):
-    """All numbers of two runs, bit for bit, but for the times that they took."""
+    """All numbers of two runs are equal, except measured times."""
     for name in set(vars(a)) - {"setup_s", "time_loop_s", "strike", "snapshots"}:
-        mine, its = getattr(a, name), getattr(b, name)
-        for key in mine if isinstance(mine, dict) else [()]:
-            assert_array_equal(np.asarray(mine[key] if key else mine), np.asarray(its[key] if key else its))
+        first, second = getattr(a, name), getattr(b, name)
+        for key in first if isinstance(first, dict) else [()]:
+            one, other = (np.asarray(value[key] if key else value) for value in (first, second))
+            assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize(("at", "snapshots"), [(1, 6), (20, 6), (45, 6), (20, 1), (30, 400)])
@@ -54,17 +56,17 @@ def test_the_loop_goes_on_with_the_same_bits(at, snapshots):
 
     def run(keeper):
         duration = fe_plan.case.motion.strike.t
-        kept = {"rows": 300, "snapshots": snapshots, "checkpoint": keeper}
-        return corner.simulate(fe_plan.model, fe_plan.start, duration, **kept)
+        options = {"rows": 300, "snapshots": snapshots, "checkpoint": keeper}
+        return corner.simulate(fe_plan.model, fe_plan.start, duration, **options)
 
     stopping = Stopping(at)
     with pytest.raises(KeyboardInterrupt):
         run(stopping)
-    resumed, whole = run(Stopping(0, stopping.kept)), run(None)
-    same(resumed, whole)
-    same(resumed.snapshots, whole.snapshots)
-    assert resumed.strike.values == whole.strike.values
-    assert_array_equal(resumed.strike.velocities, whole.strike.velocities)
+    resumed, complete = run(Stopping(0, stopping.arrays)), run(None)
+    same(resumed, complete)
+    same(resumed.snapshots, complete.snapshots)
+    assert resumed.strike.values == complete.strike.values
+    assert_array_equal(resumed.strike.velocities, complete.strike.velocities)
 
 
 WALL_THAT_GIVES = (
@@ -84,7 +86,7 @@ def test_a_whole_impact_goes_on_with_the_same_bits(wall):
     stopping = Stopping(2)
     with pytest.raises(KeyboardInterrupt):
         run(stopping)
-    same(run(Stopping(0, stopping.kept)), run(None))
+    same(run(Stopping(0, stopping.arrays)), run(None))
 
 
 def keeper(place, definition, resume=False, run=1):
@@ -95,16 +97,16 @@ def keeper(place, definition, resume=False, run=1):
     return keepers
 
 
-def kept(place, definition, size, run=1):
-    """Write a checkpoint with `size` rows of three numbers, and return its file."""
+def write_checkpoint(place, definition, size, run=1):
+    """Write a checkpoint with `size` rows, and return its file."""
     arrays = {"x": np.arange(2.0), "rows": np.arange(3.0 * size).reshape(size, 3)}
     keeper(place, definition, run=run).save(lambda: arrays)
     return Path(f"{keeper(place, definition)._own}{run}")
 
 
-def rows_found(place, definition, resume=True, run=1, width=3):
-    found = keeper(place, definition, resume, run).load(lambda rows: {"rows": (rows, width), "x": (2,)})
-    return found and len(found["rows"])
+def loaded_rows(place, definition, resume=True, run=1, width=3):
+    arrays = keeper(place, definition, resume, run).load(lambda rows: {"rows": (rows, width), "x": (2,)})
+    return arrays and len(arrays["rows"])
 
 
 @pytest.fixture
@@ -114,19 +116,19 @@ def at_once(monkeypatch):
 
 
 def test_a_run_into_a_folder_that_is_not_there_yet(tmp_path, monkeypatch, at_once):
-    """As the first run of a user is, where it takes long enough for a checkpoint."""
+    """The first run of a user has a checkpoint, and no folder."""
     monkeypatch.chdir(tmp_path)
     assert cli._status(["run", "paper-abaqus", "--no-pictures", "--quiet"]) == 0
     assert [path.name for path in tmp_path.joinpath("results").iterdir()] == ["paper-abaqus"]
 
 
 def test_files_belong_to_one_definition(tmp_path, at_once, capsys):
-    """Each run has its own; those of another scene are neither read nor touched, but named."""
+    """Each run has a file, and those of other scenes remain."""
     place, one, other = tmp_path / "out", {"scene": 1}, {"scene": 2}
-    files = [kept(place, one, 3), kept(place, one, 4, run=2)]
-    theirs = kept(place, other, 5)
-    assert [rows_found(place, one, run=run) for run in (1, 2, 3)] == [3, 4, None]
-    assert (rows_found(place, other), rows_found(place, one, resume=False)) == (5, None)
+    files = [write_checkpoint(place, one, 3), write_checkpoint(place, one, 4, run=2)]
+    theirs = write_checkpoint(place, other, 5)
+    assert [loaded_rows(place, one, run=run) for run in (1, 2, 3)] == [3, 4, None]
+    assert (loaded_rows(place, other), loaded_rows(place, one, resume=False)) == (5, None)
     assert capsys.readouterr().err == ""
     before = theirs.read_bytes()
     with checkpointed(place, {"scene": 3}, True):
@@ -146,8 +148,8 @@ def test_files_belong_to_one_definition(tmp_path, at_once, capsys):
 
 def test_places_of_long_names_have_their_own(tmp_path, at_once):
     places = [tmp_path / ("\N{OGHAM LETTER BEITH}" * 80 + end) for end in "ab"]
-    kept(places[0], {}, 3)
-    assert [rows_found(place, {}) for place in places] == [3, None]
+    write_checkpoint(places[0], {}, 3)
+    assert [loaded_rows(place, {}) for place in places] == [3, None]
 
 
 def flipped(content, at):
@@ -155,39 +157,39 @@ def flipped(content, at):
 
 
 @pytest.mark.parametrize("damage", [
-    *(lambda whole, at=at: flipped(whole, at) for at in (0, 31, 32, 39, 40, -1)),
-    *(lambda whole, n=n: whole[:n] for n in (0, 10, 40, -8, -1)),
-    lambda whole: whole + bytes(24), lambda whole: b"torn",
+    *(lambda content, at=at: flipped(content, at) for at in (0, 31, 32, 39, 40, -1)),
+    *(lambda content, n=n: content[:n] for n in (0, 10, 40, -8, -1)),
+    lambda content: content + bytes(24), lambda content: b"torn",
 ])  # fmt: skip
 def test_a_damaged_file_is_told_and_not_read(tmp_path, at_once, capsys, damage):
-    path = kept(tmp_path / "out", {}, 3)
+    path = write_checkpoint(tmp_path / "out", {}, 3)
     path.write_bytes(damage(path.read_bytes()))
-    assert rows_found(tmp_path / "out", {}) is None
-    said = capsys.readouterr().err
-    assert f"the checkpoint {path} is damaged; the run starts from the beginning" in said
+    assert loaded_rows(tmp_path / "out", {}) is None
+    message = capsys.readouterr().err
+    assert f"the checkpoint {path} is damaged; the run starts from the beginning" in message
 
 
 def test_a_file_of_another_kind_run_or_form_is_told_and_not_read(tmp_path, at_once, capsys):
     place = tmp_path / "out"
-    path, second = kept(place, {}, 3), kept(place, {}, 3, run=2)
+    path, second = write_checkpoint(place, {}, 3), write_checkpoint(place, {}, 3, run=2)
     for width in (2, 4, 10**15):
-        assert rows_found(place, {}, width=width) is None
-    whole = path.read_bytes()
+        assert loaded_rows(place, {}, width=width) is None
+    content = path.read_bytes()
     path.write_bytes(second.read_bytes())
-    assert rows_found(place, {}) is None
-    path.write_bytes(whole)
-    assert rows_found(place, {}) == 3
+    assert loaded_rows(place, {}) is None
+    path.write_bytes(content)
+    assert loaded_rows(place, {}) == 3
     for make in (os.mkfifo, os.mkdir, lambda path: os.symlink("/dev/zero", path)):
         path.unlink()
         make(path)
-        assert rows_found(place, {}) is None
+        assert loaded_rows(place, {}) is None
         path = path.rename(tmp_path / make.__name__) and path
         path.touch()
     assert capsys.readouterr().err.count("is damaged") == 7
 
 
 def test_only_what_there_is_is_promised(tmp_path, at_once):
-    """Interrupted before a checkpoint, or with a damaged or foreign one, the message mentions none."""
+    """The message does not mention damaged or foreign checkpoints."""
     place = tmp_path / "out"
     arrays = functools.partial(dict[str, np.ndarray], rows=np.zeros((1, 3)))
 
@@ -196,8 +198,8 @@ def test_only_what_there_is_is_promised(tmp_path, at_once):
             act(next_checkpoint())
             raise KeyboardInterrupt
 
-    kept(place, {"scene": 2}, 3)
-    kept(place, {}, 3).write_bytes(b"torn")
+    write_checkpoint(place, {"scene": 2}, 3)
+    write_checkpoint(place, {}, 3).write_bytes(b"torn")
     for act in (lambda it: None, lambda it: it.load(lambda rows: {"rows": (rows, 3)})):
         with pytest.raises(KeyboardInterrupt) as caught:
             command(act)
@@ -218,14 +220,14 @@ RUN = ["run", "paper-abaqus", "--no-pictures", "--quiet", "--out", "out"]
     lambda a: {"seen": a["seen"].T}, lambda a: {"state.sums": np.zeros(3)}, lambda a: {},
 ])  # fmt: skip
 def test_arrays_of_other_shapes_never_reach_compiled_code(tmp_path, monkeypatch, capsys, at_once, change):
-    """A file with correct digest and name is used only with the arrays that the run has at that row."""
+    """A file with a correct digest is used with the expected shapes."""
     monkeypatch.chdir(tmp_path)
-    save, found = checkpoints.Checkpoints.save, []
+    save, saved = checkpoints.Checkpoints.save, []
 
     def interrupted(self, arrays):
-        found.append({name: np.array(array) for name, array in arrays().items()})
-        if len(found) == 20:
-            save(self, lambda: {**found[-1], **change(found[-1])})
+        saved.append({name: np.array(array) for name, array in arrays().items()})
+        if len(saved) == 20:
+            save(self, lambda: {**saved[-1], **change(saved[-1])})
             raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
@@ -233,7 +235,7 @@ def test_arrays_of_other_shapes_never_reach_compiled_code(tmp_path, monkeypatch,
         assert cli._status(RUN) == 130
     assert "--resume" in capsys.readouterr().err
     assert cli._status([*RUN, "--resume"]) == 0
-    assert ("is damaged; the run starts" in capsys.readouterr().err) == bool(change(found[-1]))
+    assert ("is damaged; the run starts" in capsys.readouterr().err) == bool(change(saved[-1]))
 
 
 LONG = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "--no-pictures")
@@ -244,7 +246,7 @@ from tailslap.storage import checkpoints
 checkpoints.SAVE_S = 0.3
 main(sys.argv[1:])
 """
-"""Checkpoints as soon as they may be, so that on no machine the run ends before the first."""
+"""Checkpoints at short intervals, so that no run ends before the first."""
 
 
 def started(folder, *more):
@@ -254,16 +256,16 @@ def started(folder, *more):
 
 def files(folder):
     """Result files, of the summary what does not depend on the clock."""
-    found = {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix == ".csv"}
+    tables = {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix == ".csv"}
     summary = json.loads((folder / "summary.json").read_text())
-    return {**found, **{name: value for name, value in summary.items() if name != "cost"}}
+    return {**tables, **{name: value for name, value in summary.items() if name != "cost"}}
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("sent", [signal.SIGKILL, signal.SIGTERM])
 def test_a_run_that_is_killed_and_resumed_leaves_the_same_files(tmp_path, sent):
-    whole, broken = tmp_path / "whole", tmp_path / "broken"
-    whole.mkdir()
+    undisturbed, broken = tmp_path / "whole", tmp_path / "broken"
+    undisturbed.mkdir()
     broken.mkdir()
     process, end = started(broken), time.monotonic() + 240.0
     while not list(broken.glob("results/.p*.checkpoint-*")):  # a partial file begins with two dots
@@ -272,12 +274,12 @@ def test_a_run_that_is_killed_and_resumed_leaves_the_same_files(tmp_path, sent):
         time.sleep(0.05)
     time.sleep(0.1)  # until its folder is on the disk
     process.send_signal(sent)
-    said = process.communicate(timeout=60)[1]
-    assert (sent == signal.SIGKILL) or (process.returncode == 130 and b"--resume" in said)
-    for folder, more in ((broken, ("--resume",)), (whole, ())):
-        done = started(folder, *more)
-        assert done.communicate(timeout=300)[1] == b""
-        assert done.returncode == 0
-    results = [folder / "results" / "paper-table-3" for folder in (broken, whole)]
+    message = process.communicate(timeout=60)[1]
+    assert (sent == signal.SIGKILL) or (process.returncode == 130 and b"--resume" in message)
+    for folder, more in ((broken, ("--resume",)), (undisturbed, ())):
+        run = started(folder, *more)
+        assert run.communicate(timeout=300)[1] == b""
+        assert run.returncode == 0
+    results = [folder / "results" / "paper-table-3" for folder in (broken, undisturbed)]
     assert files(results[0]) == files(results[1])
     assert [path.name for path in (broken / "results").iterdir()] == ["paper-table-3"]

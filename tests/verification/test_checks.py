@@ -1,4 +1,4 @@
-"""Verification: each check of a run fails for a wrong number, and alone.
+"""Verify that each check fails for a wrong number, and alone.
 
 Over sizes, stiffnesses and frictions a run is right to 2e-3 or fails its own checks.
 """
@@ -133,7 +133,7 @@ def test_every_report_has_the_checks_of_customary_practice(result):
 
 
 def test_energy_ratio_as_ls_dyna_has_it(result):
-    """2 % more energy fails the ratio, half of that the tighter balance alone."""
+    """2 % more energy fails both checks, 1 % the tighter alone."""
     energy = result.run.history["kinetic_energy"]
     for share, failing in ((0.01, {"energy balance"}), (0.03, {"energy balance", "energy ratio"})):
         assert failed(result, kinetic_energy=at(200, energy[200] + share * energy[0])) == failing
@@ -174,7 +174,7 @@ def test_work_that_friction_did_not_do(outcome, reaction):
 
 
 def test_friction_work_that_is_another_body_s(result):
-    """Force, work and energy agree with a friction that is 10 % higher."""
+    """Force, work and energy agree with a friction 10 % higher."""
     work, law = result.run.history["friction_work"], result.fe_plan.case.scene.corner
     corner = law.model_copy(update={"friction": 1.1 * result.fe_plan.case.scene.corner_friction})
     scene = result.fe_plan.case.scene.model_copy(update={"corner": corner})
@@ -236,14 +236,14 @@ def test_a_start_by_another_law_than_the_scene_s(run, monkeypatch):
 
 
 class Fading(NamedTuple):
-    """Coefficient; reaction N0 [N] at which half of the friction is left."""
+    """Coefficient, and reaction N0 [N] of half the friction."""
 
     coefficient: float
     half: float = 50e3
 
 
 def test_a_law_from_outside_is_held_to_its_own_formula(result, monkeypatch):
-    """Sliding, stopping and at rest, with an impulse where the law names one."""
+    """The corner slides, stops and rests under a custom law."""
 
     def limit(constants, normal):
         return constants.coefficient * abs(normal) / (1.0 + abs(normal) / constants.half)
@@ -419,7 +419,7 @@ def test_histories_that_are_not_the_rigid_ones(result):
 
 
 def test_a_soft_plate_may_differ_by_its_give(outcome):
-    """A mean residual of 7 % passes on a plate that deflects by 3 %.
+    """A mean residual of 7 % passes on a soft plate.
 
     The reaction of an unstressed start is not judged.
     """

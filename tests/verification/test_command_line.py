@@ -1,4 +1,4 @@
-"""Verification: commands, exit statuses, messages, result folders, and what is not imported."""
+"""Verify commands, exit statuses, messages, result folders and light imports."""
 
 import csv
 import fcntl
@@ -45,11 +45,13 @@ def run(*arguments, cwd=None):
 
 
 def imported(*arguments, cwd):
-    """Which of HEAVY a command imports."""
+    """Heavy modules that a command imports."""
     code = f"import sys; from tailslap.cli import _status; s = _status({list(arguments)!r})\n"
     code += f"print(s, *[m for m in {HEAVY!r} if m in sys.modules], sep=';')"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=cwd, check=True)
-    status, *modules = done.stdout.splitlines()[-1].split(";")
+    process = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, cwd=cwd, check=True
+    )
+    status, *modules = process.stdout.splitlines()[-1].split(";")
     assert status == "0"
     return set(modules)
 
@@ -92,9 +94,9 @@ def test_check_says_what_a_run_would_use_and_writes_nothing(tmp_path, monkeypatc
 
 
 def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
-    done = run("run", "paper-table-3", cwd=tmp_path)
-    assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
-    assert "FE/rigid" in done.stdout
+    process = run("run", "paper-table-3", cwd=tmp_path)
+    assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
+    assert "FE/rigid" in process.stdout
     folder = tmp_path / "results" / "paper-table-3"
     assert {path.name for path in folder.iterdir()} == FILES | PICTURES
     assert {path.name for path in folder.parent.iterdir()} == {"paper-table-3"}
@@ -110,7 +112,7 @@ def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
 
 
 def test_results_are_there_before_the_pictures_start(tmp_path, monkeypatch, capsys):
-    """No window can be opened here: the numbers are complete, and the command names the missing part."""
+    """The numbers are complete, and the missing pictures are named."""
     from postprocess.fields import sheet
 
     def refused():
@@ -156,10 +158,10 @@ def test_what_is_left_out_is_said(tmp_path):
 
 
 def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path):
-    done = run("run", "paper-table-3", *FLUTTER, "--no-pictures", "--out", "bad", cwd=tmp_path)
-    assert done.returncode == 1
+    process = run("run", "paper-table-3", *FLUTTER, "--no-pictures", "--out", "bad", cwd=tmp_path)
+    assert process.returncode == 1
     for word in ("Failed", "damping"):
-        assert word in done.stdout
+        assert word in process.stdout
     summary = json.loads((tmp_path / "bad" / "summary.json").read_text())
     assert summary["passed"] is False
     assert "Failed" in (tmp_path / "bad" / "report.html").read_text()
@@ -167,8 +169,8 @@ def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path):
 
 def test_a_run_that_diverges_is_reported_too(tmp_path, besides_compiling):
     stiff = ("--set", "plate.youngs_modulus=20 TPa")
-    done = run("run", "paper-table-3", *FLUTTER, *stiff, "--out", "bad", cwd=tmp_path)
-    assert (done.returncode, besides_compiling(done.stderr)) == (1, "")
+    process = run("run", "paper-table-3", *FLUTTER, *stiff, "--out", "bad", cwd=tmp_path)
+    assert (process.returncode, besides_compiling(process.stderr)) == (1, "")
     summary = json.loads((tmp_path / "bad" / "summary.json").read_text())
     assert summary["fe"]["t"] is None
     assert {path.name for path in (tmp_path / "bad").iterdir()} == FILES
@@ -206,7 +208,7 @@ def long_run(tmp_path, stderr):
 
 
 def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path):
-    """On a terminal a bar appears after a second; Ctrl-C ends with 130, and no half-written folder stays."""
+    """A bar is displayed after a second, and Ctrl-C ends with 130."""
     try:
         leader, follower = pty.openpty()
     except OSError:
@@ -214,14 +216,14 @@ def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path):
     fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     process = long_run(tmp_path, follower)
     try:
-        said, end = b"", time.monotonic() + 240.0
-        while b"%" not in said and time.monotonic() < end:
+        output, end = b"", time.monotonic() + 240.0
+        while b"%" not in output and time.monotonic() < end:
             if select.select([leader], [], [], 0.2)[0]:
-                said += os.read(leader, 1024)
-        assert b"steps" in said
+                output += os.read(leader, 1024)
+        assert b"steps" in output
         process.send_signal(signal.SIGINT)
         status = process.wait(timeout=30)
-        assert status == 130, said + os.read(leader, 8192)
+        assert status == 130, output + os.read(leader, 8192)
     finally:
         process.kill()
         os.close(leader)
@@ -233,9 +235,9 @@ def test_an_interrupted_run_shows_progress_and_leaves_nothing(tmp_path):
     "command", [*sorted(commands.commands), *(f"study {name}" for name in study_names())]
 )
 def test_every_command_has_help(command):
-    shown = CliRunner().invoke(commands, [*command.split(), "--help"])
-    assert shown.exit_code == 0, shown.output
-    assert "Usage:" in shown.output
+    result = CliRunner().invoke(commands, [*command.split(), "--help"])
+    assert result.exit_code == 0, result.output
+    assert "Usage:" in result.output
 
 
 @pytest.mark.parametrize(("name", "value"), [
@@ -265,7 +267,7 @@ def test_other_environment_variables_change_nothing(monkeypatch, tmp_path):
 
 
 def test_a_remark_of_a_library_is_its_first_line(monkeypatch, capsys):
-    def warn(**given):
+    def warn(**options):
         warnings.warn("\nthe first line\nTraceback", UserWarning, stacklevel=1)
 
     monkeypatch.setattr(commands.commands["scenes"], "callback", warn)
@@ -274,7 +276,7 @@ def test_a_remark_of_a_library_is_its_first_line(monkeypatch, capsys):
 
 
 def test_results_of_changed_scenes_replace_no_other(tmp_path, monkeypatch):
-    """The order of the changes is of no account; a folder that is named is taken."""
+    """The order of changes has no effect, and --out is respected."""
     monkeypatch.chdir(tmp_path)
     modes = ["modes", "paper-table-3", "--count", "1", "--quiet"]
     changes = ["--set", "vehicle.mass=9 t", "--set", "plate.youngs_modulus=100 GPa"]
@@ -293,8 +295,8 @@ def test_results_of_changed_scenes_replace_no_other(tmp_path, monkeypatch):
 def test_every_command_names_its_folder_by_the_changes(monkeypatch):
     places = []
 
-    def place(*given):
-        places.append(folder.default_place(*given).name)
+    def place(*arguments):
+        places.append(folder.default_place(*arguments).name)
         raise KeyboardInterrupt
 
     for module in (command_line, study_record):

@@ -1,4 +1,4 @@
-"""Verification: units of scenes against their definitions, and products of them against each other."""
+"""Verify units of scenes and their products by definition."""
 
 import math
 
@@ -31,21 +31,21 @@ def test_dimensions_are_those_of_base_units(name, base):
     assert to_si(name)[1] == to_si(base)[1]
 
 
-@pytest.mark.parametrize(("given", "unit", "factor"), [
+@pytest.mark.parametrize(("compound", "unit", "factor"), [
     *(("km/h", "m/s", 1.0 / 3.6), ("ft/s", "m/s", 0.3048), ("lbf/ft^2", "Pa", 47.88025898033584)),
     *(("lb/ft^3", "kg/m^3", 16.018463373960142), ("kN/mm", "N/m", 1e6), ("MPa", "N/m^2", 1e6)),
     *(("t m^2", "kg m^2", 1e3), ("kHz", "1/s", 1e3), ("kip/ft", "N/m", 4448.2216152605 / 0.3048)),
 ])  # fmt: skip
-def test_products_convert_by_their_factors(given, unit, factor):
-    assert converted(12.34, given, unit) == pytest.approx(12.34 * factor, rel=2e-15)
+def test_products_convert_by_their_factors(compound, unit, factor):
+    assert converted(12.34, compound, unit) == pytest.approx(12.34 * factor, rel=2e-15)
 
 
 @pytest.mark.parametrize(
-    ("given", "unit"), [("kg", "m"), ("Hz", "rad/s"), ("1/s", "rad/s"), ("deg", "m/m"), ("s", "1/s")]
+    ("other", "unit"), [("kg", "m"), ("Hz", "rad/s"), ("1/s", "rad/s"), ("deg", "m/m"), ("s", "1/s")]
 )
-def test_another_dimension_is_refused(given, unit):
+def test_another_dimension_is_refused(other, unit):
     with pytest.raises(ValueError, match="its dimension differs"):
-        converted(1.0, given, unit)
+        converted(1.0, other, unit)
 
 
 def test_an_unknown_name_is_refused_with_those_that_are_known():

@@ -1,4 +1,4 @@
-"""Verification: pictures of a rigidly rotating plate have the colours of its exact velocities; the scale by hand."""
+"""Verify that pictures of a rotating plate have the exact colours."""
 
 import ctypes
 import re
@@ -67,18 +67,18 @@ def pictures(tmp_path_factory):
 
 
 def pixels(picture, points):
-    """Colours at points (k, 2) [m]; shape (k, 3)."""
+    """Colours at points (k, 2) [m], shape (k, 3)."""
     column, row = np.floor(sheet.view_of_plate(POINTS).pixel(points)).astype(int).T
     return picture[sheet.SIZE[1] - 1 - row, column]
 
 
 def element_points(quads):
-    """A point of each element, off the mesh lines and off the boundaries of the colour bands."""
+    """A point of each element, off mesh lines and boundaries of bands."""
     return POINTS[QUADS[quads]].mean(axis=1) + np.array([0.02, 0.05])
 
 
 def clear_of_words(points):
-    """Return False at the label of the centre of mass, to the right of the centre."""
+    """Return False at the label of the centre of mass."""
     across, up = (points - CENTROID).T
     return (across < -0.2) | (across > 1.9) | (np.abs(up) > 0.6)
 
@@ -98,9 +98,9 @@ def test_colours_are_those_of_the_exact_velocities(pictures, name, component):
 
 def test_left_and_right_end_differ_in_v_y_and_not_in_v_x(pictures):
     ends = element_points([3 * COLUMNS, 4 * COLUMNS - 1])
-    left, right = pixels(pictures["contour_v_gy"], ends)
-    assert left[:2].max() < 80, "the rear end moves fastest towards the wall: dark end of the map"
-    assert right[:2].min() > 220, "the corner P does not: bright end of the map"
+    rear, front = pixels(pictures["contour_v_gy"], ends)
+    assert rear[:2].max() < 80, "the rear end moves fastest towards the wall: dark end of the map"
+    assert front[:2].min() > 220, "the corner P does not: bright end of the map"
     along = pixels(pictures["contour_v_gx"], ends)
     np.testing.assert_array_equal(along[0], along[1])
 
@@ -148,7 +148,7 @@ def test_a_wall_out_of_sight_is_not_drawn(tmp_path):
 
 
 def test_words_are_set_as_in_tables():
-    """A true minus, powers of ten, a letter with its index; equal decimals along a ruler."""
+    """Typographic minus, powers of ten and indices, with equal decimals."""
     assert sheet.typeset("v_X = -1.5e-07 m/s") == [("v", False), ("X", True), (" = −1.5×10⁻⁷ m/s", False)]
     assert sheet.typeset("kip ft/ft^3") == [("kip ft/ft³", False)]
     assert [contours.field_title(name) for name in ("velocity_y", "stress_von_mises")] == [
@@ -179,39 +179,39 @@ def test_words_in_the_picture(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("size", [(3200, 1400), (800, 350), (600, 900)])
 def test_a_picture_has_the_size_that_is_asked_for(tmp_path, size):
-    """All in proportion: dots are as much wider, and the plate keeps its shape where the picture has another one."""
+    """Widths of lines are in proportion, and the plate keeps its shape."""
     (path,) = contours.draw_contours(WITH_WALL, fields()[:1], tmp_path, size=size)
     picture = np.rint(imread(path)[..., :3] * 255).astype(np.uint8)
     assert picture.shape == (size[1], size[0], 3)
     view, dot = sheet.view_of_plate(POINTS, size), sheet.proportion(size)
-    (left, bottom), (right, top) = view.pixel([POINTS.min(axis=0), POINTS.max(axis=0)])
-    assert (top - bottom) / (right - left) == pytest.approx(WIDTH / LENGTH)
-    assert left >= sheet.SIDE * dot - 1e-9
+    (x_min, bottom), (x_max, top) = view.pixel([POINTS.min(axis=0), POINTS.max(axis=0)])
+    assert (top - bottom) / (x_max - x_min) == pytest.approx(WIDTH / LENGTH)
+    assert x_min >= sheet.SIDE * dot - 1e-9
     column, row = np.floor(view.pixel(CENTROID)).astype(int)
     white = (picture[size[1] - 1 - row, column - round(20 * dot) : column] == 255).all(axis=1)
     assert white.sum() == pytest.approx(5.0 * dot, abs=1.5)
 
 
-@pytest.mark.parametrize("given", ["1600", "1600x", "1600x70", "90000x700", "axb", "1600x700x3", ""])
-def test_another_size_is_wrong_input(given, tmp_path, capsys):
-    """The command and Python have one message with the allowed values, and write nothing."""
+@pytest.mark.parametrize("text", ["1600", "1600x", "1600x70", "90000x700", "axb", "1600x700x3", ""])
+def test_another_size_is_wrong_input(text, tmp_path, capsys):
+    """Command and Python have one message with the allowed values."""
     place = tmp_path / "result"
-    assert _status(["run", "paper-table-3", "--picture-size", given, "--out", str(place)]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith("tailslap: --picture-size: given")
-    assert "like 1600x700, each 300 to 8000" in said
+    assert _status(["run", "paper-table-3", "--picture-size", text, "--out", str(place)]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("tailslap: --picture-size: given")
+    assert "like 1600x700, each 300 to 8000" in message
     assert not place.exists()
     with pytest.raises(InputError, match="allowed is WIDTHxHEIGHT"):
-        tailslap.run("paper-table-3", picture_size=given)
+        tailslap.run("paper-table-3", picture_size=text)
 
 
 def test_sizes_are_texts_or_pairs():
-    sizes = [picture_pixels(given) for given in ("1600x700", " 300 X 8000", (640, 480), None)]
+    sizes = [picture_pixels(size) for size in ("1600x700", " 300 X 8000", (640, 480), None)]
     assert sizes == [(1600, 700), (300, 8000), (640, 480), None]
 
 
 def test_stresses_have_the_unit_that_suits_them(tmp_path, monkeypatch):
-    """Von Mises stress of elements: 81 kPa of the largest, the mean of the four about G there; ksi elsewhere."""
+    """81 kPa at most, with the mean of four elements about G."""
     words: list[str] = []
     monkeypatch.setattr(sheet.Sheet, "write", lambda sheet, text, *rest, **named: words.append(text))
     x = POINTS[QUADS].mean(axis=1)[:, 0]
@@ -225,7 +225,7 @@ def test_stresses_have_the_unit_that_suits_them(tmp_path, monkeypatch):
 
 
 def test_pyplot_is_not_loaded_for_pictures(tmp_path):
-    """Of PyVista's imports it took the longest, and no picture uses it; who asks for it gets it."""
+    """It took longest of PyVista's imports, and is loaded on request."""
     code = (
         "import sys, numpy as np; from postprocess.fields import contours; "
         "points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]); "
@@ -236,8 +236,8 @@ def test_pyplot_is_not_loaded_for_pictures(tmp_path):
         "import pyvista.plotting.charts as charts; assert charts.plt.Figure; "
         "import matplotlib.pyplot as plt; plt.figure"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
-    assert (done.returncode, done.stderr) == (0, "")
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert (process.returncode, process.stderr) == (0, "")
 
 
 def test_every_plotter_is_closed_even_when_drawing_fails(tmp_path, monkeypatch):
@@ -288,7 +288,7 @@ def test_no_display_and_no_egl_is_an_error_with_a_remedy(monkeypatch):
     (-3e-9, 2e-9), (0.0, 7.0),
 ])  # fmt: skip
 def test_labels_differ_and_are_round(low, high):
-    """Multiples of 1, 2 or 5 times a power of ten, five to eight of them, that hold all values and little else."""
+    """Labels are multiples of 1, 2 or 5 powers of ten."""
     scale = sheet.colour_scale(np.array([low, high]))
     assert not scale.uniform
     assert len(set(scale.labels)) == len(scale.labels)
@@ -305,7 +305,7 @@ def test_labels_differ_and_are_round(low, high):
 
 
 def test_next_to_nothing_is_uniform_not_a_drama():
-    """Rounding, and eight parts in a million: one colour in a range of a hundredth."""
+    """Rounding and 4e-6 have one colour in a range of 1 %."""
     for spread in (1e-13, 4e-6):
         scale = sheet.colour_scale(0.655 * (1.0 + spread * np.linspace(-1, 1, 9)))
         assert scale.uniform
@@ -338,9 +338,9 @@ def test_values_that_are_not_finite_are_refused():
 def test_the_view_holds_plate_and_wall_line():
     points = np.array([[-1.0, 0.0], [9.0, 0.0], [9.0, 2.4], [-1.0, 2.4]])
     view = sheet.view_of_plate(points)
-    (left, bottom), (right, top) = view.pixel([[-1.0, 0.0], [9.0, 2.4]])
-    assert (left, right) == pytest.approx((70.0, 1530.0))
-    assert (top - bottom) / (right - left) == pytest.approx(0.24)
+    (x_min, bottom), (x_max, top) = view.pixel([[-1.0, 0.0], [9.0, 2.4]])
+    assert (x_min, x_max) == pytest.approx((70.0, 1530.0))
+    assert (top - bottom) / (x_max - x_min) == pytest.approx(0.24)
     assert bottom >= 120.0
     assert top <= 700.0 - 190.0
     assert view.length == pytest.approx(10.0 / 1460.0)

@@ -1,4 +1,4 @@
-"""Verification: the cost study's errors, fronts and limits; its records, resumption and answers."""
+"""Verify errors, fronts, limits and records of the cost study."""
 
 import json
 import math
@@ -31,9 +31,9 @@ def record(values, failed=(), steps=9):
 
 
 def row(label, error, seconds, kind=FE, failed="", choice=False):
-    """As much of a row as fronts and levels look at."""
-    made = {"label": label, "error": error, "seconds": seconds, "kind": kind, "failed": failed}
-    return made | {"refused": "", "choice": choice}
+    """A row with the entries of fronts and levels."""
+    entries = {"label": label, "error": error, "seconds": seconds, "kind": kind, "failed": failed}
+    return entries | {"refused": "", "choice": choice}
 
 
 ROWS = (
@@ -43,14 +43,14 @@ ROWS = (
 
 
 def test_front_holds_what_nothing_beats_neither_the_truth_itself_nor_choices_on_one_mesh():
-    assert [found["label"] for found in cost_study.front(ROWS)] == ["quick", "middle", "slow and exact"]
+    assert [row["label"] for row in cost_study.front(ROWS)] == ["quick", "middle", "slow and exact"]
     more = row("closed form", 1e-12, 1e-5, EXACT), row("ratio 0.1", 1e-11, 1e-4, choice=True)
     assert cost_study.front((*more, *ROWS)) == cost_study.front(ROWS)
 
 
 def test_cheapest_for_each_level():
     best = [cost_study.cheapest(ROWS, level) for level in (1.0, 1e-3, 1e-6, 1e-12)]
-    assert [found and found["label"] for found in best] == ["quick", "middle", "slow and exact", None]
+    assert [row and row["label"] for row in best] == ["quick", "middle", "slow and exact", None]
 
 
 def test_error_is_the_largest_of_five():
@@ -60,14 +60,17 @@ def test_error_is_the_largest_of_five():
 
 
 def test_errors_are_from_the_limit_of_the_quadratic_elements():
-    """Changes of 4 and 1 per thousand: order 2, limit 1 - 1/3000, known to 1.25/3000."""
+    """Changes of 4 and 1 per thousand have order 2.
+
+    The limit is 1 - 1/3000, known to 1.25/3000.
+    """
     values = [record(dict.fromkeys(cost_study.NAMES, x)) for x in (1.005, 1.001, 1.0)]
     limit = limit_of(values, cost_study.NAMES)
     assert limit.values == {name: pytest.approx(1.0 - 1e-3 / 3.0, rel=1e-12) for name in cost_study.NAMES}
     assert limit.uncertainty == pytest.approx(1.25e-3 / 3.0, rel=1e-9)
-    found = row_of(Setting(FE, "quad4", "mesh"), record(dict.fromkeys(cost_study.NAMES, 1.02)), limit)
-    assert found["error"] == pytest.approx(1.02 / (1.0 - 1e-3 / 3.0) - 1.0)
-    assert [found[name] for name in ("setup_s", "loop_s", "median_s", "steps")] == [0.1, 0.3, 0.4, 9]
+    result = row_of(Setting(FE, "quad4", "mesh"), record(dict.fromkeys(cost_study.NAMES, 1.02)), limit)
+    assert result["error"] == pytest.approx(1.02 / (1.0 - 1e-3 / 3.0) - 1.0)
+    assert [result[name] for name in ("setup_s", "loop_s", "median_s", "steps")] == [0.1, 0.3, 0.4, 9]
 
 
 def test_no_error_is_below_what_the_limit_is_known_to_and_none_is_told_without_strikes():
@@ -113,27 +116,27 @@ def test_rigid_methods_are_as_good_as_they_say():
 
 def test_finite_elements_are_measured_and_refusals_noted():
     base = read_source("paper-abaqus")
-    found = measure(base, Setting(FE, "mesh", "6 x 2", {"plate.elements": (6, 2)}))
-    assert len(found["loop"]) == len(found["setup"]) >= 2
-    assert found["failed"] == []
-    own = CornerCase(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))).run()
-    assert found["values"] == own.fe
+    coarse = measure(base, Setting(FE, "mesh", "6 x 2", {"plate.elements": (6, 2)}))
+    assert len(coarse["loop"]) == len(coarse["setup"]) >= 2
+    assert coarse["failed"] == []
+    run = CornerCase(*read_scene("paper-abaqus", ("plate.elements=[6,2]",))).run()
+    assert coarse["values"] == run.fe
     exact = vary(base, {"corner.constraint": "exact"})[1]
     refused = measure(exact, Setting(FE, "p", "p", {"corner.penalty_scale": 3.0}))
     assert "constraint" in refused["refused"]
 
 
 def test_time_step_converges_with_order_two():
-    """Central differences, on a mesh where the step is long enough to be seen above the rounding."""
+    """Central differences on a mesh whose errors exceed the rounding."""
     values = []
     for factor in (0.225, 0.45, 0.9):
         changes = ("plate.elements=[6,2]", f"time.safety_factor={factor}")
         values.append(CornerCase(*read_scene("paper-abaqus", changes)).run().fe)
     for name in ("t", "slide"):
         coarse, middle, fine = (v[name] for v in values)
-        found = grid_convergence((coarse, middle, fine), (2.0, 2.0))
-        assert found.order == pytest.approx(2.0, abs=0.1)
-        assert found.gci_fine < 1e-9
+        convergence = grid_convergence((coarse, middle, fine), (2.0, 2.0))
+        assert convergence.order == pytest.approx(2.0, abs=0.1)
+        assert convergence.gci_fine < 1e-9
 
 
 @pytest.mark.parametrize(("patch", "converges"), [(("corner.patch_length=1",), True), ((), False)])
@@ -143,44 +146,46 @@ def test_patch_converges_with_the_mesh_and_a_point_does_not(patch, converges):
     for n in (80, 40, 20):
         changes = (*soft, f"plate.elements=[{n},{3 * n // 10}]")
         values.append(CornerCase(*read_scene("paper-abaqus", changes)).run().fe["v_gy"])
-    found = grid_convergence((values[0], values[1], values[2]), (2.0, 2.0))
-    assert (found.behaviour == "converging") == converges
+    convergence = grid_convergence((values[0], values[1], values[2]), (2.0, 2.0))
+    assert (convergence.behaviour == "converging") == converges
     if converges:
-        assert 1.2 < found.order < 2.1
-        assert found.gci_fine < 5e-4
+        assert 1.2 < convergence.order < 2.1
+        assert convergence.gci_fine < 5e-4
     else:
-        assert found.order < 0.3
+        assert convergence.order < 0.3
 
 
 def test_interrupted_study_measures_only_what_is_missing(tmp_path, monkeypatch):
-    done: list[str] = []
+    measured: list[str] = []
 
     def noted(source, setting):
-        if len(done) == 5:
-            done.append("stop")
+        if len(measured) == 5:
+            measured.append("stop")
             raise KeyboardInterrupt
-        done.append(setting.key)
+        measured.append(setting.key)
         return record(TRUTH)
 
     monkeypatch.setattr(cost_study, "measure", noted)
     with pytest.raises(KeyboardInterrupt):
         cost_study.compute(STUDIED, tmp_path / "out")
-    found = cost_study.compute(STUDIED, tmp_path / "out")
-    assert len(done) - 1 == len(set(done)) - 1 == len(found.rows)
+    study = cost_study.compute(STUDIED, tmp_path / "out")
+    assert len(measured) - 1 == len(set(measured)) - 1 == len(study.rows)
     assert list(tmp_path.iterdir()) == []
 
 
 def made_records(order=2.0, steps=None):
-    """Errors of 1e-3 over the refinement to the order; steps as given by label, else halves; the modal model fails a
-    check."""
-    found = {}
+    """Records with errors of 1e-3 times the refinement to -order.
+
+    The number of steps is by label, else by halves; the modal model fails a check.
+    """
+    records = {}
     for s in TODO:
         fine = max(s.refinement, 0.1)
         values = {k: v * (1.0 + 1e-3 * fine**-order) for k, v in TRUTH.items()}
-        made = record(values, ("linear modes",) if s.kind == MODAL else ())
-        made["steps"] = round(1000 * s.refinement) if steps is None else steps.get(s.label, 1000)
-        found[s.key] = made | {"setup": [0.1], "loop": [0.01 * fine, 0.5]}
-    return found
+        entries = record(values, ("linear modes",) if s.kind == MODAL else ())
+        entries["steps"] = round(1000 * s.refinement) if steps is None else steps.get(s.label, 1000)
+        records[s.key] = entries | {"setup": [0.1], "loop": [0.01 * fine, 0.5]}
+    return records
 
 
 def corner_result(truth, steps=None):
@@ -189,37 +194,37 @@ def corner_result(truth, steps=None):
 
 
 def test_time_steps_that_are_no_halves_have_no_convergence():
-    """On a soft plate the least number of steps stands against the safety factor: that is not a settled value."""
+    """The least number of steps bounds the step of a soft plate."""
     halves = {"safety factor 0.45": 2000, "safety factor 0.225": 4000}
     assert "time step" in corner_result(TRUTH, halves).convergence
-    found = corner_result(TRUTH, {}).convergence
-    assert "time step" not in found
-    assert found["mesh"]["t"].order == pytest.approx(2.0)
+    convergence = corner_result(TRUTH, {}).convergence
+    assert "time step" not in convergence
+    assert convergence["mesh"]["t"].order == pytest.approx(2.0)
 
 
 @pytest.mark.long
 def test_page_and_summary(tmp_path):
-    made = report(corner_result(TRUTH))
-    write_report(made, tmp_path)
+    study_report = report(corner_result(TRUTH))
+    write_report(study_report, tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["front"]["flexible"][-1].startswith("soft plate, q")
     assert summary["known"]["rigid"] == cost_study.ROUNDING
     page = (tmp_path / "report.html").read_text()
-    assert page.count("<svg") == sum(len(section.figures) for section in made.page.sections) > 2
+    assert page.count("<svg") == sum(len(section.figures) for section in study_report.page.sections) > 2
     for words in ("Pareto front", "failed a check", "FE, row-sum masses", "quad9, order 2.0", "known within"):
         assert words in page
     assert len((tmp_path / "points.csv").read_text().splitlines()) == len(TODO) + 1
 
 
 def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known():
-    found = corner_result({k: 1.01 * v for k, v in TRUTH.items()})
-    soft = found.rows_of(soft=True)
-    assert found.limit.values == pytest.approx(TRUTH, rel=1e-9)
-    assert found.limit.uncertainty == pytest.approx(1.25e-3 / 64, rel=1e-3)  # the finest is 8 times finer
-    assert found.flexibility == pytest.approx(0.01 / 1.01, rel=1e-6)
+    study = corner_result({k: 1.01 * v for k, v in TRUTH.items()})
+    soft = study.rows_of(soft=True)
+    assert study.limit.values == pytest.approx(TRUTH, rel=1e-9)
+    assert study.limit.uncertainty == pytest.approx(1.25e-3 / 64, rel=1e-3)  # the finest is 8 times finer
+    assert study.flexibility == pytest.approx(0.01 / 1.01, rel=1e-6)
     errors = {row["label"]: row["error"] for row in soft if row["group"] == "quad9"}
-    assert (errors["10 x 3"], errors["80 x 24"]) == (pytest.approx(1e-3, rel=1e-6), found.limit.uncertainty)
-    assert all(row["error"] >= cost_study.ROUNDING for row in found.rows_of(soft=False))
+    assert (errors["10 x 3"], errors["80 x 24"]) == (pytest.approx(1e-3, rel=1e-6), study.limit.uncertainty)
+    assert all(row["error"] >= cost_study.ROUNDING for row in study.rows_of(soft=False))
     added = [row["added"] for row in soft if row["group"] == "damping"]
     assert added == sorted(added, reverse=True)
 
@@ -230,7 +235,7 @@ def test_errors_of_the_soft_plate_are_from_its_limit_and_not_below_what_is_known
     ("corner.penalty_scale=3", "corner.damping_ratio=0.1", "plate.start=unstressed"),
 ])  # fmt: skip
 def test_soft_plate_keeps_what_the_scene_gives(changes):
-    """Its first frequency and patch are the scene's where it has them; nothing that the modal model refuses stays."""
+    """Frequency and patch are the scene's, the rest suits the modal model."""
     plan = CornerCase(*read_scene("paper-table-3", changes))
     soft, source = vary(plan.source, {**cost_settings.soft_changes(plan), "plate.element": "quad9"})
     fe_plan = case_of(soft, source).plan()
@@ -244,7 +249,7 @@ def test_soft_plate_keeps_what_the_scene_gives(changes):
 
 @pytest.mark.long
 def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion():
-    """The three coarser meshes of quad9 approach each other by more than half; ten times the spring, a tenth added."""
+    """Meshes of quad9 converge, and a spring adds in proportion."""
     soft = vary(STUDIED.source, cost_settings.soft_changes(STUDIED))[1]
     by_key = {setting.key.removeprefix("soft plate, "): setting for setting in TODO if setting.soft}
     wanted = ("quad9: 10 x 3", "quad9: 20 x 6", "quad9: 40 x 12", "penalty: scale 3", "penalty: scale 30")
@@ -255,17 +260,17 @@ def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion():
 
 @pytest.mark.long
 def test_a_study_of_a_whole_impact_on_a_coarse_plate(tmp_path, capsys):
-    """Every setting comes nearer to the plate's limit than the rigid vehicle, and finer meshes nearer still."""
+    """Settings are nearer the limit than the rigid vehicle."""
     out = tmp_path / "cost"
     arguments = ["study", "cost", "impact-mash-tl4-sut", "--set", "plate.elements=[8, 4]", "--out", str(out)]
     soft = ["--set", "plate.first_frequency=20 Hz", "--set", "plate.youngs_modulus="]
     assert _status([*arguments, *soft]) == 0
     assert capsys.readouterr().out.startswith("Finite elements compute both strikes within ")
-    found = json.loads((out / "summary.json").read_text())
-    error = {point["setting"]: point["error"] for point in found["points"]}
+    summary = json.loads((out / "summary.json").read_text())
+    error = {point["setting"]: point["error"] for point in summary["points"]}
     rigid = error.pop("rigid vehicle: fixed step")
     assert rigid > 0.02
     assert max(error.values()) < rigid
     assert error["quad9: 16 x 8"] <= error["quad9: 8 x 4"] <= error["quad9: 4 x 2"]
     assert error["quad4: 16 x 8"] < 0.4 * error["quad4: 8 x 4"]
-    assert found["known"] < 0.02
+    assert summary["known"] < 0.02

@@ -1,6 +1,6 @@
-"""Verification: the crush law with plateau and unloading stiffness, of the rigid vehicle, samples and the plate.
+"""Verify the crush law with plateau and unloading stiffness.
 
-Exact answers of a point mass on the law, the plate beside the rigid vehicle, refusals.
+Exact answers of a point mass on the law, for one vehicle, samples and the plate; refusals.
 """
 
 import math
@@ -50,15 +50,15 @@ LAWS: dict[str, dict[str, Any]] = {
 
 
 def point_mass(initial_force=0.0, plateau_force=math.inf, restitution=0.0, unloading_stiffness=0.0):
-    """Greatest crush, peak, duration, exit speed and residual crush of the mass of BOX, by its equations of motion."""
+    """Crush, peak, duration, exit speed and residual crush of a point mass."""
     mass, energy = BOX.mass, 0.5 * BOX.mass * CLOSING**2
     rate, rise = math.sqrt(K / mass), math.hypot(initial_force, CLOSING * math.sqrt(K * mass))
     peak = min(plateau_force, rise)
     loading = (math.asin(min(peak / rise, 1.0)) - math.asin(initial_force / rise)) / rate
-    crush, left = (peak - initial_force) / K, energy - (peak**2 - initial_force**2) / (2.0 * K)
+    crush, remaining = (peak - initial_force) / K, energy - (peak**2 - initial_force**2) / (2.0 * K)
     if peak < rise:
-        crush += left / peak
-        loading += math.sqrt(2.0 * left * mass) / peak
+        crush += remaining / peak
+        loading += math.sqrt(2.0 * remaining * mass) / peak
     slope = unloading_stiffness or (peak**2 / (2.0 * restitution**2 * energy) if restitution else math.inf)
     duration = loading + 0.5 * math.pi * math.sqrt(mass / slope)
     return crush, peak, duration, peak / math.sqrt(slope * mass), crush - peak / slope
@@ -84,33 +84,28 @@ def test_a_rigid_point_mass_on_the_law(name):
 
 
 def test_samples_on_the_law():
-    """All laws in one call: a corner that strikes at CLOSING across the wall, below the centre of mass."""
+    """A corner below the centre of mass strikes at CLOSING."""
     names = ("initial_force", "plateau_force", "restitution", "unloading_stiffness")
-    given = [{"plateau_force": math.inf, **law} for law in LAWS.values()]
-    inputs: dict[str, Any] = {key: np.array([law.get(key, 0.0) for law in given]) for key in names}
-    found = solve_impacts(
-        length=4.0,
-        width=2.0,
-        mass=1500.0,
-        speed=CLOSING / math.sin(UPRIGHT),
-        angle=UPRIGHT,
-        stiffness=K,
-        friction=0.0,
-        tolerance=1e-7,
-        **inputs,
-    )
+    laws = [{"plateau_force": math.inf, **law} for law in LAWS.values()]
+    inputs: dict[str, Any] = {key: np.array([law.get(key, 0.0) for law in laws]) for key in names}
+    inputs |= {"length": 4.0, "width": 2.0, "mass": 1500.0, "stiffness": K, "friction": 0.0}
+    inputs |= {"speed": CLOSING / math.sin(UPRIGHT), "angle": UPRIGHT}
+    impacts = solve_impacts(**inputs, tolerance=1e-7)
     for i, law in enumerate(LAWS.values()):
         _, peak, duration, exit_speed, _ = point_mass(**law)
-        assert found.peak_force[0, i] == pytest.approx(peak, rel=1e-6)
-        assert found.duration[0, i] == pytest.approx(duration, rel=1e-5)
-        assert found.impulse[0, i] == pytest.approx(BOX.mass * (CLOSING + exit_speed), rel=1e-6)
+        assert impacts.peak_force[0, i] == pytest.approx(peak, rel=1e-6)
+        assert impacts.duration[0, i] == pytest.approx(duration, rel=1e-5)
+        assert impacts.impulse[0, i] == pytest.approx(BOX.mass * (CLOSING + exit_speed), rel=1e-6)
 
 
 MODULUS, STEP = 2e15, 2e-6
 
 
 def plate_run(contact):
-    """The box as a plate without lateral contraction that strikes head-on with its front corner."""
+    """The box as a plate that strikes head-on with its front corner.
+
+    It has no lateral contraction.
+    """
     plate = PlateProperties(0.05, BOX.mass / (8.0 * 0.05), MODULUS, 0.0, lumping="row-sum")
     model = build_impact_model(
         [UnitProperties(plate_mesh(4.0, 2.0, (1, 1)), plate, contact)], StepProperties(longest=STEP)
@@ -120,7 +115,10 @@ def plate_run(contact):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_plate_on_the_law(name):
-    """To 1e-6, and half a step of an initial force, which comes on at once; without unloading its springs return."""
+    """Agreement within 1e-6, and half a step of an initial force.
+
+    Without unloading the springs of the plate return.
+    """
     law = {"restitution": 0.0, **LAWS[name]}
     crush, peak, _, exit_speed, residual = point_mass(**law)
     result, momentum = plate_run(ContactProperties(None, "crush", K, **law)), BOX.mass * CLOSING
@@ -132,25 +130,21 @@ def test_a_plate_on_the_law(name):
     assert depth.max() == pytest.approx(crush, rel=bound)
     assert force.sum() * (t[1] - t[0]) == pytest.approx(momentum + BOX.mass * exit_speed, rel=bound)
     lost = 0.5 * BOX.mass * (CLOSING**2 - exit_speed**2)
-    taken = result.history["crush_energy"][-1] + result.history["contact_energy"][-1]
-    assert taken == pytest.approx(lost, rel=2.0 * bound, abs=0.05)
+    absorbed = result.history["crush_energy"][-1] + result.history["contact_energy"][-1]
+    assert absorbed == pytest.approx(lost, rel=2.0 * bound, abs=0.05)
     last = np.flatnonzero(force > 0.0)[-1]
     assert depth[last] == pytest.approx(residual, abs=2e-5 * CLOSING)
 
 
 def test_a_layer_unloads_as_the_corners_do():
-    """Its slope is in proportion to its stiffness; it has no plateau."""
-    given = ContactProperties(None, "crush", K, 0.0, 0.0, 1e5, plateau_force=2e5, unloading_stiffness=3.0 * K)
-    assert given.side == PointCrush(1e5, 0.0, 0.0, math.inf, 3e5)
+    """The slope is in proportion to the stiffness, without a plateau."""
+    contact = ContactProperties(
+        None, "crush", K, 0.0, 0.0, 1e5, plateau_force=2e5, unloading_stiffness=3.0 * K
+    )
+    assert contact.side == PointCrush(1e5, 0.0, 0.0, math.inf, 3e5)
+    plate = PlateProperties(0.05, 7800.0, 2e9, 0.3, lumping="row-sum")
     model = build_impact_model(
-        [
-            UnitProperties(
-                plate_mesh(4.0, 2.0, (2, 1)),
-                PlateProperties(0.05, 7800.0, 2e9, 0.3, lumping="row-sum"),
-                given,
-            )
-        ],
-        StepProperties(),
+        [UnitProperties(plate_mesh(4.0, 2.0, (2, 1)), plate, contact)], StepProperties()
     )
     law = model.parameters.contact.law
     assert (law.plateau[:4] == 2e5).all()
@@ -171,7 +165,7 @@ def test_a_layer_unloads_as_the_corners_do():
     ],
 )
 def test_the_line_of_unloading(law, deepest, answer):
-    """Force and energy at the deepest point, length of the line, part of the energy that it returns.
+    """Force, energy, length and returned part of the line of unloading.
 
     Of a slope below F/d the line is as long as the crush: it does not end in front of the vehicle.
     """
@@ -193,25 +187,22 @@ TRUCK = {
 
 @pytest.mark.parametrize("elements", [(10, 3), pytest.param((20, 6), marks=pytest.mark.long)])
 def test_the_plate_tends_to_the_rigid_vehicle(elements):
-    """As 1/E, with a plateau, and a rear of its own by its slope; 1e-3 at 2 TPa."""
+    """The difference is in proportion to 1/E, 1e-3 at 2 TPa."""
     off = []
     for modulus in (0.2e12, 2e12):
-        own = {"plate.youngs_modulus": modulus, "plate.elements": elements, "plate.element": "quad4"}
-        outcome = run.attempt(case_of(**TRUCK, **own))
+        changes = {"plate.youngs_modulus": modulus, "plate.elements": elements, "plate.element": "quad4"}
+        outcome = run.attempt(case_of(**TRUCK, **changes))
         off.append(max(abs(outcome.difference[f"strike_{k}.impulse"]) for k in (1, 2)))
     assert off[1] < 1e-3
     assert off[1] / off[0] == pytest.approx(0.1, abs=0.04)
 
 
 def test_the_rear_has_values_of_its_own():
-    """Peaks are the plateaus; many impacts and one are the same."""
+    """Peak forces are the plateaus, and samples agree."""
     case = case_of(**TRUCK)
     front, rear = case.motion.strikes[:2]
     assert (front.corner, rear.corner) == ("front", "rear")
-    assert (front.peak_force, rear.peak_force) == (
-        pytest.approx(350e3, rel=1e-9),
-        pytest.approx(300e3, rel=1e-9),
-    )
+    assert (front.peak_force, rear.peak_force) == pytest.approx((350e3, 300e3), rel=1e-9)
     assert set(TRUCK) <= set(case.arguments)
     sampled = case.many({"contact.rear.plateau_force": np.array([300e3, 250e3])})
     for k, strike in enumerate((front, rear), 1):
@@ -223,13 +214,13 @@ def test_the_rear_has_values_of_its_own():
 
 def test_samples_vary_what_the_scene_does_not_give():
     case = case_of()
-    given = {"contact.plateau_force": np.array([3e5, 4e5]), "contact.unloading_stiffness": np.full(2, 2e7)}
-    found = case.many(given)
+    inputs = {"contact.plateau_force": np.array([3e5, 4e5]), "contact.unloading_stiffness": np.full(2, 2e7)}
+    samples = case.many(inputs)
     for i in range(2):
-        changes = {key: float(values[i]) for key, values in given.items()} | {"contact.restitution": None}
+        changes = {key: float(values[i]) for key, values in inputs.items()} | {"contact.restitution": None}
         strikes = case_of(**changes).motion.strikes
-        assert found["strike_1.impulse"][i] == pytest.approx(strikes[0].impulse, rel=2e-4)
-        assert found["strike_2.impulse"][i] == pytest.approx(strikes[1].impulse, rel=2e-4)
+        assert samples["strike_1.impulse"][i] == pytest.approx(strikes[0].impulse, rel=2e-4)
+        assert samples["strike_2.impulse"][i] == pytest.approx(strikes[1].impulse, rel=2e-4)
 
 
 TRAIN = {
@@ -258,11 +249,11 @@ def test_each_trailer_has_values_of_its_own():
 def test_a_trailer_without_values_has_those_of_the_first_unit():
     first = {"stiffness": 1.0, "restitution": 0.2, "rear": {"unloading_stiffness": 9.0}}
     both = unit_laws([first, {}, {"stiffness": 3.0, "rear": {"plateau_force": 5.0, "restitution": 0.3}}])
-    own = {"initial_force": 0.0, "plateau_force": math.inf, "restitution": 0.2, "unloading_stiffness": 0.0}
-    behind = own | {"restitution": 0.0, "unloading_stiffness": 9.0}
-    assert both[1] == both[0] == (own | {"stiffness": 1.0}, behind | {"stiffness": 1.0})
-    last = own | {"stiffness": 3.0, "plateau_force": 5.0, "restitution": 0.3}
-    assert both[2] == (own | {"stiffness": 3.0}, last)
+    law = {"initial_force": 0.0, "plateau_force": math.inf, "restitution": 0.2, "unloading_stiffness": 0.0}
+    behind = law | {"restitution": 0.0, "unloading_stiffness": 9.0}
+    assert both[1] == both[0] == (law | {"stiffness": 1.0}, behind | {"stiffness": 1.0})
+    last = law | {"stiffness": 3.0, "plateau_force": 5.0, "restitution": 0.3}
+    assert both[2] == (law | {"stiffness": 3.0}, last)
 
 
 REFUSED = [
@@ -323,9 +314,9 @@ def test_a_bad_law_of_a_trailer_is_named():
 
 
 def test_the_exit_status_and_the_message(capsys):
-    given = ["--set", "contact.initial_force=50 kN", "--set", "contact.plateau_force=40 kN"]
-    assert cli._status(["rigid", SCENE, *given]) == 2
-    said = capsys.readouterr().err.replace("\n", " ")
-    assert "contact.plateau_force" in said
-    assert "40000" in said
-    assert "at least 50000 N" in said
+    changes = ["--set", "contact.initial_force=50 kN", "--set", "contact.plateau_force=40 kN"]
+    assert cli._status(["rigid", SCENE, *changes]) == 2
+    message = capsys.readouterr().err.replace("\n", " ")
+    assert "contact.plateau_force" in message
+    assert "40000" in message
+    assert "at least 50000 N" in message

@@ -1,4 +1,4 @@
-"""Verification: files of a result that differ from its manifest are refused by name.
+"""Verify that files that differ from their manifest are refused.
 
 With force intact files are read; numbers of a damaged one never are, and no damage is an internal error.
 """
@@ -22,9 +22,9 @@ SMALL = {"plate.elements": [6, 2], "output.fields": 3}
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory):
+def saved_results(tmp_path_factory):
     """Results of every kind, and another of a run, in folders."""
-    place = tmp_path_factory.mktemp("made")
+    place = tmp_path_factory.mktemp("saved_results")
     tailslap.run("paper-table-3", SMALL).save(place / "run", pictures=False)
     tailslap.run("paper-table-3", SMALL | {"corner.friction": 0.2}).save(place / "other", pictures=False)
     tailslap.rigid("impact-mash-tl4-sut").save(place / "rigid")
@@ -34,8 +34,8 @@ def made(tmp_path_factory):
 
 
 @pytest.fixture
-def results(made, tmp_path):
-    shutil.copytree(made, tmp_path / "a")
+def results(saved_results, tmp_path):
+    shutil.copytree(saved_results, tmp_path / "a")
     return tmp_path / "a"
 
 
@@ -72,8 +72,8 @@ DAMAGES = (flipped, cut, swapped, removed, linked, piped)
 
 def everything(place, **more):
     """All that there is in a result, read again."""
-    found = tailslap.load(place, **more)
-    return found, found.make_fields and found.fields
+    result = tailslap.load(place, **more)
+    return result, result.make_fields and result.fields
 
 
 @pytest.mark.parametrize("damage", DAMAGES)
@@ -105,9 +105,9 @@ def test_a_damaged_file_of_other_results_is_named(results, path, damage):
 
 def test_every_flip_in_a_manifest_is_found(results):
     path = results / "rigid" / NAME
-    whole = path.read_bytes()
-    for k in range(0, len(whole), 3):
-        path.write_bytes(whole[:k] + bytes([whole[k] ^ 2]) + whole[k + 1 :])
+    content = path.read_bytes()
+    for k in range(0, len(content), 3):
+        path.write_bytes(content[:k] + bytes([content[k] ^ 2]) + content[k + 1 :])
         with pytest.raises(InputError, match=f"{NAME} is missing or damaged"):
             tailslap.load(results / "rigid")
     path.unlink()
@@ -135,16 +135,16 @@ WRONG = [
 
 @pytest.mark.parametrize("text", WRONG)
 def test_a_summary_of_wrong_types_is_refused_and_by_force_the_histories_are_there(results, text):
-    """Also where the manifest lists it so, as if the program had written it."""
+    """The manifest may list it as if the program had written it."""
     place = results / "run"
     (place / "summary.json").write_text(text)
     with pytest.raises(InputError, match=r"its file summary\.json is damaged"):
         tailslap.load(place)
     rows = (place / "history.csv").read_text().count("\n") - 1
     with pytest.warns(UserWarning, match=r"its file summary\.json"):
-        found = tailslap.load(place, force=True)
-    assert (found.command, found.scene, found.summary) == ("run", "paper-table-3", {})
-    assert found.history["t"].size == found.rigid["t"].size == rows
+        result = tailslap.load(place, force=True)
+    assert (result.command, result.scene, result.summary) == ("run", "paper-table-3", {})
+    assert result.history["t"].size == result.rigid["t"].size == rows
     entries = {manifest.read_entry(place / name) for name in ("summary.json", "history.csv", "rigid.csv")}
     manifest.write_manifest(place, entries, manifest.Origin("run", "a"))
     with pytest.raises(InputError, match=r"its file summary\.json cannot be read"):
@@ -172,12 +172,12 @@ def test_by_force_a_history_that_was_changed_is_read_with_a_remark(results, caps
 def test_by_force_what_makes_no_sense_is_left_out(results):
     cut(results / "run" / "fields.npz", None)
     (results / "run" / "rigid.csv").write_text("t,v_gy\n0,1\n2\n")
-    with pytest.warns(UserWarning) as said:  # noqa: PT030, PT031
-        found = tailslap.load(results / "run", force=True)
+    with pytest.warns(UserWarning) as warned:  # noqa: PT030, PT031
+        result = tailslap.load(results / "run", force=True)
         with pytest.raises(InputError, match="the result has no fields"):
-            found.fields  # noqa: B018
-    assert set(found.histories) == {"FE"}
-    texts = [str(each.message).rpartition("/run: ")[2] for each in said]
+            result.fields  # noqa: B018
+    assert set(result.histories) == {"FE"}
+    texts = [str(warning.message).rpartition("/run: ")[2] for warning in warned]
     assert [text.replace(" or was modified", "").partition(",")[0] for text in texts] == [
         *("its file rigid.csv is damaged", "its file rigid.csv cannot be read"),
         *("its file fields.npz is damaged", "its file fields.npz cannot be read"),
@@ -192,13 +192,13 @@ def test_a_file_of_a_result_given_alone_is_what_the_manifest_beside_it_lists(res
 
 
 def test_a_copy_has_no_damaged_file(results, tmp_path):
-    found = tailslap.load(results / "run")
+    result = tailslap.load(results / "run")
     flipped(results / "run" / "theta.svg", None)
     with pytest.raises(InputError, match=r"its file theta\.svg is damaged"):
-        found.save(tmp_path / "copy")
+        result.save(tmp_path / "copy")
     assert not (tmp_path / "copy").exists()
     with pytest.raises(InputError, match="it is an input of the command"):
-        found.save(results / "run", force=True)
+        result.save(results / "run", force=True)
     (results / "run" / "theta.svg").unlink()
     with pytest.warns(UserWarning, match=r"its file theta\.svg cannot be read"):
         tailslap.load(results / "run", force=True).save(tmp_path / "copy")
@@ -216,10 +216,10 @@ def test_a_result_that_is_replaced_while_it_is_read_is_one_of_the_two(results, m
             other.save(place, force=True)
 
         monkeypatch.setattr(load.Stored, "demand_manifest", replace)
-        found = tailslap.load(place, force=forced)
+        result = tailslap.load(place, force=forced)
         monkeypatch.setattr(load.Stored, "demand_manifest", demand)
-        assert found.summary == other.summary
-        np.testing.assert_array_equal(found.history["v_gy"], other.history["v_gy"])
+        assert result.summary == other.summary
+        np.testing.assert_array_equal(result.history["v_gy"], other.history["v_gy"])
         shutil.rmtree(place)
         shutil.copytree(results / "rigid", place)
 
@@ -250,15 +250,16 @@ def test_a_sweep_is_compared_with_nothing(results, capsys):
 def test_a_sweep_is_exported_with_its_words(results):
     assert _status(["export", str(results / "sweep"), "--to", "csv", "--out", str(results / "out")]) == 0
     head, row = (line.split(",") for line in (results / "out" / "table.csv").read_text().splitlines())
-    found = dict(zip(head, row, strict=True))
-    assert (found["status"], found["run"], float(found["corner.friction"])) == ("passed", "0", 0.2)
+    cells = dict(zip(head, row, strict=True))
+    assert (cells["status"], cells["run"], float(cells["corner.friction"])) == ("passed", "0", 0.2)
 
 
 def test_by_force_a_history_without_names_of_columns_is_left_out(results):
     (results / "run" / "history.csv").write_text('"a", "b"\n1,2\n')
     with pytest.warns(UserWarning, match=r"its file history\.csv") as said:
         assert set(tailslap.load(results / "run", force=True).histories) == {"rigid"}
-    assert [str(each.message).rpartition(", ")[2].rpartition("/run: ")[2] for each in said] == [
+    texts = [str(warning.message).rpartition(", ")[2].rpartition("/run: ")[2] for warning in said]
+    assert texts == [
         "its file history.csv is damaged or was modified",
         "ValueError: its first line has no column names",
     ]
@@ -270,8 +271,8 @@ def test_what_is_below_a_folder_that_may_not_be_searched_is_wrong_input(results)
     closed.mkdir(0o000)
     os.seteuid(user or 65534)
     try:
-        others = (lambda place: tailslap.export(place, "csv"), lambda place: tailslap.compare(run, place))
-        for read in (tailslap.load, *others):
+        readers = (lambda place: tailslap.export(place, "csv"), lambda place: tailslap.compare(run, place))
+        for read in (tailslap.load, *readers):
             with pytest.raises(InputError, match=f"{closed}"):
                 read(closed / "a")
     finally:

@@ -1,4 +1,4 @@
-"""Verification: damping of elastic velocities, and growth by friction.
+"""Verify damping of elastic velocities, and growth by friction.
 
 Damping does not change rigid motion, the energy balance or the time step. Growth by the Nyquist criterion agrees with
 eigenvalues and with the time loop.
@@ -48,7 +48,7 @@ def test_forces_have_no_resultant_and_no_moment():
 
 
 def test_rigid_motion_is_not_damped():
-    """At the instant; and half a step back, where the field belongs to a body that has not turned so far."""
+    """The lag of half a step is in the field."""
     positions, _, masses = cloud()
     spin, step = 0.9, 1e-2
     rigid = spin * np.array([-positions[1], positions[0]]) + [[25.0], [1.0]]
@@ -61,7 +61,7 @@ def test_rigid_motion_is_not_damped():
 
 
 def test_what_is_elastic_is_damped_at_the_rate():
-    """Velocities without momentum and spin: f = -c m v, and the power is -c times twice their kinetic energy."""
+    """Velocities without momentum and spin have f = -c m v."""
     positions, velocities, masses = cloud()
     law = ElasticDamping(1.0, float(masses.sum()))
     elastic = np.zeros_like(positions)
@@ -75,14 +75,14 @@ def test_what_is_elastic_is_damped_at_the_rate():
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("constraint", ["penalty", "exact"])
 def test_ledger_and_momentum_close(plate_model, constraint, threads):
-    """An unstressed start that is damped strongly; the energy of the damping is the plate's loss."""
+    """Energy and momentum are balanced with strong damping."""
     model = plate_model(reaction="drag", elastic_rate=800.0, corner={"constraint": constraint})
     history = simulate(model, START, 0.384, kind="unstressed", threads=threads).history
-    held = np.sum([history[name] for name in ("kinetic_energy", "strain_energy", "contact_energy")], axis=0)
-    balance = held - history["friction_work"] - history["damping_work"]
-    assert np.abs(balance - balance[0]).max() < 1e-10 * held[0]
-    gained = model.mass * (history["v_gy"] - history["v_gy"][0])
-    assert np.abs(gained - history["normal_impulse"]).max() < 1e-13 * model.mass * 3.0
+    energy = np.sum([history[name] for name in ("kinetic_energy", "strain_energy", "contact_energy")], axis=0)
+    balance = energy - history["friction_work"] - history["damping_work"]
+    assert np.abs(balance - balance[0]).max() < 1e-10 * energy[0]
+    change = model.mass * (history["v_gy"] - history["v_gy"][0])
+    assert np.abs(change - history["normal_impulse"]).max() < 1e-13 * model.mass * 3.0
     work, vibration = history["damping_work"], history["vibration_energy"]
     assert work[0] == pytest.approx(0.0, abs=1e-12)
     assert -work[-1] > 1e-3
@@ -99,7 +99,7 @@ def test_threads_compute_the_same(plate_model):
 
 
 def test_free_mode_decays_at_half_the_rate(plate_model):
-    """A free plate in its lowest mode: the energy falls by exp(-c t), the frequency being far above c."""
+    """The energy of the lowest free mode decreases by exp(-c t)."""
     from fem.plate.free_modes import free_modes
 
     rate = 20.0
@@ -118,7 +118,7 @@ def test_free_mode_decays_at_half_the_rate(plate_model):
 
 
 def test_stable_step_with_damping():
-    """One mode, its damping half a step late: bounded at the step, and not 1 % above it."""
+    """Damping half a step late is bounded at the step, not above."""
     frequency, rate = 100.0, 60.0
     for factor, bounded in ((0.999, True), (1.01, False)):
         step, x, v = factor * damped_time_step(frequency, rate), 1.0, 0.0
@@ -138,7 +138,7 @@ DURATION = 0.384
 
 
 def growth_rates(model, angle, ratio=0.0):
-    """Rates [1/s] of all modes by dense eigenvalues of the first-order system, damping included."""
+    """Rates [1/s] of all modes by dense eigenvalues, with damping."""
     corner, masses, nodes = model.parameters.corner, model.parameters.mass, model.parameters.mass.size
     along, across = to_global(angle)
     spread = np.zeros(nodes)
@@ -171,7 +171,7 @@ CORNERS = {
 @pytest.mark.parametrize("corner", CORNERS)
 @pytest.mark.parametrize("ratio", [0.0, 0.002])
 def test_number_of_growing_modes_is_that_of_the_eigenvalues(plate_model, corner, ratio):
-    """At three angles and seven rates: the modes with a larger real part are as many as the criterion counts."""
+    """The criterion counts the modes of larger real part."""
     model = plate_model((10, 3), "drag", corner=CORNERS[corner], damping_ratio=ratio)
     modes, slope = flutter.corner_modes(model), friction_slope(model.parameters.friction, START.corner_speed)
     viscous = 0.5 * model.parameters.viscosity.c_33 / model.tangent_moduli.c_33 if ratio else 0.0
@@ -198,33 +198,33 @@ def test_number_of_growing_modes_is_that_of_the_eigenvalues(plate_model, corner,
 
 @pytest.mark.parametrize("slower", [1.0, 1e-4, 1e-9])
 def test_steps_along_the_line_grow_with_the_modes_alone(plate_model, monkeypatch, slower):
-    """However small the rate is beside the frequencies: on a light or stiff plate it is a billionth of them."""
-    model, made = plate_model((10, 3), "drag", corner=CORNERS["penalty"]), []
+    """The number of steps is bounded for any rate."""
+    model, evaluations = plate_model((10, 3), "drag", corner=CORNERS["penalty"]), []
     modes, plain = flutter.corner_modes(model), flutter._response.py_func
 
-    def counted(*given):
-        made.append(1)
-        return plain(*given)
+    def counted(*arguments):
+        evaluations.append(1)
+        return plain(*arguments)
 
     monkeypatch.setattr(flutter, "_response", counted)
     squares, residues = np.append(0.0, modes.squares[3:]), modes.corner[1, 2:] ** 2
     stiffness = model.parameters.corner.stiffness
     top = flutter.highest_mode(squares, residues, stiffness)
     flutter.growing_modes.py_func(squares, residues, stiffness, 0.0, 0.0, 100.0 * slower, top)
-    assert len(made) < squares.size * (40.0 - 20.0 * math.log10(slower))
+    assert len(evaluations) < squares.size * (40.0 - 20.0 * math.log10(slower))
 
 
 @pytest.mark.long
 def test_rate_is_the_least_tried_that_no_mode_outgrows(plate_model):
     model = plate_model(reaction="drag", corner={"constraint": "exact"})
-    found = flutter.predict_flutter(model, START, DURATION)
+    prediction = flutter.predict_flutter(model, START, DURATION)
     angles = np.linspace(START.angle, 0.0, flutter.INSTANTS)
     fastest = max(growth_rates(model, angle).max() for angle in angles)
-    assert fastest < found.rate <= 1.01 * flutter.RATE_RATIO * fastest
+    assert fastest < prediction.rate <= 1.01 * flutter.RATE_RATIO * fastest
 
 
 def test_disturbance_grows_in_the_time_loop_as_foreseen(plate_model):
-    """A plate so stiff that it hardly turns meanwhile; with the predicted damping it decays."""
+    """A stiff plate grows at the predicted rate, and decays when damped."""
     stiff = {"plate": {"youngs_modulus": 2e15}, "corner": {"penalty_scale": 3.0}, "safety_factor": 0.45}
     model = plate_model(reaction="drag", **stiff)
     fastest = growth_rates(model, 0.255).max()
@@ -235,7 +235,7 @@ def test_disturbance_grows_in_the_time_loop_as_foreseen(plate_model):
 
 
 def measured_rate(model, size, calls):
-    """Rate [1/s] at which the vibration of a plate disturbed by random velocities of this size [m/s] grows."""
+    """Growth rate [1/s] of a plate with random velocities [m/s]."""
     stepper = Stepper(model)
     state = stepper.start(START, "inertia-relief")
     noise = size * np.random.default_rng(4).normal(size=state.positions.shape)
@@ -253,7 +253,7 @@ def measured_rate(model, size, calls):
     (("corner.constraint=exact", "plate.youngs_modulus=20 TPa"), True),
 ])  # fmt: skip
 def test_flutter_is_foreseen_and_suppressed(outcome, changes, flutters):
-    """Forbidden to damp, the run fails; left to decide, the program damps it, and it is right to its flexibility."""
+    """Without damping the run fails, by default it is damped."""
     forbidden = outcome("paper-table-3", *changes, "damping.kind=none")
     assert forbidden.passed is not flutters
     free = outcome("paper-table-3", *changes)
@@ -268,18 +268,18 @@ def test_without_friction_nothing_grows(plate_model):
 
 def test_only_meshes_that_can_be_analysed_are_made(monkeypatch):
     """Of the coarser meshes of a large one."""
-    made: list[int] = []
+    counts: list[int] = []
     plain = decisions.static_models
 
     def counted(plan, plates, meshes):
-        made.extend(plate.elements for plate in plates)
+        counts.extend(plate.elements for plate in plates)
         return plain(plan, plates, meshes)
 
     monkeypatch.setattr(decisions, "static_models", counted)
     plan = corner_case.CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
     models = list(decisions._coarser_models(plan, plan.scene.needed_plate, flutter.MAX_UNKNOWNS))
     assert [2 * model.parameters.mass.size <= flutter.MAX_UNKNOWNS for model in models] == [True, True]
-    assert made == [(35, 10), (23, 7)]  # (53, 15) has 1 728 unknowns
+    assert counts == [(35, 10), (23, 7)]  # (53, 15) has 1 728 unknowns
 
 
 @pytest.mark.long

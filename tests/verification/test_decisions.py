@@ -1,4 +1,4 @@
-"""Verification: choices of the program for keys that a scene omits; given keys stay."""
+"""Verify choices of the program for omitted keys."""
 
 import math
 import re
@@ -27,7 +27,7 @@ def decided(*changes):
 
 
 def test_shipped_scene_leaves_nothing_to_decide():
-    """Linear elements and the penalty spring are good enough for steel, and nothing grows."""
+    """Linear elements and the penalty spring suit steel, and nothing grows."""
     assert decided() == {}
     assert fe_plan().model.parameters.elastic_damping is None
 
@@ -48,7 +48,7 @@ def test_paper_plate_gets_the_paper_mesh():
 
 
 def test_mesh_that_locks_gets_quadratic_elements():
-    """A strip of 10 x 0.1 m: linear elements of its 20 x 6 mesh are many times too stiff in bending."""
+    """Linear elements of a strip of 10 x 0.1 m lock."""
     strip = ("vehicle.width=0.1", "plate.elements=[20, 6]")
     assert decided(*strip)["plate.element"] == "quad9"
     linear, quadratic = fe_plan(*strip, "plate.element=quad4"), fe_plan(*strip)
@@ -61,18 +61,18 @@ def test_mesh_that_locks_gets_quadratic_elements():
 def test_constraint_left_open_is_exact_where_the_spring_would_be_seen():
     assert decided(*SOFT)["corner.constraint"] == "exact"
     assert decided("plate.start=unstressed")["corner.constraint"] == "exact"
-    for given in ("corner.penalty_scale=2", "corner.constraint=penalty", "corner.damping_ratio=0.1"):
-        assert "corner.constraint" not in decided(*SOFT, given)
-        assert fe_plan(*SOFT, given).model.parameters.corner.stiffness > 0.0
+    for change in ("corner.penalty_scale=2", "corner.constraint=penalty", "corner.damping_ratio=0.1"):
+        assert "corner.constraint" not in decided(*SOFT, change)
+        assert fe_plan(*SOFT, change).model.parameters.corner.stiffness > 0.0
 
 
 def test_damping_is_decided_unless_the_scene_says_what_it_wants():
     rate = decided(*FLUTTERS)["damping.rate"]
     assert rate > 0.0
     assert "damping.rate" not in decided(*FLUTTERS, "damping.kind=none")
-    given = fe_plan(*FLUTTERS, "damping.kind=elastic-velocity", "damping.rate=7")
-    assert given.model.parameters.elastic_damping.rate == 7.0
-    assert given.decisions == ()
+    chosen = fe_plan(*FLUTTERS, "damping.kind=elastic-velocity", "damping.rate=7")
+    assert chosen.model.parameters.elastic_damping.rate == 7.0
+    assert chosen.decisions == ()
     lighter = decided(*FLUTTERS, "damping.ratio=0.002")["damping.rate"]
     assert 0.0 < lighter < rate  # it takes growth off, and is no word on the rest
     assert decided(*FLUTTERS, "damping.ratio=0.5") == {}
@@ -97,7 +97,10 @@ def test_damping_that_would_hold_a_soft_plate_back_comes_after_a_run_without():
 
 
 def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without():
-    """An unstressed plate of 25 Hz oscillates by 8e-4 of v_GY, and lost almost half of that by damping of flutter."""
+    """An unstressed plate of 25 Hz oscillates by 8e-4 of v_GY.
+
+    Damping against flutter halved the oscillation.
+    """
     swings = ("plate.first_frequency=25 Hz", "plate.elements=[40, 12]", "plate.start=unstressed")
     soft = fe_plan("plate.youngs_modulus=", *swings, "corner.patch_length=1", "corner.constraint=exact")
     assert soft.growth.rate > 0.0
@@ -112,27 +115,26 @@ def test_damping_that_would_take_an_oscillation_off_comes_after_a_run_without():
 
 @pytest.mark.parametrize("modulus", ["20 GPa", "200 GPa", "2 TPa"])
 def test_an_oscillation_adds_friction_however_stiff_the_plate(modulus, outcome):
-    """The reaction changes its sign, and friction follows its magnitude: the part that damping removes is stated."""
+    """The reaction changes sign, and friction follows its magnitude."""
     swinging = (f"plate.youngs_modulus={modulus}", "plate.start=unstressed", "impact.friction=0.3")
     free, still = (outcome("mash-tl4-sut", *swinging, *how) for how in (("damping.kind=none",), DAMPED))
     added = free.fe_history["normal_impulse_magnitude"][-1] / abs(free.fe_history["normal_impulse"][-1]) - 1.0
     assert 0.06 < added < static_models.ADDED_FRICTION + 0.01
-    moved = max(abs(free.difference[name] - still.difference[name]) for name in free.difference)
-    assert 0.2 < moved / still.error.damping < 1.5
+    change = max(abs(free.difference[name] - still.difference[name]) for name in free.difference)
+    assert 0.2 < change / still.error.damping < 1.5
 
 
 def test_what_rang_is_not_held_to_the_friction_of_its_oscillation(outcome):
-    """Friction of 0.8 makes the unstressed plate flutter: without damping there is nothing to compare with."""
+    """Friction of 0.8 makes the unstressed plate flutter."""
     damped = outcome("paper-table-3", "plate.start=unstressed", "corner.friction=0.8")
     assert damped.attempts == 2
     assert damped.passed
-    fe_plan = damped.fe_plan
-    assert fe_plan.rang
-    told = numerical_error.numerical_error(
-        replace(fe_plan, rang=False), damped.difference, damped.companions
-    ).damping
-    added = static_models.friction_lost(fe_plan.case, fe_plan.model.parameters.elastic_damping.rate)
-    assert told == pytest.approx(damped.error.damping + added)
+    damped_plan = damped.fe_plan
+    assert damped_plan.rang
+    quiet = replace(damped_plan, rang=False)
+    stated = numerical_error.numerical_error(quiet, damped.difference, damped.companions).damping
+    added = static_models.friction_lost(damped_plan.case, damped_plan.model.parameters.elastic_damping.rate)
+    assert stated == pytest.approx(damped.error.damping + added)
     assert added > 3e-4
 
 
@@ -141,14 +143,16 @@ def test_only_friction_on_the_magnitude_is_added_to(law, adds):
     """Halved as the friction is, as long as that is little."""
     friction = () if law == "none" else ("corner.friction=0.02",)
     lower = ("corner.friction=0.01",) if friction else ()
-    changes = ((f"corner.reaction={law}", *given) for given in (friction, lower))
-    plan, less = (corner_case.CornerCase(*read_scene("paper-table-3", each)) for each in changes)
+    scenes = (
+        read_scene("paper-table-3", (f"corner.reaction={law}", *change)) for change in (friction, lower)
+    )
+    plan, less = (corner_case.CornerCase(*scene) for scene in scenes)
     assert (static_models.friction_lost(plan, 1e9) > 0.0) is adds
     twice = 2.0 * static_models.friction_lost(less, 1e9)
     assert static_models.friction_lost(plan, 1e9) == pytest.approx(twice, rel=0.05)
     half = 2.0 * math.log(2.0) / plan.motion.strike.t
-    whole = static_models.friction_lost(plan, 1e9)
-    assert static_models.friction_lost(plan, half) == pytest.approx(0.5 * whole)
+    complete = static_models.friction_lost(plan, 1e9)
+    assert static_models.friction_lost(plan, half) == pytest.approx(0.5 * complete)
 
 
 def test_check_says_what_will_come():
@@ -164,8 +168,10 @@ def test_check_says_what_will_come():
 
 
 def test_what_could_not_be_analysed_is_not_called_harmless():
-    known = fe_plan()
-    unknown = replace(known, growth=replace(known.growth, rate=math.nan, exponent=math.nan, by_coarser=True))
+    analysed = fe_plan()
+    unknown = replace(
+        analysed, growth=replace(analysed.growth, rate=math.nan, exponent=math.nan, by_coarser=True)
+    )
     assert flutter_sentence(unknown).startswith("not analysed")
     assert decisions.open_damping(unknown.case, unknown.growth) == ()
     rings = replace(unknown.growth, ripple_rate=3.0)
@@ -201,10 +207,10 @@ def test_the_certainty_tells_flexibility_from_discretisation_error(outcome):
     sentence = (
         r"Vehicle flexibility changes the motion by at most (\S+) %; discretisation error at most (\S+) %\."
     )
-    found = re.match(sentence, headline(softer).certainty)
-    assert found
-    assert 0.9 < float(found[1]) <= 1.1
-    assert float(found[2]) < 0.1
+    numbers = re.match(sentence, headline(softer).certainty)
+    assert numbers
+    assert 0.9 < float(numbers[1]) <= 1.1
+    assert float(numbers[2]) < 0.1
     demanded = outcome("mash-tl4-sut", *soft, "verify.tolerance=1e-3")
     assert [check.name for check in demanded.checks if not check.passed] == ["agreement with rigid"]
 
@@ -229,7 +235,7 @@ H66 = (
     ("scene", "spring"), [(K102, "3.078623534623418"), (H66, "5.9036618384829245")], ids=["k102", "h66"]
 )
 def test_spring_that_rings_with_the_plate_does_not_pass(scene, spring):
-    """Unstressed plates whose penalty spring changed omega by 1e-2, and which once passed every check."""
+    """Unstressed plates whose penalty spring changed omega by 1e-2."""
     changes = ("wall=", *scene, f"corner.penalty_scale={spring}")
     plan = corner_case.CornerCase(*read_scene("mash-tl4-sut", changes))
     exact = corner_case.CornerCase(*read_scene("mash-tl4-sut", ("wall=", *scene, "plate.element=quad9")))
@@ -242,7 +248,7 @@ def test_spring_that_rings_with_the_plate_does_not_pass(scene, spring):
 
 
 def test_a_costly_material_is_reckoned_with():
-    """95 ns a point, nine points of quad9, beside 75 ns an element."""
+    """95 ns at nine points of quad9, beside 75 ns an element."""
     laws = (), ("material.law=neo-hookean",)
     linear, other = (read_scene("paper-table-3", changes)[0] for changes in laws)
     seconds = [loop_seconds(scene, "quad9", (20, 6), 1000.0) for scene in (linear, other)]

@@ -1,6 +1,4 @@
-"""Verification: links of the documents lead somewhere, the commands they show are accepted, the citation is
-right; the examples run, and are notebooks in the percent form.
-"""
+"""Verify links, commands and citation of the documents, and the examples."""
 
 import re
 import shlex
@@ -34,7 +32,7 @@ def below(paths):
 
 
 def prose_and_blocks(text):
-    """The text without blocks of code, and the lines of these, fenced or indented."""
+    """The text without blocks of code, and the lines of blocks."""
     lines: list[str] = []
     prose: list[str] = []
     fenced = False
@@ -49,10 +47,10 @@ def prose_and_blocks(text):
 
 
 def command_lines(path):
-    """Each `tailslap ...` that a document shows, in a block or between backticks."""
+    """Each `tailslap ...` of a document, in blocks or between backticks."""
     prose, lines = prose_and_blocks(path.read_text(encoding="utf-8"))
-    given = [part for line in lines for part in line.split(" && ")] + QUOTED.findall(prose)
-    return {" ".join(text.split()) for text in given if COMMAND.fullmatch(text.strip())}
+    parts = [part for line in lines for part in line.split(" && ")] + QUOTED.findall(prose)
+    return {" ".join(text.split()) for text in parts if COMMAND.fullmatch(text.strip())}
 
 
 def anchors(path):
@@ -62,7 +60,7 @@ def anchors(path):
 
 
 def broken_links(path):
-    """Relative links of a document to a file or heading that is not there."""
+    """Relative links of a document to absent files or headings."""
     broken = []
     for link in LINK.findall(path.read_text(encoding="utf-8")):
         name, _, anchor = link.partition("#")
@@ -73,29 +71,29 @@ def broken_links(path):
 
 
 def accept(line):
-    """Parse a command line without running it; a scene that it names is read, with its changes."""
+    """Parse a command line, and read a scene with its changes."""
     words = shlex.split(line.replace("[", "").replace("]", "").replace("...", ""))[1:]
     words = [
         STAND_INS.get(f"{a} {b}", STAND_INS.get(b, b)) for a, b in zip(["", *words], words, strict=False)
     ]
     command: click.Command = cli.commands
     while words and isinstance(command, click.Group) and not words[0].startswith("-"):
-        found = command.get_command(click.Context(command), words[0])
-        assert found is not None, f"{line}: there is no command {words[0]}"
-        command, words = found, words[1:]
+        subcommand = command.get_command(click.Context(command), words[0])
+        assert subcommand is not None, f"{line}: there is no command {words[0]}"
+        command, words = subcommand, words[1:]
     if not words:
         return  # the command is only mentioned
-    given = command.make_context(command.name, list(words)).params
-    scene = given.get("name", "SCENE")
+    parameters = command.make_context(command.name, list(words)).params
+    scene = parameters.get("name", "SCENE")
     if scene != "SCENE" and command.name != "new" and not scene.endswith(".toml"):  # those: test_site.py
-        read_scene(scene, tuple(given.get("changes", ())))
+        read_scene(scene, tuple(parameters.get("changes", ())))
 
 
 def missing_files(text):
-    """File names between backticks that are not in the checkout, neither from its root nor within a package."""
-    known = ["/" + str(path.relative_to(ROOT)) for path in ROOT.rglob("*.*") if ".venv" not in path.parts]
+    """File names between backticks that are not in the checkout."""
+    files = ["/" + str(path.relative_to(ROOT)) for path in ROOT.rglob("*.*") if ".venv" not in path.parts]
     named = (name for name in QUOTED.findall(text) if FILE.fullmatch(name))
-    return [name for name in named if not any(path.endswith("/" + name) for path in known)]
+    return [name for name in named if not any(path.endswith("/" + name) for path in files)]
 
 
 def test_readme_is_short():
@@ -117,8 +115,8 @@ def test_commands_are_accepted(name):
 
 
 def test_every_command_is_in_the_readme():
-    shown = {word for line in command_lines(ROOT / "README.md") for word in line.split()[1:2]}
-    assert {*cli.commands.commands} <= shown
+    names = {word for line in command_lines(ROOT / "README.md") for word in line.split()[1:2]}
+    assert {*cli.commands.commands} <= names
 
 
 @pytest.mark.parametrize("name", below(DOCUMENTS[:-1]))
@@ -127,8 +125,8 @@ def test_files_named_exist(name):
 
 
 def test_every_page_is_linked_from_the_readme():
-    found = LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
-    links = {link.partition("#")[0] for link in found}
+    all_links = LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
+    links = {link.partition("#")[0] for link in all_links}
     assert {str(page.relative_to(ROOT)) for page in (ROOT / "docs").glob("*.md")} <= links
 
 
@@ -196,12 +194,12 @@ WRITTEN |= {"sweep_friction.py": {"peak-force.png"}}
     "name", [pytest.param(name, marks=[pytest.mark.long] if name in LONG else []) for name in EXAMPLES]
 )
 def test_it_runs(name, tmp_path):
-    """As a plain script in its folder. It asserts its claims itself, and writes only the files that it names."""
+    """It asserts its claims, and writes the named files alone."""
     place = shutil.copytree(FOLDER, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
     before = {*place.iterdir()}
-    done = subprocess.run([sys.executable, name], cwd=place, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert len(done.stdout.splitlines()) > 3
+    process = subprocess.run([sys.executable, name], cwd=place, capture_output=True, text=True)
+    assert process.returncode == 0, process.stderr
+    assert len(process.stdout.splitlines()) > 3
     written = {*place.iterdir()} - before
     assert {path.name for path in written} == WRITTEN.get(name, set())
     assert all(path.stat().st_size > 5000 for path in written)
@@ -209,7 +207,7 @@ def test_it_runs(name, tmp_path):
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_it_opens_as_a_notebook(name):
-    """Cells of Jupytext's percent form: text in comments alone, code that compiles cell by cell."""
+    """Cells of Jupytext's percent form compile separately."""
     head, *cells = (FOLDER / name).read_text(encoding="utf-8").split("\n# %%")
     assert "format_name: percent" in head
     kinds = {"text": 0, "code": 0}

@@ -1,4 +1,4 @@
-"""Verification: docstrings of public names are in numpydoc form and agree with the code."""
+"""Verify that docstrings of public names are complete in numpydoc form."""
 
 from __future__ import annotations
 
@@ -30,25 +30,22 @@ def modules() -> Iterator[ModuleType]:
     for name in ("solver", "meshes", "machine_code", "fem", "postprocess", "tailslap"):
         package = importlib.import_module(name)
         yield package
-        for found in (
-            pkgutil.iter_modules(package.__path__, f"{name}.")
-            if name in ("solver", "fem", "postprocess")
-            else ()
-        ):
-            if found.ispkg:
-                yield importlib.import_module(found.name)
+        has_parts = name in ("solver", "fem", "postprocess")
+        for part in pkgutil.iter_modules(package.__path__, f"{name}.") if has_parts else ():
+            if part.ispkg:
+                yield importlib.import_module(part.name)
 
 
 def public() -> dict[str, Any]:
-    """Functions and classes in `__all__`, by their full names; once each."""
-    found = {}
+    """Functions and classes in `__all__`, by their full names."""
+    objects = {}
     for module in modules():
         for name in getattr(module, "__all__", ()):
             value = getattr(module, name)
             value = getattr(value, "py_func", value)  # what Numba has compiled
             if inspect.isclass(value) or inspect.isroutine(value):
-                found[f"{value.__module__}.{name}"] = value
-    return found
+                objects[f"{value.__module__}.{name}"] = value
+    return objects
 
 
 PUBLIC = public()
@@ -61,45 +58,45 @@ def sections(text: str) -> dict[str, str]:
 
 
 def entries(body: str) -> dict[str, str]:
-    """Name of each parameter -> its type and description; several may have one entry."""
-    found: dict[str, str] = {}
+    """Type and description of each parameter, also of several in one entry."""
+    descriptions: dict[str, str] = {}
     names: list[str] = []
     for line in body.strip("\n").splitlines():
         entry = ENTRY.match(line)
         if entry:
             names = [name.strip(" *") for name in entry[1].split(",")]
-            found |= dict.fromkeys(names, f" : {entry[2] or ''}\n")
+            descriptions |= dict.fromkeys(names, f" : {entry[2] or ''}\n")
         else:
-            found |= {name: found[name] + line + "\n" for name in names}
-    return found
+            descriptions |= {name: descriptions[name] + line + "\n" for name in names}
+    return descriptions
 
 
 def own_nodes(function: Any) -> Iterator[ast.AST]:
     """Nodes of a function's body, without those of functions inside it."""
     (definition,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
     assert isinstance(definition, ast.FunctionDef)
-    left: list[ast.AST] = [*definition.body]
-    while left:
-        node = left.pop()
+    nodes: list[ast.AST] = [*definition.body]
+    while nodes:
+        node = nodes.pop()
         yield node
         if not isinstance(node, ast.FunctionDef | ast.Lambda):
-            left += ast.iter_child_nodes(node)
+            nodes += ast.iter_child_nodes(node)
 
 
 def returns(function: Any) -> bool:
-    given = (node for node in own_nodes(function) if isinstance(node, ast.Return))
-    return any(node.value is not None and ast.unparse(node.value) != "None" for node in given)
+    statements = (node for node in own_nodes(function) if isinstance(node, ast.Return))
+    return any(node.value is not None and ast.unparse(node.value) != "None" for node in statements)
 
 
 def raised(function: Any) -> set[str]:
-    """Names of the exceptions that a function itself raises; "" for one that another function makes."""
-    given = (node.exc for node in own_nodes(function) if isinstance(node, ast.Raise) and node.exc)
-    names = (ast.unparse(node.func if isinstance(node, ast.Call) else node) for node in given)
+    """Names of exceptions raised in a function, "" for those of others."""
+    exceptions = (node.exc for node in own_nodes(function) if isinstance(node, ast.Raise) and node.exc)
+    names = (ast.unparse(node.func if isinstance(node, ast.Call) else node) for node in exceptions)
     return {name if name[0].isupper() else "" for name in names}
 
 
 def lacking(described: dict[str, str], annotations: dict[str, str]) -> Iterator[str]:
-    """What is wrong with the description of parameters or fields; annotations: name -> type in the source."""
+    """Faults of the description of parameters or fields with these types."""
     for name in annotations.keys() - described.keys():
         yield f"{name} is not described"
     for name in described.keys() - annotations.keys():
@@ -116,41 +113,41 @@ def lacking(described: dict[str, str], annotations: dict[str, str]) -> Iterator[
 
 def function_faults(function: Any) -> Iterator[str]:
     """Yield the missing parts of the docstring of a function or method."""
-    found = sections(inspect.getdoc(function) or "")
-    given = inspect.signature(function).parameters.values()
-    annotations = {p.name: str(p.annotation) for p in given if p.name not in ("self", "cls")}
-    yield from lacking(entries(found.get("Parameters", "")), annotations)
-    if returns(function) and "Returns" not in found:
+    text_of = sections(inspect.getdoc(function) or "")
+    parameters = inspect.signature(function).parameters.values()
+    annotations = {p.name: str(p.annotation) for p in parameters if p.name not in ("self", "cls")}
+    yield from lacking(entries(text_of.get("Parameters", "")), annotations)
+    if returns(function) and "Returns" not in text_of:
         yield "no section Returns"
-    if any(isinstance(node, ast.Yield) for node in own_nodes(function)) and "Yields" not in found:
+    if any(isinstance(node, ast.Yield) for node in own_nodes(function)) and "Yields" not in text_of:
         yield "no section Yields"
     named = raised(function)
-    if named and "Raises" not in found:
+    if named and "Raises" not in text_of:
         yield "no section Raises"
-    yield from (f"{name} is not in Raises" for name in named if name not in found.get("Raises", ""))
+    yield from (f"{name} is not in Raises" for name in named if name not in text_of.get("Raises", ""))
 
 
 def fields_of(kind: type) -> dict[str, str]:
-    """Public fields of a record, or parameters of a class, with their annotations in the source."""
+    """Public fields of a record or parameters of a class, annotated."""
     if dataclasses.is_dataclass(kind):
-        given = {field.name: str(field.type) for field in dataclasses.fields(kind)}
+        annotations = {field.name: str(field.type) for field in dataclasses.fields(kind)}
     elif hasattr(kind, "_fields") or hasattr(kind, "model_fields"):
-        given = {name: str(value) for name, value in inspect.get_annotations(kind).items()}
+        annotations = {name: str(value) for name, value in inspect.get_annotations(kind).items()}
     else:
-        given = {p.name: str(p.annotation) for p in inspect.signature(kind).parameters.values()}
-    return {name: annotation for name, annotation in given.items() if not name.startswith("_")}
+        annotations = {p.name: str(p.annotation) for p in inspect.signature(kind).parameters.values()}
+    return {name: annotation for name, annotation in annotations.items() if not name.startswith("_")}
 
 
 def class_faults(kind: type) -> Iterator[str]:
-    """Yield the missing parts of the docstrings of a class and its methods, except fields of base classes."""
+    """Yield faults of a class and its methods without inherited fields."""
     described: dict[str, str] = {}
-    for each in kind.__mro__[:-1]:
-        found = sections(inspect.cleandoc(each.__doc__ or ""))
-        described |= entries(found.get("Parameters", "")) | entries(found.get("Attributes", ""))
+    for base in kind.__mro__[:-1]:
+        text_of = sections(inspect.cleandoc(base.__doc__ or ""))
+        described |= entries(text_of.get("Parameters", "")) | entries(text_of.get("Attributes", ""))
     properties = {n for n, value in vars(kind).items() if isinstance(value, property | cached_property)}
-    given = fields_of(kind)
+    fields = fields_of(kind)
     yield from lacking(
-        {n: words for n, words in described.items() if n not in properties - given.keys()}, given
+        {n: words for n, words in described.items() if n not in properties - fields.keys()}, fields
     )
     for name, value in vars(kind).items():
         if name.startswith("_"):
@@ -164,7 +161,7 @@ def class_faults(kind: type) -> Iterator[str]:
 
 @pytest.mark.parametrize("name", sorted(PUBLIC))
 def test_public_docstring_is_complete(name):
-    """Every parameter with type, unit and shape; Returns, Yields and Raises where the code does."""
+    """Check types, units, shapes, returns, yields, errors and references."""
     value = PUBLIC[name]
     text = inspect.getdoc(value) or ""
     faults = list(class_faults(value) if inspect.isclass(value) else function_faults(value))
@@ -175,8 +172,8 @@ def test_public_docstring_is_complete(name):
 
 
 def test_rigid_theory_and_meshes_are_public():
-    known = {"solver.motion.tail_slap", "solver.body.RectangularBody", "meshes.rectangle.plate_mesh"}
-    assert known <= PUBLIC.keys()
+    names = {"solver.motion.tail_slap", "solver.body.RectangularBody", "meshes.rectangle.plate_mesh"}
+    assert names <= PUBLIC.keys()
 
 
 def undescribed(mass: float, times: np.ndarray, count: int) -> float:  # noqa: D417

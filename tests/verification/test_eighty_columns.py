@@ -1,4 +1,4 @@
-"""Verification: what commands print fits 80 columns, no word broken; it is the same as JSON; quiet is quiet."""
+"""Verify that output fits 80 columns and equals the JSON."""
 
 import json
 import os
@@ -32,9 +32,9 @@ FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "-
 def said(*arguments, cwd):
     command = [sys.executable, "-m", "tailslap", *arguments]
     environment = os.environ | {"COLUMNS": "80"}
-    done = subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=environment)
-    assert done.returncode in (0, 1), done.stderr
-    return done.stdout
+    process = subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=environment)
+    assert process.returncode in (0, 1), process.stderr
+    return process.stdout
 
 
 @pytest.mark.parametrize("arguments", QUICK, ids=" ".join)
@@ -81,9 +81,9 @@ WORDS = Table(
 def test_words_of_a_table_wrap_between_them(width):
     lines = table_lines(WORDS, width)
     assert max(map(len, lines)) <= width
-    shown = " ".join(lines).split()
-    assert shown.count("enough") == 12
-    assert {"1.000", "1000.000", "[kN]"} <= set(shown)
+    words = " ".join(lines).split()
+    assert words.count("enough") == 12
+    assert {"1.000", "1000.000", "[kN]"} <= set(words)
 
 
 def test_a_table_too_wide_goes_on_below_with_its_first_column():
@@ -131,11 +131,11 @@ def test_no_command_lacks_them():
     study = cli.commands.commands["study"]
     assert isinstance(study, click.Group)
     context = click.Context(study)
-    others = {"study", "explore"}  # a group; a page that is served until it is closed, without a result
-    each = {name: command for name, command in cli.commands.commands.items() if name not in others}
+    without_result = {"study", "explore"}  # a group; a page that is served until it is closed
+    all_commands = {name: cmd for name, cmd in cli.commands.commands.items() if name not in without_result}
     studies = ((name, study.get_command(context, name)) for name in study.list_commands(context))
-    each |= {name: command for name, command in studies if command}
-    for name, command in each.items():
+    all_commands |= {name: command for name, command in studies if command}
+    for name, command in all_commands.items():
         options = {option for parameter in command.params for option in parameter.opts}
         assert options >= {"--json", "--quiet"}, name
 
@@ -146,7 +146,7 @@ def test_json_of_a_run_is_its_summary(tmp_path, capsys):
 
 
 def test_us_units_of_a_run(tmp_path, capsys):
-    """Terminal, page and curves in ft, kip and so on; the files stay in SI."""
+    """Terminal, page and curves are in US units, files in SI."""
     place = tmp_path / "us"
     assert cli._status(["run", "mash-tl4-sut", "--no-pictures", "--out", str(place), "--units", "us"]) == 0
     out = capsys.readouterr().out
@@ -174,12 +174,12 @@ def test_another_scene_s_result_is_replaced_by_force_alone(tmp_path, capsys):
 
 
 def scene_keys(model=Scene, prefix=""):
-    found: set[str] = set()
+    keys: set[str] = set()
     for name, field in model.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
         table = next((k for k in kinds if isinstance(k, type) and issubclass(k, SceneTable)), None)
-        found |= scene_keys(table, f"{prefix}{name}.") if table else {f"{prefix}{name}"}
-    return found
+        keys |= scene_keys(table, f"{prefix}{name}.") if table else {f"{prefix}{name}"}
+    return keys
 
 
 def leaves(tables, prefix=""):
@@ -249,10 +249,10 @@ def test_further_columns_stand_beside_all_words_that_name_a_row():
 def test_a_shell_completes_scenes_and_keys(tmp_path):
     def completed(*words):
         line = " ".join(("tailslap", *words))
-        asked = {"_TAILSLAP_COMPLETE": "bash_complete", "COMP_WORDS": line, "COMP_CWORD": str(len(words))}
+        variables = {"_TAILSLAP_COMPLETE": "bash_complete", "COMP_WORDS": line, "COMP_CWORD": str(len(words))}
         settings = {"capture_output": True, "text": True, "cwd": tmp_path, "check": True}
-        done = subprocess.run([sys.executable, "-m", "tailslap"], env=os.environ | asked, **settings)
-        return [row.partition(",")[2] for row in done.stdout.splitlines()]
+        process = subprocess.run([sys.executable, "-m", "tailslap"], env=os.environ | variables, **settings)
+        return [row.partition(",")[2] for row in process.stdout.splitlines()]
 
     assert "run" in completed("ru")
     assert completed("run", "paper-t") == ["paper-table-3"]
@@ -263,7 +263,7 @@ def test_a_shell_completes_scenes_and_keys(tmp_path):
 
 
 def test_progress_off_a_terminal(capsys, monkeypatch):
-    """No line by default; lines with n of N, rate and remaining time on request; one at a time; none if quiet."""
+    """Lines on request have count, rate and remaining time."""
     from tailslap import progress
 
     monkeypatch.setattr(progress, "LINES_INTERVAL", 0.0)

@@ -1,4 +1,4 @@
-"""Verification: the page of `tailslap explore`: its cells run in Python, and in a browser where there is playwright."""
+"""Verify the page of `tailslap explore` in Python and in a browser."""
 
 import asyncio
 import contextlib
@@ -50,12 +50,12 @@ def test_without_marimo_it_says_what_to_install(monkeypatch, capsys):
 def test_a_wrong_scene_and_a_port_in_use_are_refused(capsys):
     pytest.importorskip("marimo")
     assert cli._status(["explore", "none"]) == 2
-    with socket.socket() as taken:
-        taken.bind((server.HOST, 0))
-        taken.listen()
-        assert cli._status(["explore", "--headless", "--port", str(taken.getsockname()[1])]) == 2
-    assert "--port: given" in (said := capsys.readouterr().err)
-    assert said.count("tailslap:") == 2
+    with socket.socket() as occupied:
+        occupied.bind((server.HOST, 0))
+        occupied.listen()
+        assert cli._status(["explore", "--headless", "--port", str(occupied.getsockname()[1])]) == 2
+    assert "--port: given" in (message := capsys.readouterr().err)
+    assert message.count("tailslap:") == 2
 
 
 OWN = "127.0.0.1:2718"
@@ -83,8 +83,8 @@ def test_a_guard_admits_host_origin_and_secret_of_its_page(kind, path, host, ori
     async def send(message):
         sent.append(message)
 
-    given = {"host": host, "origin": origin}
-    headers = [(name.encode(), value.encode()) for name, value in given.items() if value is not None]
+    header_values = {"host": host, "origin": origin}
+    headers = [(name.encode(), value.encode()) for name, value in header_values.items() if value is not None]
     scope = {"type": kind, "path": path, "headers": headers}
     asyncio.run(server.Guard(page, 2718, "secret")(scope, receive, send))
     assert reached == [scope] * is_admitted
@@ -123,28 +123,33 @@ def can_open(address, origin, host=None):
 
 @pytest.mark.long
 def test_it_answers_its_own_page_alone():
-    """By the address alone, and with its host and origin alone, requests as websockets."""
+    """Requests and websockets of other hosts and origins are refused."""
     with served("mash-tl4-sut") as address:
         where = urlsplit(address)
-        own, foreign = f"http://{where.netloc}", "http://evil.example"
+        page_origin, foreign = f"http://{where.netloc}", "http://evil.example"
         assert where.hostname == "127.0.0.1"
-        assert answer(address) == answer(address, Origin=own) == 200
+        assert answer(address) == answer(address, Origin=page_origin) == 200
         for host in ("evil.example", f"evil.example:{where.port}", f"localhost:{where.port}", "127.0.0.1"):
             assert answer(address, Host=host) == 403, host
-        for origin in (foreign, "null", f"{own}1", f"http://localhost:{where.port}"):
+        for origin in (foreign, "null", f"{page_origin}1", f"http://localhost:{where.port}"):
             assert answer(address, Origin=origin) == 403, origin
         other = where._replace(path="/" + "A" * len(where.path[1:-1]) + "/").geturl()
-        for without in (where._replace(path="/").geturl(), other, f"{own}/assets/", f"{own}//"):
+        for without in (
+            where._replace(path="/").geturl(),
+            other,
+            f"{page_origin}/assets/",
+            f"{page_origin}//",
+        ):
             assert answer(without) == 403, without
-            assert not can_open(without, own)
-        assert can_open(address, own)
+            assert not can_open(without, page_origin)
+        assert can_open(address, page_origin)
         assert not can_open(address, foreign)
-        assert not can_open(address, own, "evil.example")
+        assert not can_open(address, page_origin, "evil.example")
 
 
 @pytest.mark.long
 def test_the_browser_is_opened_by_a_private_file(tmp_path):
-    """Neither its arguments nor those of any process have the address; the file goes with the server."""
+    """No process has the address as an argument."""
     browser, seen = tmp_path / "browser", tmp_path / "seen"
     browser.write_text(BROWSER_SCRIPT.format(seen), encoding="utf-8")
     browser.chmod(0o700)
@@ -181,9 +186,9 @@ def test_its_cells_show_the_rigid_answer(page, monkeypatch):
     expected = tailslap.rigid("mash-tl4-sut")
     assert cells["rigid"].summary == expected.summary
     assert tomllib.loads(cells["saved"].decode()) == cells["tables"]
-    shown = "".join(output.text for output in outputs if hasattr(output, "text"))
-    assert expected.headline.answer in shown
-    assert expected.charts["force"].svg in shown
+    html = "".join(output.text for output in outputs if hasattr(output, "text"))
+    assert expected.headline.answer in html
+    assert expected.charts["force"].svg in html
 
 
 @pytest.mark.parametrize(("scene", "keys"), [
@@ -202,15 +207,15 @@ def test_every_slider_changes_the_answer(page, monkeypatch, scene, keys):
         assert changed.history.to_numpy().tolist() != cells["rigid"].history.to_numpy().tolist(), key
 
 
-@pytest.mark.parametrize(("key", "given", "value", "unit"), [
+@pytest.mark.parametrize(("key", "text", "value", "unit"), [
     ("impact.speed", "56 mph", 56.0, "mph"), ("impact.speed", 25.0, 25.0, "m/s"),
     ("impact.angle", "15 deg", 15.0, "deg"), ("impact.angle", 0.3, 17.188733853924695, "deg"),
     ("vehicle.mass", "80 kg", 80.0, "kg"), ("contact.stiffness", "30 MN/m", 30.0, "MN/m"),
     ("contact.friction", 0.47, 0.47, ""),
 ])  # fmt: skip
-def test_a_slider_has_the_value_and_unit_of_the_scene(page, key, given, value, unit):
-    element, start, shown = page.slider(key, given)
-    assert (shown, start, element.value) == (unit, pytest.approx(value), pytest.approx(value))
+def test_a_slider_has_the_value_and_unit_of_the_scene(page, key, text, value, unit):
+    element, start, slider_unit = page.slider(key, text)
+    assert (slider_unit, start, element.value) == (unit, pytest.approx(value), pytest.approx(value))
     assert element.start <= value <= element.stop
     assert len(element.steps) >= page.STEPS
 
@@ -227,7 +232,10 @@ while [ -e "$file" ]; do sleep 0.1; done
 
 @contextlib.contextmanager
 def served(scene, **settings):
-    """Address of the page, as the command prints it; settings: of its environment, with a browser."""
+    """Address of the page, as printed by the command.
+
+    settings: variables of the environment, with a browser.
+    """
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -255,61 +263,61 @@ def opened(address, width=1280, waits_for=".force svg"):
 
     with sync_playwright() as started:
         browser = started.chromium.launch(executable_path=str(CHROMIUM), args=["--no-sandbox"])
-        shown = browser.new_context(viewport={"width": width, "height": 900}).new_page()
+        tab = browser.new_context(viewport={"width": width, "height": 900}).new_page()
         elsewhere = []
-        own = ("http://127.0.0.1", "ws://127.0.0.1", "data:", "blob:")
-        shown.on("request", lambda asked: None if asked.url.startswith(own) else elsewhere.append(asked.url))
-        shown.goto(address)
-        shown.wait_for_selector(waits_for, state="attached", timeout=120_000)
-        yield shown
+        local = ("http://127.0.0.1", "ws://127.0.0.1", "data:", "blob:")
+        tab.on("request", lambda sent: None if sent.url.startswith(local) else elsewhere.append(sent.url))
+        tab.goto(address)
+        tab.wait_for_selector(waits_for, state="attached", timeout=120_000)
+        yield tab
         browser.close()
     assert elsewhere == []
 
 
-def moved(shown, name, key="ArrowRight"):
-    """Change a slider by the keyboard, and return the time to the new curve [ms]."""
-    shown.get_by_role("slider", name=name).focus()
-    before = shown.locator(".force .wide").inner_html()
-    shown.keyboard.press(key)
-    return shown.evaluate(TIMED, before)
+def moved(tab, name, key="ArrowRight"):
+    """Change a slider, and return the delay of the curve [ms]."""
+    tab.get_by_role("slider", name=name).focus()
+    before = tab.locator(".force .wide").inner_html()
+    tab.keyboard.press(key)
+    return tab.evaluate(TIMED, before)
 
 
 @in_a_browser
 def test_the_page_in_a_browser(tmp_path, capsys):
-    """Sliders by the keyboard, at 1280 and 390 px; the scene is saved, and opened again."""
+    """Sliders react at two widths, and a saved scene is opened."""
     with served("impact-mash-tl4-sut") as address:
-        with opened(address) as shown:
-            times = [moved(shown, "Speed") for _ in range(9)]
+        with opened(address) as tab:
+            times = [moved(tab, "Speed") for _ in range(9)]
             with capsys.disabled():
                 print(
                     f"\nslider to new curve: median {statistics.median(times):.0f} ms, {max(times):.0f} at most"
                 )
-            moved(shown, "Crush", "ArrowLeft")
-            with shown.expect_download() as saving:
-                shown.get_by_text("Save the scene").click()
+            moved(tab, "Crush", "ArrowLeft")
+            with tab.expect_download() as saving:
+                tab.get_by_text("Save the scene").click()
             path = tmp_path / saving.value.suggested_filename
             saving.value.save_as(path)
-            said = shown.locator(".found p").first.text_content()
-            assert said == tailslap.rigid(path).headline.answer
-        with opened(address, 390) as shown:
-            assert shown.evaluate("document.documentElement.scrollWidth") <= 390
-            first = shown.locator(".found p").first.text_content()
+            answer_text = tab.locator(".found p").first.text_content()
+            assert answer_text == tailslap.rigid(path).headline.answer
+        with opened(address, 390) as tab:
+            assert tab.evaluate("document.documentElement.scrollWidth") <= 390
+            first = tab.locator(".found p").first.text_content()
             assert first == tailslap.rigid("impact-mash-tl4-sut").headline.answer
-            shown.locator("input[type=file]").set_input_files(path)
-            shown.wait_for_function(CHANGED, arg=first)
-            assert shown.locator(".found p").first.text_content() == said
-            assert shown.locator(".force .narrow svg").is_visible()
+            tab.locator("input[type=file]").set_input_files(path)
+            tab.wait_for_function(CHANGED, arg=first)
+            assert tab.locator(".found p").first.text_content() == answer_text
+            assert tab.locator(".force .narrow svg").is_visible()
 
 
 @in_a_browser
 @pytest.mark.long
 def test_the_finite_elements_in_a_browser():
     """Progress, the answer of the run, and its report with a picture."""
-    with served("mash-tl4-sut") as address, opened(address) as shown:
-        moved(shown, "Friction")
-        shown.get_by_role("button", name="Run the finite elements").click()
-        report = shown.frame_locator("iframe")
+    with served("mash-tl4-sut") as address, opened(address) as tab:
+        moved(tab, "Friction")
+        tab.get_by_role("button", name="Run the finite elements").click()
+        report = tab.frame_locator("iframe")
         report.locator("h1").wait_for(timeout=240_000)
         assert report.locator("img").first.evaluate("image => image.naturalWidth") > 0
-        said = shown.locator(".found p").all_text_contents()
-        assert tailslap.run("mash-tl4-sut", {"impact.friction": 0.48}).headline.answer in said
+        texts = tab.locator(".found p").all_text_contents()
+        assert tailslap.run("mash-tl4-sut", {"impact.friction": 0.48}).headline.answer in texts

@@ -1,4 +1,4 @@
-"""Verification: what is exported, read again by other libraries, has the run's values."""
+"""Verify that exported files have the values of the run."""
 
 import csv
 import functools
@@ -31,18 +31,18 @@ def exported(result, tmp_path_factory):
     return functools.cache(lambda to: tailslap.export(result, to, tmp_path_factory.mktemp("exported") / to))
 
 
-def same(found, expected):
+def same(values, expected):
     """To float32 of the field's size, or better."""
-    np.testing.assert_allclose(found, expected, rtol=SINGLE, atol=SINGLE * np.abs(expected).max())
+    np.testing.assert_allclose(values, expected, rtol=SINGLE, atol=SINGLE * np.abs(expected).max())
 
 
 def check_mesh(mesh, series, k):
-    """A mesh of pyvista at one instant, whose fields have the names that the pages show."""
+    """A mesh of pyvista at one instant, with the names of pages."""
     same(mesh.points[:, :2], series.points)
     for name, values in series.nodal.items():
-        found = mesh.point_data[name]
-        same(found[:, :2], values[k])
-        assert not found[:, 2].any()
+        exported = mesh.point_data[name]
+        same(exported[:, :2], values[k])
+        assert not exported[:, 2].any()
     where = series.points + series.nodal["displacement"][k]
     same(mesh.warp_by_vector("displacement").points[:, :2], where)
     for name, values in series.elemental.items():
@@ -156,7 +156,7 @@ def test_without_fields_there_are_histories_alone(to, tmp_path):
 
 
 def test_pictures_of_all_instants_have_one_scale(result, tmp_path):
-    """The colours of an element are those of its value; a GIF has a frame an instant."""
+    """Colours are those of the values, and GIFs have all instants."""
     import matplotlib.image
     from PIL import Image
 
@@ -183,7 +183,7 @@ def test_pictures_are_counted_while_they_are_drawn(to, result, tmp_path):
 
 @pytest.mark.parametrize("name", ["stress_von_mises", "velocity_y"])
 def test_a_picture_shows_values_where_the_plate_is(name, result, tmp_path):
-    """The middle of an element has the colour of its value, or of its nodes' mean, on the scale of all instants."""
+    """The middle of an element has its colour on the common scale."""
     import matplotlib as mpl
     from matplotlib.image import imread
 
@@ -236,12 +236,12 @@ def test_without_fields_there_is_the_mesh_at_the_tail_slap(tmp_path):
     """The same fields as those of a run that keeps them."""
     changes = {"plate.elements": [6, 2]}
     bare = tailslap.run("paper-table-3", changes)
-    kept = tailslap.run("paper-table-3", changes | {"output.fields": 3}).mesh()
+    stored = tailslap.run("paper-table-3", changes | {"output.fields": 3}).mesh()
     mesh = bare.mesh()
-    np.testing.assert_array_equal(mesh.points, kept.points)
-    assert {*mesh.array_names} == {*kept.array_names} >= {*NODES, *ELEMENTS, "velocity_x"}
+    np.testing.assert_array_equal(mesh.points, stored.points)
+    assert {*mesh.array_names} == {*stored.array_names} >= {*NODES, *ELEMENTS, "velocity_x"}
     for name in mesh.array_names:
-        np.testing.assert_array_equal(mesh[name], kept[name])
+        np.testing.assert_array_equal(mesh[name], stored[name])
     loaded = tailslap.load(bare.save(tmp_path / "run", pictures=False))
     for without in (lambda: bare.mesh(0.1), loaded.mesh, tailslap.rigid("paper-table-3").mesh):
         with pytest.raises(
@@ -301,7 +301,7 @@ series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((5, 120)) f
     pytest.param(CONTOURS, 100, marks=pytest.mark.long, id="101 contours"),
 ])  # fmt: skip
 def test_memory_of_many_pictures_is_flat(setup, count, tmp_path, python):
-    """A hundred in one process keep at most 20 MB beyond the third: the second brings 42 MB that VTK keeps."""
+    """A hundred pictures need at most 20 MB more than three."""
     (tmp_path / "tests_series.py").write_text(SERIES)
     code = MEMORY.format(setup=setup, count=count)
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])}

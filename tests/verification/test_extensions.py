@@ -1,4 +1,4 @@
-"""Verification: what is added from outside the packages, each in one file, goes through a run to the report."""
+"""Verify that additions of one file outside the packages are reported."""
 
 import csv
 import importlib.util
@@ -54,7 +54,7 @@ PLATE = ("plate.element=quad8", "plate.lumping=diagonal", "plate.start=pressed",
 
 
 def load(name):
-    """Import a file as a module of its own, as a user's script would."""
+    """Import a file as a module, as a script does."""
     spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
@@ -91,7 +91,7 @@ def folder(result, tmp_path_factory):
 
 
 def test_a_whole_impact_has_its_column(registered):
-    """Its first value is the speed of the vehicle, and it is in the files with its unit."""
+    """Its first value is the speed of the vehicle, with the unit."""
     case = ImpactCase(*read_scene("impact-mash-tl4-sut", ("plate.elements=[8,2]", "time.end=50 ms")))
     history = histories(attempt(case))["history.csv"]
     assert history["speed"][0] == pytest.approx(np.hypot(case.touch.v_gx, case.touch.v_gy), rel=1e-14)
@@ -99,7 +99,7 @@ def test_a_whole_impact_has_its_column(registered):
 
 
 def test_a_run_with_all_of_them_is_right(result):
-    """Each is built to change next to nothing: the motion is the rigid one, and every check passes."""
+    """Each of them has a small effect on the motion."""
     assert [check.name for check in result.checks if not check.passed] == []
     assert max(map(abs, result.difference.values())) < 1e-3
 
@@ -136,7 +136,7 @@ def test_the_files_and_the_page_show_them(result, folder):
 
 
 def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
-    """The plate's motion is nearly rigid, for the rotary inertia of this lumping is not quite that of the plate."""
+    """The motion is rigid except the rotary inertia of this lumping."""
     model, fe_plan = plate_result.fe_plan.model, plate_result.fe_plan
     assert len(model.parameters.table.per_element) == 8
     assert model.mass == pytest.approx(53.0 * 7.8 * 24.38, rel=1e-12)
@@ -150,7 +150,7 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
 
 
 def test_cost_and_draw_weight_are_fields_of_an_element():
-    """1000 steps of 30 cells, each of 1 us and two stresses, and nearly all draws by weight."""
+    """1000 steps of 30 cells of 1 us, and draws by weight."""
     scene = read_scene("paper-table-3", ("material.law=neo-hookean",))[0]
     kind = ElementKind("costly", "ElementQuadS2", 4, "quad", nanoseconds=1000.0, points=2, draw_weight=5000)
     ELEMENT_KINDS.register(kind)
@@ -174,7 +174,7 @@ def test_a_check_from_outside_can_fail(result):
 
 
 def test_a_law_that_is_taken_out_is_unknown(registered):
-    """To scenes, and to the machine code, which lies in a folder of its own with laws from outside."""
+    """Scenes and compiled code of other laws do not know it."""
     with_it, law = cache_folder(), FRICTION_LAWS.pop("smoothed")
     try:
         assert cache_folder() != with_it

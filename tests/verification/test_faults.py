@@ -1,5 +1,6 @@
-"""Verification: faults of the machine and of processes leave a folder complete or absent, and one message; the
-processes of a sweep or study take orders from us alone: no other user of this machine can reach them.
+"""Verify that faults of the machine leave a folder complete or absent.
+
+Processes of a sweep or study take orders from this program alone: no other user of the machine can reach them.
 """
 
 import errno
@@ -39,10 +40,10 @@ def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path):
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))  # noqa: E731
     for place in ("out", "new"):
-        done = command(tmp_path, *RUN, place, prepare=full)
-        assert done.returncode == 3, done.stderr
-        assert done.stderr.count("\n") == 1
-        assert "bootstrap" not in done.stderr
+        process = command(tmp_path, *RUN, place, prepare=full)
+        assert process.returncode == 3, process.stderr
+        assert process.stderr.count("\n") == 1
+        assert "bootstrap" not in process.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
     assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == before
 
@@ -52,9 +53,9 @@ def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path, besides_
     """The loop is then compiled, and kept nowhere."""
     (tmp_path / "file").write_text("")
     nowhere = {"HOME": "/nonexistent", "NUMBA_CACHE_DIR": str(tmp_path / "file" / "code")}
-    done = command(tmp_path, *RUN, "a", **nowhere)
-    assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
-    assert f"not kept for the next run: {tmp_path}/file/code/" in done.stderr
+    process = command(tmp_path, *RUN, "a", **nowhere)
+    assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
+    assert f"not kept for the next run: {tmp_path}/file/code/" in process.stderr
 
 
 def doubled(value):
@@ -62,12 +63,12 @@ def doubled(value):
 
 
 def test_a_full_cache_disk_ends_no_run(tmp_path, monkeypatch):
-    def full(*given, **options):
+    def full(*arguments, **options):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     tried = []
 
-    def replace(*given):
+    def replace(*arguments):
         tried.append(1)
         full()
 
@@ -80,15 +81,15 @@ def test_a_full_cache_disk_ends_no_run(tmp_path, monkeypatch):
 def test_a_folder_that_is_gone_and_names_that_cannot_be(tmp_path, besides_compiling):
     gone = tmp_path / "gone"
     gone.mkdir()
-    done = command(gone, "scenes", prepare=lambda: os.rmdir(gone))
-    assert (done.returncode, besides_compiling(done.stderr)) == (0, "")
+    process = command(gone, "scenes", prepare=lambda: os.rmdir(gone))
+    assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
     (tmp_path / "dangling").symlink_to(tmp_path / "nowhere" / "at" / "all")
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     for place in ("x" * 300, "loop", "dangling/x/\x1b"):
-        done = command(tmp_path, "paper", "--out", place, prepare=lambda: os.chmod(tmp_path, 0o755))
-        assert done.returncode in (0, 2), done.stderr
-        assert "Traceback" not in done.stderr
-        assert "bootstrap" not in done.stderr
+        process = command(tmp_path, "paper", "--out", place, prepare=lambda: os.chmod(tmp_path, 0o755))
+        assert process.returncode in (0, 2), process.stderr
+        assert "Traceback" not in process.stderr
+        assert "bootstrap" not in process.stderr
 
 
 def test_a_missing_system_library_is_named_with_its_packages(tmp_path, monkeypatch, capsys):
@@ -110,7 +111,7 @@ def test_a_missing_system_library_is_named_with_its_packages(tmp_path, monkeypat
     pytest.param("compare", 191, marks=pytest.mark.long),
 ])  # fmt: skip
 def test_an_error_of_the_disk_is_stated_and_one_result_is_whole(trial, step):
-    """A few calls of each command fail; benchmarks/io_errors.py has the rest."""
+    """A few calls of each command fail, others in benchmarks/io_errors.py."""
     errors = (errno.ENOMEM, errno.EACCES)
     outcomes = dict(io_errors.outcomes(trial, slice(3, None, step), errors))
     assert len(outcomes) > 10
@@ -125,8 +126,8 @@ def test_messages_that_nobody_takes_change_no_status(tmp_path):
             (("rigid", "mash-tl4-sut", "--set", "impact.speed=45"), 0),  # which is remarked upon
         ):
             line = [sys.executable, "-m", "tailslap.cli", *arguments]
-            done = subprocess.run(line, stderr=full, stdout=subprocess.PIPE, timeout=60)
-            assert (done.returncode, b"peak force" in done.stdout) == (status, status == 0)
+            process = subprocess.run(line, stderr=full, stdout=subprocess.PIPE, timeout=60)
+            assert (process.returncode, b"peak force" in process.stdout) == (status, status == 0)
 
 
 def test_a_new_scene_where_none_can_be_written(tmp_path, monkeypatch, capsys):
@@ -134,7 +135,7 @@ def test_a_new_scene_where_none_can_be_written(tmp_path, monkeypatch, capsys):
     assert _status(["new", "mine"]) == 2
     assert "NAME: given " in capsys.readouterr().err
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(Path, "open", lambda path, *given, **named: FullFile(path, "x"))
+    monkeypatch.setattr(Path, "open", lambda path, *arguments, **options: FullFile(path, "x"))
     assert _status(["new", "mine"]) == 3
     assert list(tmp_path.iterdir()) == []
 
@@ -146,7 +147,7 @@ class FullFile(io.FileIO):
 
 @pytest.mark.parametrize("name", ["fem", "meshes", "postprocess", "solver"])
 def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
-    """In the folder of a script, or where the command is started; a folder without code is ignored."""
+    """A module of the user hides a package, a folder not."""
     script = tmp_path / "script.py"
     script.write_text("import tailslap\nprint(tailslap.rigid('mash-tl4-sut').summary['scene'])\n")
     (tmp_path / name).mkdir()
@@ -156,17 +157,19 @@ def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
     (tmp_path / name).rmdir()
     stranger = tmp_path / f"{name}.py"
     stranger.write_text("mine = 1\n")
-    said = f"{stranger} is in conflict with the package {name} of tailslap; rename it, or start elsewhere\n"
+    message = (
+        f"{stranger} is in conflict with the package {name} of tailslap; rename it, or start elsewhere\n"
+    )
     for first in ("", f"import {name}\n"):
         script.write_text(f"{first}import tailslap\n")
-        done = call(script)
-        assert (done.returncode, done.stderr.endswith(f"ImportError: {said}")) == (1, True)
-    done = call("-m", "tailslap", "scenes")
-    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"tailslap: {said}")
+        process = call(script)
+        assert (process.returncode, process.stderr.endswith(f"ImportError: {message}")) == (1, True)
+    process = call("-m", "tailslap", "scenes")
+    assert (process.returncode, process.stdout, process.stderr) == (2, "", f"tailslap: {message}")
 
 
 def test_processes_of_this_machine_open_no_port():
-    """Neither they nor this process listen to the network; messages go through pipes and own sockets."""
+    """Messages between processes go through pipes and sockets of the machine."""
     before = {socket.laddr for socket in psutil.Process().net_connections(kind="inet")}
     with pools.local(2) as pool:
         assert pool.submit(pow, 2, 10).result() == 1024

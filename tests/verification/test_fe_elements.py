@@ -1,6 +1,6 @@
-"""Verification: internal forces, masses and energies against exact answers; one-point elements with an assumed
-strain bend as beams do, and their forces are those of an energy; elements, materials, holds, damping, patch,
-threads and flutter against exact answers.
+"""Verify forces, masses and energies of elements by exact answers.
+
+Further subjects are materials, constraints, damping, patches, threads and flutter.
 """
 
 import decimal
@@ -33,7 +33,7 @@ THICKNESS = 0.053
 
 
 def internal_forces(table, at, rate=None, viscosity=None, material=MATERIAL, hourglass=None):
-    """Forces of the elements on the nodes, and the power that viscosity takes."""
+    """Forces of the elements on the nodes, and the viscous power."""
     force, rate = np.zeros_like(at), np.zeros_like(at) if rate is None else rate
     scratch = scratch_for(table, hourglass)
     power = subtract_internal_forces(at, rate, viscosity, hourglass, force, table, material, scratch)
@@ -41,13 +41,13 @@ def internal_forces(table, at, rate=None, viscosity=None, material=MATERIAL, hou
 
 
 def slope(energy, at, direction, step):
-    """Of an energy along a direction, exact for a quartic."""
+    """Derivative of an energy along a direction, exact for a quartic."""
     far, near = (energy(at + k * step * direction) - energy(at - k * step * direction) for k in (2, 1))
     return (8.0 * near - far) / (12.0 * step)
 
 
 def viscosity(time):
-    """Stiffness-proportional: the material's constants times a time [s]."""
+    """Stiffness-proportional viscosity of a time [s]."""
     return Viscosity(*(time * constant for constant in MATERIAL))
 
 
@@ -64,16 +64,16 @@ def test_congruent_elements_share_one_column_and_distorted_ones_do_not(distorted
 
 @pytest.mark.parametrize("kind", ["quad4", "quad9", "tri6"])
 def test_mapped_elements_are_those_of_the_gradients(kind, distorted_mesh):
-    """The same forces to rounding from the nodes of each element as from scikit-fem's gradients."""
+    """Forces equal those of scikit-fem's gradients to rounding."""
     triangles = distorted(plate_mesh(10.0, 2.438, (8, 4), "triangle"), 0.2, (8, 4))
-    made = discretise(triangles if kind == "tri6" else distorted_mesh, THICKNESS, kind)
-    assert made.table.mapping
+    mapped = discretise(triangles if kind == "tri6" else distorted_mesh, THICKNESS, kind)
+    assert mapped.table.mapping
     rng = np.random.default_rng(3)
-    positions = made.positions + 1e-3 * rng.normal(size=made.positions.shape)
+    positions = mapped.positions + 1e-3 * rng.normal(size=mapped.positions.shape)
     velocities = rng.normal(size=positions.shape)
-    stored = made.table._replace(mapping=None)
+    stored = mapped.table._replace(mapping=None)
     for damped in (None, viscosity(1e-4)):
-        forces, power = internal_forces(made.table, positions, velocities, damped)
+        forces, power = internal_forces(mapped.table, positions, velocities, damped)
         expected, expected_power = internal_forces(stored, positions, velocities, damped)
         assert np.abs(forces - expected).max() < 1e-12 * np.abs(expected).max()
         assert power == pytest.approx(expected_power, rel=1e-12)
@@ -88,7 +88,10 @@ def test_rigid_motion_gives_no_force(discretisation):
 
 
 def test_patch_of_constant_strain(discretisation):
-    """Affine deformation, large rotation included: inner nodes are in balance, boundary nodes carry F S N."""
+    """Inner nodes are in balance, and boundary nodes carry F S N.
+
+    The deformation is affine with a large rotation.
+    """
     gradient = to_global(0.7) @ np.array([[1.02, 0.013], [0.004, 0.97]])
     positions = gradient @ discretisation.positions + np.array([[3.0], [-1.0]])
     forces, _ = internal_forces(discretisation.table, positions)
@@ -122,17 +125,17 @@ def test_forces_are_the_gradient_of_the_energy(discretisation):
 
 
 def test_a_partly_filled_block_gives_what_full_blocks_give():
-    """Two full blocks and five elements beside: at equal strain every element carries the force of a single one."""
+    """Every element of two blocks and a rest carries an equal force."""
     count = 2 * simd_blocks.BLOCK_SIZE + 5
     many, one = (discretise(plate_mesh(10.0, 1.0, (n, 1)), THICKNESS) for n in (count, 1))
     stretch = np.diag([1.001, 1.0])
-    found = ((internal_forces(d.table, stretch @ d.positions)[0], d.positions[0]) for d in (many, one))
-    ends = [forces[0][x > -0.01] for forces, x in found]
+    force_and_x = ((internal_forces(d.table, stretch @ d.positions)[0], d.positions[0]) for d in (many, one))
+    ends = [forces[0][x > -0.01] for forces, x in force_and_x]
     assert_allclose(np.sort(ends[0]), np.sort(ends[1]), rtol=1e-10)
 
 
 def test_every_block_counts():
-    """A distorted mesh of two full blocks and a rest: its forces are the sum of those of each element alone."""
+    """Forces of two blocks and a rest are the sum over elements."""
     mesh = distorted(plate_mesh(10.0, 2.438, (19, 7)), 0.2, (19, 7))
     d = discretise(mesh, THICKNESS)
     assert d.table.connectivity.shape[1] == 2 * simd_blocks.BLOCK_SIZE + 5
@@ -187,10 +190,13 @@ def test_forces_do_not_depend_on_the_numbering(kind, share):
     rng = np.random.default_rng(1)
     number = rng.permutation(d.positions.shape[1])
     back = np.argsort(number)
-    given = d.positions + rng.normal(0.0, 1e-3, d.positions.shape), rng.normal(size=d.positions.shape)
+    positions_and_velocities = (
+        d.positions + rng.normal(0.0, 1e-3, d.positions.shape),
+        rng.normal(size=d.positions.shape),
+    )
     damped = Viscosity(1e3, 3e2, 4e2)
-    positions, velocities = (np.ascontiguousarray(values[:, back]) for values in given)
-    force, power = internal_forces(d.table, *given, damped, hourglass=hourglass)
+    positions, velocities = (np.ascontiguousarray(values[:, back]) for values in positions_and_velocities)
+    force, power = internal_forces(d.table, *positions_and_velocities, damped, hourglass=hourglass)
     shuffled_table = shuffled(d.table, number)
     other, other_power = internal_forces(shuffled_table, positions, velocities, damped, hourglass=hourglass)
     assert_allclose(other[:, number], force, rtol=0.0, atol=1e-12 * np.abs(force).max())
@@ -224,41 +230,47 @@ def stiffness(d, kind):
 
 
 def tip_deflection(length, width, counts, kind):
-    """Of a cantilever, over that of Timoshenko's beam, P L^3/3EI + 6/5 P L/GA; its load as the parabola of shear."""
+    """Tip deflection of a cantilever over that of Timoshenko's beam.
+
+    The reference is P L^3/(3 E I) + 6/5 P L/(G A); the load is the parabola of shear.
+    """
     d = discretise(plate_mesh(length, width, counts), T, kind)
     x, y = d.positions
-    held = np.isclose(x, x.max())
+    clamped = np.isclose(x, x.max())
     free = np.isclose(x, x.min())
     eta = (y - y.min()) / width
     share = np.where(free, 6.0 * eta * (1.0 - eta) if counts[1] > 1 else 1.0, 0.0)
     load = np.concatenate([np.zeros(x.size), share / share.sum()])
-    moves = ~np.concatenate([held, held & np.isclose(eta, eta[held].min())])
+    moves = ~np.concatenate([clamped, clamped & np.isclose(eta, eta[clamped].min())])
     matrix = stiffness(d, kind).tocsc()[moves][:, moves]
-    found = np.zeros(2 * x.size)
-    found[moves] = scipy.sparse.linalg.spsolve(matrix, load[moves])
+    displacement = np.zeros(2 * x.size)
+    displacement[moves] = scipy.sparse.linalg.spsolve(matrix, load[moves])
     inertia, shear = T * width**3 / 12.0, E / (2.0 * (1.0 + NU))
     exact = length**3 / (3.0 * E * inertia) + 1.2 * length / (shear * T * width)
-    return float(found @ load / exact)
+    return float(displacement @ load / exact)
 
 
 @pytest.mark.parametrize("slenderness", [0.02, 0.1, 0.25])
 def test_a_cantilever_of_one_element_across_bends_as_a_beam(slenderness):
-    """Within 2 % of Timoshenko's beam, by 20 elements along; ordinary quad4 locks, and has less than half."""
+    """20 elements along are within 2 %, where quad4 locks."""
     assert tip_deflection(10.0, 10.0 * slenderness, (20, 1), "quad4-reduced") == pytest.approx(1.0, abs=0.02)
     if slenderness == 0.02:
         assert tip_deflection(10.0, 0.2, (20, 1), "quad4") < 0.5
 
 
 def test_refined_along_the_slender_beam_it_converges():
-    """Second order: a quarter of each change is the next; the width over the length is left of the error."""
-    found = [tip_deflection(10.0, 0.2, (n, 1), "quad4-reduced") for n in (5, 10, 20, 40)]
-    changes = np.diff(found)
+    """Second order along, up to the effect of width over length."""
+    deflections = [tip_deflection(10.0, 0.2, (n, 1), "quad4-reduced") for n in (5, 10, 20, 40)]
+    changes = np.diff(deflections)
     assert changes[:2] / changes[1:] == pytest.approx(4.0, rel=0.05)
-    assert found[-1] == pytest.approx(1.0, abs=5e-4)
+    assert deflections[-1] == pytest.approx(1.0, abs=5e-4)
 
 
 def test_a_rectangle_in_pure_bending_stores_what_the_beam_does():
-    """Plane stress, curvature k: u = k x y, v = -k (x^2 + nu y^2)/2 at the nodes of an element that is its middle."""
+    """The exact bending field of plane stress has the beam's energy.
+
+    u = k x y and v = -k (x^2 + nu y^2)/2, of curvature k, at the nodes of one element.
+    """
     length, width, k = 3.0, 0.8, 1e-6
     d = discretise(plate_mesh(length, width, (1, 1)), T, "quad4-reduced")
     x, y = d.positions - d.positions.mean(axis=1, keepdims=True)
@@ -268,7 +280,7 @@ def test_a_rectangle_in_pure_bending_stores_what_the_beam_does():
 
 
 def test_forces_are_the_slope_of_the_energy_in_any_position():
-    """Distorted elements, turned and strained; by differences of the energy along a direction."""
+    """Distorted, rotated and strained elements, by differences of the energy."""
     mesh = distorted(plate_mesh(2.0, 1.0, (3, 2)), 0.2, (3, 2))
     d = discretise(mesh, T, "quad4-reduced")
     control = hourglass_control(d, T, MODULI)
@@ -312,7 +324,7 @@ def worst(result):
     [*((kind, "st-venant-kirchhoff") for kind in KINDS), ("quad4", "neo-hookean"), ("tri3", "neo-hookean")],
 )
 def test_patch_of_constant_strain_on_distorted_elements(kind, law):
-    """Every element and material: inner nodes in balance, the boundary's forces as F S N asks, energy V W."""
+    """Check balance and boundary forces of each element and material."""
     mesh = distorted(plate_mesh(10.0, 2.438, (8, 4), ELEMENT_KINDS[kind].cells), 0.2, (8, 4))
     d, material = discretise(mesh, THICKNESS, kind), MATERIALS[law].make(200e9, 0.3)
     moduli = st_venant_kirchhoff(200e9, 0.3)
@@ -330,7 +342,7 @@ def test_patch_of_constant_strain_on_distorted_elements(kind, law):
 
 
 def second_piola_kirchhoff(gradient, law):
-    """S in the plane by the textbook formulas, the thickness stretch by bisection of S_33 = 0."""
+    """S in the plane by textbook formulas, S_33 by bisection."""
     strain = 0.5 * (gradient.T @ gradient - np.eye(2))
     if law == "st-venant-kirchhoff":
         return 200e9 / (1 - 0.09) * (0.7 * strain + 0.3 * np.trace(strain) * np.eye(2))
@@ -380,8 +392,8 @@ def test_hourglass_control_sees_only_what_one_point_does_not():
     [
         ("plate.distortion=0.2",), ("corner.constraint=exact",), ("corner.patch_length=1",),
         *(
-            pytest.param(each, marks=pytest.mark.long)
-            for each in (
+            pytest.param(change, marks=pytest.mark.long)
+            for change in (
                 ("plate.element=tri3",), ("plate.element=tri6",),
                 ("plate.element=quad9", "plate.elements=[8, 3]"),
                 ("plate.element=quad4-reduced", "damping.ratio=0.05"), ("material.law=neo-hookean",),
@@ -413,7 +425,7 @@ def test_the_exact_constraint_holds_the_corner_on_the_wall(outcome):
 
 
 def test_the_penalty_tends_to_the_exact_constraint(outcome):
-    """The gap is N / k: its part of the difference falls with 1 / k."""
+    """The gap is N/k, and its effect in proportion to 1/k."""
     exact = outcome("paper-table-3", "corner.reaction=none", "corner.constraint=exact").fe["t"]
     changes = ((f"corner.penalty_scale={scale}", "corner.reaction=none") for scale in (0.1, 1.0, 10.0))
     errors = [outcome("paper-table-3", *change).fe["t"] - exact for change in changes]
@@ -430,7 +442,7 @@ def test_a_dashpot_and_bulk_viscosity_take_energy_out(outcome):
 
 @pytest.mark.parametrize("length", [0.25, 0.8, 1.0, 9.999])
 def test_the_patch_s_weighted_mean_is_the_corner_itself(length):
-    """Resultant 1, no moment about P, for lengths that end on a node or within an element."""
+    """Resultant 1 and no moment, also for ends within an element."""
     d = discretise(plate_mesh(10.0, 2.438, (40, 4)), THICKNESS)
     nodes, weights = corner_weights(d, length)
     assert weights.sum() == pytest.approx(1.0, rel=1e-13)
@@ -439,7 +451,7 @@ def test_the_patch_s_weighted_mean_is_the_corner_itself(length):
 
 
 def test_a_point_deflects_without_bound_and_a_patch_converges(outcome):
-    """A point load's deflection grows by the same amount with each halving of the mesh, a patch's stops growing."""
+    """Each halving adds a constant deflection at a point alone."""
     held = ("corner.reaction=none", "corner.constraint=exact", "plate.start=unstressed")
     meshes = [f"plate.elements=[{n}, {3 * n // 10}]" for n in (10, 20, 40, 80)]
     point = np.diff([ratio_of(*held, mesh) for mesh in meshes])
@@ -474,12 +486,12 @@ def test_the_deformed_frequency_is_the_assembled_one_at_rest(plate_model):
     for plate in ({}, {"element": "tri6"}, {"element": "quad4-reduced"}):
         model = plate_model(elements=(6, 3), plate=plate)
         turned = (to_global(angle) @ model.discretisation.positions for angle in (0.26, 0.13, 0.0))
-        found = max(deformed_frequency(model, positions) for positions in turned)
-        assert found == pytest.approx(model.highest_frequency, rel=1e-4)
+        frequency = max(deformed_frequency(model, positions) for positions in turned)
+        assert frequency == pytest.approx(model.highest_frequency, rel=1e-4)
 
 
 def test_a_stretched_plate_has_a_higher_frequency(plate_model):
-    """St. Venant-Kirchhoff stiffens in tension: stretched by 10 % in both directions, by (3 L^2 - 1) / 2, a third."""
+    """St. Venant-Kirchhoff stiffens by (3 L^2 - 1)/2 at a stretch L."""
     model = plate_model(elements=(6, 3), plate={"poissons_ratio": 0.0})
     positions = 1.1 * model.discretisation.positions
     assert deformed_frequency(model, positions) > 1.05 * model.highest_frequency
@@ -488,7 +500,10 @@ def test_a_stretched_plate_has_a_higher_frequency(plate_model):
 @pytest.mark.parametrize("poissons_ratio", [0.0, 0.1, 0.3, 0.499])
 @pytest.mark.parametrize("area", [-0.8, -0.3, -1e-2, -1e-5, -1e-12, 1e-9, 1e-4, 3e-2, 0.5, 19.0])
 def test_the_stretch_of_the_thickness_to_fifty_digits(poissons_ratio, area):
-    """2 mu (C_33 - 1) + lambda ln(det C C_33) = 0, against Newton's method in decimals."""
+    """Compare with a solution in decimals by Newton's method.
+
+    The equation is 2 mu (C_33 - 1) + lambda ln(det C C_33) = 0.
+    """
     material = neo_hookean(1.0, poissons_ratio)
     with decimal.localcontext(prec=50):
         lame, shear, plane = (*map(Decimal, material), (1 + Decimal(area)).ln())
@@ -496,5 +511,5 @@ def test_the_stretch_of_the_thickness_to_fifty_digits(poissons_ratio, area):
         for _ in range(20):
             residual = 2 * shear * (exact.exp() - 1) + lame * (plane + exact)
             exact -= residual / (2 * shear * exact.exp() + lame)
-    found = _logarithms(material.lame, material.shear, area)
-    assert found == pytest.approx((float(plane), float(exact)), rel=1e-15, abs=0.0)
+    logarithms = _logarithms(material.lame, material.shear, area)
+    assert logarithms == pytest.approx((float(plane), float(exact)), rel=1e-15, abs=0.0)

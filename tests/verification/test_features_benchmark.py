@@ -1,4 +1,4 @@
-"""Verification: loops, verdicts and counts of benchmarks/features.py.
+"""Verify loops, verdicts and counts of benchmarks/features.py.
 
 The bare loop has the bits of the program's and no code for a part. Verdicts are of artificial times with known ratios.
 """
@@ -65,7 +65,7 @@ def test_instructions_are_the_loop_s_own():
     "kind", ["quad4", *(pytest.param(kind, marks=pytest.mark.long) for kind in ("tri3", "distorted"))]
 )
 def test_the_bare_loop_computes_what_the_program_s_does(plate_model, kind):
-    """Positions and velocities to rounding, on lattices and on elements that are looked up, over a time that shows."""
+    """Positions and velocities agree to rounding, on lattices and other meshes."""
     mesh = distorted(plate_mesh(10.0, 2.438, (8, 4)), 0.2, (8, 4)) if kind == "distorted" else None
     model = plate_model((8, 4), mesh=mesh, plate={"element": "tri3"} if kind == "tri3" else None)
     stepper = Stepper(model)
@@ -93,18 +93,18 @@ def test_the_bare_loop_refuses_what_it_has_no_code_for(plate_model, changes):
 
 
 def test_each_part_is_added_alone(models):
-    """Whatever parts the scene itself has, a model has the one of its name and no other."""
+    """A model has the part of its name and no other."""
     for name, model in models.items():
         parameters = model.model.parameters
         corner, neo_hookean = parameters.corner, isinstance(parameters.material, materials.NeoHookean)
-        found = {
+        parts = {
             "friction": isinstance(parameters.friction, Drag),
             "damping": parameters.viscosity is not None,
         }
-        found |= {"dashpot": corner.dashpot > 0.0, "patch": corner.nodes.size > 1, "neo-Hookean": neo_hookean}
-        found["exact constraint"] = isinstance(corner.constraint, constraints.Exact)
-        found["hourglass control"] = parameters.hourglass is not None
-        assert {part for part, there in found.items() if there} == {name} - {benchmark.PLAIN}
+        parts |= {"dashpot": corner.dashpot > 0.0, "patch": corner.nodes.size > 1, "neo-Hookean": neo_hookean}
+        parts["exact constraint"] = isinstance(corner.constraint, constraints.Exact)
+        parts["hourglass control"] = parameters.hourglass is not None
+        assert {part for part, there in parts.items() if there} == {name} - {benchmark.PLAIN}
     assert len(models) == 8
     assert isinstance(models[benchmark.PLAIN].model.parameters.corner.constraint, constraints.Penalty)
     plain = benchmark.plain_scene(scene_of())
@@ -125,7 +125,7 @@ def test_turns_go_forwards_and_back():
 
 
 def test_a_slow_machine_cancels_turn_by_turn():
-    """Times double in the middle, and one is a hundred times as long: the ratio stays the same, to the digit."""
+    """Times that double, and an outlier, do not change the ratio."""
     slow = np.where(np.arange(40) < 20, 1.0, 2.0)
     assert benchmark.ratio(1.3 * slow, slow) == pytest.approx((1.3, 1.3, 1.3), abs=1e-15)
     hit = 1.3 * slow
@@ -134,7 +134,7 @@ def test_a_slow_machine_cancels_turn_by_turn():
 
 
 def test_the_interval_of_a_ratio_covers_the_truth_as_often_as_it_says():
-    """300 samples of 40 turns with 10 % noise: the bootstrap of a median covers 95 %, within its own noise."""
+    """The bootstrap of a median covers 95 % of 300 samples."""
     random = np.random.default_rng(1)
     covered = 0
     for _ in range(300):
@@ -158,7 +158,7 @@ def test_verdicts_on_made_up_times(factor, noise, expected):
 
 
 def test_a_noisy_machine_widens_the_limit():
-    """7 % against the bare loop does not differ from 9 % of one loop against itself, and is not zero either."""
+    """7 % does not differ from a noise of 9 %."""
     ones = np.ones(40)
     assert benchmark.verdict(1.07 * ones, 1.07 * ones, ones) == "costs"
     assert benchmark.verdict(1.07 * ones, 1.07 * 1.09 * ones, ones) == "unsettled"
@@ -190,7 +190,7 @@ def test_the_two_loops_agree_and_can_be_timed(models, monkeypatch):
     assert 0.0 <= benchmark.difference(plain, 200) <= benchmark.SAME
     updates = benchmark.time_loops({benchmark.PLAIN: plain}, 3)
     assert list(updates) == ["plain", "bare loop", "plain again"]
-    assert all((each > 0.0).all() and each.shape == (3,) for each in updates.values())
+    assert all((rates > 0.0).all() and rates.shape == (3,) for rates in updates.values())
 
 
 def test_the_study_of_features_says_where_it_went(capsys):
@@ -201,7 +201,7 @@ def test_the_study_of_features_says_where_it_went(capsys):
 
 @pytest.mark.long
 def test_a_part_has_instructions_only_where_it_is(models):
-    """Counted on vector registers, where the arithmetic is; of other instructions the machine decides how many."""
+    """Arithmetic is counted on vector registers."""
     named = (models[name] for name in ("plain", "friction", "damping"))
     plain, friction, damping = map(benchmark.program_code, named)
     assert 0 < plain.vector < friction.vector < damping.vector < damping.instructions
@@ -220,13 +220,13 @@ def test_imports_are_summed_by_package():
 
 @pytest.mark.long
 def test_whole_commands_are_run_and_their_imports_read(monkeypatch):
-    """The rigid method alone, with a change; and a wrong scene is an error, not a time."""
+    """The rigid method has a time, and a wrong scene an error."""
     for name in ("check", "run --no-pictures", "run"):
         monkeypatch.delitem(benchmark.COMMANDS, name)
-    (found,) = benchmark.find_processes(SCENE, ("vehicle.mass=5000",))
-    assert found.name == "rigid"
-    assert found.modules > 100
-    assert 0.0 < max(value for _, value in found.packages) <= found.import_s
-    assert "numpy" in dict(found.packages)
+    (rigid,) = benchmark.find_processes(SCENE, ("vehicle.mass=5000",))
+    assert rigid.name == "rigid"
+    assert rigid.modules > 100
+    assert 0.0 < max(value for _, value in rigid.packages) <= rigid.import_s
+    assert "numpy" in dict(rigid.packages)
     with pytest.raises(OSError, match=r"vehicle\.mass"):
         benchmark.find_processes(SCENE, ("vehicle.mass=-1",))

@@ -1,4 +1,4 @@
-"""Verification: fields of a run: they agree with its history, cost nothing where none are asked for, survive a stop."""
+"""Verify that fields of a run agree with its history."""
 
 import functools
 
@@ -36,19 +36,19 @@ def series(outcome):
 
 @pytest.mark.parametrize("ran", [corner, impact])
 def test_fields_agree_with_the_history(ran):
-    """Strain energy over the volume, and the centre's velocity by mass, are those of the rows of the same instants."""
+    """Strain energy and velocity of the centre equal those of the rows."""
     outcome = ran(KEPT)
-    found, history, parameters = series(outcome), outcome.run.history, outcome.fe_plan.model.parameters
-    rows = np.searchsorted(history["t"], found.t - 1e-12)
-    assert_allclose(history["t"][rows], found.t, rtol=0, atol=1e-12)
-    assert (found.t[0], found.t[-1]) == (0.0, history["t"][-1])
+    fields, history, parameters = series(outcome), outcome.run.history, outcome.fe_plan.model.parameters
+    rows = np.searchsorted(history["t"], fields.t - 1e-12)
+    assert_allclose(history["t"][rows], fields.t, rtol=0, atol=1e-12)
+    assert (fields.t[0], fields.t[-1]) == (0.0, history["t"][-1])
     volumes = parameters.table.weights.sum(axis=0)
-    energy = (found.elemental["strain_energy_density"] * volumes).sum(axis=1)
+    energy = (fields.elemental["strain_energy_density"] * volumes).sum(axis=1)
     # At the tail-slap positions and energy are interpolated apart from each other.
     assert_allclose(energy[:-1], history["strain_energy"][rows][:-1], rtol=1e-9, atol=1e-12)
     share = parameters.mass / parameters.mass.sum()
     assert_allclose(
-        np.einsum("n,tnc->tc", share, found.nodal["velocity"]),
+        np.einsum("n,tnc->tc", share, fields.nodal["velocity"]),
         np.array([history["v_gx"][rows], history["v_gy"][rows]]).T,
         rtol=1e-6,
         atol=1e-6,
@@ -65,42 +65,45 @@ def test_a_run_with_fields_has_the_bits_of_one_without(ran):
 
 
 def test_displacement_is_rigid_motion_and_what_is_elastic():
-    found = series(corner(KEPT))
-    moved, elastic = found.nodal["displacement"], found.nodal["elastic_displacement"]
-    rigid = found.points + moved - elastic
+    fields = series(corner(KEPT))
+    displacement, elastic = fields.nodal["displacement"], fields.nodal["elastic_displacement"]
+    rigid = fields.points + displacement - elastic
     lengths = np.linalg.norm(np.diff(rigid[:, [0, -1]], axis=1), axis=-1)
     assert_allclose(lengths, lengths.mean(), rtol=1e-12)
-    assert 1e-8 < np.abs(elastic).max() < 1e-4 < np.abs(moved).max()
+    assert 1e-8 < np.abs(elastic).max() < 1e-4 < np.abs(displacement).max()
 
 
 def test_a_stretched_plate_has_the_stress_of_the_closed_form(plate_model):
-    """F = diag(1 + a, 1): S by plane stress, Kirchhoff stress F S F'."""
+    """A stretch has the Kirchhoff stress F S F'.
+
+    F = diag(1 + a, 1), S by plane stress.
+    """
     model, stretch = plate_model(), 1.01
     strain = 0.5 * (stretch**2 - 1.0)
     modulus = 200e9 / (1.0 - 0.3**2)
-    found = element_stress(model, model.discretisation.positions * [[stretch], [1.0]])
+    stresses = element_stress(model, model.discretisation.positions * [[stretch], [1.0]])
     expected = (modulus * strain * stretch**2, 0.3 * modulus * strain, 0.0, 0.5 * modulus * strain**2)
-    for values, value in zip(found, expected, strict=True):
+    for values, value in zip(stresses, expected, strict=True):
         assert_allclose(values, value, rtol=1e-9, atol=1.0)
 
 
 def test_von_mises_and_principal_stress_of_pure_shear_and_tension():
-    found = series(corner(KEPT)).elemental
-    one, two = found["stress_principal_1"], found["stress_principal_2"]
+    stress = series(corner(KEPT)).elemental
+    one, two = stress["stress_principal_1"], stress["stress_principal_2"]
     assert (one >= two).all()
-    assert_allclose(found["stress_von_mises"], np.sqrt(one**2 - one * two + two**2), rtol=1e-9, atol=1e-3)
+    assert_allclose(stress["stress_von_mises"], np.sqrt(one**2 - one * two + two**2), rtol=1e-9, atol=1e-3)
 
 
 def test_the_file_has_every_bit(tmp_path):
-    found = series(corner(KEPT))
-    again = read_fields(write_fields(tmp_path / "fields.npz", found))
-    assert again.cell_type == found.cell_type == "quad"
+    fields = series(corner(KEPT))
+    again = read_fields(write_fields(tmp_path / "fields.npz", fields))
+    assert again.cell_type == fields.cell_type == "quad"
     for name in ("points", "cells", "t"):
-        assert_array_equal(getattr(again, name), getattr(found, name))
-    for mine, its in ((found.nodal, again.nodal), (found.elemental, again.elemental)):
-        assert mine.keys() == its.keys()
-        for name in mine:
-            assert_array_equal(mine[name], its[name])
+        assert_array_equal(getattr(again, name), getattr(fields, name))
+    for stored, loaded in ((fields.nodal, again.nodal), (fields.elemental, again.elemental)):
+        assert stored.keys() == loaded.keys()
+        for name in stored:
+            assert_array_equal(stored[name], loaded[name])
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Verification: pictures of a vehicle in space: places by rotation, heave and roll of axles, force, lifted wheels."""
+"""Verify positions and forces in pictures of a vehicle in space."""
 
 from typing import Any
 
@@ -54,7 +54,7 @@ def has_points(outlines, points):
 
 
 def test_a_vehicle_at_rest_has_its_dimensions():
-    """Centre of mass at (0, 0, 1.5 m), 4 m behind the front."""
+    """The centre of mass is 4 m behind the front."""
     rear, front = space.box(VEHICLE, history(), 0)[0].reshape(2, 4, 3)
     assert front[0] == pytest.approx((4.0, -1.2, 0.5), abs=1e-12)
     assert rear[2] == pytest.approx((-6.0, 1.2, 2.7), abs=1e-12)
@@ -71,15 +71,19 @@ def test_a_vehicle_at_rest_has_its_dimensions():
     ],
 )
 def test_a_corner_is_rotated_about_the_centre_of_mass(angles, corner):
-    """Yaw, pitch (nose down) and roll (to the right) in this order: lower right front corner, (4, -1.2, -1) from G."""
+    """Yaw, pitch and roll in this order, at the lower right corner.
+
+    It is at (4, -1.2, -1) from G; pitch is nose down, roll to the right.
+    """
     moved = space.box(VEHICLE, history(x_g=20.0, y_g=3.0, z_g=2.0, **angles), 0)[0, 4]
     assert moved == pytest.approx(np.array((20.0, 3.0, 2.0)) + corner, abs=1e-12)
 
 
 def test_wheels_follow_heave_and_roll_of_their_axle():
-    """The axle rolls about its roll centre, and the body is displaced so that the common centre of mass remains.
+    """The axle rolls about its roll centre.
 
-    Rear axle, 0.1 of the mass: heave 0.2 m, roll with sine 0.6, which displaces its centre by (0.06, 0.02 + 0.2) m.
+    The common centre of mass remains. Rear axle, 0.1 of the mass: heave 0.2 m, roll with sine 0.6, which displaces its
+    centre by (0.06, 0.02 + 0.2) m.
     """
     h = history(heave_2=0.2, axle_roll_2=ROLL)
     centre_y, centre_z = 0.1 * 0.6, 0.6 + 0.2 - 0.1 * 0.8
@@ -181,7 +185,7 @@ def test_a_train_has_a_line_for_each_unit():
 
 
 def test_an_animation_has_both_views(tmp_path):
-    """The plan is about the first unit; frames of a rolling vehicle differ."""
+    """The plan is about the first unit, and frames differ."""
     from PIL import Image
 
     h = history(6, x_g=np.arange(6.0), y_g=2.0, roll=0.1 * np.arange(6))
@@ -191,7 +195,7 @@ def test_an_animation_has_both_views(tmp_path):
     assert above.outlines[0][:, 0, 0] == pytest.approx(-6.0)
     films = space.draw_films(VEHICLE, h)
     drawn = [[mark.y for mark in marks(film, Moving)] for film in films]
-    assert [len(each) for each in drawn] == [len(behind.outlines), len(above.outlines)]
+    assert [len(polygons) for polygons in drawn] == [len(behind.outlines), len(above.outlines)]
     np.testing.assert_array_equal(drawn[0][4], behind.outlines[4][..., 1])
     assert behind.is_mirrored
     assert behind.face is FACE
@@ -206,7 +210,7 @@ def test_an_animation_has_both_views(tmp_path):
 @pytest.mark.long
 @pytest.mark.parametrize("changes", [(), ("wall.profile=new-jersey",)])
 def test_drawn_tyres_are_compressed_by_their_loads(changes):
-    """Computed motion: load at every row = stiffness times the depth of the lowest point of the unloaded tyre."""
+    """The load is stiffness times depth of the unloaded tyre."""
     from tailslap.case.impact import space as case
     from tailslap.case.impact.space_figures import charts, geometry
     from tailslap.scene.read import read_scene

@@ -1,4 +1,4 @@
-"""Verification: a plate given by its first frequency has it, and runs as the plate of the modulus that this means."""
+"""Verify plates that are given by their first frequency."""
 
 import dataclasses
 import json
@@ -37,23 +37,23 @@ def test_the_model_has_it(change):
 
 
 @pytest.mark.parametrize(
-    ("given", "hertz"), [("8 Hz", 8.0), ("0.02 kHz", 20.0), ("12.5", 12.5), ("3 1/s", 3.0)]
+    ("text", "hertz"), [("8 Hz", 8.0), ("0.02 kHz", 20.0), ("12.5", 12.5), ("3 1/s", 3.0)]
 )
-def test_units(given, hertz):
-    scene = read_scene("paper-table-3", ("plate.youngs_modulus=", f"plate.first_frequency={given}"))[0]
+def test_units(text, hertz):
+    scene = read_scene("paper-table-3", ("plate.youngs_modulus=", f"plate.first_frequency={text}"))[0]
     assert scene.plate
     assert scene.plate.first_frequency == pytest.approx(hertz, rel=1e-15)
 
 
-@pytest.mark.parametrize("given", ["8 rad/s", "480 rpm", "8 deg/s", "0 Hz", "-8 Hz", "8 s", "8 GPa"])
-def test_radians_are_no_cycles(given, refused):
-    changes = ("plate.youngs_modulus=", f"plate.first_frequency={given}")
+@pytest.mark.parametrize("text", ["8 rad/s", "480 rpm", "8 deg/s", "0 Hz", "-8 Hz", "8 s", "8 GPa"])
+def test_radians_are_no_cycles(text, refused):
+    changes = ("plate.youngs_modulus=", f"plate.first_frequency={text}")
     assert refused(read_scene, "paper-table-3", changes) == "plate.first_frequency"
 
 
-@pytest.mark.parametrize("given", ["0.7 Hz", "0.7 1/s", "0.7 m/s"])
-def test_cycles_are_no_radians(given, refused):
-    assert refused(read_scene, "paper-table-3", (f"start.omega={given}",)) == "start.omega"
+@pytest.mark.parametrize("text", ["0.7 Hz", "0.7 1/s", "0.7 m/s"])
+def test_cycles_are_no_radians(text, refused):
+    assert refused(read_scene, "paper-table-3", (f"start.omega={text}",)) == "start.omega"
 
 
 def test_exactly_one_of_the_two():

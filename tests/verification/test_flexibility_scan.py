@@ -1,4 +1,4 @@
-"""Verification: levels of differences that oscillate over the first frequency, against exact differences."""
+"""Verify levels of oscillating differences by exact differences."""
 
 import math
 from functools import partial
@@ -44,17 +44,17 @@ def scan_of(samples, difference):
 @pytest.mark.parametrize("name", OSCILLATIONS)
 def test_no_difference_is_above_a_level_beyond_its_frequency(name, phase):
     difference = partial(OSCILLATIONS[name], phase=phase)
-    found = scan_of(plates(difference), difference)
+    result = scan_of(plates(difference), difference)
     sizes = np.abs(difference(EVERY))
-    for reach in levels.reaches(found.samples["impulse"], SIZES):
+    for reach in levels.reaches(result.samples["impulse"], SIZES):
         assert reach.kind == levels.CROSSED
         last, almost = (EVERY[sizes > part * reach.level].max() for part in (1.0 + CLOSE, 1.0 - 5.0 * CLOSE))
         # On the safe side, and by no more than two steps: that of the scan and the one that is added.
-        assert last <= reach.frequency <= almost + 2.0 * min(found.step, 0.05 * almost)
+        assert last <= reach.frequency <= almost + 2.0 * min(result.step, 0.05 * almost)
 
 
 def test_plates_alone_lie_between_the_peaks():
-    """Their power law between them is crossed below the frequency up to which the level is exceeded."""
+    """A power law between plates is crossed at too low a frequency."""
     parts = []
     for phase in np.linspace(0.0, 2.0 * np.pi, 7)[:-1]:
         difference = partial(OSCILLATIONS["about zero"], phase=phase)
@@ -64,7 +64,7 @@ def test_plates_alone_lie_between_the_peaks():
 
 
 def test_the_scan_goes_up_to_where_the_level_is_kept_for_two_periods():
-    """Plates that lie at zeros of the difference make it seem smaller than it is."""
+    """Plates at zeros of the difference underestimate it."""
     difference = partial(OSCILLATIONS["about zero"], phase=0.0)
     calls = []
 
@@ -73,25 +73,25 @@ def test_the_scan_goes_up_to_where_the_level_is_kept_for_two_periods():
         return runs(difference, frequencies)
 
     small = [sample._replace(difference=0.05 * sample.difference) for sample in plates(difference)]
-    found = scan.scanned({"impulse": small}, SIZES, 1.0 / INSTANT, measure)
-    highest = scan.highest_above(found.samples["impulse"], SIZES[0])
+    result = scan.scanned({"impulse": small}, SIZES, 1.0 / INSTANT, measure)
+    highest = scan.highest_above(result.samples["impulse"], SIZES[0])
     assert highest > levels.lowest_frequency(small, SIZES[0]).frequency + scan.PERIODS / INSTANT
     assert calls == sorted(calls)
-    assert calls[0] < highest < calls[-1] - scan.PERIODS / INSTANT + found.step
+    assert calls[0] < highest < calls[-1] - scan.PERIODS / INSTANT + result.step
     assert calls[-1] < highest + (scan.PERIODS + 1) / INSTANT
 
 
 def test_the_error_of_the_worse_neighbour_is_added():
     difference = partial(OSCILLATIONS["steady"], phase=0.0)
     samples = [sample._replace(error=0.1 * sample.difference) for sample in plates(difference)]
-    found = scan_of(samples, difference)
+    result = scan_of(samples, difference)
     above = next(s for s in samples[::-1] if s.frequency > math.sqrt(30.0 / SIZES[1]))
     below = samples[samples.index(above) + 1]
     assert scan.larger_error(samples, above.frequency) == above.error
     assert scan.larger_error(samples, 0.5 * (above.frequency + below.frequency)) == below.error
-    reach = levels.lowest_frequency(found.samples["impulse"], SIZES[1])
+    reach = levels.lowest_frequency(result.samples["impulse"], SIZES[1])
     expected = math.sqrt(30.0 / (SIZES[1] - below.error))
-    assert expected <= reach.frequency <= expected + 2.0 * found.step
+    assert expected <= reach.frequency <= expected + 2.0 * result.step
 
 
 def test_a_failed_run_beside_a_crossing_leaves_the_level_unknown():
@@ -103,8 +103,8 @@ def test_a_failed_run_beside_a_crossing_leaves_the_level_unknown():
 
     for interval, kind in (((-0.4, 0.8), levels.UNKNOWN), ((5.0, 6.0), levels.CROSSED)):
         gap = [crossing + distance for distance in interval]
-        found = scan.scanned({"impulse": plates(difference)}, SIZES, 1.0 / INSTANT, partial(measure, *gap))
-        assert levels.lowest_frequency(found.samples["impulse"], SIZES[1]).kind == kind
+        result = scan.scanned({"impulse": plates(difference)}, SIZES, 1.0 / INSTANT, partial(measure, *gap))
+        assert levels.lowest_frequency(result.samples["impulse"], SIZES[1]).kind == kind
 
 
 def test_a_level_that_no_plate_tells_is_not_scanned():
@@ -112,21 +112,21 @@ def test_a_level_that_no_plate_tells_is_not_scanned():
         raise AssertionError(frequencies)
 
     samples = [Sample(f, 1.0, 0.0, True) for f in PLATES]
-    found = scan.scanned({"impulse": samples}, SIZES, 1.0 / INSTANT, unmeasured)
-    assert (found.samples["impulse"], found.differences) == (samples, {})
+    result = scan.scanned({"impulse": samples}, SIZES, 1.0 / INSTANT, unmeasured)
+    assert (result.samples["impulse"], result.differences) == (samples, {})
 
 
 @pytest.mark.parametrize("phase", np.linspace(0.0, 0.25 * np.pi, 5))
 def test_peaks_between_samples(phase):
-    """A cosine of any phase, and of any sign; the middle of a parabola."""
+    """Cosines of any phase, and the middle of a parabola."""
     cosine = np.cos(2.0 * np.pi * np.arange(-8, 9) / scan.STEPS_A_PERIOD + phase)
     assert scan.peak_sizes(-cosine).max() == scan.peak_sizes(cosine).max() == pytest.approx(1.0, abs=CLOSE)
     assert scan.peak_sizes(np.array([-1.0, -3.0, -1.0])).tolist() == [1.0, 3.0, 1.0]
 
 
 def test_steps_are_even_or_at_a_ratio():
-    found = np.array(scan.scan_frequencies(100.0, 2.0, 0.5))
-    assert (found[0], found[-1]) == (100.0, 2.0)
-    steps = -np.diff(found)
-    assert steps[found[:-1] > 12.0] == pytest.approx(0.5)
-    assert (steps / found[1:]).max() <= scan.RATIO - 1.0 + 1e-12
+    frequencies = np.array(scan.scan_frequencies(100.0, 2.0, 0.5))
+    assert (frequencies[0], frequencies[-1]) == (100.0, 2.0)
+    steps = -np.diff(frequencies)
+    assert steps[frequencies[:-1] > 12.0] == pytest.approx(0.5)
+    assert (steps / frequencies[1:]).max() <= scan.RATIO - 1.0 + 1e-12

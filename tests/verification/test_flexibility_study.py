@@ -1,4 +1,4 @@
-"""Verification: the flexibility study's runs, rows, statements, pages and command.
+"""Verify runs, rows, statements and pages of the flexibility study.
 
 Runs agree with E t and the square of the first frequency.
 """
@@ -53,9 +53,9 @@ def test_thickness_at_constant_mass_does_what_the_modulus_does(scene, hertz):
 
 
 def test_differences_go_with_the_inverse_square_of_the_first_frequency():
-    given = (200.0, 100.0, 50.0, 25.0)
+    frequencies = (200.0, 100.0, 50.0, 25.0)
     sweep = small_sweep("paper-abaqus")
-    changes = [corner_flexibility.run_changes(sweep, hertz, (8, 4)) for hertz in given]
+    changes = [corner_flexibility.run_changes(sweep, hertz, (8, 4)) for hertz in frequencies]
     record = corner_flexibility.fe_record
     runs = [plate_runs.one_run(sweep.case.source, change, record) for change in changes]
     assert not any(run["failed"] for run in runs)
@@ -64,7 +64,7 @@ def test_differences_go_with_the_inverse_square_of_the_first_frequency():
     sizes = {name: [difference[name] for difference in differences] for name in ("v_gy", "v_gx")}
     sizes["stored"] = [run["stored"] for run in runs]
     for name, values in sizes.items():
-        exponent = np.polyfit(np.log(given), np.log(np.abs(values)), 1)[0]
+        exponent = np.polyfit(np.log(frequencies), np.log(np.abs(values)), 1)[0]
         assert exponent == pytest.approx(-2.0, abs=0.01), name
     assert all(1e-8 < abs(value) < 1e-4 for value in sizes["v_gy"])
 
@@ -74,9 +74,9 @@ def test_the_modal_model_is_of_the_same_opinion():
     sweep = small_sweep("paper-table-3")
     base, changes = sweep.case.source, corner_flexibility.run_changes(sweep, 20.0, (8, 4))
     records = corner_flexibility.fe_record, corner_flexibility.modal_record
-    whole, modal = (plate_runs.one_run(base, changes, record) for record in records)
-    flexible = largest_relative(whole["values"], sweep.case.tail_slap)
-    assert largest_relative(modal["values"], whole["values"]) < 1e-2 * flexible
+    complete, modal = (plate_runs.one_run(base, changes, record) for record in records)
+    flexible = largest_relative(complete["values"], sweep.case.tail_slap)
+    assert largest_relative(modal["values"], complete["values"]) < 1e-2 * flexible
     assert modal["estimate"] < 0.1 * flexible
     unstressed = plate_runs.one_run(
         base, {**changes, "plate.start": "unstressed"}, corner_flexibility.modal_record
@@ -96,7 +96,7 @@ def test_what_each_start_keeps():
 
 
 def test_the_largest_difference_is_seen_in_any_phase():
-    """An oscillating plate strikes close to the rigid velocity here, and was ten times as far off before."""
+    """An unstressed plate strikes near the rigid velocity by its phase."""
     sweep = small_sweep("mash-tl4-sut")
     changes = corner_flexibility.run_changes(sweep, 25.0, (8, 4), "unstressed")
     outcome = sweep.case.varied(changes).run()
@@ -107,8 +107,8 @@ def test_the_largest_difference_is_seen_in_any_phase():
     # The impulse of a reaction N (1 - cos w t) is off by N / w. A beam pinned at its end has 0.689 of the first
     # frequency of the free one, (3.927 / 4.730)^2, and without damping N / w is reached.
     impulse = abs(outcome.rigid_history["reaction_normal"][0]) / (2.0 * math.pi * 25.0)
-    whole = outcome.fe_plan.model.mass * abs(outcome.rigid["v_gy"])
-    assert 0.3 < largest / (impulse / whole) < 1.0 / 0.689
+    momentum = outcome.fe_plan.model.mass * abs(outcome.rigid["v_gy"])
+    assert 0.3 < largest / (impulse / momentum) < 1.0 / 0.689
 
 
 def test_meshes_and_hold():
@@ -120,19 +120,23 @@ def test_meshes_and_hold():
     assert corner_flexibility.corner_support(scene, (7, 2))["patch"] == pytest.approx(10.0 / 7.0)
     odd = read_scene("paper-table-3", ("plate.elements=[15,5]",))[0]
     assert three_meshes(odd) == ((15, 5), (30, 10), (60, 20))
-    own = read_scene("paper-table-3", ("corner.patch_length=0.6", "corner.penalty_scale=2"))[0]
-    assert three_meshes(own)[0] == (20, 6)  # half as many elements would be longer than the patch
-    given = {"own_constraint": True, "own_patch": True}
-    assert corner_flexibility.corner_support(own, (20, 6)) == {"constraint": "penalty", "patch": 0.6, **given}
+    with_patch = read_scene("paper-table-3", ("corner.patch_length=0.6", "corner.penalty_scale=2"))[0]
+    assert three_meshes(with_patch)[0] == (20, 6)  # half as many elements would be longer than the patch
+    corner = {"own_constraint": True, "own_patch": True}
+    assert corner_flexibility.corner_support(with_patch, (20, 6)) == {
+        "constraint": "penalty",
+        "patch": 0.6,
+        **corner,
+    }
 
 
 def test_three_starts_whatever_the_scene_has():
-    own = ("plate.start=unstressed", "plate.elements=", "verify.tolerance=1e-9")
-    sweep = corner_flexibility.define(CornerCase(*read_scene("mash-tl4-sut", own)))
+    changed_start = ("plate.start=unstressed", "plate.elements=", "verify.tolerance=1e-9")
+    sweep = corner_flexibility.define(CornerCase(*read_scene("mash-tl4-sut", changed_start)))
     assert sweep.meshes[1] == (20, 6)  # the program's choice for an omitted key
     coarse, names = sweep.meshes[0], corner_flexibility.STARTS
     changes = {name: corner_flexibility.run_changes(sweep, 50.0, coarse, name) for name in names}
-    scenes = {name: vary(sweep.case.source, each)[0] for name, each in changes.items()}
+    scenes = {name: vary(sweep.case.source, change)[0] for name, change in changes.items()}
     assert [scene.plate and scene.plate.start for scene in scenes.values()] == list(corner_flexibility.STARTS)
     assert (
         corner_flexibility.run_changes(sweep, 50.0, sweep.meshes[0]) == changes[corner_flexibility.STARTS[0]]
@@ -147,8 +151,8 @@ def test_three_starts_whatever_the_scene_has():
 def test_command(tmp_path, capsys):
     out = tmp_path / "out"
     small = ["--set", "plate.elements=[8,4]", "--points", "4", "--workers", "1", "--out", str(out)]
-    given = ["study", "flexibility", "paper-abaqus", *small, "--lowest", "0.05 Hz", "--highest", "50 Hz"]
-    assert cli._status(given) == cli.DONE
+    arguments = ["study", "flexibility", "paper-abaqus", *small, "--lowest", "0.05 Hz", "--highest", "50 Hz"]
+    assert cli._status(arguments) == cli.DONE
     printed = capsys.readouterr().out.replace("\N{NO-BREAK SPACE}", " ")
     printed = " ".join(printed.split())
     assert "Lowest natural frequency at which rigid-body v_GY is within 1 %: ≈ 1." in printed
@@ -160,7 +164,7 @@ def test_command(tmp_path, capsys):
     assert [point["half_patch_v_gy"] is not None for point in points] == [False, False, True, False]
     # A smaller support is more compliant.
     assert 1.0 < points[2]["half_patch_v_gy"] / points[2]["difference_v_gy"] < 1.3
-    assert cli._status([*given, "--lowest", "50 Hz"]) == cli.WRONG_INPUT
+    assert cli._status([*arguments, "--lowest", "50 Hz"]) == cli.WRONG_INPUT
     assert cli._status(["study", "flexibility", "paper-abaqus", "--points", "3"]) == cli.WRONG_INPUT
 
 
@@ -176,9 +180,10 @@ def mesh_record(difference, rigid, **changes):
 
 
 def point_record(hertz, rigid, **changes):
-    """Return differences of 0.04 (f1 / 1 Hz)^-2 on fine meshes, with an error of second order in the element's size.
+    """Differences decrease with the square of the frequency.
 
-    The second start has 0.36 times these, the third 0.04 f1^-1.
+    They are 0.04 (f1 / 1 Hz)^-2, with an error of second order. The second start has 0.36 times these, the third
+    0.04 f1^-1.
     """
 
     def meshes(factor):
@@ -201,7 +206,7 @@ def plan():
 
 @pytest.fixture(scope="module")
 def synthetic(plan):
-    """The campaign of a synthetic power law; changes: records by the place of the point."""
+    """The campaign of a power law, with changed records by index."""
     sweep = corner_flexibility.define(plan)
 
     def build(changes={}):  # noqa: B006
@@ -218,12 +223,12 @@ def synthetic(plan):
 
 def test_points_carry_difference_and_error(synthetic):
     for row in synthetic().rows:
-        whole = 0.04 / row["first_frequency"] ** 2
-        assert row["difference_v_gy"] == pytest.approx(whole * 0.999, rel=1e-6)
-        left = whole / (1.0 + whole)
-        assert row["error_v_gy"] == pytest.approx(1.25e-3 * left, rel=0.01)
-        assert row["error_reaction"] == pytest.approx(1.25e-2 * whole, rel=1e-6)
-        assert row["inertia-relief:v_gy_error"] == pytest.approx(1.25e-3 * whole, rel=1e-6)
+        size = 0.04 / row["first_frequency"] ** 2
+        assert row["difference_v_gy"] == pytest.approx(size * 0.999, rel=1e-6)
+        relative = size / (1.0 + size)
+        assert row["error_v_gy"] == pytest.approx(1.25e-3 * relative, rel=0.01)
+        assert row["error_reaction"] == pytest.approx(1.25e-2 * size, rel=1e-6)
+        assert row["inertia-relief:v_gy_error"] == pytest.approx(1.25e-3 * size, rel=1e-6)
         assert row["unstressed:v_gy_error"] == pytest.approx(4e-5 / row["first_frequency"], rel=1e-6)
         assert row["passed"]
 
@@ -247,12 +252,12 @@ def test_a_start_is_not_credited_with_a_change_of_sign(synthetic):
     assert sizes == sorted(sizes)
 
 
-def said(found, tmp_path):
+def said(study, tmp_path):
     """Terminal and page, with plain spaces."""
-    made = report(found)
-    write_report(made, tmp_path)
+    study_report = report(study)
+    write_report(study_report, tmp_path)
     page = (tmp_path / "report.html").read_text().replace("\N{NO-BREAK SPACE}", " ")
-    return " ".join(report_text(made, tmp_path).split()), page
+    return " ".join(report_text(study_report, tmp_path).split()), page
 
 
 @pytest.mark.long
@@ -261,8 +266,8 @@ def test_what_half_the_patch_changes_is_said(synthetic, tmp_path):
     record = point_record(SWEEP[4], rigid)
     longer = main_meshes(record)[-1]["values"]
     half = {name: rigid[name] + 1.1 * (longer[name] - rigid[name]) for name in rigid}
-    found = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half)}})
-    assert ">0.100</td>" in said(found, tmp_path)[1]
+    study = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half)}})
+    assert ">0.100</td>" in said(study, tmp_path)[1]
     failed = synthetic({4: record | {"half_patch": mesh_record(0.0, rigid, values=half, failed=["mesh"])}})
     assert math.isnan(failed.rows[4]["half_patch_v_gy"])
     assert ">0.100</td>" not in said(failed, tmp_path)[1]
@@ -288,26 +293,26 @@ def test_levels_of_any_start_and_the_power_law_are_said(synthetic, tmp_path):
 
 @pytest.mark.long
 def test_what_the_starts_depart_from_is_said(synthetic, tmp_path):
-    """At t = 0, of each start that passed; the fixture has no more of the third than of the others."""
+    """Values at t = 0 of each start that passed."""
     rigid = synthetic().case.tail_slap
-    found = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
-    page = said(found, tmp_path)[1]
+    study = synthetic({8: point_record(0.1, rigid, failed=["mesh"])})
+    page = said(study, tmp_path)[1]
     rows = page[page.index("Differences from Stage 1 at t = 0") :].split("<tr>")
     assert [number(cell) for cell in cells(rows, "0.316 Hz")] == pytest.approx(
         [0.0, 0.36, -0.32, 0.0, 0.0, 0.1296, -0.1152, 0.0], rel=5e-3
     )
     assert set(cells(rows, "0.1 Hz")) == {"–"}
-    kept = found.rows[7]["inertia-relief:v_gy_at_start"] / found.rows[7]["inertia-relief:v_gy"]
-    assert kept == pytest.approx(0.9, rel=1e-3)
+    ratio = study.rows[7]["inertia-relief:v_gy_at_start"] / study.rows[7]["inertia-relief:v_gy"]
+    assert ratio == pytest.approx(0.9, rel=1e-3)
 
 
-def number(shown):
-    """With the minus of print."""
-    return float(shown.replace("\N{MINUS SIGN}", "-"))
+def number(text):
+    """A number with a typographic minus sign."""
+    return float(text.replace("\N{MINUS SIGN}", "-"))
 
 
 def cells(rows, first):
-    """Of the row that begins like this, all others."""
+    """The further cells of a row with this first cell."""
     row = next(row for row in rows if f">{first}<" in row)
     return re.findall(r"<td[^>]*>([^<]*)</td>", row)
 
@@ -315,12 +320,12 @@ def cells(rows, first):
 def test_answer_where_levels_are_not_known(synthetic):
     refused = {"refused": "plate: no"}
     runs = {name: 3 * [refused] for name in corner_flexibility.STARTS}
-    nothing = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
-    assert "no run passed its checks" in answer(nothing)[0]
-    rigid = nothing.case.tail_slap
+    unknown = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
+    assert "no run passed its checks" in answer(unknown)[0]
+    rigid = unknown.case.tail_slap
 
-    def words(found):
-        return " ".join(answer(found)).replace("\N{NO-BREAK SPACE}", " ")
+    def words(study):
+        return " ".join(answer(study)).replace("\N{NO-BREAK SPACE}", " ")
 
     soft = words(synthetic({i: point_record(0.5, rigid) for i in range(9)}))
     assert "By start of the plate: > 1 kHz (inertia relief)" in soft
@@ -329,24 +334,24 @@ def test_answer_where_levels_are_not_known(synthetic):
     rough = {i: point_record(f, rigid) for i, f in enumerate(SWEEP)}
     for record in rough.values():
         record["starts"]["unstressed"][0]["error"] = 0.01
-    found = synthetic(rough)
-    known = "≈ 2.1 Hz (inertia relief), ≈ 1.3 Hz (Stage 1's momenta), unknown (unstressed)"
-    assert known in words(found)
-    assert "within 1 %: unknown." in words(found)
-    assert found.band[1].frequency == pytest.approx(1000.0)
-    assert found.band[2].text.endswith("Hz")
+    study = synthetic(rough)
+    by_start = "≈ 2.1 Hz (inertia relief), ≈ 1.3 Hz (Stage 1's momenta), unknown (unstressed)"
+    assert by_start in words(study)
+    assert "within 1 %: unknown." in words(study)
+    assert study.band[1].frequency == pytest.approx(1000.0)
+    assert study.band[2].text.endswith("Hz")
 
 
 def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     rigid = synthetic().case.tail_slap
     fails = point_record(SWEEP[2], rigid, failed=["energy balance"])
-    lost = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
+    diverged = point_record(SWEEP[8], rigid, values={}, failed=["tail-slap reached"], stored=math.nan)
     refused = point_record(SWEEP[0], rigid)
     main_meshes(refused)[-1] = {"refused": "omitted: the estimated time exceeds the limit"}
-    found = synthetic({0: refused, 2: fails, 8: lost})
-    assert [row["passed"] for row in found.rows] == [i not in (0, 2, 8) for i in range(9)]
-    assert not corner_flexibility.samples_of(found.rows, "t")[2].passed
-    terminal, page = said(found, tmp_path)
+    study = synthetic({0: refused, 2: fails, 8: diverged})
+    assert [row["passed"] for row in study.rows] == [i not in (0, 2, 8) for i in range(9)]
+    assert not corner_flexibility.samples_of(study.rows, "t")[2].passed
+    terminal, page = said(study, tmp_path)
     assert "Failed plates: 1 kHz: omitted" in terminal
     assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
     assert page.count("<svg") == 1 + 5
@@ -354,7 +359,7 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     assert "failed a check" in page
     assert [words for words in ("NaN", "nan") if words in page] == []
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert (summary["answer"], summary["certainty"]) == answer(found)
+    assert (summary["answer"], summary["certainty"]) == answer(study)
     assert summary["points"][8]["difference_v_gy"] is None
     assert summary["points"][2]["why"] == "energy balance"
     assert summary["levels_v_gy"][corner_flexibility.STARTS[0]][1]["frequency"] == pytest.approx(
@@ -368,13 +373,13 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
 
 
 def scan_record(key, rigid):
-    """The finest mesh of the start and frequency that a key of the scan names."""
+    """The finest mesh of a key of the scan."""
     _, start, frequency, _ = key.split()
     return point_record(float(frequency), rigid)["starts"][start][-1]
 
 
 def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
-    done: list[Any] = []
+    events: list[Any] = []
     rigid = plan.tail_slap
 
     def one_at_a_time(function, parts, journal, *rest):
@@ -384,22 +389,22 @@ def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):
             if function is plate_runs.one_run:
                 journal.records.add({key: scan_record(key, rigid)})
                 continue
-            if len(done) == 3:
-                done.append("interrupt")
+            if len(events) == 3:
+                events.append("interrupt")
                 raise KeyboardInterrupt
-            done.append(key)
+            events.append(key)
             journal.records.add({key: point_record(float(key.split()[0]), rigid)})
 
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", one_at_a_time)
     with pytest.raises(KeyboardInterrupt, match="3 parts are saved"):
         corner_flexibility.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
-    found = corner_flexibility.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
-    assert len(done) - 1 == len(set(done)) - 1 == len(found.rows) == 9
+    study = corner_flexibility.corner_flexibility(plan, SWEEP, tmp_path / "out", 1)
+    assert len(events) - 1 == len(set(events)) - 1 == len(study.rows) == 9
     assert list(tmp_path.iterdir()) == []
-    assert {row["start"] for row in found.scan} == {*corner_flexibility.STARTS}
+    assert {row["start"] for row in study.scan} == {*corner_flexibility.STARTS}
     expected = [math.sqrt(0.04 / level * 1.001) for level in corner_flexibility.LEVELS]
-    for reach, hertz in zip(found.levels[corner_flexibility.STARTS[0]], expected, strict=True):
-        assert hertz <= reach.frequency <= hertz + 2.0 * min(found.step, 0.05 * hertz)
+    for reach, hertz in zip(study.levels[corner_flexibility.STARTS[0]], expected, strict=True):
+        assert hertz <= reach.frequency <= hertz + 2.0 * min(study.step, 0.05 * hertz)
 
 
 def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
@@ -410,8 +415,8 @@ def test_exit_status_where_nothing_passed(plan, tmp_path, monkeypatch, capsys):
                 journal.records.add({key: point_record(5.0, rigid, values={}, failed=["finite numbers"])})
 
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_fail)
-    given = ["study", "flexibility", "paper-abaqus", "--set", *SMALL, "--out", str(tmp_path / "out")]
-    assert cli._status(given) == commands.CHECK_FAILED
+    arguments = ["study", "flexibility", "paper-abaqus", "--set", *SMALL, "--out", str(tmp_path / "out")]
+    assert cli._status(arguments) == commands.CHECK_FAILED
     assert "no run passed its checks" in " ".join(capsys.readouterr().out.split())
     assert "failed</span>" in (tmp_path / "out" / "report.html").read_text()
 
@@ -425,10 +430,13 @@ def impact():
 
 
 def impact_plate(frequency, why="", size=None):
-    """A plate whose strikes differ by 10/f^2 at f in Hz; its mesh's error is a hundredth of that."""
+    """A plate with strike differences of 10/f^2, f in Hz.
+
+    The error of the mesh is a hundredth of that.
+    """
     size = 10.0 / frequency**2 if size is None else size
     sizes = {"difference": -size, "error": 0.01 * size}
-    groups = {name: dict.fromkeys(impact_flexibility.NAMES, each) for name, each in sizes.items()}
+    groups = {name: dict.fromkeys(impact_flexibility.NAMES, value) for name, value in sizes.items()}
     return impact_flexibility.impact_row(frequency, {**groups, "failed": [why] if why else []})
 
 
@@ -448,7 +456,7 @@ def test_a_plate_that_strikes_with_other_corners_tells_no_level():
 
 
 def test_what_a_plate_s_run_records(monkeypatch, impact):
-    """The mesh's check is left to the reaches; what is not compared is not a number; a refusal is its reason."""
+    """The check of the mesh is omitted, a refusal stated."""
 
     def run(case):
         checks = [SimpleNamespace(name=name, passed=False) for name in ("error of impulse", "energy balance")]
@@ -470,27 +478,29 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     rows = [*map(impact_plate, FREQUENCIES[:-1]), impact_plate(8.0, "energy balance")]
     samples = {name: impact_flexibility.impact_samples(rows, name) for name in impact_flexibility.NAMES}
     reaches = {
-        name: tuple(levels.lowest_frequency(its, level) for level in impact_flexibility.IMPACT_LEVELS)
-        for name, its in samples.items()
+        name: tuple(
+            levels.lowest_frequency(strike_samples, level) for level in impact_flexibility.IMPACT_LEVELS
+        )
+        for name, strike_samples in samples.items()
     }
 
     def all_of(value):
         return dict.fromkeys(COLUMNS, value)
 
-    given: list[tuple[float, Any, Any, tuple[str, ...]]] = [
+    results: list[tuple[float, Any, Any, tuple[str, ...]]] = [
         (2.0, {}, {}, ("contact: no",)), (4.0, all_of(3e3), all_of(-0.06), ()),
         (8.0, all_of(3e3), all_of(0.04), ()), (math.inf, all_of(2e3), {}, ()),
     ]  # fmt: skip
-    plates = [impact_flexibility.plate_record(*each) for each in given]
+    plates = [impact_flexibility.plate_record(*result) for result in results]
     assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
-    found = plate_runs.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
-    assert plates_table(found).marks == {0: "failed", 1: "failed"}
-    assert "scan.csv" not in said(found, tmp_path)[1]
+    study = plate_runs.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
+    assert plates_table(study).marks == {0: "failed", 1: "failed"}
+    assert "scan.csv" not in said(study, tmp_path)[1]
     names = impact_flexibility.NAMES
     differences = {40.0: dict.fromkeys(names, 0.01), 39.5: dict.fromkeys(names, -0.02)}
     scan_rows = plate_runs.listed_scan(Scan(samples, differences, 0.5), samples)
-    found = replace(found, scan=scan_rows, step=0.5)
-    terminal, page = said(found, tmp_path)
+    study = replace(study, scan=scan_rows, step=0.5)
+    terminal, page = said(study, tmp_path)
     assert "from 2 further runs from 39.5 Hz to 40 Hz, at steps of 0.5 Hz" in terminal
     assert "scan.csv" in page
     lines = (tmp_path / "scan.csv").read_text().splitlines()
@@ -510,7 +520,7 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
 
 def test_contacts_of_a_corner_that_are_close_are_one_strike():
     times = ((0.0, 0.1), (0.14, 0.2), (0.26, 0.3))
-    contacts = [Strike("front", *each, 1.0, 1.0) for each in times]
+    contacts = [Strike("front", *interval, 1.0, 1.0) for interval in times]
     assert (first_strike(contacts), first_strike([])) == (contacts[:2], [])
 
 
@@ -528,7 +538,7 @@ def test_a_stiff_plate_is_the_rigid_vehicle(impact):
 
 
 def test_rows_of_the_scans_of_all_starts_have_the_same_columns():
-    """Of later starts v_GY alone decides the scan; `scan.csv` has one heading."""
+    """Later starts have v_GY alone, `scan.csv` one heading."""
     differences = {2.0: {"v_gy": 0.5, "t": 0.25}}
     scans = [Scan(dict.fromkeys(names, ()), differences, 0.5) for names in (("v_gy", "t"), ("v_gy",))]
     first, second = ([*plate_runs.listed_scan(scan, scans[0].samples)[0]] for scan in scans)

@@ -1,4 +1,4 @@
-"""Verification: bands of forces on the first screen.
+"""Verify bands of forces on the first screen.
 
 Exact: stratified points, parts of the variance of linear functions, means of triangles, percentiles of samples.
 Agreement: the band of 256 samples with that of the study of uncertainty.
@@ -57,25 +57,25 @@ def test_the_mean_of_a_triangle_is_that_of_the_filter(duration):
 
 
 def test_largest_means_are_those_of_all_columns():
-    own = case(IMPACT)
+    impact_case = case(IMPACT)
     random = np.random.default_rng(3)
     inputs = {
         item.key: item.lower + (item.upper - item.lower) * random.random(16)
-        for item in planar_ranges.impact_ranges(own)
+        for item in planar_ranges.impact_ranges(impact_case)
     }
-    means = own.largest_means(inputs)[answers.LARGEST]
-    assert means == pytest.approx(own.many(inputs)[answers.LARGEST], rel=2e-3)
+    means = impact_case.largest_means(inputs)[answers.LARGEST]
+    assert means == pytest.approx(impact_case.many(inputs)[answers.LARGEST], rel=2e-3)
 
 
 def test_percentiles_are_those_of_single_solutions(bands):
     """Of the constrained corner, by one call for each sample."""
-    own, band = case(TRUCK), bands[TRUCK]
+    truck_case, band = case(TRUCK), bands[TRUCK]
     drawn = sampling.latin_hypercube(len(band.ranges), 256, np.random.default_rng(sampling.SEED))
     inputs = [
         low + (high - low) * row for (low, high, _), row in zip(band.ranges.values(), drawn, strict=True)
     ]
     forces = [
-        own.varied(dict(zip(band.ranges, values, strict=True))).force.peak_force
+        truck_case.varied(dict(zip(band.ranges, values, strict=True))).force.peak_force
         for values in np.transpose(inputs).tolist()
     ]
     assert band.percentiles == pytest.approx(np.percentile(forces, (5, 50, 95)), rel=1e-12)
@@ -83,13 +83,18 @@ def test_percentiles_are_those_of_single_solutions(bands):
 
 @pytest.mark.parametrize("name", [TRUCK, IMPACT])
 def test_a_band_agrees_with_the_study(bands, name):
-    """Of 4096 other samples; the error of percentiles of 256 is about a tenth of the band."""
-    own = case(name)
-    ranges = (planar_ranges.impact_ranges if own.scene.contact else planar_ranges.corner_ranges)(own)
+    """It is that of 4096 other samples.
+
+    The error of percentiles of 256 samples is about a tenth of the band.
+    """
+    band_case = case(name)
+    ranges = (planar_ranges.impact_ranges if band_case.scene.contact else planar_ranges.corner_ranges)(
+        band_case
+    )
     a, _ = sampling.sobol_points(ranges, 4096)
-    column = "peaks.mean_50ms" if own.scene.contact else "peak_force"
+    column = "peaks.mean_50ms" if band_case.scene.contact else "peak_force"
     inputs = dict(zip((item.key for item in ranges), a, strict=True))
-    lower, middle, upper = np.percentile(own.many(inputs)[column], (5, 50, 95))
+    lower, middle, upper = np.percentile(band_case.many(inputs)[column], (5, 50, 95))
     assert bands[name].percentiles == pytest.approx((lower, middle, upper), abs=0.1 * (upper - lower))
 
 
@@ -129,7 +134,10 @@ def test_a_band_that_cannot_be_computed_is_named(name, changes, key):
 
 
 def test_no_ratio_to_loads_of_lighter_vehicles():
-    """TL-1 has loads of Report 350 alone; a 50 ms mean stands over MASH's load of TL-4."""
+    """A 50 ms mean stands over MASH's load of TL-4 alone.
+
+    TL-1 has loads of Report 350 alone.
+    """
     assert "times" not in case("impact-mash-tl1-car").headline(NO_BAND).answer
     truck = case(TRUCK)
     mean = solver.triangle_mean(float(truck.force.peak_force), truck.scene.strike.duration, 0.05)

@@ -1,7 +1,8 @@
-"""Verification: scenes, changes and command lines made at random end with 0, 1 or 2, one message, in bounded
-time. Scenes are made by their structure: shipped ones with keys at the ends of what is allowed, just beyond,
-or of another kind. `benchmarks/fuzz.py` is the long job of the same inputs; whatever comes in ends at once
-with the key, what was given and what is allowed, status 2, no files.
+"""Verify that random scenes and command lines end with one message.
+
+The exit status is 0, 1 or 2, in bounded time. Scenes are made by their structure: shipped ones with keys at the ends of
+the allowed range, just beyond, or of another kind. `benchmarks/fuzz.py` is the long job of the same inputs; wrong ones
+end at once with the key, the given and the allowed values, status 2, no files.
 """
 
 import contextlib
@@ -40,7 +41,7 @@ ODD = (
 
 
 def numbers(model, prefix=""):
-    """Dotted keys of a scene, with the marks of those that are numbers."""
+    """Dotted keys of a scene, with the marks of numbers."""
     for name, field in model.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
         marks = [*field.metadata, *(mark for kind in kinds for mark in getattr(kind, "__metadata__", ()))]
@@ -59,7 +60,7 @@ def around(bound):
 
 
 def ends(mark):
-    """Values at the ends of what is allowed, beside them, and anywhere between."""
+    """Values at the allowed ends, beside them, and between."""
     low, high = mark.least, min(mark.most, mark.below)
     between = st.floats(math.log(low), math.log(high)).map(math.exp) if low > 0.0 else st.floats(low, high)
     numbers = st.one_of(between, st.sampled_from([*around(low), *around(high), 0.0, -1.0]))
@@ -81,7 +82,7 @@ def changes(draw):
 
 @st.composite
 def command_lines(draw):
-    """`rigid` of a scene with changes, a spread over ranges, a sweep that is not begun, or just words."""
+    """`rigid` with changes, a study, an invalid sweep, or any words."""
     scene = draw(st.sampled_from((*SCENES[:3], *SCENES)))
     kind = draw(st.sampled_from(("rigid", "rigid", "json", "vary", "range", "any")))
     if kind == "any":
@@ -98,7 +99,7 @@ def command_lines(draw):
 
 
 class TooLong(BaseException):
-    """What ends a command that would not end; the program catches no such thing."""
+    """Ends a command that exceeds its time, uncaught by the program."""
 
 
 @contextlib.contextmanager
@@ -143,7 +144,7 @@ def demand_good_end(arguments):
 
 @pytest.fixture(autouse=True, scope="module")
 def compiled_before():
-    """The time that compiling takes, once on a machine, is not that of reading an input."""
+    """Compile the loops before the time of reading is measured."""
     outcome(["rigid", "impact-mash-tl4-sut"])
 
 
@@ -183,7 +184,7 @@ def test_many_command_lines(arguments):
 @pytest.mark.long
 @pytest.mark.parametrize("scene", SCENES)
 def test_all_numbers_at_either_end(scene):
-    """Each number alone at its bounds: what passes validation ends finite."""
+    """Each number at its bounds has a finite result, or is refused."""
     for key, mark in KEYS.items():
         for value in (mark.least, mark.most) if mark else ():
             demand_good_end(["rigid", scene, "--json", "--set", f"{key}={value!r}"])
@@ -318,21 +319,21 @@ def test_every_number_of_a_scene_has_bounds_on_both_sides():
 
 
 def parameters(command):
-    """Options and arguments of a command and those below it, studies among them."""
-    found = list(command.params)
+    """Options and arguments of a command and those below it."""
+    options = list(command.params)
     if isinstance(command, click.Group):
         context = click.Context(command)
         for name in command.list_commands(context):
-            found += parameters(command.get_command(context, name))
-    return found
+            options += parameters(command.get_command(context, name))
+    return options
 
 
 def test_every_option_has_a_type_that_refuses_what_is_odd():
     kinds = [parameter.type for parameter in parameters(commands)]
     assert len(kinds) > 40
     plain = (click.types.IntParamType, click.types.FloatParamType, click.Path)
-    own = Whole | Real | Folder
-    assert [kind for kind in kinds if isinstance(kind, plain) and not isinstance(kind, own)] == []
+    restricted = Whole | Real | Folder
+    assert [kind for kind in kinds if isinstance(kind, plain) and not isinstance(kind, restricted)] == []
     assert any(isinstance(kind, Text) for kind in kinds)
 
 
@@ -354,23 +355,23 @@ def test_streams_that_nobody_reads(tmp_path):
     read, write = os.pipe()
     os.close(read)
     for arguments in (("--help",), ("scenes",)):
-        done = command(*arguments, stdout=write, stderr=subprocess.PIPE)
-        assert (done.returncode, done.stderr) == (0, b"")
+        process = command(*arguments, stdout=write, stderr=subprocess.PIPE)
+        assert (process.returncode, process.stderr) == (0, b"")
     os.close(write)
-    done = command("scenes", stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1))
-    assert (done.returncode, done.stderr) == (0, b"")
+    process = command("scenes", stderr=subprocess.PIPE, preexec_fn=lambda: os.close(1))
+    assert (process.returncode, process.stderr) == (0, b"")
     with open("/dev/full", "w") as full:
-        done = command("scenes", stdout=full, stderr=subprocess.PIPE)
-    assert (done.returncode, done.stderr) == (3, b"tailslap: No space left on device\n")
+        process = command("scenes", stdout=full, stderr=subprocess.PIPE)
+    assert (process.returncode, process.stderr) == (3, b"tailslap: No space left on device\n")
 
 
 def test_too_little_memory_is_told_with_the_estimate():
     """Within a limit of the process's own, as in a small container."""
     limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (2_000_000_000, 2_000_000_000))  # noqa: E731
     arguments = ("check", "paper-table-3", "--set", "plate.elements=[600, 600]")
-    done = command(*arguments, capture_output=True, preexec_fn=limit)
-    assert done.returncode == 2
-    assert b"GB of memory" in done.stderr
+    process = command(*arguments, capture_output=True, preexec_fn=limit)
+    assert process.returncode == 2
+    assert b"GB of memory" in process.stderr
 
 
 def test_a_large_mesh_is_estimated_and_not_made(capsys):

@@ -1,4 +1,4 @@
-"""Verification: titles, answers, set-ups and certainties of results hold their numbers; drawings are to scale."""
+"""Verify the numbers of headlines, and the scale of drawings."""
 
 import datetime
 import re
@@ -27,34 +27,34 @@ def case(name, *changes):
 
 
 def rigid_force(name):
-    found = tailslap.rigid(name).summary
-    if "space" in found:
-        return found["space"]["force"]["mean_50ms"]
-    return found["peaks"]["mean_50ms"] if "peaks" in found else found["stage3"]["peak_force"]
+    summary = tailslap.rigid(name).summary
+    if "space" in summary:
+        return summary["space"]["force"]["mean_50ms"]
+    return summary["peaks"]["mean_50ms"] if "peaks" in summary else summary["stage3"]["peak_force"]
 
 
 @pytest.mark.parametrize("name", shipped_scenes())
 def test_every_shipped_scene_has_an_answer_with_its_force(name):
-    """In SI and US customary units; mass, speed and angle as in the scene."""
-    own, peak = case(name), rigid_force(name)
-    headline = own.headline().in_units(SI)
+    """The text has SI or US units, and keys of the scene."""
+    scene_case, peak = case(name), rigid_force(name)
+    headline = scene_case.headline().in_units(SI)
     digits = f"{peak / 1e3:.0f}" if peak >= 1e5 else f"{peak / 1e3:.3g}"
     assert f": {digits} kN" in headline.answer
-    shown = f"{peak / KIP:.{max(3, len(digits.replace('.', '')))}g} kip"
-    assert f": {shown}" in own.headline().in_units(US).answer
-    vehicle, hit = own.source.given["vehicle"], own.source.given["impact"]
-    trailers = own.source.given.get("trailer", ())
+    kips = f"{peak / KIP:.{max(3, len(digits.replace('.', '')))}g} kip"
+    assert f": {kips}" in scene_case.headline().in_units(US).answer
+    vehicle, hit = scene_case.source.given["vehicle"], scene_case.source.given["impact"]
+    trailers = scene_case.source.given.get("trailer", ())
     behind = "".join(f" with a {unit['mass']} trailer" for unit in trailers)
     what = f"tractor{behind}" if trailers else "vehicle"
     subject = f"{vehicle['mass']} {what} at {hit['speed']}, {hit['angle']}"
-    if "start" in own.source.given:
+    if "start" in scene_case.source.given:
         subject = f"{vehicle['mass']} vehicle at 25.053 m/s, 14.8969 deg"
     assert headline.title.endswith(f": {subject}")
     join = lambda side: " and ".join(dict.fromkeys(u[side] for u in (vehicle, *trailers)))  # noqa: E731
     length, width = join("length"), join("width")
     assert headline.set_up.startswith(f"{name}: {subject}; length {length}, width {width}, ")
     assert headline.certainty
-    drawing = own.drawing()
+    drawing = scene_case.drawing()
     assert len(drawing.svg) < 12_000
     assert vehicle["length"] in {mark.label for mark in drawing.plots[0].marks if isinstance(mark, Words)}
 
@@ -97,16 +97,16 @@ def test_inputs_stand_in_the_units_in_which_they_are_given():
 
 def test_a_run_answers_with_the_force_of_the_plate(outcome):
     soft = ("wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1", "plate.elements=[40, 12]")
-    made = outcome("mash-tl4-sut", *soft)
-    headline = corner.headline(made).in_units(SI)
-    fe, rigid = made.lateral_force, made.fe_plan.case.force.peak_force
+    result = outcome("mash-tl4-sut", *soft)
+    headline = corner.headline(result).in_units(SI)
+    fe, rigid = result.lateral_force, result.fe_plan.case.force.peak_force
     assert round(fe / 1e3) != round(rigid / 1e3)
     assert (
         f"tail-slap: {fe / 1e3:.0f} kN (triangular pulse of 100 ms, assumed); 50 ms mean " in headline.answer
     )
-    changed = percent_up(max(map(abs, made.difference.values())))
+    changed = percent_up(max(map(abs, result.difference.values())))
     assert headline.certainty.startswith(f"Vehicle flexibility changes the motion by at most {changed}; ")
-    other = made.fe_plan.case.other_convention()[1].force.peak_force
+    other = result.fe_plan.case.other_convention()[1].force.peak_force
     words = f"{other / 1e3:.0f} kN ({100 * (other / rigid - 1):+.0f} %)"
     assert (
         f" With Newton's convention (1 + e) {words}. The constraint makes the wall pull" in headline.certainty
@@ -114,27 +114,27 @@ def test_a_run_answers_with_the_force_of_the_plate(outcome):
 
 
 def test_an_impact_answers_with_its_largest_mean_and_strike(outcome):
-    made = outcome("impact-mash-tl4-sut")
-    strike = made.fe.strikes[0]
-    answer = impact.headline(made).in_units(SI).answer
+    result = outcome("impact-mash-tl4-sut")
+    strike = result.fe.strikes[0]
+    answer = impact.headline(result).in_units(SI).answer
     where = f"strike 1 (front corner, from {strike.start:.3f} s)"
-    assert f"force: {made.fe.peaks['mean_50ms'] / 1e3:.0f} kN in {where}" in answer
-    none = replace(made.fe, strikes=())
-    assert made.fe_plan.case.force_sentence(none) == "The vehicle does not strike the wall."
+    assert f"force: {result.fe.peaks['mean_50ms'] / 1e3:.0f} kN in {where}" in answer
+    none = replace(result.fe, strikes=())
+    assert result.fe_plan.case.force_sentence(none) == "The vehicle does not strike the wall."
 
 
 def test_the_readme_shows_the_headline_of_its_run(outcome):
     text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
     quoted = " ".join(line.removeprefix(">").strip() for line in text.splitlines() if line.startswith(">"))
-    made = outcome("paper-table-3")
-    lines = corner.headline(made, force_band(made.fe_plan.case)).in_units(SI).lines
+    result = outcome("paper-table-3")
+    lines = corner.headline(result, force_band(result.fe_plan.case)).in_units(SI).lines
     assert " ".join(lines) in " ".join(quoted.split())
 
 
 def test_a_failed_run_opens_with_check_size_and_remedy(outcome):
-    made = outcome("mash-tl4-sut", "corner.penalty_scale=0.0001")
-    (failed,) = (check for check in made.checks if not check.passed)
-    answer = corner.headline(made).answer
+    result = outcome("mash-tl4-sut", "corner.penalty_scale=0.0001")
+    (failed,) = (check for check in result.checks if not check.passed)
+    answer = corner.headline(result).answer
     size = f"{failed.name} {failed.value:.3g} (limit {failed.limit:.3g})"
     assert answer.startswith(f"Failed: {size}. Remedy: {failed.advice}. ")
     assert "a larger corner.penalty_scale" in failed.advice
@@ -179,10 +179,10 @@ def outlines(drawing):
 
 
 def test_the_drawing_is_to_scale():
-    """First touch with corner P at the origin, tail-slap with the side on the wall after the slide."""
-    own = case("mash-tl4-sut")
-    first, last = outlines(own.drawing())
-    slide = own.motion.strike.slide
+    """Corner P at touch, the side at the tail-slap."""
+    constrained = case("mash-tl4-sut")
+    first, last = outlines(constrained.drawing())
+    slide = constrained.motion.strike.slide
     assert first[0] == pytest.approx([0.0, 0.0], abs=1e-12)
     assert first[1] == pytest.approx(10.0 * np.array([-np.cos(np.radians(15)), np.sin(np.radians(15))]))
     assert last[:2] == pytest.approx(np.array([[slide, 0.0], [slide - 10.0, 0.0]]), abs=1e-9)
@@ -205,33 +205,33 @@ def test_the_drawing_takes_symbols_and_several_units():
 
 
 def test_python_and_terminal_open_alike(capsys):
-    found = tailslap.rigid("mash-tl4-sut")
-    assert found.headline.answer == found.summary["answer"]
-    assert found.headline.answer in repr(found)
-    assert found.headline.answer in found._repr_html_()
-    assert str(found).startswith(opened(found.headline))
+    result = tailslap.rigid("mash-tl4-sut")
+    assert result.headline.answer == result.summary["answer"]
+    assert result.headline.answer in repr(result)
+    assert result.headline.answer in result._repr_html_()
+    assert str(result).startswith(opened(result.headline))
     us = tailslap.rigid("mash-tl4-sut", units="us")
     assert "147 kip" in str(us).splitlines()[0]
 
 
 def test_pages_are_in_the_units_of_their_reader(outcome):
-    made = corner.CornerReport(outcome("mash-tl4-sut")).composed(pictures=False)
-    page = made.in_units(US).page
+    report = corner.CornerReport(outcome("mash-tl4-sut")).composed(pictures=False)
+    page = report.in_units(US).page
     assert "147 kip" in page.headline.answer
     assert "9979 kg vehicle at 56 mph" in page.headline.title
     assert f"{9.4909 / 0.3048:.3g}" in next(chart.svg for chart in page.charts if chart.name == "set-up")
 
 
 def test_ratios_and_the_other_restitution_are_named(outcome):
-    """Which force is over the design force, and which convention the second peak force follows."""
+    """Columns name the force, rows the convention of the second peak."""
     truck, hit = outcome("mash-tl4-sut"), outcome("impact-mash-tl4-sut")
-    tables = (shared.design_table(made.fe_plan.case, made.mean_force) for made in (truck, hit))
+    tables = (shared.design_table(result.fe_plan.case, result.mean_force) for result in (truck, hit))
     named = [table.columns[2].label for table in tables]
     assert named == ["50 ms mean / design"] * 2
-    for made in (truck, hit):
-        computed, first, *_ = shared.design_table(made.fe_plan.case, made.mean_force).rows
-        assert computed["force"] == made.mean_force
-        assert first["ratio"] == pytest.approx(made.mean_force / (80.0 * KIP))
+    for result in (truck, hit):
+        computed, first, *_ = shared.design_table(result.fe_plan.case, result.mean_force).rows
+        assert computed["force"] == result.mean_force
+        assert first["ratio"] == pytest.approx(result.mean_force / (80.0 * KIP))
     peak, mean, other = corner.peak_table(truck).rows
     assert (mean["fe"], mean["rigid"]) == pytest.approx((0.75 * peak["fe"], 0.75 * peak["rigid"]))
     assert other["what"] == "Peak with Newton's convention (1 + e)"
@@ -239,7 +239,7 @@ def test_ratios_and_the_other_restitution_are_named(outcome):
 
 
 def test_headings_name_what_is_drawn(outcome, tmp_path):
-    """No force along the side without a layer there; positions grow more opaque, in light and dark."""
+    """A layer has a heading where there is one."""
     page = impact.ImpactReport(outcome("impact-mash-tl4-sut")).written(tmp_path, False).page
     assert "Energy and crush" in [section.title for section in page.sections]
     assert not [chart for chart in page.charts if "along the side" in chart.caption]

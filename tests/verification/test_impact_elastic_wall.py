@@ -1,4 +1,4 @@
-"""Verification: an elastic wall alone and in the whole impact.
+"""Verify an elastic wall alone and in the whole impact.
 
 Alone it is Hetenyi's beam on an elastic foundation (Beams on Elastic Foundation, 1946) and oscillates on its
 foundation; in the impact momentum and energy balance, and the rigid wall is its limit.
@@ -46,8 +46,8 @@ def wave_number(foundation):
 def truck_model(wall, law="crush", longest=1e-4, modulus=200e9, **contact):
     """Table 1's truck."""
     plate = PlateProperties(0.053, TRUCK_MASS / (10.0 * 2.438 * 0.053), modulus, 0.3)
-    given = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact
-    properties = ContactProperties(Drag(0.47), law, **given)
+    law_values = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact
+    properties = ContactProperties(Drag(0.47), law, **law_values)
     mesh = plate_mesh(10.0, 2.438, (20, 6))
     return build_impact_model(
         [UnitProperties(mesh, plate, properties)], StepProperties(longest=longest), wall
@@ -60,7 +60,7 @@ def touch():
 
 @functools.cache
 def truck(foundation, law="crush", layer=0.0):
-    """The whole impact on the parapet; on a rigid wall for an infinite foundation."""
+    """The whole impact on the parapet, rigid for an infinite foundation."""
     wall = None if math.isinf(foundation) else concrete(foundation)
     contact = {"side_stiffness": layer} if layer else {}
     model = truck_model(wall, law, **contact)
@@ -68,7 +68,7 @@ def truck(foundation, law="crush", layer=0.0):
 
 
 def static(foundation, elements, length=48.0):
-    """Places along the face, and its displacements in x and y under 1 N into the middle of the wall."""
+    """Positions along the face, and displacements under a force of 1 N."""
     wall = truck_model(concrete(foundation, elements, length, -0.5 * length)).parameters.wall
     places = wall.start + wall.spacing * np.arange(wall.face.shape[1])
     middle = int(np.abs(places).argmin())
@@ -100,20 +100,20 @@ def test_its_face_is_strained_by_hetenyis_moment():
 
 
 def test_the_deflection_converges_with_the_mesh():
-    found = []
+    deflections = []
     for elements in (12, 24, 48):
         places, (_, y) = static(SLENDER, elements)
-        found.append(y[np.abs(places - 4.0).argmin()])
-    order = math.log2(abs((found[0] - found[1]) / (found[1] - found[2])))
+        deflections.append(y[np.abs(places - 4.0).argmin()])
+    order = math.log2(abs((deflections[0] - deflections[1]) / (deflections[1] - deflections[2])))
     assert order > 2.0
-    assert found[2] == pytest.approx(found[1], rel=0.02)
+    assert deflections[2] == pytest.approx(deflections[1], rel=0.02)
 
 
 def test_modes_that_the_step_leaves_out_hardly_deflect():
-    """A soft plate with long steps, and a stiff one without omitted modes; most of the difference is the dent."""
+    """A soft plate omits modes, a stiff one does not."""
 
     def deflection(modulus):
-        """Under 1 N, and the highest frequency over that of the foundation."""
+        """Deflection by 1 N, and the ratio of highest and foundation frequency."""
         wall = truck_model(concrete(1e8, 72), modulus=modulus).parameters.wall
         below = float((wall.face[1, wall.face.shape[1] // 3] ** 2 / wall.stiffness).sum())
         return below, math.sqrt(wall.stiffness[-1] / wall.foundation)
@@ -125,7 +125,10 @@ def test_modes_that_the_step_leaves_out_hardly_deflect():
 
 
 def test_the_wall_swings_on_its_foundation():
-    """Uniform velocity V: V/w0 sin w0 t all along it, w0^2 = k' over mass per length, and no other motion."""
+    """A uniform velocity V leads to V/w0 sin(w0 t) everywhere.
+
+    w0^2 is k' over the mass per length.
+    """
     model = truck_model(concrete(1e8))
     wall, stepper = model.parameters.wall, ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(0.0, 0.0, 0.0))
@@ -177,7 +180,7 @@ def test_momentum_of_plate_and_wall_is_what_the_foundation_gives(case):
 
 
 def heavier(scale):
-    """Peak and impulse of the first strike on a wall this many times as stiff and as heavy; its frequencies stay."""
+    """Peak and impulse on a wall of scaled stiffness and mass."""
     wall = concrete(1e9)
     names = ("density", "youngs_modulus", "foundation_stiffness")
     wall = replace(wall, **{name: scale * getattr(wall, name) for name in names})
@@ -186,9 +189,9 @@ def heavier(scale):
 
 
 def test_a_stiff_wall_approaches_the_rigid_one_at_first_order():
-    found = np.array([heavier(scale) for scale in (4.0, 8.0, 16.0)])
+    strikes = np.array([heavier(scale) for scale in (4.0, 8.0, 16.0)])
     rigid = simulate_impact(truck_model(None, longest=3.5e-5), touch(), 2e-4, 0.12).history["force_normal"]
-    off = np.abs(found / (rigid.max(), rigid.sum()) - 1.0)
+    off = np.abs(strikes / (rigid.max(), rigid.sum()) - 1.0)
     assert off[-1].max() < 2e-4
     assert np.log2(off[:-1] / off[1:]) == pytest.approx(1.0, abs=0.01)
 
@@ -199,7 +202,10 @@ def first_peak(foundation):
 
 
 def test_a_softer_wall_lowers_the_peak():
-    """Slow against its period, wall and crush are springs in series: k over 1 + k b/(2 k')."""
+    """Wall and crush are springs in series.
+
+    The stiffness is k over 1 + k b/(2 k').
+    """
     rigid = first_peak(math.inf)
     for foundation in (1e8, 1e7):
         series = 1.0 + 2e6 * wave_number(foundation) / (2.0 * foundation)
@@ -208,7 +214,7 @@ def test_a_softer_wall_lowers_the_peak():
 
 
 def test_figures_of_a_concrete_parapet():
-    """The first strike is slow, so that the deflection is Hetenyi's; the third, on what is crushed, is a blow."""
+    """The first strike has Hetenyi's deflection, the third is a blow."""
     h = truck(1e8)[1].history
     first, force, foundation = h["t"] < 0.09, h["force_normal"], h["force_foundation"]
     deflection = h["wall_deflection"]

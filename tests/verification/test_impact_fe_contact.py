@@ -1,5 +1,8 @@
-"""Unilateral contact of the FE plate against exact answers: bars that strike a wall (Doyen, Ern and Piperno, SIAM J.
-Sci. Comput. 33, 2011; Code_Aster's SDNV100), a sliding block, conservation. Body forces act in the tests only."""
+"""Verify unilateral contact of the FE plate by exact answers.
+
+Bars strike a wall (Doyen, Ern and Piperno, SIAM J. Sci. Comput. 33, 2011; Code_Aster's SDNV100), and a block slides.
+Body forces act in the tests only.
+"""
 
 import functools
 import math
@@ -26,9 +29,9 @@ SMALL = 1e-4
 
 def bar(elements, law, width=0.0, **plate):
     """A bar in one dimension, without lateral contraction."""
-    given = {"thickness": 1.0, "density": 1.0, "youngs_modulus": 900.0, "length": 10.0, **plate}
-    length = given.pop("length")
-    properties = PlateProperties(poissons_ratio=0.0, lumping="row-sum", **given)
+    values = {"thickness": 1.0, "density": 1.0, "youngs_modulus": 900.0, "length": 10.0, **plate}
+    length = values.pop("length")
+    properties = PlateProperties(poissons_ratio=0.0, lumping="row-sum", **values)
     mesh = plate_mesh(length, width or length / elements, (elements, 1))
     return build_impact_model(
         [UnitProperties(mesh, properties, ContactProperties(None, law))], StepProperties()
@@ -36,8 +39,11 @@ def bar(elements, law, width=0.0, **plate):
 
 
 class Bounce(NamedTuple):
-    """Instants, over tau, at which the bar is pressed; energy over the first; force in the first contact over theory's,
-    rho c (v0 + g t), its mean and its noise; the wall's least force [N]."""
+    """Contact of a bouncing bar, relative to theory.
+
+    Fields are the instants of contact over tau, the energy over the first, the mean force in the first contact over
+    rho c (v0 + g t) with its noise, and the least force of the wall [N].
+    """
 
     pressed: np.ndarray
     energy: np.ndarray
@@ -77,10 +83,10 @@ def bounce(elements, law, periods):
 
 @pytest.mark.parametrize("law", ["exact", "penalty"])
 def test_a_bouncing_bar_touches_when_theory_says(law):
-    found = bounce(100, law, 2.0)
+    bouncing = bounce(100, law, 2.0)
     for begin, end in ((3.0, 5.0), (11.0, 13.0)):
-        assert found.contact(begin - 1.5, end + 1.5) == pytest.approx((begin, end), rel=0.01)
-    assert found.least >= 0.0
+        assert bouncing.contact(begin - 1.5, end + 1.5) == pytest.approx((begin, end), rel=0.01)
+    assert bouncing.least >= 0.0
 
 
 @pytest.mark.parametrize("law", ["exact", "penalty"])
@@ -102,13 +108,13 @@ def test_no_contact_gains_energy_over_ten_periods(law):
 
 @pytest.mark.parametrize("law", ["exact", "penalty"])
 def test_force_of_the_bouncing_bar(law):
-    found = bounce(100, law, 2.0)
-    assert found.force == pytest.approx(1.0, abs=2e-3)
-    assert found.noise < 0.03
+    bouncing = bounce(100, law, 2.0)
+    assert bouncing.force == pytest.approx(1.0, abs=2e-3)
+    assert bouncing.noise < 0.03
 
 
 def strike(elements, law, speed, **plate):
-    """A free bar that strikes the wall, and the time of two waves through it."""
+    """A free bar that strikes the wall, and two wave times."""
     model = bar(elements, law, **plate)
     length = float(np.ptp(model.discretisation.positions[0]))
     wave = math.sqrt(plate.get("youngs_modulus", 900.0) / plate.get("density", 1.0))
@@ -136,7 +142,10 @@ SDNV100 = {"thickness": 0.02, "density": 8000.0, "youngs_modulus": 2e11, "length
 
 @pytest.mark.parametrize("law", ["exact", "penalty"])
 def test_code_aster_sdnv100(law):
-    """4 GPa, 1.6 MN and 80 us at 100 m/s, by linear theory; the bar is linear at a hundredth of that speed."""
+    """The force is 1.6 MN for 80 us by linear theory.
+
+    The modulus is 4 GPa, the speed 100 m/s; the bar is linear at a hundredth of this speed.
+    """
     model, run, expected = strike(100, law, 1.0, **SDNV100)
     t, force = run.history["t"], run.history["force_normal"]
     assert expected == pytest.approx(80e-6)
@@ -146,8 +155,11 @@ def test_code_aster_sdnv100(law):
 
 
 def test_sdnv100_at_full_speed_follows_the_simple_wave_of_its_material():
-    """St. Venant-Kirchhoff softens in compression, so that the front spreads: v is the integral of the wave speed over
-    the stretch, c^2 = E (3 F^2 - 1) / (2 rho), and the force 1.5 % below linear theory at 2 % strain."""
+    """The front spreads, as St. Venant-Kirchhoff softens in compression.
+
+    v is the integral of the wave speed over the stretch, c^2 = E (3 F^2 - 1)/(2 rho), and the force is 1.5 % below
+    linear theory at 2 % strain.
+    """
     _, run, _ = strike(100, "exact", 100.0, **SDNV100)
     t, force = run.history["t"], run.history["force_normal"]
 
@@ -204,7 +216,7 @@ def test_momentum_energy_and_no_pull(case, friction):
 
 
 def test_a_pressed_block_slides_to_rest_and_sticks():
-    """N0 by a body force: it stops after v^2 / (2 mu g), and stays where it is under less than mu N0."""
+    """It stops after v^2/(2 mu g), and rests below mu N0."""
     plate = PlateProperties(0.01, 7800.0, 200e9, 0.3)
     unit = UnitProperties(plate_mesh(1.0, 0.2, (4, 2)), plate, ContactProperties(Drag(0.3), "penalty"))
     model = build_impact_model([unit], StepProperties())
@@ -215,8 +227,8 @@ def test_a_pressed_block_slides_to_rest_and_sticks():
         state.velocities[1] -= gravity * step
         state.velocities[0] += (0.5 * 0.3 * gravity * step) if n * step > 0.015 else 0.0
         state = stepper.record(state, 1, 1).state
-    moved = state.positions[0, model.discretisation.corner] + state.origin[0]
-    assert moved == pytest.approx(speed**2 / (2.0 * 0.3 * gravity), rel=0.01)
+    distance = state.positions[0, model.discretisation.corner] + state.origin[0]
+    assert distance == pytest.approx(speed**2 / (2.0 * 0.3 * gravity), rel=0.01)
     assert abs(model.parameters.mass @ state.velocities[0]) < 1e-3 * speed * model.mass
 
 
@@ -240,13 +252,16 @@ def test_a_layer_along_the_sides_is_the_same_on_finer_meshes():
 
 
 def test_peaks_and_impulses_converge_with_the_mesh():
-    """Both strikes of a soft plate, its corners spread over 2 m, on 20 x 6, 40 x 12, 80 x 24: order 1.4 to 1.9."""
-    found = []
+    """Both strikes of a soft plate converge with order 1.4 to 1.9.
+
+    Its corners are spread over 2 m, on 20 x 6, 40 x 12 and 80 x 24 elements.
+    """
+    results = []
     for mesh in ((20, 6), (40, 12), (80, 24)):
         _, run = truck(elements=mesh, modulus=2e9, patch_length=2.0)
         front, rear = run.normal[: round(0.2 / run.history["t"][1]), 0], run.normal[:, 1]
-        found.append((front.max(), front.sum(), rear.max()))
-    coarse, middle, fine = np.array(found)
+        results.append((front.max(), front.sum(), rear.max()))
+    coarse, middle, fine = np.array(results)
     orders = np.log2(np.abs(coarse - middle) / np.abs(middle - fine))
     assert ((orders > 1.2) & (orders < 2.2)).all()
     assert np.abs(fine / middle - 1.0).max() < 1.2e-3

@@ -1,4 +1,4 @@
-"""Verification: figures of an impact show what they are given, peaks and loops to the last digit that is drawn."""
+"""Verify peaks and loops in figures of an impact."""
 
 import math
 import re
@@ -27,7 +27,7 @@ def texts(svg):
 
 
 def points(svg, colour):
-    """Points of the longest line of this colour of the palette, in the figure's own units, y upwards."""
+    """Points of the longest line of a colour, y upwards."""
     groups = re.findall(rf'<g class="{colour}"[^>]*>(<path .*?)</g>', svg)
     paths = [re.findall(r' d="([^"]+)"', group)[0] for group in groups]
     longest = max((re.findall(r"[ML]([-\d.]+) ([-\d.]+)", path) for path in paths), key=len)
@@ -35,17 +35,17 @@ def points(svg, colour):
 
 
 def test_outlines_of_a_rigid_vehicle():
-    """A front corner on the wall at 15 deg: the first point; the sides keep their lengths, G lies behind the front."""
+    """The first point is a front corner on the wall."""
     theta, length, width, centre = math.radians(15.0), 10.0, 2.438, 4.2
     heading = np.array([math.cos(theta), -math.sin(theta)])
-    left = np.array([math.sin(theta), math.cos(theta)])
-    x, y = 3.0 * np.array([1.0, 0.0]) - centre * heading + 0.5 * width * left
+    across = np.array([math.sin(theta), math.cos(theta)])
+    x, y = 3.0 * np.array([1.0, 0.0]) - centre * heading + 0.5 * width * across
     (outline,) = positions.vehicle_outlines(
         np.array([x]), np.array([y]), np.array([theta]), length, width, centre
     )
     np.testing.assert_allclose(outline[0], (3.0, 0.0), atol=1e-12)
     np.testing.assert_allclose(outline[0] - outline[1], length * heading, atol=1e-12)
-    np.testing.assert_allclose(outline[2] - outline[1], width * left, atol=1e-12)
+    np.testing.assert_allclose(outline[2] - outline[1], width * across, atol=1e-12)
     np.testing.assert_allclose(outline[3] - outline[2], length * heading, atol=1e-12)
 
 
@@ -53,12 +53,12 @@ def test_positions_name_instants_and_strikes():
     x, y, theta = np.array([0.0, 2.0, 5.0]), np.array([2.4, 1.5, 1.2]), np.array([0.26, 0.1, 0.0])
     outlines = positions.vehicle_outlines(x, y, theta, 10.0, 2.4, 5.0)
     curve = positions.draw_positions(outlines, (0.0, 0.1, 0.25), STRIKES)
-    shown = {"0.00 s", "0.10 s", "0.25 s", "front 0.00 s", "rear 0.29 s"}
-    assert shown <= set(texts(curve.svg))
+    labels = {"0.00 s", "0.10 s", "0.25 s", "front 0.00 s", "rear 0.29 s"}
+    assert labels <= set(texts(curve.svg))
 
 
 def test_positions_keep_their_scale():
-    """A metre along the wall is as long as a metre across: the outline's sides in the figure."""
+    """The sides of the outline have the ratio of the vehicle."""
     outlines = positions.vehicle_outlines(np.array([0.0]), np.array([2.4]), np.array([0.3]), 10.0, 2.5, 5.0)
     corners = points(positions.draw_positions(outlines, (0.0,)).svg, "fe")[:4]
     sides = np.hypot(*np.diff(corners, axis=0).T)
@@ -66,7 +66,7 @@ def test_positions_keep_their_scale():
 
 
 def frames(svg, wide):
-    """Corners of an animated polygon in each frame from the strip of all, shape (frames, points, 2) [pixels]."""
+    """Corners of a polygon in each frame, shape (frames, points, 2) [pixels]."""
     strip = found(r'class="moving".*?<path d="([^"]*)Z" fill', svg).split("Z")
     corners = np.array([[pair.split() for pair in frame[1:].split("L")] for frame in strip], float)
     corners[..., 0] -= wide * np.arange(len(corners))[:, None]
@@ -75,51 +75,51 @@ def frames(svg, wide):
 
 @pytest.mark.parametrize("rows", [40, 500])
 def test_the_animation_shows_each_instant_where_the_vehicle_was(rows):
-    """Rotated by 0.3 rad and displaced by 4 m; the strip of frames ends where the last outline is drawn."""
+    """It is rotated by 0.3 rad and displaced by 4 m."""
     t, x = np.linspace(0.0, 0.5, rows), np.linspace(0.0, 4.0, rows)
     every = positions.vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
     chart = positions.draw_positions(every[[0, -1]], t[[0, -1]].tolist(), motion=(t, every))
-    left, top, right, _ = map(float, found(r'data-box="([^"]*)"', chart.svg).split())
-    shown = frames(chart.svg, right - left) + np.array([left, top])
-    assert len(shown) == min(rows, MAX_FRAMES)
-    for instant, corners in (("0.00 s", shown[0]), ("0.50 s", shown[-1])):
+    x_left, top, right, _ = map(float, found(r'data-box="([^"]*)"', chart.svg).split())
+    outlines = frames(chart.svg, right - x_left) + np.array([x_left, top])
+    assert len(outlines) == min(rows, MAX_FRAMES)
+    for instant, corners in (("0.00 s", outlines[0]), ("0.50 s", outlines[-1])):
         edge = found(rf'<path data-label="{instant}" d="M([^"]*)Z"', chart.svg)
         np.testing.assert_allclose(
             corners, np.array([pair.split() for pair in edge.split("L")], float), atol=0.03
         )
     way = float(found(r"--shift:(-?[\d.]+)px", chart.svg))
-    assert way == pytest.approx(-(right - left) * (len(shown) - 1), abs=0.01 * len(shown))
-    assert f"steps({len(shown) - 1})" in chart.svg
+    assert way == pytest.approx(-(right - x_left) * (len(outlines) - 1), abs=0.01 * len(outlines))
+    assert f"steps({len(outlines) - 1})" in chart.svg
     assert f"--time:{SLOWER * 0.5 / (1.0 - HOLD):.3g}s" in chart.svg
     assert chart.is_moving
     assert not positions.draw_positions(every[[0, -1]], t[[0, -1]].tolist()).is_moving
 
 
 def test_a_train_bends_in_the_animation():
-    """The second unit turns against the first: the outline is not that of a rigid body."""
+    """The second unit rotates relative to the first."""
     t = np.linspace(0.0, 0.5, 30)
     bent = np.stack(
         [np.array([(9.0, 1.0), (5.0, 1.0), (1.0, 1.0 + rise), (1.0, 3.0), (9.0, 3.0)]) for rise in t]
     )
     chart = positions.draw_positions(bent[[0, -1]], t[[0, -1]].tolist(), motion=(t, bent))
-    left, _, right, _ = map(float, found(r'data-box="([^"]*)"', chart.svg).split())
-    shown = frames(chart.svg, right - left)
-    turned = np.arctan2(*(shown[:, 2] - shown[:, 1]).T)
+    x_left, _, right, _ = map(float, found(r'data-box="([^"]*)"', chart.svg).split())
+    outlines = frames(chart.svg, right - x_left)
+    turned = np.arctan2(*(outlines[:, 2] - outlines[:, 1]).T)
     assert turned[0] - turned[-1] == pytest.approx(np.arctan(0.5 / 4.0), abs=1e-3)
-    np.testing.assert_allclose(shown[:, 0], shown[0, 0][None].repeat(30, 0), atol=0.01)
+    np.testing.assert_allclose(outlines[:, 0], outlines[0, 0][None].repeat(30, 0), atol=0.01)
 
 
 def test_the_cursor_runs_from_start_to_end_with_the_animation():
     force = impact.Forces("force", T[1:], {"raw": 1e5 + 0.0 * T[1:]})
     svg = impact.draw_forces("Force", [force], motion=T).svg
-    left, _, right, _ = map(float, found(r'data-box="([^"]*)"', svg).split())
-    assert float(found(r'class="moving".*?<path d="M([\d.]+) ', svg)) == pytest.approx(left, abs=0.01)
-    assert float(found(r"--shift:(-?[\d.]+)px", svg)) == pytest.approx(right - left, abs=0.02)
+    x_left, _, right, _ = map(float, found(r'data-box="([^"]*)"', svg).split())
+    assert float(found(r'class="moving".*?<path d="M([\d.]+) ', svg)) == pytest.approx(x_left, abs=0.01)
+    assert float(found(r"--shift:(-?[\d.]+)px", svg)) == pytest.approx(right - x_left, abs=0.02)
     assert f"steps({MAX_FRAMES - 1})" in svg
 
 
 def test_filters_and_the_rigid_vehicle_are_shown_on_request():
-    """Raw and 50 ms mean of the plate are drawn; the others have a key that a page shows."""
+    """Raw force and 50 ms mean are drawn, the others hidden."""
     curves = {name: 1e5 * np.sin(6.0 * T) for name in impact.LINES}
     forces = [
         impact.Forces("lateral", T, curves),
@@ -135,7 +135,7 @@ def test_filters_and_the_rigid_vehicle_are_shown_on_request():
 
 
 def test_instants_of_close_positions_stand_in_two_rows():
-    """At 10, 10.2, 10.4 and 13 m the second is raised, the third has no room and the fourth is alone."""
+    """At 10, 10.2, 10.4 and 13 m one is raised, one omitted."""
     square = np.array([(0.0, 0.0), (-9.0, 0.0), (-9.0, 2.0), (0.0, 2.0)])
     outlines = np.stack([square + np.array([x, 0.0]) for x in (10.0, 10.2, 10.4, 13.0)])
     chart = positions.draw_positions(outlines, (0.0, 0.1, 0.2, 0.3))
@@ -146,7 +146,7 @@ def test_instants_of_close_positions_stand_in_two_rows():
 
 
 def test_a_spike_of_the_force_is_drawn():
-    """One sample of 1 MN among 5001 reaches as far above a level line of 500 kN as that above zero."""
+    """One sample of 1 MN is twice as high as a level."""
     force = np.zeros_like(T)
     force[1234] = 1e6
     svg = impact.draw_forces(
@@ -172,7 +172,7 @@ def test_names_of_close_levels_stand_at_their_lines_and_do_not_overlap():
 
 
 def test_a_loop_keeps_its_corners():
-    """Loading to 300 mm and 600 kN, unloading, reloading along that line, and on to 400 mm: few points, all corners."""
+    """Loading, unloading, reloading and further loading have few points."""
     crush = np.interp(np.linspace(0.0, 4.0, 4001), range(5), [0.0, 0.3, 0.28, 0.3, 0.4])
     force = np.interp(np.linspace(0.0, 4.0, 4001), range(5), [0.0, 600e3, 0.0, 600e3, 800e3])
     drawn = points(impact.draw_loops({"front": (crush, force)}).svg, "red")
@@ -183,7 +183,7 @@ def test_a_loop_keeps_its_corners():
 
 
 def test_layers_end_at_what_was_given_up():
-    """Half to friction, half to crush; a part that is zero throughout is omitted."""
+    """Half goes to friction, half to crush."""
     kinetic = 3e6 - 9e5 * np.clip(T / 0.4, 0.0, 1.0)
     half = 0.5 * (kinetic[0] - kinetic)
     svg = impact.draw_energies(
@@ -196,7 +196,7 @@ def test_layers_end_at_what_was_given_up():
 
 
 def test_contact_of_one_instant_is_seen():
-    """A cell keeps the largest force of its time, and there are few however many instants there are."""
+    """A cell has the largest force of its time."""
     force = np.zeros((T.size, 5))
     plain = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN")
     force[1777, 2] = 300.0
@@ -214,7 +214,7 @@ def test_contact_of_one_instant_is_seen():
 
 @pytest.mark.parametrize(("instants", "frames"), [(7, 7), (animation.MAX_FRAMES + 30, animation.MAX_FRAMES)])
 def test_animation(tmp_path, instants, frames):
-    """As many frames as instants, at most MAX_FRAMES; ten times slower than the impact; successive frames differ."""
+    """The film is ten times slower, with at most MAX_FRAMES frames."""
     from PIL import Image
 
     t = np.linspace(0.0, 0.3, instants)

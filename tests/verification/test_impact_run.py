@@ -1,4 +1,4 @@
-"""Verification: whole impacts by the FE plate, compared with the rigid vehicle."""
+"""Verify whole impacts by the FE plate against the rigid vehicle."""
 
 import dataclasses
 import functools
@@ -42,7 +42,7 @@ def shipped():
 
 
 def test_a_plate_that_bends_like_a_truck_passes_its_checks():
-    """Check a plate of 8 Hz, with longer strikes and an unchanged plateau."""
+    """A plate of 8 Hz strikes longer, on the same plateau."""
     outcome = planned(scene="impact-flexible-tl4-sut").run()
     assert [check.name for check in outcome.checks if not check.passed] == []
     text = " ".join(report.headline(outcome).in_units(SI).lines)
@@ -71,7 +71,7 @@ def test_a_stiff_plate_is_near_the_rigid_vehicle_and_nearer_the_stiffer_it_is():
 
 
 def test_published_trial_at_8_hz():
-    """The rear strike of a plate of 8 Hz has 43 % more impulse."""
+    """The rear strike at 8 Hz has 43 % more impulse."""
     outcome = ran("plate.first_frequency=8 Hz", "plate.youngs_modulus=")
     front, rear = outcome.fe.strikes[:2]
     assert (front.peak_force / 1e3, front.impulse / 1e3) == pytest.approx((469.1, 30.79), rel=1e-3)
@@ -291,7 +291,7 @@ def test_values_of_a_cut_history_are_lower_bounds():
 
 
 def test_another_mesh_is_run_until_its_strikes_are_over(monkeypatch):
-    """An assessed strike is completed there if it is in the run itself."""
+    """An assessed strike is completed there."""
     outcome, plate = ran(), ran().fe_plan.plate.model_copy(update={"elements": (10, 3)})
     rear = outcome.fe.strikes[1]
     monkeypatch.setattr(error, "judged_until", lambda answer: rear.end - 0.01)
@@ -325,9 +325,9 @@ INTERVAL = 1e-4
 
 
 def answer(impulse=1.0, duration=0.02, corner="rear", blip=0.0, force=0.0):
-    """An impact of a front strike of 1 N s and another one.
+    """An impact of a front strike and another one.
 
-    A small strike, `blip`, is between them; peak forces equal impulses.
+    The first has 1 N s. A small strike, `blip`, is between them; peak forces equal impulses.
     """
     inputs = [("front", 0.0, 0.02, 1.0), ("front", 0.1, 0.001, blip), (corner, 0.2, duration, impulse)]
     names = ("corner", "start", "duration", "impulse", "peak_force", "end")
@@ -338,7 +338,7 @@ def answer(impulse=1.0, duration=0.02, corner="rear", blip=0.0, force=0.0):
 
 
 def stated(impulse, *sequence):
-    """Stated error of the second strike's impulse [N s], without the constant part."""
+    """Stated error of the second impulse [N s], without its constant part."""
     error_of_impulse = error.estimate(answer(impulse), [answer(other) for other in sequence])[
         "strike_2.impulse"
     ]
@@ -346,9 +346,9 @@ def stated(impulse, *sequence):
 
 
 def test_two_meshes_tell_an_error_with_a_factor_of_three():
-    """Results are q + h^p on meshes h = 2 and 1 in units of 0.01.
+    """The stated error is three times that of the finer mesh.
 
-    The stated error is three times that of the finer one, plus the distance of another run from it.
+    Results are q + h^p on meshes h = 2 and 1 in units of 0.01. The distance of another run is added.
     """
     coarse, fine = (1.0 + 0.01 * h**error.ORDER for h in (2.0, 1.0))
     assert stated(fine, coarse, fine) == pytest.approx(0.03, rel=1e-12)
@@ -384,7 +384,7 @@ def test_what_all_meshes_share_comes_on_top():
 
 
 def test_a_step_that_is_small_by_chance_counts_as_more():
-    """Where the duration changes by 4 %, 2 % is stated of the others."""
+    """A change of 4 % in duration states 2 % elsewhere."""
     errors = error.estimate(answer(1.0, 0.02), [answer(1.01, 0.0208), answer(1.0, 0.02)])
     factor = 3.0 / (2.0**error.ORDER - 1.0)
     for name in ("impulse", "peak_force"):
@@ -402,7 +402,7 @@ def test_half_a_row_is_unknown_of_a_duration():
 
 
 def test_a_strike_without_weight_is_none():
-    """A strike of 4 % of the largest impulse is ignored, of 6 % not."""
+    """A strike of 4 % of the largest is ignored."""
     light, heavy = (error.assessed_strikes(answer(blip=blip).strikes) for blip in (0.04, 0.06))
     assert [strike.corner for strike in light] == ["front", "rear"]
     assert [strike.corner for strike in heavy] == ["front", "front"]
@@ -558,7 +558,10 @@ def test_a_mesh_left_open_is_of_quadratic_elements_and_takes_smaller_steps():
 
 
 def test_a_chosen_mesh_is_refined_once_where_its_error_exceeds_the_limit():
-    """From four to eight across; the error of the finer one bounds its distance from 16 across."""
+    """The mesh is refined from four to eight elements across.
+
+    The error of the finer one bounds its distance from 16 across.
+    """
     case = planned(*PICKUP, *OPEN, "verify.mesh=0.006", scene="impact-mash-tl2-pickup")
     assert run.with_errors(run.attempt(case), meshes=2).stated_error > 0.006
     outcome = case.run()
@@ -566,22 +569,29 @@ def test_a_chosen_mesh_is_refined_once_where_its_error_exceeds_the_limit():
     assert (elements.value, outcome.passed) == ((24, 8), True)
     assert elements.why.endswith("with half as many the estimated error exceeds verify.mesh")
     chosen = {"plate.element": "quad9", **plan.chosen_lengths(case.scene)}
-    found = error.changes(outcome.fe, run.attempt(case.varied({**chosen, "plate.elements": (48, 16)})).fe)
-    assert {name for name, each in found.items() if abs(each) > outcome.mesh_error[name]} == set()
+    differences = error.changes(
+        outcome.fe, run.attempt(case.varied({**chosen, "plate.elements": (48, 16)})).fe
+    )
+    assert {
+        name for name, difference in differences.items() if abs(difference) > outcome.mesh_error[name]
+    } == set()
     own_mesh = planned(*PICKUP, "verify.mesh=1e-4", scene="impact-mash-tl2-pickup").run()
     assert (own_mesh.fe_plan.plate.counts, own_mesh.passed) == ((18, 6), False)
 
 
 def test_the_force_of_a_corner_converges_on_a_chosen_mesh():
-    """Twice the elements change impulses and durations by 8e-4 with the force at nodes, by 6e-5 over half a width."""
+    """Forces over half a width converge faster than at nodes.
+
+    Twice the elements change impulses and durations by 8e-4 with the force at nodes, by 6e-5 over half a width.
+    """
     case = planned(*OPEN, "contact.restitution=0.1", "contact.plateau_force=400 kN")
     changes = []
     for lengths in ({}, plan.chosen_lengths(case.scene)):
         keys = {**lengths, "plate.element": "quad9"}
         coarse, fine = (run.attempt(case.varied({**keys, "plate.elements": (4 * n, n)})).fe for n in (4, 8))
-        found = error.changes(coarse, fine)
+        differences = error.changes(coarse, fine)
         changes.append(
-            max(abs(found[f"strike_{k}.{name}"]) for k in (1, 2) for name in ("impulse", "duration"))
+            max(abs(differences[f"strike_{k}.{name}"]) for k in (1, 2) for name in ("impulse", "duration"))
         )
     assert changes[1] < 1e-4 < 5e-4 < changes[0]
 
@@ -639,7 +649,7 @@ def test_a_wall_that_is_too_short_or_lacks_a_key_is_refused(refused):
 
 
 def test_no_difference_is_stated_of_a_light_strike():
-    """A strike below 5 % of the largest impulse is not in the statement."""
+    """A strike below 5 % of the largest is excluded."""
     differences = {"strike_1.impulse": 0.01, "strike_2.impulse": 0.3, "strike_3.peak_force": -0.02}
     expected = {"strike_1.impulse": 0.01, "strike_3.peak_force": -0.02}
     assert error.of_weight(differences, answer(blip=0.049).strikes) == expected

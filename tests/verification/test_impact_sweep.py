@@ -1,4 +1,4 @@
-"""Verification: a sweep of whole impacts; a row has the results of its scene, the page shows the strikes."""
+"""Verify that sweeps of whole impacts have their results."""
 
 import json
 import math
@@ -50,37 +50,37 @@ def test_a_row_is_what_the_rigid_vehicle_gives():
 
 
 def test_a_sweep_of_the_rigid_vehicle_alone(tmp_path, words_of):
-    """No FE columns; its page has the strikes of the rigid vehicle; the same call computes nothing again."""
+    """No FE columns, strikes on the page, and no repeated work."""
     varied = ("contact.stiffness=1e6,4e6", "contact.restitution=0,2")
     definition = make_definition(scene_file(tmp_path, RIGID), (), ("contact.stiffness=1e6,4e6",), None, 1)
-    done = perform(definition, tmp_path / "sweep", workers=1)
-    assert (done.statuses["passed"], done.effort.runs) == (2, 2)
-    found = read_columns(
+    sweep = perform(definition, tmp_path / "sweep", workers=1)
+    assert (sweep.statuses["passed"], sweep.effort.runs) == (2, 2)
+    columns = read_columns(
         tmp_path / "sweep" / "sweep.parquet", ["run", "rigid.strike_1.peak_force", "rigid.strike_1.mean_50ms"]
     )
-    soft, stiff = found["rigid.strike_1.peak_force"]
+    soft, stiff = columns["rigid.strike_1.peak_force"]
     assert stiff / soft == pytest.approx(2.0, rel=0.1)
     names = table_schema(definition, []).names
     assert not [name for name in names if name.startswith(("fe.", "difference."))]
     page = (tmp_path / "sweep" / "report.html").read_text()
     assert [words for words in ("Of both strikes", "Rigid, least") if words not in page] == []
     assert "F₁, 50 ms [kN]" in page
-    drawn = {path.stem for path in (tmp_path / "sweep").glob("*.svg")}
+    charts = {path.stem for path in (tmp_path / "sweep").glob("*.svg")}
     against = {f"against-contact-stiffness-{name.replace('.', '-')}" for name in STRIKES.quantities}
-    assert drawn == against | {"set-up"}
+    assert charts == against | {"set-up"}
     perform(definition, tmp_path / "sweep", units="us")
-    shown = (tmp_path / "sweep" / "report.html").read_text()
-    assert [words for words in ("F₁, 50 ms [kip]", "contact.stiffness [kip/ft]") if words not in shown] == []
+    page = (tmp_path / "sweep" / "report.html").read_text()
+    assert [words for words in ("F₁, 50 ms [kip]", "contact.stiffness [kip/ft]") if words not in page] == []
     assert "kN" not in words_of(tmp_path / "sweep", "us")
-    least = found["rigid.strike_1.mean_50ms"].min() / 4448.2216152605
-    assert f"{least:.5g}" in shown
+    least = columns["rigid.strike_1.mean_50ms"].min() / 4448.2216152605
+    assert f"{least:.5g}" in page
     assert perform(definition, tmp_path / "sweep").effort.runs == 0
     with pytest.raises(errors.InputError, match=r"contact\.restitution"):
         make_definition(scene_file(tmp_path, RIGID), (), varied, None, 1)
 
 
 def test_the_range_is_of_the_runs_that_have_a_force(tmp_path):
-    """One value where a single run is left, and how many of all they are."""
+    """A single run has one value, and the number of all."""
     definition = make_definition(
         scene_file(tmp_path, RIGID), ("contact.restitution=0.9",), ("contact.initial_force=0,1e5",), None, 1
     )
@@ -90,7 +90,7 @@ def test_the_range_is_of_the_runs_that_have_a_force(tmp_path):
 
 
 def test_columns_of_both_calculations(tmp_path):
-    """The corner keeps its columns, whatever its rows; an impact with a plate has both models' strikes."""
+    """The corner has its columns, an impact the strikes of both models."""
     corner = table_schema(
         make_definition("paper-table-3", (), ("plate.thickness=1,2",), None, 1), ["check.x"]
     ).names
@@ -119,8 +119,10 @@ def rows(fe):
 
 
 def test_pictures_of_impacts():
-    """Every result against each key, and maps: of both models, and the difference beside; of the rigid vehicle alone,
-    no word of FE."""
+    """Every result is drawn against each key, and in maps.
+
+    Of both models with the difference; of the rigid vehicle alone without FE.
+    """
     both, alone = draw_sweep(rows(True)), draw_sweep(rows(False))
     names = [curve.name for curve in alone]
     assert [curve.name for curve in both if not curve.name.endswith(("-difference", "-worst"))] == names
@@ -136,6 +138,6 @@ def test_spreads_leave_out_what_a_row_lacks():
     """An impact without a second strike has none of its quantities."""
     some = rows(False)
     some.rigid["strike_2.impulse"][0] = math.nan
-    found = {item["quantity"].key: item for item in sweep_report.spreads(some)}
-    assert found["strike_2.impulse"]["least"] == some.rigid["strike_2.impulse"][1]
-    assert "difference" not in found["strike_1.impulse"]
+    spreads = {item["quantity"].key: item for item in sweep_report.spreads(some)}
+    assert spreads["strike_2.impulse"]["least"] == some.rigid["strike_2.impulse"][1]
+    assert "difference" not in spreads["strike_1.impulse"]

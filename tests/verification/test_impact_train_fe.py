@@ -1,5 +1,7 @@
-"""Verification: trains of FE plates: hinges that are one node of both masses, free flight, conservation, limits of
-their masses, and the rigid train, which they come to as 1/E."""
+"""Verify hinges, free flight, conservation and modes of FE trains.
+
+Their limits are those of the masses, and the rigid train, in proportion to 1/E.
+"""
 
 import functools
 import math
@@ -53,23 +55,23 @@ def train(
     modulus=2e11,
     element="quad4",
 ):
-    """The model of a train and the properties of its units."""
+    """Model of a train and properties of its units."""
     units = []
-    for number, (vehicle, mesh) in enumerate(zip(vehicles, counts, strict=True)):
+    for number, (vehicle, count_pair) in enumerate(zip(vehicles, counts, strict=True)):
         hitch, kingpin = hinges[number - 1] if number else (0.0, 0.0)
         places = [kingpin] * (number > 0) + [ahead for ahead, _ in hinges[number : number + 1]]
-        made = plate_mesh(vehicle.length, vehicle.width, mesh, hinges=places)
+        mesh = plate_mesh(vehicle.length, vehicle.width, count_pair, hinges=places)
         density = vehicle.mass / (vehicle.length * vehicle.width * 0.05)
         inertia = Inertia(vehicle.front_distance, vehicle.inertia)
         plate = PlateProperties(0.05, density, modulus, 0.3, element=element, inertia=inertia)
         contact = ContactProperties(Drag(MU), "crush", 2e6, 0.0, 0.22, patch_length=patch_length)
-        units.append(UnitProperties(made, plate, contact, hitch, kingpin, hitch_length))
+        units.append(UnitProperties(mesh, plate, contact, hitch, kingpin, hitch_length))
     return build_impact_model(units, StepProperties()), units
 
 
 @functools.cache
-def struck(until=1.0, **given):
-    model, _ = train(**given)
+def struck(until=1.0, **options):
+    model, _ = train(**options)
     return model, simulate_impact(model, TOUCH, 2e-4, until)
 
 
@@ -98,12 +100,12 @@ def test_a_column_of_nodes_moves_onto_each_hinge_and_none_is_a_sliver():
 def test_the_mean_of_a_hinge_is_the_hinge_in_every_rigid_motion(counts, element, place, length):
     vehicle = replace(TRAILER, width=2.44)
     model, _ = train((vehicle, TRACTOR), ((1.0, 1.0),), (counts, (8, 4)), element=element)
-    own = model.discretisation.positions[:, model.parameters.hinges.unit == 0]
+    positions = model.discretisation.positions[:, model.parameters.hinges.unit == 0]
     if length and length < 14.6 / counts[0] * 1.5:
         length = 1.5
-    nodes, weights = hinge_weights(own, place, length)
+    nodes, weights = hinge_weights(positions, place, length)
     assert weights.sum() == pytest.approx(1.0, abs=1e-12)
-    assert own[:, nodes] @ weights == pytest.approx((-place, 1.22), abs=1e-10)
+    assert positions[:, nodes] @ weights == pytest.approx((-place, 1.22), abs=1e-10)
 
 
 def test_a_hinge_on_a_node_has_that_node_alone():
@@ -121,16 +123,19 @@ def test_a_hinge_longer_than_a_unit_or_shorter_than_an_element_is_refused():
 
 
 def spinning(model, spins, hinges=(HINGE,)):
-    """A straight train far from the wall, each unit rotating about its front hinge, in order of the units."""
+    """A straight train, each unit rotating about its front hinge.
+
+    It is far from the wall; spins are in order of the units.
+    """
     stepper = ImpactStepper(model)
     state = stepper.at_touch(FirstTouch(0.0, 3.0, 1.0))
     state.positions[1] += 50.0
     x, v_y, velocities = -hinges[0][0], 1.0, state.velocities
     y = 0.5 * (state.positions[1].min() + state.positions[1].max())
     for number, spin in enumerate(spins):
-        own = model.parameters.hinges.unit == number
-        arm = state.positions[:, own] - [[x], [y]]
-        velocities[0, own], velocities[1, own] = 3.0 - spin * arm[1], v_y + spin * arm[0]
+        members = model.parameters.hinges.unit == number
+        arm = state.positions[:, members] - [[x], [y]]
+        velocities[0, members], velocities[1, members] = 3.0 - spin * arm[1], v_y + spin * arm[0]
         if 0 < number < len(hinges):
             v_y -= spin * (hinges[number][0] - hinges[number - 1][1])
             x -= hinges[number][0] - hinges[number - 1][1]
@@ -138,7 +143,7 @@ def spinning(model, spins, hinges=(HINGE,)):
 
 
 def test_a_trailer_that_is_wider_and_close_touches_first():
-    """The train starts at the distance where its deepest corner is on the wall."""
+    """The deepest corner of the train is on the wall at first."""
     model, _ = train((TRACTOR, replace(TRAILER, width=6.0)), ((1.0, 0.9),))
     state = ImpactStepper(model).at_touch(TOUCH)
     corners = model.parameters.contact.nodes
@@ -168,7 +173,7 @@ def test_the_hinge_is_a_node_that_carries_both_masses():
 
 @pytest.mark.parametrize("hitch_length", [0.0, 2.0])
 def test_free_flight_of_three_units(hitch_length):
-    """Momentum, angular momentum and energy stay, hinges stay closed, units accelerate by their hinges' forces."""
+    """Momentum and energy are constant, and hinge forces accelerate the units."""
     vehicles, hinges = (TRACTOR, TRAILER, TRAILER), (HINGE, (13.0, 1.2))
     model, _ = train(vehicles, hinges, ((8, 4), (16, 4), (16, 4)), hitch_length)
     stepper, state = spinning(model, (0.4, -0.3, 0.2), hinges)
@@ -191,12 +196,12 @@ def test_free_flight_of_three_units(hitch_length):
         assert gains[:, number] == pytest.approx(push, abs=1e-9 * scale)
     reduced = TRACTOR.mass * 2.0 * TRAILER.mass / (TRACTOR.mass + 2.0 * TRAILER.mass)
     behind = motions[:, 1:, 4:].mean(axis=1)
-    apart = np.diff(motions[:, 0, 4:] - behind, axis=0) / interval
-    assert pushes[:, 0] / interval == pytest.approx(reduced * apart, abs=1e-9 * scale / interval)
+    relative = np.diff(motions[:, 0, 4:] - behind, axis=0) / interval
+    assert pushes[:, 0] / interval == pytest.approx(reduced * relative, abs=1e-9 * scale / interval)
 
 
 def test_a_stiff_train_spins_as_the_rigid_one():
-    """Angles after half a second in free flight; what is left goes with 1/E."""
+    """Angles after 0.5 s of free flight, in proportion to 1/E."""
     a, b = HINGE[0] - TRACTOR.front_distance, TRAILER.front_distance - HINGE[1]
     rigid = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(1e6), MU), [HINGE])
     state = [[[a, 50.0, 0.0, 3.0, 1.0 + 0.4 * a, 0.4], [-b, 50.0, 0.0, 3.0, 1.0 + 0.3 * b, -0.3]]]
@@ -207,8 +212,8 @@ def test_a_stiff_train_spins_as_the_rigid_one():
         stepper, start = spinning(model, (0.4, -0.3))
         steps = round(0.5 / model.parameters.time_step)
         *_, units, _ = stepper.parts(stepper.record(start, steps, 1).rows)
-        own = steps * model.parameters.time_step / 0.5
-        errors.append(np.abs(units[0].reshape(-1)[[2, 8]] / own - expected).max())
+        ratio = steps * model.parameters.time_step / 0.5
+        errors.append(np.abs(units[0].reshape(-1)[[2, 8]] / ratio - expected).max())
     assert errors[1] < 2e-4
     assert errors[1] < 0.2 * errors[0]
 
@@ -219,10 +224,10 @@ def test_momentum_energy_and_no_pull_of_a_train(hitch_length):
     h, scale = run.history, model.mass * SPEED
     assert np.abs(model.mass * (h["v_gx"] - TOUCH.v_x) - h["tangential_impulse"]).max() < 1e-12 * scale
     assert np.abs(model.mass * (h["v_gy"] - TOUCH.v_y) - h["normal_impulse"]).max() < 1e-12 * scale
-    turned = h["angular_momentum"] - h["moment_impulse"]
-    assert np.abs(turned - turned[0]).max() < 1e-12 * np.abs(h["angular_momentum"]).max()
-    held = sum(h[name] for name in ("kinetic_energy", "strain_energy", "contact_energy", "crush_energy"))
-    balance = held - h["friction_work"]
+    spin = h["angular_momentum"] - h["moment_impulse"]
+    assert np.abs(spin - spin[0]).max() < 1e-12 * np.abs(h["angular_momentum"]).max()
+    energy = sum(h[name] for name in ("kinetic_energy", "strain_energy", "contact_energy", "crush_energy"))
+    balance = energy - h["friction_work"]
     assert np.abs(balance / balance[0] - 1.0).max() < 1e-5
     assert run.normal.min() >= 0.0
     masses = np.array([TRACTOR.mass, TRAILER.mass])
@@ -233,8 +238,8 @@ def test_momentum_energy_and_no_pull_of_a_train(hitch_length):
 def test_units_have_the_masses_centres_and_inertias_that_are_given():
     model, _ = train()
     for number, vehicle in enumerate((TRACTOR, TRAILER)):
-        own = model.parameters.hinges.unit == number
-        masses, (x, y) = model.parameters.mass[own], model.discretisation.positions[:, own]
+        members = model.parameters.hinges.unit == number
+        masses, (x, y) = model.parameters.mass[members], model.discretisation.positions[:, members]
         front = 0.0 if number == 0 else HINGE[1] - HINGE[0]
         assert masses.sum() == pytest.approx(vehicle.mass, rel=1e-12)
         assert masses @ x / vehicle.mass == pytest.approx(front - vehicle.front_distance, rel=1e-10)
@@ -264,7 +269,7 @@ def impulse_errors(modulus, until, count, counts=COUNTS):
 
 
 def test_a_train_comes_to_the_rigid_one():
-    """Two strikes; the error goes with 1/E."""
+    """The error of two strikes is in proportion to 1/E."""
     soft, stiff = (impulse_errors(modulus, 0.35, 2) for modulus in (2e11, 8e11))
     assert np.abs(soft).max() < 8e-3
     assert stiff / soft == pytest.approx(np.full(2, 0.25), rel=0.2)
@@ -291,62 +296,65 @@ def test_a_trailer_without_mass_changes_nothing():
     errors = []
     for mass in (82.0, 8.2):
         light = ImpactVehicle(14.6, 2.44, mass, 8.0, mass * 17.9)
-        found = corner_strikes(struck(0.1, vehicles=(TRACTOR, light))[1])[0].impulse
-        errors.append(found / expected - 1.0)
+        impulse = corner_strikes(struck(0.1, vehicles=(TRACTOR, light))[1])[0].impulse
+        errors.append(impulse / expected - 1.0)
     assert errors[1] == pytest.approx(0.1 * errors[0], rel=0.05)
     assert abs(errors[1]) < 1e-3
 
 
 def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
-    """It does not turn, and its inertia plays no part while nothing touches it: what is left is flexibility."""
+    """Its inertia has no effect until contact, up to flexibility."""
     box = [ImpactVehicle(4.0, 0.5, 27770.0, 2.0, inertia) for inertia in (3e4, 5e4)]
-    found = [
-        struck(0.1, vehicles=(TRACTOR, each), hinges=((5.6, 2.0),), counts=((8, 4), (8, 2)), modulus=2e12)
-        for each in box
+    runs = [
+        struck(0.1, vehicles=(TRACTOR, trailer), hinges=((5.6, 2.0),), counts=((8, 4), (8, 2)), modulus=2e12)
+        for trailer in box
     ]
-    impulses = [corner_strikes(run)[0].impulse for _, run in found]
+    impulses = [corner_strikes(run)[0].impulse for _, run in runs]
     assert impulses[0] == pytest.approx(impulses[1], rel=1e-4)
-    for _, run in found:
+    for _, run in runs:
         assert np.abs(run.units[1]["omega"]).max() < 1e-3 * np.abs(run.units[0]["omega"]).max()
 
 
 @pytest.mark.parametrize("hitch_length", [0.0, 2.0])
 def test_free_modes_of_a_train_are_those_of_its_matrices_with_closed_hinges(hitch_length):
-    """Against a dense solution in the null space of the hinges; four rigid motions, one of them the hinge's."""
+    """Compare with a dense solution in the null space of the hinges.
+
+    Four motions are rigid, one of them of the hinge.
+    """
     model, _ = train(hitch_length=hitch_length, counts=((6, 2), (12, 2)))
-    found = free_modes(model, 6)
+    modes = free_modes(model, 6)
     closed = null_space(gap_matrix(model.parameters.hinges).toarray())
     mass = np.tile(model.parameters.mass, 2)
     squares = eigh(
         closed.T @ model.stiffness @ closed, closed.T @ (mass[:, None] * closed), eigvals_only=True
     )
-    assert found.frequencies == pytest.approx(np.sqrt(squares[4:10]), rel=1e-9)
-    assert found.rigid_frequencies.shape == (4,)
-    assert found.rigid_frequencies.max() < 1e-5 * found.frequencies[0]
-    shapes = np.concatenate([found.rigid, found.shapes]).reshape(10, -1)
+    assert modes.frequencies == pytest.approx(np.sqrt(squares[4:10]), rel=1e-9)
+    assert modes.rigid_frequencies.shape == (4,)
+    assert modes.rigid_frequencies.max() < 1e-5 * modes.frequencies[0]
+    shapes = np.concatenate([modes.rigid, modes.shapes]).reshape(10, -1)
     assert shapes * mass @ shapes.T == pytest.approx(np.eye(10), abs=1e-9)
     assert np.abs(gap_matrix(model.parameters.hinges) @ shapes.T).max() < 1e-12 * np.abs(shapes).max()
 
 
 @pytest.mark.long
 def test_a_soft_train_converges_where_its_corners_and_its_hinge_are_spread():
-    """The train has 20 GPa and patches of 2 m, on 1, 2 and 4 times the elements in each direction.
+    """Meshes of one to four times the elements converge.
 
-    Orders are 3.2 of the peaks, 1.9 of the impulses, 1.2 of the angle, and 2.3 of the hinge's force, which has no limit
-    at one node.
+    The train has 20 GPa and patches of 2 m. Orders are 3.2 of the peaks, 1.9 of the impulses, 1.2 of the angle, and 2.3
+    of the hinge's force, which has no limit at one node.
     """
-    found = []
+    results = []
     for n in (1, 2, 4):
         counts = tuple((n * along, n * across) for along, across in COUNTS)
         _, run = struck(0.95, modulus=2e10, counts=counts, hitch_length=2.0, patch_length=2.0)
         strikes, (ahead, behind) = corner_strikes(run)[:5], run.units
-        found.append([
+        results.append([
             [strike.peak_force for strike in strikes],
             [strike.impulse for strike in strikes],
             [np.abs(behind["theta"] - ahead["theta"]).max()] * 5,
             [np.hypot(*run.hinges[0]).max()] * 5,
         ])  # fmt: skip
-    coarse, middle, fine = np.array(found)
+    coarse, middle, fine = np.array(results)
     steps = [np.abs(one / other - 1.0).max(axis=1) for one, other in ((coarse, middle), (middle, fine))]
     assert (np.log2(steps[0] / steps[1]) > 1.1).all()
     assert (steps[1] < (1e-3, 3e-3, 3e-4, 5e-3)).all()

@@ -1,4 +1,4 @@
-"""Verification: a path is absent only by ENOENT or ENOTDIR; after other errors nothing is replaced."""
+"""Verify that errors other than ENOENT and ENOTDIR replace nothing."""
 
 import contextlib
 import errno
@@ -114,7 +114,7 @@ def test_a_checkpoint_that_cannot_be_read_is_not_begun_again(
 @UNKNOWN
 @pytest.mark.parametrize("name", ["mash-tl4-sut", "mash-tl5-tractor-van", "mine"])
 def test_a_scene_that_cannot_be_found_is_no_other(tmp_path, fail, monkeypatch, error, name):
-    """It may be a file that has the name of a scene of the program."""
+    """A file may have the name of a scene of the program."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / name).write_text("name = 'mine'\n")
     fail(name, error, *LOOKS)
@@ -138,7 +138,7 @@ def test_an_empty_folder_of_the_user_stays(tmp_path, fail, monkeypatch, error):
 @UNKNOWN
 @pytest.mark.parametrize("call", ["mkdir", "listdir"])
 def test_a_result_that_is_complete_is_called_so(tmp_path, fail, monkeypatch, error, call):
-    """The folder for new files cannot be made or read after the last file is renamed."""
+    """The folder for new files fails after the last file is renamed."""
 
     def write():
         with folder.result_folder(tmp_path / "out") as new:
@@ -175,7 +175,7 @@ supported = pytest.mark.skipif(not is_supported(), reason="the kernel does not a
 
 
 def failed_calls(function, folder):
-    """Yield the answers of a function whose calls to files below a folder fail, one in each turn."""
+    """Yield answers of a function whose calls fail, one in each turn."""
     _, calls = run_in_child(function, str(folder))
     assert calls
     yield from (run_in_child(function, str(folder), n, errno.EIO)[0] for n in range(1, len(calls) + 1))
@@ -192,10 +192,10 @@ def test_a_file_for_other_programs_is_whole_or_the_error_is_raised(tmp_path, kin
         return "written"
 
     write()
-    whole, failures = path.read_bytes(), 0
+    complete, failures = path.read_bytes(), 0
     for text in failed_calls(write, tmp_path):
         failures += "Input/output error" in text
-        assert "Input/output error" in text or (text, path.read_bytes()) == ("written", whole)
+        assert "Input/output error" in text or (text, path.read_bytes()) == ("written", complete)
     assert failures
 
 

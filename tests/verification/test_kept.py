@@ -1,4 +1,4 @@
-"""Verification: common parts of a sweep's rows are made once, and only times change."""
+"""Verify that common parts of a sweep's rows are computed once."""
 
 import numpy as np
 import pytest
@@ -16,9 +16,9 @@ START = RigidStart(0.26, 0.707, 25.053)
 
 def row(*changes):
     _, source = read_scene("paper-table-3", SMALL)
-    found = compute_row(0, source, dict(changes))
-    assert found["status"] in ("passed", "failed"), found
-    return found
+    values = compute_row(0, source, dict(changes))
+    assert values["status"] in ("passed", "failed"), values
+    return values
 
 
 ALL = {"mesh", "assembly", "spectrum", "free modes"}
@@ -63,7 +63,7 @@ def test_large_parts_and_many_parts_are_let_go():
 
 
 def test_rows_of_compiled_code_are_those_of_single_steps(plate_model):
-    """Rows recorded together, or one by one in Python as for columns from outside, are the same."""
+    """Rows recorded together equal those of single steps in Python."""
     model = plate_model(reaction="drag", elements=(6, 2))
     plain = simulate(model, START, 0.384)
     COLUMNS.register(HistoryColumn("twice_theta", "rad", lambda measures, state, model: 2.0 * measures.theta))
@@ -83,9 +83,9 @@ def test_recording_ends_at_the_wall_with_the_state_before(plate_model):
     stepper = Stepper(model)
     state = stepper.start(START, "unstressed")
     stride = round(0.05 / model.parameters.time_step)
-    found = stepper.record(state, stride, 100)
-    assert len(found.rows) < 15
-    assert found.rows[-1][0] <= 0.0 < found.rows[-2][0]
-    assert stepper.measure(found.before).theta == pytest.approx(found.rows[-2][0], rel=1e-12)
-    assert stepper.measure(found.state).theta == pytest.approx(found.rows[-1][0], rel=1e-12)
+    recorded = stepper.record(state, stride, 100)
+    assert len(recorded.rows) < 15
+    assert recorded.rows[-1][0] <= 0.0 < recorded.rows[-2][0]
+    assert stepper.measure(recorded.before).theta == pytest.approx(recorded.rows[-2][0], rel=1e-12)
+    assert stepper.measure(recorded.state).theta == pytest.approx(recorded.rows[-1][0], rel=1e-12)
     assert stepper.measure(state).theta == pytest.approx(START.angle, rel=1e-12)

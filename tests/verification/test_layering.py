@@ -1,4 +1,4 @@
-"""Verification: who may import whom, no import circles, folders that one can read, light imports."""
+"""Verify that imports follow the layers, without circles."""
 
 from pathlib import Path
 
@@ -30,24 +30,29 @@ COMPILED = {
 
 @pytest.mark.parametrize("package", sorted(PACKAGES - {"tailslap"}))
 def test_a_package_stands_alone(package):
-    """None imports another, except the compiler, and the law at one point of fem in compiled steps of solver."""
+    """None imports another, except the compiler and the contact laws.
+
+    The law at one point of fem serves compiled steps of solver.
+    """
     for name, imported in graph().items():
         if name.split(".")[0] == package:
-            others = {other for other in imported if other.split(".")[0] != package}
+            foreign = {other for other in imported if other.split(".")[0] != package}
             if package == "fem" or name in COMPILED:
                 allowed = ("machine_code", "fem.laws.contact_forces")
-                others = {other for other in others if not other.startswith(allowed)}
-            assert not others, f"{name} imports {others}"
+                foreign = {other for other in foreign if not other.startswith(allowed)}
+            assert not foreign, f"{name} imports {foreign}"
 
 
 def test_folders_of_fem_import_downward():
     order = ("laws", "plate", "explicit", "model", "start", "stability", "run")
     level = {folder: height for height, folder in enumerate(order)} | {"modal": order.index("stability")}
     for name, imported in graph().items():
-        if name.startswith("fem.") and (own := name.split(".")[1]) in level:
+        if name.startswith("fem.") and (folder := name.split(".")[1]) in level:
             inner = (other for other in imported if other.startswith("fem.") and other.count(".") > 1)
-            others = {other.split(".")[1] for other in inner}
-            assert all(level.get(other, 0) <= level[own] for other in others), f"{name}: {sorted(others)}"
+            folders = {other.split(".")[1] for other in inner}
+            assert all(level.get(other, 0) <= level[folder] for other in folders), (
+                f"{name}: {sorted(folders)}"
+            )
 
 
 def test_a_corner_run_loads_no_impact(python):
@@ -69,8 +74,8 @@ def test_no_import_circle():
 
 
 def test_no_folder_lists_more_modules_than_one_reads():
-    found = {folder: count for folder, count in structure.flat().items() if count > MOST}
-    assert not found
+    large = {folder: count for folder, count in structure.flat().items() if count > MOST}
+    assert not large
 
 
 def test_importing_postprocess_loads_nothing_heavy(python):
@@ -88,7 +93,7 @@ def test_every_package_says_what_is_in_it():
 
 
 def test_data_walks_one_way():
-    """Up to the time loop the calls of a run return from `fem` to `tailslap` at its four decisions alone."""
+    """A run returns from `fem` to `tailslap` at its four decisions alone."""
     _, climbs, meshes = structure.trace()
     assert climbs <= MAX_CLIMBS
     assert meshes == 1

@@ -1,4 +1,4 @@
-"""Verification: levels, power laws and numerical error of the study of flexibility against exact laws."""
+"""Verify levels, power laws and errors of the study of flexibility."""
 
 import math
 
@@ -10,7 +10,7 @@ from tailslap.campaign import levels
 
 
 def power(frequency, error=1e-3, passed=True):
-    """A point of 0.04 (f1 / 1 Hz)^-2, with an error that is a fraction of that."""
+    """A point of 0.04 (f1/1 Hz)^-2 with a relative error."""
     return levels.Sample(frequency, 0.04 / frequency**2, error * 0.04 / frequency**2, passed)
 
 
@@ -21,9 +21,9 @@ SWEEP = tuple(np.geomspace(1000.0, 0.1, 9).tolist())
 def test_levels_of_a_power_law_are_exact(level, hertz):
     """The frequency is that of the difference with its error on top."""
     for error in (0.0, 1e-3, 0.1):
-        found = levels.lowest_frequency([power(f, error) for f in SWEEP], level)
+        reach = levels.lowest_frequency([power(f, error) for f in SWEEP], level)
         expected = hertz * math.sqrt(1.0 + error)
-        assert (found.kind, found.frequency) == (levels.CROSSED, pytest.approx(expected, rel=1e-12))
+        assert (reach.kind, reach.frequency) == (levels.CROSSED, pytest.approx(expected, rel=1e-12))
 
 
 @pytest.mark.parametrize(("frequency", "text"), [
@@ -66,7 +66,7 @@ def test_what_holds_for_every_start(reaches, joint):
     ("share", "kind"), [(0.499, levels.CROSSED), (0.501, levels.UNKNOWN), (math.nan, levels.UNKNOWN)]
 )
 def test_a_level_is_known_up_to_a_third_of_it_in_error(share, kind):
-    """The error is half of the difference where it is a third of both together."""
+    """The error is half of the difference at a third of both."""
     assert levels.lowest_frequency([power(f, share) for f in SWEEP], 0.01).kind == kind
 
 
@@ -83,8 +83,8 @@ def test_failed_points_say_nothing_of_a_level():
     points = [power(f) for f in SWEEP]
     points[0] = points[0]._replace(passed=False, difference=9.0)
     points[-1] = points[-1]._replace(passed=False, difference=0.0)
-    found = levels.lowest_frequency(points, 0.01)
-    assert (found.kind, found.frequency) == (levels.CROSSED, pytest.approx(2.0 * math.sqrt(1.001), rel=1e-12))
+    reach = levels.lowest_frequency(points, 0.01)
+    assert (reach.kind, reach.frequency) == (levels.CROSSED, pytest.approx(2.0 * math.sqrt(1.001), rel=1e-12))
     below = next(i for i, f in enumerate(SWEEP) if f < 2.0)
     points[below] = points[below]._replace(passed=False)
     # The crossing lies beside a point that failed.
@@ -115,13 +115,13 @@ def test_the_error_is_a_grid_convergence_index_of_a_believable_order():
 
 @pytest.mark.parametrize(("error", "kind"), [(0.9e-3, levels.CROSSED), (1.0e-3, levels.UNKNOWN)])
 def test_what_is_below_a_level_with_its_error_on_top_is_below_it(error, kind):
-    """The stiff end, where the error is most of the level and the difference next to nothing."""
+    """At the stiff end the error is most of the level."""
     stiff = levels.Sample(1000.0, 0.05e-3, error, True)
     rest = [levels.Sample(frequency, 0.1 / frequency, 1e-6, True) for frequency in (200.0, 80.0)]
-    found = levels.lowest_frequency([stiff, *rest], 1e-3)
-    assert found.kind == kind
+    reach = levels.lowest_frequency([stiff, *rest], 1e-3)
+    assert reach.kind == kind
     if kind == levels.CROSSED:
-        assert found.frequency == pytest.approx(100.0, rel=2e-3)
+        assert reach.frequency == pytest.approx(100.0, rel=2e-3)
 
 
 def test_wrong_frequencies(refused):

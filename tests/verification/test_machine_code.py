@@ -1,4 +1,4 @@
-"""Verification: stored compiled code is called without Numba, and waiting threads sleep."""
+"""Verify that stored compiled code is called without Numba."""
 
 import fcntl
 import gc
@@ -98,7 +98,7 @@ def kernel(keeping):
 @pytest.mark.parametrize("factor", [None, 0.25])
 @pytest.mark.parametrize("step", [1, 2])
 def test_the_same_as_in_python(kernel, factor, step):
-    """Exact: contiguous and strided arrays, several sizes of numbers, tuples in tuples, a tuple in a result."""
+    """Arrays, numbers and nested tuples have the exact result."""
     in_python, in_code = arguments(factor, step), arguments(factor, step)
     result = kernel(*in_code)
     assert (result, [type(item) for item in result]) == (add(*in_python), [float, int, bool, tuple])
@@ -113,7 +113,7 @@ def subtract(outer, rows, counts, fixed, flags, factor):
 
 
 def with_header(code, header):
-    """Replace the header of a file, with the digest of the new contents."""
+    """Replace the header of a file, with its new digest."""
     contents = header + b"\n" + code[32:].partition(b"\n")[2]
     return hashlib.sha256(contents).digest() + contents
 
@@ -307,7 +307,7 @@ def test_other_types_are_refused():
 
 
 def test_a_second_run_does_without_numba(tmp_path, python):
-    """Both kinds of a whole run: sliding, and an impact with events."""
+    """A sliding run and an impact are covered."""
     script = (
         "import sys, tailslap\n"
         "for scene in ('paper-table-3', 'impact-mash-tl4-sut'): assert tailslap.run(scene).passed\n"
@@ -322,7 +322,7 @@ HEADER = "from machine_code.compiled import compiled\n"
 
 @pytest.fixture
 def printed(tmp_path, python):
-    """Words that a script prints in a process with code of its own."""
+    """Words that a script prints in a new process."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
 
     def run(script, **variables):
@@ -335,7 +335,7 @@ def printed(tmp_path, python):
 
 @pytest.mark.parametrize("caller", ["caller", "elsewhere.within.caller"])
 def test_code_depends_on_the_functions_that_it_calls(caller, tmp_path, printed):
-    """It is compiled again after a change in its own or another package."""
+    """It is compiled again after a change in any package."""
     (tmp_path / "elsewhere" / "within").mkdir(parents=True)
     body = "@compiled\ndef twice(x):\n    return 2.0 * part(x)\n"
     calling = f"{HEADER}from elsewhere.called import part\n\n\n{body}"

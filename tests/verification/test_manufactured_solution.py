@@ -1,8 +1,8 @@
-"""Verification: a manufactured solution of the plate at finite rotation: order of accuracy in space and in time.
+"""Verify the rotating plate by a manufactured solution.
 
 x(X, t) = shift + R(omega t) (X + s(t) w(X)), s = AMPLITUDE sin(RATE t), with a smooth field w that is not zero on the
 boundary. The nodal loads are its virtual work, of inertia and of the first Piola-Kirchhoff stress, so that the free
-edges need no tractions. R carries the stress along, and the stress is a polynomial of third degree in s: the loads are
+edges need no tractions. R rotates the stress, and the stress is a polynomial of third degree in s: the loads are
 a few vectors, integrated once and to high order.
 """
 
@@ -42,7 +42,10 @@ def field_gradient(x):
 
 
 def stress_terms(x):
-    """P_1, P_2, P_3 of the unrotated stress P = s P_1 + s^2 P_2 + s^3 P_3 [Pa], shape (2, 2, ...) each."""
+    """Coefficients of the powers of s in the stress.
+
+    P = s P_1 + s^2 P_2 + s^3 P_3 is the unrotated stress [Pa], each term has the shape (2, 2, ...).
+    """
     g = field_gradient(x)
 
     def second_piola(e):
@@ -68,8 +71,7 @@ def exact(x, t):
     """Positions and velocities, shape of x each."""
     place = x + AMPLITUDE * math.sin(RATE * t) * field(x)
     velocity = AMPLITUDE * RATE * math.cos(RATE * t) * field(x) + OMEGA * np.tensordot(QUARTER, place, 1)
-    turned = (np.tensordot(rotation(t), each, 1) for each in (place, velocity))
-    place, velocity = turned
+    place, velocity = (np.tensordot(rotation(t), values, 1) for values in (place, velocity))
     return place + SHIFT.reshape(2, *(1,) * (x.ndim - 1)), velocity
 
 
@@ -105,7 +107,7 @@ class Manufactured:
         return rotation(t) @ (inertia + sum(s ** (k + 1) * vector for k, vector in enumerate(self.stress)))
 
     def run(self, longest):
-        """Positions at END with steps of this length at most [m], shape (2, nodes)."""
+        """Positions at END with steps of bounded length [m], shape (2, nodes)."""
         stepper, body = ImpactStepper(self.model), self.model.discretisation.positions
         mass = self.model.parameters.mass
         steps = math.ceil(END / min(longest, self.model.parameters.time_step))
@@ -121,10 +123,11 @@ class Manufactured:
         assert state.contact.normal.max() == 0.0
         return state.positions + np.array([[state.origin[0]], [0.0]])
 
-    def error(self, found):
+    def error(self, positions):
         """L2 norm of the error of the positions [m]."""
         expected = exact(np.asarray(self.fine.global_coordinates()), END)[0]
-        off = np.array([np.asarray(self.fine.interpolate(component)) for component in found]) - expected
+        fields = [np.asarray(self.fine.interpolate(component)) for component in positions]
+        off = np.array(fields) - expected
         return math.sqrt(float(np.sum(off**2 * self.fine.dx)) / (LENGTH * WIDTH))
 
 
@@ -137,14 +140,14 @@ LINEAR, QUADRATIC = (2.0, (6, 12, 24), 5e-4, 5e-5), (3.0, (3, 6, 12), 2e-4, 2e-7
     pytest.param("tri3", LINEAR, marks=pytest.mark.long),
 ])  # fmt: skip
 def test_order_in_space(kind, expected):
-    """Steps so short that the error in time is far below that in space."""
+    """Short steps have an error far below that in space."""
     order, meshes, longest, limit = expected
     errors = []
     for across in meshes:
         plate = Manufactured(kind, (2 * across, across))
         errors.append(plate.error(plate.run(longest)))
-    found = math.log2(errors[-2] / errors[-1])
-    assert found == pytest.approx(order, abs=0.1), errors
+    observed = math.log2(errors[-2] / errors[-1])
+    assert observed == pytest.approx(order, abs=0.1), errors
     assert errors[-1] < limit
 
 
@@ -153,7 +156,7 @@ def test_order_in_time(kind):
     """On one mesh, against steps eight times as short."""
     plate = Manufactured(kind, (8, 4))
     longest = plate.model.parameters.time_step
-    *found, reference = (plate.run(longest / k) for k in (4, 8, 16, 128))
-    errors = [float(np.sqrt(np.mean((each - reference) ** 2))) for each in found]
+    *coarse, reference = (plate.run(longest / k) for k in (4, 8, 16, 128))
+    errors = [float(np.sqrt(np.mean((positions - reference) ** 2))) for positions in coarse]
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert orders == pytest.approx(2.0, abs=0.1), (errors, orders)

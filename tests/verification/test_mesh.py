@@ -1,4 +1,4 @@
-"""Verification: meshes have the nodes, elements and groups that were asked for, and gmsh leaves no trace."""
+"""Verify that meshes have the requested nodes, elements and groups."""
 
 import threading
 
@@ -64,13 +64,13 @@ def test_every_group_is_named():
 
 
 def test_works_outside_the_main_thread_and_prints_nothing(capfd):
-    made = []
-    threads = [threading.Thread(target=lambda: made.append(plate_mesh(1.0, 1.0, (3, 2)))) for _ in range(4)]
+    plates = []
+    threads = [threading.Thread(target=lambda: plates.append(plate_mesh(1.0, 1.0, (3, 2)))) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert ([len(mesh.points) for mesh in made], capfd.readouterr()) == ([12] * 4, ("", ""))
+    assert ([len(mesh.points) for mesh in plates], capfd.readouterr()) == ([12] * 4, ("", ""))
 
 
 def test_gmsh_is_closed_after_success_and_after_an_error():
@@ -117,19 +117,19 @@ def test_another_format_is_refused(tmp_path):
 
 
 def test_a_mesh_leaves_the_signal_handlers_as_they_are(python):
-    """In a process of its own: libraries within gmsh set the default ones."""
+    """Libraries within gmsh set default handlers, tested in a process."""
     code = (
-        "import os, signal\nsignal.signal(signal.SIGTERM, lambda *given: print('caught', flush=True))\n"
+        "import os, signal\nsignal.signal(signal.SIGTERM, lambda *_: print('caught', flush=True))\n"
         "from meshes import plate_mesh\nplate_mesh(10.0, 2.0, (4, 2))\n"
         "os.kill(os.getpid(), signal.SIGTERM)\n"
     )
-    done = python(code)
-    assert (done.returncode, done.stdout) == (0, "caught\n")
+    process = python(code)
+    assert (process.returncode, process.stdout) == (0, "caught\n")
 
 
 @pytest.mark.parametrize("thread", [False, True])
 def test_a_mesh_leaves_ignored_signals_ignored(thread, python):
-    """A write to a closed pipe raises, as everywhere in Python; it does not kill, and HUP does not under nohup."""
+    """A closed pipe raises, and HUP is ignored under nohup."""
     code = (
         "import os, signal, threading\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
         "from meshes import plate_mesh\nmesh = lambda: plate_mesh(10.0, 2.0, (4, 2))\n"
@@ -137,5 +137,5 @@ def test_a_mesh_leaves_ignored_signals_ignored(thread, python):
         "reading, writing = os.pipe()\nos.close(reading)\nos.kill(os.getpid(), signal.SIGHUP)\n"
         "try:\n    os.write(writing, b'x')\nexcept BrokenPipeError:\n    print('raised')\n"
     )
-    done = python(code)
-    assert (done.returncode, done.stdout) == (0, "raised\n")
+    process = python(code)
+    assert (process.returncode, process.stdout) == (0, "raised\n")

@@ -1,4 +1,4 @@
-"""Verification: nodes of other programs as a motion of the centre of mass, and files that are cut short.
+"""Verify nodes of other programs as a motion of their centre.
 
 The files of LS-DYNA, ABAQUS and OpenRadioss are written here by their documented formats; none of these programs ran.
 """
@@ -19,7 +19,7 @@ SPIN, SPEED = -1.5, (3.0, -0.5)
 
 
 def rigid_nodes():
-    """Nodes that turn about their centre of mass at SPIN from t = 0 while the centre has the velocity SPEED."""
+    """Nodes that rotate at SPIN about a centre with velocity SPEED."""
     centre = MASSES @ NODES / MASSES.sum()
     c, s = np.cos(SPIN * T)[:, None, None], np.sin(SPIN * T)[:, None, None]
     x, y = (NODES - centre)[:, :1], (NODES - centre)[:, 1:]
@@ -49,27 +49,27 @@ def write_dat(path, displacements, velocities):
 
 def test_rigid_rotation_is_exact():
     displacements, velocities = rigid_nodes()
-    found = nodal.centre_of_mass_history(NODES, MASSES, T, displacements, velocities)
+    motion = nodal.centre_of_mass_history(NODES, MASSES, T, displacements, velocities)
     centre = MASSES @ NODES / MASSES.sum()
-    assert found["omega"] == pytest.approx(SPIN, rel=1e-14)
-    assert found["rotation"] == pytest.approx(SPIN * T, rel=1e-14)
-    assert np.transpose([found["v_gx"], found["v_gy"]]) == pytest.approx(np.tile(SPEED, (3, 1)), rel=1e-14)
-    assert found["x_g"] == pytest.approx(centre[0] + SPEED[0] * T, rel=1e-14)
-    assert found["y_g"] == pytest.approx(centre[1] + SPEED[1] * T, rel=1e-14)
+    assert motion["omega"] == pytest.approx(SPIN, rel=1e-14)
+    assert motion["rotation"] == pytest.approx(SPIN * T, rel=1e-14)
+    assert np.transpose([motion["v_gx"], motion["v_gy"]]) == pytest.approx(np.tile(SPEED, (3, 1)), rel=1e-14)
+    assert motion["x_g"] == pytest.approx(centre[0] + SPEED[0] * T, rel=1e-14)
+    assert motion["y_g"] == pytest.approx(centre[1] + SPEED[1] * T, rel=1e-14)
 
 
 def test_calculix_file_gives_the_same_motion(tmp_path):
     """Seven digits of the file."""
     displacements, velocities = rigid_nodes()
-    found = nodal.read_calculix(write_dat(tmp_path / "plate.dat", displacements, velocities))
-    assert found.numbers.tolist() == [1, 2, 3, 4]
-    assert found.t == pytest.approx(T, rel=1e-15)
-    assert found.displacements == pytest.approx(displacements, rel=1e-6)
-    assert found.velocities == pytest.approx(velocities, rel=1e-6)
+    nodes = nodal.read_calculix(write_dat(tmp_path / "plate.dat", displacements, velocities))
+    assert nodes.numbers.tolist() == [1, 2, 3, 4]
+    assert nodes.t == pytest.approx(T, rel=1e-15)
+    assert nodes.displacements == pytest.approx(displacements, rel=1e-6)
+    assert nodes.velocities == pytest.approx(velocities, rel=1e-6)
 
 
 def write_nodout(path, displacements, velocities):
-    """LS-DYNA: legend, and at each instant a table of translations and one of rotations."""
+    """A nodout file of LS-DYNA with translations and rotations."""
     heading = " n o d a l   p r i n t   o u t   f o r   t i m e  s t e p{:8d}{:30s}( at time{:14.7E} )"
     names = " nodal point  x-disp     y-disp      z-disp      x-vel       y-vel       z-vel       x-accl      y-accl"
     lines = ["{BEGIN LEGEND}", " Entity #        Title", "        1        corner", "{END LEGEND}"]
@@ -85,7 +85,7 @@ def write_nodout(path, displacements, velocities):
 
 
 def write_field_report(path, displacements, velocities):
-    """ABAQUS: a report for each frame, minima and maxima below."""
+    """A report of ABAQUS for each frame, with minima and maxima."""
     lines = []
     for k, t in enumerate(T):
         title = "Field Output Report, written Mon Nov 23 10:07:54 2026"
@@ -104,11 +104,14 @@ def write_field_report(path, displacements, velocities):
 
 
 def write_radioss(path, displacements, velocities):
-    """OpenRadioss: th_to_csv with a file _TITLES; titles are filled up to 100 characters, numbers have six decimals."""
-    whole = ["time", "INTERNAL ENERGY", "KINETIC ENERGY", "X-MOMENTUM", "Y-MOMENTUM", "Z-MOMENTUM", "MASS"]
+    """The CSV of OpenRadioss with a file _TITLES.
+
+    Titles have 100 characters, numbers six decimals.
+    """
+    totals = ["time", "INTERNAL ENERGY", "KINETIC ENERGY", "X-MOMENTUM", "Y-MOMENTUM", "Z-MOMENTUM", "MASS"]
     nodes = [f"{'plate 2':100s} {n} {'node ' + str(n):100s}" for n in range(1, 5)]
     names = [f"{node}  {q:10s} " for node in nodes for q in ("DX", "DY", "VX", "VY")]
-    lines = [",".join(f'"{name}"' for name in whole + names)]
+    lines = [",".join(f'"{name}"' for name in totals + names)]
     for k, t in enumerate(T):
         rows = np.concatenate([displacements[k], velocities[k]], axis=1)
         lines.append(",".join(f"{value:f}" for value in [t, *6 * [0.0], *rows.ravel()]))
@@ -122,7 +125,7 @@ LAST_LINES = {"plate.dat": 42, "nodout": 44, "abaqus.rpt": 77, "plateT01.csv": 4
 
 @pytest.fixture
 def compared(tmp_path, capsys):
-    """Compare a file with the exact motion, or with itself, and return status and messages."""
+    """Compare a file with the exact motion or itself."""
 
     def compare(path, *reference):
         status = cli._status(
@@ -143,16 +146,16 @@ def exact(folder, time="t"):
 
 @pytest.mark.parametrize("name", ALL_WRITERS)
 def test_files_of_other_programs_give_the_same_motion(name, tmp_path, compared):
-    """To the digits of the files: four decimals, six, and 1e-6 m and m/s."""
+    """Agreement is to the digits of the files."""
     path = ALL_WRITERS[name](tmp_path / name, *rigid_nodes())
-    found = nodal.read_centre_of_mass(path)
-    assert found["t"] == pytest.approx(T, rel=1e-6)
-    assert found["omega"] == pytest.approx(SPIN, rel=2e-4)
-    assert np.transpose([found["v_gx"], found["v_gy"]]) == pytest.approx(np.tile(SPEED, (3, 1)), rel=2e-4)
-    assert found["rotation"] == pytest.approx(SPIN * T, rel=2e-4)
-    status, said = compared(path, exact(tmp_path))
+    motion = nodal.read_centre_of_mass(path)
+    assert motion["t"] == pytest.approx(T, rel=1e-6)
+    assert motion["omega"] == pytest.approx(SPIN, rel=2e-4)
+    assert np.transpose([motion["v_gx"], motion["v_gy"]]) == pytest.approx(np.tile(SPEED, (3, 1)), rel=2e-4)
+    assert motion["rotation"] == pytest.approx(SPIN * T, rel=2e-4)
+    status, output = compared(path, exact(tmp_path))
     assert status == 0
-    assert "All 3 histories" in said
+    assert "All 3 histories" in output
 
 
 def without_last_line(text):

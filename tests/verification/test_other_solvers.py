@@ -1,4 +1,4 @@
-"""Verification: decks of a scene for other solvers, and the motion that CalculiX computes with them."""
+"""Verify decks for other solvers, and their motion in CalculiX."""
 
 import contextlib
 import json
@@ -90,19 +90,19 @@ def fake_ccx(folder, script, monkeypatch):
 
 
 def section(text, keyword):
-    """Lines of numbers behind the first keyword that begins like this."""
+    """Lines of numbers behind the first keyword with this beginning."""
     lines = iter(text.splitlines())
     next(line for line in lines if line.startswith(keyword))
-    found = []
+    rows = []
     for line in lines:
         if line.startswith("*"):
             break
-        found.append([float(cell) for cell in line.split(",") if cell.strip()])
-    return np.array(found)
+        rows.append([float(cell) for cell in line.split(",") if cell.strip()])
+    return np.array(rows)
 
 
 def test_deck_holds_the_mass_and_the_motion_of_the_rigid_body(elsewhere):
-    """Mass, moment of inertia, momentum and spin of density times brick volumes are those of the rectangle."""
+    """Density times volumes of bricks have the rectangle's mass, inertia and momenta."""
     assert written("export", "paper-table-3", "--to", "calculix", "--set", FRICTIONLESS) == 0
     folder = elsewhere / "results" / f"paper-table-3+{FRICTIONLESS}-calculix"
     names = {path.name for path in folder.glob("[!.]*")}
@@ -157,15 +157,15 @@ def demand_agreement(summary):
 @needs_ccx
 def test_friction_is_omitted_and_named(elsewhere, capsys):
     """The exact motion is that without friction."""
-    given = [part for change in ("plate.elements=[4,2]", "corner.friction=0.3") for part in ("--set", change)]
-    summary = confirmed(capsys, "paper-table-3", *given)
+    changes = ("plate.elements=[4,2]", "corner.friction=0.3")
+    summary = confirmed(capsys, "paper-table-3", *(part for change in changes for part in ("--set", change)))
     assert "Friction is omitted from both models" in summary["certainty"]
     assert summary["rigid"]["v_gy"] == pytest.approx(-3.2868596947, abs=1e-9)
 
 
 @needs_ccx
 def test_calculix_confirms_the_paper_on_a_coarse_mesh(elsewhere, capsys):
-    """Exact motion without friction at the tail-slap: -3.2868596947 m/s, 0.6573719389 rad/s; also at the instant."""
+    """-3.2868596947 m/s and 0.6573719389 rad/s at the tail-slap without friction."""
     summary = confirmed(capsys, "paper-table-3", "--set", FRICTIONLESS, "--set", "plate.elements=[10,4]")
     demand_agreement(summary)
     assert summary["calculix"]["v_gy"] == pytest.approx(-3.2868596947, rel=3e-4)
@@ -181,23 +181,23 @@ def test_calculix_confirms_the_paper_on_a_coarse_mesh(elsewhere, capsys):
 @needs_ccx
 @pytest.mark.parametrize("text", [CAR, COACH], ids=["car", "coach"])
 def test_calculix_confirms_own_vehicles(text, elsewhere, capsys):
-    """One corner node; a distorted mesh on a support patch, whose start is that of Stage 1."""
+    """A single corner node, and a patch from Stage 1."""
     (elsewhere / "own.toml").write_text(text)
     demand_agreement(confirmed(capsys, "own.toml"))
 
 
 @needs_ccx
 def test_soft_plate_is_confirmed_within_its_oscillation(elsewhere, capsys):
-    """E / 10: the limit follows the oscillation of the unstressed start, and stays below 0.2 %."""
+    """The limit follows the oscillation of the start, below 0.2 %."""
     changes = (FRICTIONLESS, "plate.elements=[10,4]", "plate.youngs_modulus=20 GPa")
-    given = [part for change in changes for part in ("--set", change)]
-    summary = confirmed(capsys, "paper-table-3", *given)
+    options = [part for change in changes for part in ("--set", change)]
+    summary = confirmed(capsys, "paper-table-3", *options)
     assert summary["passed"]
     assert 3e-4 < summary["limit"] < 2e-3
 
 
 def test_end_of_a_fitted_cubic_keeps_no_more_than_its_gain():
-    """Of sines of unit amplitude and any phase, with up to 12 periods in the span."""
+    """Sines of any phase, with up to 12 periods in the span."""
     from tailslap.exports.confirm import END_GAIN, MOST_GAIN
 
     t = np.linspace(-1.0, 0.0, 400)
@@ -217,11 +217,15 @@ def test_calculix_confirms_the_paper(elsewhere, capsys):
 
 @needs_ccx
 def test_another_motion_is_not_confirmed(elsewhere, capsys, monkeypatch):
-    """A deck with a spin that is 0.1 % larger fails, exit status 1."""
+    """A spin that is 0.1 % larger fails with exit status 1."""
     from tailslap.exports import deck
 
-    own = deck.make_deck
-    faster = lambda *given: replace(made := own(*given), velocities=1.001 * made.velocities)  # noqa: E731
+    exact_deck = deck.make_deck
+
+    def faster(*arguments):
+        exact = exact_deck(*arguments)
+        return replace(exact, velocities=1.001 * exact.velocities)
+
     monkeypatch.setattr(deck, "make_deck", faster)
     assert written("confirm", "paper-table-3", *COARSE) == 1
     assert "does not confirm" in capsys.readouterr().out
@@ -238,11 +242,11 @@ REFUSED = {
 def test_scenes_that_calculix_cannot_have_are_refused(changes, key, why, command, elsewhere, capsys):
     if command == ("confirm",) and not changes:
         pytest.skip("confirm omits friction")
-    given = [part for change in changes for part in ("--set", change)]
-    assert written(command[0], "paper-table-3", *command[1:], *given) == 2
-    said = capsys.readouterr().err
-    assert key in said
-    assert why in said
+    options = [part for change in changes for part in ("--set", change)]
+    assert written(command[0], "paper-table-3", *command[1:], *options) == 2
+    message = capsys.readouterr().err
+    assert key in message
+    assert why in message
     assert not any(elsewhere.iterdir())
 
 
@@ -299,9 +303,9 @@ def test_solver_that_fails_ends_with_its_last_lines(
 ):
     fake_ccx(tmp_path_factory.mktemp("fake"), script, monkeypatch)
     assert written("confirm", "paper-table-3", *COARSE, "--time-limit", "1") == 3
-    said = capsys.readouterr().err
-    assert why in said
-    assert "*ERROR reading *ELASTIC" in said
+    message = capsys.readouterr().err
+    assert why in message
+    assert "*ERROR reading *ELASTIC" in message
     assert not any(elsewhere.iterdir())
 
 
@@ -318,9 +322,9 @@ def test_solver_without_output_and_velocities_is_named_so(elsewhere, capsys, mon
     block = "printf ' displacements (vx,vy,vz) for set PLATE and time 0.1\\n\\n 1 0. 0. 0.\\n' > plate.dat"
     fake_ccx(tmp_path_factory.mktemp("fake"), block, monkeypatch)
     assert written("confirm", "paper-table-3", *COARSE) == 3
-    said = capsys.readouterr().err
-    assert "it has no displacements or no velocities of nodes" in said
-    assert "`ccx -v` prints the version); it printed nothing\n" in said
+    message = capsys.readouterr().err
+    assert "it has no displacements or no velocities of nodes" in message
+    assert "`ccx -v` prints the version); it printed nothing\n" in message
 
 
 ENDLESS = {
@@ -345,9 +349,9 @@ def test_solver_without_end_is_ended(script, why, elsewhere, capsys, monkeypatch
     monkeypatch.setattr(calculix, "MAX_LOG", 300_000)
     fake_ccx(tmp_path_factory.mktemp("fake"), f"echo $$ > {elsewhere}/pid; {script}", monkeypatch)
     assert written("confirm", "paper-table-3", *COARSE) == 3
-    said = capsys.readouterr().err
-    assert why in said
-    assert len(said) < 2000
+    message = capsys.readouterr().err
+    assert why in message
+    assert len(message) < 2000
     assert sizes[0] <= 300_000
     assert not group_of(elsewhere / "pid")
 
@@ -357,8 +361,8 @@ def group_of(file):
     group, living = int(file.read_text()), []
     for path in Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
-            state, _, its = path.read_text().rpartition(") ")[2].split()[:3]
-            living += [path.parent.name] * (int(its) == group and state not in "ZX")
+            state, _, group_number = path.read_text().rpartition(") ")[2].split()[:3]
+            living += [path.parent.name] * (int(group_number) == group and state not in "ZX")
     return living
 
 
@@ -371,7 +375,7 @@ STUBBORN = "trap '' TERM; sleep 60 & while :; do sleep 1; done"
     ids=["stubborn", "child", "left", "loud"],
 )
 def test_no_process_of_a_solver_outlives_it(script, elsewhere, capsys, monkeypatch, tmp_path_factory):
-    """One that ignores SIGTERM; children of a script that waits for them, and of scripts that do not."""
+    """A solver that ignores SIGTERM, and children of scripts, are ended."""
     from tailslap.exports import calculix
 
     monkeypatch.setattr(calculix, "GRACE", 0.2)
@@ -389,7 +393,7 @@ def test_solver_ends_by_sigterm_where_it_obeys(elsewhere, monkeypatch, tmp_path_
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["Ctrl-C", "SIGTERM"])
 def test_interrupt_ends_the_solver_with_its_children(number, elsewhere, monkeypatch, tmp_path_factory):
-    """Those that ignore SIGTERM, even where a second interrupt comes within the grace."""
+    """Children that ignore SIGTERM end even after a second interrupt."""
     script = (
         f"trap '' INT TERM; sleep 60 & echo $$ > {elsewhere}/new; mv {elsewhere}/new {elsewhere}/pid; wait"
     )
@@ -402,13 +406,13 @@ def test_interrupt_ends_the_solver_with_its_children(number, elsewhere, monkeypa
         for _ in range(2):
             program.send_signal(number)
             time.sleep(0.2)
-        said = program.communicate()[1]
-    assert program.returncode == 130, said
+        message = program.communicate()[1]
+    assert program.returncode == 130, message
     assert not group_of(elsewhere / "pid")
 
 
 def plate_of(folder):
-    """Places of the nodes, shape (nodes, 2), cells, velocities and the lines of the deck of the plate for ABAQUS."""
+    """Positions, cells, velocities and lines of the plate for ABAQUS."""
     mesh, text = meshio.read(folder / "plate.inp"), (folder / "plate.inp").read_text()
     (cells,) = (block.data for block in mesh.cells if block.type in ("quad", "triangle"))
     lines = text[text.index("TYPE=VELOCITY") :].splitlines()[1:]
@@ -418,13 +422,13 @@ def plate_of(folder):
 
 
 def export_abaqus(folder, *changes):
-    given = [part for change in changes for part in ("--set", change)]
-    assert written("export", "paper-table-3", "--to", "abaqus", *given, "--out", str(folder)) == 0
+    options = [part for change in changes for part in ("--set", change)]
+    assert written("export", "paper-table-3", "--to", "abaqus", *options, "--out", str(folder)) == 0
 
 
 @needs_ccx
 def test_plate_of_the_abaqus_deck_moves_in_calculix_as_the_rigid_body(elsewhere):
-    """Numbers of the texts for ABAQUS alone: its shells are thickened to one layer of bricks."""
+    """Shells of the ABAQUS deck become a layer of bricks."""
     export_abaqus("deck", FRICTIONLESS, "plate.elements=[10,4]")
     folder = elsewhere / "deck"
     places, cells, velocities, text = plate_of(folder)
@@ -455,9 +459,9 @@ def test_plate_of_the_abaqus_deck_moves_in_calculix_as_the_rigid_body(elsewhere)
     _, nodes, masses = read_nodes(folder / "nodes.csv")
     assert nodes == pytest.approx(places, rel=1e-10, abs=1e-10)
     assert masses.sum() == pytest.approx(7800.0 * 0.053 * 10.0 * 2.438, rel=1e-12)
-    found = read_calculix(folder / "bricks.dat")
+    result = read_calculix(folder / "bricks.dat")
     both = np.tile(nodes, (2, 1)), np.tile(0.5 * masses, 2)
-    history = centre_of_mass_history(*both, found.t, found.displacements, found.velocities)
+    history = centre_of_mass_history(*both, result.t, result.displacements, result.velocities)
     at = lambda name: np.interp(0.0, history["rotation"] - 0.26, history[name])  # noqa: E731
     assert at("v_gy") == pytest.approx(-3.2868596947, rel=3e-4)
     assert at("omega") == pytest.approx(0.6573719389, rel=3e-4)

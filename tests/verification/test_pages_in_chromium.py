@@ -1,4 +1,4 @@
-"""Verification: small pages in Chromium: nothing is wrong on screens and on paper; and what is wrong is found."""
+"""Verify pages in Chromium on screens and paper."""
 
 import csv
 import importlib.util
@@ -52,7 +52,7 @@ def page(tmp_path_factory):
 
 
 def changed(page, place, old, new):
-    """The page with another text in the place of one that it has."""
+    """The page with one text replaced by another."""
     text = page.read_text(encoding="utf-8")
     assert old in text
     place.write_text(text.replace(old, new, 1), encoding="utf-8")
@@ -70,41 +70,41 @@ def test_nothing_is_wrong_with_the_page_of_a_run(browser, tmp_path, outcome):
 
 
 def test_the_switch_changes_units_and_tables_are_copied_as_shown(browser, tmp_path, outcome):
-    made = CornerReport(outcome("mash-tl4-sut", "impact.speed=20 m/s")).page(pictures=False)
-    with opened(browser, write_page(tmp_path / "p.html", made)) as session:
-        shown = session.page
-        shown.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    report_page = CornerReport(outcome("mash-tl4-sut", "impact.speed=20 m/s")).page(pictures=False)
+    with opened(browser, write_page(tmp_path / "p.html", report_page)) as session:
+        page = session.page
+        page.context.grant_permissions(["clipboard-read", "clipboard-write"])
 
         def copied(form):
-            shown.locator(".copy").first.get_by_role("button", name=form).click()
-            return shown.evaluate("navigator.clipboard.readText()")
+            page.locator(".copy").first.get_by_role("button", name=form).click()
+            return page.evaluate("navigator.clipboard.readText()")
 
-        headline = shown.locator(".headline")
+        headline = page.locator(".headline")
         assert "kN" in headline.inner_text()
         heading, first, *_ = list(csv.reader(copied("CSV").splitlines()))
         assert heading[1] == "By FE [kN]"
-        shown.get_by_role("radio", name="US").check()
+        page.get_by_role("radio", name="US").check()
         assert "kN" not in headline.inner_text()
         in_kip = copied("text").split("\n")[1].split("\t")
         assert float(in_kip[1]) == pytest.approx(float(first[1]) / 4.4482216, rel=1e-3)
         rows = copied("LaTeX").splitlines()
         assert (rows[0], rows[-1]) == (r"\begin{tabular}{lrr}", r"\end{tabular}")
         assert rows[1].endswith(r"& By FE [kip] & By rigid body [kip] \\")
-        drawn = shown.locator("svg.chart").all_text_contents()
+        drawn = page.locator("svg.chart").all_text_contents()
         assert drawn
         assert not [text for text in drawn if "kN" in text]
-        shown.get_by_role("radio", name="SI").check()
-        assert [text for text in shown.locator("svg.chart").all_text_contents() if "kN" in text]
+        page.get_by_role("radio", name="SI").check()
+        assert [text for text in page.locator("svg.chart").all_text_contents() if "kN" in text]
         assert not session.errors
 
 
 def test_a_link_of_the_contents_opens_the_folded_section(browser, tmp_path):
     folded = Section("Folded", sentences=("A sentence.",), is_folded=True)
-    made = Page("", Headline("Links", ""), (Section("Open", "A lead."), folded), "", contents=True)
-    with opened(browser, write_page(tmp_path / "p.html", made)) as found:
-        details = found.page.locator("details")
+    report_page = Page("", Headline("Links", ""), (Section("Open", "A lead."), folded), "", contents=True)
+    with opened(browser, write_page(tmp_path / "p.html", report_page)) as session:
+        details = session.page.locator("details")
         details.evaluate("details => (details.open = false)")
-        found.page.locator("nav a").nth(1).click()
+        session.page.locator("nav a").nth(1).click()
         assert details.evaluate("details => details.open")
 
 
@@ -113,18 +113,16 @@ CURVES = {"slow": 2.0 * np.arange(41.0), "fast": 5.0 * np.arange(41.0)}
 
 @pytest.fixture
 def shown_chart(browser, tmp_path):
-    """A page with a chart of two lines from 0 to 40 s, as wide as the page."""
+    """A page with a chart of two lines over 40 s."""
     t = np.arange(41.0)
     lines = tuple(Line(label, t, force, **look(k)) for k, (label, force) in enumerate(CURVES.items()))
     chart = draw_chart(
         "c", "A chart", (Plot(lines, Axis("force [kN]")),), Axis("t [s]", margin=0.0), width=FULL
     )
-    path = write_page(
-        tmp_path / "p.html", Page("", Headline("Charts", ""), (Section("Chart", figures=(chart,)),), "")
-    )
-    with opened(browser, path) as found:
-        yield found.page
-        assert (found.errors, found.requests) == ([], [])
+    report_page = Page("", Headline("Charts", ""), (Section("Chart", figures=(chart,)),), "")
+    with opened(browser, write_page(tmp_path / "p.html", report_page)) as session:
+        yield session.page
+        assert (session.errors, session.requests) == ([], [])
 
 
 def ticks_of(page, axis):
@@ -138,30 +136,30 @@ def frame_of(page):
 
 
 def test_the_pointer_names_quantity_and_unit_and_covers_no_line(shown_chart):
-    left, top, width, height = frame_of(shown_chart)
-    shown_chart.mouse.move(left + 0.5 * width, top + 0.5 * height)
+    x, y, width, height = frame_of(shown_chart)
+    shown_chart.mouse.move(x + 0.5 * width, y + 0.5 * height)
     note = shown_chart.locator("output.values")
     assert note.inner_text().split("\n") == ["t 20 s", "force", "● slow 40 kN", "● fast 100 kN"]
-    assert note.bounding_box()["y"] >= top + height
+    assert note.bounding_box()["y"] >= y + height
     colours = note.locator("b").evaluate_all("dots => dots.map((dot) => getComputedStyle(dot).color)")
     strokes = "lines => lines.map((line) => getComputedStyle(line).stroke)"
     assert colours[2:] == shown_chart.locator("svg.chart .marks path").evaluate_all(strokes)
 
 
 def test_a_drag_zooms_both_axes_and_a_double_click_resets(shown_chart):
-    """From a quarter to half of each axis: 10 to 20 s, and as much of the forces; the line stays within the frame."""
-    left, top, width, height = frame_of(shown_chart)
+    """A quarter of each axis is shown."""
+    x, y, width, height = frame_of(shown_chart)
     low, *_, high = shown_chart.locator("svg.chart .plot").get_attribute("data-y").split()
-    shown_chart.mouse.move(left + 0.25 * width, top + 0.5 * height)
+    shown_chart.mouse.move(x + 0.25 * width, y + 0.5 * height)
     shown_chart.mouse.down()
-    shown_chart.mouse.move(left + 0.5 * width, top + 0.75 * height, steps=4)
+    shown_chart.mouse.move(x + 0.5 * width, y + 0.75 * height, steps=4)
     shown_chart.mouse.up()
     along, up = ticks_of(shown_chart, ".x-axis"), ticks_of(shown_chart, ".plot")
     assert (along[0], along[-1]) == (pytest.approx(10.0, abs=1.0), pytest.approx(20.0, abs=1.0))
     span = float(high) - float(low)
     assert float(low) + 0.25 * span - 0.1 < min(up) < max(up) < float(low) + 0.5 * span + 0.1
     assert "polygon" in shown_chart.locator("svg.chart .marks").get_attribute("style")
-    shown_chart.mouse.dblclick(left + 0.5 * width, top + 0.5 * height)
+    shown_chart.mouse.dblclick(x + 0.5 * width, y + 0.5 * height)
     assert (ticks_of(shown_chart, ".x-axis")[0], ticks_of(shown_chart, ".x-axis")[-1]) == (0.0, 40.0)
 
 
@@ -169,8 +167,8 @@ def test_a_key_hides_its_line(shown_chart):
     key = shown_chart.get_by_role("button", name="slow")
     key.press("Enter")
     assert key.get_attribute("aria-pressed") == "false"
-    left, top, width, height = frame_of(shown_chart)
-    shown_chart.mouse.move(left + 0.5 * width, top + 0.5 * height)
+    x, y, width, height = frame_of(shown_chart)
+    shown_chart.mouse.move(x + 0.5 * width, y + 0.5 * height)
     assert "slow" not in shown_chart.locator("output.values").inner_text()
     key.click()
     assert key.get_attribute("aria-pressed") == "true"
@@ -178,11 +176,11 @@ def test_a_key_hides_its_line(shown_chart):
 
 def test_arrow_keys_read_the_samples_aloud(shown_chart):
     shown_chart.locator("svg.chart").focus()
-    note, said = shown_chart.locator("output.values"), []
+    note, readings = shown_chart.locator("output.values"), []
     for key in ("ArrowRight", "ArrowRight", "ArrowDown", "End", "Home", "Escape"):
         shown_chart.keyboard.press(key)
-        said.append(" ".join(note.inner_text().split("\n")[::2]) if note.is_visible() else "")
-    assert said == [
+        readings.append(" ".join(note.inner_text().split("\n")[::2]) if note.is_visible() else "")
+    assert readings == [
         "t 0 s ● slow 0 kN",
         "t 1 s ● slow 2 kN",
         "t 1 s ● fast 5 kN",
@@ -197,7 +195,10 @@ RIGHT_AND_SIZE = "mark => ((box) => [box.right, box.width / box.height])(mark.ge
 
 
 def test_motion_fits_a_narrow_window_and_runs_with_the_cursor(browser, tmp_path):
-    """The polygon ends where the last outline is; equal scales; no word covers another; buttons of 24 px."""
+    """Motion has equal scales, and its polygon ends with the last outline.
+
+    No word covers another, and buttons are at least 24 px high.
+    """
     t, x = np.linspace(0.0, 0.5, 20), np.linspace(0.0, 4.0, 20)
     every = vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
     strikes = (StrikeMark("front", 0.0, 0.1, (0.0, 2.0)), StrikeMark("rear", 0.2, 0.3, (1.0, 3.0)))
@@ -208,45 +209,44 @@ def test_motion_fits_a_narrow_window_and_runs_with_the_cursor(browser, tmp_path)
     path = write_page(
         tmp_path / "p.html", Page("", Headline("Motion", ""), (Section("Motion", figures=figures),), "")
     )
-    with opened(browser, path, 390) as found:
-        shown = found.page
-        starts = shown.evaluate("document.getAnimations().map((each) => each.startTime)")
+    with opened(browser, path, 390) as narrow:
+        page = narrow.page
+        starts = page.evaluate("document.getAnimations().map((each) => each.startTime)")
         assert len(starts) == 2
         assert starts[0] == starts[1]
-        assert shown.locator("svg.chart").first.bounding_box()["width"] <= 358
-        shown.emulate_media(reduced_motion="reduce")
-        end, ratio = shown.locator("[data-label='0.50 s']").evaluate(RIGHT_AND_SIZE)
+        assert page.locator("svg.chart").first.bounding_box()["width"] <= 358
+        page.emulate_media(reduced_motion="reduce")
+        end, ratio = page.locator("[data-label='0.50 s']").evaluate(RIGHT_AND_SIZE)
         assert ratio == pytest.approx(np.divide(*np.ptp(every[-1], axis=0)), rel=0.05)
-        assert shown.locator(".moving").first.evaluate(RIGHT_AND_SIZE)[0] == pytest.approx(end, abs=1.5)
-        assert charts.words(shown) == []
-        assert shown.get_by_role("button", name="CFC 60").get_attribute("aria-pressed") == "false"
-        heights = shown.locator(".keys button").evaluate_all("all => all.map((each) => each.offsetHeight)")
+        assert page.locator(".moving").first.evaluate(RIGHT_AND_SIZE)[0] == pytest.approx(end, abs=1.5)
+        assert charts.words(page) == []
+        assert page.get_by_role("button", name="CFC 60").get_attribute("aria-pressed") == "false"
+        heights = page.locator(".keys button").evaluate_all("all => all.map((each) => each.offsetHeight)")
         assert min(heights) >= 24
 
 
 def test_motion_is_paused_and_is_not_where_the_reader_prefers_none(browser, tmp_path):
-    """Without a script: a box to tick, and the reader's own choice."""
+    """A box to tick, and the preference of the reader."""
     t, x = np.linspace(0.0, 0.5, 20), np.linspace(0.0, 4.0, 20)
     every = vehicle_outlines(x, 1.2 + 0.0 * x, 0.3 - 0.6 * t, 8.0, 2.0, 4.0)
     chart = draw_positions(every[[0, -1]], t[[0, -1]].tolist(), motion=(t, every))
-    path = write_page(
-        tmp_path / "p.html", Page("", Headline("Motion", ""), (Section("Motion", figures=(chart,)),), "")
-    )
+    report_page = Page("", Headline("Motion", ""), (Section("Motion", figures=(chart,)),), "")
+    path = write_page(tmp_path / "p.html", report_page)
     states = "animations => document.getAnimations().map((each) => each.playState)"
-    with opened(browser, path, scripts=False) as found:
-        assert found.page.evaluate(states) == ["running"]
-        found.page.get_by_label("Pause the motion").check()
-        assert found.page.evaluate(states) == ["paused"]
-        found.page.emulate_media(reduced_motion="reduce")
-        assert found.page.evaluate(states) == []
+    with opened(browser, path, scripts=False) as session:
+        assert session.page.evaluate(states) == ["running"]
+        session.page.get_by_label("Pause the motion").check()
+        assert session.page.evaluate(states) == ["paused"]
+        session.page.emulate_media(reduced_motion="reduce")
+        assert session.page.evaluate(states) == []
 
 
 def test_table_and_drawing_are_kept(shown_chart, tmp_path):
-    """Without a file beside the page: the table from its link, the drawing as it is shown."""
+    """The table is in its link, and the drawing as displayed."""
     for kind in ("csv", "svg"):
-        with shown_chart.expect_download() as kept:
+        with shown_chart.expect_download() as download:
             shown_chart.locator(f"a[download='c.{kind}']").click()
-        kept.value.save_as(tmp_path / f"c.{kind}")
+        download.value.save_as(tmp_path / f"c.{kind}")
     heading, *rows = csv.reader((tmp_path / "c.csv").read_text(encoding="utf-8").splitlines())
     assert heading == ["t [s]", "slow: force [kN]", "fast: force [kN]"]
     assert rows[7] == ["7", "14", "35"]
@@ -263,42 +263,45 @@ def test_a_narrow_window_has_a_narrow_chart_with_letters_as_large(shown_chart):
 
 
 def test_what_is_wrong_on_a_screen_is_found(browser, page, tmp_path):
-    """Without boxes that scroll a table sticks out; pale letters have too little contrast; TL-4 breaks."""
+    """A table too wide, pale letters and a broken name are found."""
     css = ".scroll { overflow-x: visible !important; } .whole { white-space: normal !important; }"
     css += " table { min-width: 900px; } .kicker { color: #eee !important; }"
     narrow = '<p style="width: 1.5em">TL-4</p></main>'
     path = changed(page, tmp_path / "a.html", "</style>", f"{css}</style>")
     path = changed(path, tmp_path / "b.html", "</main>", narrow)
-    with opened(browser, path, 390) as shown:
-        assert any("<td>" in said for said in screen.outside(shown.page))
-        assert any("color-contrast" in said for said in screen.violations(shown.page))
-        assert "broken across lines: TL-4" in screen.broken(shown.page)
+    with opened(browser, path, 390) as session:
+        assert any("<td>" in fault for fault in screen.outside(session.page))
+        assert any("color-contrast" in fault for fault in screen.violations(session.page))
+        assert "broken across lines: TL-4" in screen.broken(session.page)
 
 
 def test_a_cut_column_is_found_on_paper(browser, page, tmp_path):
     """A table that is wider than paper, its end cut off."""
     css = "@media print { .scroll { overflow: hidden !important; } table { width: 300% !important; } }"
-    with opened(browser, changed(page, tmp_path / "a.html", "</style>", f"{css}</style>")) as shown:
-        found = paper.missing(shown.page)
-    assert any("not on paper, of table" in said for said in found)
+    with opened(browser, changed(page, tmp_path / "a.html", "</style>", f"{css}</style>")) as session:
+        faults = paper.missing(session.page)
+    assert any("not on paper, of table" in fault for fault in faults)
     lost = changed(page, tmp_path / "b.html", "</h2>", "</h2><h3 hidden>A lost heading</h3>")
-    with opened(browser, lost) as shown:
-        assert paper.missing(shown.page) == ["not on paper: A lost heading"]
+    with opened(browser, lost) as session:
+        assert paper.missing(session.page) == ["not on paper: A lost heading"]
 
 
 def test_words_of_charts_that_are_cut_or_overprinted_are_found(browser, page, tmp_path):
     words = '<text x="390" y="20">outside</text><text x="50" y="60">one</text><text x="55" y="62">two</text>'
     path = changed(page, tmp_path / "a.html", "</main>", CHART.format(words) + CHART.format("") + "</main>")
-    with opened(browser, path, scripts=False) as shown:
-        found = ['cut in "a chart": outside', 'overprinted in "a chart": one by two']
-        assert (charts.words(shown.page), charts.empty(shown.page)) == (found, ["nothing drawn: A chart"])
+    with opened(browser, path, scripts=False) as session:
+        faults = ['cut in "a chart": outside', 'overprinted in "a chart": one by two']
+        assert (charts.words(session.page), charts.empty(session.page)) == (
+            faults,
+            ["nothing drawn: A chart"],
+        )
 
 
 def test_what_a_page_asks_for_and_complains_of_is_found(browser, page, tmp_path):
-    """A picture from elsewhere, which the page's own policy refuses, and without that policy is asked for."""
+    """A picture from elsewhere is refused by policy, otherwise requested."""
     picture = '<img src="http://127.0.0.1:9/a.png" alt="a picture">'
     path = changed(page, tmp_path / "a.html", "</main>", f"{picture}</main>")
-    with opened(browser, path) as shown:
-        assert any("Content Security Policy" in said for said in shown.errors)
-    with opened(browser, changed(path, tmp_path / "b.html", "img-src data:;", "img-src *;")) as shown:
-        assert shown.requests == ["http://127.0.0.1:9/a.png"]
+    with opened(browser, path) as session:
+        assert any("Content Security Policy" in error for error in session.errors)
+    with opened(browser, changed(path, tmp_path / "b.html", "img-src data:;", "img-src *;")) as session:
+        assert session.requests == ["http://127.0.0.1:9/a.png"]

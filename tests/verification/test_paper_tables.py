@@ -1,4 +1,4 @@
-"""Verification: the command `paper`: cells, closed forms, prose, page and files."""
+"""Verify cells, closed forms, prose and files of the command `paper`."""
 
 import html
 import json
@@ -71,7 +71,7 @@ def test_inputs_in_si_by_hand():
 
 
 def test_a_row_of_table_4_by_hand(review):
-    """The force is inverse to the duration and in proportion to 1/(1 - e).
+    """The force is inverse to duration and to 1 - e.
 
     phi_a is force over measured force.
     """
@@ -140,7 +140,10 @@ def test_the_fraction_of_the_mass_that_a_corner_brings():
 
 @pytest.mark.parametrize("friction", [0.0, 0.47])
 def test_the_fraction_against_a_strike_of_the_rear_corner_alone(friction):
-    """J = (1 + e) m_eff v_E with v_E = 2 v_GY at angle zero."""
+    """The impulse is (1 + e) m_eff v_E.
+
+    At angle zero v_E = 2 v_GY.
+    """
     start = ImpactState(0.0, 1.219 + 0.01, -0.002, 20.0, -3.0, 0.6)  # the front corner 20 mm off
     contact = WallContact(CrushLaw(1e11, 0.0, 0.5), friction)
     strike = solve_impact(paper_numbers.IMPACT_TRUCK, contact, start, 1e-3).strikes[0]

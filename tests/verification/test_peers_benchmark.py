@@ -1,4 +1,4 @@
-"""Verification: measures of benchmarks/peers.py, and codes without a result in its table."""
+"""Verify measures of benchmarks/peers.py, and its table."""
 
 import math
 
@@ -45,8 +45,8 @@ class SteadyTurn:
 
 
 def test_the_rigid_motion_is_the_exact_one():
-    found = rigid_body.of_rectangle(Plate((20, 6), 1e-5, angle=0.26))
-    np.testing.assert_allclose(found, NONE, rtol=1e-10)
+    motion = rigid_body.of_rectangle(Plate((20, 6), 1e-5, angle=0.26))
+    np.testing.assert_allclose(motion, NONE, rtol=1e-10)
 
 
 def test_row_sums_overstate_the_inertia_by_the_square_of_the_element():
@@ -60,16 +60,16 @@ def test_row_sums_overstate_the_inertia_by_the_square_of_the_element():
 @pytest.mark.parametrize("lag", [0.0, 0.5, 1.0])
 def test_the_tail_slap_is_found_between_steps(lag):
     time = PLATE.angle / PLATE.omega
-    found = jobs.event(PLATE, reading(PLATE), SteadyTurn(PLATE, lag), time, limit=60.0)["values"]
+    values = jobs.event(PLATE, reading(PLATE), SteadyTurn(PLATE, lag), time, limit=60.0)["values"]
     v_g = PLATE.speed - PLATE.omega * PLATE.width / 2, -PLATE.omega * PLATE.length / 2
-    np.testing.assert_allclose(found, [time, *v_g, PLATE.omega, PLATE.speed * time], rtol=1e-9)
+    np.testing.assert_allclose(values, [time, *v_g, PLATE.omega, PLATE.speed * time], rtol=1e-9)
 
 
 def test_a_loop_that_takes_too_long_is_left_and_reckoned(monkeypatch):
     monkeypatch.setattr(jobs, "PROBE_S", 0.0)
-    found = jobs.event(PLATE, reading(PLATE), SteadyTurn(PLATE, 0.0), expected=1e3, limit=0.0)
-    assert found["values"] is None
-    assert found["loop_s"] == pytest.approx(found["ran_s"] * 1e3 / PLATE.time_step / jobs.FIRST_STEPS)
+    event = jobs.event(PLATE, reading(PLATE), SteadyTurn(PLATE, 0.0), expected=1e3, limit=0.0)
+    assert event["values"] is None
+    assert event["loop_s"] == pytest.approx(event["ran_s"] * 1e3 / PLATE.time_step / jobs.FIRST_STEPS)
 
 
 @pytest.mark.parametrize("distortion", [0.0, DISTORTION])
@@ -98,8 +98,8 @@ def no_code():
 def rows():
     exact, lumped = (make(PLATE) for make in (rigid_body.of_rectangle, rigid_body.of_row_sums))
     mesh = entries.Mesh(PLATE, 0.0, exact, lumped)
-    found = [Turn(2.0, 0.5, 0.25, tuple(lumped * (1.0 + share)), "1.0") for share in (1e-3, 1e-3 + 1e-9)]
-    makers = {entries.ALIKE: lambda: found[0], "Akantu": lambda: found[1]}
+    turns = [Turn(2.0, 0.5, 0.25, tuple(lumped * (1.0 + share)), "1.0") for share in (1e-3, 1e-3 + 1e-9)]
+    makers = {entries.ALIKE: lambda: turns[0], "Akantu": lambda: turns[1]}
     makers |= {"Kratos": lambda: LEFT, "Warp loop": no_code}
     return [row(mesh, code, measure) for code, measure in makers.items()]
 
@@ -122,11 +122,11 @@ def test_the_table_says_what_was_not_measured_and_what_is_reckoned():
 
 
 def test_the_values_stand_below_the_exact_ones():
-    shown = rows()
-    first, *others = table.values_rows(shown)
-    assert first == ("exact", *(f"{value:.10g}" for value in shown[0].exact))
-    assert [row[0] for row in others] == [entries.ALIKE, "Akantu"]
-    assert " | ".join(others[1]) in table.markdown(shown, "head")
+    lines = rows()
+    first, *rest = table.values_rows(lines)
+    assert first == ("exact", *(f"{value:.10g}" for value in lines[0].exact))
+    assert [row[0] for row in rest] == [entries.ALIKE, "Akantu"]
+    assert " | ".join(rest[1]) in table.markdown(lines, "head")
 
 
 def test_the_picture_has_a_line_for_each_code_that_ended_and_a_dashed_one_for_reckoned_times():
@@ -134,11 +134,11 @@ def test_the_picture_has_a_line_for_each_code_that_ended_and_a_dashed_one_for_re
     mesh = entries.Mesh(plate, 0.0, np.array(NONE), np.array(NONE))
     turn = Turn(2.0, 0.5, 0.25, tuple(1.001 * np.array(NONE)), "1.0")
     makers = {"Akantu": lambda: turn, "Kratos": lambda: LEFT, "Warp loop": no_code}
-    shown = [row(mesh, code, measure) for code, measure in makers.items()]
-    drawn = picture.draw(shown).svg
+    lines = [row(mesh, code, measure) for code, measure in makers.items()]
+    drawn = picture.draw(lines).svg
     labels = 'data-label="Akantu"', 'data-label="Kratos"', "Warp"
     assert [label in drawn for label in labels] == [True, True, False]
     assert drawn.count('stroke-dasharray="4 3"') == 2
-    reckoned = picture.points(shown, is_distorted=False)[1]
+    reckoned = picture.points(lines, is_distorted=False)[1]
     assert reckoned._replace(error=0.0) == picture.Point("Kratos", PLATE.count, 150.0, 0.0, True)
     assert reckoned.error == pytest.approx(1e-3)

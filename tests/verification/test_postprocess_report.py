@@ -1,4 +1,4 @@
-"""Verification: tables are equal everywhere; pages are complete, fetch nothing and are accessible."""
+"""Verify tables and the completeness and accessibility of pages."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ Element = tuple[str, dict[str, str], tuple[str, ...], list[str]]
 
 
 class Parsed(HTMLParser):
-    """Every element with its attributes, those above it, and the pieces of its text; all are closed in their order."""
+    """Elements with attributes, ancestors and text, all closed."""
 
     def __init__(self, text):
         super().__init__()
@@ -67,13 +67,14 @@ class Parsed(HTMLParser):
 
     def named(self, *tags):
         return [(t, a, above, "".join(said).strip()) for t, a, above, said in self.elements if t in tags]
+        return [(t, a, above, "".join(text).strip()) for t, a, above, text in self.elements if t in tags]
 
     def inside(self, tag):
-        return "".join("".join(said) for each, _, _, said in self.elements if each == tag)
+        return "".join("".join(text) for name, _, _, text in self.elements if name == tag)
 
     @property
     def attributes(self):
-        return [(tag, *pair) for tag, found, *_ in self.elements for pair in found.items()]
+        return [(tag, *pair) for tag, attributes, *_ in self.elements for pair in attributes.items()]
 
     @property
     def tags(self):
@@ -132,13 +133,13 @@ def page(tmp_path):
 
 
 def test_every_number_and_word_is_there(page):
-    said = [
+    pieces = [
         "A kicker", "mash<tl4>", "The answer.", "The set-up.", "The certainty.", "A lead.", "A table",
         "measured", "Size [m]", "0.333",
     ]  # fmt: skip
-    said += ["along <the> wall", "not a number", "A note.", "mass", "9979", "curve-1", "Angular velocity"]
-    said += ["N < 0 pulls", "The footer."]
-    assert [piece for piece in said if piece not in page.text] == []
+    pieces += ["along <the> wall", "not a number", "A note.", "mass", "9979", "curve-1", "Angular velocity"]
+    pieces += ["N < 0 pulls", "The footer."]
+    assert [piece for piece in pieces if piece not in page.text] == []
     assert (page.pieces.count("passed"), page.pieces.count("failed")) == (1, 1)
     assert "checks passed" in page.pieces
     assert ("tr", "class", "failed") in page.attributes
@@ -167,14 +168,12 @@ def test_the_scene_is_shown_verbatim_and_cannot_become_markup(page):
 
 def test_nothing_is_fetched(page):
     names = ("src", "href", "xlink:href", "srcset", "action")
-    kept = [link for _, link, *_ in page.named("a") if "download" in link]
-    others = [attributes for _, attributes, *_ in page.elements if attributes not in kept]
-    links = [value for attributes in others for name, value in attributes.items() if name in names]
+    downloads = [link for _, link, *_ in page.named("a") if "download" in link]
+    rest = [attributes for _, attributes, *_ in page.elements if attributes not in downloads]
+    links = [value for attributes in rest for name, value in attributes.items() if name in names]
     assert links
     assert all(link.startswith(("data:image/png;base64,", "#")) for link in links)
-    assert [link["href"] for link in kept] == ["omega.svg"], (
-        "to a file beside the page, if the reader wants it"
-    )
+    assert [link["href"] for link in downloads] == ["omega.svg"], "a file beside the page"
     assert not {"link", "iframe", "object"} & page.tags
     assert not re.search(r"fetch|import|XMLHttp|https?:(?!//www.w3.org/2000/svg)", page.inside("script"))
     for words in ("@import", "url("):
@@ -194,7 +193,7 @@ def test_a_missing_picture_is_an_error(tmp_path):
 
 
 def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path):
-    """Files hold the values themselves, terminal and page what people read of them."""
+    """Files hold the values, terminal and page their text."""
     report = Report(full_page(tmp_path), {"a": math.inf}, (TABLE, "A sentence."), {"table.csv": TABLE})
     write_report(report, tmp_path)
     with (tmp_path / "table.csv").open() as file:
@@ -204,10 +203,10 @@ def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path):
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert list(summary) == ["title", "answer", "set_up", "certainty", "band", "a"]
     assert (summary["answer"], summary["a"]) == ("The answer.", None)
-    said = report_text(report, tmp_path)
+    text = report_text(report, tmp_path)
     for piece in ("A table", "measured", "Size", "[m]", "0.333", "not a number", "A note.", "A sentence."):
-        assert piece in said
-    assert said.endswith(f"Report: {tmp_path / 'report.html'}")
+        assert piece in text
+    assert text.endswith(f"Report: {tmp_path / 'report.html'}")
 
 
 def test_a_record_without_the_entry_is_an_error():
@@ -215,74 +214,72 @@ def test_a_record_without_the_entry_is_an_error():
         Table((Column("nothing", ""),), RECORDS).records()
 
 
-def run_page(made, folder):
-    report = CornerReport(made).composed(pictures=False)
+def run_page(outcome, folder):
+    report = CornerReport(outcome).composed(pictures=False)
     write_report(report, folder)
     return Parsed((folder / "report.html").read_text(encoding="utf-8"))
 
 
 def test_the_page_of_a_run_holds_its_numbers(outcome, tmp_path):
-    made = outcome("paper-table-3")
-    page = run_page(made, tmp_path)
-    assert f"agree within {percent_up(max(map(abs, made.difference.values())))};" in page.text.replace(
-        prose.NO_BREAK, " "
-    )
+    result = outcome("paper-table-3")
+    page = run_page(result, tmp_path)
+    agreement = f"agree within {percent_up(max(map(abs, result.difference.values())))};"
+    assert agreement in page.text.replace(prose.NO_BREAK, " ")
     assert "Failed" not in page.text
-    for check in made.checks:
-        assert check.name in page.text
-    for value in (*made.fe.values(), *made.rigid.values()):
-        assert shown(value, "#.5g").replace("-", "−") in page.text
-    printed = ("0.383", "23.27", "−3.274", "23.305", "−3.289", "8.915", "Infrastructures 2025, 10(11), 307")
-    for said in printed:
-        assert said in page.text
+    numbers = [
+        shown(value, "#.5g").replace("-", "−") for value in (*result.fe.values(), *result.rigid.values())
+    ]
+    printed = ["0.383", "23.27", "−3.274", "23.305", "−3.289", "8.915", "Infrastructures 2025, 10(11), 307"]
+    for text in (*(check.name for check in result.checks), *numbers, *printed):
+        assert text in page.text
 
 
 def test_files_hold_the_force_and_its_ratio_to_design_forces(outcome):
-    """Stage 3: a triangular pulse that takes all of m v_GY in 0.1 s."""
-    made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
-    summary = CornerReport(made).summary(pictures=False)
-    force = 2.0 * 9979.0 * abs(made.fe["v_gy"]) / 0.1
+    """Stage 3 is a triangular pulse of m v_GY in 0.1 s."""
+    result = outcome("mash-tl4-sut", "impact.speed=20 m/s")
+    summary = CornerReport(result).summary(pictures=False)
+    force = 2.0 * 9979.0 * abs(result.fe["v_gy"]) / 0.1
     assert summary["peak_force"]["fe"] == pytest.approx(force, rel=1e-12)
     assert summary["peak_force"]["rigid"] == summary["stage3"]["peak_force"]
     first = summary["design_forces"][0]
     mean = 0.75 * force  # over the middle 50 ms
     assert first["ratio"] * first["force"] == pytest.approx(mean, rel=1e-12)
-    assert made.fe_plan.case.row(made)["fe.peak_force"] == summary["peak_force"]["fe"]
+    assert result.fe_plan.case.row(result)["fe.peak_force"] == summary["peak_force"]["fe"]
 
 
 def test_a_failed_run_says_so(outcome, tmp_path):
-    made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
-    first, *others = made.checks
+    result = outcome("mash-tl4-sut", "impact.speed=20 m/s")
+    first, *passing = result.checks
     broken = replace(first, passed=False, value=math.nan)
-    difference = dict.fromkeys(made.difference, math.nan)
-    page = run_page(replace(made, checks=(broken, *others), difference=difference), tmp_path)
-    assert (page.pieces.count("failed"), page.pieces.count("passed")) == (1, len(others))
-    assert f"1 of {len(made.checks)} checks failed" in page.pieces
+    difference = dict.fromkeys(result.difference, math.nan)
+    page = run_page(replace(result, checks=(broken, *passing), difference=difference), tmp_path)
+    assert (page.pieces.count("failed"), page.pieces.count("passed")) == (1, len(passing))
+    assert f"1 of {len(result.checks)} checks failed" in page.pieces
     assert ("body", "class", "failed") in page.attributes, "whose numbers are grey"
     assert ".failed section:not(:first-child) .strong { color: var(--soft)" in page.inside("style")
     assert f"Failed: {first.name} not a number (limit {first.limit:.3g}). Remedy: " in page.text.replace(
         prose.NO_BREAK, " "
     )
     assert "Failed checks and remedies" in page.text
-    for said in (*first.advice.split("; "), *chosen_sentences(made.fe_plan), *CornerReport(made).causes):
-        plain = re.sub("<[^>]+>", "", html.unescape(str(prose.prose(said))))
+    for text in (*first.advice.split("; "), *chosen_sentences(result.fe_plan), *CornerReport(result).causes):
+        plain = re.sub("<[^>]+>", "", html.unescape(str(prose.prose(text))))
         assert plain.replace(prose.NO_BREAK, " ") in page.text
     assert "not a number" in page.text
     assert "Paper, ABAQUS" not in page.text
 
 
 def test_the_terminal_tells_once_what_was_chosen(outcome):
-    made = outcome("mash-tl4-sut", "impact.speed=20 m/s", "plate.start=unstressed")
-    shown_ones = [decision.text for decision in made.fe_plan.decisions]
-    failed = replace(made.checks[0], passed=False)
-    said = CornerReport(replace(made, checks=(failed, *made.checks[1:]))).terminal
-    text = "\n".join(line for line in said if isinstance(line, str))
-    assert [text.count(each) for each in shown_ones] == [1] * len(shown_ones) != []
-    (cause,) = CornerReport(made).causes
+    result = outcome("mash-tl4-sut", "impact.speed=20 m/s", "plate.start=unstressed")
+    decisions = [decision.text for decision in result.fe_plan.decisions]
+    failed = replace(result.checks[0], passed=False)
+    terminal = CornerReport(replace(result, checks=(failed, *result.checks[1:]))).terminal
+    text = "\n".join(line for line in terminal if isinstance(line, str))
+    assert [text.count(decision) for decision in decisions] == [1] * len(decisions) != []
+    (cause,) = CornerReport(result).causes
     assert cause in text
 
 
-def whole(name):
+def unbroken(name):
     return f'<span class="whole">{name}</span>'
 
 
@@ -299,10 +296,10 @@ IN_PRINT = [
     ("at most 1e-03, 1.0e+00, 0.0e+00", "at most 10⁻³, 1.0, 0"),
     ("-3.27 m/s, +5.1e-04", "−3.27 m/s, +5.1×10⁻⁴"),
     ("at least 1.18e+01, 5.30e-01, 2e+02", "at least 11.8, 0.530, 200"),
-    ("TL-4, -2, a-b", f"{whole('TL-4')}, −2, a-b"),
-    ('= "quad4-reduced"', f"= &#34;{whole('quad4-reduced')}&#34;"),
-    ("quad4-reduced: 4", f"{whole('quad4-reduced')}: 4"),
-    ("2025-10-11, CFC-180", f"{whole('2025-10-11')}, {whole('CFC-180')}"),
+    ("TL-4, -2, a-b", f"{unbroken('TL-4')}, −2, a-b"),
+    ('= "quad4-reduced"', f"= &#34;{unbroken('quad4-reduced')}&#34;"),
+    ("quad4-reduced: 4", f"{unbroken('quad4-reduced')}: 4"),
+    ("2025-10-11, CFC-180", f"{unbroken('2025-10-11')}, {unbroken('CFC-180')}"),
     ("omega and mu |N|, start.omega", "ω and μ |N|, start.omega"),
     ("2 MN/m^2, exp(-3)", "2 MN/m², exp(−3)"),
     ("from v_GX", "from <i>v</i><sub>GX</sub>"),
@@ -316,13 +313,13 @@ def test_numbers_are_set_as_in_print(text, expected):
 
 
 def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
-    """Forces, design forces and the five quantities before all else; no more than 60 numbers are in the open."""
-    made = outcome("mash-tl4-sut", "impact.speed=20 m/s")
-    report = CornerReport(made).composed(pictures=False)
+    """Set-up, forces and quantities are first, with at most 60 numbers."""
+    result = outcome("mash-tl4-sut", "impact.speed=20 m/s")
+    report = CornerReport(result).composed(pictures=False)
     set_up, forces, quantities, *_ = (section for section in report.page.sections if not section.is_empty)
     titles = set_up.title, forces.title, quantities.title
     assert titles == ("Set-up", "Peak lateral force", "At the tail-slap")
-    force = made.fe_plan.case.force.peak_force
+    force = result.fe_plan.case.force.peak_force
     assert f"{force / 1e3:#.4g}" in forces.tables[0].columns[2].text({"rigid": force})
     names = [row["name"] for row in forces.tables[1].rows]
     assert names[:2] == ["This impact, 50 ms mean", "MASH (TTI), TL-4"]
@@ -335,17 +332,17 @@ def test_the_answer_comes_first_and_detail_is_folded(outcome, tmp_path):
 
 def test_the_page_shows_the_scene_as_it_was_run(outcome):
     text = CornerReport(outcome("mash-tl4-sut", "impact.speed=20 m/s")).page(pictures=False).scene_text
-    given = tomllib.loads(text)
-    assert given["impact"]["speed"] == "20 m/s"
+    scene = tomllib.loads(text)
+    assert scene["impact"]["speed"] == "20 m/s"
     assert "56 mph" not in text
-    assert given["vehicle"] == {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"}
+    assert scene["vehicle"] == {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"}
     assert "changed: impact.speed" in text
 
 
 def test_a_run_without_a_strike(outcome, tmp_path):
-    made = replace(outcome("mash-tl4-sut"), fe={}, difference={})
-    vars(made)["metrics"] = {}
-    page = run_page(made, tmp_path)
+    result = replace(outcome("mash-tl4-sut"), fe={}, difference={})
+    vars(result)["metrics"] = {}
+    page = run_page(result, tmp_path)
     assert "No tail-slap within the run." in page.text
     for heading in ("FE histories against", "The plate at the tail-slap"):
         assert heading not in page.text
@@ -362,9 +359,9 @@ PRINTED = [
 ]
 
 
-@pytest.mark.parametrize(("said", "expected"), PRINTED)
-def test_numbers_as_printed(said, expected):
-    assert said == expected
+@pytest.mark.parametrize(("text", "expected"), PRINTED)
+def test_numbers_as_printed(text, expected):
+    assert text == expected
 
 
 SIGNED = [
@@ -386,9 +383,9 @@ def any_page(request, tmp_path_factory, outcome):
     place = tmp_path_factory.mktemp("pages") / "out"
     if request.param in ("run", "failed"):
         flutter = ("impact.friction=0.8", "corner.penalty_scale=3", "damping.kind=none")
-        made = outcome("mash-tl4-sut", *(flutter if request.param == "failed" else ()))
+        result = outcome("mash-tl4-sut", *(flutter if request.param == "failed" else ()))
         place.mkdir()
-        pages.write_page(place / "report.html", CornerReport(made).page(pictures=False))
+        pages.write_page(place / "report.html", CornerReport(result).page(pictures=False))
         return Parsed((place / "report.html").read_text(encoding="utf-8"))
     commands = {
         "impact": ("run", "impact-mash-tl4-sut", "--no-pictures"),
@@ -450,7 +447,7 @@ def test_ids_are_unique_and_links_lead_somewhere(any_page):
 
 
 def test_without_scripts_all_is_there(any_page):
-    """The script adds only the values at the pointer: no element requires it."""
+    """The script adds the values at the pointer alone."""
     (script,) = any_page.named("script")
     assert script[2] == ("html", "body")
     assert not any("hidden" in attributes for _, attributes, *_ in any_page.elements)
@@ -478,8 +475,8 @@ def test_paper_cuts_no_column_and_leaves_no_heading_alone():
     paper = css[css.index("@media print") :]
     for rule in (".scroll { overflow: visible; }", "white-space: normal", "size: A4"):
         assert rule in paper
-    kept = ", ".join(re.findall(r"^  (.*) \{ break-after: avoid; \}", paper, re.MULTILINE))
-    assert {"h2", "h3", "summary", "caption", "thead"} <= set(kept.split(", "))
+    selectors = ", ".join(re.findall(r"^  (.*) \{ break-after: avoid; \}", paper, re.MULTILINE))
+    assert {"h2", "h3", "summary", "caption", "thead"} <= set(selectors.split(", "))
     script = (TEMPLATES / "page.js").read_text(encoding="utf-8")
     assert "beforeprint" in script, "what is folded is printed"
 
@@ -488,30 +485,30 @@ def test_a_name_that_is_kept_whole_is(tmp_path):
     """TL-4 in the table of design forces."""
     row = dict.fromkeys(column.key for column in DESIGN)
     table = Table(DESIGN, [row | {"name": "AASHTO LRFD, TL-4", "force": 240e3, "ratio": 2.0}])
-    made = pages.Page("", pages.Headline("x", ""), (pages.Section("Forces", tables=(table,)),), "")
-    text = pages.write_page(tmp_path / "p.html", made).read_text(encoding="utf-8")
+    report_page = pages.Page("", pages.Headline("x", ""), (pages.Section("Forces", tables=(table,)),), "")
+    text = pages.write_page(tmp_path / "p.html", report_page).read_text(encoding="utf-8")
     assert '<th scope="row" class="whole">AASHTO LRFD, <span class="whole">TL-4</span><' in text
     assert ".whole { white-space: nowrap; }" in text
 
 
 def test_a_table_of_many_columns_is_set_smaller(tmp_path):
     """By their number, or by the letters of their headings."""
-    tables = [text_table(*headings, rows=[["1"] * len(headings)]) for headings in (["a"] * 9, ["a"] * 10)]
-    tables += [text_table(*["a" * n] * 4, rows=[["1"] * 4]) for n in (24, 25)]
+    headings = [["a"] * 9, ["a"] * 10, ["a" * 24] * 4, ["a" * 25] * 4]
+    tables = [text_table(*names, rows=[["1"] * len(names)]) for names in headings]
     assert [table.is_wide for table in tables] == [False, True, False, True]
-    made = pages.Page("", pages.Headline("x", ""), (pages.Section("Tables", tables=tables),), "")
-    assert pages.write_page(tmp_path / "p.html", made).read_text().count('<table class="dense">') == 2
+    report_page = pages.Page("", pages.Headline("x", ""), (pages.Section("Tables", tables=tables),), "")
+    assert pages.write_page(tmp_path / "p.html", report_page).read_text().count('<table class="dense">') == 2
 
 
 def test_a_legend_of_several_charts_has_a_row_of_its_own(tmp_path):
-    """In narrow columns its letters would be smaller than those of the charts."""
+    """Its letters are as large as those of the charts."""
     line = Line("", np.arange(2.0), np.arange(2.0))
     chart = draw_chart("b", "A chart", (Plot((line,), Axis("y")),), Axis("x"))
     charts = (draw_legend("a", "What colours mean", (Swatch("right", "green"),)), chart)
-    made = pages.Page(
+    report_page = pages.Page(
         "", pages.Headline("x", ""), (pages.Section("Charts", figures=charts, layout="narrow"),), ""
     )
-    text = pages.write_page(tmp_path / "p.html", made).read_text(encoding="utf-8")
+    text = pages.write_page(tmp_path / "p.html", report_page).read_text(encoding="utf-8")
     assert text.count('<figure class="legend">') == 1
     assert ".legend { grid-column: 1 / -1; }" in text
 
@@ -543,19 +540,22 @@ ENTRIES = [
 
 @pytest.mark.parametrize(("key", "text"), ENTRIES)
 def test_entries_of_entries(key, text):
-    """Of mappings, tuples and objects; a dash where an entry of the path is None, or a number is NaN."""
+    """Mappings, tuples and objects, with a dash for None and NaN."""
     assert Column(key, "", form=known(".1f")).text(RUN) == text
 
 
 def test_columns_of_one_form():
-    made = columns({"values.0": "first", "values.1": "second"}, form=".2f", group="values")
+    value_columns = columns({"values.0": "first", "values.1": "second"}, form=".2f", group="values")
     expected = [("values.0", "first", "values"), ("values.1", "second", "values")]
-    assert ([(c.key, c.label, c.group) for c in made], made[0].text(RUN)) == (expected, "1.00")
+    assert ([(c.key, c.label, c.group) for c in value_columns], value_columns[0].text(RUN)) == (
+        expected,
+        "1.00",
+    )
 
 
 def test_negligible_numbers_are_zero():
-    shown = known(".1e", negligible=1e-9)
-    assert [shown(x) for x in (-9e-10, -2e-9, math.inf)] == ["0", "-2.0e-09", "–"]
+    text_of = known(".1e", negligible=1e-9)
+    assert [text_of(x) for x in (-9e-10, -2e-9, math.inf)] == ["0", "-2.0e-09", "–"]
     assert known(".1e")(1e-300) == "1.0e-300"
 
 

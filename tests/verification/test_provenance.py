@@ -1,4 +1,4 @@
-"""Verification: the description of a result for archives names every file with its digest, the page as well."""
+"""Verify that the description for archives names every file and digest."""
 
 import hashlib
 import json
@@ -52,7 +52,7 @@ def test_digests_are_those_of_the_manifest(folder, entities):
 
 
 def test_root_has_what_the_profile_demands(entities):
-    """RO-Crate 1.1: a descriptor that conforms and is about the root; name, description and date of that."""
+    """RO-Crate 1.1 requires a descriptor, name, description and date."""
     descriptor, root = entities[CRATE], entities["./"]
     assert descriptor["@type"] == "CreativeWork"
     assert descriptor["conformsTo"] == {"@id": "https://w3id.org/ro/crate/1.1"}
@@ -66,9 +66,9 @@ def test_root_has_what_the_profile_demands(entities):
 
 
 def test_page_shows_the_digest_that_the_shell_computes(folder, entities):
-    found = subprocess.run(["sh", "-c", SHELL], cwd=folder, capture_output=True, text=True).stdout.split()[0]
-    assert entities["./"]["identifier"] == f"sha256:{found}"
-    assert found in (folder / "report.html").read_text()
+    digest = subprocess.run(["sh", "-c", SHELL], cwd=folder, capture_output=True, text=True).stdout.split()[0]
+    assert entities["./"]["identifier"] == f"sha256:{digest}"
+    assert digest in (folder / "report.html").read_text()
 
 
 def test_another_number_has_another_digest(tmp_path):

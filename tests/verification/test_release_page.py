@@ -1,4 +1,4 @@
-"""Verification: benchmarks/release.py has a command for every figure of docs/accuracy.md, and its output."""
+"""Verify that benchmarks/release.py measures every figure of docs/accuracy.md."""
 
 import re
 
@@ -14,8 +14,8 @@ NOT_MEASURED = ("| quantity |", "| code |", "|---", "On two cores", "All figures
 
 def test_every_statement_with_a_figure_has_a_command():
     measured = [line for line in LINES if any(words in line for words in WORDS)]
-    found = [line[:60] for line in LINES if line not in measured and not line.startswith(NOT_MEASURED)]
-    assert found == []
+    unmeasured = [line[:60] for line in LINES if line not in measured and not line.startswith(NOT_MEASURED)]
+    assert unmeasured == []
 
 
 @pytest.mark.parametrize("words", WORDS)
@@ -30,16 +30,16 @@ def test_every_command_is_a_file():
 
 def test_page_has_what_the_commands_printed(tmp_path):
     """One that succeeds, one that fails, one without its requirement."""
-    given = {"OTHERS": None, "EARLIER": "elsewhere"}
+    requirements = {"OTHERS": None, "EARLIER": "elsewhere"}
     commands = ("-m platform", "-c raise(SystemExit(3))", "benchmarks/speed.py OTHERS")
-    done = [release.measure(command, given) for command in commands]
-    assert [run.outcome for run in done] == ["ran", "exit status 3", "not run"]
-    made = release.report(dict.fromkeys(commands, ("108 cases:",)), done, "abc")
-    assert not made.passed
+    runs = [release.measure(command, requirements) for command in commands]
+    assert [run.outcome for run in runs] == ["ran", "exit status 3", "not run"]
+    release_page = release.report(dict.fromkeys(commands, ("108 cases:",)), runs, "abc")
+    assert not release_page.passed
     with result_folder(tmp_path / "out") as folder:
-        release.write_report(made, folder)
+        release.write_report(release_page, folder)
     text = (tmp_path / "out" / "report.html").read_text().replace("\u00a0", " ")
-    assert done[0].text.split()[0] in text
+    assert runs[0].text.split()[0] in text
     assert "103 correct within" in text
     assert re.search("exit status 3", text)
-    assert (tmp_path / "out" / "m-platform.txt").read_text() == done[0].text
+    assert (tmp_path / "out" / "m-platform.txt").read_text() == runs[0].text

@@ -1,5 +1,6 @@
-"""Verification: a result folder is whole, the earlier or the new one, whatever fails and wherever a process is killed;
-one command at a time works in it, and nothing of others is lost.
+"""Verify that a folder has one complete result after any failure.
+
+One command at a time works in it, and files of others remain.
 """
 
 import contextlib
@@ -34,7 +35,7 @@ def fill(place, **more):
 
 
 def tree(folder):
-    """All paths below, with the text of files and the targets of links."""
+    """Paths below a folder, with texts of files and targets of links."""
     paths = {str(path.relative_to(folder)): path for path in folder.rglob("*")}
     return {
         name: os.readlink(path) if path.is_symlink() else path.read_text() if path.is_file() else None
@@ -44,7 +45,7 @@ def tree(folder):
 
 @pytest.fixture
 def place(tmp_path):
-    """The place of a result, with an earlier one in it; nothing else is in the folder above it."""
+    """Folder with an earlier result, alone in its parent."""
     fill(tmp_path / "results" / "a", old="old")
     return tmp_path / "results" / "a"
 
@@ -58,7 +59,7 @@ def foreign(place, texts):
 
 
 def refused(place, named):
-    """The folder is never yielded to work in; nothing is changed."""
+    """Expect an error before any work, without changes."""
     before = tree(place.parent)
     with pytest.raises(InputError, match=named) as caught, result_folder(place):
         raise AssertionError
@@ -68,12 +69,12 @@ def refused(place, named):
 
 
 def test_the_manifest_lists_what_was_written(place):
-    written = json.loads((place / NAME).read_text())
-    assert (written["program"], written["command"], written["scene"]) == ("tailslap", "", "")
-    found = {item["path"]: (item["size"], item["sha256"]) for item in written["files"]}
+    contents = json.loads((place / NAME).read_text())
+    assert (contents["program"], contents["command"], contents["scene"]) == ("tailslap", "", "")
+    listed = {item["path"]: (item["size"], item["sha256"]) for item in contents["files"]}
     texts = {**RESULT, "old.txt": "old"}
     digests = {name: (len(text), hashlib.sha256(text.encode()).hexdigest()) for name, text in texts.items()}
-    assert found == digests
+    assert listed == digests
 
 
 def test_absent_and_empty_folders_are_places_and_a_result_is_replaced(place):
@@ -90,12 +91,14 @@ def test_a_folder_with_a_summary_is_no_result(tmp_path, capsys):
     mine = foreign(tmp_path / "mine", {"thesis.txt": "x", "summary.json": "{}"})
     assert _status(["run", "paper-table-3", "--out", str(mine)]) == 2
     assert "thesis.txt" in capsys.readouterr().err
-    others = r"the folder contains other files \(summary.json, thesis.txt\)"
-    refused(mine, others + "; allowed is a new or empty folder")
+    message = (
+        r"the folder contains other files \(summary.json, thesis.txt\); allowed is a new or empty folder"
+    )
+    refused(mine, message)
 
 
 def test_results_within_are_kept(place):
-    """Results at results/a; then a result at results itself, first refused, then one that a was put into."""
+    """A result in another one remains, and prevents a new one above."""
     refused(place.parent, r"other files \(a\)")
     outer = place.parents[1] / "outer"
     fill(outer)
@@ -163,7 +166,7 @@ def test_a_manifest_that_is_not_ours_makes_no_result(tmp_path, manifest):
 
 
 def test_a_forged_manifest_reaches_nothing_outside(tmp_path):
-    """It lists a link to a file outside with that file's digest; or the manifest itself is a link."""
+    """It lists a link to a file outside, or is a link."""
     (tmp_path / "thesis.txt").write_text("x")
     mine = foreign(tmp_path / "mine", {NAME: forged()})
     (mine / "thesis.txt").symlink_to(tmp_path / "thesis.txt")
@@ -199,7 +202,7 @@ def test_a_changed_scene_has_a_folder_of_its_own(changes, name):
 
 
 def test_the_name_of_a_folder_is_bounded_and_tells_all_changes_apart():
-    """Changes that it cannot show are in its digest; it is reproducible, and no path."""
+    """Other changes are in its digest, which is reproducible."""
     long = "trailer=[{'length': '48 ft', 'width': 2.6, 'mass': 27770.0, 'hitch': 5.6, 'kingpin': 0.9}]"
     changes = [
         long, long.replace("0.9", "0.8"), "corner.reaction=a:b", "corner.reaction=a_b", "corner.reaction=Ä",
@@ -245,8 +248,8 @@ OLD, NEWER = ({"report.html": text, f"{text}.csv": text, "both.csv": text} for t
 KILLED = -9
 
 
-def write(place, texts, **given):
-    with result_folder(place, **given) as new:
+def write(place, texts, **options):
+    with result_folder(place, **options) as new:
         for name, text in texts.items():
             (new / name).write_text(text)
 
@@ -256,7 +259,10 @@ def texts(place):
 
 
 def seen(place):
-    """Return the result seen by a reader without write access, None without one. Each file is as listed."""
+    """The result as seen by a reader, None without one.
+
+    Each file is as listed.
+    """
     listed = manifest.read_manifest(folder.path_in(place, NAME).parent)
     for item in listed or ():
         assert manifest.entry(folder.path_in(place, item.path)) == item
@@ -277,15 +283,15 @@ CALLS = ("fsync", "mkdir", "open", "replace", "rmdir", "unlink")
 
 
 def break_at(patch, step, fail, calls=CALLS):
-    """Let `fail` be called before a step: a call to the system that changes a folder, or the middle of a text."""
+    """Call `fail` before a call of the system, or within a text."""
     count = itertools.count(1)
     write_text = Path.write_text
 
     def counted(call):
-        def stepped(*given, **options):
+        def stepped(*arguments, **options):
             if next(count) == step:
                 fail()
-            return call(*given, **options)
+            return call(*arguments, **options)
 
         return stepped
 
@@ -301,20 +307,23 @@ def break_at(patch, step, fail, calls=CALLS):
         patch.setattr(Path, "write_text", torn)
 
 
-def killed_at(step, function, *given, calls=CALLS):
-    """Call it in a process of its own, which is killed at a step; True if it came to its end before."""
+def killed_at(step, function, *arguments, calls=CALLS):
+    """Call a function in a process that is killed at a step.
+
+    Returns True if it ended before.
+    """
     if child := os.fork():
         return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) != KILLED
     try:
         break_at(pytest.MonkeyPatch(), step, lambda: os.kill(os.getpid(), 9), calls)
-        function(*given)
+        function(*arguments)
     finally:
         os._exit(0)
 
 
 @pytest.mark.parametrize("has_earlier", [False, True])
 def test_killed_at_every_step_the_folder_is_whole_and_the_next_one_clears_it(tmp_path, earlier, has_earlier):
-    """By a reader that may not write, one that may, and the next command."""
+    """Check a reader, one with write access, and the next command."""
     states = set()
     for step in itertools.count(1):
         place = tmp_path / f"{step}"
@@ -336,17 +345,17 @@ def test_killed_at_every_step_the_folder_is_whole_and_the_next_one_clears_it(tmp
 
 
 def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earlier, monkeypatch):
-    """So is the removal of an earlier log before there are new files."""
-    done, fsync, replace, unlink = [], os.fsync, os.replace, os.unlink
+    """Files are synchronised in the order that recovery requires."""
+    calls, fsync, replace, unlink = [], os.fsync, os.replace, os.unlink
 
     def synced(number):
-        done.append(("sync", Path(os.readlink(f"/proc/self/fd/{number}")).name))
+        calls.append(("sync", Path(os.readlink(f"/proc/self/fd/{number}")).name))
         fsync(number)
 
     def noted(call):
-        def called(*given, **options):
-            done.append((call.__name__, Path(given[0]).name))
-            return call(*given, **options)
+        def called(*arguments, **options):
+            calls.append((call.__name__, Path(arguments[0]).name))
+            return call(*arguments, **options)
 
         return called
 
@@ -355,10 +364,10 @@ def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earli
     monkeypatch.setattr(os, "unlink", noted(unlink))
     write(earlier, NEWER)
     files = {*NEWER, NAME}
-    assert done.pop(0) == ("sync", "a")
-    assert set(done[: len(files)]) == {("sync", name) for name in files}
+    assert calls.pop(0) == ("sync", "a")
+    assert set(calls[: len(files)]) == {("sync", name) for name in files}
     moved = [("replace", name) for name in (*sorted(NEWER), NAME)]
-    assert done[len(files) :] == [
+    assert calls[len(files) :] == [
         *[("sync", NEW), ("sync", LOG), ("replace", LOG), ("sync", "a"), ("unlink", "old.csv"), *moved],
         *[("sync", "a"), ("unlink", LOG), ("sync", "a"), ("unlink", LOCK)],
     ]
@@ -366,7 +375,7 @@ def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earli
 
 @pytest.mark.parametrize("failure", [OSError(5, "the disk is broken"), KeyboardInterrupt()])
 def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path, earlier, failure):
-    """A new one that is complete is called so; the next command clears remains."""
+    """A complete new result is announced, and the next command clears remains."""
     for step in itertools.count(1):
         place = tmp_path / f"{step}"
         shutil.copytree(earlier, place)
@@ -385,15 +394,15 @@ def test_failure_at_each_step_leaves_the_earlier_result_or_the_new_one(tmp_path,
                 caught = error
         if not failed:
             break
-        found = seen(place)
-        assert found in (OLD, NEWER)
+        result = seen(place)
+        assert result in (OLD, NEWER)
         if isinstance(failure, KeyboardInterrupt):
             assert isinstance(caught, KeyboardInterrupt)
             assert not (place / LOG).exists()
-            assert isinstance(caught, Interrupted) <= (found == NEWER)
+            assert isinstance(caught, Interrupted) <= (result == NEWER)
         else:
             announced = "the next command completes it" in str(caught)
-            assert announced == (place / LOG).exists() <= (found == NEWER)
+            assert announced == (place / LOG).exists() <= (result == NEWER)
         write(place, NEWER)
         assert texts(place) == {**NEWER, **ADDED, NAME: texts(place)[NAME]}
     assert step > 40
@@ -411,7 +420,7 @@ def test_failure_while_it_is_filled_leaves_what_was_there(tmp_path, earlier, fai
 
 
 def half_done(place):
-    """Make a folder with a log in which two of four files are renamed."""
+    """Make a folder whose log has two of four files renamed."""
     assert not killed_at(4, write, place, NEWER, calls=("replace",))
     (place / LOCK).unlink()
     assert sorted(os.listdir(place / NEW)) == [NAME, "report.html"]
@@ -428,21 +437,21 @@ def test_a_reader_that_may_not_write_looks_through_the_log(earlier, monkeypatch)
 
 def test_a_damaged_log_is_refused_by_readers_and_writers_and_nothing_is_changed(earlier):
     half_done(earlier)
-    whole = (earlier / LOG).read_text()
-    flipped = (whole[:k] + chr(ord(whole[k]) ^ 1) + whole[k + 1 :] for k in range(0, len(whole), 29))
-    forged = json.loads(whole)
+    text = (earlier / LOG).read_text()
+    flipped = (text[:k] + chr(ord(text[k]) ^ 1) + text[k + 1 :] for k in range(0, len(text), 29))
+    forged = json.loads(text)
     forged["old"].append(forged["old"][0] | {"path": "../thesis.txt"})
     digest = manifest._digest({name: forged[name] for name in ("old", "new")})
-    for text in (*flipped, "", whole[:-1], "[]", "{}", json.dumps(forged | {"sha256": digest})):
-        if text == whole:
+    for damaged_text in (*flipped, "", text[:-1], "[]", "{}", json.dumps(forged | {"sha256": digest})):
+        if damaged_text == text:
             continue
-        (earlier / LOG).write_text(text)
+        (earlier / LOG).write_text(damaged_text)
         before = tree(earlier)
         for opened in (recover, seen, lambda place: write(place, NEWER)):
             with pytest.raises(InputError, match=f"its file {LOG}, of an interrupted command, is damaged"):
                 opened(earlier)
         assert tree(earlier) == before
-    (earlier / LOG).write_text(whole)
+    (earlier / LOG).write_text(text)
     recover(earlier)
     assert seen(earlier) == NEWER
 
@@ -458,7 +467,7 @@ def test_a_new_file_that_was_damaged_since_is_refused(earlier):
 
 
 def test_what_the_user_changed_after_a_kill_is_kept(earlier):
-    """A file that is still to be replaced is refused; one that is to be removed stays; one already replaced too."""
+    """A modified file that is to be replaced is refused, others remain."""
     half_done(earlier)
     (earlier / "report.html").write_text("edited")
     with pytest.raises(InputError, match=r"its file report\.html was modified"):
@@ -466,8 +475,8 @@ def test_what_the_user_changed_after_a_kill_is_kept(earlier):
     (earlier / "report.html").rename(earlier / "kept.html")
     (earlier / "both.csv").write_text("edited too")
     recover(earlier)
-    found = texts(earlier)
-    assert (found["kept.html"], found["both.csv"], found["report.html"]) == ("edited", "edited too", "newer")
+    files = texts(earlier)
+    assert (files["kept.html"], files["both.csv"], files["report.html"]) == ("edited", "edited too", "newer")
     assert not (earlier / LOG).exists()
 
 
@@ -588,9 +597,9 @@ def test_an_input_is_never_replaced(tmp_path):
     write(place, OLD, origin=RUN)
     link.symlink_to(place)
     before = tree(place)
-    for given in (place, link, place / "both.csv", link / "both.csv"):
+    for path in (place, link, place / "both.csv", link / "both.csv"):
         with pytest.raises(InputError, match="it is an input of the command"):
-            write(place, NEWER, inputs=[tmp_path, given], force=True)
+            write(place, NEWER, inputs=[tmp_path, path], force=True)
     assert tree(place) == before
     write(place, NEWER, inputs=[tmp_path / "b", place / "no.csv"], origin=RUN)
 
@@ -613,7 +622,7 @@ GATED = {
 def test_every_command_is_refused_another_s_result_before_it_computes(
     tmp_path, rigid_results, command, capsys
 ):
-    """Of another command, in use, and with files of others; force replaces the first alone."""
+    """Results of other commands are replaced by --force alone."""
     place, other = rigid_results
     before = tree(tmp_path)
     words = [*GATED[command].format(other=other).split(), "--out", str(place)]
@@ -677,7 +686,7 @@ def test_a_file_is_whole_or_the_earlier_one_and_two_writers_follow_each_other(tm
     "number", [errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.ENOSPC, errno.EIO, errno.EMFILE]
 )
 def test_an_error_of_the_system_is_none_of_what_is_absent(tmp_path, earlier, number, monkeypatch):
-    """At each call the manifest stays, and the next command completes a result announced as such."""
+    """The manifest remains at each call, and the next command succeeds."""
     monkeypatch.setattr(os, "fsync", lambda number: None)
     for step in itertools.count(1):
         place, failed = tmp_path / f"{step}", []

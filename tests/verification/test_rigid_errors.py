@@ -1,4 +1,4 @@
-"""Verification: cases without an answer are refused by name; methods of Olson, Hirsch and Ritter by hand."""
+"""Verify refusals of the rigid theory, and earlier methods by hand."""
 
 import math
 import pickle
@@ -89,13 +89,13 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("call", "key", "given", "allowed"), REFUSED)
-def test_the_message_names_key_value_and_what_is_allowed(call, key, given, allowed):
+@pytest.mark.parametrize(("call", "key", "value", "allowed"), REFUSED)
+def test_the_message_names_key_value_and_what_is_allowed(call, key, value, allowed):
     with pytest.raises(RigidBodyError) as refused:
         call()
     error = refused.value
     assert error.key == key
-    assert str(error.given).startswith(given)
+    assert str(error.given).startswith(value)
     assert allowed in error.allowed
     assert str(error) == f"{key} is {error.given}, but {error.why}; allowed: {error.allowed}."
     assert isinstance(error, ValueError)
@@ -122,7 +122,7 @@ def test_the_first_offending_row_is_named():
 
 
 def test_a_stop_is_where_the_corner_stops():
-    """A start just fast enough for the named angle comes to rest at that angle, at the named time."""
+    """A start at the stated speed rests at the stated angle."""
     speeds = np.array([25.0, 6.0, 0.3])
     with pytest.raises(RigidBodyError, match="corner_speed is 6 at index 1, but the corner stops") as refused:
         tail_slap(TRUCK, 0.8, 2.0, speeds, 0.9)
@@ -233,17 +233,17 @@ BLOW |= {"front_distance": 4.0, "half_width": 1.2}
 
 
 def test_olson_by_hand():
-    """At 30 degrees: distance 4/2 - 1.2 (1 - sqrt(3)/2), lateral speed 12.5, average 6.25."""
-    way = 2.0 - 1.2 * (1.0 - math.sqrt(3.0) / 2.0)
+    """30 degrees have 4/2 - 1.2 (1 - sqrt(3)/2) and 12.5 m/s."""
+    travel = 2.0 - 1.2 * (1.0 - math.sqrt(3.0) / 2.0)
     force = olson_force(**BLOW)
-    assert force.travel == pytest.approx(way, rel=1e-15)
-    assert force.time == pytest.approx(way / 6.25, rel=1e-14)
-    assert force.deceleration == pytest.approx(12.5**2 / (2.0 * 9.80665 * way), rel=1e-14)
-    assert force.average_force == pytest.approx(9979.0 * 12.5**2 / (2.0 * way), rel=1e-14)
+    assert force.travel == pytest.approx(travel, rel=1e-15)
+    assert force.time == pytest.approx(travel / 6.25, rel=1e-14)
+    assert force.deceleration == pytest.approx(12.5**2 / (2.0 * 9.80665 * travel), rel=1e-14)
+    assert force.average_force == pytest.approx(9979.0 * 12.5**2 / (2.0 * travel), rel=1e-14)
 
 
 def test_the_average_force_stops_the_lateral_motion_in_the_way_there_is():
-    """Work and impulse of a constant force; gravity is a unit only, and a yielding barrier softens the blow."""
+    """Work and impulse of a constant force, with a yielding barrier."""
     force = olson_force(**BLOW, deflection=0.5)
     energy, momentum = 0.5 * 9979.0 * 12.5**2, 9979.0 * 12.5
     assert force.average_force * force.travel == pytest.approx(energy, rel=1e-14)

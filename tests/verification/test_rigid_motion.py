@@ -1,4 +1,4 @@
-"""Verification: impulse and motion of the rigid body against balances, 17 digits, invariants and an integrator."""
+"""Verify impulse and motion of the rigid body by balances and integration."""
 
 import math
 import time
@@ -30,9 +30,10 @@ fixed = settings(derandomize=True, max_examples=60, deadline=None, database=None
 
 
 def balances(body, speed, angle, friction, rebound):
-    """Solve the balances for (normal impulse, omega, corner speed, v_GX, v_GY) after; SI.
+    """Solve the balances for the impulse and the state after it.
 
-    m (v_G - v_0) = impulse; I omega = its moment about G; v_G = v_P + omega x r; v_PY = rebound v_0 sin.
+    m (v_G - v_0) = impulse; I omega = its moment about G; v_G = v_P + omega x r; v_PY = rebound v_0 sin. Returns normal
+    impulse, omega, corner speed, v_GX and v_GY in SI.
     """
     phi = angle + math.atan(body.width / body.length)
     x, y = -math.hypot(body.length, body.width) / 2 * np.array([math.cos(phi), -math.sin(phi)])  # from P to G
@@ -156,7 +157,10 @@ def test_the_strike_to_fifteen_digits(reaction):
 
 
 def test_without_friction_time_is_an_elliptic_integral():
-    """omega^2 (1 + 3 cos^2) is constant: omega_0 sqrt(D_0) t = 2 [E(phi_0|3/4) - E(gamma|3/4)]."""
+    """omega_0 sqrt(D_0) t = 2 [E(phi_0|3/4) - E(gamma|3/4)].
+
+    omega^2 (1 + 3 cos^2) is constant.
+    """
     shares = np.concatenate([np.logspace(-6, -1, 30), np.linspace(0.1, 0.999, 40), [1.0 - 1e-9]])
     body = RectangularBody(10.0, 10.0 * np.array([[0.01], [0.2438], [1.0]]), 1000.0)
     phi = body.corner_angle + shares * (math.pi / 2 - body.corner_angle)
@@ -247,7 +251,7 @@ def test_the_motion_begins_at_its_start_and_passes_the_strike():
 
 
 def test_a_motion_is_followed_no_further_than_its_equations_hold():
-    """Past the strike: to phi = 0 with a thin body; not at all where D vanishes next to the strike."""
+    """A thin body continues to phi = 0."""
     thin = plane_motion(RectangularBody(10.0, 1e-4, 1.0), 1.2, 1.0, 30.0, 0.5)
     assert thin.strike.t < thin.latest < 1.001 * thin.strike.t
     assert thin.at(thin.latest).theta == pytest.approx(-1e-5, rel=1e-9)
@@ -261,7 +265,7 @@ def test_a_motion_is_followed_no_further_than_its_equations_hold():
 
 @pytest.mark.parametrize("reaction", REACTIONS)
 def test_times_and_angles_are_each_others_inverse(reaction):
-    """The time to an angle is that of a motion which ends there: the same with a thicker body, started closer."""
+    """A thicker body, started closer, needs the time to an angle."""
     friction = 1.25
     motion = plane_motion(RectangularBody(10.0, 0.1, 1.0), 1.5, 1.0, 300.0, friction, reaction)
     times = np.linspace(0.05, 0.99, 30) * motion.strike.t
@@ -283,7 +287,7 @@ def test_omega_is_proportional_to_its_start():
 
 
 def test_the_ratio_of_forces_for_two_restitutions_is_exact():
-    """v_GY at the strike is proportional to k v_0: F(e = 0)/F(e) = 1/(1 - e), whatever the corner speed."""
+    """F(e = 0)/F(e) = 1/(1 - e) for any corner speed."""
     lateral = []
     for restitution in (0.0, 0.22):
         start = corner_impulse(TRUCK, 25.0, 0.26, 0.47, restitution)
@@ -317,7 +321,10 @@ def test_drag_and_signed_meet_in_none():
     [("drag", 0.6, (-1, 0, 1)), ("signed", 0.6, (-1, 0, 1)), ("drag", 1.3, (-2, -1, 0))],
 )
 def test_the_closed_form_is_smooth_across_the_critical_friction(reaction, angle, steps):
-    """atan below 4/3, atanh above: the second difference of the answers is rounding, as the step's square is."""
+    """The second difference across mu = 4/3 is rounding.
+
+    The form is atan below, atanh above.
+    """
     frictions = (4.0 / 3.0 + 1e-9 * step for step in steps)
     a, b, c = (plane_motion(TRUCK, angle, 1.0, 80.0, friction, reaction).strike for friction in frictions)
     for name in set(NAMES) - {"theta"}:
@@ -341,7 +348,7 @@ def test_broadcasting_equals_single_calls():
 
 
 def test_numbers_in_numbers_out():
-    """Whole numbers, NumPy scalars and arrays without dimension count as numbers; answers are plain floats."""
+    """Integers and scalars of NumPy count as numbers."""
     body = RectangularBody(10, 2.438, np.float64(9979.0))
     scalar: Any = np.float32(25.0)
     without_dimension: Any = np.array(0)
@@ -420,7 +427,10 @@ def test_the_motion_in_between(reaction):
 
 
 def test_the_hyperbolic_form_past_the_critical_friction():
-    """Paths on one side of the roots of T^2 - 3 mu T + 4, T = tan(phi): below both, and above both."""
+    """Paths are on either side of the singular angles.
+
+    These are roots of T^2 - 3 mu T + 4 with T = tan(phi); one body is below both, one above.
+    """
     for body, angle in ((TRUCK, 0.6), (RectangularBody(1.0, 3.5, 10.0), 0.2)):
         for reaction in ("drag", "signed"):
             motion = (body, angle, 1.0, 60.0, 1.45, reaction)
@@ -433,8 +443,8 @@ def test_a_tighter_tolerance_comes_closer():
     exact = plane_motion(TRUCK, 1.2, 0.5, 25.0, 0.9).strike
     errors = []
     for rtol in (1e-4, 1e-7, 1e-10):
-        found = integrate_odes(TRUCK, 1.2, 0.5, 25.0, 0.9, method="RK45", rtol=rtol, atol=rtol).strike
-        errors.append(abs(found.slide - exact.slide))
+        numerical = integrate_odes(TRUCK, 1.2, 0.5, 25.0, 0.9, method="RK45", rtol=rtol, atol=rtol).strike
+        errors.append(abs(numerical.slide - exact.slide))
     assert errors[0] > 50.0 * errors[1] > 2500.0 * errors[2] > 0.0
 
 
@@ -467,7 +477,7 @@ def test_the_integrator_refuses_on_its_way(monkeypatch):
 
 
 def test_a_corner_that_stops_is_reported_at_the_same_place():
-    """Both name the angle and the time, found by a root search and by an event."""
+    """Both name the angle and the time, by root and event."""
     messages = []
     for solve in (plane_motion, integrate_odes):
         with pytest.raises(RigidBodyError, match="stops before the tail-slap, at the angle") as refused:

@@ -1,4 +1,4 @@
-"""Verification: strikes from sampled forces, by the rule of the rigid impact."""
+"""Verify strikes of sampled forces by the rule of the rigid impact."""
 
 import math
 
@@ -18,7 +18,7 @@ def half_sine(t, start, duration, peak):
 
 @pytest.mark.parametrize("shift", [0.0, 0.3, 0.77])
 def test_a_half_sine(shift):
-    """Impulse exact; start and end far below a sample; the peak of the third order."""
+    """The impulse is exact, the instants are far below a sample."""
     dt = 1e-3
     t = np.arange(0.0, 0.3, dt)
     start, duration = 0.05 + shift * dt, 0.08
@@ -50,14 +50,14 @@ def test_a_strike_is_over_when_the_corner_has_been_off_as_long_or_a_millisecond(
 ):
     force = np.zeros(400)
     force[slice(*first)] = force[slice(*second)] = 1e5
-    found = strikes_of(interval * np.arange(401.0), {"front": force})
-    assert len(found) == strikes
-    impulse = math.fsum(strike.impulse for strike in found)
+    sampled = strikes_of(interval * np.arange(401.0), {"front": force})
+    assert len(sampled) == strikes
+    impulse = math.fsum(strike.impulse for strike in sampled)
     assert impulse == pytest.approx(1e5 * interval * np.count_nonzero(force))
 
 
 def test_touches_that_bring_half_a_per_cent_prolong_a_strike():
-    """One after it, of less, is part of its impulse alone; several of less that bring as much prolong it."""
+    """Lighter touches count in the impulse alone, or together."""
     force = np.zeros(400)
     force[100:200], force[220] = 1e5, 4.5e4
     (light,) = strikes_of(1e-4 * np.arange(401.0), {"rear": force})
@@ -97,7 +97,7 @@ def test_one_sample_alone():
 
 
 def test_the_rigid_impact_sampled():
-    """Means of the forces over half a millisecond have the strikes counted in the steps."""
+    """Means over 0.5 ms have the strikes of the motion in steps."""
     motion = impact()
     t = np.linspace(0.0, motion.t_end, round(motion.t_end / 5e-4) + 1)
     mean = np.diff(motion.at(t).impulse_normal) / np.diff(t)

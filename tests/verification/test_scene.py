@@ -1,4 +1,4 @@
-"""Verification: keys of a scene, its errors, conversion to SI, and its variation."""
+"""Verify keys, errors, units and variation of scenes."""
 
 import json
 import math
@@ -335,9 +335,11 @@ def test_the_table_of_inputs_states_the_unit_that_a_number_has_not():
 
 @pytest.mark.parametrize("values", ["25:30:3", "60 mph,25", "log:25:30:3"])
 def test_varied_numbers_are_remarked_upon(values):
-    asked = make_definition("mash-tl4-sut", ("plate.elements=[4, 2]",), (f"impact.speed={values}",), None, 0)
-    assert unit_remarks(varied_source(asked)).keys() == {"impact.speed"}
-    assert unit_remarks(asked.source) == {}
+    definition = make_definition(
+        "mash-tl4-sut", ("plate.elements=[4, 2]",), (f"impact.speed={values}",), None, 0
+    )
+    assert unit_remarks(varied_source(definition)).keys() == {"impact.speed"}
+    assert unit_remarks(definition.source) == {}
 
 
 def test_typed_changes_of_every_function_are_remarked_upon(tmp_path):

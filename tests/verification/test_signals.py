@@ -1,4 +1,4 @@
-"""Verification: filters, peaks and second strikes of known pulses, occupant risk by closed forms, design forces."""
+"""Verify filters, peaks, durations and occupant risk by known pulses."""
 
 import math
 from collections.abc import Callable
@@ -30,7 +30,7 @@ FILTERS: dict[str, Callable[..., Any]] = {
 
 
 def gain(apply, frequency, rate):
-    """Amplitude of a long sine that comes out, in phase with what went in, over that which went in."""
+    """Amplitude of a filtered sine over that of the original."""
     periods = 200
     t = np.arange(int(periods * rate / frequency)) / rate
     wave = np.sin(2.0 * math.pi * frequency * t)
@@ -41,7 +41,7 @@ def gain(apply, frequency, rate):
 @pytest.mark.parametrize("frequency_class", CLASSES)
 @pytest.mark.parametrize("samples", [84, 167, 1000])
 def test_a_class_is_3_db_down_at_its_cutoff(frequency_class, samples):
-    """Sampled at 84 to 1000 times the class; for CFC 60 at 5, 10 and 60 kHz."""
+    """The gain is that of the class at any rate."""
     amplitude = gain(FILTERS[f"CFC {frequency_class}"], frequency_class / 0.6, samples * frequency_class)
     assert amplitude == pytest.approx(math.sqrt(0.5), abs=1e-3)
 
@@ -77,14 +77,14 @@ def test_a_constant_passes_unchanged_to_both_ends(name, size):
 
 @pytest.mark.parametrize("name", [name for name in FILTERS if name != "50 ms"])
 def test_an_end_is_that_of_a_signal_that_holds_its_value(name):
-    """What comes after the end of a history is as good as the end value going on."""
+    """Beyond the end a history continues with its last value."""
     rising = np.sin(np.linspace(0.0, 1.2, 1000))
     longer = np.concatenate([rising, np.full(4000, rising[-1])])
     np.testing.assert_allclose(FILTERS[name](rising, 1e-4), FILTERS[name](longer, 1e-4)[:1000], atol=3e-7)
 
 
 def test_no_mean_reaches_beyond_the_end():
-    """Near the end stands the last mean over 50 ms that lies within, whatever the force is there."""
+    """Near the end the mean is the last one within the history."""
     force = np.linspace(0.0, 1.0, 1000)
     means = moving_mean(force, 1e-4, 0.05)
     assert means[-250:] == pytest.approx(force[-500:].mean())
@@ -93,14 +93,14 @@ def test_no_mean_reaches_beyond_the_end():
 
 @pytest.mark.parametrize("name", ["cfc60", "cfc180", "cutoff_60hz"])
 def test_a_force_that_is_cut_is_filtered_as_far_as_later_values_do_not_count(name):
-    """The curve of the whole pulse up to then, and its last value from there on."""
+    """The curve equals that of the complete pulse, then a constant."""
     t = 1e-4 * np.arange(3000.0)
     pulse = np.maximum(0.0, np.sin(20.0 * np.pi * (t - 0.1)))
-    whole = force_curves(pulse, 1e-4)[name]
+    complete = force_curves(pulse, 1e-4)[name]
     for rows in (1200, 1300, 1450):
         filtered = force_curves(pulse[:rows], 1e-4)[name]
         settled = rows - filters.settling_rows(filters.CUTOFFS[name], 1e-4)
-        assert filtered[:settled] == pytest.approx(whole[:settled], abs=2e-3)
+        assert filtered[:settled] == pytest.approx(complete[:settled], abs=2e-3)
         assert np.ptp(filtered[settled:]) == 0.0
 
 
@@ -117,7 +117,7 @@ def test_nothing_is_delayed_or_lost(name):
 @pytest.mark.parametrize("width", [0.05, 0.049, 0.0333, 0.0500001])
 @pytest.mark.parametrize("length", [0.05, 0.08, 0.1143])
 def test_peak_of_the_mean_of_a_half_sine(width, length):
-    """(2 T / pi w) sin(pi w / 2 T), for samples that are means over their interval, whatever the width."""
+    """(2 T/(pi w)) sin(pi w/(2 T)) of samples that are interval means."""
     width, interval = min(width, length), 1e-5
     edges = np.arange(-8001, 8001) * interval + 0.5 * interval
     phase = math.pi * (np.clip(edges, -0.5 * length, 0.5 * length) / length + 0.5)
@@ -181,7 +181,7 @@ def half_sine(start, length, peak):
 
 
 def test_peaks_of_a_half_sine_by_name():
-    """Strike 1 of a truck of k = 2 MN/m; the filters in the order of how much they smooth."""
+    """Strike 1 of a truck of 2 MN/m, in order of smoothing."""
     length, peak = 0.0812, 553.4e3
     peaks = force_peaks(force_curves(half_sine(0.0, length, peak), INTERVAL))
     assert list(peaks) == ["raw", "mean_50ms", "cfc60", "cfc180", "cutoff_60hz"]
@@ -192,7 +192,7 @@ def test_peaks_of_a_half_sine_by_name():
 
 
 def test_before_first_touch_there_is_no_force():
-    """A history that starts with a jump has the same curves as with a rest before it."""
+    """A jump at the start has curves as after a rest."""
     force = 1e5 * np.exp(-T / 0.02)
     rest = np.concatenate([np.zeros(3000), force])
     for name, curve in force_curves(force, INTERVAL).items():
@@ -202,7 +202,7 @@ def test_before_first_touch_there_is_no_force():
 
 @pytest.mark.parametrize("length", [0.05, 0.1, 0.1434])
 def test_a_triangular_pulse_gives_back_its_duration(length):
-    """Alone between two others and a rest of zero, by valleys and by 2 J / F."""
+    """Valleys and 2 J/F agree, between two other pulses."""
     force = triangle(T, 0.05, 0.08, 500e3) + triangle(T, 0.25005, length, 654e3)
     force += triangle(T, 0.45, 0.04, 300e3)
     strike = second_strike(force, INTERVAL)
@@ -213,7 +213,7 @@ def test_a_triangular_pulse_gives_back_its_duration(length):
 
 
 def test_valleys_of_strikes_that_run_into_each_other():
-    """Lowest points lie at 0.2 and 0.34 s, the first at 60 kN; no strike ends at zero force."""
+    """The lowest points are at 0.2 and 0.34 s, above zero force."""
     kilonewtons = np.array([0, 400, 60, 500, 100, 450, 0])
     force = np.interp(T, [0.0, 0.1, 0.2, 0.26, 0.34, 0.4, 0.6], 1e3 * kilonewtons)
     strike = second_strike(force, INTERVAL)
@@ -222,7 +222,7 @@ def test_valleys_of_strikes_that_run_into_each_other():
 
 
 def test_ripple_is_no_strike():
-    """Neither before the second peak nor upon it: less than a quarter of the largest force."""
+    """Ripple below a quarter of the largest force is ignored."""
     force = half_sine(0.02, 0.1, 400e3) + half_sine(0.3, 0.1, 450e3)
     ripple = force * (1.0 + 0.08 * np.sin(2.0 * math.pi * 130.0 * T))
     small = ripple + half_sine(0.18, 0.04, 80e3)
@@ -242,7 +242,7 @@ def test_a_strike_that_the_history_cuts_off_ends_with_it():
 
 
 def test_a_50_ms_mean_widens_a_strike_by_50_ms():
-    """A duration read off such a curve includes this beside the strike's own."""
+    """The duration of such a curve includes the width of the mean."""
     curves = force_curves(half_sine(0.0, 0.0812, 550e3) + half_sine(0.2944, 0.0664, 630e3), INTERVAL)
     for name, duration, rows in (("raw", 0.0664, 4), ("mean_50ms", 0.1164, 6)):
         widened = second_strike(curves[name], INTERVAL).duration
@@ -251,7 +251,7 @@ def test_a_50_ms_mean_widens_a_strike_by_50_ms():
 
 @pytest.mark.parametrize(("name", "more"), [("cfc180", 0.004), ("cfc60", 0.01), ("cutoff_60hz", 0.015)])
 def test_undershoot_of_a_filter_elsewhere_is_no_valley(name, more):
-    """A filter adds its own rise; the dip after strike 1, though lower, is not where strike 2 begins."""
+    """The undershoot after strike 1 is not the begin of strike 2."""
     force = half_sine(0.02, 0.03, 600e3) + half_sine(0.2, 0.08, 500e3) + half_sine(0.4, 0.03, 600e3)
     strike = second_strike(force_curves(force, INTERVAL)[name], INTERVAL)
     assert 0.08 - 2.0 * INTERVAL < strike.duration < 0.08 + more
@@ -281,7 +281,10 @@ def straight(ax, ay):
     ("ax", "ay", "distance"), [(-50.0, 0.0, 0.6), (0.0, 40.0, 0.3), (0.0, -40.0, 0.3), (-20.0, 30.0, 0.3)]
 )
 def test_constant_deceleration(ax, ay, distance):
-    """The axis that is first through: v = sqrt(2 a d), t = sqrt(2 d / a); nothing else changes in either case."""
+    """The first axis in contact determines the instant.
+
+    v = sqrt(2 a d) and t = sqrt(2 d/a).
+    """
     risk_values, first = measures(straight(ax, ay)), abs(ay or ax)
     time = math.sqrt(2.0 * distance / first)
     assert risk_values["OIV longitudinal"].time == pytest.approx(time, rel=1e-12)
@@ -302,7 +305,7 @@ def test_severity_of_constant_accelerations(name):
 
 
 def test_severity_of_a_half_sine():
-    """Of 50 ms means the closed form; of 13 Hz the gain of a long wave."""
+    """50 ms means have a closed form, waves a known gain."""
     length = 0.12
     pulse = 5.0 * risk.GRAVITY * np.sin(math.pi * np.clip(TIMES / length, 0.0, 1.0))
     severity = measures(straight(0.0, pulse))["ASI 1998, 50 ms mean"]
@@ -314,7 +317,10 @@ def test_severity_of_a_half_sine():
 
 
 def test_growing_deceleration_of_few_instants():
-    """a = j t: x = j t^3 / 6, v = j t^2 / 2, exact between instants 50 ms apart; so for a head in front."""
+    """A linear deceleration is exact between 13 instants.
+
+    a = j t, so x = j t^3/6 and v = j t^2/2.
+    """
     t = np.linspace(0.0, 0.6, 13)
     motion = risk.VehicleMotion(t, -200.0 * t, 0.0 * t, 0.0 * t, 0.0 * t)
     time = (6.0 * 0.6 / 200.0) ** (1.0 / 3.0)
@@ -326,7 +332,10 @@ def test_growing_deceleration_of_few_instants():
 
 
 def test_half_sine_of_deceleration():
-    """x = (a L / pi) (t - (L / pi) sin(pi t / L)), v = (a L / pi) (1 - cos(pi t / L)) while it lasts."""
+    """The motion has a closed form during the pulse.
+
+    x = (a L/pi) (t - (L/pi) sin(pi t/L)) and v = (a L/pi) (1 - cos(pi t/L)).
+    """
     length, size = 0.2, 120.0
     pulse = -size * np.sin(math.pi * np.clip(TIMES / length, 0.0, 1.0))
     contact = risk.occupant_contact(straight(pulse, 0.0))
@@ -337,7 +346,7 @@ def test_half_sine_of_deceleration():
 
 
 def test_ridedown_begins_after_contact():
-    """A pulse before the contact does not count, one after it does, as its mean over 10 ms."""
+    """A pulse after the contact counts, by its mean over 10 ms."""
     early = 60.0 * ((TIMES > 0.01) & (TIMES < 0.05))
     late = 100.0 * ((TIMES > 0.4) & (TIMES < 0.405))
     risk_values = measures(straight(-early - late, 0.0))
@@ -347,7 +356,7 @@ def test_ridedown_begins_after_contact():
 
 
 def test_head_goes_straight_on_while_the_vehicle_turns():
-    """A steady circle: relative to the centre of mass the head leaves on an involute's chord."""
+    """On a circle the head leaves on an involute."""
     speed, rate = 20.0, 1.5
     motion = risk.VehicleMotion(TIMES, ZERO, ZERO + speed * rate, ZERO + rate, rate * TIMES)
     contact = risk.head_contact(motion)
@@ -365,7 +374,7 @@ def test_head_goes_straight_on_while_the_vehicle_turns():
 
 
 def test_a_head_ahead_of_the_centre_is_met_by_the_turning_side():
-    """The centre at rest, the vehicle begins to turn: at 2 m ahead the side comes at rate times 2 m."""
+    """The side approaches a head 2 m ahead by rotation."""
     spin = 8.0
     motion = risk.VehicleMotion(TIMES, ZERO, ZERO, spin * TIMES, 0.5 * spin * TIMES**2)
     contact = risk.head_contact(motion, ahead=2.0)
@@ -399,7 +408,7 @@ def test_motions_that_are_refused():
 
 
 def test_design_forces_of_the_test_levels():
-    """The table in kip and in kN, as printed in both; those of MASH come first."""
+    """The table in kip and in kN, MASH first."""
     rows = [design_forces(level)[-1] for level in LRFD]
     assert [round(row.force / 1e3) for row in rows] == [60, 120, 240, 240, 552, 778]
 
@@ -416,7 +425,7 @@ def test_design_forces_of_mash():
 
 
 def test_design_forces_of_the_walls_that_tractors_strike():
-    """The forces of both levels [kN]; values that were not found at their source are marked."""
+    """Forces of both levels [kN], unverified ones marked."""
     forces = {level: [round(row.force / 1e3) for row in design_forces(level)] for level in ("TL-5", "TL-6")}
     assert forces == {"TL-5": [712, 845, 1165, 552], "TL-6": [1334, 778]}
     assert [row.kip for row in design_forces("TL-5") if "not verified" in row.source] == [160.0, 262.0]

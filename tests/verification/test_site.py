@@ -1,4 +1,4 @@
-"""Verification: the site builds without a warning, its references are the program's, its commands and code run."""
+"""Verify that the site builds, and that its commands and code run."""
 
 import contextlib
 import inspect
@@ -40,7 +40,7 @@ STAND_INS = {
     "N": "2", "KEY=VALUES...": "corner.friction=0.1,0.2 --out results/sweep",
     "RESULT...": "results/paper-table-3",
 }  # fmt: skip
-"""Values for the variable parts of a synopsis, whose optional parts are omitted."""
+"""Values for the variable parts of a synopsis without its optional parts."""
 
 OF_STUDIES = {"flexibility": "mash-tl4-sut", "tipping": "impact-tipping-tl4-sut"}
 """Scenes of studies, as on other pages."""
@@ -73,7 +73,7 @@ SHORTENED = {
 
 LONG = re.compile(r"study (?!uncertainty)|--vary \S+ --vary")
 ELSEWHERE = ("dask scheduler\n", "python3 bootstrap.py --dev && ")
-"""Beginnings of blocks that run elsewhere: in `test_the_cluster_s_commands_run`, and the install and these tests."""
+"""Beginnings of blocks that other tests run, and of the installation."""
 
 
 PAGES = generate.pages()
@@ -84,8 +84,8 @@ def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
     command += ["--site-dir", str(tmp_path / "site")]
     nowhere = dict.fromkeys(("http_proxy", "https_proxy"), "http://127.0.0.1:9")
     environment = {"PATH": "/usr/bin:/bin"} | nowhere
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment)
-    assert done.returncode == 0, done.stdout + done.stderr
+    process = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env=environment)
+    assert process.returncode == 0, process.stdout + process.stderr
     site = tmp_path / "site"
     assert (site / "reference" / "scene" / "index.html").is_file()
     assert not (site / "generate.py").exists()
@@ -102,7 +102,7 @@ def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
 
 
 def demand_equations(texts):
-    """Equations are MathML, each command of TeX known, and none is left as it was typed."""
+    """Equations are MathML without unknown or remaining TeX."""
     counts = {name: len(re.findall("<math ", text)) for name, text in texts.items() if "<math " in text}
     assert {"rigid", "plate", "inertia-relief", "flutter", "contact", "modal", "tipping"} == counts.keys()
     assert min(counts.values()) > 5
@@ -116,12 +116,12 @@ def test_a_reference_is_as_the_program_is(name):
 
 
 def keys(model, prefix=""):
-    found: list[str] = []
+    names: list[str] = []
     for name, field in model.model_fields.items():
         kinds = (field.annotation, *getattr(field.annotation, "__args__", ()))
         table = next((k for k in kinds if inspect.isclass(k) and issubclass(k, SceneTable)), None)
-        found += keys(table, f"{prefix}{name}.") if table else [f"{prefix}{name}"]
-    return found
+        names += keys(table, f"{prefix}{name}.") if table else [f"{prefix}{name}"]
+    return names
 
 
 def test_every_key_of_a_scene_has_a_meaning_and_a_row():
@@ -142,7 +142,10 @@ def test_every_column_of_a_history_has_a_row():
 
 
 def leaves(value, key=""):
-    """Keys of numbers and texts in a summary, with [] for the entries of a list."""
+    """Keys of numbers and texts in a summary.
+
+    [] stands for the entries of a list.
+    """
     if isinstance(value, dict) and value:
         return {leaf for name, part in value.items() for leaf in leaves(part, f"{key}.{name}".strip("."))}
     if isinstance(value, list) and value and isinstance(value[0], dict):
@@ -151,13 +154,16 @@ def leaves(value, key=""):
 
 
 def is_documented(key):
-    """True if a row has the key, or one above it; `fe` is as `rigid`, an empty table as its entries."""
-    own = re.sub("^fe\\b", "rigid", key)
+    """Return True if a row has the key, or one above it.
+
+    `fe` is as `rigid`, an empty table as its entries.
+    """
+    row_key = re.sub("^fe\\b", "rigid", key)
     rows = [row for row, _, _ in generate.SUMMARY]
     return any(
-        own == row
-        or own.startswith(row.removesuffix("*"))
-        or own in (row.rstrip(".*[]"), re.split(r"[.\[]", row)[0])
+        row_key == row
+        or row_key.startswith(row.removesuffix("*"))
+        or row_key in (row.rstrip(".*[]"), re.split(r"[.\[]", row)[0])
         for row in rows
     )
 
@@ -175,12 +181,12 @@ def test_every_column_of_a_run_has_a_row():
 
     axle = ["plate.elements=[8,2]", 'axle=[{position="2 m",friction=0.7}]']
     scenes = {"paper-table-3": ["plate.elements=[8,2]"], "impact-mash-tl4-sut": axle}
-    for (scene, changes), known in zip(scenes.items(), (corner_columns(), impact_columns()), strict=True):
-        run = tailslap.run(scene, changes)
-        history = run.history
-        assert [key for key in leaves(run.summary) if not is_documented(key)] == []
-        assert set(history) == set(known)
-        assert [column.name for column in known.values() if not (column.meaning and column.unit)] == []
+    for (scene, changes), columns in zip(scenes.items(), (corner_columns(), impact_columns()), strict=True):
+        result = tailslap.run(scene, changes)
+        history = result.history
+        assert [key for key in leaves(result.summary) if not is_documented(key)] == []
+        assert set(history) == set(columns)
+        assert [column.name for column in columns.values() if not (column.meaning and column.unit)] == []
 
 
 def test_every_function_and_command_has_its_part():
@@ -200,23 +206,26 @@ class Step:
 
 
 def steps(text, scene="paper-table-3"):
-    """What is run of a page, in order; scene: of --set options that stand alone."""
-    found = []
+    """Files, commands and code of a page, in order.
+
+    Options without a command are those of the scene.
+    """
+    page_steps = []
     for match in FENCE.finditer(text):
         kind, body, inline = match["kind"], match["body"], match["inline"]
         named = body and FILE_NAME.match(body)
         if inline is not None:
-            found += inline_steps(inline, scene)
+            page_steps += inline_steps(inline, scene)
         elif named:
-            whole = named["name"].endswith(("toml", "py"))
-            found.append(Step("file", body if whole else body[named.end() :], named["name"]))
+            is_complete = named["name"].endswith(("toml", "py"))
+            page_steps.append(Step("file", body if is_complete else body[named.end() :], named["name"]))
         elif kind == "toml":
-            found.append(Step("tables", body))
+            page_steps.append(Step("tables", body))
         elif kind == "python":
-            found += [Step("code", body)] if ">>>" not in body else []
+            page_steps += [Step("code", body)] if ">>>" not in body else []
         elif kind in ("", "sh"):
-            found += commands_of(body)
-    return found
+            page_steps += commands_of(body)
+    return page_steps
 
 
 def inline_steps(text, scene):
@@ -234,11 +243,11 @@ def inline_steps(text, scene):
 def commands_of(text):
     parts = [part.strip() for line in text.splitlines() for part in line.split(" && ")]
     lines = [OPTIONAL.sub("", part.removeprefix(".venv/bin/")) for part in parts]
-    whole = [line for line in lines if line.startswith("tailslap ") and line not in MENTIONED]
-    whole = [line for line in whole if not line.startswith(SERVED)]
+    runs = [line for line in lines if line.startswith("tailslap ") and line not in MENTIONED]
+    runs = [line for line in runs if not line.startswith(SERVED)]
     for study, scene in OF_STUDIES.items():
-        whole = [line.replace(f"{study} SCENE", f"{study} {scene}") for line in whole]
-    filled = [" ".join(STAND_INS.get(word, word) for word in line.split(" ")) for line in whole]
+        runs = [line.replace(f"{study} SCENE", f"{study} {scene}") for line in runs]
+    filled = [" ".join(STAND_INS.get(word, word) for word in line.split(" ")) for line in runs]
     return [Step("command", line) for line in filled if not PLACEHOLDER.search(line)]
 
 
@@ -248,17 +257,17 @@ TEXTS = {
     if path.parent.name != "reference"
 }
 SHOWN = {
-    name: found
+    name: page_steps
     for name, text in TEXTS.items()
-    if (found := steps(text, FRAGMENTS.get(name, "paper-table-3")))
+    if (page_steps := steps(text, FRAGMENTS.get(name, "paper-table-3")))
 }
-COMMANDS = {step.text for each in SHOWN.values() for step in each if step.kind == "command"}
+COMMANDS = {step.text for page_steps in SHOWN.values() for step in page_steps if step.kind == "command"}
 LONG_COMMANDS = sorted(filter(LONG.search, COMMANDS))
 
 
 @pytest.fixture(autouse=True)
 def laws_of_the_program():
-    """Remove the objects that a page registers, for later tests in this process."""
+    """Remove laws that a page registers, for later tests."""
     before = {*FRICTION_LAWS}
     yield
     for name in {*FRICTION_LAWS} - before:
@@ -266,13 +275,13 @@ def laws_of_the_program():
 
 
 def do(step, namespace):
-    """Run a step to its verdict: commands end with 0, and no check fails of what code computes."""
+    """Run a step to exit status 0 and passed checks."""
     if step.kind == "command":
         if step.text.startswith(NOT_HERE):
             return
-        with pytest.raises(SystemExit) as left:
+        with pytest.raises(SystemExit) as ended:
             main(shlex.split(step.text)[1:])
-        assert left.value.code == any(change in step.text for change in FAILING), step.text
+        assert ended.value.code == any(change in step.text for change in FAILING), step.text
     elif step.kind == "sql":
         with contextlib.closing(sqlite3.connect(step.name)) as file:
             assert file.execute(step.text).fetchall()
@@ -288,12 +297,12 @@ def do(step, namespace):
 
 
 def demand_passed(compute):
-    """All results that are made meanwhile have passed their checks, or are not judged."""
-    made, plain = [], result.Result.__init__
+    """Every result of the computation passed its checks or has none."""
+    results, plain = [], result.Result.__init__
 
-    def noted(it, *given, **named):
-        made.append(it)
-        plain(it, *given, **named)
+    def noted(self, *arguments, **options):
+        results.append(self)
+        plain(self, *arguments, **options)
 
     with pytest.MonkeyPatch.context() as change:
         change.setattr(result.Result, "__init__", noted)
@@ -302,41 +311,46 @@ def demand_passed(compute):
         except ImportError as error:
             if "pandas is not installed" not in str(error):  # as stated on the page
                 raise
-    assert [each for each in made if each.passed is False] == []
-    assert all("".join(each.headline.lines).isprintable() for each in made)
+    assert [item for item in results if item.passed is False] == []
+    assert all("".join(item.headline.lines).isprintable() for item in results)
 
 
 def one_for_all(function, parts, journal, *_):
-    """In place of `engine.run_parts`: of parts with as many samples one is computed, and its record stands for all."""
-    alike: dict[tuple[int, ...], list[str]] = {}
+    """Replacement of `engine.run_parts` that computes one of several equal parts.
+
+    The record of one part is used for all parts with as many samples.
+    """
+    by_sizes: dict[tuple[int, ...], list[str]] = {}
     for key, part in parts.items():
         sizes = tuple(map(np.size, part[-1].values())) if isinstance(part[-1], dict) else ()
-        alike.setdefault(sizes, []).append(key)
-    for keys in alike.values():
+        by_sizes.setdefault(sizes, []).append(key)
+    for keys in by_sizes.values():
         journal.records.add(dict.fromkeys(keys, function(*parts[keys[min(1, len(keys) - 1)]])))
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Where all pages run, and the commands that have run there: each is run once."""
+    """Folder of all pages, and the commands that were run there."""
     return tmp_path_factory.mktemp("pages"), set()
 
 
 @pytest.mark.parametrize("page", SHOWN)
 def test_a_page_runs(page, folder, monkeypatch):
-    """One after the other. Of studies of an hour one part is computed, of large sweeps the corners; random cells, which
-    compile loops of their own, are for `test_a_long_command_runs`.
+    """Commands of a page run, without the large campaigns.
+
+    Long studies compute one part, large sweeps the corners. Random cells compile loops of their own and are tested in
+    `test_a_long_command_runs`.
     """
-    place, done = folder
+    place, commands_run = folder
     monkeypatch.chdir(place)
     monkeypatch.setattr(engine, "run_parts", one_for_all)
     namespace = {"__name__": "__main__"}
     for step in SHOWN[page]:
         text = re.sub(r":\d+(?= |$)", ":2", step.text) if LONG.search(step.text) else step.text
         text = shortened(text) if "uncertainty" in text else text
-        if step.kind != "command" or (text not in done and "--random" not in text):
+        if step.kind != "command" or (text not in commands_run and "--random" not in text):
             do(replace(step, text=text), namespace)
-            done.add(text)
+            commands_run.add(text)
 
 
 def shortened(line):
@@ -357,7 +371,7 @@ def listens(port):
 
 @pytest.mark.long
 def test_the_cluster_s_commands_run(tmp_path, monkeypatch):
-    """Scheduler, worker and sweep as the page has them, but all here, one worker and two runs."""
+    """Scheduler, worker and sweep of the page run on this machine."""
     monkeypatch.chdir(tmp_path)
     (block,) = re.findall(r"^```text\n(dask scheduler\n.*?)^```", TEXTS["docs/howto/cluster.md"], re.M | re.S)
     with socket.socket() as free:
@@ -385,8 +399,8 @@ def test_every_block_runs():
 
 
 def test_commands_and_code_are_found():
-    shown = {"docs/first-steps.md", "docs/howto/python.md", "docs/theory/rigid.md", "README.md"}
-    assert shown <= SHOWN.keys()
+    pages = {"docs/first-steps.md", "docs/howto/python.md", "docs/theory/rigid.md", "README.md"}
+    assert pages <= SHOWN.keys()
     kinds = [step.kind for step in SHOWN["docs/howto/own-vehicle.md"]]
     assert kinds == ["file", "command", "command", "command", "file", *3 * ["command"]]
     assert [step.kind for step in SHOWN["docs/howto/cluster.md"]] == ["command", "sql", "command"]

@@ -1,4 +1,4 @@
-"""Verification: pages of the docs in Chromium: accessible, light and dark, no request elsewhere; the search finds."""
+"""Verify pages of the docs in Chromium."""
 
 import contextlib
 import functools
@@ -55,14 +55,13 @@ def browser():
 
 @contextlib.contextmanager
 def opened(browser, address, width=1280, scheme="light"):
-    """A page whose console has no error, and which asks for nothing elsewhere."""
+    """A page whose console has no error, without foreign requests."""
     context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
     page, wrong = context.new_page(), []
-    own = (address.split("/", 3)[2], "data:")
-    page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
-    page.on(
-        "request", lambda asked: None if any(part in asked.url for part in own) else wrong.append(asked.url)
-    )
+    allowed = (address.split("/", 3)[2], "data:")
+    page.on("console", lambda entry: wrong.append(entry.text) if entry.type == "error" else None)
+    foreign = lambda url: not any(part in url for part in allowed)  # noqa: E731
+    page.on("request", lambda sent: wrong.append(sent.url) if foreign(sent.url) else None)
     page.goto(address)
     page.wait_for_function("getComputedStyle(document.body).backgroundColor.length > 0")
     page.wait_for_timeout(300)
@@ -94,7 +93,7 @@ def test_equations_are_drawn_without_a_script(browser, site):
     context = browser.new_context(java_script_enabled=False)
     page = context.new_page()
     page.goto(f"{site}theory/rigid/")
-    boxes = [each.bounding_box() for each in page.locator("math").all()]
+    boxes = [equation.bounding_box() for equation in page.locator("math").all()]
     assert len(boxes) > 20
     assert min(min(box["width"], box["height"]) for box in boxes) > 4
     context.close()

@@ -1,4 +1,4 @@
-"""Verification: trains in space: rest, energy, hinges that stay closed, and the planar train."""
+"""Verify trains in space by rest, energy, hinges and planar trains."""
 
 import math
 
@@ -26,7 +26,7 @@ def motion():
 
 
 def test_train_at_rest_stays():
-    """The kingpin carries its part of the trailer; all stays at rest for 1 s."""
+    """The kingpin carries its part, and nothing changes for 1 s."""
     h = solve_space(train(STRIPS), WALL, 0.0, 0.3, end=1.0, step=1e-3).history
     for name in ("z_g", "z_g_2", "pitch", "pitch_2", "roll", "roll_2"):
         assert np.ptp(h[name]) < 1e-12, name
@@ -48,7 +48,7 @@ def test_energy_balance_of_a_train(motion):
 
 
 def test_hinge_stays_closed(motion):
-    """Both units have the hinge at one point; in roll it is twisted by at most its moment over the stiffness."""
+    """The hinge is one point, twisted by its moment over the stiffness."""
     h = motion.history
     yaw = [h["yaw"], h["yaw_2"]]
     level = np.abs(h["roll"]) + np.abs(h["roll_2"]) < 0.02
@@ -61,7 +61,7 @@ def test_hinge_stays_closed(motion):
 
 
 def test_held_train_is_the_planar_one():
-    """With roll and pitch held, and corners at one height, impulses and velocities are those of the planar train."""
+    """With roll and pitch fixed, impulses are those of the planar train."""
     corners = ((0.0, 0, 3.5e6), (6.4, 0, 3.5e6), (0.0, 1, 8.75e6), (14.6, 1, 8.75e6))
     strips = tuple(
         Strip((at, at), (0.5, 0.6), 2e7, plateau=most, restitution=0.225, unit=unit)

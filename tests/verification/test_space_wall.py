@@ -1,4 +1,4 @@
-"""Verification: strips on the face of a profile, at its top, and landing on it."""
+"""Verify strips on the face of a profile and on its top."""
 
 import math
 
@@ -21,7 +21,7 @@ def on_wall(strips, wall, speed=SPEED, angle=ANGLE, **options):
     ("profile", "slope"), [("vertical", 0.0), ("single-slope", math.tan(math.radians(11.0)))]
 )
 def test_force_without_friction_is_normal_to_the_face(profile, slope):
-    """The upward part of the force is the slope of the face times the lateral one."""
+    """The upward force is the slope times the lateral one."""
     h = on_wall((Strip((0.0, 0.0), (0.5, 0.9), 4e6),), SpaceWall(2.0, profile), end=0.1, step=1e-4)
     assert h["force_normal"].max() > 1e5
     assert np.abs(h["force_vertical"] - slope * h["force_normal"]).max() < 1e-9 * h["force_normal"].max()
@@ -30,7 +30,7 @@ def test_force_without_friction_is_normal_to_the_face(profile, slope):
 
 
 def test_depth_is_normal_to_the_face():
-    """At one height the depth is smaller by the cosine of the slope, and so is the lateral part of the force."""
+    """At one height depth and lateral force are smaller by the cosine."""
     point = (Strip((0.0, 0.0), (0.5, 0.55), 4e6),)
     force = {
         profile: on_wall(point, SpaceWall(2.0, profile), end=5e-3, step=1e-5)["force_normal"][2]
@@ -42,7 +42,7 @@ def test_depth_is_normal_to_the_face():
 
 
 def test_friction_along_a_vertical_wall():
-    """Against the sliding, friction times the normal force, nearly parallel to the wall."""
+    """It opposes sliding with friction times the normal force."""
     h = on_wall((Strip((0.0, 0.0), (0.5, 0.9), 4e6),), SpaceWall(2.0, friction=0.3), end=0.03, step=1e-4)
     ratio = -h["force_tangential"][2:] / h["force_normal"][2:]
     assert ratio == pytest.approx(0.3, rel=1e-3)
@@ -50,16 +50,16 @@ def test_friction_along_a_vertical_wall():
 
 @pytest.mark.parametrize(("top", "part"), [(0.5, 0.0), (0.75, 0.5), (0.6, 0.2), (1.0, 1.0)])
 def test_part_of_a_strip_below_the_top_crushes(top, part):
-    """At first the force is in proportion to the length below the top of the wall."""
+    """The force is in proportion to the length below the top."""
     low = Strip((0.0, 0.0), (0.05, 0.1), 1.0)
     strips = low, Strip((0.0, 0.0), (0.5, 1.0), 4e6)
     force = on_wall(strips, SpaceWall(top), end=5e-3, step=1e-5)["force_normal"][2]
-    whole = on_wall(strips, SpaceWall(2.0), end=5e-3, step=1e-5)["force_normal"][2]
-    assert force == pytest.approx(part * whole, rel=2e-3, abs=1.0)
+    complete = on_wall(strips, SpaceWall(2.0), end=5e-3, step=1e-5)["force_normal"][2]
+    assert force == pytest.approx(part * complete, rel=2e-3, abs=1.0)
 
 
 def test_box_lands_on_the_top():
-    """A box above the wall that is pushed down rests on the top: wheels and wall carry weight and push."""
+    """Wheels and wall carry weight and push."""
     strips = (
         Strip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3),
         Strip((10.0, 10.0), (0.05, 0.4), 4e6, inset=0.3),
@@ -81,7 +81,7 @@ def test_box_lands_on_the_top():
 
 
 def test_landing_crushes_in_proportion_to_the_depth():
-    """A level box is pushed up by its stiffness times length and depth below the top, where it is deepest."""
+    """The force is stiffness times length times the greatest depth."""
     strips = Strip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3), Strip((0.0, 10.0), (0.95, 0.95), 1e5)
     grown = np.clip((np.arange(400) + 0.5) / 400.0, 0.0, 1.0)
     push = np.zeros((400, 5))
@@ -99,7 +99,7 @@ def test_landing_crushes_in_proportion_to_the_depth():
 
 
 def test_strip_in_front_of_the_face_does_not_land():
-    """The same box beside the wall sinks along the face: there is no force of the top."""
+    """The box beside the wall sinks along the face without a force."""
     strips = Strip((0.0, 0.0), (0.05, 0.4), 4e6), Strip((0.0, 10.0), (0.95, 0.95), 1e6, inset=0.1)
     push = np.zeros((100, 5))
     push[:, 2], push[:, 4] = -1.5e5, np.nan
@@ -111,11 +111,14 @@ def test_strip_in_front_of_the_face_does_not_land():
 
 @pytest.mark.parametrize(("profile", "height"), [("vertical", 0.7), ("new-jersey", 0.55)])
 def test_stated_error_bounds_the_distance_from_an_eighth_of_the_step(profile, height):
-    """The second truck is 3e-3 off with the step that suffices for the first."""
+    """The stated error includes that of the step.
+
+    The second truck is 3e-3 off with the step that suffices for the first.
+    """
     wall = SpaceWall(height, profile, 0.3)
     motion = solve_space(truck(), wall, SPEED, ANGLE)
     fine = solve_space(truck(), wall, SPEED, ANGLE, step=motion.step / 8.0)
     assert LEAST_ERROR <= motion.error <= 1e-3
     for name, least in COMPARED.items():
-        own, true = float(getattr(motion.answers, name)), float(getattr(fine.answers, name))
-        assert abs(own - true) <= motion.error * max(abs(true), least)
+        value, true = float(getattr(motion.answers, name)), float(getattr(fine.answers, name))
+        assert abs(value - true) <= motion.error * max(abs(true), least)

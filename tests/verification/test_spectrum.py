@@ -1,4 +1,4 @@
-"""Verification: highest and lowest frequencies, modes and displacements of plates against exact and dense solutions."""
+"""Verify frequencies, modes and displacements of plates."""
 
 import json
 import math
@@ -32,7 +32,10 @@ MESHES = ((6, 3), (10, 3), (20, 6), (3, 12))
 
 
 def damped_eigenvalue(model, angle, step, damping):
-    """Largest eigenvalue of dt^2 K + 2 dt C, with the corner's spring and dashpot, against the masses."""
+    """Largest eigenvalue with damping of plate and corner.
+
+    The matrix is dt^2 K + 2 dt C.
+    """
     masses, corner = model.parameters.mass, model.parameters.corner
     unknowns = np.concatenate([corner.nodes, corner.nodes + masses.size])
     across = np.kron((-np.sin(angle), np.cos(angle)), corner.weights)
@@ -48,26 +51,29 @@ def damped_eigenvalue(model, angle, step, damping):
 def test_bound_is_safe_at_every_angle_and_close(plate_model, elements, scale):
     model = plate_model(elements=elements, corner={"penalty_scale": scale})
     hold = corner_support(model.parameters.corner, ANGLES)
-    found, highest = Spectrum(model.stiffness, model.parameters.mass, hold), dense_frequency(model, hold)
-    assert highest <= found.bound <= (1.0 + spectrum.TOLERANCE) * highest
-    assert found.frequency == pytest.approx(highest, rel=1e-5)
+    corner_spectrum, highest = (
+        Spectrum(model.stiffness, model.parameters.mass, hold),
+        dense_frequency(model, hold),
+    )
+    assert highest <= corner_spectrum.bound <= (1.0 + spectrum.TOLERANCE) * highest
+    assert corner_spectrum.frequency == pytest.approx(highest, rel=1e-5)
 
 
-@pytest.mark.parametrize("given", [{"damping_ratio": 0.2}, {"corner": {"damping_ratio": 0.5}}])
-def test_damped_step_is_safe_and_close(plate_model, given):
-    """dt^2 K + 2 dt C has no eigenvalue above 4, and one within the residual below that."""
+@pytest.mark.parametrize("damping", [{"damping_ratio": 0.2}, {"corner": {"damping_ratio": 0.5}}])
+def test_damped_step_is_safe_and_close(plate_model, damping):
+    """dt^2 K + 2 dt C has eigenvalues below 4."""
     from fem.plate.discretisation import stiffness_matrix
 
-    model = plate_model(elements=(6, 3), **given)
+    model = plate_model(elements=(6, 3), **damping)
     viscosity = model.parameters.viscosity
-    damping = viscosity and stiffness_matrix(model.discretisation.scalar, model.thickness, viscosity)
+    matrix = viscosity and stiffness_matrix(model.discretisation.scalar, model.thickness, viscosity)
     step = model.undamped_time_step
-    worst = max(damped_eigenvalue(model, angle, step, damping) for angle in ANGLES)
+    worst = max(damped_eigenvalue(model, angle, step, matrix) for angle in ANGLES)
     assert 4.0 * (1.0 - 2.0 * spectrum.TOLERANCE) < worst <= 4.0
 
 
 def test_residual_is_in_the_bound(plate_model, monkeypatch):
-    """Lanczos that ends far too early finds a frequency that is too low; its bound is not."""
+    """Lanczos that ends too early has a safe bound."""
     model = plate_model()
     masses = model.parameters.mass
     exact = Spectrum(model.stiffness, masses).frequency
@@ -82,9 +88,9 @@ def test_angles_that_are_lower_are_not_looked_at_closely(plate_model, monkeypatc
     model, tolerances = plate_model(), []
     plain = Spectrum._largest
 
-    def counted(self, *given):
-        tolerances.append(given[-1])
-        return plain(self, *given)
+    def counted(self, *arguments):
+        tolerances.append(arguments[-1])
+        return plain(self, *arguments)
 
     monkeypatch.setattr(Spectrum, "_largest", counted)
     Spectrum(model.stiffness, model.parameters.mass, corner_support(model.parameters.corner, ANGLES))
@@ -95,7 +101,10 @@ BASIS = 12
 
 
 def chain(masses):
-    """Unit masses between unit springs, both ends held: eigenvalues 2 - 2 cos(k pi / (masses + 1))."""
+    """Unit masses between unit springs, both ends fixed.
+
+    The eigenvalues are 2 - 2 cos(k pi/(n + 1)).
+    """
 
     def product(vector):
         padded = np.pad(vector, 1)
@@ -116,11 +125,11 @@ def test_chain(masses):
 
 
 def test_start_within_few_unknowns_ends_with_theirs():
-    """Three unknowns that nothing couples to others: after them there is nothing to divide by."""
+    """The start has three uncoupled unknowns, and Lanczos ends after them."""
     start = np.zeros(40)
     start[[3, 9, 20]] = 1.0, 2.0, 3.0
-    value, vector = largest_eigenpair(lambda given: np.arange(40.0) * given, start, 1e-9, BASIS)
-    assert (value, abs(vector[20])) == (pytest.approx(20.0, rel=1e-12), pytest.approx(1.0, rel=1e-12))
+    value, mode = largest_eigenpair(lambda vector: np.arange(40.0) * vector, start, 1e-9, BASIS)
+    assert (value, abs(mode[20])) == (pytest.approx(20.0, rel=1e-12), pytest.approx(1.0, rel=1e-12))
 
 
 def test_product_that_is_not_finite_is_an_error():
@@ -129,19 +138,20 @@ def test_product_that_is_not_finite_is_an_error():
 
 
 def test_time_step_has_the_same_digits_whatever_the_rounding(plate_model, monkeypatch):
-    """Products that differ in their last bit, as those of two versions of a library may: the tolerance is far above."""
+    """Products differ in the last bit, as with another library."""
     noise, plain = np.random.default_rng(1), largest_eigenpair
-    models = [plate_model(elements=each, damping_ratio=0.05) for each in ((6, 3), (20, 6), (40, 12))]
+    meshes = ((6, 3), (20, 6), (40, 12))
+    models = [plate_model(elements=elements, damping_ratio=0.05) for elements in meshes]
 
     def steps():
-        spectra = (spectrum.Spectrum(each.stiffness, each.parameters.mass) for each in models)
-        return np.array([each.stable_time_step() for each in spectra])
+        spectra = (spectrum.Spectrum(model.stiffness, model.parameters.mass) for model in models)
+        return np.array([item.stable_time_step() for item in spectra])
 
     def noisy(values):
         return values * (1.0 + 2e-16 * noise.choice((-1.0, 1.0), values.size))
 
-    def rounded(product, *given):
-        return plain(lambda vector: noisy(product(vector)), *given)
+    def rounded(product, *arguments):
+        return plain(lambda vector: noisy(product(vector)), *arguments)
 
     exact = steps()
     monkeypatch.setattr(spectrum, "largest_eigenpair", rounded)
@@ -175,10 +185,10 @@ def test_iteration_gives_what_a_factorisation_gives(plate_model, plate):
     load = masses * np.sin(3.0 * np.arange(masses.size) / masses.size)
     rigid = elastic.rigid_motions(body)
     load -= masses * (rigid @ np.linalg.solve(rigid.T @ (masses[:, None] * rigid), rigid.T @ load))
-    expected, found = solver.factorised(load), solver(load)
+    expected, iterated = solver.factorised(load), solver(load)
     assert len(solver.multigrid._levels.levels) > 1
-    assert not np.array_equal(found, expected)
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
+    assert not np.array_equal(iterated, expected)
+    np.testing.assert_allclose(iterated, expected, rtol=0.0, atol=1e-8 * np.abs(expected).max())
 
 
 @pytest.mark.usefixtures("all_large")
@@ -259,18 +269,18 @@ def of_kind(model, modes, kind):
 
 
 def test_a_slender_plate_bends_as_a_beam(plate_model):
-    """Depth a fiftieth of the length: 1.4e-3 below Euler and Bernoulli, which leaves Timoshenko 2e-5."""
+    """A slender plate is 1.4e-3 below Euler-Bernoulli, 2e-5 from Timoshenko."""
     model = strip(plate_model, 0.2, (100, 2), element="quad9")
-    found = hertz(free_modes(model, 3))
+    frequencies = hertz(free_modes(model, 3))
     beam = beams.Beam(10.0, 0.2, **STEEL)
-    off = found / beams.euler_bernoulli_frequencies(beam, 3) - 1.0
+    off = frequencies / beams.euler_bernoulli_frequencies(beam, 3) - 1.0
     assert -1.5e-3 < off[0] < -1.3e-3
-    assert np.abs(found / beams.timoshenko_frequencies(beam, 3) - 1.0).max() < 6e-5
+    assert np.abs(frequencies / beams.timoshenko_frequencies(beam, 3) - 1.0).max() < 6e-5
 
 
 @pytest.mark.parametrize(("depth", "limit"), [(0.2, 1e-4), (0.5, 2e-4), (1.0, 6e-4), (2.438, 1.5e-3)])
 def test_bending_with_timoshenkos_correction(plate_model, depth, limit):
-    """First three bending modes; without the correction the third is off by up to 43 %."""
+    """Without the correction the third bending mode is off by 43 %."""
     model = strip(plate_model, depth, (60, 4), element="quad9")
     bending = of_kind(model, free_modes(model, 5), "bending")[:3]
     beam = beams.Beam(10.0, depth, **STEEL)
@@ -279,30 +289,36 @@ def test_bending_with_timoshenkos_correction(plate_model, depth, limit):
 
 
 def test_longitudinal_modes_of_a_thin_strip(plate_model):
-    """n c / (2 L); the sides draw in, which slows them by nu^2 B^2 (n pi / L)^2 / 24 (Rayleigh, Love)."""
+    """n c/(2 L), reduced by the inertia of the lateral contraction.
+
+    Rayleigh and Love: by nu^2 B^2 (n pi/L)^2/24.
+    """
     model = strip(plate_model, 0.2, (100, 1), element="quad9")
-    found = of_kind(model, free_modes(model, 12), "longitudinal")
+    frequencies = of_kind(model, free_modes(model, 12), "longitudinal")
     beam = beams.Beam(10.0, 0.2, **STEEL)
-    theory = beams.longitudinal_frequencies(beam, found.size)
-    assert found.size == 2
-    assert np.abs(found / theory - 1.0).max() < 1e-4
+    theory = beams.longitudinal_frequencies(beam, frequencies.size)
+    assert frequencies.size == 2
+    assert np.abs(frequencies / theory - 1.0).max() < 1e-4
     waves = np.arange(1, 3) * math.pi / 10.0
     slowed = theory / np.sqrt(1.0 + 0.3**2 * 0.2**2 / 12.0 * waves**2)
-    assert np.abs(found / slowed - 1.0).max() < 2e-7
+    assert np.abs(frequencies / slowed - 1.0).max() < 2e-7
 
 
 @pytest.mark.parametrize("elements", [10, 20, 40])
 def test_exact_frequencies_of_a_lattice(plate_model, elements):
-    """Without Poisson's effect and with row-sum masses a row of quads is a chain: 2 c/h sin(n pi h / 2 L)."""
+    """A row of quads is a chain of masses and springs.
+
+    2 c/h sin(n pi h/(2 L)) holds without Poisson's effect, with row-sum masses.
+    """
     model = strip(plate_model, 1.0, (elements, 2), poissons_ratio=0.0, lumping="row-sum")
-    found = of_kind(model, free_modes(model, 16), "longitudinal")[:2]
+    frequencies = of_kind(model, free_modes(model, 16), "longitudinal")[:2]
     size, speed = 10.0 / elements, math.sqrt(200e9 / 7800.0)
     exact = 2.0 * speed / size * np.sin(np.array([1, 2]) * math.pi * size / 20.0) / (2.0 * math.pi)
-    assert found == pytest.approx(exact, rel=1e-11)
+    assert frequencies == pytest.approx(exact, rel=1e-11)
 
 
 def test_order_in_the_mesh(plate_model):
-    """Without Poisson's effect n c / (2 L) is exact for the plate; and bending against elements of second order."""
+    """Longitudinal and bending frequencies converge with second order."""
     exact = math.sqrt(200e9 / 7800.0) / 20.0
     fine = plate_model(elements=(80, 24), plate={"element": "quad9"})
     bending = hertz(free_modes(fine, 1))[0]
@@ -346,7 +362,7 @@ def test_frequencies_go_with_the_root_of_the_modulus(plate_model):
 
 
 def test_kinds_add_up(plate_model):
-    """Each mode of the rectangle is symmetric or antisymmetric to rounding, also those of a distorted mesh nearly."""
+    """Modes are symmetric or antisymmetric, transverse ones in a wide plate."""
     model = plate_model()
     kinds, fractions = mode_kinds(model, free_modes(model, 10), THICKNESS)
     assert np.minimum(fractions["symmetric"], 1.0 - fractions["symmetric"]) == pytest.approx(0.0, abs=1e-9)
@@ -362,11 +378,14 @@ def test_too_many(plate_model, count):
 
 
 def test_beam_theory():
-    """Known roots of cosh x cos x = 1; Timoshenko's correction falls with the square of the depth, and converges."""
-    known = np.array([4.7300407448627, 7.8532046240958, 10.9956078380017])
+    """Compare with the roots of cosh x cos x = 1.
+
+    Timoshenko's correction decreases with the square of the depth, and converges.
+    """
+    root_values = np.array([4.7300407448627, 7.8532046240958, 10.9956078380017])
     thin, thinner, stubby = (beams.Beam(10.0, depth, **STEEL) for depth in (0.2, 0.1, 5.0))
     roots = beams.euler_bernoulli_frequencies(thin, 3) * 2.0 * math.pi * 10.0**2 * math.sqrt(12.0)
-    assert roots / (thin.wave_speed * thin.depth) == pytest.approx(known**2, rel=1e-12)
+    assert roots / (thin.wave_speed * thin.depth) == pytest.approx(root_values**2, rel=1e-12)
     theories = beams.timoshenko_frequencies, beams.euler_bernoulli_frequencies
     pairs = ([theory(beam, 3) for theory in theories] for beam in (thin, thinner))
     shares = [1.0 - corrected / plain for corrected, plain in pairs]
@@ -432,7 +451,7 @@ def dense_frequency(model, hold=FREE):
 
 @pytest.fixture
 def small_windows(monkeypatch):
-    """Several windows in a plate small enough for a dense solution, and every plate counts as large."""
+    """Several windows in a plate that is small enough for dense solutions."""
     monkeypatch.setattr(windows, "SIZE", 5)
     monkeypatch.setattr(windows, "MASS_SPREAD", 0.05)
     monkeypatch.setattr(models, "WINDOWS_FROM", 0)
@@ -443,9 +462,9 @@ def test_an_element_s_stiffness_assembled_is_the_plate_s(plate_model, element):
     model = plate_model(elements=(5, 3), plate={"element": element})
     table, parameters = model.discretisation.table, model.parameters
     one = element_stiffness(table, model.tangent_moduli, parameters.hourglass)
-    found = windows._assembled(one, table.connectivity, parameters.mass.size).toarray()
+    assembled_matrix = windows._assembled(one, table.connectivity, parameters.mass.size).toarray()
     expected = model.stiffness.toarray()
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
+    np.testing.assert_allclose(assembled_matrix, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
 
 
 @pytest.mark.usefixtures("small_windows")
@@ -453,30 +472,30 @@ def test_an_element_s_stiffness_assembled_is_the_plate_s(plate_model, element):
 @pytest.mark.parametrize("scale", [0.0, 0.3, 3.0, 100.0])
 @pytest.mark.parametrize("patch", [0.0, 2.0])
 def test_bound_is_safe_and_close(plate_model, plate, scale, patch):
-    """At most by the unevenness of the masses above, and by what windows of five elements miss."""
+    """The bound exceeds the dense frequency by 2 % at most."""
     corner = {"penalty_scale": scale or 1.0, "patch_length": patch}
     model = plate_model(elements=(22, 11), plate=plate, corner=corner)
     hold = corner_support(model.parameters.corner, ANGLES) if scale else FREE
-    found, exact = windows_of(model), dense_frequency(model, hold)
-    assert found.are_representative
+    plate_windows, exact = windows_of(model), dense_frequency(model, hold)
+    assert plate_windows.are_representative
     assert len(windows._window_ends(22, np.array([21]))) > 1
-    assert exact * (1.0 - 1e-12) <= found.bound(hold).frequency <= 1.02 * exact
+    assert exact * (1.0 - 1e-12) <= plate_windows.bound(hold).frequency <= 1.02 * exact
 
 
 def test_bound_converges_with_the_size_of_windows(plate_model, monkeypatch):
-    """Row-sum masses are even: what is left is what windows miss, and it goes."""
+    """Even row-sum masses leave the error of the windows alone."""
     monkeypatch.setattr(windows, "MASS_SPREAD", 0.05)
-    model, apart = plate_model(elements=(40, 16), plate={"lumping": "row-sum"}), []
+    model, errors = plate_model(elements=(40, 16), plate={"lumping": "row-sum"}), []
     exact = dense_frequency(model)
     for size in (2, 4, 8):
         monkeypatch.setattr(windows, "SIZE", size)
-        apart.append(windows_of(model).bound().frequency / exact - 1.0)
-    assert apart[0] > 3.0 * apart[1] > 9.0 * apart[2] > 0.0
-    assert apart[2] < 1e-3
+        errors.append(windows_of(model).bound().frequency / exact - 1.0)
+    assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2] > 0.0
+    assert errors[2] < 1e-3
 
 
 def test_no_node_has_less_mass_than_its_elements_say(plate_model):
-    """The elements' masses, less the factor, lie below the exact ones everywhere, and meet them at one node."""
+    """Reduced element masses do not exceed the exact ones, and reach one."""
     model = plate_model(elements=(22, 11))
     nodes = model.discretisation.table.connectivity
     shares, surplus = windows._element_masses(nodes, model.parameters.mass)
@@ -488,12 +507,12 @@ def test_no_node_has_less_mass_than_its_elements_say(plate_model):
 def test_windows_are_all_of_the_plate(monkeypatch):
     monkeypatch.setattr(windows, "SIZE", 5)
     for count in (1, 4, 7, 11, 33, 58):
-        for held in ([], [0], [count - 1], list(range(count // 2, count))):
-            parts = windows._window_ends(count, np.array(held, dtype=int))
+        for corner_nodes in ([], [0], [count - 1], list(range(count // 2, count))):
+            parts = windows._window_ends(count, np.array(corner_nodes, dtype=int))
             assert [n for start, end in parts for n in range(start, end)] == list(range(count))
             assert len(parts) == 1 or min(end - start for start, end in parts) >= 5
-            around = [(start, end) for start, end in parts if any(start <= n < end for n in held)]
-            first, last = (held[0], held[-1]) if held else (count, 0)
+            around = [(start, end) for start, end in parts if any(start <= n < end for n in corner_nodes)]
+            first, last = (corner_nodes[0], corner_nodes[-1]) if corner_nodes else (count, 0)
             wide = [start <= max(0, first - 5) and end >= min(count, last + 6) for start, end in around]
             assert all(wide)
 
@@ -521,17 +540,17 @@ def test_a_window_of_each_size_is_looked_at(plate_model, monkeypatch):
     monkeypatch.setattr(Windows, "_highest", spied)
     windows_of(model).bound(corner_support(model.parameters.corner, ANGLES))
     sizes = {(along, across) for along in (5, 6) for across in (5, 6)}  # 22 = 5 + 5 + 6 + 6, 11 = 5 + 6
-    assert seen == {((6, 6), True), *((each, False) for each in sizes)}
+    assert seen == {((6, 6), True), *((size, False) for size in sizes)}
 
 
 @pytest.mark.usefixtures("small_windows")
 @pytest.mark.parametrize(
-    "given", [{"damping_ratio": 0.1}, {"bulk_viscosity": 0.06}, {"corner": {"damping_ratio": 0.1}}], ids=str
+    "damping", [{"damping_ratio": 0.1}, {"bulk_viscosity": 0.06}, {"corner": {"damping_ratio": 0.1}}], ids=str
 )
-def test_damped_plates_take_theirs_from_lanczos(plate_model, given, monkeypatch):
-    asked = plate_model(elements=(22, 11), **given)
+def test_damped_plates_take_theirs_from_lanczos(plate_model, damping, monkeypatch):
+    model = plate_model(elements=(22, 11), **damping)
     monkeypatch.setattr(models, "WINDOWS_FROM", 10**9)
-    assert asked.stable_time_step == plate_model(elements=(22, 11), **given).stable_time_step
+    assert model.stable_time_step == plate_model(elements=(22, 11), **damping).stable_time_step
 
 
 @pytest.mark.usefixtures("small_windows")

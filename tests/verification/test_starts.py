@@ -1,7 +1,8 @@
-"""Verification: what each start keeps of the rigid body, to rounding, on steel and on plates that bend by centimetres.
+"""Verify that starts conserve quantities of the rigid body to rounding.
 
-The equilibrium of the elastic state is looked at from outside: which rigid acceleration and which force at the corner
-balance the internal forces best, and what they leave."""
+Plates are of steel, or bend by centimetres. Equilibrium of the elastic state is tested by the rigid acceleration and
+the force at the corner that balance the internal forces best.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -51,48 +52,53 @@ def at_corner(model, values):
 
 
 def rigid_velocities(model, start):
-    """Velocities [m/s] of the undeformed plate, turning about its corner, which slides along the wall."""
+    """Velocities [m/s] of the undeformed plate, rotating about its sliding corner."""
     body = model.discretisation.positions
     arm = to_global(start.angle) @ (body - at_corner(model, body)[:, None])
     return start.omega * np.array([-arm[1], arm[0]]) + np.array([[start.corner_speed], [0.0]])
 
 
 def best_angle(model, positions):
-    """Clockwise angle [rad] of the rotation that carries the body onto these positions, by singular values."""
+    """Clockwise angle [rad] of the best rotation, by singular values."""
     masses = model.parameters.mass
     fields = (model.discretisation.positions, positions)
     body, place = (field - (field @ masses / masses.sum())[:, None] for field in fields)
-    left, _, right = np.linalg.svd((place * masses) @ body.T)
-    rotation = left @ right
+    u, _, v = np.linalg.svd((place * masses) @ body.T)
+    rotation = u @ v
     return float(-np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 
 class Balance(NamedTuple):
-    """Rigid acceleration of the corner [m/s^2], square of the spin [1/s^2], forces at the corner [N], and what is left
-    of the internal forces, over the largest of them."""
+    """Rigid acceleration, corner forces and residual of the internal forces.
+
+    Units are m/s^2 for the corner, 1/s^2 for the square of the spin, and N; the residual is over the largest force.
+    """
 
     along: float
     across: float
     spin_squared: float
     tangential: float
     normal: float
-    left: float
+    residual: float
 
 
 def balance(model, positions):
-    """What balances the internal forces of these positions: m (a + alpha x r - omega^2 r) = f + F at the corner."""
+    """Fit rigid accelerations and corner forces to internal forces.
+
+    m (a + alpha x r - omega^2 r) = f + F.
+    """
     masses, corner = model.parameters.mass, model.parameters.corner
     none = np.zeros_like(masses)
     x, y = (positions - at_corner(model, positions)[:, None]) * masses
-    held = none.copy()
-    held[corner.nodes] = corner.weights
-    pairs = ((masses, none), (none, masses), (-y, x), (-x, -y), (-held, none), (none, -held))
+    support = none.copy()
+    support[corner.nodes] = corner.weights
+    pairs = ((masses, none), (none, masses), (-y, x), (-x, -y), (-support, none), (none, -support))
     columns = np.array([np.concatenate(pair) for pair in pairs]).T
     sizes, forces = np.linalg.norm(columns, axis=0), -internal_forces(model, positions).ravel()
-    found = np.linalg.lstsq(columns / sizes, forces, rcond=None)[0] / sizes
-    left = np.abs(columns @ found - forces).max() / np.abs(forces).max()
-    along, across, _, spin_squared, tangential, normal = map(float, found)
-    return Balance(along, across, spin_squared, tangential, normal, float(left))
+    solution = np.linalg.lstsq(columns / sizes, forces, rcond=None)[0] / sizes
+    residual = np.abs(columns @ solution - forces).max() / np.abs(forces).max()
+    along, across, _, spin_squared, tangential, normal = map(float, solution)
+    return Balance(along, across, spin_squared, tangential, normal, float(residual))
 
 
 @pytest.mark.parametrize("kind", ["inertia-relief-momenta", "unstressed"])
@@ -103,7 +109,7 @@ def test_momenta_of_the_rigid_body(model, kind):
 
 
 def test_inertia_relief_alone_has_another_momentum(plate_model):
-    """So that the others do not have the rigid body's by chance: the centre, bent away, turns on a longer arm."""
+    """Its centre is displaced and rotates on a longer arm."""
     model = plate_model(plate=SOFT)
     velocities, rigid = start_fields(model, START, "inertia-relief")[1], rigid_velocities(model, START)
     assert (velocities @ model.parameters.mass)[1] / (rigid @ model.parameters.mass)[1] > 1.01
@@ -125,7 +131,7 @@ def test_angle_of_the_best_rotation(model, kind):
 
 @pytest.mark.parametrize("kind", START_KINDS)
 def test_the_corner_stays_on_the_wall(model, kind):
-    """On the wall, or off it by the spring's deflection; its velocity across is that of the gap at first."""
+    """The distance is the deflection of the spring, the velocity its rate."""
     positions, velocities = start_fields(model, START, kind)
     (slide, height), rate = at_corner(model, positions), at_corner(model, velocities)[1]
     assert slide == pytest.approx(0.0, abs=1e-14)
@@ -138,7 +144,7 @@ def test_the_corner_stays_on_the_wall(model, kind):
 
 
 def _gap_rate(model, kind):
-    """Change [m/s] from 1 to 5 ms of the gap that belongs to the angle, spin and speed of a run."""
+    """Rate [m/s] of the equilibrium gap between 1 and 5 ms."""
     stepper, gaps, step = Stepper(model), [], model.parameters.time_step
     counts = [round(time / step) for time in (1e-3, 5e-3)]
     for count in counts:
@@ -153,23 +159,23 @@ def _gap_rate(model, kind):
 def test_the_elastic_state_is_in_equilibrium(model, kind):
     """Steel is held to the linear equations, whose error is its strain."""
     positions, _ = start_fields(model, START, kind)
-    found, steel = balance(model, positions), model.tangent_moduli.c_11 > 1e10
-    assert found.left < (1e-5 if steel else 1e-10)
-    assert found.normal < -3000.0
-    assert abs(found.across) < 1e-5 * abs(found.along)
+    state, steel = balance(model, positions), model.tangent_moduli.c_11 > 1e10
+    assert state.residual < (1e-5 if steel else 1e-10)
+    assert state.normal < -3000.0
+    assert abs(state.across) < 1e-5 * abs(state.along)
     friction = 0.47 if model.parameters.friction else 0.0
-    assert found.tangential / found.normal == pytest.approx(friction, abs=1e-6)
+    assert state.tangential / state.normal == pytest.approx(friction, abs=1e-6)
     if kind == "inertia-relief":
-        assert found.spin_squared == pytest.approx(START.omega**2, rel=1e-6)
+        assert state.spin_squared == pytest.approx(START.omega**2, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", RELIEVED)
 def test_a_strip_is_in_equilibrium_too(plate_model, kind):
-    """Ten metres long and a tenth wide, of 20 MPa: it bends by six centimetres when it turns slowly."""
+    """A strip of 20 MPa bends by six centimetres when rotating slowly."""
     mesh = plate_mesh(10.0, 0.1, (40, 2), "quad")
     strip = plate_model(mesh=mesh, plate=SOFT, corner={"constraint": "exact"})
     positions, velocities = start_fields(strip, SLOW, kind)
-    assert balance(strip, positions).left < 1e-6
+    assert balance(strip, positions).residual < 1e-6
     assert best_angle(strip, positions) == pytest.approx(SLOW.angle, rel=1e-10)
     if kind == "inertia-relief-momenta":
         expected = rigid_velocities(strip, SLOW) @ strip.parameters.mass
@@ -179,26 +185,28 @@ def test_a_strip_is_in_equilibrium_too(plate_model, kind):
 
 
 def test_a_plate_too_soft_for_its_start_is_refused(capsys):
-    given = ["--set", "plate.youngs_modulus=", "--set", "plate.first_frequency=0.1 Hz", "--no-pictures"]
-    assert _status(["run", "mash-tl4-sut", *given]) == WRONG_INPUT
+    changes = ["--set", "plate.youngs_modulus=", "--set", "plate.first_frequency=0.1 Hz", "--no-pictures"]
+    assert _status(["run", "mash-tl4-sut", *changes]) == WRONG_INPUT
     assert 'allowed is "unstressed"' in capsys.readouterr().err
 
 
 def ripple(model, kind):
-    """Largest difference in a run between the reaction and that of the elastic state in equilibrium at the same angle,
-    spin and speed, over the largest of these."""
-    found = simulate(model, START, 0.38, kind, rows=12).history
-    history = {name: column[:-1] for name, column in found.items()}
+    """Largest difference of the reaction from that of equilibrium, relative.
+
+    The elastic state is in equilibrium at the angle, spin and speed of the run.
+    """
+    rows = simulate(model, START, 0.38, kind, rows=12).history
+    history = {name: column[:-1] for name, column in rows.items()}
     normal = []
     for angle, omega, speed in zip(*(history[name] for name in ("theta", "omega", "v_p")), strict=True):
         positions, _ = start_fields(model, RigidStart(angle, omega, speed), "inertia-relief")
         normal.append(balance(model, positions).normal)
-    known = np.array(normal)
-    return float(np.abs(history["reaction_normal"] - known).max() / np.abs(known).max())
+    equilibrium = np.array(normal)
+    return float(np.abs(history["reaction_normal"] - equilibrium).max() / np.abs(equilibrium).max())
 
 
 def test_the_reaction_does_not_oscillate(plate_model):
-    """Without friction: by inertia relief the elastic state follows the motion, unstressed it oscillates about that."""
+    """Inertia relief follows the motion without friction, an unstressed plate oscillates."""
     model = plate_model(plate={"youngs_modulus": 2e9}, elements=(10, 3), corner={"constraint": "exact"})
     assert max(ripple(model, kind) for kind in RELIEVED) < 2e-3
     assert ripple(model, "unstressed") > 0.5
@@ -206,7 +214,7 @@ def test_the_reaction_does_not_oscillate(plate_model):
 
 @pytest.mark.parametrize("threads", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_positions_stay_within_the_span(plate_model, threads):
-    """The corner never gets farther from the origin than the span; in the wall's frame nothing has changed."""
+    """The corner is within one span of the origin at any time."""
     model = plate_model(reaction="drag")
     stepper = Stepper(model, threads)
     state = stepper.start(START, "inertia-relief")
@@ -221,7 +229,7 @@ def test_positions_stay_within_the_span(plate_model, threads):
 
 
 def test_span_has_one_digit_in_binary(plate_model):
-    """A power of two: setting back by it rounds nothing that is larger."""
+    """A span that is a power of two is subtracted without rounding."""
     mantissa, _ = np.frexp(plate_model().parameters.span)
     assert mantissa == 0.5
 
@@ -245,19 +253,21 @@ SLOWER = [
 
 @pytest.mark.parametrize("changes", SLOWER)
 def test_ripple_by_rounding_is_foreseen(changes):
-    """Within a factor of one to four, never too low (benchmarks/rounding.py has more, with 1.3 to 2.6)."""
+    """The prediction is 1 to 4 times the ripple, as in benchmarks/rounding.py."""
     alone = ("wall=", "corner.reaction=none", "damping.kind=none", "plate.element=quad4")
     result = corner_run.attempt(corner_case.CornerCase(*read_scene("mash-tl4-sut", (*alone, *changes))))
     ripple = result.fe_history["reaction_normal"] - result.rigid_history["reaction_normal"]
     ripple = ripple[np.isfinite(ripple)]
-    seen = np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2))
-    foreseen = rounding_noise(result.fe_plan.model).ripple(result.rigid["t"])
-    assert 1.0 < foreseen / seen < 4.0
+    observed = np.sqrt(np.mean(ripple[-len(ripple) // 4 :] ** 2))
+    predicted = rounding_noise(result.fe_plan.model).ripple(result.rigid["t"])
+    assert 1.0 < predicted / observed < 4.0
 
 
 def test_damping_against_rounding_is_no_faster_than_the_plate():
-    """Above its highest frequency w the stable step falls as the rate r grows, to 2/r, and what r damps in a step is no
-    more than from there on."""
+    """Damping per step does not increase beyond the highest frequency.
+
+    Above the frequency w the stable step decreases with the rate r, to 2/r.
+    """
     power, reaction, frequency = 2.0, 3.0, 100.0
     noise = RoundingNoise(power, reaction, frequency)
     assert noise.rate_for(1.0) == power * reaction**2

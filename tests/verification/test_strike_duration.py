@@ -1,4 +1,4 @@
-"""Verification: crush stiffness from the duration of a strike: closed forms, Table 4, other keys beside it."""
+"""Verify the crush stiffness from the duration of a strike."""
 
 import math
 from pathlib import Path
@@ -27,7 +27,7 @@ TRUCK = (9979.0, None, 10.0, 2.438, 5.0)
 
 @pytest.mark.parametrize("e", [0.0, 0.22, 0.9])
 def test_a_point_mass_strikes_for_that_long(e):
-    """A corner below the centre of mass: k of the effective mass m lasts dt = (pi/2)(1 + e) sqrt(m/k)."""
+    """k of the effective mass lasts dt = (pi/2)(1 + e) sqrt(m/k)."""
     box = ImpactVehicle(4.0, 2.0, 1500.0)
     k = stiffness_of_duration(0.1, e, box.mass, None, 4.0, 2.0, 4.0)  # no arm: the centre of mass at the rear
     start = ImpactState(0.0, math.hypot(2.0, 1.0), math.pi / 2.0 - math.atan(0.5), 0.0, -7.0, 0.0)
@@ -37,19 +37,22 @@ def test_a_point_mass_strikes_for_that_long(e):
 
 
 def test_the_effective_mass_of_the_rear_corner():
-    """Of the uniform rectangle m/(1 + 3 L^2/(L^2 + B^2)); with an own inertia and centre 1/(1/m + a^2/I)."""
+    """The rear corner has a known fraction of the mass.
+
+    A rectangle has m/(1 + 3 L^2/(L^2 + B^2)), others 1/(1/m + a^2/I).
+    """
     unit = (math.pi / 2.0 * 1.22 / 0.1) ** 2
     stiffness = stiffness_of_duration(0.1, 0.22, *TRUCK) / unit / 9979.0
     assert stiffness == pytest.approx(1.0 / (1.0 + 300.0 / (100.0 + 2.438**2)), rel=1e-14)
-    own = stiffness_of_duration(0.1, 0.22, 8000.0, 96000.0, 10.0, 2.438, 4.0)
-    assert own / unit == pytest.approx(2000.0, rel=1e-14)  # 1/8000 + 36/96000 = 1/2000
+    other = stiffness_of_duration(0.1, 0.22, 8000.0, 96000.0, 10.0, 2.438, 4.0)
+    assert other / unit == pytest.approx(2000.0, rel=1e-14)  # 1/8000 + 36/96000 = 1/2000
 
 
 @pytest.mark.parametrize(("duration", "k", "lasts", "mean"), [
     ("0.1 s", 0.96e6, 0.096, 390e3), ("80 ms", 1.5e6, 0.077, 456e3), (0.18, 0.3e6, 0.173, 236e3),
 ])  # fmt: skip
 def test_durations_of_table_4(duration, k, lasts, mean):
-    """Stiffness, duration of the rear strike and largest 50 ms mean of the truck of the paper, to the digits known."""
+    """Stiffness, rear duration and largest mean of the truck of the paper."""
     case = ImpactCase(*vary(read_source(SCENE), {KEY: duration}))
     rear = case.motion.strikes[1]
     assert case.scene.contact is not None

@@ -1,4 +1,4 @@
-"""Verification: a study is one declaration, found in its folder or registered; all else is the same for all."""
+"""Verify that a study is one declaration, registered or in a folder."""
 
 import csv
 import json
@@ -25,11 +25,11 @@ def heavier(case, place, factor):
     return [{"what": "as it is", "mass": mass}, {"what": "heavier", "mass": factor * mass}]
 
 
-def masses_report(found):
-    table = Table((Column("what", "Vehicle"), Column("mass", "Mass", "kg", form=".5g")), found)
+def masses_report(masses):
+    table = Table((Column("what", "Vehicle"), Column("mass", "Mass", "kg", form=".5g")), masses)
     section = Section("Masses", tables=(table,))
-    page = Page("Masses", Headline("A toy", "Two masses."), (section,), "", passed=len(found) == 2)
-    return Report(page, {"masses": found}, (table,), {"masses.csv": table})
+    page = Page("Masses", Headline("A toy", "Two masses."), (section,), "", passed=len(masses) == 2)
+    return Report(page, {"masses": masses}, (table,), {"masses.csv": table})
 
 
 FACTOR = click.Option(["--factor"], type=float, default=2.0)
@@ -47,13 +47,13 @@ def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypat
     assert "toy" in studies.study_names()
     assert cli._status(["study", "toy", TRUCK, "--set", "vehicle.mass=10 t", "--factor", "3"]) == 0
     folder = Path("results") / f"{TRUCK}+vehicle.mass=10t-toy"
-    said = capsys.readouterr().out
-    assert "30000" in said
-    assert f"Report: {folder / 'report.html'}" in said
+    output = capsys.readouterr().out
+    assert "30000" in output
+    assert f"Report: {folder / 'report.html'}" in output
     assert "Two masses." in (folder / "report.html").read_text()
     summary = json.loads((folder / "summary.json").read_text())
     assert (summary["answer"], summary["masses"][1]) == ("Two masses.", {"what": "heavier", "mass": 3e4})
-    assert said.startswith("Two masses.\n")
+    assert output.startswith("Two masses.\n")
     with (folder / "masses.csv").open() as file:
         assert [float(row["mass"]) for row in csv.DictReader(file)] == [1e4, 3e4]
 
@@ -73,9 +73,9 @@ def test_a_study_that_fails_ends_with_one_and_wrong_input_with_two(tmp_path):
 def test_a_study_of_the_other_kind_of_scene_is_refused(kind, scene, words, tmp_path, capsys):
     studies.register(replace(TOY, analyses=(kind,)))
     assert cli._status(["study", "toy", scene, "--out", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr().err
-    assert "contact: given" in said
-    assert words in said
+    message = capsys.readouterr().err
+    assert "contact: given" in message
+    assert words in message
     assert not (tmp_path / "out").exists()
 
 

@@ -1,4 +1,4 @@
-"""Verification: the sources pass linter, formatter and type checker, and each test asserts something."""
+"""Verify that linter, formatter and type checker pass, and tests assert."""
 
 import ast
 import re
@@ -20,13 +20,13 @@ def called_names(function):
 
 
 def without_assertion(trees):
-    """Test functions that assert nothing, neither themselves nor by a function of the tests that they call."""
+    """Test functions without an assertion, of their own or called."""
     functions = [f for tree in trees for f in ast.walk(tree) if isinstance(f, ast.FunctionDef)]
     calls = {id(f): set(called_names(f)) for f in functions}
     asserting = {f.name for f in functions if any(isinstance(node, ast.Assert) for node in ast.walk(f))}
     asserting |= {f.name for f in functions if any(map(ASSERTING.search, calls[id(f)]))}
-    found = [f.name for f in functions if f.name.startswith("test_") and f.name not in asserting]
-    return [f.name for f in functions if f.name in found and not calls[id(f)] & asserting]
+    silent = [f for f in functions if f.name.startswith("test_") and f.name not in asserting]
+    return [f.name for f in silent if not calls[id(f)] & asserting]
 
 
 def test_each_test_asserts_something():
@@ -53,5 +53,5 @@ def test_of_an_error():
 
 @pytest.mark.parametrize("command", [("ruff", "check", "."), ("ruff", "format", "--check", "."), ("mypy",)])
 def test_sources_are_clean(command):
-    done = subprocess.run([sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+    process = subprocess.run([sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True)
+    assert process.returncode == 0, process.stdout + process.stderr

@@ -1,4 +1,4 @@
-"""Verification: charts are XML with round ticks, and show the numbers that they are given where they belong."""
+"""Verify that charts are XML with round ticks and correct numbers."""
 
 import csv
 import io
@@ -29,7 +29,7 @@ X = np.linspace(0.0, 2.0, 5)
 @pytest.mark.parametrize("low", [-3.7e-9, 0.0, 12.3, -5.0e7])
 @pytest.mark.parametrize("span", [1e-12, 0.38, 4.0, 99.0, 6.1e8])
 def test_ticks_are_round_and_in_range(low, span):
-    """Multiples of 1, 2 or 5 times a power of ten, two to six of them."""
+    """Two to six multiples of 1, 2 or 5 powers of ten."""
     if span < 1e-6 * abs(low):
         low = 0.0
     ticks = round_ticks(low, low + span, 6)
@@ -62,7 +62,7 @@ def test_powers_of_ten(value, text):
 
 
 def test_logarithmic_scales():
-    """Decades are equally far apart; within one decade ticks stand at 1, 2 and 5, within less at round values."""
+    """Decades are equally spaced, with ticks at 1, 2, 5 within one."""
     scale = Scale(1e-4, 1e2, 0.0, 600.0, is_log=True)
     np.testing.assert_allclose(scale.at([1e-4, 1e-3, 1.0, 1e2]), [0.0, 100.0, 400.0, 600.0])
     assert scale.ticks(6) == pytest.approx([1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0])
@@ -87,7 +87,7 @@ def places(root, label):
 
 
 def test_points_are_where_their_values_are():
-    """Between the ends of `data-x` and the ticks, by which pages show values."""
+    """Positions lie between the ends of `data-x` and the ticks."""
     root = chart(Line("FE", X, X**2))
     (plot,) = [element for element in root.iter() if element.get("class") == "plot"]
     x_min, top, right, bottom = map(float, plot.get("data-box", "").split())
@@ -120,7 +120,7 @@ def test_gaps_are_gaps():
 
 
 def level_names(root):
-    """Name, right end and height of each level's name, and height of its line."""
+    """Return name, right end, height and height of line of each level."""
     groups = [
         (group, next(group.iter(SVG + "text"))) for group in root.iter(SVG + "g") if group.get("data-at")
     ]
@@ -165,8 +165,8 @@ PARTS = ("plot", "key", "marks", "ticks", "beside", "x-axis", "moving")
 def test_the_legend_names_what_is_drawn_once():
     marks = Span("front", 0.0, 1.0), Layer("strain", X, 0.0 * X, X), Line("FE", X, X)
     root = chart(*marks, Swatch("60 kN", "#123456"))
-    said = ["".join(element.itertext()) for element in root.iter(SVG + "text")]
-    assert [said.count(label) for label in ("front", "strain", "FE", "60 kN")] == [1] * 4
+    words = ["".join(element.itertext()) for element in root.iter(SVG + "text")]
+    assert [words.count(label) for label in ("front", "strain", "FE", "60 kN")] == [1] * 4
     assert {element.get("class") for element in root.iter(SVG + "g")} - {None, *PARTS} <= set(PALETTE)
 
 
@@ -188,7 +188,10 @@ def texts_of(chart):
 
 
 def columns(chart):
-    """Columns of the table behind a chart, which pages show: by label, heading of the places, places, values."""
+    """Columns of the table behind a chart, by label.
+
+    Each has the heading of the positions, the positions and the values.
+    """
     labels = {mark.label for plot in chart.plots for mark in plot.marks if mark.label}
     by_label, where = {}, []
     for heading, *cells in zip(*csv.reader(io.StringIO(chart.csv)), strict=True):
@@ -235,7 +238,7 @@ def test_a_span_without_width_is_a_line():
 
 
 def test_colours_of_numbers():
-    """Ends and middle of viridis; next to no variation is drawn in next to one colour."""
+    """A constant field has one colour, the range viridis."""
     shades = Shades.of(np.array([1.0, np.nan, 100.0]), is_log=True)
     assert shades.colours(np.array([1.0, 10.0, 100.0])) == ["#440154", "#21918c", "#fde725"]
     labels = [SI.rendered(label) for label, _ in shades.keys("kN")]
@@ -328,7 +331,7 @@ def test_a_mode_says_how_far_its_outline_moves():
 
 
 def crowded(lines=9):
-    """Lines that all end within a tenth of a decade of each other; one point failed."""
+    """Lines that end within a tenth of a decade, with one failure."""
     series = []
     for n in range(lines):
         errors = [1e-2 * (n + 1), 1e-4 * (n + 1), 1e-5 * (1.0 + 0.02 * n)]
@@ -341,7 +344,7 @@ def crowded(lines=9):
 
 
 def test_a_diagram_has_a_line_a_method_front_and_floor():
-    """As wide as the page; each point names its mesh; colour and dashes together distinguish lines."""
+    """A point names its mesh, and colour and dashes identify a line."""
     (diagram,) = crowded()
     by_label = columns(diagram)
     assert (diagram.name, diagram.width) == ("test", FULL)
@@ -359,7 +362,7 @@ def test_a_diagram_has_a_line_a_method_front_and_floor():
 
 
 def test_names_at_the_ends_of_lines_do_not_overlap():
-    """Nine names of lines that end at one place stand in rows of 12 pixels, within the frame."""
+    """Nine names are in rows of 12 pixels within the frame."""
     (diagram,) = crowded()
     every = ElementTree.fromstring(diagram.svg).iter(SVG + "text")
     texts = [text for text in every if text.get("class") == "halo"]
@@ -371,9 +374,9 @@ def test_names_at_the_ends_of_lines_do_not_overlap():
 
 def test_ticks_are_powers_of_ten():
     (first,) = crowded()
-    said = [re.sub("<[^>]+>", "", text) for text in re.findall("<text.*?</text>", first.svg)]
-    assert {"10⁻³", "10⁻²", "10⁻⁵", "10⁻⁴"} & set(said)
-    assert not [word for word in said if re.fullmatch(r"\d+e-?\d+", word)]
+    labels = [re.sub("<[^>]+>", "", text) for text in re.findall("<text.*?</text>", first.svg)]
+    assert {"10⁻³", "10⁻²", "10⁻⁵", "10⁻⁴"} & set(labels)
+    assert not [word for word in labels if re.fullmatch(r"\d+e-?\d+", word)]
 
 
 def test_a_diagram_without_points_is_none():
@@ -458,7 +461,7 @@ MOTION = ("v_gy", "v_gx", "theta", "omega", "slide")
 
 
 def histories(n=2000):
-    """A plate that turns evenly while its centre slides, and the same with a ripple."""
+    """A plate that rotates evenly, and the same with a ripple."""
     t = np.linspace(0.0, 0.38, n)
     theta = 0.26 - 0.684 * t
     phase = theta + 0.239
@@ -523,12 +526,12 @@ def test_kinetic_energy_is_shown_as_a_change(curves):
 
 
 def test_the_ripple_is_drawn_at_its_size(curves):
-    """Height of the difference line in the panel of 10^-9, whose ticks are its scale."""
+    """The height of the difference is that of its scale."""
     assert {"−1000", "0", "1000"} <= {*texts(curves["slide"])}
 
 
 def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves):
-    """Several fit on a page, and each is a file: its name spaces are declared, it has a paper and a size."""
+    """Charts on one page do not conflict, and each is a file."""
     for curve in curves.values():
         assert not re.search(r"\b(id|href)=|url\(", curve.svg)
         root = ElementTree.fromstring(curve.svg)
@@ -537,7 +540,7 @@ def test_a_chart_has_no_ids_and_needs_nothing_beside_it(curves):
 
 
 def test_values_are_those_of_the_history(curves):
-    """Values at the pointer of a page, to five digits, at all points of the path."""
+    """Values at the pointer have five digits at all points."""
     fe, _ = histories()
     (path,) = [e for e in drawn_in(curves["slide"]) if e.get("data-label") == "FE"]
     where, at, values = columns(curves["slide"])["FE"]
@@ -557,14 +560,14 @@ def test_only_what_the_histories_have_is_drawn():
 
 
 def test_rigid_history_at_other_instants():
-    """Straight lines at other instants interpolate exactly: the difference is rounding, below a billionth."""
+    """Straight lines interpolate exactly, except rounding."""
     t, other = np.linspace(0.0, 1.0, 77), np.linspace(0.0, 1.0, 11)
     (curve,) = draw_histories({"t": t, "slide": 3.1 * t}, {"t": other, "slide": 3.1 * other})
     assert any("[10⁻¹⁵" in words or "[10⁻¹⁸" in words for words in texts(curve))
 
 
 def test_a_run_that_went_wrong_is_still_drawn():
-    """Its other plots are as they were; of the broken column the part before, and where it goes if that is finite."""
+    """Other plots are unchanged, and the finite part is drawn."""
     fe, rigid = histories(900)
     good = {curve.name: curve for curve in draw_histories(fe, rigid)}
     for bad, points, label in ((np.nan, 100, ""), (np.inf, 100, ""), (1e300, 2, "10³⁰⁰")):
@@ -585,7 +588,7 @@ def vertices(curve):
 
 
 def many_lines():
-    """Charts of four lines and more, all lines of each one in the same place."""
+    """Charts of four and more lines in one place."""
     t = np.linspace(0.0, 0.4, 9)
     fe, rigid = histories(50)
     curves = [Curve(f"result {k}", t, t) for k in range(7)]
@@ -604,7 +607,7 @@ def many_lines():
 
 @pytest.mark.parametrize("name", many_lines())
 def test_lines_differ_in_shape_and_hide_none_before(name):
-    """In grey, or where they coincide: each has dashes of its own, and gaps or a smaller width than those below it."""
+    """Each line has dashes, or is narrower than those below it."""
     lines = [mark for mark in many_lines()[name].plots[0].marks if isinstance(mark, Line)]
     assert len(lines) > 3
     assert len({line.dashes for line in lines}) == len(lines)
@@ -644,7 +647,7 @@ def test_power_of_ten(size, power):
 
 @pytest.mark.parametrize("row", [0, 2])
 def test_curves_stay_below_the_names_of_spans(row):
-    """The largest value is drawn below the last row of names; without spans the axis ends where it did."""
+    """The largest value is below the last row of names."""
     line = Line("force", np.array([0.0, 1.0, 2.0]), np.array([0.0, 5.0, 1.0]))
     spans = (Span("front", 0.5, 1.5, row=row),)
     (free,) = framed([Plot((line,), Axis("force"))], Axis("t"), 520.0, 0.0)

@@ -1,7 +1,8 @@
-"""Verification: sweeps on local processes and on a cluster of `dask scheduler` and `dask worker` on loopback.
+"""Verify sweeps on local processes and on a Dask cluster.
 
-Whatever is killed, after resuming each run has one row, and the rows are those of a sweep that was left alone, bit for
-bit but for times. Single rows are held against `tailslap run`."""
+Whatever is killed, after resuming each run has one row, and the rows are those of an undisturbed sweep, bit for bit
+except times. Single rows are compared with `tailslap run`.
+"""
 
 import contextlib
 import json
@@ -64,7 +65,7 @@ def hang_guard():
 
 
 class Loopback(NamedTuple):
-    """A scheduler's address; its process, and that which keeps the workers."""
+    """A scheduler's address, its process, and that of the workers."""
 
     address: str
     processes: list[subprocess.Popen[bytes]]
@@ -81,7 +82,7 @@ def wait_until(condition):
 
 @contextlib.contextmanager
 def loopback(folder, workers):
-    """`dask scheduler` on a free port of 127.0.0.1, and `dask worker` with a number of processes."""
+    """`dask scheduler` and `dask worker` on a free port of 127.0.0.1."""
     file, dask = folder / "scheduler.json", [sys.executable, "-m", "dask"]
     host = ["--host", "127.0.0.1", "--no-dashboard"]
     settings = {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", "OMP_NUM_THREADS": "1"}
@@ -145,7 +146,7 @@ def undisturbed(scene, cluster, tmp_path_factory):
 
 
 def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
-    """Rows are those of runs made here; the same command makes none again."""
+    """Rows are those of single runs, and a repetition computes none."""
     place, varied = tmp_path / "sweep", ("corner.friction=0.1,0.9",)
     arguments = ["sweep", scene, "--vary", *varied, "--workers", "1", "--out", str(place)]
     assert cli._status(arguments) == 0
@@ -161,7 +162,7 @@ def test_a_small_sweep_by_the_command(scene, tmp_path, capsys):
 
 @pytest.mark.long
 def test_each_row_is_that_of_a_run(undisturbed, scene):
-    """Inputs, both solutions, differences, checks and cost of a few rows against runs made here."""
+    """Inputs, solutions, differences, checks and cost equal those of runs."""
     assert [row["run"] for row in undisturbed] == list(range(RUNS))
     definition = definition_of(scene)
     for number in (0, 1, 157):
@@ -196,7 +197,7 @@ def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed):
 
 
 def started(place, scene, *more):
-    """`tailslap sweep` as a process of its own, returned when its first rows are on disk, or it is done."""
+    """`tailslap sweep` in a process, returned with its first rows."""
     varied = [part for text in VARIED for part in ("--vary", text)]
     command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied, "--out", str(place), *more]
     process = subprocess.Popen(
@@ -225,7 +226,7 @@ def alive(pid):
 @pytest.mark.long
 @pytest.mark.parametrize("where", ["local", "cluster"])
 def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp_path):
-    """kill -9 of the client; with local workers it has scheduler and workers in it, and these end too."""
+    """kill -9 of the client also ends its local workers."""
     place = tmp_path / "sweep"
     process = started(place, scene, *(("--workers", "2") if where == "local" else ("--cluster", cluster)))
     below = children(process.pid)
@@ -236,9 +237,8 @@ def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp
     assert not (place / "summary.json").exists(), "it was done before it could be killed"
     records_before = records_of(scene, place)
     result = perform(definition_of(scene), place, cluster)
-    assert {
-        run: row for run, row in records_of(scene, place).items() if run in records_before
-    } == records_before
+    records_after = records_of(scene, place)
+    assert {run: records_after[run] for run in records_before} == records_before
     assert (result.effort.runs, table(place)) == (RUNS - len(records_before), undisturbed)
 
 
@@ -248,7 +248,10 @@ def records_of(scene, place, definition=None):
 
 
 def known(row):
-    """Return a row without empty cells: a table of part of the runs may have fewer checks."""
+    """Return a row without the empty cells.
+
+    A table of part of the runs may have fewer checks.
+    """
     return {name: value for name, value in row.items() if value is not None}
 
 
@@ -259,11 +262,11 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     place = tmp_path / "sweep"
     process = started(place, scene, *(("--workers", "2") if where == "local" else ("--cluster", cluster)))
     os.killpg(process.pid, signal.SIGINT)
-    said = process.communicate(timeout=HANG)[1].decode()
+    message = process.communicate(timeout=HANG)[1].decode()
     assert process.returncode == 130
     table_before = table(place)
-    kept_rows = f"{len(table_before)} of {RUNS} rows are saved"
-    assert said.strip() == f"tailslap: interrupted; {kept_rows}; the same command resumes the sweep"
+    rows_saved = f"{len(table_before)} of {RUNS} rows are saved"
+    assert message.strip() == f"tailslap: interrupted; {rows_saved}; the same command resumes the sweep"
     assert [known(row) for row in table_before] == [known(undisturbed[row["run"]]) for row in table_before]
     result = perform(definition_of(scene), place, cluster)
     assert result.effort.runs == RUNS - len(table_before) > 0
@@ -272,14 +275,14 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
 
 
 def test_ended_while_processes_are_started_it_says_so_alone(scene, tmp_path):
-    """When there are two processes, what tracks and what forks them, and no worker yet."""
+    """Two processes exist then, and no worker."""
     varied = ("--vary", "corner.friction=0.1:0.5:40", "--out", str(tmp_path / "sweep"))
     command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     wait_until(lambda: process.poll() is not None or len(children(process.pid)) >= 2)
     process.terminate()
-    said = process.communicate(timeout=HANG)[1].decode()
-    assert (process.returncode, said) == (130, "tailslap: interrupted; no run is complete\n")
+    message = process.communicate(timeout=HANG)[1].decode()
+    assert (process.returncode, message) == (130, "tailslap: interrupted; no run is complete\n")
     assert not (tmp_path / "sweep").exists()
 
 
@@ -334,7 +337,7 @@ def dies_once(mark, run, *rest):
 @pytest.mark.long
 @pytest.mark.parametrize("where", ["local", "cluster"])
 def test_a_worker_that_dies_is_survived(where, scene, cluster, undisturbed, tmp_path):
-    """The first worker to compute a certain run is killed under it, with kill -9."""
+    """The first worker to compute a certain run is killed."""
     mark, place = tmp_path / "mark", tmp_path / "sweep"
     compute = partial(dies_once, mark)
     result = perform(definition_of(scene), place, cluster if where == "cluster" else None, 2, compute)
@@ -391,7 +394,7 @@ def test_what_breaks_in_a_run_is_its_row(monkeypatch):
 
 @pytest.mark.long
 def test_the_loss_of_the_scheduler_keeps_the_rows(scene, tmp_path):
-    """kill -9 of scheduler and workers under a sweep; it resumes on another cluster, here on one local process."""
+    """kill -9 of scheduler and workers under a sweep."""
     place = tmp_path / "sweep"
 
     def compute(run, *rest):
@@ -421,8 +424,8 @@ def test_a_scheduler_that_does_not_answer(scene, tmp_path, monkeypatch, capsys):
     for address in ("tcp://127.0.0.1:9", "127.0.0.1:9", "nonsense", "http://127.0.0.1:9", "tcp://"):
         arguments = ["--cluster", address, "--out", str(tmp_path / "sweep")]
         assert cli._status(["sweep", scene, "--vary", "corner.friction=0.1,0.2", *arguments]) == 2
-        said = capsys.readouterr().err
-        assert said.startswith(f'tailslap: --cluster: given "{address}"; no Dask scheduler replies')
+        message = capsys.readouterr().err
+        assert message.startswith(f'tailslap: --cluster: given "{address}"; no Dask scheduler replies')
         assert not (tmp_path / "sweep").exists()
 
 
@@ -443,7 +446,10 @@ def test_other_versions_are_refused(scene, cluster, tmp_path, monkeypatch):
 
 
 class Flaky:
-    """A pool of one worker whose first call is lost in transit; the scheduler may be lost with it."""
+    """A pool of one worker that loses the first call in transit.
+
+    The scheduler may be lost with it.
+    """
 
     died: pools.Errors = (ZeroDivisionError,)
     again: pools.Errors = (ConnectionError,)
@@ -470,7 +476,7 @@ class Flaky:
 
 
 def test_connection_lost_while_rows_come_does_not_blame_a_worker(tmp_path):
-    """The connection may break before the client knows: the runs wait again, or the scheduler is called lost."""
+    """The runs wait again, or the scheduler is reported lost."""
     records = Records(tmp_path / "r.sqlite", {})
     parts = engine.Parts(abs, [3, 4, 5], lambda key: (-int(key),), lambda key: "died")
     with pytest.raises(pools.LostError):
@@ -525,7 +531,7 @@ def test_a_second_row_of_the_same_run_is_not_taken(tmp_path):
 
 
 def test_any_tool_of_sqlite_sees_the_values_in_columns(tmp_path):
-    """Also those that only some rows have, and numbers that JSON does not have; nothing lies beside the file."""
+    """All values are columns, and nothing is beside the file."""
     with open_records(tmp_path, small_sweep()) as rows:
         rows.add(row(0, **{"fe.t": 1 / 3}), {0: 1.5})
         rows.add(row(1, **{"fe.t": math.inf, "it's": "x"}))
@@ -553,17 +559,17 @@ def test_records_of_another_definition_or_program_are_begun_anew(tmp_path, monke
 def test_the_program_is_known_by_its_sources(python):
     """By version and digest, of what another process finds as well."""
     code = "from tailslap.campaign.records import program; print(program())"
-    said = python(code, check=True).stdout
-    assert (said.strip(), len(records.program().partition("+")[2])) == (records.program(), 16)
+    output = python(code, check=True).stdout
+    assert (output.strip(), len(records.program().partition("+")[2])) == (records.program(), 16)
 
 
 WRITER = """
 import itertools, sys
 from pathlib import Path
 from tailslap.campaign.records import Records
-found = Records(Path(sys.argv[1]), {})
+records = Records(Path(sys.argv[1]), {})
 for run in itertools.count():
-    found.add({run: {"run": run}})
+    records.add({run: {"run": run}})
     print(run, flush=True)
 """
 
@@ -577,7 +583,7 @@ MOUNTED = {
 
 @pytest.mark.parametrize("mounts", MOUNTED)
 def test_a_log_beside_the_file_is_kept_on_known_file_systems_alone(tmp_path, monkeypatch, mounts):
-    """Where the root is no mount point, or /proc is masked, the journal is that of any file system."""
+    """Unknown mounts and a masked /proc have the usual journal."""
     place, listed = tmp_path / "a b", tmp_path / "mounts"
     place.mkdir()
     listed.write_text(mounts.format(tmp_path, str(place).replace(" ", r"\040")) + "\n")
@@ -591,7 +597,7 @@ def test_a_log_beside_the_file_is_kept_on_known_file_systems_alone(tmp_path, mon
 
 def test_without_proc_runs_are_made_in_this_process_and_memory_is_unlimited(monkeypatch, tmp_path):
     monkeypatch.setattr(pools, "DESCRIPTORS", tmp_path / "none")
-    monkeypatch.setattr(resources, "Path", lambda *given: tmp_path / "none")
+    monkeypatch.setattr(resources, "Path", lambda *parts: tmp_path / "none")
     monkeypatch.setattr(resources, "CGROUP", tmp_path / "none")
     assert resources.available_memory() == math.inf
     with pools.local(2) as pool:
@@ -606,10 +612,10 @@ def test_what_was_added_before_a_kill_is_there(tmp_path):
         writer.stdout.readline()
     time.sleep(0.003)
     writer.send_signal(signal.SIGKILL)
-    said = 20 + len(writer.communicate()[0].splitlines())
+    printed = 20 + len(writer.communicate()[0].splitlines())
     file = records.Records(path, {})
     assert list(file) == list(range(len(file)))
-    assert said <= len(file) <= said + 1
+    assert printed <= len(file) <= printed + 1
     file.close()
     journal = path.with_name("r.sqlite-journal")  # a killed writer may leave it, where the journal is a file
     assert {path} <= set(tmp_path.iterdir()) <= {path, journal}
@@ -623,14 +629,17 @@ def test_records_of_another_kind_are_refused_and_kept(tmp_path, content):
 
 
 def test_records_that_were_damaged_are_made_anew_or_refused_and_never_other_ones(tmp_path):
-    """A bit of a byte in each stretch of the file: what is read is a part of what was written, to the last digit."""
+    """A bit is flipped in each stretch of the file.
+
+    The rows that are read are a part of those written, to the last digit.
+    """
     path, rows = tmp_path / "r.sqlite", row(0, **{"fe.t": 0.125}) | row(1, text="x" * 9000) | row(7, n=3)
     file = Records(path, {})
     file.add(rows)
     file.close()
-    whole, ends = path.read_bytes(), set()
-    for k in range(0, len(whole), 37):
-        path.write_bytes(whole[:k] + bytes([whole[k] ^ (1 << k % 8)]) + whole[k + 1 :])
+    intact, ends = path.read_bytes(), set()
+    for k in range(0, len(intact), 37):
+        path.write_bytes(intact[:k] + bytes([intact[k] ^ (1 << k % 8)]) + intact[k + 1 :])
         records.count(path)
         try:
             file = Records(path, {})
@@ -651,11 +660,11 @@ def test_records_that_were_damaged_are_made_anew_or_refused_and_never_other_ones
 def test_records_that_were_cut_off_are_refused_and_kept(tmp_path):
     with open_records(tmp_path, small_sweep()) as rows:
         rows.add(row(0, text="x" * 10_000))
-    whole = (tmp_path / RECORDS).read_bytes()
-    for length in (100, len(whole) // 2):
-        (tmp_path / RECORDS).write_bytes(whole[:length])
+    content = (tmp_path / RECORDS).read_bytes()
+    for length in (100, len(content) // 2):
+        (tmp_path / RECORDS).write_bytes(content[:length])
         refused("not a valid journal", open_records, tmp_path, small_sweep())
-        assert (tmp_path / RECORDS).read_bytes() == whole[:length]
+        assert (tmp_path / RECORDS).read_bytes() == content[:length]
 
 
 def test_the_table_has_what_the_records_have(tmp_path):
@@ -669,13 +678,11 @@ def test_the_table_has_what_the_records_have(tmp_path):
     assert (columns_read["run"].tolist(), columns_read["status"].tolist()) == ([2, 5], ["refused", "passed"])
     assert (columns_read["corner.friction"].tolist(), columns_read["fe.t"][1]) == ([0.2, 0.5], 0.1 + 0.2)
     assert math.isnan(columns_read["fe.t"][0])
-    assert math.isnan(
-        columns_read["check.energy_balance"][1]
-    )  # null in the table: it has finite numbers alone
+    assert math.isnan(columns_read["check.energy_balance"][1]), "null in the table"
 
 
 def test_reading_the_table_starts_no_thread(tmp_path):
-    """A thread of Arrow's that still has a buffer of the file's aborts the process when the interpreter ends."""
+    """A thread with a buffer of the file aborts the interpreter."""
     with open_records(tmp_path, small_sweep()) as rows:
         rows.add(row(0))
         path = write_table(tmp_path, small_sweep(), rows)
@@ -694,7 +701,7 @@ assert os.listdir("/proc/self/task") == before
 
 def test_a_folder_is_one_sweep_s(begun):
     refused(r"another sweep \(vary differ", sweep_folder, begun, small_sweep("0:1:6"))
-    refused("other files", result_folder, begun)  # a run does not rebegun it, whatever it holds
+    refused("other files", result_folder, begun)
     (begun / "summary.json").write_text("{}")
     refused("other files", result_folder, begun)
     (begun / "sweep.json").write_text("{")
@@ -702,7 +709,7 @@ def test_a_folder_is_one_sweep_s(begun):
 
 
 def test_other_values_by_the_same_words_are_another_sweep(begun):
-    """A new SciPy may draw other samples from the same seed: rows must not mix."""
+    """A new SciPy may draw other samples from the same seed."""
     definition = json.loads((begun / "sweep.json").read_text())
     (begun / "sweep.json").write_text(json.dumps(definition | {"digest": "0"}))
     refused(r"another sweep \(values differ", sweep_folder, begun, small_sweep())
@@ -720,7 +727,7 @@ def test_nothing_is_left_of_a_sweep_without_rows(tmp_path):
 
 
 def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path):
-    """Other files, a sweep.json of something else, one that is damaged, and a file that has the name of the lock."""
+    """Other files, another or damaged sweep.json, and a lock remain."""
     foreign = {"thesis.txt": {"thesis.txt": "x"}, r"\.lock": {".lock": "x"}}
     foreign["another sweep"] = {"sweep.json": "{}", "report.html": "x"}
     foreign["damaged"] = {"sweep.json": "{", "report.html": "x"}
@@ -735,7 +742,7 @@ def test_what_is_not_a_sweep_s_is_refused_and_nothing_is_changed(tmp_path):
 
 @pytest.mark.parametrize("name", ["sweep.parquet", "report.html", "summary.json"])
 def test_a_result_of_a_sweep_that_was_changed_or_added_is_refused(begun, name):
-    for text in ("ours", "ours again"):  # resumed, it is rebegund
+    for text in ("ours", "ours again"):  # resumed, it is written again
         with sweep_folder(begun, small_sweep()) as folder:
             (fresh(folder) / name).write_text(text)
             commit(folder)

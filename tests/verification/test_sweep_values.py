@@ -1,4 +1,4 @@
-"""Verification: which values a sweep takes, and that its pictures and page show the rows that they are given alone."""
+"""Verify values of a sweep, and pictures and page of its rows."""
 
 import csv
 import io
@@ -53,9 +53,9 @@ TYPED = [
 ]
 
 
-@pytest.mark.parametrize(("text", "found"), TYPED)
-def test_values_as_typed(text, found):
-    assert parse_varied(f"key={text}", False) == ("key", found)
+@pytest.mark.parametrize(("text", "values"), TYPED)
+def test_values_as_typed(text, values):
+    assert parse_varied(f"key={text}", False) == ("key", values)
 
 
 def test_sampled_ranges_have_no_count():
@@ -64,7 +64,7 @@ def test_sampled_ranges_have_no_count():
 
 
 def test_even_values_are_exact():
-    """Of 0 to 0.6 in 13 values each is a twentieth times its number, to a rounding or two; the ends are exact."""
+    """0 to 0.6 in 13 values are twentieths, with exact ends."""
     (item,) = grid("corner.friction=0:0.6:13").variations
     exact = [float(Fraction(i, 20)) for i in range(13)]
     assert item.values == pytest.approx(exact, rel=4e-16)
@@ -111,7 +111,7 @@ def test_each_stratum_has_one_sample(runs):
 
 
 def test_samples_fill_their_ranges_evenly():
-    """One in each of 20 equal parts, of ratios where the range is in ratios; each word of two ten times."""
+    """Each of 20 equal parts, or ratios, has one sample."""
     varied = ("corner.friction=0.1:0.5", "plate.youngs_modulus=log:1e9:1e11", "plate.element=quad4,tri3")
     definition = make_definition(SCENE, (), varied, 20, 307)
     friction, modulus, element = definition.variations
@@ -163,9 +163,9 @@ def test_wrong_input_is_told_and_nothing_is_written(arguments, key, message, tmp
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "summary.json").write_text("{}")
     assert _status(["sweep", SCENE, "--vary", *shlex.split(arguments)]) == 2
-    said = capsys.readouterr().err
-    assert said.startswith(f"tailslap: {key}: given")
-    assert message in said
+    message = capsys.readouterr().err
+    assert message.startswith(f"tailslap: {key}: given")
+    assert message in message
     assert {path.name for path in tmp_path.rglob("*")} == {"file", "full", "summary.json"}
 
 
@@ -190,14 +190,14 @@ def key(name, *values, logarithmic=False):
 
 
 def names(*varied):
-    """Of the plots, the six against a key as one."""
-    found = [curve.name for curve in draw_sweep(rows(*varied))]
+    """Names of plots, the six against a key as one."""
+    plots = [curve.name for curve in draw_sweep(rows(*varied))]
     ends = tuple(f"-{key}" for key in (*KEYS, "difference"))
-    return list(dict.fromkeys(next((n.removesuffix(e) for e in ends if n.endswith(e)), n) for n in found))
+    return list(dict.fromkeys(next((n.removesuffix(e) for e in ends if n.endswith(e)), n) for n in plots))
 
 
 def test_which_plots_there_are():
-    """Some against each number; a map for two numbers and no words; parallels for three keys or more."""
+    """Numbers have charts and maps, three keys parallels."""
     a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
     word, c = key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4)
     assert names(a) == ["against-a-x"]
@@ -209,13 +209,16 @@ def test_which_plots_there_are():
 
 
 def values_drawn(curves):
-    found = [column for c in curves for column in zip(*csv.reader(io.StringIO(c.csv)), strict=True)]
-    return sum(value != "" for heading, *values in found if ": " in heading for value in values)
+    columns = [column for c in curves for column in zip(*csv.reader(io.StringIO(c.csv)), strict=True)]
+    return sum(value != "" for heading, *values in columns if ": " in heading for value in values)
 
 
 def test_each_row_is_a_point():
-    """Six plots with a rigid and an FE mark for each row, one with the differences: 13 marks a row; failed ones once
-    more in red, and without a result none. The force takes the width of the page."""
+    """13 marks a row are a rigid and six FE ones.
+
+    The differences are one more plot. Failed rows are repeated in red; rows without a result have none. The force has
+    the width of the page.
+    """
     a = key("a.x", 1, 2, 3)
     passed, failed = draw_sweep(rows(a)), draw_sweep(rows(a, status="failed"))
     assert ((len(passed), values_drawn(passed)), values_drawn(failed)) == ((7, 3 * 13), 3 * 13 + 3 * 6)
@@ -242,13 +245,13 @@ def lowest_drawn(varied):
 
 
 def test_axes_show_no_negative_friction_and_do_not_begin_at_zero_over_decades():
-    """The smallest modulus is next to nothing beside the range, and no reason to begin at zero."""
+    """The axis of moduli over decades begins at the smallest one."""
     assert lowest_drawn(key("impact.friction", 0.0, 0.3, 0.6, 0.9)) == 0.0
     assert 0.5e9 < lowest_drawn(key("plate.youngs_modulus", 1e9, 1e10, 1e12, logarithmic=True)) < 1e9
 
 
 def test_maps_show_each_run():
-    """Cells of a complete grid, points where it is none; what failed is red; a value a run, and none for no result."""
+    """Cells of a grid or points, failed runs in red."""
     a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
     some = rows(a, b)
     some.status[:] = ["refused", "passed", "failed", "passed"]
@@ -262,7 +265,7 @@ def test_maps_show_each_run():
 
 
 def test_parallels_say_each_row_where_it_meets_a_scale():
-    """Three inputs, six results, the difference; the rigid solution behind, and a row that failed in red."""
+    """Three inputs, six results and the difference, behind the rigid solution."""
     some = rows(key("a.x", 1, 1, 2, 2), key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4))
     some.status[2] = "failed"
     chart = draw_sweep(some)[-1]
@@ -285,7 +288,7 @@ def test_heights_of_parallels():
 
 
 def test_marks_of_parallels():
-    """Round numbers within the values, and the value itself where there is but one: friction is never negative."""
+    """Round numbers within the values, or the single value itself."""
     expected = [(pytest.approx(mark / 0.91), f"{mark:g}") for mark in (0.0, 0.5)]
     assert scaled("x", np.array([0.0, 0.91]), False).ticks == expected
     assert [text for _, text in scaled("x", np.array([2e8, 3e11]), True).ticks] == ["10⁹", "10¹⁰", "10¹¹"]
@@ -330,7 +333,7 @@ def test_the_page_holds_what_it_is_given(tmp_path):
 
 
 def test_a_page_of_runs_that_were_all_refused(tmp_path):
-    """No plots, no results; the first rows, and how many there are."""
+    """The page has the first rows and their number, without plots."""
     count = sweep_report.MAX_LISTED + 5
     some = rows(key("a.x", *range(count)), status="refused")
     nothing = replace(some, difference={k: np.full(count, np.nan) for k in KEYS})
@@ -356,11 +359,13 @@ def test_the_largest_differences():
 
 
 def test_what_the_terminal_says():
-    done = replace(sweep_of(rows(key("a.x", 1, 2, 3))), report=Report(all_passed(), {}, ()))
-    said = sweep_report.sweep_text(done, Path("results/x")).splitlines()
-    assert said[0].startswith("3 runs: 3 passed all checks. Finite elements and rigid body differ by at most")
+    finished = replace(sweep_of(rows(key("a.x", 1, 2, 3))), report=Report(all_passed(), {}, ()))
+    lines = sweep_report.sweep_text(finished, Path("results/x")).splitlines()
+    assert lines[0].startswith(
+        "3 runs: 3 passed all checks. Finite elements and rigid body differ by at most"
+    )
     files = ["Table:  results/x/sweep.parquet", "Report: results/x/report.html"]
-    assert said[-5:] == ["Varied: a.x 1, 2, 3.", "", "Cost:   no runs remained", *files]
+    assert lines[-5:] == ["Varied: a.x 1, 2, 3.", "", "Cost:   no runs remained", *files]
 
 
 def test_words():
@@ -372,7 +377,10 @@ def test_words():
 
 
 def test_rate_and_overhead_by_hand():
-    """Two threads for 10 s are 20 s; 100 runs of 0.15 s leave 5 s, 0.05 s a run."""
+    """Two threads leave 0.05 s for each run.
+
+    100 runs of 0.15 s on two threads in 10 s.
+    """
     effort = engine.CampaignEffort(100, 2, 10.0, 15.0)
     assert (effort.rate, effort.overhead_s) == (10.0, pytest.approx(0.05))
     assert (engine.CampaignEffort().rate, engine.CampaignEffort().overhead_s) == (0.0, 0.0)
@@ -380,7 +388,10 @@ def test_rate_and_overhead_by_hand():
 
 
 def test_progress_where_there_is_no_terminal(monkeypatch, capsys):
-    """Silent for half a minute; then 40 runs made in 40 s are one a second, and 40 are left."""
+    """The remaining time follows from the rate.
+
+    40 runs in 40 s after a silent start leave 0:40.
+    """
     now = [0.0]
     monkeypatch.setattr("tailslap.progress.time.monotonic", lambda: now[0])
     with counted("sut", 90, 10) as show:
@@ -389,5 +400,5 @@ def test_progress_where_there_is_no_terminal(monkeypatch, capsys):
         assert capsys.readouterr().err == ""
         now[0] = 40.0
         show(50, ", 1 failed")
-    said = capsys.readouterr().err
-    assert said == "tailslap: sut: 50 of 90, 1/s, 0:40 left, 1 failed\n"
+    line = capsys.readouterr().err
+    assert line == "tailslap: sut: 50 of 90, 1/s, 0:40 left, 1 failed\n"

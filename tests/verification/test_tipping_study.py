@@ -1,4 +1,4 @@
-"""Verification: the study of roll over walls: exact fractions, samples that are motions of their own, refusals."""
+"""Verify the study of roll over walls by exact fractions."""
 
 import json
 from dataclasses import replace
@@ -27,30 +27,38 @@ def case(*changes):
     return ImpactCase(*read_scene(SCENE, changes))
 
 
-def fixed(own):
+def fixed(scene_case):
     """All inputs except FREE."""
-    return tuple(item.key for item in space_samples.space_ranges(own, (), ()) if item.key not in FREE)
+    items = space_samples.space_ranges(scene_case, (), ())
+    return tuple(item.key for item in items if item.key not in FREE)
 
 
-def computed(own, place, samples=128, ranges=(), **small):
+def computed(scene_case, place, samples=128, ranges=(), **small):
     with pytest.MonkeyPatch.context() as patch:
         for name, value in (SMALL | small).items():
             patch.setattr(tipping_study, name, value)
         patch.setattr(space, "PROFILES", {name: space.PROFILES[name] for name in ("vertical", "f-shape")})
-        return tipping_study.compute(own, place, samples, ranges, fixed(own), 1)
+        return tipping_study.compute(scene_case, place, samples, ranges, fixed(scene_case), 1)
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
+def study(tmp_path_factory):
     return computed(case(), tmp_path_factory.mktemp("study") / "out")
 
 
 def by_height(source, inputs):
-    """Upright on walls of at least the height of the centre less 0.6 m; a force of 1 MN/m of that height."""
+    """Upright on walls of the centre's height less 0.6 m.
+
+    The force is 1 MN/m of the height of the wall.
+    """
     count = max(np.size(values) for values in inputs.values())
     wall, centre, friction = (
-        np.broadcast_to(inputs.get(key, own), count)
-        for key, own in (("wall.height", 36 * INCH), ("body.centre_height", 1.35), ("contact.friction", 0.35))
+        np.broadcast_to(inputs.get(key, default), count)
+        for key, default in (
+            ("wall.height", 36 * INCH),
+            ("body.centre_height", 1.35),
+            ("contact.friction", 0.35),
+        )
     )
     outcome = np.where(wall >= centre - 0.6, 0.0, 2.0)
     answers = {"outcome": outcome, "largest_roll": 0.1 * centre, "mean_50ms": 1e6 * wall + 1e5 * friction}
@@ -65,7 +73,7 @@ def exact(monkeypatch, tmp_path):
 
 
 def test_walls_of_a_known_law_by_hand(exact):
-    """Centres are uniform from 1.2 to 1.5 m: a wall h keeps (h - 0.6)/0.3 of them upright."""
+    """A wall h keeps (h - 0.6)/0.3 of uniform centres upright."""
     law = np.clip((exact.walls - 0.6) / 0.3, 0.0, 1.0)
     assert np.abs(exact.upright - law).max() < 0.01  # stratified samples
     for level in tipping_study.LEVELS:
@@ -96,7 +104,7 @@ def test_lowest_wall_by_hand():
 
 
 def test_binomial_interval_against_published_values():
-    """0, 5 and 10 of 10: 30.85 %, and 18.71 to 81.29 % (Clopper and Pearson 1934)."""
+    """0, 5 and 10 of 10 by Clopper and Pearson (1934)."""
     low, high = tipping_study.binomial_interval(np.array([0, 5, 10]), 10)
     assert low == pytest.approx([0.0, 0.18709, 0.69150], abs=1e-5)
     assert high == pytest.approx([0.30850, 0.81291, 1.0], abs=1e-5)
@@ -117,38 +125,38 @@ def test_an_interrupted_study_resumes(monkeypatch, tmp_path):
     before, saved = len(calls), records.count(tmp_path / ".out.journal")
     again = computed(case(), tmp_path / "out")
     monkeypatch.setattr(space_samples, "solve_samples", by_height)
-    whole = computed(case(), tmp_path / "other")
+    complete = computed(case(), tmp_path / "other")
     assert saved > 0
-    assert len(calls) - before == round(whole.processor / 0.01) - saved
-    assert (again.answers["outcome"] == whole.answers["outcome"]).all()
-    assert again.sources == whole.sources
+    assert len(calls) - before == round(complete.processor / 0.01) - saved
+    assert (again.answers["outcome"] == complete.answers["outcome"]).all()
+    assert again.sources == complete.sources
 
 
-def test_fractions_are_those_of_motions_of_their_own(found):
-    """The scene's wall, with each sample given to the solver by its own keys."""
-    own, wall = found.case.scene, int(np.argmin(np.abs(found.walls - 36 * INCH)))
-    springs, centre = found.inputs["axle.*.spring"], found.inputs["body.centre_height"]
+def test_fractions_are_those_of_motions_of_their_own(study):
+    """Each sample of the scene's wall is solved by its own keys."""
+    scene, wall = study.case.scene, int(np.argmin(np.abs(study.walls - 36 * INCH)))
+    springs, centre = study.inputs["axle.*.spring"], study.inputs["body.centre_height"]
     values = {
-        "wall.height": np.full(springs.size, 36 * INCH), "contact.friction": found.inputs["contact.friction"],
+        "wall.height": np.full(springs.size, 36 * INCH), "contact.friction": study.inputs["contact.friction"],
         "body.centre_height": centre, "axle.0.spring": 0.2e6 * springs, "axle.1.spring": 0.35e6 * springs,
     }  # fmt: skip
-    direct = space.solve_spaces(*space_samples.space_input(own, values).arguments)
-    assert found.upright[wall] == np.mean(direct.outcome == 0)
-    assert (found.answers["mean_50ms"][wall] == direct.mean_50ms).all()
-    assert (found.answers["height"][wall] == direct.height).all()
+    direct = space.solve_spaces(*space_samples.space_input(scene, values).arguments)
+    assert study.upright[wall] == np.mean(direct.outcome == 0)
+    assert (study.answers["mean_50ms"][wall] == direct.mean_50ms).all()
+    assert (study.answers["height"][wall] == direct.height).all()
 
 
-def test_the_report(found, tmp_path):
-    report = tipping_report.report(found)
+def test_the_report(study, tmp_path):
+    report = tipping_report.report(study)
     write_report(report, tmp_path)
     assert (tmp_path / "samples.csv").read_text(encoding="utf-8").startswith("body.centre_height")
     for words in ("95 % of the samples upright", "Profiles of a wall", "AASHTO (Report 350)", "f-shape"):
         assert words in str(report.page)
-    assert np.size(report.histories["map.csv"]["largest_roll"]) == found.rolls.size
-    assert np.size(report.histories["samples.csv"]["outcome"]) == found.answers["outcome"].shape[1]
+    assert np.size(report.histories["map.csv"]["largest_roll"]) == study.rolls.size
+    assert np.size(report.histories["samples.csv"]["outcome"]) == study.answers["outcome"].shape[1]
     walls = report.summary["lowest_walls"]
     assert [walls[level]["wall"] for level in ("5", "50", "95")] == [
-        found.keeps(level)[0] for level in (0.05, 0.5, 0.95)
+        study.keeps(level)[0] for level in (0.05, 0.5, 0.95)
     ]
     assert {row["profile"] for row in report.summary["profiles"]} == {"vertical", "f-shape"}
     assert all(
@@ -157,10 +165,10 @@ def test_the_report(found, tmp_path):
     )
 
 
-def test_refused_indices_are_stated(found):
+def test_refused_indices_are_stated(study):
     refusal = "Sobol indices are not determined."
     report = tipping_report.report(
-        replace(found, sources={}, refusals={"roll": refusal, "mean_50ms": refusal})
+        replace(study, sources={}, refusals={"roll": refusal, "mean_50ms": refusal})
     )
     assert "Main source" not in report.page.headline.certainty
     assert refusal in report.terminal
@@ -169,7 +177,7 @@ def test_refused_indices_are_stated(found):
 
 @pytest.mark.long
 def test_a_low_vehicle_is_upright_on_every_wall(tmp_path):
-    """A centre of mass at 0.7 m, below walls of 0.91 m and more, with low strips."""
+    """A centre at 0.7 m is below all walls."""
     box = [f'strip.{number}.height=["1.2 m", "1.3 m"]' for number in (3, 4)]
     low = case("body.centre_height=0.7 m", *box, "strip.2.height=1.2 m")
     result = computed(low, tmp_path / "out", ranges=("body.centre_height=0.66 m:0.74 m",), LOWEST=36 * INCH)
@@ -179,8 +187,10 @@ def test_a_low_vehicle_is_upright_on_every_wall(tmp_path):
 
 
 def test_factors_apply_to_all_axles_and_strips():
-    own = case().scene
-    values = space_samples.expanded(own, {"axle.*.spring": np.array([2.0]), "axle.1.spring": np.array([1e5])})
+    scene = case().scene
+    values = space_samples.expanded(
+        scene, {"axle.*.spring": np.array([2.0]), "axle.1.spring": np.array([1e5])}
+    )
     assert values["axle.0.spring"] == pytest.approx(0.4e6)
     assert values["axle.1.spring"] == pytest.approx(1e5), "a key of its own comes before the factor"
 

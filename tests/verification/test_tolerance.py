@@ -1,4 +1,4 @@
-"""Verification: the error that a run states of mesh and spring; a tolerance refines until that error meets it."""
+"""Verify the stated error of mesh and spring, and refinement."""
 
 import json
 import math
@@ -30,9 +30,9 @@ def failed(result):
 
 
 def test_spring_accounts_for_the_give_beyond_the_exact_constraint(outcome):
-    """A spring of stiffness k displaces the whole plate by N/k; the elastic part is that of the exact constraint."""
-    held, exact = outcome("paper-abaqus").fe_plan, fe_plan("corner.constraint=exact")
-    assert held.spring_ratio == pytest.approx(held.deflection_ratio - exact.deflection_ratio, rel=1e-4)
+    """A spring displaces the plate by N/k, besides the elastic part."""
+    penalty, exact = outcome("paper-abaqus").fe_plan, fe_plan("corner.constraint=exact")
+    assert penalty.spring_ratio == pytest.approx(penalty.deflection_ratio - exact.deflection_ratio, rel=1e-4)
     assert exact.spring_ratio == 0.0
 
 
@@ -47,7 +47,7 @@ def test_soft_spring_is_caught_and_exact_constraint_has_none(outcome):
 
 @pytest.mark.long
 def test_mesh_that_locks_is_caught(outcome):
-    """Linear triangles a hundred times too stiff in bending look rigid; quadratic ones show that the plate is not."""
+    """Linear triangles look rigid where quadratic ones bend."""
     slender = ("vehicle.width=0.2", "plate.youngs_modulus=20 GPa", "damping.ratio=0.2", "plate.element=tri3")
     assert "numerical error" in failed(outcome("paper-abaqus", *slender))
 
@@ -73,7 +73,7 @@ def test_large_meshes_are_judged_by_a_coarser_one():
 
 
 def test_a_refined_plate_keeps_all_but_counts_and_kind():
-    """Counts are floored, or rounded as asked, and no less than the least."""
+    """Counts are rounded as requested, with a least value."""
     plate = read_scene("paper-abaqus", ("plate.elements=[21,5]", "plate.distortion=0.1"))[0].plate
     assert plate is not None
     assert (refined(plate).counts, refined(plate, 0.5).counts) == ((42, 10), (10, 2))
@@ -83,7 +83,7 @@ def test_a_refined_plate_keeps_all_but_counts_and_kind():
 
 
 def test_corrupted_run_is_given_up(outcome):
-    """Flutter at 5 000 times the stiffness: no use in ringing on to the end."""
+    """Flutter at 5 000 times the stiffness ends the run."""
     stiff = ("plate.youngs_modulus=1000 TPa", "plate.elements=[6,2]", "damping.kind=none")
     result = outcome("paper-table-3", *stiff)
     (ringing,) = (check.value for check in result.checks if check.name == "friction by ringing")
@@ -93,7 +93,7 @@ def test_corrupted_run_is_given_up(outcome):
 
 
 def test_momentum_closes_with_exact_constraint_and_damping(outcome):
-    """The reaction at the first instant is that of the velocities which the first step sees."""
+    """The first reaction is that of the velocities of the first step."""
     fast = ("start.omega=7.07", "start.corner_speed=250.53", "vehicle.width=10", "wall.length=1000")
     result = outcome("paper-table-3", *fast, "corner.constraint=exact", "damping.ratio=0.02")
     (momentum,) = (check.value for check in result.checks if check.name == "momentum balance")
@@ -112,16 +112,16 @@ def test_spin_for_the_pictures_is_that_of_a_rigid_turn(outcome, element):
 
 
 def test_a_companion_is_damped_where_the_scene_forbids_it(outcome):
-    """The run is quiet; its companion of half the mesh size flutters, and damping does not change its answer."""
+    """The companion of half the mesh size flutters, and is damped."""
     vehicle = ("vehicle.length=14.4", "vehicle.width=3.6", "impact.speed=18", "impact.angle=0.085", "wall=")
     mesh = ("plate.elements=[10, 5]", "plate.lumping=row-sum", "plate.distortion=0.04")
     plate = (*mesh, "impact.friction=0.9")
     soft = ("plate.youngs_modulus=", "plate.first_frequency=92 Hz", "corner.penalty_scale=1")
     rest = ("corner.patch_length=3.6", "impact.restitution=0.19", "damping.kind=none")
     result = outcome("mash-tl4-sut", *vehicle, *plate, *soft, *rest)
-    alike = attempt(with_damping_of(result.fe_plan, on_plate(result.fe_plan, refined(result.fe_plan.plate))))
+    damped = attempt(with_damping_of(result.fe_plan, on_plate(result.fe_plan, refined(result.fe_plan.plate))))
     assert result.fe_plan.model.parameters.elastic_damping is None
-    assert rings(alike)
+    assert rings(damped)
     assert result.passed
     assert result.companions[0].mesh == "quad4, 20 x 10"
     assert largest(result.companions[0].difference) < largest(result.difference) < 2e-4
@@ -129,9 +129,9 @@ def test_a_companion_is_damped_where_the_scene_forbids_it(outcome):
 
 def test_only_the_kind_of_damping_is_left_open():
     rate = ("damping.kind=elastic-velocity", "damping.rate=20")
-    for given, left in ((("damping.kind=none",), None), (rate, None), ((*rate, "damping.ratio=0.1"), 0.1)):
-        plan = with_open_damping(CornerCase(*read_scene("paper-table-3", given)))
-        assert (plan.scene.damping and plan.scene.damping.ratio) == left
+    for change, ratio in ((("damping.kind=none",), None), (rate, None), ((*rate, "damping.ratio=0.1"), 0.1)):
+        plan = with_open_damping(CornerCase(*read_scene("paper-table-3", change)))
+        assert (plan.scene.damping and plan.scene.damping.ratio) == ratio
         assert plan.scene.damping is None or plan.scene.damping.kind is None
 
 
@@ -158,7 +158,7 @@ def test_a_run_whose_error_meets_it_stays_as_it_is(tolerance):
 
 
 def test_meshes_are_doubled_until_the_error_meets_it():
-    """Not further: the mesh before states an error above the tolerance."""
+    """The mesh before states an error above the tolerance."""
     case = case_of("paper-table-3", *COARSE)
     errors = [case.varied({"plate.elements": (10 * n, 3 * n)}).run().error.total for n in (1, 2)]
     result = case.run(math.sqrt(errors[0] * errors[1]))
@@ -198,14 +198,14 @@ def test_tolerances_that_make_no_sense(tolerance):
     ("kind", "scene"), [(CornerCase, "paper-table-3"), (ImpactCase, "impact-mash-tl4-sut")]
 )
 def test_a_tolerance_below_the_least_is_shown_with_all_of_its_digits(kind, scene):
-    """The allowed value and the refused one differ as texts; command and corner allow the same values."""
+    """The allowed and the refused value differ as texts."""
     case = kind(*read_scene(scene))
     tolerance = math.nextafter(case.least_tolerance, 0.0)
     with pytest.raises(InputError) as caught:
         case.run(tolerance)
     assert caught.value.allowed == f"allowed is from {case.least_tolerance:g} to below 1"
     assert str(caught.value).startswith(f"--tolerance: given {tolerance!r};")
-    (option,) = (own for own in commands.commands["run"].params if own.name == "tolerance")
+    (option,) = (parameter for parameter in commands.commands["run"].params if parameter.name == "tolerance")
     assert isinstance(option, click.Option)
     assert isinstance(option.type, click.FloatRange)
     assert (option.type.min, option.type.min_open) == (CornerCase.least_tolerance, False)

@@ -1,4 +1,4 @@
-"""FE trains of scenes: units, strikes and hinges beside the rigid train, checks, and what is refused."""
+"""Verify FE trains of scenes against the rigid train."""
 
 import functools
 from dataclasses import replace
@@ -30,7 +30,7 @@ TRACTOR = {"length": 6.9, "width": 2.44, "mass": 8200.0, "centre_of_mass": 2.9, 
 
 
 def case(**changes):
-    """The train of the trial by another code, on linear elements 4 across."""
+    """The train of another code's trial, with four linear elements across."""
     keys: dict[str, Any] = {f"vehicle.{key}": value for key, value in TRACTOR.items()}
     keys["impact.test_level"] = None
     keys |= {"trailer": [TRAILER], "plate.elements": (10, 4), "plate.element": "quad4", "impact.speed": 22.35}
@@ -64,8 +64,8 @@ def test_columns_of_the_plates_are_those_of_the_rigid_train():
     for force in ("force_normal", "force_tangential"):
         assert history[f"{force}_1"] + history[f"{force}_2"] == pytest.approx(history[force])
     momentum = TRACTOR["mass"] * history["v_gy"] + TRAILER["mass"] * history["v_gy_2"]
-    gained = momentum - momentum[0] - history["normal_impulse"]
-    assert np.abs(gained).max() < 1e-9 * np.abs(momentum[0])
+    error = momentum - momentum[0] - history["normal_impulse"]
+    assert np.abs(error).max() < 1e-9 * np.abs(momentum[0])
 
 
 def test_a_train_passes_its_checks_and_one_that_jack_knifes_does_not():
@@ -73,8 +73,8 @@ def test_a_train_passes_its_checks_and_one_that_jack_knifes_does_not():
     failed = [check.name for check in checks.impact_checks(outcome) if not check.passed]
     assert set(failed) <= set(checks.MESH_CHECKS.values())  # a single run states no error
     history = dict(outcome.fe.history) | {"articulation_1": outcome.fe.history["articulation_1"] + 1.4}
-    found = checks.impact_checks(replace(outcome, fe=replace(outcome.fe, history=history)))
-    assert "articulation" in [check.name for check in found if not check.passed]
+    jack_knifed = checks.impact_checks(replace(outcome, fe=replace(outcome.fe, history=history)))
+    assert "articulation" in [check.name for check in jack_knifed if not check.passed]
 
 
 def test_the_set_up_counts_the_elements_of_both_plates():
@@ -94,10 +94,9 @@ def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
     assert 1e-3 < hinge < 0.05
     assert report.ImpactReport(outcome).summary(pictures=False)["numerical_error"]["hinges"] == [hinge]
     assert [(row["model"], row["error"]) for row in table.rows] == [("FE", hinge), ("rigid", None)]
-    finer = case(
-        plate__elements=(24, 8), plate__element="quad9", time__end=1.0, verify__companion=False
-    ).run()
-    mean, other = (each.fe.hinges[0]["mean_50ms"] for each in (outcome, finer))
+    quadratic = {"plate__elements": (24, 8), "plate__element": "quad9"}
+    finer = case(**quadratic, time__end=1.0, verify__companion=False).run()
+    mean, other = (result.fe.hinges[0]["mean_50ms"] for result in (outcome, finer))
     assert abs(other / mean - 1.0) < hinge
     assert {name.split(".")[0] for name in outcome.mesh_error} == {"strike_1", "strike_2", "strike_3"}
     (advice,) = {check.advice for check in outcome.checks if check.name in checks.MESH_CHECKS.values()}
@@ -106,27 +105,32 @@ def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
 
 
 def hinged(delay=0.0, interval=1e-4, force=1e6):
-    """A train of two units whose hinge bears a force of one minus cosine over 0.4 s, which comes late."""
+    """A train of two units with a pulse of the hinge force.
+
+    The force is one minus cosine over 0.4 s after a delay.
+    """
     t = np.arange(0.0, 0.6, interval)
     angle = 2.0 * np.pi * np.clip(t - delay, 0.0, 0.4) / 0.4
-    gained = 0.4 * force * np.diff(angle - np.sin(angle), prepend=0.0) / (2.0 * np.pi * interval)
-    history = {"t": t, "hinge_force_x_1": 0.6 * gained, "hinge_force_y_1": 0.8 * gained}
+    size = 0.4 * force * np.diff(angle - np.sin(angle), prepend=0.0) / (2.0 * np.pi * interval)
+    history = {"t": t, "hinge_force_x_1": 0.6 * size, "hinge_force_y_1": 0.8 * size}
     return ImpactAnswer((), history | {"articulation_1": 0.0 * t}, units=2)
 
 
 def test_a_small_step_of_a_hinges_force_is_bounded_by_the_curves_about_its_peak():
-    """Another mesh has the same peak 10 ms later, with rows of its own: no step, and yet curves that differ."""
-    own, late = hinged(), hinged(0.01, 0.7e-4)
-    ((changed,),) = error.hinge_changes(own, [late])
+    """Another mesh has the same peak 10 ms later, on other rows."""
+    answer, late = hinged(), hinged(0.01, 0.7e-4)
+    ((changed,),) = error.hinge_changes(answer, [late])
     assert abs(changed) < 1e-4
     part = np.sin(np.pi * 0.05 / 0.4) / (np.pi * 0.05 / 0.4)
     early, late_by = np.cos(2.0 * np.pi * np.array([0.025, 0.035]) / 0.4)
     bound = part * (early - late_by) / (1.0 + part)
     expected = error.RESOLVED + bound / (2.0**error.ORDER - 1.0)
-    assert error.hinge_errors(own, [late, own]) == pytest.approx([expected], rel=5e-3)
-    third = error.hinge_errors(own, [hinged(0.02), own, late])
+    assert error.hinge_errors(answer, [late, answer]) == pytest.approx([expected], rel=5e-3)
+    third = error.hinge_errors(answer, [hinged(0.02), answer, late])
     assert third == pytest.approx([error.RESOLVED + bound * error.safety(0.0) / error.TWO_MESHES], rel=5e-3)
-    assert error.hinge_errors(own, [hinged(force=1.03e6), own])[0] > 0.03  # a step that is none of chance
+    assert (
+        error.hinge_errors(answer, [hinged(force=1.03e6), answer])[0] > 0.03
+    )  # a step that is none of chance
 
 
 def test_a_hinge_of_a_short_history_is_judged_over_the_whole_of_it():
@@ -151,8 +155,8 @@ def test_a_train_whose_hinge_is_not_known_fails():
 
 
 def test_a_third_mesh_is_run_for_a_hinge_alone(monkeypatch):
-    """Strikes are known, the hinge is not: the third mesh decides, unless the finer mesh is too far away."""
-    own = attempted()
+    """The hinge alone decides, unless the finer mesh differs too much."""
+    start = attempted()
     meshes = []
 
     def on(outcome, plate):
@@ -160,12 +164,12 @@ def test_a_third_mesh_is_run_for_a_hinge_alone(monkeypatch):
         return outcome.fe
 
     monkeypatch.setattr(run, "_on", on)
-    monkeypatch.setattr(error, "estimate", lambda own, sequence: dict.fromkeys(error.QUANTITIES, 1e-3))
-    monkeypatch.setattr(error, "hinge_errors", lambda own, sequence: [0.05 if len(sequence) < 3 else 0.01])
-    assert run.with_errors(own).hinge_error == [0.01]
+    monkeypatch.setattr(error, "estimate", lambda answer, meshes: dict.fromkeys(error.QUANTITIES, 1e-3))
+    monkeypatch.setattr(error, "hinge_errors", lambda answer, answers: [0.05 if len(answers) < 3 else 0.01])
+    assert run.with_errors(start).hinge_error == [0.01]
     assert len(meshes) == 3
-    monkeypatch.setattr(error, "hinge_changes", lambda own, sequence: [[0.0, 0.03]])
-    assert run.with_errors(own).hinge_error == [0.05]
+    monkeypatch.setattr(error, "hinge_changes", lambda answer, answers: [[0.0, 0.03]])
+    assert run.with_errors(start).hinge_error == [0.05]
     assert len(meshes) == 5
 
 
@@ -186,39 +190,40 @@ OPEN = {"plate__elements": None, "plate__element": None}
     ({}, set()),
 ])  # fmt: skip
 def test_a_train_without_elements_spreads_the_forces_whose_length_is_left_out(changes, keys):
-    """Over half the width, as the same lengths given: corners and hinges of the same nodes and weights."""
-    made = case(**changes)
-    assert plan.chosen_lengths(made.scene) == dict.fromkeys(keys, 1.22)
-    found = made.plan()
-    decided = {each.key: each.value for each in found.decisions}
-    assert {key: value for key, value in decided.items() if key.endswith("_length")} == dict.fromkeys(
-        keys, 1.22
-    )
-    mesh = {"plate.elements": found.plate.counts, "plate.element": found.plate.element}
-    same = made.varied(dict.fromkeys(keys, 1.22) | mesh).plan()
+    """Forces are spread over half the width, as by given lengths."""
+    open_train = case(**changes)
+    lengths = dict.fromkeys(keys, 1.22)
+    assert plan.chosen_lengths(open_train.scene) == lengths
+    chosen = open_train.plan()
+    decisions = {decision.key: decision.value for decision in chosen.decisions}
+    assert {key: value for key, value in decisions.items() if key.endswith("_length")} == lengths
+    mesh = {"plate.elements": chosen.plate.counts, "plate.element": chosen.plate.element}
+    same = open_train.varied(lengths | mesh).plan()
     for part in ("contact", "hinges"):
-        own, other = (getattr(each.model.parameters, part) for each in (found, same))
-        assert (own.nodes.tolist(), own.weights.tolist()) == (other.nodes.tolist(), other.weights.tolist())
+        one, other = (getattr(fe_plan.model.parameters, part) for fe_plan in (chosen, same))
+        assert (one.nodes.tolist(), one.weights.tolist()) == (other.nodes.tolist(), other.weights.tolist())
 
 
 def test_a_trailer_that_is_shorter_than_half_the_width_bounds_the_length():
     short = TRAILER | {"length": 1.1, "centre_of_mass": 0.5, "yaw_inertia": 2e3, "mass": 3e3, "kingpin": 0.1}
-    found = plan.chosen_lengths(case(**OPEN, trailer=[short]).scene)
-    assert set(found.values()) == {1.1}
+    lengths = plan.chosen_lengths(case(**OPEN, trailer=[short]).scene)
+    assert set(lengths.values()) == {1.1}
     case(**OPEN, trailer=[short]).plan()
 
 
 def test_finer_meshes_of_a_tolerance_keep_the_chosen_lengths(monkeypatch):
-    asked = []
+    cases = []
 
     def coarse(self):
-        asked.append(self)
-        error = 0.1 if len(asked) < 2 else 0.0
-        return SimpleNamespace(fe_plan=self.plan(), stated_error=error, with_tolerance=lambda *given: None)
+        cases.append(self)
+        error = 0.1 if len(cases) < 2 else 0.0
+        return SimpleNamespace(
+            fe_plan=self.plan(), stated_error=error, with_tolerance=lambda *arguments: None
+        )
 
     monkeypatch.setattr(impact_case, "_run", coarse)
     case(**OPEN).run(tolerance=0.02)
-    _, finer = asked
+    _, finer = cases
     assert (finer.scene.plate.elements, finer.scene.plate.element) == ((24, 8), "quad9")
     assert finer.scene.contact.patch_length == 1.22
     assert finer.scene.trailer[0].hitch_length == 1.22
@@ -252,12 +257,11 @@ def test_a_result_of_a_train_is_exported_and_compared(tmp_path, monkeypatch):
     {"contact.stiffness": 1e4}, pytest.param({"contact.stiffness": 1e9}, marks=pytest.mark.long),
 ])  # fmt: skip
 def test_no_cell_of_the_study_of_stability_is_wrong(changes):
-    """Soft crush is right, that of 1 GN/m beyond the mesh and caught."""
+    """Soft crush is right, and 1 GN/m is caught by the mesh."""
     base = stability_study.base_source(read_scene(SCENE, SMALL)[0])
-    found = cell_verdicts.judge(base, changes, partial(cell_verdicts.against_rigid, tolerance=0.01))
-    assert found["kind"] == (
-        cell_verdicts.RIGHT if changes["contact.stiffness"] < 1e9 else cell_verdicts.CAUGHT
-    )
+    verdict = cell_verdicts.judge(base, changes, partial(cell_verdicts.against_rigid, tolerance=0.01))
+    expected = cell_verdicts.RIGHT if changes["contact.stiffness"] < 1e9 else cell_verdicts.CAUGHT
+    assert verdict["kind"] == expected
 
 
 @pytest.mark.long

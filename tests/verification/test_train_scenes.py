@@ -1,4 +1,4 @@
-"""Verification: scenes of trains: the rigid answers of a command, files and tables, refusals and what is announced."""
+"""Verify answers, files, tables and refusals of train scenes."""
 
 import json
 import math
@@ -42,8 +42,8 @@ TRIAL = {  # by stiffness: corner, start, duration, peak, impulse of a trial by 
 
 
 def train(**changes):
-    given = {key.replace("__", "."): value for key, value in changes.items()}
-    return case_of(*vary(Source(given=SCENE), given))
+    keys = {key.replace("__", "."): value for key, value in changes.items()}
+    return case_of(*vary(Source(given=SCENE), keys))
 
 
 @pytest.fixture(scope="module")
@@ -53,26 +53,26 @@ def case():
 
 @pytest.mark.parametrize("stiffness", TRIAL)
 def test_the_table_of_a_trial_by_another_scheme(stiffness):
-    """Every printed number of five strikes, and the largest mean; times have four digits behind the point."""
+    """Every printed number of five strikes, and the largest mean."""
     printed, mean = TRIAL[stiffness]
-    found = train(contact__stiffness=stiffness).rigid_numbers()
-    for strike, (corner, start, duration, peak, impulse) in zip(found["strikes"], printed, strict=False):
+    numbers = train(contact__stiffness=stiffness).rigid_numbers()
+    for strike, (corner, start, duration, peak, impulse) in zip(numbers["strikes"], printed, strict=False):
         assert strike["corner"] == corner
         assert (strike["start"], strike["duration"]) == pytest.approx((start, duration), rel=2e-3, abs=5e-5)
         forces = (strike["peak_force"], strike["impulse"])
         assert forces == pytest.approx((1e3 * peak, 1e3 * impulse), rel=2e-3)
-    assert found["peaks"]["mean_50ms"] == pytest.approx(1e3 * mean, rel=2e-3)
-    assert found["error"] < 1e-4
+    assert numbers["peaks"]["mean_50ms"] == pytest.approx(1e3 * mean, rel=2e-3)
+    assert numbers["error"] < 1e-4
 
 
 def test_columns_of_a_history(case):
-    """Momenta of both units follow from wall and hinge; the sum of the units is the train's."""
+    """Momenta of both units follow from the forces of wall and hinge."""
     h, dt = case.rigid_history(), case.answer.interval
     masses = {"": 8200.0, "_2": 27770.0}
-    gained = {unit: mass * np.diff(h[f"v_gy{unit}"]) / dt for unit, mass in masses.items()}
+    force_on = {unit: mass * np.diff(h[f"v_gy{unit}"]) / dt for unit, mass in masses.items()}
     scale = np.abs(h["force_normal"]).max()
-    assert gained[""] == pytest.approx((h["force_normal_1"] + h["hinge_force_y_1"])[1:], abs=1e-6 * scale)
-    assert gained["_2"] == pytest.approx((h["force_normal_2"] - h["hinge_force_y_1"])[1:], abs=1e-6 * scale)
+    assert force_on[""] == pytest.approx((h["force_normal_1"] + h["hinge_force_y_1"])[1:], abs=1e-6 * scale)
+    assert force_on["_2"] == pytest.approx((h["force_normal_2"] - h["hinge_force_y_1"])[1:], abs=1e-6 * scale)
     for force in ("normal", "tangential"):
         both = h[f"force_{force}_1"] + h[f"force_{force}_2"]
         assert h[f"force_{force}"] == pytest.approx(both, abs=1e-4 * scale)
@@ -86,7 +86,7 @@ def test_columns_of_a_history(case):
 
 
 def test_the_50_ms_mean_of_a_hinge_is_that_of_its_vector():
-    """A force that turns by half a turn in 50 ms has a mean of 2/pi of its size; one of constant direction its own."""
+    """A force that rotates by pi has 2/pi of its size."""
     t, names = np.linspace(0.0, 1.0, 2001), ("hinge_force_x_1", "hinge_force_y_1", "articulation_1", "t")
     phase = np.pi * t / 0.05
     for x, y, mean in ((np.cos(phase), np.sin(phase), 2.0 / np.pi), (0.6 + 0.0 * t, 0.8 + 0.0 * t, 1.0)):
@@ -104,16 +104,15 @@ def test_the_hinge_stays_closed_in_the_history(case):
 
 
 def test_modes_of_a_train_are_symmetric_or_antisymmetric():
-    """Of units that are symmetric about one line, each with its mirror image in itself, though they overlap in plan and
-    have nodes at the same places."""
+    """Units that overlap in plan are separately symmetric."""
     changes = ("trailer.0.width=96 in",)
-    found = tailslap.modes("impact-mash-tl5-tractor-van", changes, count=8)
-    modes = found.summary["modes"]
+    analysis = tailslap.modes("impact-mash-tl5-tractor-van", changes, count=8)
+    modes = analysis.summary["modes"]
     symmetric = np.array([mode["symmetric"] for mode in modes])
     assert np.abs(symmetric - np.round(symmetric)).max() < 1e-6
     assert {mode["kind"] for mode in modes} == {"bending", "longitudinal"}
     assert [mode["theory"] for mode in modes] == [None] * 8
-    assert len(found.summary["rigid_frequencies"]) == 4
+    assert len(analysis.summary["rigid_frequencies"]) == 4
     plan = case_of(*read_scene("impact-mash-tl5-tractor-van", changes)).plan()
     assert modes[0]["frequency"] == pytest.approx(plan.first_frequency, rel=1e-6)
 
@@ -126,11 +125,15 @@ def test_files_of_a_train(tmp_path, capsys):
     result = tailslap.rigid(SCENE)
     assert all(f">trailer {end}<" in result.charts["force"].svg for end in ("front", "rear"))
     result.save(tmp_path / "out")
-    units = tailslap.load(tmp_path / "out").rigid
+    trajectory = tailslap.load(tmp_path / "out").rigid
     assert result.rigid is not None
-    assert units is not None
-    known = tailslap.rigid(SCENE).histories["rigid"].units
-    assert (known["hinge_force_x_1"], known["articulation_1"], known["v_gx_2"]) == ("N", "rad", "m/s")
+    assert trajectory is not None
+    units = tailslap.rigid(SCENE).histories["rigid"].units
+    assert (units["hinge_force_x_1"], units["articulation_1"], units["v_gx_2"]) == (
+        "N",
+        "rad",
+        "m/s",
+    )
 
 
 def write(folder):
@@ -141,24 +144,24 @@ def write(folder):
 
 
 def test_a_trailers_crush_is_its_own():
-    """A softer trailer strikes longer; its tractor's first strike is as before."""
-    found = [train(trailer__0__stiffness=k).motion.strikes for k in (1e6, 0.5e6)]
-    assert found[0][0] == found[1][0]
-    assert found[1][1].duration > 1.1 * found[0][1].duration
-    assert found[0] == train().motion.strikes
+    """A softer trailer strikes longer, after the same first strike."""
+    strikes = [train(trailer__0__stiffness=k).motion.strikes for k in (1e6, 0.5e6)]
+    assert strikes[0][0] == strikes[1][0]
+    assert strikes[1][1].duration > 1.1 * strikes[0][1].duration
+    assert strikes[0] == train().motion.strikes
 
 
 def test_occupant_risk_is_that_of_the_tractor(case):
-    """ASI from the tractor's accelerations, not from the wall's force over a mass."""
+    """ASI by the accelerations of the tractor, not by the wall force."""
     h, step = case.answer.history, case.answer.interval
-    asi = next(each for each in case.answer.occupant_risk(1.0) if each.name.startswith("ASI"))
+    asi = next(item for item in case.answer.occupant_risk(1.0) if item.name.startswith("ASI"))
     width = round(0.05 / step)
     window = np.ones(width) / width
     means = [np.convolve(np.diff(h[name]) / step, window, "valid") for name in ("v_gx", "v_gy")]
     heading = np.convolve(h["theta"][1:], np.ones(width) / width, "valid")
     ahead = np.cos(heading) * means[0] - np.sin(heading) * means[1]
-    left = np.sin(heading) * means[0] + np.cos(heading) * means[1]
-    rough = np.hypot(ahead / 12.0, left / 9.0).max() / 9.81
+    across = np.sin(heading) * means[0] + np.cos(heading) * means[1]
+    rough = np.hypot(ahead / 12.0, across / 9.0).max() / 9.81
     assert asi.value == pytest.approx(rough, rel=0.05)
 
 
@@ -174,8 +177,8 @@ def test_what_no_unit_can_have_is_refused_by_its_key(changes, key):
 
 
 def test_the_set_up_names_and_draws_every_unit(case):
-    said = SI.rendered(case.headline().set_up)
-    assert said.startswith("train: 8200 kg tractor with a 27770 kg trailer at 22.35 m/s")
+    sentence = SI.rendered(case.headline().set_up)
+    assert sentence.startswith("train: 8200 kg tractor with a 27770 kg trailer at 22.35 m/s")
     assert str(case.drawing()).count("trailer rear") >= 1
 
 
@@ -185,8 +188,8 @@ def test_a_wide_trailer_and_a_jack_knife_are_told():
     assert "so wide that it touches the wall first" in "\n".join(wide.rigid_text())
     light = {"vehicle.mass": 2000.0, "vehicle.yaw_inertia": 8000.0, "impact.angle": 1.1, "time.end": 1.0}
     folded = case_of(*vary(Source(given=SCENE), light))
-    (said,) = folded.rigid_numbers()["remarks"]
-    assert said.startswith("The train jack-knifes: from 0.")
+    (remark,) = folded.rigid_numbers()["remarks"]
+    assert remark.startswith("The train jack-knifes: from 0.")
     assert isinstance(folded, ImpactCase)
     assert np.abs(folded.answer.history["articulation_1"]).max() > math.pi / 2
     assert train().rigid_numbers()["remarks"] == []
@@ -203,33 +206,35 @@ def test_a_train_of_three_units_strikes_with_its_last_rear():
 
 def test_a_sweep_has_a_row_of_every_strike_that_counts(tmp_path):
     masses = {"trailer.0.mass": [20000.0, 27770.0]}
-    found = tailslap.sweep(write(tmp_path), vary=masses, folder=tmp_path / "sweep")
-    table = found.histories["table"]
+    sweep = tailslap.sweep(write(tmp_path), vary=masses, folder=tmp_path / "sweep")
+    table = sweep.histories["table"]
     assert list(table["trailer.0.mass"]) == [20000.0, 27770.0]
-    own = train().answer
-    assert table["rigid.strike_5.impulse"][1] == pytest.approx(own.strikes[4].impulse, rel=1e-9)
-    assert table["rigid.hinge_1.largest_angle"][1] == pytest.approx(own.hinges[0]["largest_angle"], rel=1e-9)
+    answer = train().answer
+    assert table["rigid.strike_5.impulse"][1] == pytest.approx(answer.strikes[4].impulse, rel=1e-9)
+    assert table["rigid.hinge_1.largest_angle"][1] == pytest.approx(
+        answer.hinges[0]["largest_angle"], rel=1e-9
+    )
 
 
 def test_many_trains_have_the_strikes_of_each(case):
-    """The front of the first unit, the rear of the last, and the largest mean, by the step of many."""
+    """First front, last rear and largest mean agree at a coarser step."""
     keys = {"contact.stiffness": [1e6, 2e6], "trailer.0.stiffness": [1e6, 2e6]}
     keys["trailer.0.mass"] = [27770.0, 20000.0]
     many = case.many({key: np.array(values) for key, values in keys.items()})
     inertia = 497057 * 20000 / 27770
-    others = {"contact__stiffness": 2e6, "trailer__0__mass": 2e4, "trailer__0__yaw_inertia": inertia}
-    for i, alone in enumerate((case, train(**others))):
-        own = both_strikes(alone.answer)
-        assert list(own) == list(many)
+    changes = {"contact__stiffness": 2e6, "trailer__0__mass": 2e4, "trailer__0__yaw_inertia": inertia}
+    for i, single in enumerate((case, train(**changes))):
+        answer = both_strikes(single.answer)
+        assert list(answer) == list(many)
         for name in (LARGEST, "strike_1.raw", "strike_2.impulse", "strike_2.mean_50ms"):
-            assert many[name][i] == pytest.approx(own[name], rel=3e-3), name
+            assert many[name][i] == pytest.approx(answer[name], rel=3e-3), name
 
 
 def test_a_study_of_what_is_not_known_stands_beside_design_forces(tmp_path):
     path = write(tmp_path)
     changes = {"impact.test_level": "TL-5"}
-    found = tailslap.study("uncertainty", path, changes, samples=288)
-    summary = found.summary
+    study = tailslap.study("uncertainty", path, changes, samples=288)
+    summary = study.summary
     keys = {row["key"] for row in summary["inputs"]}
     assert keys >= {f"trailer.0.{key}" for key in ("stiffness", "centre_of_mass", "yaw_inertia", "hitch")}
     levels = {round(row["force"] / 1e3): row["above"] for row in summary["levels"]}
@@ -237,5 +242,5 @@ def test_a_study_of_what_is_not_known_stands_beside_design_forces(tmp_path):
     assert sorted(levels.values(), reverse=True) == [levels[force] for force in sorted(levels)]
     indices = summary["bands"][LARGEST]["indices"]
     assert 0.8 < sum(row["first_order"] for row in indices.values()) < 1.2
-    assert found.headline.answer.startswith("Largest 50 ms mean")
+    assert study.headline.answer.startswith("Largest 50 ms mean")
     json.dumps(summary)

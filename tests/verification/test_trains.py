@@ -1,4 +1,4 @@
-"""Verification: trains of rigid vehicles: exact answers, a trial by another scheme, the hinge's force, many at once."""
+"""Verify trains of rigid vehicles by exact answers and another scheme."""
 
 import math
 from dataclasses import astuple
@@ -32,7 +32,7 @@ HITCH, KINGPIN = 5.6, 0.9
 
 
 def train_run(vehicles, hinges, k, speed=22.35, **more):
-    """A straight train in its first touch; all units have the same width or the first sticks out."""
+    """A straight train at first touch, the first unit the widest."""
     train = train_of(vehicles, WallContact(CrushLaw(k, 0.0, 0.22), MU), hinges)
     first = first_touch(vehicles[0], ANGLE, speed)
     states, x = [[first.x_g, first.y_g, ANGLE, first.v_gx, first.v_gy, 0.0]], 0.0
@@ -66,8 +66,8 @@ TRAIN = {  # unit and corner, start, duration, peak, impulse, as of a trial by a
 @pytest.mark.parametrize("k", TRAIN)
 def test_the_strikes_of_a_tractor_and_trailer(k):
     """Five strikes to the digits of the trial."""
-    found = train_run([TRACTOR, TRAILER], [(HITCH, KINGPIN)], k, end=0.95, strikes=8, step=2e-5)
-    rows = sorted(found.strikes[0][found.strikes[0, :, 4] > 0.0].tolist(), key=lambda row: row[1])
+    trains = train_run([TRACTOR, TRAILER], [(HITCH, KINGPIN)], k, end=0.95, strikes=8, step=2e-5)
+    rows = sorted(trains.strikes[0][trains.strikes[0, :, 4] > 0.0].tolist(), key=lambda row: row[1])
     for row, (unit, corner, first, duration, peak, impulse) in zip(rows, TRAIN[k], strict=False):
         assert row[0] == 4 * unit + CORNERS.index(corner)
         assert (row[1], row[2] - row[1]) == pytest.approx((first, duration), abs=3e-4)
@@ -83,8 +83,11 @@ def test_a_trailer_without_mass_changes_nothing():
 
 
 def test_the_first_strike_of_a_train_brings_the_impulse_of_its_constrained_mass():
-    """J = (1 + e) v0 sin(theta)/(n' W d), n = (0, 1), d = (-mu, 1), W the inverse mass of the hinged train there."""
-    masses = np.diag([each for v in (TRACTOR, TRAILER) for each in (v.mass, v.mass, v.inertia)])
+    """The impulse follows from the inverse mass at the corner.
+
+    J = (1 + e) v0 sin(theta)/(n' W d), n = (0, 1), d = (-mu, 1), and W is the inverse mass of the hinged train there.
+    """
+    masses = np.diag([mass for unit in (TRACTOR, TRAILER) for mass in (unit.mass, unit.mass, unit.inertia)])
     c, s = math.cos(ANGLE), math.sin(ANGLE)
 
     def rows(along, across, unit):
@@ -106,7 +109,10 @@ def test_the_first_strike_of_a_train_brings_the_impulse_of_its_constrained_mass(
 
 
 def flown(w_a, w_b, end=2.0, step=2e-4):
-    """A train far from the wall along X, with these spins; the hinge at rest at first."""
+    """A train along X far from the wall, with these spins.
+
+    The hinge is at rest at the start.
+    """
     a, b = HITCH - TRACTOR.front_distance, TRAILER.front_distance - KINGPIN
     train = train_of([TRACTOR, TRAILER], WallContact(CrushLaw(1e6), MU), [(HITCH, KINGPIN)])
     state = np.array([[[a, 50.0, 0.0, 3.0, w_a * a, w_a], [-b, 50.0, 0.0, 3.0, -w_b * b, w_b]]])
@@ -114,9 +120,9 @@ def flown(w_a, w_b, end=2.0, step=2e-4):
 
 
 def test_a_train_in_free_flight():
-    """Momentum, angular momentum and energy stay; the hinges stay closed."""
-    train, a, b, found = flown(0.4, -0.3)
-    rows = found.rows[0, : int(2.0 / 2e-4), :12].reshape(-1, 2, 6)
+    """Momentum, angular momentum and energy are constant, the hinges closed."""
+    train, a, b, trains = flown(0.4, -0.3)
+    rows = trains.rows[0, : int(2.0 / 2e-4), :12].reshape(-1, 2, 6)
     m, inertia = train.mass[:, 0], train.inertia[:, 0]
     x, y, theta, u, v, w = np.moveaxis(rows, -1, 0)
     assert (u @ m, v @ m) == (pytest.approx(u[0] @ m, rel=1e-12), pytest.approx(v[0] @ m, rel=1e-12))
@@ -129,20 +135,23 @@ def test_a_train_in_free_flight():
 
 
 def test_the_hinge_of_two_spinning_units_bears_their_relative_acceleration():
-    """m1 m2/(m1 + m2) times that of their centres: of a straight train that turns as one body w^2 times their distance,
-    for ever, and at any instant of one that folds."""
+    """m1 m2/(m1 + m2) times the relative acceleration of the centres.
+
+    It is w^2 times their distance in a straight train, and holds at any instant of a folding one.
+    """
     behind = [HitchedVehicle(TRAILER, WallContact(CrushLaw(1e6), MU), HITCH, KINGPIN)]
     reduced = TRACTOR.mass * TRAILER.mass / (TRACTOR.mass + TRAILER.mass)
     for spins in ((0.4, 0.4), (0.4, -0.3)):
-        _, a, b, found = flown(*spins)
+        _, a, b, trains = flown(*spins)
         law = WallContact(CrushLaw(1e6), MU)
         start: Any = None  # plays no part
-        rows = found.rows[0, :10001]
+        rows = trains.rows[0, :10001]
         motion = ImpactMotion(TRACTOR, law, (), 2.0, start, 2e-4, 0.0, 2e-4, rows, tuple(behind))
         t = np.linspace(0.0, 2.0, 1001)
         force, at = motion.hinge_forces(t)[0], motion.at(t)
-        apart = [np.diff(own - its) / np.diff(t) for own, its in ((at.v_gx, at.v_gx_2), (at.v_gy, at.v_gy_2))]
-        assert force == pytest.approx(reduced * np.array(apart), abs=1e-6 * np.abs(force).max())
+        velocities = ((at.v_gx, at.v_gx_2), (at.v_gy, at.v_gy_2))
+        relative = np.array([np.diff(first - second) / np.diff(t) for first, second in velocities])
+        assert force == pytest.approx(reduced * relative, abs=1e-6 * np.abs(force).max())
         if spins[0] == spins[1]:
             assert np.hypot(*force) == pytest.approx(reduced * 0.4**2 * (a + b), rel=1e-6)
 
@@ -150,7 +159,7 @@ def test_the_hinge_of_two_spinning_units_bears_their_relative_acceleration():
 def test_a_tow_ball_is_the_hinge_of_a_longer_vehicle_until_the_rear_strikes():
     tractors = (ImpactVehicle(length, 2.44, 8200.0, 2.9, 34621.0) for length in (6.9, 7.1))
     trailers = [(TRAILER, 7.0, 0.9)]
-    short, long = (train_impact(vehicle=each, trailers=trailers, end=0.12) for each in tractors)
+    short, long = (train_impact(vehicle=tractor, trailers=trailers, end=0.12) for tractor in tractors)
     assert long.strikes[0].corner == short.strikes[0].corner
     for name in ("duration", "peak_force", "impulse", "friction_work"):
         value = getattr(short.strikes[0], name)
@@ -158,14 +167,14 @@ def test_a_tow_ball_is_the_hinge_of_a_longer_vehicle_until_the_rear_strikes():
 
 
 def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
-    """Which has no angle: while nothing touches it, the tractor with it is one rigid vehicle."""
+    """The tractor and a point mass are one rigid vehicle until contact."""
     m, point, a = TRACTOR.mass, 27770.0, TRACTOR.front_distance
     centre = (m * a + point * HITCH) / (m + point)
     inertia = TRACTOR.inertia + m * (a - centre) ** 2 + point * (HITCH - centre) ** 2
     heavier = ImpactVehicle(6.9, 2.44, m + point, centre, inertia)
     one = train_impact(vehicle=heavier, trailers=(), end=0.12, step=2e-5)
-    for own in (3e4, 1e5):
-        trailer = ImpactVehicle(4.0, 0.5, point, 2.0, own)
+    for trailer_inertia in (3e4, 1e5):
+        trailer = ImpactVehicle(4.0, 0.5, point, 2.0, trailer_inertia)
         pair = train_impact(trailers=[(trailer, HITCH, 2.0)], end=0.12, step=2e-5)
         for name in ("duration", "peak_force", "impulse", "friction_work", "position"):
             assert getattr(pair.strikes[0], name) == pytest.approx(getattr(one.strikes[0], name), rel=1e-6)
@@ -173,7 +182,7 @@ def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
 
 
 def test_a_wide_trailer_that_touches_first_starts_on_the_wall():
-    """Its front corner lies 1.5 m behind, and 2 m farther out than the vehicle's."""
+    """Its front corner is 1.5 m behind and 2 m farther outward."""
     wide = ImpactVehicle(10.0, 6.44, 20000.0)
     motion = train_impact(trailers=[(wide, 5.0, 3.5)], end=0.2)
     assert motion.strikes[0].corner == "trailer front"
@@ -195,7 +204,7 @@ def test_a_train_ends_after_the_strike_of_its_last_rear():
 
 
 def test_many_trains_are_what_each_is_alone():
-    """Eight tractors, trailers and walls at once, a trailer's crush its own; both limits of a first trailer's hinge."""
+    """Eight trains of different trailers and walls equal single solutions."""
     rng = np.random.default_rng(3)
     n, between = 8, lambda low, high: rng.uniform(low, high, 8)
     shared: dict[str, Any] = {
@@ -210,20 +219,20 @@ def test_many_trains_are_what_each_is_alone():
     many = solve_impacts(**first, **shared, trailers=[behind], tolerance=1e-5, interval=5e-4)
     for i in range(n):
         tables = ({key: np.broadcast_to(v, n)[i] for key, v in t.items()} for t in (first, behind, shared))
-        one, two, its = tables
+        one, two, impact = tables
         crushes = (CrushLaw(unit.pop("stiffness"), 0.0, 0.22) for unit in (one, two))
-        laws = [WallContact(crush, its["friction"]) for crush in crushes]
+        laws = [WallContact(crush, impact["friction"]) for crush in crushes]
         hinge = two.pop("hitch"), two.pop("kingpin")
         vehicle, trailer = ImpactVehicle(**one), HitchedVehicle(ImpactVehicle(**two), laws[1], *hinge)
-        state = first_touch(vehicle, ANGLE, its["speed"], [trailer])
+        state = first_touch(vehicle, ANGLE, impact["speed"], [trailer])
         alone = solve_impact(vehicle, laws[0], state, trailers=[trailer])
         assert many.error[i] < 1e-4
         for k, strike in enumerate(alone.strikes):
             assert corner_name(*divmod(int(many.corner[k, i]), 4)) == strike.corner
-            found = (many.start[k, i], many.impulse[k, i])
-            assert found == pytest.approx((strike.start, strike.impulse), rel=1e-5)
-        whole = many.impulse[:, i][many.corner[:, i] >= 0].sum()
-        assert many.mean_force[:, i].sum() * 5e-4 == pytest.approx(whole)
+            values = many.start[k, i], many.impulse[k, i]
+            assert values == pytest.approx((strike.start, strike.impulse), rel=1e-5)
+        total = many.impulse[:, i][many.corner[:, i] >= 0].sum()
+        assert many.mean_force[:, i].sum() * 5e-4 == pytest.approx(total)
 
 
 def test_what_no_trailer_can_have_is_refused_by_its_number():
@@ -237,51 +246,53 @@ def test_what_no_trailer_can_have_is_refused_by_its_number():
 
 @pytest.mark.parametrize(("restitution", "allowed"), [(0.0, 1e-3), (0.02, 3e-4), (0.3, 3e-4)])
 def test_steps_in_parts_agree_with_short_steps_of_one_length(restitution, allowed):
-    """Down to a restitution at which the law is 2 500 times stiffer on unloading, and upright, at the tolerance of many
-    trains; an upright law is of first order."""
+    """Steep lines of unloading are resolved by parts of a step.
+
+    At a restitution of 0.02 unloading is 2 500 times stiffer; a vertical line is of first order.
+    """
     law = WallContact(CrushLaw(2e6, 0.0, restitution), MU)
     train = train_of((TRACTOR, TRAILER), law, [(HITCH, KINGPIN)])
     start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
-    found = solve_trains(train, start, strikes=8, end=0.4, tolerance=4e-3)
+    run = solve_trains(train, start, strikes=8, end=0.4, tolerance=4e-3)
     fine = solve_trains(train, start, strikes=8, end=0.4, step=1e-6)
-    firsts = (found.strikes[0], fine.strikes[0])
-    own, known = (rows[rows[:, 4] > 0.05 * np.nanmax(rows[:, 4])] for rows in firsts)
-    assert own[:, 0].tolist() == known[:, 0].tolist() == [0.0, 4.0, 1.0, 0.0][: len(known)]
-    true = np.abs(own[:, 3:5] / known[:, 3:5] - 1.0).max()
+    firsts = (run.strikes[0], fine.strikes[0])
+    rows, exact = (strikes[strikes[:, 4] > 0.05 * np.nanmax(strikes[:, 4])] for strikes in firsts)
+    assert rows[:, 0].tolist() == exact[:, 0].tolist() == [0.0, 4.0, 1.0, 0.0][: len(exact)]
+    true = np.abs(rows[:, 3:5] / exact[:, 3:5] - 1.0).max()
     assert true < allowed
-    assert true <= 1.5 * found.error[0]
-    assert found.error[0] < 6e-3  # of durations, too
-    assert found.step[0] > 2e-4
+    assert true <= 1.5 * run.error[0]
+    assert run.error[0] < 6e-3  # of durations, too
+    assert run.step[0] > 2e-4
 
 
 def test_rows_of_the_impulse_alone_are_that_column():
     train = train_of((TRACTOR, TRAILER), WallContact(CrushLaw(2e6, 1e5, 0.1), MU), [(HITCH, KINGPIN)])
     start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
     settings: dict[str, Any] = {"tolerance": 4e-3, "end": 0.4, "interval": 5e-4}
-    both = (solve_trains(train, start, impulse_alone=each, **settings) for each in (False, True))
-    whole, alone = (impacts.rows[0, :801] for impacts in both)
+    runs = (solve_trains(train, start, impulse_alone=alone, **settings) for alone in (False, True))
+    full, short = (impacts.rows[0, :801] for impacts in runs)
     column = column_names(2).index("impulse_normal")
-    assert alone[:, 0] == pytest.approx(whole[:, column], rel=1e-14)
-    assert whole[-1, column] > 1e4
+    assert short[:, 0] == pytest.approx(full[:, column], rel=1e-14)
+    assert full[-1, column] > 1e4
 
 
 def test_a_restitution_near_zero_is_solved_or_its_error_is_stated():
-    """Its line of unloading has a period of 20 us; the step is 0.5 ms, and has 1024 parts at most."""
+    """Unloading of a period of 20 us has 1024 parts."""
     law = WallContact(CrushLaw(2e6, 0.0, 1e-4), MU)
     train = train_of((TRACTOR, TRAILER), law, [(HITCH, KINGPIN)])
     start = lined_up(astuple(first_touch(TRACTOR, ANGLE, 22.35)), [HITCH - 2.9 + 8.0 - KINGPIN])[None]
-    found = solve_trains(train, start, tolerance=4e-3, strikes=8, end=0.2)
+    nearly_plastic = solve_trains(train, start, tolerance=4e-3, strikes=8, end=0.2)
     plastic_train = train._replace(restitution=0.0 * train.restitution)
     plastic = solve_trains(plastic_train, start, tolerance=4e-3, strikes=8, end=0.2)
-    assert found.strikes[0, 0, 3:5] == pytest.approx(plastic.strikes[0, 0, 3:5], rel=2e-3)
-    assert found.error[0] < 4e-2
+    assert nearly_plastic.strikes[0, 0, 3:5] == pytest.approx(plastic.strikes[0, 0, 3:5], rel=2e-3)
+    assert nearly_plastic.error[0] < 4e-2
 
 
 @pytest.mark.parametrize(
     "crushes", [((0.5e6, 0.03), (5e6, 0.1)), ((0.5e6, 0.3), (2e6, 0.03))], ids=["fewer", "more"]
 )
 def test_a_refined_train_has_another_number_of_strikes(crushes):
-    """Two trains, of which one takes a smaller step: there is room for the strikes of both."""
+    """The result has room for all strikes of both trains."""
     vehicles, hinges, room = (TRACTOR, TRAILER), [(HITCH, KINGPIN)], 3
     laws = [WallContact(CrushLaw(k, 0.0, e), MU) for k, e in crushes]
     trains = [train_of(vehicles, law, hinges) for law in laws]

@@ -1,4 +1,4 @@
-"""Verification: tyres of a rigid vehicle, samples, a train and the plate: exact side forces, loads, balances."""
+"""Verify tyres of vehicles, trains and plates by exact forces."""
 
 import math
 from dataclasses import asdict, replace
@@ -75,12 +75,12 @@ def train(axles, end=None, tolerance=1e-4):
 
 
 def test_a_trailer_stands_on_its_axles_and_the_kingpin():
-    own = (TyreAxle(1.3, 0.7), TyreAxle(7.5, 0.7), TyreAxle(9.5, 0.7, unit=1), TyreAxle(10.5, 0.7, unit=1))
-    front, rear, *behind = train(own, 0.01).loads
+    axles = (TyreAxle(1.3, 0.7), TyreAxle(7.5, 0.7), TyreAxle(9.5, 0.7, unit=1), TyreAxle(10.5, 0.7, unit=1))
+    front, rear, *behind = train(axles, 0.01).loads
     trailer, truck = TRAILER.mass * GRAVITY, TRUCK.mass * GRAVITY
-    each = trailer * 5.0 / (8.5 + 9.5)  # moments about the kingpin
-    assert behind == pytest.approx([each, each], rel=1e-12)
-    kingpin = trailer - 2.0 * each
+    load = trailer * 5.0 / (8.5 + 9.5)  # moments about the kingpin
+    assert behind == pytest.approx([load, load], rel=1e-12)
+    kingpin = trailer - 2.0 * load
     assert front + rear == pytest.approx(truck + kingpin, rel=1e-12)
     assert 1.3 * front + 7.5 * rear == pytest.approx(5.5 * truck + 7.0 * kingpin, rel=1e-12)
 
@@ -90,7 +90,10 @@ def test_a_trailer_stands_on_its_axles_and_the_kingpin():
 
 @pytest.mark.parametrize("ahead", [20.0, -20.0, 0.3])
 def test_the_side_force_of_an_axle_that_turns_steadily(ahead):
-    """A vehicle turns steadily for a moment: -mu N tanh(C a/mu), a by the speeds of the axle, its work and moment."""
+    """The force follows from the slip of the axle.
+
+    It is -mu N tanh(C a/mu), with its work and moment.
+    """
     heavy, rate, sideways = ImpactVehicle(10.0, 2.0, 1e12, 4.0), 0.4, -2.0
     axle = TyreAxle(9.0, 0.7, 6.0)
     start = ImpactState(0.0, 10.0, 0.0, ahead, sideways, rate)
@@ -99,9 +102,8 @@ def test_the_side_force_of_an_axle_that_turns_steadily(ahead):
     slip = math.atan2(across, max(abs(ahead), 1.0))
     force = -0.7 * 1e12 * GRAVITY * math.tanh(6.0 * slip / 0.7)
     at = motion.at([motion.t_end])
-    assert at.tyre_impulse_normal[0] / motion.t_end == pytest.approx(
-        force, rel=2e-4
-    )  # within 1e-4 s it turns by 4e-5
+    # Within 1e-4 s it rotates by 4e-5.
+    assert at.tyre_impulse_normal[0] / motion.t_end == pytest.approx(force, rel=2e-4)
     short = solve_impact(heavy, LAW, start, end=1e-7, axles=[axle], step=1e-8).at([1e-7])
     assert short.tyre_impulse_normal[0] / 1e-7 == pytest.approx(force, rel=1e-6)
     assert short.tyre_work[0] / 1e-7 == pytest.approx(force * across, rel=1e-6)
@@ -122,51 +124,51 @@ def right_side(t, y, axles, loads, vehicle):
 
 
 def test_a_vehicle_on_the_road_alone_follows_its_equations():
-    """1 s of a skid that turns, far from the wall, by SciPy: state to 1e-6; the step is of second order."""
+    """1 s of a skid by SciPy, with an order of two."""
     start = ImpactState(0.0, 500.0, 0.3, 15.0, 4.0, 0.8)
     loads = impact(end=0.01).loads
     first = [start.x_g, start.y_g, start.theta, start.v_gx, start.v_gy, start.omega]
     exact = solve_ivp(
         right_side, (0.0, 1.0), first, "DOP853", args=(AXLES, loads, TRUCK), rtol=1e-11, atol=1e-11
     )
-    steps, off = (4e-3, 2e-3, 1e-3), []
-    for step in steps:
+    steps = (4e-3, 2e-3, 1e-3)
+
+    def state(step):
         end = solve_impact(TRUCK, LAW, start, end=1.0, axles=AXLES, step=step).end
-        own = np.array([end.x_g, end.y_g, end.theta, end.v_gx, end.v_gy, end.omega])
-        off.append(float(np.abs(own - exact.y[:, -1]).max()))
+        return np.array([end.x_g, end.y_g, end.theta, end.v_gx, end.v_gy, end.omega])
+
+    off = [float(np.abs(state(step) - exact.y[:, -1]).max()) for step in steps]
     assert off[-1] < 2e-5
     assert np.polyfit(np.log(steps), np.log(off), 1)[0] == pytest.approx(2.0, abs=0.1)
-    end = solve_impact(TRUCK, LAW, start, end=1.0, axles=AXLES, step=1e-4).end
-    own = np.array([end.x_g, end.y_g, end.theta, end.v_gx, end.v_gy, end.omega])
-    assert own == pytest.approx(exact.y[:, -1], rel=1e-6, abs=1e-6)
+    assert state(1e-4) == pytest.approx(exact.y[:, -1], rel=1e-6, abs=1e-6)
 
 
 # --- a whole impact ---
 
 
 def balances(motion):
-    """Errors of energy, momentum along and across, and moment of momentum, relative, at the end."""
+    """Relative errors of energy, momenta and angular momentum at the end."""
     at = motion.at(np.array([0.0, motion.t_end]))
     bodies, ends = motion.vehicles, ("", *(f"_{k}" for k in range(2, len(motion.vehicles) + 1)))
     work = sum(getattr(at, f"tyre_work{end}") for end in ends)
-    held = at.kinetic_energy + at.crush_energy_stored + at.crush_energy_lost - at.friction_work - work
-    found = [(held[1] - held[0]) / held[0]]
+    energy = at.kinetic_energy + at.crush_energy_stored + at.crush_energy_lost - at.friction_work - work
+    errors = [(energy[1] - energy[0]) / energy[0]]
     scale = sum(body.mass for body in bodies) * SPEED
     for force, axis in (("tangential", "x"), ("normal", "y")):
         momentum = sum(
             body.mass * getattr(at, f"v_g{axis}{end}") for body, end in zip(bodies, ends, strict=True)
         )
         steering = sum(getattr(at, f"tyre_impulse_{force}{end}") for end in ends)
-        found.append((np.diff(momentum)[0] - getattr(at, f"impulse_{force}")[1] - steering[1]) / scale)
-    turned = sum(
+        errors.append((np.diff(momentum)[0] - getattr(at, f"impulse_{force}")[1] - steering[1]) / scale)
+    spin = sum(
         body.inertia * getattr(at, f"omega{end}")
         + body.mass * (getattr(at, f"x_g{end}") * getattr(at, f"v_gy{end}")
                        - getattr(at, f"y_g{end}") * getattr(at, f"v_gx{end}"))
         for body, end in zip(bodies, ends, strict=True)
     )  # fmt: skip
     steering = sum(getattr(at, f"tyre_impulse_angular{end}") for end in ends)
-    found.append((np.diff(turned)[0] - at.impulse_angular[1] - steering[1]) / (10.0 * scale))
-    return np.abs(found), work[1] / at.kinetic_energy[0]
+    errors.append((np.diff(spin)[0] - at.impulse_angular[1] - steering[1]) / (10.0 * scale))
+    return np.abs(errors), work[1] / at.kinetic_energy[0]
 
 
 def test_energy_and_momentum_of_an_impact_with_tyres():
@@ -176,8 +178,8 @@ def test_energy_and_momentum_of_an_impact_with_tyres():
 
 
 def test_energy_and_momentum_of_a_train_with_tyres():
-    own = (*AXLES, TyreAxle(9.5, 0.7, unit=1), TyreAxle(10.5, 0.7, unit=1))
-    motion = train(own)
+    axles = (*AXLES, TyreAxle(9.5, 0.7, unit=1), TyreAxle(10.5, 0.7, unit=1))
+    motion = train(axles)
     off, work = balances(motion)
     assert off[0] < 1e-5
     assert off[1:].max() < 1e-9
@@ -189,10 +191,10 @@ def test_energy_and_momentum_of_a_train_with_tyres():
 
 
 def test_tyres_weaken_the_tail_slap():
-    """By 10 to 30 %: they take away part of the turning."""
-    without, own = impact(()), impact()
-    assert own.strikes[0].impulse == pytest.approx(without.strikes[0].impulse, rel=0.05)
-    assert 0.7 < own.strikes[1].impulse / without.strikes[1].impulse < 0.95
+    """The second strike is weaker by 10 to 30 %."""
+    bare, steered = impact(()), impact()
+    assert steered.strikes[0].impulse == pytest.approx(bare.strikes[0].impulse, rel=0.05)
+    assert 0.7 < steered.strikes[1].impulse / bare.strikes[1].impulse < 0.95
 
 
 HELD = ImpactVehicle(7.079, 2.335, 13538.0)
@@ -204,10 +206,10 @@ HELD_AXLES = (TyreAxle(1.315, 0.7812, 6.21), TyreAxle(5.336, 0.7697, 7.46))
 
 @pytest.mark.parametrize("step", [2e-5, 1e-5])
 def test_a_vehicle_that_leans_on_the_wall_is_not_followed_for_seconds(step):
-    """Compare end, strikes and impulse of a vehicle whose front stays in contact.
+    """A vehicle whose front stays in contact ends with the rear strike.
 
-    The motion ends when the strike of the rear is over. The strike of the front is in progress and marked as cut. The
-    impulses of all strikes add up to the impulse of the wall.
+    The strike of the front is in progress and marked as cut. The impulses of all strikes add up to the impulse of the
+    wall.
     """
     touch = first_touch(HELD, 0.08887, 21.768)
     motion = solve_impact(HELD, HELD_LAW, touch, longest=5.0, step=step, axles=HELD_AXLES)
@@ -229,42 +231,41 @@ def test_an_axle_without_friction_changes_nothing():
 
 
 def test_samples_have_tyres():
-    given: dict[str, Any] = {
-        "length": 10.0,
-        "width": 2.438,
-        "mass": np.array([9979.0, 9000.0]),
-        "speed": SPEED,
-    }
-    given |= {"angle": ANGLE, "stiffness": 2e6, "restitution": 0.1, "plateau_force": 3.5e5, "friction": 0.3}
+    sample: dict[str, Any] = {"length": 10.0, "width": 2.438, "mass": np.array([9979.0, 9000.0])}
+    sample |= {"speed": SPEED, "angle": ANGLE, "stiffness": 2e6, "restitution": 0.1, "plateau_force": 3.5e5}
+    sample |= {"friction": 0.3, "centre_of_mass": 5.5}
     axles: list[dict[str, Any]] = [
         {"position": 1.3, "friction": np.array([0.7, 0.5]), "cornering": 6.0},
         {"position": 7.5, "friction": 0.6, "cornering": 5.0},
     ]
-    found = solve_impacts(**given, centre_of_mass=5.5, axles=axles, tolerance=1e-5)
+    impacts = solve_impacts(**sample, axles=axles, tolerance=1e-5)
     for i, (mass, friction) in enumerate(((9979.0, 0.7), (9000.0, 0.5))):
         vehicle = replace(TRUCK, mass=mass)
-        own = (TyreAxle(1.3, friction, 6.0), AXLES[1])
-        motion = solve_impact(vehicle, LAW, first_touch(vehicle, ANGLE, SPEED), axles=own)
+        single_axles = (TyreAxle(1.3, friction, 6.0), AXLES[1])
+        motion = solve_impact(vehicle, LAW, first_touch(vehicle, ANGLE, SPEED), axles=single_axles)
         for k in range(2):
-            assert found.impulse[k, i] == pytest.approx(motion.strikes[k].impulse, rel=2e-5)
+            assert impacts.impulse[k, i] == pytest.approx(motion.strikes[k].impulse, rel=2e-5)
 
 
 def test_samples_with_long_steps_stay_within_their_stated_error():
-    """Steps between strikes are longer than the interval of the rows, which lie between them."""
+    """Steps between strikes are longer than the interval.
+
+    Rows lie between them.
+    """
     motion, interval = impact(), 5e-4
     law = {key: getattr(LAW.crush, key) for key in ("stiffness", "plateau_force", "restitution")}
-    found = solve_impacts(
+    sample = solve_impacts(
         **asdict(TRUCK) | law, speed=SPEED, angle=ANGLE, friction=LAW.friction,
         axles=[asdict(axle) for axle in AXLES], interval=interval,
     )  # fmt: skip
-    assert 1e-5 < found.error < 4e-3
+    assert 1e-5 < sample.error < 4e-3
     for k, strike in enumerate(motion.strikes[:2]):
-        assert found.impulse[k] == pytest.approx(strike.impulse, rel=float(found.error))
-        assert found.peak_force[k] == pytest.approx(strike.peak_force, rel=float(found.error))
+        assert sample.impulse[k] == pytest.approx(strike.impulse, rel=float(sample.error))
+        assert sample.peak_force[k] == pytest.approx(strike.peak_force, rel=float(sample.error))
     t = interval * np.arange(1, int(motion.t_end / interval))
     exact = motion.at(t).impulse_normal
-    computed = interval * np.cumsum(found.mean_force)[: t.size]
-    np.testing.assert_allclose(computed, exact, atol=float(found.error) * exact[-1])
+    computed = interval * np.cumsum(sample.mean_force)[: t.size]
+    np.testing.assert_allclose(computed, exact, atol=float(sample.error) * exact[-1])
     force = np.diff(computed - exact) / interval
     assert np.abs(force).max() < 0.05 * law["plateau_force"]  # unloading begins 0.2 ms apart
 
@@ -293,7 +294,7 @@ def test_axles_that_cannot_carry_the_vehicle_are_refused():
 
 @pytest.mark.parametrize("ahead", [20.0, 0.3])
 def test_the_side_force_on_a_plate_that_turns_steadily(ahead):
-    """As of the rigid vehicle, across the heading, at once and far from the wall: force, moment and power."""
+    """Force, moment and power at once equal those of the rigid vehicle."""
     rate, sideways, theta, load = 0.4, -2.0, 0.2, 7e4
     unit = UnitProperties(
         plate_mesh(10.0, 2.4, (5, 2)),
@@ -327,7 +328,7 @@ TABLES = [{"position": 1.3, "friction": 0.7}, {"position": 7.5, "friction": 0.7,
 
 
 def test_a_plate_with_tyres_tends_to_the_rigid_vehicle():
-    """As 1/E, 1e-3 at 2 TPa; energy and momentum are in balance, and the work of the tyres is the rigid vehicle's."""
+    """The difference is in proportion to 1/E, and balances are closed."""
     off = []
     for modulus in (0.2e12, 2e12):
         mesh = {"plate.youngs_modulus": modulus, "plate.elements": (10, 3), "plate.element": "quad4"}
@@ -346,16 +347,16 @@ def test_a_plate_with_tyres_tends_to_the_rigid_vehicle():
 
 
 def test_a_scene_with_axles():
-    """Tyres are in the answer, the texts and the samples; axles without friction are as if they were not there."""
+    """Tyres are in answer, texts and samples, without friction they are omitted."""
     case = case_of(axle=TABLES)
     numbers, text = case.rigid_numbers(), "\n".join(case.rigid_text())
     assert -2e5 < numbers["tyre_work"] < -1e4
     assert "load of axle 1" in text
     assert {"axle.0.position", "axle.1.friction"} <= set(case.arguments)
-    found = case.many({"axle.1.friction": np.array([0.7, 0.5])})
-    assert found["strike_2.impulse"][0] == pytest.approx(case.motion.strikes[1].impulse, rel=2e-4)
+    samples = case.many({"axle.1.friction": np.array([0.7, 0.5])})
+    assert samples["strike_2.impulse"][0] == pytest.approx(case.motion.strikes[1].impulse, rel=2e-4)
     other = case_of(axle=[TABLES[0], TABLES[1] | {"friction": 0.5}])
-    assert found["strike_2.impulse"][1] == pytest.approx(other.motion.strikes[1].impulse, rel=2e-4)
+    assert samples["strike_2.impulse"][1] == pytest.approx(other.motion.strikes[1].impulse, rel=2e-4)
     smooth, bare = case_of(axle=[{"position": 1.3}]), case_of()
     assert smooth.rigid_numbers() == bare.rigid_numbers()
 
@@ -382,7 +383,10 @@ def test_axles_require_a_whole_impact():
 
 
 class Peer:
-    """The rigid vehicle by classical Runge-Kutta steps: corners on the crush law, Coulomb's friction, tyres."""
+    """The rigid vehicle by classical Runge-Kutta steps.
+
+    It has corners on the crush law, Coulomb's friction and tyres.
+    """
 
     def __init__(self, laws, friction, axles, loads):
         (a, b), length, width = (5.5, 4.5), 10.0, 2.438
@@ -409,8 +413,8 @@ class Peer:
         z, theta, u, v, w = y[1:]
         c, s = math.cos(theta), math.sin(theta)
         total, depths, pushes = np.zeros(3), np.zeros(4), np.zeros(4)
-        for k, (along, left) in enumerate(self.corners):
-            p, q = along * c + left * s, left * c - along * s
+        for k, (along, across) in enumerate(self.corners):
+            p, q = along * c + across * s, across * c - along * s
             depths[k] = -(z + q)
             pushes[k] = self.push(k, depths[k])
             drag = -self.friction * pushes[k] * math.tanh((u - w * q) / 1e-3)
@@ -446,13 +450,13 @@ PEERS = {
 @pytest.mark.long
 @pytest.mark.parametrize("name", PEERS)
 def test_impulses_are_those_of_an_independent_integration(name):
-    """To 1e-4 of the largest impulse, over 0.5 s; Coulomb's jump there is a steep slope."""
+    """Compare over 0.5 s, with a steep slope in Coulomb's law."""
     front, rear = (CrushLaw(k, f, e, fy, slope) for k, f, fy, e, slope in PEERS[name])
     state, law = first_touch(TRUCK, ANGLE, SPEED), WallContact(front, 0.3, rear=rear)
     motion = solve_impact(TRUCK, law, state, end=0.5, axles=AXLES, tolerance=1e-7)
-    own = dict.fromkeys(("front", "rear"), 0.0)
+    impulses = dict.fromkeys(("front", "rear"), 0.0)
     for strike in motion.strikes:
-        own[strike.corner] += strike.impulse
+        impulses[strike.corner] += strike.impulse
     start = [state.x_g, state.y_g, state.theta, state.v_gx, state.v_gy, state.omega]
     peer = Peer(PEERS[name], 0.3, AXLES, motion.loads).run(start, 0.5, 2e-5)
-    assert [own["front"], own["rear"]] == pytest.approx(peer[:2], abs=1e-4 * peer.max())
+    assert [impulses["front"], impulses["rear"]] == pytest.approx(peer[:2], abs=1e-4 * peer.max())

@@ -1,4 +1,4 @@
-"""Verification: the study `uncertainty` against closed forms and SciPy's estimators.
+"""Verify the study `uncertainty` by closed forms and SciPy's estimators.
 
 With all else held, the peak force is g (1 - e)/dt: v_GY is in proportion to 1 - e by Eqs 24 and 31, and Eq 73
 divides by dt. For X = 1 - e and Y = 1/dt, uniform e and dt, all moments are elementary.
@@ -92,9 +92,9 @@ def factor(spread):
 
 
 def test_sobol_indices_of_a_product(product):
-    """Compare with V_X = Var X (E Y)^2 alone, Var X E Y^2 in all.
+    """Compare with variances of a product in closed form.
 
-    The variance is V = E X^2 E Y^2 - (E X E Y)^2; Y has the same form.
+    V = E X^2 E Y^2 - (E X E Y)^2; alone V_X = Var X (E Y)^2, in all Var X E Y^2; Y has the same form.
     """
     x, xx, y, yy = moments()
     variance, var_x, var_y = xx * yy - (x * y) ** 2, xx - x * x, yy - y * y
@@ -126,7 +126,7 @@ def below(ratio):
 
 
 def test_one_input_has_all_the_variance_and_a_uniform_force():
-    """Restitution alone makes F = g (1 - e)/dt uniform, with an index of 1."""
+    """Restitution alone has a uniform force and an index of 1."""
     spread = run(TRUCK, fixed=(*HELD, "strike.duration"))
     top = factor(spread) / spread.case.scene.strike.duration
     expected = [top * (1.0 - E_HIGH + share * (E_HIGH - E_LOW)) for share in (0.05, 0.5, 0.95)]
@@ -140,8 +140,8 @@ def test_indices_lie_between_zero_and_one_and_alone_below_in_all(complete):
     first, total = indices(complete, "first_order"), indices(complete, "total")
     assert np.all((first > 0.0) & (first < total) & (total < 1.0))
     assert first.sum() < 1.0 < total.sum()
-    shown = dict(zip((item.key for item in complete.ranges), total, strict=True))
-    assert max(shown, key=lambda key: shown[key]) == "strike.duration"
+    totals_by_key = dict(zip((item.key for item in complete.ranges), total, strict=True))
+    assert max(totals_by_key, key=lambda key: totals_by_key[key]) == "strike.duration"
 
 
 def ishigami(rows):
@@ -154,9 +154,10 @@ def ishigami(rows):
 
 
 def test_estimators_are_scipys_and_give_ishigamis_indices():
-    """Compare with V_1 = (1 + 0.1 pi^4/5)^2/2, V_2 = 7^2/8, V_13 = 0.1^2 pi^8 8/225.
+    """Compare with SciPy and the exact indices of Ishigami's function.
 
-    Control variate of the first-order index: T cov(f_A, f_B), since f_AB varies with f_A by 1 - T.
+    V_1 = (1 + 0.1 pi^4/5)^2/2, V_2 = 7^2/8 and V_13 = 0.1^2 pi^8 8/225. Control variate of the first-order index:
+    T cov(f_A, f_B), since f_AB varies with f_A by 1 - T.
     """
     table = ishigami(2**14)
     (f_a, f_b), f_ab, indices = table[:2], table[2:], sobol_indices(table)
@@ -212,7 +213,7 @@ def test_the_errors_of_the_indices_are_those_of_random_rows():
 
 @pytest.mark.parametrize(("inputs", "rows"), [(2, 32), (11, 32), (21, 64), (2, 512)])
 def test_the_intervals_cover_exact_indices(inputs, rows):
-    """95 % of the indices of four functions are covered, over 12 seeds."""
+    """95 % of the indices of four functions are covered."""
     covered = [benchmark.coverage(function, rows, 12)["covered"] for function in benchmark.functions(inputs)]
     assert np.min(np.mean(covered, axis=0)) >= 0.95
     assert np.min(covered) >= 0.85, "each function"
@@ -239,7 +240,7 @@ def test_points_are_uniform():
 
 
 def test_totals_whose_sum_is_below_one_are_refused():
-    """Points of B near those of A change f by less than its variance."""
+    """f changes by less than its variance between A and B."""
     random = np.random.default_rng(4)
     a = random.random((3, 64))
     b = np.clip(a + 0.1 * random.standard_normal(a.shape), 0.0, 1.0)
@@ -258,7 +259,10 @@ def test_totals_whose_sum_is_below_one_are_refused():
 
 
 def test_few_changed_outputs_have_the_limits_of_a_binomial_fraction():
-    """No change in 64 rows bounds p by (1 - p)^64 = (1 - confidence)/2."""
+    """No change in 64 rows bounds the probability.
+
+    (1 - p)^64 = (1 - confidence)/2.
+    """
     a, b = np.arange(64) % 2 * 1.0, np.arange(64) // 2 % 2 * 1.0
     indices = sobol_indices(np.array([a, b, a, b]))
     limit = 1.0 - (0.5 - 0.5 * sampling.CONFIDENCE) ** (1.0 / 64.0)
@@ -269,7 +273,7 @@ def test_few_changed_outputs_have_the_limits_of_a_binomial_fraction():
 
 @pytest.mark.parametrize("name", [TRUCK, IMPACT])
 def test_refused_indices_are_said_and_not_shown(name, monkeypatch, tmp_path, capsys):
-    """Page, summary and terminal report it for points of B near those of A."""
+    """Page, summary and terminal report it for similar points."""
     points_of = sampling.sobol_points
 
     def near(ranges, rows):
@@ -320,7 +324,7 @@ def test_each_combination_is_the_plan_s_own_solution(name, ranges, changes):
 
 def test_mixtures_take_one_input_from_the_second_table():
     ranges = planar_ranges.corner_ranges(plan_of(TRUCK))
-    inputs, tables = sampled(ranges, 100, lambda given: {"sum": sum(given.values(), np.zeros(()))})
+    inputs, tables = sampled(ranges, 100, lambda columns: {"sum": sum(columns.values(), np.zeros(()))})
     keys, values = list(inputs), np.array([*inputs.values()]).reshape(len(ranges), len(ranges) + 2, -1)
     a, b, *mixed = np.moveaxis(values, 1, 0)
     for i in range(len(keys)):
@@ -331,7 +335,7 @@ def test_mixtures_take_one_input_from_the_second_table():
 
 
 def test_what_the_theory_refuses_is_counted_and_said(tmp_path, capsys):
-    """Half of a range from 0 to 2 cot(phi) does not rotate the vehicle."""
+    """Half of the range of friction does not rotate the vehicle."""
     phi = math.radians(15.0) + math.atan2(2.438, 10.0)
     limit, out = 1.0 / math.tan(phi), tmp_path / "out"
     arguments = ["--fix", "impact.angle", "--range", f"impact.friction=0:{2.0 * limit}", "--samples", "20000"]
@@ -399,7 +403,10 @@ def test_the_result_folder_has_the_scene_s_name(tmp_path, monkeypatch):
 
 
 def test_default_ranges():
-    """MASH allows 2.5 mph, 1.5 deg, 110 lb for the pickup, 55 lb for the car."""
+    """MASH has tolerances of speed, angle and mass.
+
+    2.5 mph, 1.5 deg, 110 lb for the pickup, 55 lb for the car.
+    """
     ranges = {item.key: item for item in planar_ranges.corner_ranges(plan_of("mash-tl3-pickup"))}
     expected = {"vehicle.mass": (4890 * POUND, 5110 * POUND), "impact.speed": (59.5 * MPH, 64.5 * MPH)}
     expected |= {"impact.angle": (23.5 * DEGREE, 26.5 * DEGREE), "impact.friction": (0.3, 0.6)}
@@ -469,7 +476,7 @@ def test_a_default_range_that_does_not_fit_says_whose_it_is():
 
 
 def test_a_force_that_does_not_change_has_no_indices():
-    """[start] is the state after the impact, so the speed has no effect."""
+    """[start] overrides Stage 1, so the speed has no effect."""
     plan = CornerCase(*read_scene("paper-abaqus"))
     with pytest.raises(errors.InputError, match="constant within these ranges"):
         uncertainty_study.spread(plan, (Range("impact.speed", 20.0, 30.0, "m/s", 25.0, "test"),), 100)
@@ -527,9 +534,9 @@ def test_what_is_held_and_how_the_scene_s_own_force_compares(complete):
 
 
 def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass():
-    """F = v sqrt(k m) and T ~ sqrt(m/k) where the path is equal.
+    """F = v sqrt(k m) where the path is equal.
 
-    The stiffness is in proportion to v^2 and to m.
+    T ~ sqrt(m/k), so the stiffness is in proportion to v^2 and to m.
     """
     plan, ones = impact_of(), np.ones(3)
     faster, heavier = np.array([1.0, 1.3, 1.0]), np.array([1.0, 1.0, 1.7])
@@ -579,7 +586,7 @@ def test_rows_of_the_force_history_hold_impulse_and_mean():
 
 
 def test_filtered_peaks_are_those_in_the_strike():
-    """A rectangle of 1 N for 80 ms, then one of 2 N after 10 ms."""
+    """Rectangles of 1 N and 2 N follow each other."""
     force = np.zeros(400)
     force[100:180], force[190:300] = 1.0, 2.0
     curves = answers.filtered(force, 1e-3)
@@ -645,7 +652,10 @@ def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
 
 
 def test_validation_uncertainty_by_hand():
-    """u_val^2 = 3^2 + 4^2 without u_D, and E = 13 requires u_D = 12."""
+    """u_val^2 = 3^2 + 4^2 without u_D.
+
+    E = 13 requires u_D = 12.
+    """
     band = replace(band_of(np.array([90.0, 100.0, 110.0])), standard_deviation=4.0)
     rows = (ForceRow("x", "made up", 0.1, force, (0.0, 0.0), (0.0, 0.0)) for force in (104.0, 87.0))
     near, far = (uncertainty_study.paper_row(row, "50 ms mean", 100.0, 3.0, band) for row in rows)

@@ -1,4 +1,4 @@
-"""Verification: American units in scenes, commands, pages and pictures, by the units' definitions."""
+"""Verify US units in scenes, commands, pages and pictures."""
 
 import json
 import re
@@ -67,7 +67,7 @@ DEFINITIONS = [
 
 @pytest.mark.parametrize(("unit", "size"), DEFINITIONS)
 def test_definitions(unit, size):
-    """How many of the American unit one of the SI unit is."""
+    """Size of the SI unit in the US unit."""
     assert US.of(unit)[0] * size == pytest.approx(1.0, rel=1e-14)
 
 
@@ -116,18 +116,18 @@ MEASURES = [
 
 @pytest.mark.parametrize(("text", "si", "us"), MEASURES)
 def test_measures_are_rendered_in_the_units_of_the_reader(text, si, us):
-    """Values by the units' definitions, to as many digits, but three at least; texts without a measure as they are."""
+    """Values keep their digits, at least three, and other texts are unchanged."""
     assert (SI.rendered(text), US.rendered(text)) == (si, us)
 
 
 def test_a_measure_is_converted_before_it_is_rounded():
-    """10.4778 kN s are 2.3555 kip s; rounded to 10.5 kN s first they would be 2.3605."""
+    """10.4778 kN s are 2.3555 kip s, not 2.3605 from 10.5."""
     assert US.rendered(measure(10477.8, "N s", ".1f")) == "2.36 kip s"
     assert US.rendered(measure(10477.8, "N s", ".3f")) == f"{10477.8 / KIP:.5g} kip s"
 
 
 def test_a_report_is_in_american_units_everywhere():
-    """Headline, lead, sentences, captions, cells, axes, ticks, and values at the pointer of charts."""
+    """Headline, sentences, captions, cells, axes, ticks and values of charts."""
     two, three, force = measure(2.0, "m", "g"), measure(3.0, "m", "g"), measure(445.0, "kN", "g")
     line = Line(force, np.array([0.0, 445.0]), np.zeros(2), values=[force] * 2, at=[two, three])
     chart = draw_chart("c", two, (Plot((line, Level("", 445.0)), Axis("y [kN]")),), Axis("x [kN]"))
@@ -136,32 +136,41 @@ def test_a_report_is_in_american_units_everywhere():
     table = Table(columns, [{"a": two, "b": 445e3, "c": "2 m"}], f"of {two}", (two,))
     section = Section(two, two, (chart,), (table,), (two,))
     page = Page("", Headline("", two), (section,), "SI units; x along")
-    shown = Report(page, {}, (two, table)).in_units(US)
-    (part,) = shown.page.sections
-    (made,), (figure,) = part.tables, part.figures
-    assert {shown.page.headline.answer, part.title, part.lead, *part.sentences, *made.notes} == {"6.56 ft"}
-    assert [column.text(made.rows[0]) for column in made.columns] == ["6.56 ft", "100.0", "`2 m`"]
-    assert (made.title, made.columns[1].heading, shown.terminal[0]) == ("of 6.56 ft", "b [kip]", "6.56 ft")
+    us_report = Report(page, {}, (two, table)).in_units(US)
+    (part,) = us_report.page.sections
+    (us_table,), (figure,) = part.tables, part.figures
+    assert {us_report.page.headline.answer, part.title, part.lead, *part.sentences, *us_table.notes} == {
+        "6.56 ft"
+    }
+    assert [column.text(us_table.rows[0]) for column in us_table.columns] == ["6.56 ft", "100.0", "`2 m`"]
+    assert (us_table.title, us_table.columns[1].heading, us_report.terminal[0]) == (
+        "of 6.56 ft",
+        "b [kip]",
+        "6.56 ft",
+    )
     assert isinstance(figure, Chart)
     for text in (">x [kip]<", ">100\xa0kip<", ">100<"):
         assert text in figure.svg
     assert figure.csv.splitlines() == ["x [kip]; y [kip],100 kip", "6.56 ft,100 kip", "9.84 ft,100 kip"]
     assert "kN" not in figure.svg + figure.csv
-    assert shown.page.footer == "US units, files in SI; x along"
+    assert us_report.page.footer == "US units, files in SI; x along"
     assert Report(page, {}, ()).in_units(SI).page.headline.answer == SI.rendered(two) == "2 m"
     assert Report(page, {}, ()).in_units(SI).page.footer == page.footer
 
 
 def test_a_page_has_both_systems_and_its_switch_shows_one():
-    """Texts without a unit stand once; the command's units are shown first."""
+    """Texts without a unit stand once.
+
+    The command's units are shown first.
+    """
     two = measure(2.0, "m", "g")
     table = Table(
         (Column("a", "a", form=str), Column("b", "b", "N", form=".1f")), [{"a": "same", "b": 445e3}]
     )
     section = Section("Part", two, tables=(table,), sentences=("A sentence.",))
     page = Page("", Headline("Title", two), (section,), "")
-    for made, name in ((page, "si"), (page.in_units(US), "us"), (page.in_units(US).in_units(SI), "si")):
-        html = page_text(made).replace("\N{NO-BREAK SPACE}", " ")
+    for shown_page, name in ((page, "si"), (page.in_units(US), "us"), (page.in_units(US).in_units(SI), "si")):
+        html = page_text(shown_page).replace("\N{NO-BREAK SPACE}", " ")
         assert html.count('<span class="si">2 m</span><span class="us">6.56 ft</span>') == 2
         assert '<span class="si">445.0</span><span class="us">100.0</span>' in html
         assert '<span class="si">b [kN]</span><span class="us">b [kip]</span>' in html
@@ -185,19 +194,19 @@ def second_columns(table):
 
 
 def test_tables_of_an_impact_convert_before_they_round(monkeypatch):
-    """The paper's method beside an impact, and an elastic wall; 0.1 kN s are 1 % of 2.3556 kip s."""
+    """0.1 kN s is 1 % of the second value."""
     case = ImpactCase(*read_scene("impact-mash-tl3-pickup", ("verify.mesh=0.01",)))
     method = rigid.paper_method(case.scene, case.answer)
     assert method is not None
     outcome: Any = SimpleNamespace(rigid=case.answer, paper_method=method)
     (beside,) = report._paper(outcome)
     assert second_columns(beside)[0] == (f"{method['impulse'] / KIP:.5g}", "kip s") == ("2.3556", "kip s")
-    forces = {f"{name}_mean_50ms": 12_345.6 for name in ("foundation", "contact")}
-    found = {"deflection": 1.2345e-3, "place": 3.4567, "t": 0.12345, "foundation_force": 12_345.6} | forces
-    monkeypatch.setattr(report, "wall_numbers", lambda outcome: found)
+    mean_forces = {f"{name}_mean_50ms": 12_345.6 for name in ("foundation", "contact")}
+    state = {"deflection": 1.2345e-3, "place": 3.4567, "t": 0.12345, "foundation_force": 12_345.6}
+    monkeypatch.setattr(report, "wall_numbers", lambda outcome: state | mean_forces)
     (wall,) = report._wall(outcome)
-    shown = [("0.048602", "in."), ("11.341", "ft"), ("0.12345", "s"), *[("2.7754", "kip")] * 3]
-    assert second_columns(wall) == shown
+    cells = [("0.048602", "in."), ("11.341", "ft"), ("0.12345", "s"), *[("2.7754", "kip")] * 3]
+    assert second_columns(wall) == cells
 
 
 def test_si_stays_the_default():
@@ -220,8 +229,8 @@ def test_json_is_si_always(capsys):
 def test_rigid_imports_neither_statistics_nor_plots(python):
     code = "import sys; from tailslap.cli import _status; _status(['rigid','mash-tl4-sut','--units','us'])\n"
     code += "print(sorted({'scipy.stats', 'scipy.special', 'matplotlib', 'rich', 'jinja2'} & {*sys.modules}))"
-    done = python(code, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
+    process = python(code, check=True)
+    assert process.stdout.splitlines()[-1] == "[]"
 
 
 PSI = KIP / 1e3 / (FOOT / 12.0) ** 2
@@ -239,18 +248,18 @@ def folder(result, tmp_path_factory):
 
 
 def texts_of(monkeypatch, draw):
-    """Words of a picture: the rulers' numbers and what stands beside them."""
-    said = []
+    """Words of a picture with the numbers of its rulers."""
+    words = []
     plain = Sheet.write
 
-    def write(sheet, text, *more, **others):
-        said.append(text)
-        plain(sheet, text, *more, **others)
+    def write(sheet, text, *rest, **options):
+        words.append(text)
+        plain(sheet, text, *rest, **options)
 
     monkeypatch.setattr(Sheet, "write", write)
     draw()
     monkeypatch.undo()
-    return said
+    return words
 
 
 def numbers(texts):
@@ -262,22 +271,22 @@ def test_contours_have_rulers_title_and_values_in_feet(monkeypatch, tmp_path):
     situation = Situation((SQUARE, np.array([[0, 1, 2, 3]])), corner=(0.0, 0.0), centroid=(1.5, 0.5))
     draw = lambda *units: draw_contours(situation, [field], tmp_path, *units)  # noqa: E731
     metres, feet = (texts_of(monkeypatch, lambda u=units: draw(*u)) for units in ((), (US,)))
-    for said, length, speed in ((metres, "m", "m/s"), (feet, "ft", "ft/s")):
+    for words, length, speed in ((metres, "m", "m/s"), (feet, "ft", "ft/s")):
         middle = {"m": "G: 1.5000 m/s", "ft": "G: 4.9213 ft/s"}[length]
         axes = {f"X [{length}], driving direction →", f"Y [{length}]", f"Velocity [{speed}]"}
-        assert axes | {middle} <= {*said}
+        assert axes | {middle} <= {*words}
     assert max(numbers(metres)) == 3.0
     assert 3.0 / FOOT - 1.0 <= max(numbers(feet)) <= 3.0 / FOOT + 1.0
     assert f"nodal values from 0 to {3.0 / FOOT:.4g} ft/s" in feet
 
 
 def test_drawn_fields_are_in_feet_and_ksi(result, tmp_path, monkeypatch):
-    """Title, range and rulers; the picture itself is the same but for round numbers."""
+    """Title, range and rulers differ, the picture does not."""
     series = result.fields
 
     def drawn(**units):
-        given = {"instants": [1], **units}
-        return texts_of(monkeypatch, lambda: draw_instants(tmp_path, series, "stress_von_mises", **given))
+        draw = lambda: draw_instants(tmp_path, series, "stress_von_mises", instants=[1], **units)  # noqa: E731
+        return texts_of(monkeypatch, draw)
 
     feet, metres = drawn(units=US), drawn()
     stress = series.elemental["stress_von_mises"][1]
@@ -289,11 +298,11 @@ def test_drawn_fields_are_in_feet_and_ksi(result, tmp_path, monkeypatch):
 
 
 def test_exported_pictures_take_units_and_tables_refuse_them(result, tmp_path, monkeypatch):
-    given = []
+    drawn_units = []
     draw = "postprocess.fields.contours.draw_instants"
-    monkeypatch.setattr(draw, lambda *_, units, **__: given.append(units.name))
+    monkeypatch.setattr(draw, lambda *_, units, **__: drawn_units.append(units.name))
     tailslap.export(result, "png", tmp_path / "a", field="velocity", units="us")
-    assert given == ["us"]
+    assert drawn_units == ["us"]
     with pytest.raises(errors.InputError, match="csv files are always in SI"):
         tailslap.export(result, "csv", tmp_path / "b", units="us")
     untyped: Any = tailslap.export
@@ -307,10 +316,10 @@ def test_an_animation_has_axes_in_feet_and_kip(tmp_path, monkeypatch):
     labels, ends = [], []
     plain = Axes.set_ylabel
 
-    def set_ylabel(axes, label, *more, **others):
+    def set_ylabel(axes, label, *rest, **options):
         labels.append(label)
         ends.append(axes.get_ylim()[1])
-        return plain(axes, label, *more, **others)
+        return plain(axes, label, *rest, **options)
 
     monkeypatch.setattr(Axes, "set_ylabel", set_ylabel)
     views, force = (from_above(np.stack([SQUARE, SQUARE])),), np.array([0.0, 10.0 * KIP])
@@ -343,8 +352,8 @@ def test_a_modal_run_says_feet_and_json_stays_si(capsys):
 
 def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path, words_of):
     for units in ("us", "si"):
-        given = ["compare", str(folder), str(folder), "--units", units, "--out", str(tmp_path / units)]
-        assert cli._status(given) == 0
+        arguments = ["compare", str(folder), str(folder), "--units", units, "--out", str(tmp_path / units)]
+        assert cli._status(arguments) == 0
     us, si = words_of(tmp_path / "us", "us"), words_of(tmp_path / "si", "si")
     force = ("N [kip]", "N [kN]"), ("difference of R [kip]", "difference of R [kN]")
     for unit, other in (("s [ft]", "s [m]"), *force):
@@ -358,14 +367,14 @@ def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path, w
 
 
 def test_a_run_draws_its_pictures_in_the_units_of_its_page(tmp_path, monkeypatch):
-    given = []
+    drawn_units = []
 
     def draw(situation, fields, out, units, size):
-        given.append(units.name)
+        drawn_units.append(units.name)
         return []
 
     monkeypatch.setattr("postprocess.fields.contours.draw_contours", draw)
     for units in ("us", "si"):
         place = ["--quiet", "--out", str(tmp_path / units)]
         assert cli._status(["run", "paper-table-3", "--units", units, *place]) == 0
-    assert given == ["us", "si"]
+    assert drawn_units == ["us", "si"]

@@ -1,4 +1,4 @@
-"""Verification: validation in the form of NCHRP W179: weights and weighted metrics by hand, limits, the page."""
+"""Verify the validation by NCHRP W179, its metrics, limits and page."""
 
 import json
 import re
@@ -25,72 +25,78 @@ def item(label, v_gx, v_gy, omega, **more):
 
 
 def result(*columns, mass=2.0, **more):
-    """With k = 2 m: at the largest spin, 0.5, E = m (v^2 + (k omega)^2)/2 = 2^2 + 1^2 + 1^2, m = 2 kg."""
-    made = item("ours", *columns, kinetic_energy=[9.0, 6.0], **more)
+    """A result with a known kinetic energy.
+
+    E = m (v^2 + (k omega)^2)/2 and k = 2 m.
+    """
+    base = item("ours", *columns, kinetic_energy=[9.0, 6.0], **more)
     checks = [{"name": "added mass", "value": 0.02}]
-    return Item(made.label, made.columns, UNITS, {"plate": {"mass": mass}, "checks": checks})
+    return Item(base.label, base.columns, UNITS, {"plate": {"mass": mass}, "checks": checks})
 
 
 REFERENCE = ([0.0, 2.0], [0.0, -1.0], [0.0, 0.5])
 
 
 def test_an_example_by_hand():
-    """Changes 2, 1 and 2 m x 0.5 rad/s: weights 1/2, 1/4, 1/4; M 0.1, 0 and -0.2; residuals 0 to 0.1 and 0 to -0.2."""
+    """Changes 2, 1 and 1 have the weights 1/2, 1/4, 1/4.
+
+    M is 0.1, 0 and -0.2; residuals are 0 to 0.1 and 0 to -0.2.
+    """
     other = item("theirs", [0.0, 2.2], [0.0, -1.0], [0.0, 0.4])
-    found = validation.multi_channel(compare_items([result(*REFERENCE), other]))["theirs"]
-    assert found["weights"] == pytest.approx({"v_gx": 0.5, "v_gy": 0.25, "omega": 0.25}, abs=1e-12)
+    metrics = validation.multi_channel(compare_items([result(*REFERENCE), other]))["theirs"]
+    assert metrics["weights"] == pytest.approx({"v_gx": 0.5, "v_gy": 0.25, "omega": 0.25}, abs=1e-12)
     expected = {"magnitude": 0.1, "phase": 0.0, "combined": 0.1, "mean_residual": 0.05, "deviation": 0.05}
-    assert {name: found[name] for name in expected} == pytest.approx(expected, abs=1e-12)
+    assert {name: metrics[name] for name in expected} == pytest.approx(expected, abs=1e-12)
 
 
 def test_identical_histories_have_metrics_of_zero():
     items = compare_items([result(*REFERENCE), item("theirs", *REFERENCE)])
-    found = validation.multi_channel(items)["theirs"]
-    assert [found[name] for name in Metrics.__dataclass_fields__] == [0.0] * 5
-    assert found["within"]
+    metrics = validation.multi_channel(items)["theirs"]
+    assert [metrics[name] for name in Metrics.__dataclass_fields__] == [0.0] * 5
+    assert metrics["within"]
 
 
 def test_an_error_of_ten_per_cent_in_magnitude_is_one():
     other = item("theirs", *(1.1 * np.array(column) for column in REFERENCE))
-    found = validation.multi_channel(compare_items([result(*REFERENCE), other]))["theirs"]
-    assert found["magnitude"] == pytest.approx(0.1, abs=1e-12)
-    assert found["phase"] == pytest.approx(0.0, abs=1e-12)
+    metrics = validation.multi_channel(compare_items([result(*REFERENCE), other]))["theirs"]
+    assert metrics["magnitude"] == pytest.approx(0.1, abs=1e-12)
+    assert metrics["phase"] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_opposite_errors_do_not_cancel_each_other():
     channels = [Metrics(0.3, 0.1, 0.4, 0.02, 0.1), Metrics(-0.1, 0.0, 0.1, -0.04, 0.3)]
-    found = weighted_metrics(channels, [3.0, 1.0])
-    assert (found.magnitude, found.mean_residual) == pytest.approx((0.25, 0.025), abs=1e-15)
+    metrics = weighted_metrics(channels, [3.0, 1.0])
+    assert (metrics.magnitude, metrics.mean_residual) == pytest.approx((0.25, 0.025), abs=1e-15)
 
 
 def test_without_a_result_the_angular_velocity_has_no_weight():
-    found = validation.multi_channel(compare_items([item("a", *REFERENCE), item("b", *REFERENCE)]))["b"]
-    assert found["weights"] == pytest.approx({"v_gx": 2.0 / 3.0, "v_gy": 1.0 / 3.0}, abs=1e-15)
+    metrics = validation.multi_channel(compare_items([item("a", *REFERENCE), item("b", *REFERENCE)]))["b"]
+    assert metrics["weights"] == pytest.approx({"v_gx": 2.0 / 3.0, "v_gy": 1.0 / 3.0}, abs=1e-15)
 
 
-@pytest.mark.parametrize("omega", [[0.0, 0.0], [np.nan, np.nan]])
-def test_a_result_that_does_not_spin_has_no_radius_of_gyration(omega):
-    assert validation.radius_of_gyration([result([0.0, 2.0], [0.0, -1.0], omega)]) is None
-
-
-def test_a_kinetic_energy_below_that_of_the_translation_has_none():
-    assert validation.radius_of_gyration([result([0.0, 4.0], [0.0, -1.0], [0.0, 0.5])]) is None
+@pytest.mark.parametrize(("speed", "omega"), [(2.0, [0.0, 0.0]), (2.0, [np.nan, np.nan]), (4.0, [0.0, 0.5])])
+def test_without_energy_of_rotation_there_is_no_radius_of_gyration(speed, omega):
+    """A speed of 4 m/s has more than the kinetic energy."""
+    assert validation.radius_of_gyration([result([0.0, speed], [0.0, -1.0], omega)]) is None
 
 
 def test_results_of_other_commands_are_validated(tmp_path):
-    """Rigid body and modal model: histories without checks."""
+    """Rigid body and modal model have histories without checks."""
     rigid, modal = tailslap.rigid("paper-table-3"), tailslap.modal("paper-table-3", modes=2)
     for pair in ((rigid, modal), (modal, rigid)):
-        found = tailslap.compare(*pair)
-        assert found.summary["multi_channel"]
-        assert (found.save(tmp_path / pair[0].command) / "validation.html").is_file()
+        comparison = tailslap.compare(*pair)
+        assert comparison.summary["multi_channel"]
+        assert (comparison.save(tmp_path / pair[0].command) / "validation.html").is_file()
 
 
 def test_energies_and_mass_have_the_limits_of_w179():
-    """10 % of the total energy, works counted; 5 % of the initial, 10 % of the internal energy; 5 % of the mass."""
+    """Limits are fractions of total, initial and internal energy.
+
+    They are 10, 5 and 10 %, and 5 % of the mass.
+    """
     energies = {"strain_energy": [1.0, 1.5], "hourglass_energy": [0.0, 0.5], "friction_work": [0.0, -0.5]}
-    found = compare_items([result(*REFERENCE, **energies), item("theirs", *REFERENCE)])
-    verified = validation.solution_verification(found)
+    items = compare_items([result(*REFERENCE, **energies), item("theirs", *REFERENCE)])
+    verified = validation.solution_verification(items)
     rows = {row["name"]: (row["value"], row["limit"], row["passed"]) for row in verified}
     assert rows == {
         "change of total energy": (pytest.approx(0.15, abs=1e-12), 0.10, False),
@@ -98,7 +104,7 @@ def test_energies_and_mass_have_the_limits_of_w179():
         "hourglass over internal energy": (pytest.approx(0.25, abs=1e-12), 0.10, False),
         "added mass over mass": (0.02, 0.05, True),
     }
-    page = validation.validation_page(found)
+    page = validation.validation_page(items)
     assert (page.passed, page.headline.answer[:9]) == (False, "Not valid")
 
 

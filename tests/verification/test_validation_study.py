@@ -1,4 +1,4 @@
-"""Blind predictions beside published values: exact answers by hand, and samples against single impacts."""
+"""Verify blind predictions by hand, and samples by single impacts."""
 
 import dataclasses
 import itertools
@@ -46,7 +46,7 @@ def test_each_case_states_a_source_and_known_quantities():
 
 
 def test_a_row_by_hand():
-    """A force of 100 to 300 kN, uniform: percentiles, ratio, and the variance of the only input with an effect."""
+    """A uniform force of 100 to 300 kN has known percentiles."""
     case = {"name": "by hand", "source": "here", "vehicle": "10000S"}
     ranges = tuple(
         input_ranges.Range(key, 0.0, 1.0, "", None, "")
@@ -72,7 +72,7 @@ def test_a_row_by_hand():
 
 
 def test_samples_are_the_single_impact():
-    """The truck's own values as one sample, against the impact of `rigid` with its finer step."""
+    """The truck's values as one sample equal the impact of `rigid`."""
     case = case_of_vehicle("10000S")
     sample = predictions.quantities(case, {"impact.speed": np.array([case.inputs["impact.speed"]])})
     single = case.answer
@@ -84,7 +84,7 @@ def test_samples_are_the_single_impact():
 
 
 def test_statistics_and_report_by_hand():
-    """Ratios 0.5 and 2 have the geometric mean 1 and the spread exp(sqrt(2) ln 2)."""
+    """Ratios 0.5 and 2 have the mean 1, spread exp(sqrt(2) ln 2)."""
     row = predictions.Row("a", "mean_50ms", 1e5, 0.9e5, 1.1e5, 2e5, 0.5, False, 0.1, "here")
     rows = (
         row,
@@ -103,18 +103,19 @@ def test_statistics_and_report_by_hand():
 
 
 def test_space_vehicles_contain_their_own_values_and_are_possible():
-    """Every sample has wheels that carry load and strips within the vehicle, without a motion."""
+    """Samples have loaded wheels, and strips within the vehicle."""
     for name, vehicle in PARAMETERS["space_vehicles"].items():
-        own = ImpactCase(*vary(Source(given=dict(vehicle["scene"])), {}))
+        vehicle_case = ImpactCase(*vary(Source(given=dict(vehicle["scene"])), {}))
         ranges, nominal = (
-            space_samples.stated_ranges(own, vehicle["ranges"]),
-            space_samples.nominal_values(own),
+            space_samples.stated_ranges(vehicle_case, vehicle["ranges"]),
+            space_samples.nominal_values(vehicle_case),
         )
         for item in ranges:
             assert item.lower <= nominal[item.key] <= item.upper, (name, item.key)
         points, _ = sampling.sobol_points(ranges, outcomes.SAMPLES)
         inputs = dict(zip((item.key for item in ranges), points, strict=True))
-        fleet = fleet_of(*space_samples.sampled_input(own.scene, inputs).arguments)
+        values = space_samples.expanded(vehicle_case.scene, inputs)
+        fleet = fleet_of(*space_input(vehicle_case.scene, values).arguments)
         assert len(fleet.units) == outcomes.SAMPLES
 
 
@@ -127,13 +128,13 @@ def test_each_published_outcome_states_a_source():
 
 
 def test_rules_reproduce_published_heights():
-    """AASHTO LRFD, C13.2: 34.0 in for TL-4; with 80 kip and 22 kip 36.6 in."""
+    """AASHTO LRFD has 34.0 in for TL-4, 36.6 in for 80 kip."""
     inches = [outcomes.rule_height(rule) / 0.0254 for rule in PARAMETERS["rules"]]
     assert inches == pytest.approx([34.0, 36.625, 32.0, 36.0], abs=1e-9)
 
 
 def test_brier_scores_by_hand():
-    """Probabilities 0.6, 0.1 and 0.2 of over, over and contained: (0.16 + 0.81 + 0.04)/3."""
+    """Probabilities 0.6, 0.1 and 0.2 have (0.16 + 0.81 + 0.04)/3."""
     parts = np.repeat([0, 1, 2], [10, 10, 12])
     heights = {"rule": 0.9}
     base = {
@@ -170,20 +171,20 @@ def test_brier_scores_by_hand():
 
 
 def test_outcomes_of_samples_are_motions_of_their_own():
-    """The first samples of a case, each as a scene of its own."""
+    """The first samples of a case are scenes of their own."""
     case = PARAMETERS["outcomes"][0]
     vehicle = PARAMETERS["space_vehicles"][case["vehicle"]]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(outcomes, "SAMPLES", 32)
         samples = outcomes.predicted_samples(case, vehicle)
-    own = ImpactCase(*vary(Source(given=vehicle["scene"] | {"wall": case["wall"]}), {}))
-    ranges = space_samples.stated_ranges(own, vehicle["ranges"])
+    vehicle_case = ImpactCase(*vary(Source(given=vehicle["scene"] | {"wall": case["wall"]}), {}))
+    ranges = space_samples.stated_ranges(vehicle_case, vehicle["ranges"])
     points, _ = sampling.sobol_points(ranges, 32)
     for number in (0, 7):
         inputs = {item.key: float(value) for item, value in zip(ranges, points[:, number], strict=True)}
         changes = {
             key: value
-            for key, value in space_samples.expanded(own.scene, inputs).items()
+            for key, value in space_samples.expanded(vehicle_case.scene, inputs).items()
             if ".height." not in key
         }
         centre = inputs["body.centre_height"]
@@ -196,7 +197,7 @@ def test_outcomes_of_samples_are_motions_of_their_own():
 
 @pytest.mark.long
 def test_rows_that_fail_stay():
-    """Every published value of the file has its row, in its order, whether it lies in the band or not."""
+    """Every published value has a row in order, also outside the band."""
     result = tailslap.validate()
     listed = [
         (case["name"], published["quantity"])

@@ -1,4 +1,4 @@
-"""Verification: texts that a person reads use the standard terms of the field: messages, help, pages, documents."""
+"""Verify that texts use the standard terms of the field."""
 
 import ast
 import html
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 import pytest
-from wording import PACKAGES, PRIVATE, RETIRED, descriptions, docstrings, private_words, sources
+from wording import PACKAGES, PRIVATE, RETIRED, docstrings, occurrences, private_words, sources
 
 from tailslap import cli
 
@@ -17,6 +17,7 @@ READ_IN_AN_EDITOR = (
     "tailslap/result/columns.py", "tailslap/result/result.py", "tailslap/result/load.py",
     "tailslap/exports/export.py",
 )  # fmt: skip
+STRICT = ("private words", "long first lines", "vague names")
 DOCUMENTS = [
     *sorted((ROOT / "docs").rglob("*.md")),
     *(ROOT / f"{name}.md" for name in ("README", "CONTRIBUTING", "ARCHITECTURE", "benchmarks/README")),
@@ -34,54 +35,39 @@ OPENINGS = re.compile(
 """Words that a docstring does not begin with: it begins with a verb or the thing itself, and can be read alone."""
 
 
-def found_in(text):
-    """List the private words of a text in their context, each with standard ones."""
-    return private_words(text, PRIVATE)
-
-
 def retired_in(text):
-    """List the retired words of a text, code included, each with its standard one."""
+    """List the retired words of a text, code included."""
     return private_words(text.replace("`", " "), RETIRED)
 
 
-def texts(path):
-    """Strings of a module that reach a person: of several words; descriptions where an editor shows them."""
-    tree, name = ast.parse(path.read_text(encoding="utf-8")), str(path.relative_to(ROOT))
-    described = set() if name in READ_IN_AN_EDITOR else {id(node) for node in docstrings(tree)}
-    strings = [
-        node for node in ast.walk(tree) if isinstance(node, ast.Constant) and id(node) not in described
+def package_faults(path):
+    """List private words of messages, retired words, and openings of docstrings."""
+    text, name = path.read_text(encoding="utf-8"), str(path.relative_to(ROOT))
+    tree = ast.parse(text)
+    nodes = (node for node in ast.walk(tree) if isinstance(node, ast.Constant))
+    sentences = [
+        (id(node), node.value) for node in nodes if isinstance(node.value, str) and " " in node.value
     ]
-    return [node.value for node in strings if isinstance(node.value, str) and " " in node.value]
+    described = set() if name in READ_IN_AN_EDITOR else {id(node) for node in docstrings(tree)}
+    faults = [
+        word for key, value in sentences if key not in described for word in private_words(value, PRIVATE)
+    ]
+    lines = [*(value for _, value in sentences), *re.findall(r"#\s(.*)$", text, re.MULTILINE)]
+    faults += [word for line in lines for word in retired_in(line)]
+    return faults + [str(node.value) for node in docstrings(tree) if OPENINGS.match(str(node.value))]
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_messages_and_descriptions(package):
-    """Descriptions have no retired words either, and begin with a verb or the thing itself."""
-    found: dict[str, list[str]] = {}
-    for path in sorted((ROOT / package).rglob("*.py")):
-        text = path.read_text(encoding="utf-8")
-        tree, comments = ast.parse(text), re.findall(r"#\s(.*)$", text, re.MULTILINE)
-        strings = [node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)]
-        said = [*(value for value in strings if isinstance(value, str) and " " in value), *comments]
-        words = [word for part in texts(path) for word in found_in(part)]
-        words += [word for part in said for word in retired_in(part)]
-        openings = [
-            str(node.value).splitlines()[0] for node in docstrings(tree) if OPENINGS.match(str(node.value))
-        ]
-        found |= {str(path.relative_to(ROOT)): words + openings} if words + openings else {}
-    assert found == {}
-
-
-@pytest.mark.parametrize("folder", ["tests", "benchmarks"])
-def test_descriptions(folder):
-    """Docstrings and comments."""
-    found = {
-        f"{path.relative_to(ROOT)}:{line}": words
-        for path in sources([ROOT / folder])
-        for line, text in descriptions(path.read_text(encoding="utf-8"))
-        if (words := private_words(text))
-    }
-    assert found == {}
+@pytest.mark.parametrize("folder", [*PACKAGES, "tests", "benchmarks"])
+def test_sources(folder):
+    """Tests and benchmarks have short first lines and names with a meaning."""
+    faults = {}
+    for path in sources([ROOT / folder]):
+        if folder in PACKAGES:
+            faults[path.name] = package_faults(path)
+        else:
+            places = occurrences(path)
+            faults[path.name] = [place for kind in STRICT for place in places[kind]]
+    assert [fault for entries in faults.values() for fault in entries] == []
 
 
 @pytest.mark.parametrize("name", [str(path.relative_to(ROOT)) for path in DOCUMENTS])
@@ -89,7 +75,7 @@ def test_documents(name):
     text = (ROOT / name).read_text(encoding="utf-8")
     assert retired_in(text) == []
     if name != "ARCHITECTURE.md":
-        assert found_in(re.sub(r"`[^`]*::[^`]*`", "", text)) == []
+        assert private_words(re.sub(r"`[^`]*::[^`]*`", "", text), PRIVATE) == []
         assert re.findall(r"^#+ .*\?$", text, re.MULTILINE) == [], "a heading names its subject"
 
 
@@ -104,7 +90,9 @@ def helps(command, context):
 
 
 def test_help():
-    assert found_in("\n".join(helps(cli.commands, click.Context(cli.commands, info_name="tailslap")))) == []
+    assert (
+        private_words("\n".join(helps(cli.commands, click.Context(cli.commands, info_name="tailslap")))) == []
+    )
 
 
 SHOWN = (
@@ -120,7 +108,7 @@ def test_terminal_and_pages(arguments, tmp_path, monkeypatch, capsys):
     cli._status(list(arguments))
     pages = [path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.html")]
     bodies = [re.sub(r"(?s)<(script|style)\b.*?</\1>|<[^>]+>", " ", page) for page in pages]
-    assert found_in("\n".join([*capsys.readouterr(), *map(html.unescape, bodies)])) == []
+    assert private_words("\n".join([*capsys.readouterr(), *map(html.unescape, bodies)])) == []
 
 
 @pytest.mark.parametrize("text", [
@@ -128,7 +116,7 @@ def test_terminal_and_pages(arguments, tmp_path, monkeypatch, capsys):
     "19 are right, 2 left out", "The plate gives", "the share of the variance", "it leaves them out",
 ])  # fmt: skip
 def test_private_words_are_noticed(text):
-    assert found_in(text)
+    assert private_words(text)
 
 
 @pytest.mark.parametrize("text", [
@@ -141,6 +129,6 @@ def test_retired_words_are_noticed(text):
 
 def test_standard_words_pass():
     words = "Given values; a moving average; `left_out`; shared memory; a runaway; two-way coupling"
-    assert found_in(words) == []
+    assert private_words(words) == []
     plain = "Numbers hold to rounding; they give the flexibility of all modes; the start is unstressed"
     assert retired_in(plain) == []
