@@ -1,4 +1,7 @@
-"""Band of the force of a scene, from few rigid vehicles with varied inputs."""
+"""Compute the band of the force of a scene.
+
+It is that of few rigid vehicles with varied inputs.
+"""
 
 from collections.abc import Mapping
 from functools import partial
@@ -20,7 +23,7 @@ Columns = Mapping[str, Array]
 
 
 def force_band(case: Case) -> ForceBand:
-    """Return the band of the force of a case over the default ranges.
+    """Return the band of the force over the default ranges.
 
     The force is that of the headline: the peak of a constrained corner, otherwise the largest 50 ms mean. A band that
     cannot be computed contains the reason.
@@ -40,13 +43,18 @@ def force_band(case: Case) -> ForceBand:
 
 
 def _problem(case: Any) -> tuple[tuple[Range, ...], Any]:
-    """Return ranges, and the function of inputs that returns the force. Raises InputError."""
+    """Return ranges, and the function from inputs to forces.
+
+    Raises InputError.
+    """
     if case.scene.contact is None:
         return planar_ranges.corner_ranges(case), case.many
     if case.scene.body is not None:
         from tailslap.campaign import space_samples
 
-        return space_samples.space_ranges(case, (), ()), partial(space_samples.force_and_outcome, case.scene)
+        return space_samples.space_ranges(case, (), ()), partial(
+            space_samples.sample_answers, case.scene, names=("mean_50ms", "outcome")
+        )
     planar_ranges.demand_corners(case)
     return planar_ranges.impact_ranges(case), case.largest_means
 

@@ -138,7 +138,7 @@ def run_parts(
     with contextlib.ExitStack() as stack:
         pool = stack.enter_context(pools.local(count if count > 1 else 0))
         total, before = len(parts), len(parts) - len(missing)
-        work_left = lambda done: work[round(total - done)]  # noqa: E731
+        work_left = lambda complete: work[round(total - complete)]  # noqa: E731
         show = stack.enter_context(progress.counted(label, total, before, work_left=work_left))
         todo = Parts(function, missing, lambda key: parts[str(key)], _died)
         perform(todo, records, pool, lambda threads: show(sum(key in records for key in parts)))
@@ -232,7 +232,7 @@ class _Engine:
         return future
 
     def _collect(self, timeout: float) -> None:
-        """Record all finished batches; wait for the first."""
+        """Record all finished batches, after the first is finished."""
         records: dict[Key, object] = {}
         seconds: dict[Key, float] = {}
         try:

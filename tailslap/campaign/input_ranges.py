@@ -115,7 +115,7 @@ def ranges_of(
 
 
 def _split(text: str, used: tuple[str, ...]) -> tuple[str, str, str]:
-    """Return key and ends of KEY=LOWER:UPPER."""
+    """Return key and ends of a text of --range."""
     key, equals, values = (part.strip() for part in text.partition("="))
     lower, colon, upper = (part.strip() for part in values.partition(":"))
     if not all((key, equals, lower, colon, upper)):

@@ -92,7 +92,10 @@ def impact_ranges(
 
 
 def _nominal(case: ImpactCase) -> dict[str, float]:
-    """Return the scene's value of every input, also of the rear corners and the yaw inertia [SI]."""
+    """Return the scene's value of every input [SI].
+
+    Values of the rear corners and the yaw inertia are included.
+    """
     values = case.inputs | {"vehicle.yaw_inertia": case.vehicle.inertia}
     for table in ("contact", *(f"trailer.{number}" for number in range(len(case.trailers)))):
         ahead = {key: values[f"{table}.{key}"] for key in CRUSH if f"{table}.{key}" in values}

@@ -252,7 +252,7 @@ class Journal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close the journal; remove a complete or empty one."""
+        """Close the journal, and remove a complete or empty one."""
         saved = len(self.records)
         self.records.close()
         if kind is None or not saved:

@@ -64,9 +64,9 @@ def sobol_points(ranges: tuple[Range, ...], rows: int) -> tuple[Array, Array]:
 
 
 def latin_hypercube(columns: int, rows: int, random: np.random.Generator) -> Array:
-    """Return points of the unit cube, one in each of n equal parts of every axis.
+    """Return points of the unit cube, shape (columns, rows).
 
-    Shape (columns, rows).
+    Each of `rows` equal parts of every axis has one.
     """
     offsets = random.uniform(size=(rows, columns)).T
     parts = np.tile(np.arange(1, rows + 1), (columns, 1))
@@ -313,3 +313,18 @@ def index_rows(ranges: tuple[Range, ...], table: Array) -> tuple[list[Record], s
         for i, item in enumerate(ranges)
     ]
     return rows, ""
+
+
+def rows_and_refusals(
+    ranges: tuple[Range, ...], tables: Mapping[str, Array]
+) -> tuple[dict[str, list[Record]], dict[str, str]]:
+    """Return `index_rows` of all outputs that vary, and the reasons of refusals."""
+    indexed = {name: index_rows(ranges, table) for name, table in tables.items() if _varies(table)}
+    refusals = {name: why for name, (_, why) in indexed.items() if why}
+    return {name: rows for name, (rows, _) in indexed.items()}, refusals
+
+
+def _varies(table: Array) -> bool:
+    """Return True unless the first two rows are constant."""
+    finite = table[:2, np.isfinite(table).all(axis=0)]
+    return bool(finite.std() > 1e-9 * abs(finite.mean()))

@@ -1,10 +1,11 @@
-"""Samples of vehicles in space: ranges of their inputs, and answers of many motions.
+"""Sample vehicles in space.
 
-A key with "*" is a factor of the scene's values of all axles or strips, which vary together.
+Inputs have ranges, and many motions are solved at a time. A key with "*" is a factor of the scene's values of all axles
+or strips, which vary together.
 """
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -16,7 +17,7 @@ from tailslap.campaign import input_ranges
 from tailslap.campaign.input_ranges import Limits, Range, TypedLimits, about
 from tailslap.campaign.sampling import Array
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.space import SpaceInput, space_input
+from tailslap.case.impact.space import space_input
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Scene, value_at
 from tailslap.scene.vary import Source, vary
@@ -83,12 +84,12 @@ def members(scene: Scene, key: str) -> list[str]:
 
 def default_ranges(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, Limits]:
     """Return the default range of each input [SI]."""
-    known = input_ranges.default_limits(case.scene)
+    of_plane = input_ranges.default_limits(case.scene)
     mass, unloading = nominal["vehicle.mass"], nominal.get("contact.unloading_stiffness")
     limits = {
-        "impact.speed": known["impact.speed"],
-        "impact.angle": known["impact.angle"],
-        "vehicle.mass": known.get("vehicle.mass", about(mass, 0.05 * mass, "± 5 %, assumed")),
+        "impact.speed": of_plane["impact.speed"],
+        "impact.angle": of_plane["impact.angle"],
+        "vehicle.mass": of_plane.get("vehicle.mass", about(mass, 0.05 * mass, "± 5 %, assumed")),
         "contact.restitution": (0.1, 0.35, "assumed; 0.22: the paper"),
         "contact.friction": (0.2, 0.5, "assumed; 0.2: FHWA/NTRCI model of TL5CMB-2, 0.47: the paper"),
     }
@@ -178,18 +179,13 @@ def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
-def sampled_input(scene: Scene, inputs: Mapping[str, Any]) -> SpaceInput:
-    """Return the arguments of `solver.space` of samples, see `expanded`."""
-    return space_input(scene, expanded(scene, inputs))
+def sample_answers(scene: Scene, inputs: Mapping[str, Any], names: Iterable[str]) -> dict[str, Array]:
+    """Return answers of `solver.space` by name, shape (n,).
 
-
-def force_and_outcome(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Array]:
-    """Return the largest 50 ms mean [N] and the number of the outcome of samples, shape (n,).
-
-    Raises RigidBodyError.
+    inputs: see `expanded`. Raises RigidBodyError.
     """
-    answers = space.solve_spaces(*sampled_input(scene, inputs).arguments)
-    return {"mean_50ms": answers.mean_50ms, "outcome": answers.outcome.astype(float)}
+    answers = space.solve_spaces(*space_input(scene, expanded(scene, inputs)).arguments)
+    return {name: getattr(answers, name) for name in names}
 
 
 def solve_samples(source: Source, inputs: Mapping[str, Array]) -> dict[str, Any]:
@@ -200,8 +196,8 @@ def solve_samples(source: Source, inputs: Mapping[str, Array]) -> dict[str, Any]
     began = time.process_time()
     scene, _ = vary(source, {})
     try:
-        answers = space.solve_spaces(*sampled_input(scene, inputs).arguments)
+        answers = sample_answers(scene, inputs, COLUMNS)
     except RigidBodyError as error:
         raise InputError(error.key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
-    columns = {name: getattr(answers, name).tolist() for name in COLUMNS}
+    columns = {name: values.tolist() for name, values in answers.items()}
     return columns | {"processor": time.process_time() - began}

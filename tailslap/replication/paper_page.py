@@ -142,7 +142,7 @@ def scaled(factor: float, form: str) -> Callable[[float], str]:
     return lambda value: format(value / factor, form)
 
 
-def table_1(found: Numbers) -> tuple[Table, Table]:
+def table_1(numbers: Numbers) -> tuple[Table, Table]:
     """Return tables of the inputs, and of Stage 1 from both speeds.
 
     Stage 1 is compared with the printed start of Stage 2.
@@ -161,7 +161,7 @@ def table_1(found: Numbers) -> tuple[Table, Table]:
         ("moment_of_inertia", "I_G", "Moment of inertia", "kg m²", "Eq 26"),
     )
     follows = (
-        paper_values.Input(key, symbol, title, "", found["derived"][key], unit, place)
+        paper_values.Input(key, symbol, title, "", numbers["derived"][key], unit, place)
         for key, symbol, title, unit, place in derived
     )
     starts = (
@@ -170,8 +170,8 @@ def table_1(found: Numbers) -> tuple[Table, Table]:
         *computed("corner_speed", ".6f", "v_P0 [m/s]"),
         *computed("lateral_speed", scaled(KM_PER_HOUR, ".3f"), "v_0 sin θ [km/h]"),
     )
-    rows = [{"from": name, **start} for name, start in found["starts"].items()]
-    speed = found["implied_speed"]
+    rows = [{"from": name, **start} for name, start in numbers["starts"].items()]
+    speed = numbers["implied_speed"]
     note = (
         f"Printed: ω_0 = {START['omega']:g} rad/s, v_P0 = {START['corner_speed']:g} m/s, v_0 sin θ = "
         f"{paper_values.LATERAL_SPEED / KM_PER_HOUR:g} km/h. This v_P0 corresponds to {speed:.4f} m/s "
@@ -182,16 +182,16 @@ def table_1(found: Numbers) -> tuple[Table, Table]:
     return inputs, Table(starts, rows, title, (note,))
 
 
-def table_3(found: Numbers) -> tuple[Table, Table]:
+def table_3(numbers: Numbers) -> tuple[Table, Table]:
     """Return the tables of both columns of Table 3.
 
     The analytical column is beside the motion with friction from three starts, the ABAQUS column beside both motions.
     """
-    start, force = START, found["peak_force"]
+    start, force = START, numbers["peak_force"]
     analytical = {"analytical": "as printed", "analytical_56": "from 56 mph", "analytical_15": "56 mph, 15°"}
     abaqus = {
         "abaqus": "none, θ = 0",
-        "abaqus_read": f"none, {found['reading']:g} s",
+        "abaqus_read": f"none, {numbers['reading']:g} s",
         "abaqus_drag": "drag, same s",
     }
     notes = (
@@ -214,7 +214,7 @@ def table_3(found: Numbers) -> tuple[Table, Table]:
             *(column for name, group in columns.items() for column in computed(name, group=group)),
         ]
         order = ("t", "v_gy", "v_gx", "omega", "slide")
-        rows = [{"quantity": NAMES[name], **{key: found[key][name] for key in columns}} for name in order]
+        rows = [{"quantity": NAMES[name], **{key: numbers[key][name] for key in columns}} for name in order]
         return Table(tuple(heads), rows, title, notes)
 
     return table("Analytical column", analytical, notes), table("ABAQUS column", abaqus, (note,))
@@ -234,7 +234,7 @@ def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Char
     return chart.draw_chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)
 
 
-def figure_tables(found: Numbers) -> tuple[Table, Table]:
+def figure_tables(numbers: Numbers) -> tuple[Table, Table]:
     """Return tables of the values read from charts, and the exact motion."""
     readings = (
         Column("figure", "Figure"),
@@ -250,9 +250,9 @@ def figure_tables(found: Numbers) -> tuple[Table, Table]:
         for number, name in FIGURES.items()
     )
     instants = (Column("t", "t", "s", ".4f"), *heads)
-    values = paper_numbers.course("drag", np.array(found["instants"]))
+    values = paper_numbers.course("drag", np.array(numbers["instants"]))
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
-    read = Table(readings, found["readings"], "Values read from the charts of the paper", (note,))
+    read = Table(readings, numbers["readings"], "Values read from the charts of the paper", (note,))
     return read, Table(instants, rows, "Exact motion with friction")
 
 
@@ -304,7 +304,7 @@ def _pair(key: str, first: Form, second: Form) -> Iterator[Column]:
         yield from computed(f"{key}.{i}", second, f"e = {e:g}", 1)
 
 
-def earlier_tables(found: Numbers) -> tuple[Table]:
+def earlier_tables(numbers: Numbers) -> tuple[Table]:
     """Return the lateral force by four methods."""
     heads = (
         *columns({"method": "Method", "what": ""}),
@@ -318,21 +318,28 @@ def earlier_tables(found: Numbers) -> tuple[Table]:
         ("Chuong and Malla", "Peak force of the tail-slap, Eqs 6-73", "paper"),
     )
     rows = [
-        {"method": name, "what": what, "force": found[key], "to_paper": found[key] / found["paper"] - 1.0}
+        {
+            "method": name,
+            "what": what,
+            "force": numbers[key],
+            "to_paper": numbers[key] / numbers["paper"] - 1.0,
+        }
         for name, what, key in methods
     ]
     notes = (
-        f"56 mph, {math.degrees(found['angle']):g} deg, 9979 kg. Assumed: A_L = {found['front_distance']:g} m (half "
-        f"the length), B = {found['half_width']:g} m (half the width, as in Olson's report), D = "
-        f"{found['deflection']:g}. Travel of the centre of mass: {found['travel']:.4f} m in t = {found['time']:.4f} "
-        "s. Chuong and Malla: e = 0.22, Δt = 0.1 s. Differences are relative to Chuong and Malla.",
+        f"56 mph, {math.degrees(numbers['angle']):g} deg, 9979 kg. Assumed: A_L = {numbers['front_distance']:g} m "
+        f"(half the length), B = {numbers['half_width']:g} m (half the width, as in Olson's report), D = "
+        f"{numbers['deflection']:g}. Travel of the centre of mass: {numbers['travel']:.4f} m in t = "
+        f"{numbers['time']:.4f} s. Chuong and Malla: e = 0.22, Δt = 0.1 s. Differences are relative to Chuong and "
+        "Malla.",
         "The two expressions of Eq 1 differ because t follows from half the lateral speed: V_I sin θ/(2 g t) yields "
-        f"{found['olson_first_member'] / 1e3:.1f} kN; Olson's expression, used here, {found['olson'] / 1e3:.1f} kN.",
+        f"{numbers['olson_first_member'] / 1e3:.1f} kN; Olson's expression, used here, {numbers['olson'] / 1e3:.1f} "
+        "kN.",
     )
     return (Table(heads, rows, "Lateral force", notes),)
 
 
-def assumed(found: Numbers) -> tuple[Table, ...]:
+def assumed(numbers: Numbers) -> tuple[Table, ...]:
     """Return tables of restitution, of the whole impact, and of the stages.
 
     The whole impact has unilateral contact; the stages have corresponding values.
@@ -345,8 +352,8 @@ def assumed(found: Numbers) -> tuple[Table, ...]:
         Column("change", "difference", form=partial(percent, decimals=1), style="strong"),
     )
     names = {"paper": "paper, 1 - e", "newton": "Newton, 1 + e"}
-    rows = [{"sign": names.get(name, name), **case} for name, case in found["restitution"].items()]
-    whole, pull = found["whole_impact"], found["reaction"]
+    rows = [{"sign": names.get(name, name), **case} for name, case in numbers["restitution"].items()]
+    whole, pull = numbers["whole_impact"], numbers["reaction"]
     impact = (
         Column("stiffness", "k", "MN/m", scaled(1e6, "g")),
         Column("omega", "ω", "rad/s", ".4f", group="first strike"),

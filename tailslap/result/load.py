@@ -69,7 +69,10 @@ class Stored:
             return None
 
     def _content(self, name: str) -> bytes:
-        """Read a file at once, so that parsers meet no error of the system."""
+        """Read a file at once.
+
+        Parsers therefore meet no error of the system.
+        """
         with open(folder.path_in(self.place, name), "rb", opener=manifest.open_plain) as file:
             size = os.fstat(file.fileno()).st_size
             listed = self.listed[name] if self.listed is not None else None

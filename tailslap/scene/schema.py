@@ -83,41 +83,47 @@ LISTED = ("trailer", "axle", "strip")
 def _registered(registry: Registry[Any]) -> BeforeValidator:
     """Return a validator that accepts the present names of a registry."""
 
-    def name(given: object) -> object:
-        if not isinstance(given, str) or given not in registry:
+    def name(value: object) -> object:
+        if not isinstance(value, str) or value not in registry:
             raise PydanticKnownError("literal_error", {"expected": registry.expected})
-        return given
+        return value
 
     return BeforeValidator(name)
 
 
-def _element_counts(given: object) -> object:
-    """Return two element counts as a tuple. Raises ValueError for other values."""
+def _element_counts(value: object) -> object:
+    """Return two element counts as a tuple.
+
+    Raises ValueError for other values.
+    """
     allowed = f"allowed are two whole numbers from 1, at most {MAX_ELEMENTS} elements in all, like [20, 6]"
-    if not isinstance(given, list | tuple) or len(given) != 2:
+    if not isinstance(value, list | tuple) or len(value) != 2:
         raise ValueError(allowed)
-    if any(type(n) is not int or n < 1 for n in given) or given[0] * given[1] > MAX_ELEMENTS:
+    if any(type(n) is not int or n < 1 for n in value) or value[0] * value[1] > MAX_ELEMENTS:
         raise ValueError(allowed)
-    return tuple(given)
+    return tuple(value)
 
 
-def _start_name(given: object) -> object:
+def _start_name(value: object) -> object:
     """Refuse a former name of a start."""
-    if isinstance(given, str) and given in FORMER_STARTS:
-        raise ValueError(f'the present name of this start is "{FORMER_STARTS[given]}"')
-    return given
+    if isinstance(value, str) and value in FORMER_STARTS:
+        raise ValueError(f'the present name of this start is "{FORMER_STARTS[value]}"')
+    return value
 
 
-def _profile(given: object) -> object:
-    """Return a profile by name or points as tuples. Raises ValueError for other values."""
+def _profile(value: object) -> object:
+    """Return a profile by name or points as tuples.
+
+    Raises ValueError for other values.
+    """
     from solver.conditions import RigidBodyError
     from solver.space.wall import profile_points
 
     try:
-        points = profile_points(given)  # type: ignore[arg-type]  # any value of a file
+        points = profile_points(value)  # type: ignore[arg-type]  # any value of a file
     except RigidBodyError as error:
         raise ValueError(f"{error.why}; allowed: {error.allowed}") from None
-    return given if isinstance(given, str) else tuple(map(tuple, points.tolist()))
+    return value if isinstance(value, str) else tuple(map(tuple, points.tolist()))
 
 
 StartName = Annotated[str, _registered(start_kinds.START_KINDS), BeforeValidator(_start_name)]
@@ -133,21 +139,24 @@ Levels = Annotated[
 Profile = Annotated[str | tuple[tuple[float, float], ...], BeforeValidator(_profile)]
 
 
-def _flag(given: object) -> object:
-    """Return a truth value. Raises ValueError for numbers and texts."""
-    if not isinstance(given, bool):
+def _flag(value: object) -> object:
+    """Return a truth value.
+
+    Raises ValueError for numbers and texts.
+    """
+    if not isinstance(value, bool):
         raise ValueError("allowed is true or false")
-    return given
+    return value
 
 
-def _name(given: object) -> object:
+def _name(value: object) -> object:
     """Return a name that is safe as that of a folder.
 
     Results are written to results/NAME: "..", slashes and hidden files are refused.
     """
-    if not isinstance(given, str) or not re.fullmatch(r"[\w+-][\w.+-]{0,79}", given):
+    if not isinstance(value, str) or not re.fullmatch(r"[\w+-][\w.+-]{0,79}", value):
         raise ValueError('allowed are 1 to 80 letters, digits and "_", "+", "-", ".", no "." in front')
-    return given
+    return value
 
 
 Name = Annotated[str, BeforeValidator(_name)]
@@ -171,7 +180,10 @@ class SceneTable(BaseModel):
 
 
 class CrushTable(SceneTable):
-    """Crush of the rear corners. An omitted key has the value of the other corners."""
+    """Crush of the rear corners.
+
+    An omitted key has the value of the other corners.
+    """
 
     stiffness: Stiffness | None = key("crush stiffness k of each rear corner")
     initial_force: Force | None = key("crush force F0 at zero crush depth")
@@ -336,7 +348,7 @@ class Contact(SceneTable):
 
 
 class Axle(SceneTable):
-    """Solid axle; whole impacts only.
+    """Solid axle of a whole impact.
 
     Its tyres resist sliding across it. With [body] it carries the vehicle on springs and tyres; without [body] its load
     is that of the vehicle at rest.
@@ -359,9 +371,10 @@ class Axle(SceneTable):
 
 
 class Body(SceneTable):
-    """Vehicle in space: roll, pitch, and the height of the force; whole impacts only.
+    """Vehicle in space.
 
-    Axles carry the vehicle and strips touch the wall, whose height [wall] defines.
+    It has roll and pitch, and its forces have heights; whole impacts only. Axles carry the vehicle and strips touch the
+    wall, whose height [wall] defines.
     """
 
     centre_height: Height = needed("height of the centre of mass of the vehicle with its axles")
@@ -370,9 +383,9 @@ class Body(SceneTable):
 
 
 class Strip(SceneTable):
-    """Line of the vehicle that can touch the wall, on both sides; with [body] only.
+    """Line of the vehicle that can touch the wall.
 
-    Its crush law has no initial force; it unloads as [contact].
+    It is on both sides, with [body] only. Its crush law has no initial force; it unloads as [contact].
     """
 
     at: Places = needed("distance behind the front of its unit: one of an upright strip, or two")
@@ -502,7 +515,7 @@ class Output(SceneTable):
 
 
 class Wall(SceneTable):
-    """Wall: its mesh, its elasticity, or with [body] its height and profile.
+    """Wall with its mesh, its elasticity or its profile.
 
     In a whole impact a wall with a mesh is elastic, on an elastic foundation. The default material is the concrete of
     the paper (Table 2). With [body] the wall is rigid and has height and profile only.
@@ -608,13 +621,16 @@ class Scene(SceneTable):
         """
         if self.corner.frictionless:
             return 0.0
-        given = self.corner.friction
-        given = self.impact.friction if given is None and self.impact else given
-        return math.nan if given is None else given
+        friction = self.corner.friction
+        friction = self.impact.friction if friction is None and self.impact else friction
+        return math.nan if friction is None else friction
 
 
 def table_of(field: FieldInfo) -> type[SceneTable] | None:
-    """Return the table that a key holds, of a list of tables its element; None for a value."""
+    """Return the table that a key holds, None for a value.
+
+    Of a list of tables it is that of the elements.
+    """
     kinds = (field.annotation, *get_args(field.annotation))
     return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, SceneTable)), None)
 
@@ -625,12 +641,15 @@ def values_of(table: type[SceneTable]) -> dict[str, FieldInfo]:
 
 
 def _tables(table: type[SceneTable], prefix: str = "") -> dict[str, type[SceneTable]]:
-    """Return the tables in a table by dotted name, each before those in it."""
-    found: dict[str, type[SceneTable]] = {}
+    """Return the tables in a table by dotted name.
+
+    Each table comes before those in it.
+    """
+    tables: dict[str, type[SceneTable]] = {}
     for name, field in table.model_fields.items():
         if inner := table_of(field):
-            found |= {f"{prefix}{name}": inner, **_tables(inner, f"{prefix}{name}.")}
-    return found
+            tables |= {f"{prefix}{name}": inner, **_tables(inner, f"{prefix}{name}.")}
+    return tables
 
 
 TABLES = _tables(Scene)
@@ -651,9 +670,9 @@ def value_at(scene: Any, key: str) -> Any:
 MEANINGS = MappingProxyType(
     {"name": Scene.model_fields["name"].description or ""}
     | {
-        f"{name}.{k}": own.description or ""
+        f"{name}.{k}": field.description or ""
         for name, table in TABLES.items()
-        for k, own in values_of(table).items()
+        for k, field in values_of(table).items()
     }
 )
 """Meaning of each key of a scene, by its dotted name."""

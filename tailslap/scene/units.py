@@ -113,12 +113,12 @@ def to_si(text: str) -> tuple[float, Dimension]:
     return scale, powers
 
 
-def converted(value: float, given: str, unit: str) -> float:
+def converted(value: float, source_unit: str, unit: str) -> float:
     """Convert a value to another unit of the same dimension.
 
     Raises ValueError for another dimension.
     """
-    source, target = to_si(given), to_si(unit)
+    source, target = to_si(source_unit), to_si(unit)
     if source[1] != target[1]:
         raise ValueError(f"its dimension differs from that of {unit}")
     return value * (source[0] / target[0])
@@ -144,13 +144,13 @@ class Quantity:
 
         return core_schema.no_info_plain_validator_function(self.parse)
 
-    def parse(self, given: object) -> float:
+    def parse(self, entry: object) -> float:
         """Return the value in SI.
 
         Raises ValueError, with the allowed range in the unit of the text.
         """
         value, unit = (
-            self._from_text(given) if isinstance(given, str) else (self._from_number(given), self.unit)
+            self._from_text(entry) if isinstance(entry, str) else (self._from_number(entry), self.unit)
         )
         if not (self.least <= value <= self.most and value < self.below):
             raise ValueError(self.allowed(unit))
@@ -177,16 +177,16 @@ class Quantity:
         number = f"a number in {self.unit} or a string with its unit" if self.unit else "a plain number"
         return f"allowed is {self.what} {self.limits(unit)}, {number}, like {self.example}"
 
-    def _from_number(self, given: object) -> float:
-        if isinstance(given, bool) or not isinstance(given, int | float):
+    def _from_number(self, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
             raise ValueError(self.allowed())
         try:
-            return float(given)
+            return float(value)
         except OverflowError:
             raise ValueError(self.allowed()) from None
 
-    def _from_text(self, given: str) -> tuple[float, str]:
-        match = NUMBER.fullmatch(given) if len(given) <= MAX_TEXT else None
+    def _from_text(self, text: str) -> tuple[float, str]:
+        match = NUMBER.fullmatch(text) if len(text) <= MAX_TEXT else None
         if not (self.unit and match and match[2]):
             raise ValueError(self.allowed())
         try:
@@ -205,9 +205,12 @@ class Pair(Quantity):
 
         return core_schema.no_info_plain_validator_function(self.parse_pair)
 
-    def parse_pair(self, given: object) -> tuple[float, float]:
-        """Return both values in SI. Raises ValueError, see `parse`, and for another number of values."""
-        values = given if isinstance(given, list | tuple) else (given, given)
+    def parse_pair(self, entry: object) -> tuple[float, float]:
+        """Return both values in SI.
+
+        Raises ValueError, see `parse`, and for another number of values.
+        """
+        values = entry if isinstance(entry, list | tuple) else (entry, entry)
         if len(values) != 2:
             raise ValueError(f"allowed is {self.what}, or a list of two")
         return self.parse(values[0]), self.parse(values[1])

@@ -317,8 +317,8 @@ def _check_strike_duration(scene: schema.Scene) -> None:
         "contact.strike_duration assumes a crush force in proportion to the depth at the corners; remove one "
         "of the two, or use contact.stiffness in its place"
     )
-    others = (*LAW[1:3], "unloading_stiffness", "side_stiffness", *(f"rear.{key}" for key in LAW))
-    _refuse(scene, allowed, *(f"contact.{key}" for key in others))
+    law_keys = (*LAW[1:3], "unloading_stiffness", "side_stiffness", *(f"rear.{key}" for key in LAW))
+    _refuse(scene, allowed, *(f"contact.{key}" for key in law_keys))
     if scene.trailer:
         allowed = "the effective mass is that of a single vehicle; of a train allowed is contact.stiffness"
         raise InputError("contact.strike_duration", scene.needed_contact.strike_duration, allowed)
@@ -381,7 +381,10 @@ def _check_space(scene: schema.Scene) -> None:
 
 
 def _of_trailers(scene: schema.Scene, *names: str) -> list[str]:
-    """Return the dotted keys of these names of all trailers, without names the trailers."""
+    """Return the dotted keys of these names of all trailers.
+
+    Without names, they are the trailers.
+    """
     numbers = range(len(scene.trailer))
     return [f"trailer.{number}{name and '.'}{name}" for number in numbers for name in names or ("",)]
 

@@ -98,23 +98,23 @@ def varied(scene: schema.Scene, changes: Changes) -> schema.Scene:
     return vary(Source.of(scene), changes)[0]
 
 
-def changed_tables(given: Mapping[str, object], changes: Changes) -> tuple[Tables, dict[str, object]]:
+def changed_tables(tables: Mapping[str, object], changes: Changes) -> tuple[Tables, dict[str, object]]:
     """Return a changed copy of the tables, and the changes with effect.
 
     A key removes its alternative of ALTERNATIVES.
     """
-    tables = dict(given)
-    noted = {key: value for key, value in changes.items() if _put(tables, key, value)}
+    changed = dict(tables)
+    noted = {key: value for key, value in changes.items() if _put(changed, key, value)}
     for key, other in ALTERNATIVES.items():
-        if noted.get(key) is not None and other not in changes and _put(tables, other, None):
+        if noted.get(key) is not None and other not in changes and _put(changed, other, None):
             noted[other] = None
-    return tables, noted
+    return changed, noted
 
 
-def parse_changes(texts: Iterable[str], given: Mapping[str, object]) -> dict[str, object]:
+def parse_changes(texts: Iterable[str], tables: Mapping[str, object]) -> dict[str, object]:
     """Return the changes of KEY=VALUE texts by key.
 
-    given: tables of the scene. Raises InputError.
+    tables: of the scene. Raises InputError.
     """
     changes: dict[str, object] = {}
     for text in texts:
@@ -123,17 +123,17 @@ def parse_changes(texts: Iterable[str], given: Mapping[str, object]) -> dict[str
             raise InputError("--set", text, 'allowed is KEY=VALUE, like plate.youngs_modulus="2 TPa"')
         changes.pop(key, None)  # the last value of a key counts, in the order of the texts
         changes[key] = parse_value(value) if value else None
-        _demand_effect(changes, key, text, given)
+        _demand_effect(changes, key, text, tables)
     return changes
 
 
-def _demand_effect(changes: Changes, key: str, text: str, given: Mapping[str, object]) -> None:
+def _demand_effect(changes: Changes, key: str, text: str, tables: Mapping[str, object]) -> None:
     """Raise InputError where the last change has no effect.
 
     Such a change cannot be applied or removes an absent key. text: of the change.
     """
     try:
-        noted = changed_tables(given, changes)[1]
+        noted = changed_tables(tables, changes)[1]
     except InputError as error:
         raise InputError("--set", text, error.allowed) from None
     if key not in noted:

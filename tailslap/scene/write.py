@@ -81,7 +81,10 @@ def scene_file(tables: Mapping[str, object], title: str) -> str:
 
 
 def _lines(tables: Mapping[str, Any], prefix: str = "") -> list[str]:
-    """Return the lines of a scene file; prefix: of the tables' dotted names."""
+    """Return the lines of a scene file.
+
+    prefix: of the tables' dotted names.
+    """
     lines, below = [], list[str]()
     for key, value in tables.items():
         name = f"{prefix}{key}"
@@ -248,21 +251,21 @@ def resolved_inputs(
     )
 
 
-def _rows(table: BaseModel, given: vary.Tables, changed: frozenset[str], prefix: str) -> list[SceneInput]:
+def _rows(table: BaseModel, entries: vary.Tables, changed: frozenset[str], prefix: str) -> list[SceneInput]:
     """Return rows of the values of nested tables."""
     rows = []
     for name, field in type(table).model_fields.items():
         value, key = getattr(table, name), prefix + name
         if isinstance(value, BaseModel):
-            rows += _rows(value, given.get(name) or {}, changed, f"{key}.")
+            rows += _rows(value, entries.get(name) or {}, changed, f"{key}.")
         elif name in schema.LISTED and isinstance(value, tuple):  # [[strip]] has a number of this name
-            tables = dict(enumerate(given.get(name, ())))
+            tables = dict(enumerate(entries.get(name, ())))
             for number, unit in enumerate(value):
                 rows += _rows(unit, tables.get(number, {}), changed, f"{key}.{number}.")
         elif value is not None:
-            origin = "--set" if key in changed else "scene" if name in given else "default"
+            origin = "--set" if key in changed else "scene" if name in entries else "default"
             text = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
-            rows.append(SceneInput(key, str(given.get(name, "")), text, unit_of(field), origin))
+            rows.append(SceneInput(key, str(entries.get(name, "")), text, unit_of(field), origin))
     return rows
 
 

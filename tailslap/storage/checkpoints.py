@@ -65,12 +65,12 @@ class Checkpoints:
         self._due = time.monotonic() + SAVE_S
         return self
 
-    def files(self, own: bool) -> list[Path]:
+    def files(self, same_definition: bool) -> list[Path]:
         """List checkpoints for this place, of this definition or another one."""
         folder = self._all.parent
         names = os.listdir(folder) if errors.is_there(folder) else []
         names = [name for name in names if name.startswith(self._all.name)]
-        return [folder / name for name in names if name.startswith(self._own.name) == own]
+        return [folder / name for name in names if name.startswith(self._own.name) == same_definition]
 
     def load(self, sizes: Callable[[int], Sizes]) -> Arrays | None:
         """Read the arrays of the file, None without intact ones.
@@ -136,8 +136,8 @@ def checkpointed(place: Path, definition: Mapping[str, object], resume: bool) ->
     They are beside `place`, and removed when the block ends without an error.
     """
     checkpoints = Checkpoints(place, definition, resume)
-    if resume and not checkpoints.files(own=True):
-        foreign = ", ".join(sorted(path.name for path in checkpoints.files(own=False)))
+    if resume and not checkpoints.files(same_definition=True):
+        foreign = ", ".join(sorted(path.name for path in checkpoints.files(same_definition=False)))
         stay = f"; checkpoints of other scenes or versions are kept: {foreign}" if foreign else ""
         _report(f"this run has no checkpoint{stay}")
     token = _current.set(checkpoints)
@@ -151,7 +151,7 @@ def checkpointed(place: Path, definition: Mapping[str, object], resume: bool) ->
     finally:
         _current.reset(token)
     with contextlib.suppress(OSError):  # the result is complete without that
-        for path in checkpoints.files(own=True):
+        for path in checkpoints.files(same_definition=True):
             path.unlink()
 
 

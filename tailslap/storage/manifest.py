@@ -234,7 +234,7 @@ def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
 
 
 def _open_lock(path: Path) -> tuple[int, bool]:
-    """Open a lock file, and return its descriptor and whether it is new."""
+    """Return the descriptor of a lock file, and whether it is new."""
     flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
     with contextlib.suppress(FileExistsError):
         return os.open(path, flags | os.O_EXCL, 0o666), True

@@ -1,8 +1,9 @@
-"""Blind probabilities of the outcomes of published crash tests, by samples of vehicles in space.
+"""Predict the outcomes of published crash tests.
 
-An outcome is upright, on its side, or over the wall. A report that a test passed states that the vehicle was contained,
-upright or on its side. Scores are therefore those of the event "over the wall": Brier's, the mean square of probability
-minus 1 or 0. Rules of design stand beside the probabilities: a wall of at least their height holds.
+Predictions are blind probabilities by samples of vehicles in space. An outcome is upright, on its side, or over the
+wall. A report that a test passed states that the vehicle was contained, upright or on its side. Scores are therefore
+those of the event "over the wall": Brier's, the mean square of probability minus 1 or 0. Rules of design stand beside
+the probabilities: a wall of at least their height holds.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -15,7 +16,6 @@ from numpy.typing import NDArray
 from solver import space
 from tailslap.campaign import sampling, space_samples
 from tailslap.case.impact.case import ImpactCase
-from tailslap.scene.schema import Scene
 from tailslap.scene.units import to_si
 from tailslap.scene.vary import Source, vary
 
@@ -93,13 +93,9 @@ def predicted_samples(case: Mapping[str, Any], vehicle: Mapping[str, Any]) -> di
     )
     points, _ = sampling.sobol_points(ranges, SAMPLES)
     inputs = dict(zip((item.key for item in ranges), points, strict=True))
-    return sampling.solved_in_blocks(partial(_answers, scene), inputs, BLOCK)
-
-
-def _answers(scene: Scene, inputs: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return the columns of motions."""
-    answers = space.solve_spaces(*space_samples.sampled_input(scene, inputs).arguments)
-    return {name: np.asarray(getattr(answers, of), dtype=float) for name, of in COLUMNS.items()}
+    solve = partial(space_samples.sample_answers, scene, names=COLUMNS.values())
+    answers = sampling.solved_in_blocks(solve, inputs, BLOCK)
+    return {name: answers[of] for name, of in COLUMNS.items()}
 
 
 def outcome_rows(parameters: Mapping[str, Any], show: Callable[[float], None]) -> tuple[OutcomeRow, ...]:

@@ -1,9 +1,9 @@
-"""Blind predictions of published forces, durations, speeds and outcomes, with 90 % bands.
+"""Predict published forces, durations, speeds and outcomes blindly.
 
-Vehicles, ranges and published values stand in parameters.toml and were fixed before the first prediction. The band of a
-prediction is the spread of rigid impacts over these ranges; nothing is adjusted to a published value. The plateau of
-the crush law is assumed and limits the force, so that each row states which fraction of its variance the plateaus
-explain alone.
+Predictions have 90 % bands. Vehicles, ranges and published values stand in parameters.toml and were fixed before the
+first prediction. The band of a prediction is the spread of rigid impacts over these ranges; nothing is adjusted to a
+published value. The plateau of the crush law is assumed and limits the force, so that each row states which fraction
+of its variance the plateaus explain alone.
 """
 
 import math
@@ -72,9 +72,9 @@ class Row(NamedTuple):
 
 @dataclass(frozen=True)
 class Validation:
-    """The rows, the inputs of each vehicle with their sources, the cost, and the outcomes.
+    """Predictions beside published values.
 
-    skipped: published tests that are not computed, and why.
+    inputs: of each vehicle, with their sources; skipped: published tests that are not computed, and why.
     """
 
     rows: tuple[Row, ...]
@@ -159,7 +159,10 @@ def _predict(
 
 
 def quantities(case: ImpactCase, inputs: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Return the quantities of impacts, shape (n,) each; NaN without a second strike."""
+    """Return the quantities of impacts, shape (n,) each.
+
+    They are NaN without a second strike.
+    """
     impacts = case.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
     columns: dict[str, list[float]] = {name: [] for name in (*FORCES, "duration")}
     for force in impacts.mean_force.T:

@@ -1,4 +1,4 @@
-"""Lay out the page of `tailslap validate`: predictions with bands beside published values."""
+"""Lay out the page of `tailslap validate`."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from tailslap.arguments import checked_arguments
 from tailslap.case.report_parts import footer
 from tailslap.result.result import Result, of_report
 from tailslap.validation import predictions
-from tailslap.validation.outcomes import OURS, OVER, SAMPLES, SIDE, STATED, UPRIGHT, OutcomeRow, Score, scores
+from tailslap.validation.outcomes import OURS, OVER, SAMPLES, SIDE, STATED, UPRIGHT, Score, scores
 from tailslap.validation.predictions import QUANTITIES, Row, Validation
 
 PAGE = "validation.html"
@@ -156,30 +156,28 @@ def validation_report(validation: Validation) -> Report:
 
 def _scores_in_words(scored: Sequence[Score]) -> str:
     """Return the Brier scores in a sentence."""
-    others = ", ".join(f"{score.name} {score.score:.3f}" for score in scored if score.name != OURS)
-    return f"Outcomes of {scored[0].cases} tests, Brier score {scored[0].score:.3f}; {others}."
+    of_others = ", ".join(f"{score.name} {score.score:.3f}" for score in scored if score.name != OURS)
+    return f"Outcomes of {scored[0].cases} tests, Brier score {scored[0].score:.3f}; {of_others}."
 
 
 def _outcome_sections(validation: Validation, scored: Sequence[Score]) -> list[Section]:
     """Return picture and tables of the outcomes, none without any."""
     if not scored:
         return []
-    bars = [_outcome_bar(row) for row in validation.outcomes]
+    bars = [
+        OutcomeBar(
+            row.case,
+            tuple(row.probabilities.values()),
+            [name in STATED[row.published] for name in row.probabilities],
+        )
+        for row in validation.outcomes
+    ]
     tables = (
         Table(OUTCOMES, validation.outcomes),
         Table(SCORES, scored, notes=SCORED),
         Table(SKIPPED, validation.skipped),
     )
     return [Section("Outcomes of crash tests", "", [draw_outcomes(bars)], tables)]
-
-
-def _outcome_bar(row: OutcomeRow) -> OutcomeBar:
-    """Return the bar of a test."""
-    return OutcomeBar(
-        row.case,
-        tuple(row.probabilities.values()),
-        [name in STATED[row.published] for name in row.probabilities],
-    )
 
 
 def _shown(row: Row) -> dict[str, object]:

@@ -41,7 +41,10 @@ def scanned(series: Series, levels: Sequence[float], period: float, measure: Mea
         Runs plates of further first frequencies, see `Measure`.
     """
     step = period / STEPS_A_PERIOD
-    sought = {name: known_levels(samples, levels) for name, samples in series.items()}
+    sought = {
+        name: [level for level in levels if lowest_frequency(samples, level).kind in (CROSSED, NOT_REACHED)]
+        for name, samples in series.items()
+    }
     ends = [crossings(series[name], sizes) for name, sizes in sought.items() if sizes]
     if not ends:
         return Scan(series, {}, step)
@@ -58,11 +61,6 @@ def scanned(series: Series, levels: Sequence[float], period: float, measure: Mea
         top = max(*above, bottom) + PERIODS * period
         if frequencies[0] >= min(top, grid[0]):
             return Scan(samples, differences, step)
-
-
-def known_levels(samples: Sequence[Sample], levels: Sequence[float]) -> list[float]:
-    """Return the levels that the samples cross or remain below."""
-    return [level for level in levels if lowest_frequency(samples, level).kind in (CROSSED, NOT_REACHED)]
 
 
 def crossings(samples: Sequence[Sample], levels: Sequence[float]) -> tuple[float, float]:

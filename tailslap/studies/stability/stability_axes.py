@@ -9,13 +9,8 @@ import numpy as np
 
 from tailslap.campaign.random_scenes import stiffness
 from tailslap.campaign.records import Record
-from tailslap.scene.schema import Scene
+from tailslap.scene.schema import Scene, value_at
 from tailslap.scene.vary import Changes
-
-Axis = tuple[
-    str, str, Callable[[float, float, int], np.ndarray], float, float, Callable[[Scene, float], Changes]
-]
-"""Name, meaning, spacing, ends and changes of an axis."""
 
 
 class StudyAxis(NamedTuple):
@@ -36,45 +31,44 @@ def axes_of(scene: Scene, n: int) -> tuple[StudyAxis, ...]:
     else:
         absent = {"penalty"} if contact.crushes else {"contact stiffness", "restitution"}
         absent |= {"penalty"} if contact.enforcement == "exact" else set()
-    return tuple(
-        StudyAxis(name, meaning, tuple(spaced(low, high, n).tolist()), changes)
-        for name, meaning, spaced, low, high, changes in (_impact_axes() if contact else _corner_axes())
-        if name not in absent
-    )
+    axes = (_impact_axes if contact else _corner_axes)(n)
+    return tuple(axis for axis in axes if axis.name not in absent)
 
 
-def _corner_axes() -> tuple[Axis, ...]:
+def _spaced(spacing: Callable[..., np.ndarray], n: int) -> Callable[[float, float], tuple[float, ...]]:
+    """Return a function of two ends that returns n values."""
+    return lambda low, high: tuple(spacing(low, high, n).tolist())
+
+
+def _corner_axes(n: int) -> tuple[StudyAxis, ...]:
     """Return the axes of a constrained corner."""
+    ratios, steps = _spaced(np.geomspace, n), _spaced(np.linspace, n)
     return (
-        ("stiffness", "E over the scene's", np.geomspace, 1e-4, 1e4, stiffness),
-        ("penalty", "corner.penalty_scale", np.geomspace, 1e-3, 1e4, _of("corner.penalty_scale")),
-        ("friction", "corner.friction", np.linspace, 0.0, 2.0, _of("corner.friction")),
-        ("speed", "speeds over the scene's", np.geomspace, 1e-2, 1e1, _speed),
-        ("angle", "angle [deg]", np.geomspace, 1.0, 80.0, _angle),
-        ("slenderness", "width over length", np.geomspace, 0.01, 1.0, _slenderness),
-        ("time step", "time.safety_factor", np.linspace, 0.5, 1.2, _of("time.safety_factor")),
-        ("damping", "damping.ratio", _zero_and_ratios, 3e-3, 1.0, _damping),
+        StudyAxis("stiffness", "E over the scene's", ratios(1e-4, 1e4), stiffness),
+        StudyAxis("penalty", "corner.penalty_scale", ratios(1e-3, 1e4), _of("corner.penalty_scale")),
+        StudyAxis("friction", "corner.friction", steps(0.0, 2.0), _of("corner.friction")),
+        StudyAxis("speed", "speeds over the scene's", ratios(1e-2, 1e1), _speed),
+        StudyAxis("angle", "angle [deg]", ratios(1.0, 80.0), _angle),
+        StudyAxis("slenderness", "width over length", ratios(0.01, 1.0), _slenderness),
+        StudyAxis("time step", "time.safety_factor", steps(0.5, 1.2), _of("time.safety_factor")),
+        StudyAxis("damping", "damping.ratio", (0.0, *_spaced(np.geomspace, n - 1)(3e-3, 1.0)), _damping),
     )
 
 
-def _impact_axes() -> tuple[Axis, ...]:
+def _impact_axes(n: int) -> tuple[StudyAxis, ...]:
     """Return the axes of a whole impact."""
+    ratios, steps = _spaced(np.geomspace, n), _spaced(np.linspace, n)
     return (
-        ("contact stiffness", "contact.stiffness [N/m]", np.geomspace, 1e4, 1e9, _of("contact.stiffness")),
-        ("restitution", "contact.restitution", np.linspace, 0.0, 1.0, _of("contact.restitution")),
-        ("penalty", "contact.penalty_scale", np.geomspace, 1e-2, 1e3, _of("contact.penalty_scale")),
-        ("friction", "contact.friction", np.linspace, 0.0, 2.0, _of("contact.friction")),
-        ("angle", "angle [deg]", np.geomspace, 1.0, 85.0, _angle),
-        ("speed", "speed over the scene's", np.geomspace, 0.1, 3.0, _speed),
-        ("modulus", "E over the scene's", np.geomspace, 1e-4, 1e2, stiffness),
-        ("time step", "time.safety_factor", np.linspace, 0.5, 1.2, _of("time.safety_factor")),
-        ("slenderness", "width over length", np.geomspace, 0.05, 1.0, _slenderness),
+        StudyAxis("contact stiffness", "contact.stiffness [N/m]", ratios(1e4, 1e9), _of("contact.stiffness")),
+        StudyAxis("restitution", "contact.restitution", steps(0.0, 1.0), _of("contact.restitution")),
+        StudyAxis("penalty", "contact.penalty_scale", ratios(1e-2, 1e3), _of("contact.penalty_scale")),
+        StudyAxis("friction", "contact.friction", steps(0.0, 2.0), _of("contact.friction")),
+        StudyAxis("angle", "angle [deg]", ratios(1.0, 85.0), _angle),
+        StudyAxis("speed", "speed over the scene's", ratios(0.1, 3.0), _speed),
+        StudyAxis("modulus", "E over the scene's", ratios(1e-4, 1e2), stiffness),
+        StudyAxis("time step", "time.safety_factor", steps(0.5, 1.2), _of("time.safety_factor")),
+        StudyAxis("slenderness", "width over length", ratios(0.05, 1.0), _slenderness),
     )
-
-
-def _zero_and_ratios(low: float, high: float, n: int) -> np.ndarray:
-    """Return zero and n - 1 values in equal ratios."""
-    return np.append(0.0, np.geomspace(low, high, n - 1))
 
 
 def _of(key: str) -> Callable[[Scene, float], Changes]:
@@ -95,9 +89,7 @@ def _angle(scene: Scene, degrees: float) -> Changes:
 
 def _scene_values(scene: Scene, *keys: str) -> dict[str, float]:
     """Return the values of keys that the scene has."""
-    paths = {key: key.split(".") for key in keys}
-    values = {key: getattr(getattr(scene, table), name, None) for key, (table, name) in paths.items()}
-    return {key: value for key, value in values.items() if value is not None}
+    return {key: value for key in keys if (value := value_at(scene, key)) is not None}
 
 
 def _slenderness(scene: Scene, ratio: float) -> Changes:

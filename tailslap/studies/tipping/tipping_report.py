@@ -96,14 +96,14 @@ def report(result: TippingResult) -> Report:
     loads = design_forces_of(scene.impact.test_level if scene.impact else None)
     load_rows = [{"name": name} | vars(load) | {"force": load.force} for name, load in loads.items()]
     load_rows = [row | {"name": name} for row, name in zip(load_rows, loads, strict=True)]
-    kept, held = Table(KEPT, kept_rows(result)), Table(HELD, held_rows(result), notes=(MEANING,))
+    lowest, held = Table(KEPT, kept_rows(result)), Table(HELD, held_rows(result), notes=(MEANING,))
     profiles = Table(PROFILES, profile_rows(result))
     sections = (
         Section(
             "Heights of wall and centre of mass", result.nominal.verdict, (_map_chart(result),), layout="tall"
         ),
         Section(
-            "Walls", "", _wall_charts(result, loads), (kept, held, Table(LOADS, load_rows)), layout="wide"
+            "Walls", "", _wall_charts(result, loads), (lowest, held, Table(LOADS, load_rows)), layout="wide"
         ),
         Section(f"Profiles of a wall of {_height(scene.wall.height or 0.0)}", tables=(profiles,)),
         *(_sensitivity(result, name) for name in OUTPUTS),
@@ -119,7 +119,7 @@ def report(result: TippingResult) -> Report:
         study_page(result.case, "Roll over the wall", headline(result), sections, files),
         study_summary("tipping", result.case) | _summary(result),
         (
-            Table(KEPT, kept.rows, f"{scene.name}: lowest walls that keep the samples upright"),
+            Table(KEPT, lowest.rows, f"{scene.name}: lowest walls that keep the samples upright"),
             Table(HELD, held.rows, "Walls"),
             Table(PROFILES, profiles.rows, "Profiles"),
             *(_index_text(result, name) for name in OUTPUTS),
@@ -297,13 +297,15 @@ def _decrease(result: TippingResult) -> str:
 
 def _summary(result: TippingResult) -> Record:
     """Return the numbers of the study, SI."""
-    kept = {f"{100 * level:g}": result.keeps(level) for level in LEVELS}
+    lowest_walls = {f"{100 * level:g}": result.keeps(level) for level in LEVELS}
     return {
         "seed": sampling.SEED,
         "space": result.nominal.numbers(),
         "motions": result.motions,
         "samples": result.count,
-        "lowest_walls": {level: {"wall": wall, "interval": ends} for level, (wall, *ends) in kept.items()},
+        "lowest_walls": {
+            level: {"wall": wall, "interval": ends} for level, (wall, *ends) in lowest_walls.items()
+        },
         "walls": held_rows(result),
         "profiles": profile_rows(result),
         "lines": {"centre_height": result.line_centres, "lowest_wall": result.lines, "levels": LEVELS},

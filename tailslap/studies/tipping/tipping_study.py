@@ -179,28 +179,22 @@ def compute(
         )
     began = time.perf_counter()
     varied, nominal = space_samples.space_ranges(case, ranges, fixed), case.space
-    done: Record = {}
+    solution: Record = {}
 
     def solve(inputs: Mapping[str, Array]) -> dict[str, Array]:
-        done.update(_solved(case, varied, inputs, samples, place, workers))
-        return {name: done[name] for name in OUTPUTS}
+        solution.update(_solved(case, varied, inputs, samples, place, workers))
+        return {name: solution[name] for name in OUTPUTS}
 
     inputs, tables = sampling.sampled(varied, samples, solve)
-    indexed = {name: sampling.index_rows(varied, table) for name, table in tables.items() if _varies(table)}
-    refusals = {name: "The quantity is constant." for name in tables if name not in indexed}
+    sources, refusals = sampling.rows_and_refusals(varied, tables)
+    refusals |= {name: "The quantity is constant." for name in tables if name not in sources}
     return TippingResult(
-        case, nominal, done["centre_key"], done["centres"], done["map_walls"], done["rolls"], done["walls"],
-        done["answers"], done["line_centres"], done["lines"], done["profiles"], varied,
-        {key: values[: done["answers"]["outcome"].shape[1]] for key, values in inputs.items()},
-        {name: rows for name, (rows, _) in indexed.items()},
-        refusals | {name: why for name, (_, why) in indexed.items() if why},
-        done["motions"], time.perf_counter() - began, done["processor"],
+        case, nominal, solution["centre_key"], solution["centres"], solution["map_walls"], solution["rolls"],
+        solution["walls"], solution["answers"], solution["line_centres"], solution["lines"], solution["profiles"],
+        varied,
+        {key: values[: solution["answers"]["outcome"].shape[1]] for key, values in inputs.items()},
+        sources, refusals, solution["motions"], time.perf_counter() - began, solution["processor"],
     )  # fmt: skip
-
-
-def _varies(table: Array) -> bool:
-    """Return True unless a table is constant."""
-    return bool(table.std() > 1e-9 * abs(table.mean()))
 
 
 def wall_heights(case: ImpactCase) -> Array:

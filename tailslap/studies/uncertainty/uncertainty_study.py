@@ -150,24 +150,16 @@ def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
         few = "too few of these impacts have a second strike"
         why = few if impact else f"too few samples have a solution; first reason: {refusal}"
         raise InputError("--range", Verbatim("these ranges"), why)
-    indexed = {name: sampling.index_rows(ranges, table) for name, table in tables.items() if _varies(table)}
-    if not indexed:
+    sources, reasons = sampling.rows_and_refusals(ranges, tables)
+    if not sources:
         raise InputError(
             "--range", Verbatim("these ranges"), "the peak force is constant within these ranges"
         )
-    sources = {name: rows for name, (rows, _) in indexed.items()}
-    reasons = {name: why for name, (_, why) in indexed.items() if why}
     result = Spread(
         case, ranges, inputs, tables, sources, reasons, nominal_columns(case), 0.0, refusal, curves
     )
     compared = paper_rows(result) if impact else ()
     return replace(result, paper_rows=compared, seconds=time.perf_counter() - began)
-
-
-def _varies(table: Array) -> bool:
-    """Return True unless the first two rows are constant."""
-    finite = table[:2, np.isfinite(table).all(axis=0)]
-    return bool(finite.std() > 1e-9 * abs(finite.mean()))
 
 
 def nominal_columns(case: Any) -> dict[str, float]:
