@@ -230,7 +230,10 @@ def test_did_you_mean(change, hint):
 
 
 def test_suggestions_have_all_words_given():
-    """Of the scenes with both words, the most similar one, not tl5cmb-2; units have suggestions as well."""
+    """The most similar one of the scenes with both words is suggested.
+
+    It is not tl5cmb-2. Units have suggestions as well.
+    """
     with pytest.raises(errors.InputError, match=r"did you mean impact-mash-tl4-sut\?"):
         read.read_scene("impact-tl4")
     with pytest.raises(errors.InputError, match=r'"lbs" is unknown; did you mean lb\?'):
