@@ -182,8 +182,8 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     points, owner, motion = work.points, work.point_owner, work.motion
     active, sums = work.active, work.sums
     whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
-    finish, reached, number, row = min(end, clock.longest), np.nan, 0, 0
-    part, parts_taken, h = 0, parts, whole
+    finish, reached, parts_taken, h = min(end, clock.longest), np.nan, parts, whole
+    number = row = part = np.int64(0)  # for the literal 0 the functions below would be compiled once more
     loaded, largest = 0.0, 0.0
     for m in range(motion.shape[1]):
         motion[2, m] -= 0.5 * h * work.load[m]

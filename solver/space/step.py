@@ -340,7 +340,8 @@ def _record(units, axles, axle_unit, work, first, before, row):
     """
     for j in range(6, 10):
         row[j] = before[j] + (0.0 if first else 0.5 * (work.sums[j] - before[j]))
-    kinetic, gravity, spring, tyre, column = 0.0, 0.0, 0.0, 0.0, 14
+    kinetic, gravity, spring, tyre = 0.0, 0.0, 0.0, 0.0
+    column = np.int64(14)  # for the literal 14 `_record_axle` would be compiled once more
     for u in range(units.shape[0]):
         body, b = units[u], work.bodies[u]
         wx, wy, wz = b[NOW + 3], b[NOW + 4], b[NOW + 5]
