@@ -153,11 +153,19 @@ def _(elements, sliders, tables):
         key: f"{value:.10g} {unit_of[key]}" if unit_of[key] else value for key, value in changed.items()
     }
     try:
-        rigid = tailslap.rigid(tables, changes)
+        rigid = tailslap.rigid(tables, changes, band=False)
     except tailslap.InputError as wrong:
         mo.stop(True, mo.callout(str(wrong), "danger"))
     mo.Html(f'<div class="found">{rigid._repr_html_()}{"".join(map(drawn, rigid.charts.values()))}</div>')
     return changes, rigid
+
+
+@app.cell
+def _(changes, rigid, tables):
+    assert rigid, "the force is shown first; the band takes longer"
+    banded = tailslap.rigid(tables, changes).headline
+    mo.md(f"**With its band:** {banded.answer} {banded.band}")
+    return
 
 
 @app.cell

@@ -183,8 +183,9 @@ def page():
 def test_its_cells_show_the_rigid_answer(page, monkeypatch):
     monkeypatch.setattr(page.mo, "query_params", dict)
     outputs, cells = page.app.run()
-    expected = tailslap.rigid("mash-tl4-sut")
+    expected = tailslap.rigid("mash-tl4-sut", band=False)
     assert cells["rigid"].summary == expected.summary
+    assert cells["banded"] == tailslap.rigid("mash-tl4-sut").headline
     assert tomllib.loads(cells["saved"].decode()) == cells["tables"]
     html = "".join(output.text for output in outputs if hasattr(output, "text"))
     assert expected.headline.answer in html
