@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
 SEPARATOR, OTHER = "\x1e", "\x1d"
 """Marks of the page's template: ends of a part that units change, and place of a chart in other units."""
+
+PATH = re.compile(r' d="[^"]*"')
+"""Coordinates of a path."""
 
 
 @dataclass(frozen=True)
@@ -206,11 +210,24 @@ def in_both_units(texts: Sequence[str], units: Units) -> str:
         if one == other or number % 2 == 0:
             parts.append(one.replace(OTHER, ""))
         elif OTHER in one:
-            parts.append(one.replace(OTHER, f"<template>{other.replace(OTHER, '')}</template>"))
+            chart = without_equal_paths(other.replace(OTHER, ""), one)
+            parts.append(one.replace(OTHER, f"<template>{chart}</template>"))
         else:
             spans = [f'<span class="{name}">{text}</span>' for name, text in zip(names, pair, strict=True)]
             parts += sorted(spans)
     return "".join(parts)
+
+
+def without_equal_paths(other: str, one: str) -> str:
+    """Return a drawing without the coordinates of paths that are equal in another one.
+
+    The page's script copies them.
+    """
+    own = PATH.findall(one)
+    if len(PATH.findall(other)) != len(own):
+        return other
+    paths = iter(own)
+    return PATH.sub(lambda match: "" if match[0] == next(paths) else match[0], other)
 
 
 def data_uri(path: Path) -> str:

@@ -272,8 +272,12 @@ const prepare = () => {
 };
 /* Charts as drawn in the units of the page, and in the others where these differ. */
 const shownIn = document.querySelector(".units :checked")?.id;
-const drawings = all(document, "figure:has(svg.chart)").map((now) =>
-  ({ now, own: now.cloneNode(true), other: now.querySelector("template")?.content.firstElementChild ?? now.cloneNode(true) }));
+const drawings = all(document, "figure:has(svg.chart)").map((now) => {
+  const own = now.cloneNode(true), other = now.querySelector("template")?.content.firstElementChild ?? now.cloneNode(true);
+  const paths = all(own, "path");
+  all(other, "path:not([d])").forEach((path) => set(path, { d: paths[all(other, "path").indexOf(path)].getAttribute("d") }));
+  return { now, own, other };
+});
 document.querySelector(".units")?.addEventListener("change", ({ target }) => {
   drawings.forEach((each) => {
     const next = (target.id === shownIn ? each.own : each.other).cloneNode(true);

@@ -18,7 +18,7 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import TAIL_SLAP
 from postprocess.comparison.records import Compared
-from tailslap.campaign import records
+from tailslap.campaign import records, sampling
 from tailslap.case import kind_of
 from tailslap.errors import InputError
 from tailslap.options import MAX_RUNS
@@ -199,7 +199,8 @@ def make_definition(
             raise InputError("--vary", key, "this is a table; allowed are its keys")
         return schema.value_at(scene, key), row.unit
 
-    fractions = latin_hypercube(len(typed), sample, seed).T if sample else [None] * len(typed)
+    random = np.random.default_rng(seed).spawn(1)[0]
+    fractions = sampling.latin_hypercube(len(typed), sample, random) if sample else [None] * len(typed)
     variations = tuple(
         _variation(key, values, functools.partial(read_value, key), places)
         for (key, values), places in zip(typed, fractions, strict=True)
@@ -222,16 +223,6 @@ def varied_source(definition: Definition) -> vary.Source:
         first[key] = next((value for value in candidates if isinstance(value, int | float)), candidates[0])
     tables = vary.changed_tables(definition.source.given, first)[0]
     return vary.Source(definition.source.text, tables, definition.source.changed | first.keys())
-
-
-def latin_hypercube(keys: int, runs: int, seed: int) -> np.ndarray:
-    """Draw a Latin hypercube, shape (runs, keys).
-
-    Its fractions are in [0, 1), with one in each of `runs` equal parts per key.
-    """
-    from scipy.stats import qmc
-
-    return np.asarray(qmc.LatinHypercube(keys, seed=np.random.default_rng(seed)).random(runs))
 
 
 def _scene(source: vary.Source, changes: vary.Changes) -> schema.Scene:

@@ -93,6 +93,8 @@ def test_the_switch_changes_units_and_tables_are_copied_as_shown(browser, tmp_pa
         drawn = page.locator("svg.chart").all_text_contents()
         assert drawn
         assert not [text for text in drawn if "kN" in text]
+        empty = "[...document.querySelectorAll('svg.chart path')].filter((path) => !path.hasAttribute('d')).length"
+        assert page.evaluate(empty) == 0
         page.get_by_role("radio", name="SI").check()
         assert [text for text in page.locator("svg.chart").all_text_contents() if "kN" in text]
         assert not session.errors

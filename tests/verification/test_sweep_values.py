@@ -24,7 +24,6 @@ from tailslap.campaign.sweep_definition import (
     Definition,
     TypedRange,
     Variation,
-    latin_hypercube,
     make_definition,
     parse_varied,
     split_outside,
@@ -100,14 +99,6 @@ def test_a_grid_has_every_combination_once():
     fixed = grid("corner.friction=0.1,0.2", changes=("strike.duration=0.2",))
     assert fixed.changes_of(1) == {"corner.friction": 0.2}
     assert fixed.source.given["strike"] == {"duration": 0.2}
-
-
-@pytest.mark.parametrize("runs", [2, 7, 64])
-def test_each_stratum_has_one_sample(runs):
-    shares = latin_hypercube(3, runs, 307)
-    assert [sorted(column) for column in np.floor(shares * runs).astype(int).T] == [list(range(runs))] * 3
-    assert not np.array_equal(shares, latin_hypercube(3, runs, 308))
-    assert np.array_equal(shares, latin_hypercube(3, runs, 307))
 
 
 def test_samples_fill_their_ranges_evenly():
@@ -328,7 +319,7 @@ def test_the_page_holds_what_it_is_given(tmp_path):
     assert plain.index("energy &lt;balance&gt;") < plain.index("beyond &lt;theory&gt;")
     assert plain.count('<tr class="failed">') == 1
     assert "The first" not in plain
-    assert page.count("<svg") == 17
+    assert page.count("<svg") - page.count("<template>") == 17, "charts in other units are templates"
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 
