@@ -10,14 +10,19 @@ step, within whose error the changes are the errors of samples. Times are of the
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import command_line
 import numpy as np
 from command_line import row
 from space_vehicles import ANGLE, MASS, SPEED, truck, truck_unit
 
-from solver.space import SpaceVehicle, SpaceWall, solve_spaces
+from solver.space import SpaceVehicle, SpaceWall, lowest_walls, solve_space, solve_spaces
+from tailslap.case import case_of
+from tailslap.case.impact.space import space_input
+from tailslap.scene.read import read_scene
 
 
 def drawn(samples: int, seed: int, profile: str) -> tuple[SpaceVehicle, SpaceWall, float, float]:
@@ -45,9 +50,28 @@ def drawn(samples: int, seed: int, profile: str) -> tuple[SpaceVehicle, SpaceWal
     return SpaceVehicle(nominal.units, axles, strips), wall, SPEED, ANGLE
 
 
+def least_time(solve: Callable[[], object], repeats: int = 9) -> float:
+    """Return the least processor time of a call [s]."""
+    times = []
+    for _ in range(repeats):
+        start = time.process_time()
+        solve()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def single(scene: str) -> None:
+    """Print the time of one motion with its error, and of the lowest wall, of a scene."""
+    arguments = space_input(case_of(*read_scene(scene)).scene).arguments
+    for name, solve in (("one motion with its error", solve_space), ("lowest wall", lowest_walls)):
+        solve(*arguments)  # compiles
+        row(f"{name}, {scene}", "30 ms", f"{1e3 * least_time(partial(solve, *arguments)):.1f} ms")
+
+
 def main() -> None:
-    """Print the time of a motion and the changes."""
+    """Print the times of motions and the changes."""
     options = command_line.options(__doc__, samples=400, seed=8, profiles=("vertical", "new-jersey"))
+    single("impact-tipping-tl4-sut")
     for profile in options.profiles:
         trucks = drawn(options.samples, options.seed, profile)
         solve_spaces(*drawn(2, 0, profile))  # compiles

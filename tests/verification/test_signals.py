@@ -184,10 +184,11 @@ def test_peaks_of_a_half_sine_by_name():
     """Strike 1 of a truck of 2 MN/m, in order of smoothing."""
     length, peak = 0.0812, 553.4e3
     peaks = force_peaks(force_curves(half_sine(0.0, length, peak), INTERVAL))
-    assert list(peaks) == ["raw", "mean_50ms", "cfc60", "cfc180", "cutoff_60hz"]
+    assert list(peaks) == ["raw", "mean_10ms", "mean_50ms", "cfc60", "cfc180", "cutoff_60hz"]
     assert peaks["raw"] == pytest.approx(peak, rel=1e-5)
-    exact = peak * 2.0 * length / (math.pi * 0.05) * math.sin(0.025 * math.pi / length)
-    assert peaks["mean_50ms"] == pytest.approx(exact, rel=1e-5)
+    for name, width in (("mean_10ms", 0.01), ("mean_50ms", 0.05)):
+        exact = peak * 2.0 * length / (math.pi * width) * math.sin(0.5 * width * math.pi / length)
+        assert peaks[name] == pytest.approx(exact, rel=1e-5)
     assert peaks["raw"] > peaks["cfc180"] > peaks["cfc60"] > peaks["cutoff_60hz"] > peaks["mean_50ms"]
 
 

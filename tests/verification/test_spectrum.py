@@ -417,7 +417,7 @@ def test_command(tmp_path, capsys):
     assert [mode["kind"] for mode in summary["modes"]][:3] == ["bending", "bending", "longitudinal"]
     assert abs(summary["modes"][0]["difference"]) < 6e-3
     page = (out / "report.html").read_text()
-    assert page.count("<svg") == 7  # the set-up, and the modes
+    assert page.count("<svg") - page.count("<template>") == 7  # the set-up, and the modes
     assert "http" not in page.replace("http://www.w3.org", "").replace("http-equiv", "")
 
 
