@@ -126,14 +126,14 @@ def solved_in_blocks(
     solve: see `sampled`. block: number of samples at a time. show: takes the fraction of finished samples.
     """
     size, results = next(iter(inputs.values())).size, dict[str, Array]()
-    blocks = [slice(first, first + block) for first in range(0, size, block)]
+    blocks = [slice(0, 1), *(slice(first, first + block) for first in range(1, size, block))]
     threads = ThreadPoolExecutor(resources.available_cores())  # compiled code runs beside other threads
 
     def of_block(rows: slice) -> Mapping[str, Array]:
         return solve({key: values[rows] for key, values in inputs.items()})
 
     def of_blocks() -> Iterator[Mapping[str, Array]]:
-        yield of_block(blocks[0])  # alone, since it may compile
+        yield of_block(blocks[0])  # one sample alone, since it may compile
         yield from threads.map(of_block, blocks[1:])
 
     try:
