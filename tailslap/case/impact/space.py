@@ -22,12 +22,6 @@ from tailslap.scene.schema import Scene, value_at
 
 TITLE, INCH = "Vehicle in space", 0.0254
 
-FORCES = (
-    Column("name", "Force on the wall"),
-    Column("lateral", "Lateral", "N", form=".0f", style="strong"),
-    Column("longitudinal", "Longitudinal", "N", form=".0f"),
-    Column("vertical", "Down", "N", form=".0f"),
-)
 PLANE = (
     Column("name", "Quantity"),
     Column("space", "In space", form="#.4g", style="strong", unit_key="unit"),
@@ -355,7 +349,6 @@ def _planar_speed(plane: ImpactAnswer) -> float:
 
 def section(answer: SpaceAnswer, plane: ImpactAnswer) -> Section:
     """Return the section of a page."""
-    forces = Table(FORCES, answer.force_rows)
-    tables = (forces, plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS))
+    tables = plane_table(answer, plane), Table(LIMIT_COLUMNS, LIMITS)
     charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
     return Section(TITLE, "", charts, tables, answer.sentences, "wide")
