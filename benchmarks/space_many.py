@@ -61,7 +61,7 @@ def least_time(solve: Callable[[], object], repeats: int = 9) -> float:
 
 
 def single(scene: str) -> None:
-    """Print the time of one motion with its error, and of the lowest wall, of a scene."""
+    """Print the time of one motion and of the lowest wall."""
     arguments = space_input(case_of(*read_scene(scene)).scene).arguments
     for name, solve in (("one motion with its error", solve_space), ("lowest wall", lowest_walls)):
         solve(*arguments)  # compiles
