@@ -188,6 +188,7 @@ SUMMARY = (
     ("force_band.shares.*", "", "fraction of the variance by input"),
     ("force_band.ranges.*", "", "range of an input"),
     ("force_band.outcomes.*", "", "fraction of samples by outcome, with `[body]`"),
+    ("force_band.fixed", "", "keys that are not varied, with values outside their ranges"),
     ("force_band.refusal", "", "reason for no band"),
     ("checks[].*", "", "name, value, limit, outcome, meaning and advice of a check"),
     (

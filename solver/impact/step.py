@@ -597,7 +597,10 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
 
 @compiled
 def _pressing(groups, k, recent):
-    """Return the normal force of the wall in this step [N], and whether a strike in progress began after `recent`."""
+    """Return the normal force of the wall in this step [N].
+
+    Also whether a strike in progress began after `recent`.
+    """
     force, is_young = 0.0, False
     for g in range(groups.shape[0]):
         if groups[g, STAMP] == k:
@@ -674,9 +677,9 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
 
 @compiled
 def _fill(rows, row, stride, part, impulse):
-    """Write the impulse at this instant and at rows since the last one, and return the number of the next row.
+    """Write the impulse at this instant and at rows since the last one.
 
-    A step over several rows begins at a row.
+    A step over several rows begins at a row. Returns the number of the next row.
     """
     before, count = row - 1, part // stride - row + 1
     for j in range(1, min(count, rows.shape[0] - row) + 1):

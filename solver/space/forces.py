@@ -104,7 +104,10 @@ def point_of_face(wall, facets, z):
 
 @compiled
 def add_force(b, x, y, z, fx, fy, fz):
-    """Add a force of space at a point of a body, and return its parts across and up in the body's axes."""
+    """Add a force at a point of a body.
+
+    Returns the parts across and up in the axes of the body.
+    """
     px, py, pz = turned_back(b, fx, fy, fz)
     mx, my, mz = cross(x, y, z, px, py, pz)
     b[LOAD] += px
@@ -326,7 +329,10 @@ def _face(wall, facets, low, high):
 
 @compiled
 def _crushed(crush, deepest, depth, steepest):
-    """Return the force of the crush law [N]; its line of unloading is no steeper than this slope [N/m]."""
+    """Return the force of the crush law [N].
+
+    The line of unloading is no steeper than this slope [N/m].
+    """
     if depth >= deepest:
         return loading_force(crush, depth)
     peak, _, length, _ = crush_line(crush, deepest)

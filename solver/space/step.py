@@ -204,7 +204,10 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
 
 @compiled
 def _push_at(pushes, k, parts, unit, b):
-    """Add the force of a history at step k, at the border of two intervals the mean of both."""
+    """Add the force of a history at a step.
+
+    At the border of two intervals it is the mean of both.
+    """
     border = k > 0 and k % parts == 0
     for row in range(k // parts - (1 if border else 0), k // parts + 1):
         if row < pushes.shape[0]:
@@ -213,7 +216,10 @@ def _push_at(pushes, k, parts, unit, b):
 
 @compiled
 def _end_row(sums, before, first, parts, means):
-    """Set the mean forces of a row that ends with this step; the step counts half for it and half for the next."""
+    """Set the mean forces of a row that ends with this step.
+
+    Half of the step belongs to this row, half to the next one.
+    """
     for j in range(6):
         change = sums[j] - before[j]
         means[j] = 0.0 if first else (before[j] + 0.5 * change) / parts

@@ -4,6 +4,7 @@ It is that of few rigid vehicles with varied inputs.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -25,11 +26,15 @@ Columns = Mapping[str, Array]
 def force_band(case: Case) -> ForceBand:
     """Return the band of the force over the default ranges.
 
-    The force is that of the headline: the peak of a constrained corner, otherwise the largest 50 ms mean. A band that
-    cannot be computed contains the reason.
+    The force is that of the headline: the peak of a constrained corner, otherwise the largest 50 ms mean. An input with
+    a value outside its range is not varied, as the vehicle would not belong to the band. A band that cannot be computed
+    contains the reason.
     """
     try:
-        ranges, solve = _problem(case)
+        every, solve = _problem(case)
+        ranges = tuple(item for item in every if _contains_own(item))
+        if not ranges:
+            return ForceBand(refusal="all inputs of the scene are outside their ranges")
         count = SAMPLES_OF_SLOW if case.scene.trailer or case.scene.body else SAMPLES
         drawn = sampling.latin_hypercube(len(ranges), count, np.random.default_rng(sampling.SEED))
         inputs = {
@@ -39,7 +44,14 @@ def force_band(case: Case) -> ForceBand:
         columns = sampling.solved_in_blocks(solve, inputs, BLOCK)
     except InputError as error:
         return ForceBand(refusal=str(error))
-    return _band(ranges, inputs, columns)
+    fixed = tuple(item.key for item in every if item not in ranges)
+    return replace(_band(ranges, inputs, columns), fixed=fixed)
+
+
+def _contains_own(item: Range) -> bool:
+    """Return whether a range contains the value of the scene."""
+    margin = 1e-9 * (item.upper - item.lower)
+    return item.given is None or item.lower - margin <= item.given <= item.upper + margin
 
 
 def _problem(case: Any) -> tuple[tuple[Range, ...], Any]:

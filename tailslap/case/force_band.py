@@ -28,6 +28,8 @@ class ForceBand:
         Lower and upper end [SI] and origin of the range of each key.
     outcomes : dict of str to float
         Fraction of the vehicles in space by outcome [-], empty in the plane.
+    fixed : tuple of str
+        Keys that are not varied, as the scene's values are outside their ranges.
     refusal : str
         Reason why there is no band, or "".
     """
@@ -37,6 +39,7 @@ class ForceBand:
     shares: Mapping[str, float] = field(default_factory=dict)
     ranges: Mapping[str, tuple[float, float, str]] = field(default_factory=dict)
     outcomes: Mapping[str, float] = field(default_factory=dict)
+    fixed: tuple[str, ...] = ()
     refusal: str = ""
 
     @property
@@ -64,6 +67,9 @@ class ForceBand:
             f"Band of {self.samples} rigid vehicles over {len(self.ranges)} inputs, {assumed} with assumed ranges",
             ", ".join(f"{100.0 * fraction:.0f} % {name}" for name, fraction in self.outcomes.items()),
             f"largest parts of the variance: {', '.join(largest)}" if largest else "",
+            f"not varied, since outside the range: {', '.join(f'`{key}`' for key in self.fixed)}"
+            if self.fixed
+            else "",
         ]
         return f"{'; '.join(filter(None, parts))}."
 
@@ -76,6 +82,7 @@ class ForceBand:
             "shares": dict(self.shares),
             "ranges": {key: list(ends) for key, ends in self.ranges.items()},
             "outcomes": dict(self.outcomes),
+            "fixed": list(self.fixed),
             "refusal": self.refusal,
         }
 

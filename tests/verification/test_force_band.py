@@ -98,6 +98,21 @@ def test_a_band_agrees_with_the_study(bands, name):
     assert bands[name].percentiles == pytest.approx((lower, middle, upper), abs=0.1 * (upper - lower))
 
 
+@pytest.mark.parametrize(("name", "change", "key"), [
+    (TRUCK, "impact.restitution=0.95", "impact.restitution"),
+    (IMPACT, "contact.restitution=0.6", "contact.restitution"),
+])  # fmt: skip
+def test_a_value_outside_its_range_is_not_varied(name, change, key):
+    """The band contains the force of the scene."""
+    band_case = case(name, change)
+    band = band_samples.force_band(band_case)
+    assert key in band.fixed
+    assert key not in band.ranges
+    assert f"`{key}`" in band.sentence.partition("not varied, since outside the range: ")[2]
+    force = band_case.answer.peaks["mean_50ms"] if band_case.scene.contact else band_case.force.peak_force
+    assert band.percentiles[0] < force < band.percentiles[2]
+
+
 def test_the_first_screen_has_band_origin_and_outcomes(bands):
     for name, band in bands.items():
         lower, middle, upper = band.percentiles
