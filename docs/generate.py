@@ -185,7 +185,7 @@ SUMMARY = (
     ("passed", "", "true if no check failed"),
     ("force_band.percentile_*", "N", "5, 50 and 95 % of the force over varied inputs"),
     ("force_band.samples", "", "number of rigid vehicles"),
-    ("force_band.shares.*", "", "fraction of the variance by input"),
+    ("force_band.variance_fractions.*", "", "fraction of the variance by input"),
     ("force_band.ranges.*", "", "range of an input"),
     ("force_band.outcomes.*", "", "fraction of samples by outcome, with `[body]`"),
     ("force_band.fixed", "", "keys that are not varied, with values outside their ranges"),

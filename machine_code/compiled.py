@@ -64,7 +64,7 @@ MISSING_NAME_ERRORS = (AttributeError, ImportError, LookupError, TypeError)
 
 
 class Laws(Protocol):
-    """Laws of compiled code that are chosen by the type of their constants."""
+    """Laws that compiled code chooses by the type of their constants."""
 
     def by_type(self, kind: type | None) -> Any:
         """Return the law with constants of this type, or None.
@@ -188,7 +188,7 @@ def _plain(arguments: tuple[object, ...]) -> tuple[object, ...]:
 
 
 def inlined(function: Function) -> Kernel:
-    """Decorate a part of a compiled loop that must be merged into it.
+    """Decorate a function that is merged into its compiled callers.
 
     Only then are its SIMD blocks vectorised.
     """
@@ -196,7 +196,7 @@ def inlined(function: Function) -> Kernel:
 
 
 def compiled(function: Function) -> Kernel:
-    """Decorate a function to be compiled on first call and stored on disk.
+    """Decorate a function that is compiled on first call and stored.
 
     The compiled code runs without the lock of the interpreter, in parallel with other Python threads.
     """
@@ -236,7 +236,7 @@ def ignore_compiling(message: str) -> None:
 
 
 def by_law(laws: Laws, kernel: str) -> Function:
-    """Return a function of compiled code that calls the kernel of a law.
+    """Return a compiled function that calls the kernel of a law.
 
     kernel: field of the law. The law is the one whose constants the first argument holds, chosen by their type when a
     loop is compiled.

@@ -160,7 +160,7 @@ class ObjectCode(NamedTuple):
 
 
 class KernelError(RuntimeError):
-    """A kernel ended with an error, which a law from outside may raise."""
+    """Error within a kernel, as of a registered law."""
 
 
 def encoded(code: ObjectCode, identity: dict[str, object]) -> bytes:
@@ -242,7 +242,7 @@ def _layout(result: Result) -> Any:
 
 
 def _reader(result: Result) -> Callable[[object], object]:
-    """Return a function that converts a C value of this type to Python."""
+    """Return the conversion of C values of a type to Python."""
     if result is None:
         return lambda value: None
     if result == LOGICAL:

@@ -45,9 +45,9 @@ class RigidBodyError(ValueError):
         Allowed values.
     """
 
-    def __init__(self, key: str, given: object, why: str, allowed: str) -> None:
-        super().__init__(key, given, why, allowed)
-        self.key, self.given, self.why, self.allowed = key, given, why, allowed
+    def __init__(self, key: str, value: object, why: str, allowed: str) -> None:
+        super().__init__(key, value, why, allowed)
+        self.key, self.given, self.why, self.allowed = key, value, why, allowed
 
     def __str__(self) -> str:
         return f"{self.key} is {self.given}, but {self.why}; allowed: {self.allowed}."
@@ -64,12 +64,12 @@ class Rule(NamedTuple):
     allowed: str
 
 
-def choose(key: str, given: str, options: tuple[str, ...]) -> str:
+def choose(key: str, name: str, options: tuple[str, ...]) -> str:
     """Return an option, or raise RigidBodyError without it."""
-    if given in options:
-        return given
+    if name in options:
+        return name
     names = ", ".join(f'"{option}"' for option in options)
-    raise RigidBodyError(key, repr(given), "this option does not exist", f"one of {names}")
+    raise RigidBodyError(key, repr(name), "this option does not exist", f"one of {names}")
 
 
 def holds(met: Met) -> bool:
@@ -92,12 +92,12 @@ class Gate:
         self.fill = choose("invalid", invalid, ("raise", "nan")) == "nan"
         self.ok: Met = True
 
-    def demand(self, rule: Rule, met: Met, given: Number, **details: Number | str) -> None:
+    def demand(self, rule: Rule, met: Met, value: Number, **details: Number | str) -> None:
         """Require that a condition holds for a value."""
         if holds(met):
             return
         if not self.fill:
-            raise refusal(rule, given, met, **details)
+            raise refusal(rule, value, met, **details)
         self.ok = self.ok & met
 
     def positive(self, rule: Rule, value: Number) -> None:
@@ -120,18 +120,18 @@ class Gate:
         return type(record)(*(np.where(self.ok, value, np.nan)[()] for value in values))
 
 
-def refusal(rule: Rule, given: Number, met: Met = False, **details: Number | str) -> RigidBodyError:
+def refusal(rule: Rule, values: Number, met: Met = False, **details: Number | str) -> RigidBodyError:
     """Return the error of a rule.
 
     It names the first value that violates it.
     """
-    met, value_array, *arrays = np.broadcast_arrays(met, given, *details.values())
+    met, values, *arrays = np.broadcast_arrays(met, values, *details.values())
     index = tuple(int(i) for i in np.argwhere(~met)[0])
-    value = value_array[index].item()
-    values = {name: array[index] for name, array in zip(details, arrays, strict=True)}
-    numbers = {name: entry for name, entry in values.items() if not isinstance(entry, str)}
-    values |= {f"{name}_deg": math.degrees(number) for name, number in numbers.items()}  # of angles
-    why = rule.why.format(**values) if np.isfinite(value) else "it is not a finite number"
+    value = values[index].item()
+    row = {name: array[index] for name, array in zip(details, arrays, strict=True)}
+    numbers = {name: entry for name, entry in row.items() if not isinstance(entry, str)}
+    row |= {f"{name}_deg": math.degrees(number) for name, number in numbers.items()}  # of angles
+    why = rule.why.format(**row) if np.isfinite(value) else "it is not a finite number"
     place = f" at index {index if len(index) > 1 else index[0]}" if index else ""
     return RigidBodyError(rule.key, f"{value:.10g}{place}", why, rule.allowed.format(**values))
 

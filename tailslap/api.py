@@ -166,7 +166,7 @@ def rigid(
 
 
 def _force_band(case: Case, is_requested: bool) -> ForceBand:
-    """Return the band of the force of a case if it is requested."""
+    """Return the band of a case's force if requested."""
     from tailslap.campaign import band_samples
 
     return band_samples.force_band(case) if is_requested else ForceBand(refusal="not requested")
@@ -397,7 +397,7 @@ def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, o
 @checked_arguments
 def compare(
     reference: result.Result | str | os.PathLike[str],
-    *others: result.Result | str | os.PathLike[str],
+    *results: result.Result | str | os.PathLike[str],
     columns: Mapping[str, str] | str | None = None,
     only: Sequence[str] = (),
     author: str = "",
@@ -412,7 +412,7 @@ def compare(
     reference : Result or path
         Result of a run, its folder, a file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
         CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV of th_to_csv).
-    *others : Result or path
+    *results : Result or path
         Results, folders or files that are compared with the reference.
     columns : mapping or str, optional
         Column names of the files by names of this program: {"time": "t", "v_gy": "-VY [mph]"}; a minus reverses the
@@ -444,7 +444,7 @@ def compare(
     """
     from tailslap.comparing import compare_report, validation
 
-    items = (reference, *others)
+    items = (reference, *results)
     comparison = compare_report.compare_items(items, columns, only, force)
     page = validation.with_validation(compare_report.compare_report(comparison), comparison, author)
     histories = {item.label: Columns(item.columns, item.units) for item in comparison.items}

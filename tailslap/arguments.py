@@ -47,20 +47,20 @@ def checked_arguments(function: Function) -> Function:
     return checked  # type: ignore[return-value]
 
 
-def picture_pixels(given: str | Sequence[int] | None) -> tuple[int, int] | None:
+def picture_pixels(size: str | Sequence[int] | None) -> tuple[int, int] | None:
     """Return width and height [pixels] of a pair or a text.
 
     Texts are like "1600x700". Raises InputError for other values; None is returned.
     """
-    if given is None:
+    if size is None:
         return None
-    sides = re.split(r"\s*[xX×]\s*", given.strip()) if isinstance(given, str) else [*map(str, given)]
+    sides = re.split(r"\s*[xX×]\s*", size.strip()) if isinstance(size, str) else [*map(str, size)]
     pair = [int(side) for side in sides if re.fullmatch(r"\d{1,5}", side)]
     if len(sides) != 2 or len(pair) != 2 or min(pair) < SMALLEST_PICTURE or max(pair) > LARGEST_PICTURE:
         allowed = (
             f"allowed is WIDTHxHEIGHT in pixels, like 1600x700, each {SMALLEST_PICTURE} to {LARGEST_PICTURE}"
         )
-        raise InputError("--picture-size", given if isinstance(given, str) else Verbatim(given), allowed)
+        raise InputError("--picture-size", size if isinstance(size, str) else Verbatim(size), allowed)
     return pair[0], pair[1]
 
 

@@ -110,7 +110,7 @@ def show(result: Result, as_json: bool) -> int:
 @click.group(context_settings=HELP)
 @click.version_option(tailslap.__version__, prog_name="tailslap")
 def commands() -> None:
-    """Verify the rigid-body method for vehicle impact on bridge parapets by finite elements.
+    """Verify rigid-body impacts on bridge parapets by finite elements.
 
     SCENE is a TOML file or the name of a scene of the program, listed by `tailslap scenes`.
     """

@@ -46,9 +46,9 @@ class InputError(Exception):
         Allowed values, or the reason of the error.
     """
 
-    def __init__(self, key: str, given: object, allowed: str) -> None:
-        self.key, self.given, self.allowed = key, given, allowed
-        super().__init__(f"{shortened(key)}: given {_quoted(given)}; {allowed}")
+    def __init__(self, key: str, value: object, allowed: str) -> None:
+        self.key, self.given, self.allowed = key, value, allowed
+        super().__init__(f"{shortened(key)}: given {_quoted(value)}; {allowed}")
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str]]:
         """Pickle the error as its three parts."""
@@ -70,28 +70,28 @@ class Verbatim(str):
     """Text that messages show without quotes."""
 
 
-def nearest(name: str, known: Collection[str], form: str = "{}") -> str:
+def nearest(name: str, names: Collection[str], form: str = "{}") -> str:
     """Return a hint at the known name nearest to a wrong one.
 
     It is "; did you mean NAME?", empty without a near name. Names that contain all words of the wrong one come
     first. form: of the name in the hint.
     """
     words = set(name.split("-"))
-    fuller = [each for each in known if words <= set(each.split("-"))] if len(words) > 1 else []
-    matches = difflib.get_close_matches(name, fuller or list(known), 1, 0.1 if fuller else 0.6)
+    fuller = [other for other in names if words <= set(other.split("-"))] if len(words) > 1 else []
+    matches = difflib.get_close_matches(name, fuller or list(names), 1, 0.1 if fuller else 0.6)
     return f"; did you mean {form.format(matches[0])}?" if matches else ""
 
 
-def one_of(name: str, known: Iterable[str], which: str = "allowed is one of") -> str:
+def one_of(name: str, options: Iterable[str], which: str = "allowed is one of") -> str:
     """List allowed names with the nearest one.
 
     A long list is on separate lines.
     """
-    known = list(known)
-    names = " " + ", ".join(known)
+    options = list(options)
+    names = " " + ", ".join(options)
     if len(names) > LONG:
         names = "\n" + textwrap.fill(names, 78, subsequent_indent=" ", break_on_hyphens=False)
-    return f"{which}{names}{nearest(name, known)}"
+    return f"{which}{names}{nearest(name, options)}"
 
 
 def place_error(place: object, what: str, error: OSError, key: str = "--out") -> Exception:

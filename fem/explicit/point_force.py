@@ -175,7 +175,7 @@ def _stress(f, r, material, viscosity, rows, power, weight):
 
 @inlined
 def _add_to_nodes(p, other_nodes, rows, gradients, slot):
-    """Add P grad N_a to the forces of all nodes but the first."""
+    """Add P grad N_a to all nodal forces but the first."""
     nodes, (p_11, p_12, p_21, p_22) = len(other_nodes) + 1, p
     for a in range(len(other_nodes)):
         g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)

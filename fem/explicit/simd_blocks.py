@@ -91,7 +91,10 @@ def slot_count(connectivity, lattice):
 
 @compiled
 def gather(values, connectivity, lattice, first, count, rows):
-    """Fill rows 2 a and 2 a + 1 with the values of corner a."""
+    """Copy the values of each corner to its two rows.
+
+    Those of corner a are rows 2 a and 2 a + 1.
+    """
     for a in range(connectivity.shape[0]):
         if lattice is not None:
             start = lattice.first[a] + first
@@ -138,7 +141,10 @@ def clear_idle(lattice, block, count, rows):
 
 @compiled
 def scatter(force, connectivity, lattice, first, count, rows):
-    """Subtract rows 2 a and 2 a + 1 from the force on corner a."""
+    """Subtract the two rows of each corner from its force.
+
+    Those of corner a are rows 2 a and 2 a + 1.
+    """
     for a in range(connectivity.shape[0]):
         if lattice is not None:
             start = lattice.first[a] + first

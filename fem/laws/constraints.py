@@ -95,7 +95,7 @@ class Penalty(NamedTuple):
     damping: float = 0.0
 
 
-def penalty(given: ConstraintInput) -> Penalty:
+def penalty(inputs: ConstraintInput) -> Penalty:
     """Return the program's spring and dashpot.
 
     The stiffness is 0.3 times Young's modulus times thickness times the scale. A spring as stiff as the elements brings
@@ -103,8 +103,8 @@ def penalty(given: ConstraintInput) -> Penalty:
     much softer one shows in the results, and flutters with the plate's lowest modes, which stiffness-proportional
     damping hardly reaches.
     """
-    stiffness = given.penalty_scale * 0.3 * given.youngs_modulus * given.thickness
-    return Penalty(stiffness, given.damping_ratio * 2.0 * math.sqrt(stiffness / given.mobility))
+    stiffness = inputs.penalty_scale * 0.3 * inputs.youngs_modulus * inputs.thickness
+    return Penalty(stiffness, inputs.damping_ratio * 2.0 * math.sqrt(stiffness / inputs.mobility))
 
 
 def _spring_and_dashpot(constants: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
@@ -151,7 +151,7 @@ CONSTRAINTS.register(
     Constraint(
         name="exact",
         constants=Exact,
-        make=lambda given: Exact(0.0),
+        make=lambda inputs: Exact(0.0),
         forces=_closing_force,
         energy=_no_energy,
         stiffness=lambda constants: math.inf,

@@ -69,8 +69,9 @@ def build_impact_model(
     contact = wall_contact(touching, unit.masses, first.plate)
     densest = replace(first.plate, density=max(properties.plate.density for properties in units))
     axles = _axles([(*part, properties.axles) for part, properties in zip(parts, units, strict=True)])
-    others = {"contact": contact, "wall": None, "hinges": hinges, "axles": axles}
-    model = plate_model.unfinished_model(unit, densest, ImpactLoopParameters, **others)
+    model = plate_model.unfinished_model(
+        unit, densest, ImpactLoopParameters, contact=contact, wall=None, hinges=hinges, axles=axles
+    )
     # Neither contact nor hinges bound the step, see fem.laws.unilateral and fem.laws.hinges.
     model = plate_model.with_time_step(model, spectrum.FREE, densest, step)
     return model if wall is None else with_wall(model, wall, step)
@@ -180,10 +181,11 @@ def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]
 def _crushing(
     positions: np.ndarray, boundary: np.ndarray, lengths: np.ndarray, contact: ContactProperties
 ) -> tuple[list[Patch], np.ndarray]:
-    """Return contact points of a plate that crushes and their laws, a column for each.
+    """Return contact points of a plate that crushes, and their laws.
 
     Points are the corners, each a node or a patch of its side, and with a layer all nodes of the boundary. Corners are
-    front and rear on the side of the wall, then on the far side. Rows of laws are the fields of `PointCrush`.
+    front and rear on the side of the wall, then on the far side. Rows of the laws are the fields of `PointCrush`,
+    columns the points.
     """
     (rear, low), (front, high) = positions.min(axis=1), positions.max(axis=1)
     places = ((front, low), (rear, low), (front, high), (rear, high))

@@ -1,4 +1,4 @@
-"""Modes of a deformable wall on its foundation, from its mesh and properties."""
+"""Modes of a deformable wall on its foundation."""
 
 from __future__ import annotations
 

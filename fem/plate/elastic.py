@@ -124,9 +124,9 @@ class Inverse:
 
 @dataclass(frozen=True)
 class ElasticSolver:
-    """Solver of K u = f for a plate of any Young's modulus.
+    """Solver of the static displacement u by K u = f.
 
-    The stiffness is that of `inverse` times the modulus [Pa].
+    The stiffness K is that of `inverse` times Young's modulus [Pa].
     """
 
     inverse: Inverse

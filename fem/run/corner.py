@@ -108,7 +108,10 @@ class Stepper(runner.PlateStepper[State]):
         return advance_and_measure, (self.template, self.template, 1, *self._all_parts, rows)
 
     def start(self, start: inertia_relief.RigidStart, kind: str) -> State:
-        """Return the state at t = 0, with velocities half a step back."""
+        """Return the state at t = 0.
+
+        Velocities are those of half a step before.
+        """
         positions, velocities = map(np.ascontiguousarray, start_kinds.start_fields(self.model, start, kind))
         parameters, state = self.parameters, State(positions, velocities, np.zeros(4), np.zeros(1))
         self._react(state)

@@ -55,7 +55,10 @@ class View(NamedTuple):
 
 
 def from_above(outlines: Floats) -> View:
-    """Return the view of one outline beside the wall Y <= 0, shape (n, points, 2) [m]."""
+    """Return the view of an outline beside the wall Y <= 0.
+
+    outlines: shape (n, points, 2) [m].
+    """
     return View((outlines,), np.zeros((1, 2)), ("", "Y"))
 
 
@@ -126,7 +129,10 @@ def _frames(
 
 
 def _draw_views(figure: Any, views: Sequence[View], units: Units) -> list[tuple[Any, Floats]]:
-    """Draw walls and axes of views side by side, and return polygons with their outlines."""
+    """Draw walls and axes of views side by side.
+
+    Returns polygons with their outlines.
+    """
     from matplotlib.colors import to_rgba
     from matplotlib.patches import Polygon
 

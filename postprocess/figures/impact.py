@@ -89,7 +89,10 @@ class Forces(NamedTuple):
 
     @property
     def lines(self) -> list[Line]:
-        """Lines in kN; those outside of `SHOWN` and of a further model are shown on request."""
+        """Curves of the forces [kN].
+
+        Those outside of `SHOWN`, and those of a further model, are hidden at first.
+        """
         return [
             Line(
                 label + self.model,
@@ -112,7 +115,7 @@ def draw_forces(
 ) -> Chart:
     """Draw filtered forces, components one below the other.
 
-    Components with the same axis share a plot. levels: design forces of the first by their names [N], drawn as lines;
+    Components with the same axis are in one plot. levels: design forces of the first by their names [N], as lines;
     motion: instants of an animation beside the chart [s].
     """
     across = [Level(label, round(force / 1e3, 1)) for label, force in (levels or {}).items()]

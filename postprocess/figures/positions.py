@@ -235,7 +235,7 @@ def _speed(unit: Unit, size: float, text: str) -> list[Mark]:
 
 
 def arrow(start: Floats, end: Floats, size: float, colour: str = "ink") -> list[Mark]:
-    """Return a line with a filled head at its end, in proportion to a size."""
+    """Return an arrow with a head in proportion to a size."""
     along = (end - start) / (float(np.linalg.norm(end - start)) or 1.0) * 0.03 * size
     across = 0.3 * np.array([-along[1], along[0]])
     head = np.stack([end, end - along + across, end - along - across])

@@ -106,7 +106,10 @@ class Vehicle(NamedTuple):
 
 
 class Resultant(NamedTuple):
-    """Largest 50 ms mean of the lateral force [N], and its height [m]."""
+    """Largest 50 ms mean of the lateral force.
+
+    force [N]; height of its line of action [m].
+    """
 
     force: float
     height: float
@@ -120,23 +123,24 @@ def column(history: History, name: str, unit: int) -> Floats:
 def moved(
     vehicle: Vehicle, history: History, unit: int, points: Sequence[Sequence[float]], axle: int = -1
 ) -> Floats:
-    """Return points of a unit in space at every row, shape (rows, points, 3) [m].
+    """Return positions of points of a unit at every row.
 
-    points: at rest, shape (points, 3); axle: number of the axle that they move with, -1 for the body.
+    points: positions at rest, shape (points, 3) [m]; axle: number of the axle to which they belong, -1 for the body.
+    Returns shape (rows, points, 3) [m].
     """
     body, still = vehicle.units[unit], np.array(points, dtype=float)
     place = np.stack([column(history, name, unit) for name in ("x_g", "y_g", "z_g")], axis=-1)[:, None]
     centre = np.zeros_like(place) + np.array([-body.centre, 0.0, body.centre_height])
-    for number, own in enumerate(vehicle.axles):
-        if own.unit == unit:
-            rest = np.array([(-own.position, 0.0, own.radius)])
-            centre += own.mass / body.mass * (_with_axle(own, history, number, rest) - rest)
+    for number, part in enumerate(vehicle.axles):
+        if part.unit == unit:
+            rest = np.array([(-part.position, 0.0, part.radius)])
+            centre += part.mass / body.mass * (_with_axle(part, history, number, rest) - rest)
     local = _with_axle(vehicle.axles[axle], history, axle, still) if axle >= 0 else still
     return np.asarray(place + np.einsum("rij,rpj->rpi", _rotation(history, unit), local - centre))
 
 
 def _with_axle(axle: Axle, history: History, number: int, points: Floats) -> Floats:
-    """Return points that heave and roll with an axle, in the axes of its unit."""
+    """Return points of an axle in the axes of its unit."""
     heave, roll = (history[f"{name}_{number + 1}"][:, None] for name in ("heave", "axle_roll"))
     x, y, z = points.T - np.array([[0.0], [0.0], [axle.roll_centre]])
     s, c = np.sin(roll), np.cos(roll)
@@ -144,7 +148,10 @@ def _with_axle(axle: Axle, history: History, number: int, points: Floats) -> Flo
 
 
 def _rotation(history: History, unit: int) -> Floats:
-    """Return the rotations of a unit by yaw, then pitch, then roll, shape (rows, 3, 3)."""
+    """Return the rotation matrices of a unit, shape (rows, 3, 3).
+
+    Yaw is first, then pitch, then roll.
+    """
     angles = [column(history, name, unit) for name in ("yaw", "pitch", "roll")]
     (cy, sy), (cp, sp), (cr, sr) = ((np.cos(angle), np.sin(angle)) for angle in angles)
     rows = [
@@ -166,9 +173,9 @@ def box(vehicle: Vehicle, history: History, unit: int) -> Floats:
 
 
 def wheel(vehicle: Vehicle, history: History, number: int, side: int, above: bool = False) -> Floats:
-    """Return the outline of a wheel from behind or from above, shape (rows, 4, 3) [m].
+    """Return the outline of a wheel from behind or from above.
 
-    side: -1 for the right one, 1 for the left one.
+    side: -1 for the right one, 1 for the left one. Returns shape (rows, 4, 3) [m].
     """
     axle = vehicle.axles[number]
     out, inner = (side * 0.5 * axle.track + 0.5 * part * WHEEL for part in (1.0, -1.0))
@@ -179,7 +186,7 @@ def wheel(vehicle: Vehicle, history: History, number: int, side: int, above: boo
 
 
 def draw_elevation(vehicle: Vehicle, history: History, row: int, resultant: Resultant) -> Chart:
-    """Draw the unit that rolls most in a row from behind, on the profile of the wall."""
+    """Draw the unit with the largest roll in a row, from behind."""
     now = {name: values[row : row + 1] for name, values in history.items()}
     unit = leaning_unit(vehicle, now)
     corners, roll = box(vehicle, now, unit)[0, :, 1:], float(column(now, "roll", unit)[0])
@@ -241,13 +248,16 @@ def leaning_unit(vehicle: Vehicle, history: History) -> int:
 
 
 def _far_marks(far: Floats, near: Floats) -> list[Mark]:
-    """Return a further face of a body, thin, and its edges to the near face."""
+    """Return the far face of a body and the connecting edges."""
     edges = np.stack([far, near, np.full_like(far, np.nan)], axis=1).reshape(-1, 2)
     return [Outline(far[:, 0], far[:, 1], "fe", 0.5, 0.03), Line("", edges[:, 0], edges[:, 1], "steel", 0.6)]
 
 
 def _axle_marks(vehicle: Vehicle, now: History, unit: int, plane: tuple[int, int]) -> list[Mark]:
-    """Return beams and wheels of a unit; those off the ground are red."""
+    """Return beams and wheels of a unit.
+
+    Wheels off the ground are red.
+    """
     marks = list[Mark]()
     for number, axle in enumerate(vehicle.axles):
         if axle.unit != unit:
@@ -263,7 +273,7 @@ def _axle_marks(vehicle: Vehicle, now: History, unit: int, plane: tuple[int, int
 
 
 def _strip_marks(vehicle: Vehicle, now: History, unit: int) -> list[Mark]:
-    """Return the strips of a unit on the side of the wall, from behind."""
+    """Return the strips on the wall side of a unit, from behind."""
     marks = list[Mark]()
     for strip in vehicle.strips:
         if strip.unit == unit:
@@ -281,7 +291,7 @@ def _centre_mark(now: History, unit: int, names: tuple[str, str]) -> list[Mark]:
 
 
 def _force_marks(face: Floats, resultant: Resultant) -> list[Mark]:
-    """Return the arrow of the force into the face of the wall, with value and height."""
+    """Return the arrow of the force on the wall with its labels."""
     force, height = resultant
     start = np.array([np.interp(height, face[:, 1], face[:, 0]), height])
     tip = start - (ARROW, 0.0)
@@ -322,7 +332,10 @@ def _thinned_with_gaps(t: Floats, values: Floats) -> tuple[Floats, Floats]:
 
 
 class Lift(NamedTuple):
-    """Interval with the wheels of a side of an axle off the ground [s]; axle: its number from 0."""
+    """Interval with wheels of one side of an axle off the ground.
+
+    axle: number from 0; side: of `SIDES`; start, end [s].
+    """
 
     axle: int
     side: str
@@ -331,7 +344,7 @@ class Lift(NamedTuple):
 
 
 def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Chart:
-    """Draw roll and pitch of each unit, and the lifts of the wheels, over time."""
+    """Draw roll, pitch and lifted wheels of each unit over time."""
     count, wheels = len(vehicle.units), [(axle, side) for axle in range(len(vehicle.axles)) for side in SIDES]
     plots = []
     for name, label in (("roll", "roll, to the wall [deg]"), ("pitch", "pitch, nose down [deg]")):
@@ -359,7 +372,10 @@ def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Ch
 
 
 def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
-    """Return the views of an animation, from behind and from above, the latter about the first unit."""
+    """Return the views of an animation from behind and from above.
+
+    The latter is centred on the first unit.
+    """
     unit, first = (
         leaning_unit(vehicle, history),
         np.stack([history["x_g"], 0.0 * history["x_g"]], axis=-1)[:, None],
@@ -383,7 +399,7 @@ def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
 
 
 def draw_films(vehicle: Vehicle, history: History) -> list[Chart]:
-    """Draw the motion from behind, and from above about the first unit, as animations."""
+    """Draw the animated motion from behind and from above."""
     behind, above = film_views(vehicle, history)
     captions = (
         "Vehicle from behind, animated, ten times slower",

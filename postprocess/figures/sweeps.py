@@ -306,12 +306,12 @@ def _across(places: Values, heights: Values, colour: str, width: float) -> Line:
     return Line("", x, np.concatenate([heights, gap]).T.ravel(), colour, width)
 
 
-def _points(scales: Sequence[Scaled], shown: Values) -> Line:
+def _points(scales: Sequence[Scaled], selected: Values) -> Line:
     """Return the values that pages show where rows meet a scale."""
     places, heights, said, at = [], [], [], []
     for place, scale in enumerate(scales):
-        places += [float(place)] * len(shown)
-        heights += scale.heights[shown].tolist()
-        said += [value if isinstance(value, str) else f"{value:.5g}" for value in scale.values[shown]]
-        at += [f"run {row}, {scale.label}" for row in shown]
+        places += [float(place)] * len(selected)
+        heights += scale.heights[selected].tolist()
+        said += [value if isinstance(value, str) else f"{value:.5g}" for value in scale.values[selected]]
+        at += [f"run {row}, {scale.label}" for row in selected]
     return Line("value", np.array(places), np.array(heights), width=0.0, values=said, at=at)

@@ -198,10 +198,10 @@ def between(html: str) -> Markup:
 
 
 def in_both_units(texts: Sequence[str], units: Units) -> str:
-    """Return one page of two that differ in units, those of the first.
+    """Return one page of two that differ in units.
 
-    Texts that differ stand one after the other with the class of their system, of which the page's switch shows one.
-    The page's script puts charts in other units in the place of the first ones.
+    It shows the units of the first at the beginning. Texts that differ stand one after the other with the class of
+    their system, of which the page's switch shows one. The page's script replaces charts by those in other units.
     """
     names = [units.name, US.name if units is SI else SI.name]
     parts = []
@@ -219,14 +219,13 @@ def in_both_units(texts: Sequence[str], units: Units) -> str:
 
 
 def without_equal_paths(other: str, one: str) -> str:
-    """Return a drawing without the coordinates of paths that are equal in another one.
+    """Return a drawing without the paths that another one contains.
 
     The page's script copies them.
     """
-    own = PATH.findall(one)
-    if len(PATH.findall(other)) != len(own):
+    paths = iter(first := PATH.findall(one))
+    if len(PATH.findall(other)) != len(first):
         return other
-    paths = iter(own)
     return PATH.sub(lambda match: "" if match[0] == next(paths) else match[0], other)
 
 

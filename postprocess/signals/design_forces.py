@@ -77,6 +77,6 @@ def design_forces(test_level: str) -> Sequence[DesignForce]:
         raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LRFD)}")
     units = {"longitudinal": KIP, "vertical": KIP, "height": INCH, "length": FOOT}
     load = LRFD[test_level]
-    others = {name: load[name] * unit for name, unit in units.items() if name in load}
+    components = {name: load[name] * unit for name, unit in units.items() if name in load}
     mash = [DesignForce(*row) for row in MASH.get(test_level, ())]
-    return [*mash, DesignForce(REPORT_350, load["lateral"], AASHTO, **others)]
+    return [*mash, DesignForce(REPORT_350, load["lateral"], AASHTO, **components)]

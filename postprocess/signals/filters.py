@@ -116,7 +116,10 @@ def settling_rows(cutoff: float, interval: float) -> int:
 
 
 def _extended(values: Floats, added: int) -> Floats:
-    """Return the values with this number of copies of the first and the last at the ends."""
+    """Return the values with copies of the first and last ones.
+
+    added: number of copies at each end.
+    """
     return np.concatenate((np.full(added, values[0]), values, np.full(added, values[-1])))
 
 

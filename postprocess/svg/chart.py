@@ -141,7 +141,7 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
 
 
 def _below_names(plot: Plot, scale: scales.Scale) -> scales.Scale:
-    """Extend a scale so that curves stay below the names of spans, and levels with their names too."""
+    """Extend a scale so that names of spans are above all curves."""
     spans = [mark for mark in plot.marks if isinstance(mark, marks.Span) and mark.label]
     rows = max((mark.row + 1 for mark in spans), default=0)
     rows += any(isinstance(mark, Level) for mark in plot.marks)
@@ -190,9 +190,9 @@ def _stroked(opening: str, colour: str) -> str:
 
 
 def _level_names(frame: Frame) -> str:
-    """Return the names of levels at the right end of their lines, above or below.
+    """Return the names of levels at the right end of their lines.
 
-    Where other names leave no room they stand further to the left.
+    They are above or below the line, and further to the left beside other names.
     """
     levels = [mark for mark in frame.plot.marks if isinstance(mark, Level)]
     placed, drawn = list[tuple[float, float, float]](), []
@@ -210,7 +210,10 @@ def _level_names(frame: Frame) -> str:
 
 
 def _is_clear(one: tuple[float, float, float], other: tuple[float, float, float]) -> bool:
-    """True if two names, each with start, end and height, do not overlap."""
+    """Return True for two names that do not overlap.
+
+    Each is start, end and height.
+    """
     return one[1] < other[0] or other[1] < one[0] or abs(one[2] - other[2]) >= SMALL
 
 
@@ -245,7 +248,10 @@ class Chart:
         return any(isinstance(mark, Moving | Cursor) for plot in self.plots for mark in plot.marks)
 
     def in_units(self, units: Units) -> Chart:
-        """Return the chart in other units, unchanged if it was not drawn from plots."""
+        """Return the chart in other units.
+
+        A chart that was not drawn from plots remains unchanged.
+        """
         if not self.plots:
             return self
         along, x_unit = units.of(self.x.unit)

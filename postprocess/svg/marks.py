@@ -54,7 +54,7 @@ DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 3", "5 2 1 2", "4 4", "1 5")
 WIDTHS = (3.0, 2.2, 1.7, 1.4)
 
 SLOWER, MAX_FRAMES, HOLD = 10.0, 121, 0.12
-"""Duration of an animation over that of the motion, number of its frames, and part of it that holds the last one."""
+"""Slowdown of an animation, most frames, and fraction of its duration on the last one."""
 
 SMALL_BOX = 9.0
 """Size below which boxes are drawn without gaps [pixels]."""
@@ -243,7 +243,7 @@ class Level(Mark):
     colour: str = "difference"
 
     def draw(self, x: Scale, y: Scale) -> str:
-        """Return the line; the chart places its name."""
+        """Return the line without its name, which the chart places."""
         height = float(y.at(self.value))
         line = f'<path d="M{x.start:.2f} {height:.2f}H{x.end:.2f}" stroke-dasharray="5 2" '
         return coloured(line + 'stroke="currentColor"/>', self.colour)
@@ -312,10 +312,10 @@ def film_rows(t: Floats) -> NDArray[np.intp]:
 
 
 def animated(elements: str, travel: float, t: Floats) -> str:
-    """Return elements that CSS moves along x in one step for each frame, over and over.
+    """Return elements with a repeated motion along x by CSS.
 
-    travel: distance [pixels]; t: instants [s]. Without animation the elements are at the end, as on paper and for
-    readers who prefer reduced motion. Pages can pause it.
+    travel: distance [pixels], in one step for each frame; t: instants [s]. Without animation the elements are at the
+    end, as on paper and for readers who prefer reduced motion. Pages can pause it.
     """
     style = (
         f"@keyframes motion{{from{{transform:none}}{100.0 * (1.0 - HOLD):g}%,to{{transform:translateX(var(--shift))}}}}"
@@ -356,7 +356,10 @@ class Moving(Mark):
 
 @dataclass(frozen=True)
 class Cursor(Mark):
-    """Line across a plot over time, at the instant that `Moving` marks of the same instants show."""
+    """Line at the current instant of an animation, across a plot.
+
+    The animation is that of `Moving` marks of the same instants.
+    """
 
     ACROSS = ("t",)
     UP = ()

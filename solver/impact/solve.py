@@ -117,7 +117,7 @@ class ImpactMotion:
         -------
         SimpleNamespace
             Arrays of the shape of `times`, forces and energies summed over the points: `t` [s]; `x_g`, `y_g`, centre of
-            mass [m]; `theta`, between the wall side and the wall [rad]; `omega` [rad/s], positive as the rear swings
+            mass [m]; `theta`, between the wall side and the wall [rad]; `omega` [rad/s], positive as the rear rotates
             towards the wall; `v_gx`, `v_gy` [m/s]; `force_normal`, `force_tangential`, of the wall on the vehicle along
             +Y and +X [N]; `impulse_normal`, `impulse_tangential`, their integrals [N s]; `impulse_angular`, the
             integral of their moment about X = Y = 0 [N m s]; `kinetic_energy` [J]; `crush_energy_stored`,

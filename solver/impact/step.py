@@ -275,8 +275,8 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
             speed = max(abs(rate), 1e-300)
             end = deepest - depth if rate > 0.0 else depth - points[p, FOOT]
             swing = max(speed, np.sqrt(length * abs(slowing)))
-            own = phase * length / swing
-            shortest = min(shortest, own, max(near * end / speed, floor * own))
+            full = phase * length / swing
+            shortest = min(shortest, full, max(near * end / speed, floor * full))
     parts_taken = min(2 * parts_taken, clock.parts[i])
     while part & (parts_taken - 1) > 0 or (
         parts_taken > 1 and parts_taken * clock.step[i] > shortest * clock.parts[i]
@@ -545,7 +545,7 @@ def _mean_speeds(point, motion, j):
 
 @compiled
 def _finish(t, k, number, touching, loaded, largest, motion, work, strikes, clock, steered):
-    """Return the end of the motion [s], and when and how far the wall was loaded.
+    """Return the end of the motion [s], and updated `loaded`, `largest`.
 
     loaded: last instant at which the vehicle did more than lean on the wall, where its tyres may hold it for seconds;
     largest: force of the wall so far [N]. steered: True with tyres.
@@ -611,7 +611,10 @@ def _pressing(groups, k, recent):
 
 @compiled
 def _all_over(groups, k, pressed):
-    """Return the instant [s] from which all strikes are over; that of corners in contact is `pressed`."""
+    """Return the instant from which all strikes are over [s].
+
+    pressed: that of strikes with corners in contact.
+    """
     latest = 0.0
     for g in range(groups.shape[0]):
         if groups[g, SLOT] >= 0.0:
@@ -677,7 +680,7 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
 
 @compiled
 def _fill(rows, row, stride, part, impulse):
-    """Write the impulse at this instant and at rows since the last one.
+    """Write the impulse at rows since the last one.
 
     A step over several rows begins at a row. Returns the number of the next row.
     """

@@ -413,9 +413,9 @@ def unit_laws(units: Sequence[Mapping[str, Any]]) -> list[tuple[dict[str, Any], 
     return both
 
 
-def _overlaid(law: Mapping[str, Any], given: Mapping[str, Any] | None) -> dict[str, Any]:
+def _overlaid(law: Mapping[str, Any], changes: Mapping[str, Any] | None) -> dict[str, Any]:
     """Return a law with these values replaced."""
-    values = {key: (given or {}).get(key) for key in LAW}
+    values = {key: (changes or {}).get(key) for key in LAW}
     values = {key: value for key, value in values.items() if value is not None}
     unloading = set(values) & {"restitution", "unloading_stiffness"}
     cleared = {"restitution": 0.0, "unloading_stiffness": 0.0} if unloading else {}

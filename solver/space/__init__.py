@@ -1,4 +1,4 @@
-"""Vehicles in space that strike a wall: roll, pitch, and the height of the force."""
+"""Vehicles in space that strike a wall, with roll and pitch."""
 
 from solver.space.solve import (
     OUTCOMES,

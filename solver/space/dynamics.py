@@ -7,7 +7,7 @@ a of the body and w' of its spin, and j'' of the joints of its axles (heave and 
     [A' D] [ j'' ] = [joint load]
 
 in the body's axes. The joints are eliminated axle by axle: (M - A D^-1 A') [a, w'] = load - A D^-1 joint load. Gravity
-acts on all masses alike and is added to a. Hinges close by impulses at the end of a step. Positions follow the
+accelerates all masses equally and is added to a. Hinges close by impulses at the end of a step. Positions follow the
 velocities of the middle of a step, the rotation by the exponential of its spin: second order.
 """
 
@@ -79,9 +79,9 @@ def cross(ax, ay, az, bx, by, bz):
 
 @compiled
 def begin_step(bodies, joints, last):
-    """Set rotations, and velocities at this instant from those half a step ago; clear the loads.
+    """Set rotations and velocities of this instant, and clear the loads.
 
-    last: the last step [s].
+    last: the last step [s]; the velocities are those of half a step before.
     """
     for u in range(bodies.shape[0]):
         b = bodies[u]
@@ -125,7 +125,10 @@ def assemble(units, axles, axle_unit, bodies, joints):
 
 @compiled
 def _add_axle(axle, b, q):
-    """Add an axle to the mass and load of its body, with its joints eliminated."""
+    """Add mass and load of an axle to those of its body.
+
+    Its joints are eliminated.
+    """
     m, inertia, e = axle[AXLE_MASS], axle[AXLE_INERTIA], axle[BELOW]
     c, s = q[COSINE], q[SINE]
     heave_rate, roll_rate = q[JOINT_NOW], q[JOINT_NOW + 1]
@@ -190,9 +193,9 @@ def _add_axle(axle, b, q):
 
 @compiled
 def factor(m, start, n, width):
-    """Factor a symmetric positive definite matrix in place, L D L', from its upper part.
+    """Factor a symmetric positive definite matrix in place.
 
-    m: flat; the matrix begins at `start` and has rows of this width.
+    The upper part becomes that of L D L'. m: flat; the matrix begins at `start` and has rows of this width.
     """
     for i in range(n):
         row = start + width * i
@@ -225,7 +228,10 @@ def solve_factored(m, start, n, width, x, first, stride):
 
 @compiled
 def _joint_response(q, x, start, heave, roll):
-    """Return the accelerations of an axle's joints by loads on them, and by its body's accelerations in x."""
+    """Return the accelerations of an axle's joints.
+
+    x: accelerations of its body, from `start`; heave, roll: loads on the joints.
+    """
     for j in range(6):
         heave -= q[COLUMN + j] * x[start + j]
         roll -= q[COLUMN + 6 + j] * x[start + j]
@@ -234,7 +240,7 @@ def _joint_response(q, x, start, heave, roll):
 
 @compiled
 def kick(axle_unit, bodies, joints, h):
-    """Advance the velocities over h by the loads of this instant, gravity included."""
+    """Advance the velocities over h by gravity and the loads."""
     for u in range(bodies.shape[0]):
         b = bodies[u]
         solve_factored(b, MATRIX, 6, 6, b, LOAD, 1)
@@ -279,7 +285,7 @@ def move(bodies, joints, h):
 
 @compiled
 def close_hinges(units, axle_unit, work, last, h):
-    """Correct the velocities so that the hinges are closed at the step's end.
+    """Correct the velocities so that the hinges close.
 
     last: the step of the correction [s], over which the accelerations are corrected too; h: the step ahead [s].
     """
@@ -334,13 +340,19 @@ def close_hinges(units, axle_unit, work, last, h):
 
 @compiled
 def _hinge(unit, side):
-    """Return the place of a hinge on its unit, ahead of the hinge (side 0) or behind."""
+    """Return the position of a hinge on one of its units.
+
+    side: 0 for the unit ahead of the hinge, 1 for the unit behind.
+    """
     return (unit[HITCH_X], unit[HITCH_Z]) if side == 0 else (unit[KING_X], unit[KING_Z])
 
 
 @compiled
 def _point_change(b, wx, wy, wz, x, z):
-    """Return the vector product of a spin and a point of the middle plane, in space."""
+    """Return the velocity in space of a point of the middle plane.
+
+    It is the cross product of the spin and the point.
+    """
     vx, vy, vz = cross(wx, wy, wz, x, 0.0, z)
     return rotated(b, vx, vy, vz)
 

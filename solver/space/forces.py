@@ -1,4 +1,4 @@
-"""Compiled forces on a vehicle in space: springs, tyres, the wall on strips, hinges in roll.
+"""Compiled forces on a vehicle in space.
 
 Spring of an axle   linear with a damper, between body and axle, along the body's z
 Tyre                linear and unilateral, upward at the ground above the lowest point of the unloaded wheel; side
@@ -70,13 +70,16 @@ Over it the point leaves the face at the top and at an edge of the profile.
 """
 
 STEEPEST, STICKING = 0.25, 0.25
-"""Limits of the slope of unloading times h^2, and of friction over sliding velocity times h, per mass that a point
-moves: the force of a step does not reverse the motion that causes it."""
+"""Limits of the slope of unloading times h^2, and of friction over sliding velocity times h, over the effective mass of
+a point: the force of a step does not reverse the motion that causes it."""
 
 
 @compiled
 def wall_facets(profile, height, wall):
-    """Set the facets of a wall of this height, and return their number."""
+    """Set the facets of a wall of a height.
+
+    Returns their number.
+    """
     last = profile.shape[0] - 2
     count = 0
     for k in range(last + 1):
@@ -94,7 +97,10 @@ def wall_facets(profile, height, wall):
 
 @compiled
 def point_of_face(wall, facets, z):
-    """Return the place of the face at a height, of the wall's edge above its top."""
+    """Return the position y of the wall's face at a height.
+
+    Above the top it is that of the upper edge.
+    """
     for k in range(facets):
         if z <= wall[k, 3] or k == facets - 1:
             part = min(max((z - wall[k, 1]) / (wall[k, 3] - wall[k, 1]), 0.0), 1.0)
@@ -121,7 +127,10 @@ def add_force(b, x, y, z, fx, fy, fz):
 
 @compiled
 def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
-    """Add a force at a point of an axle with its roll centre at this height of the body."""
+    """Add a force at a point of an axle.
+
+    centre: height of the roll centre in the axes of the body [m].
+    """
     across, up = add_force(b, x, y, z, fx, fy, fz)
     q[JOINT_LOAD] += up
     q[JOINT_LOAD + 1] += y * up - (z - centre) * across
@@ -129,7 +138,10 @@ def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
 
 @compiled
 def point_velocity(b, x, y, z, uy, uz):
-    """Return the velocity in space of a point that moves by (0, uy, uz) in the body's axes."""
+    """Return the velocity in space of a point of a body.
+
+    uy, uz: velocity relative to the body, in its axes [m/s].
+    """
     vx, vy, vz = cross(b[NOW + 3], b[NOW + 4], b[NOW + 5], x, y, z)
     vx, vy, vz = rotated(b, vx, vy + uy, vz + uz)
     return b[NOW] + vx, b[NOW + 1] + vy, b[NOW + 2] + vz
@@ -137,7 +149,7 @@ def point_velocity(b, x, y, z, uy, uz):
 
 @compiled
 def press_axles(axles, axle_unit, bodies, joints, sums, h):
-    """Add the forces of springs, dampers and tyres, and their works over h."""
+    """Add forces of springs, dampers and tyres, and works over h."""
     for a in range(axles.shape[0]):
         _press_axle(axles[a], bodies[axle_unit[a]], joints[a], sums, h)
 
@@ -167,11 +179,11 @@ def _press_axle(axle, b, q, sums, h):
             # The forces act at the ground, above the lowest point of the unloaded tyre.
             x, y, z, dz = x + depth * b[6], y + depth * b[7], z + depth * b[8], dz + depth * b[8]
             vx, vy, _ = point_velocity(b, x, y, z, -dz * roll_rate, heave_rate + y * roll_rate)
-            ahead, left = vx * hx + vy * hy, vy * hx - vx * hy
+            ahead, across = vx * hx + vy * hy, vy * hx - vx * hy
             normal = axle[TYRE] * depth
-            force = side_force(normal, axle[FRICTION], axle[CORNERING], ahead, left)
+            force = side_force(normal, axle[FRICTION], axle[CORNERING], ahead, across)
             add_axle_force(b, q, axle[CENTRE] + heave, x, y, z, -force * hy, force * hx, normal)
-            sums[TYRE_WORK] += h * force * left
+            sums[TYRE_WORK] += h * force * across
 
 
 @compiled
@@ -191,9 +203,9 @@ def twist_hinges(units, bodies):
 
 @compiled
 def press_strips(fleet, i, units, axles, strips, facets, work, h):
-    """Add the forces of the wall on all strips, and return their greatest depth [m].
+    """Add the forces of the wall on all strips.
 
-    h: the step [s]. The depth is negative where no strip touches: the smallest gap.
+    h: the step [s]. Returns the largest depth [m]; without contact it is negative, the smallest gap.
     """
     deepest, first, toe = -np.inf, 0, work.wall[0, 0]
     for k in range(strips.shape[0]):
@@ -221,9 +233,9 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h):
 
 @compiled
 def _end(strip, at, side, centre, q):
-    """Return an end of a strip in the body's axes, with its velocity in them.
+    """Return position and velocity of an end of a strip.
 
-    centre: height of the roll centre of its axle at rest, NaN for a strip of the body.
+    Both are in the body's axes. centre: height of the roll centre of its axle at rest, NaN for a strip of the body.
     """
     x, y, z = strip[at], side * strip[at + 1], strip[at + 2]
     if np.isnan(centre):
@@ -237,10 +249,10 @@ def _end(strip, at, side, centre, q):
 def _press_strip(
     strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h
 ):  # fmt: skip
-    """Add the forces of the wall on a strip, and return its depth.
+    """Add the forces of the wall on a strip.
 
-    origin: place along the wall from which stations count; mobility, of_axle: inverse masses of the body at a point,
-    and of the axle. The points are one loop: with a call for each a motion takes a third more time.
+    Returns its depth [m]. origin: place along the wall from which stations count; mobility, of_axle: inverse masses of
+    the body at a point, and of the axle. The points are one loop: calls for each would take a third more time.
     """
     ax, ay, az, auy, auz = _end(strip, START, side, centre, q)
     bx, by, bz, buy, buz = _end(strip, END, side, centre, q)
@@ -316,7 +328,10 @@ def _press_strip(
 
 @compiled
 def _face(wall, facets, low, high):
-    """Return the mean normal of the face between two heights, and the part below the top."""
+    """Return the mean normal of the face between two heights.
+
+    The third value is the fraction of the interval below the top.
+    """
     ny, nz, weight = 0.0, 0.0, 0.0
     for k in range(facets):
         bottom = wall[k, 1] if k > 0 else min(low, wall[k, 1])

@@ -1,4 +1,4 @@
-"""Motions of vehicles in space that strike a wall: one with its history, or many."""
+"""Motions of vehicles in space that strike a wall."""
 
 import math
 from dataclasses import dataclass
@@ -183,7 +183,7 @@ def solve_space(
     former, before = (run(parts // 2)[0] if parts[0] > 1 else None), math.inf
     for _ in range(1 if step else HALVINGS + 1):
         answers, rows = run(parts)
-        change, taken = math.inf if former is None else _change(former, answers), interval / int(parts[0])
+        change = math.inf if former is None else _change(former, answers)
         error = SAFETY * max(change, FORMER * before if before < UNRESOLVED else 0.0)
         error = error if step else max(error, LEAST_ERROR)
         if error <= tolerance:
@@ -194,7 +194,7 @@ def solve_space(
     table = rows[: int(one.rows)]
     names = column_names(fleet.units.shape[1], fleet.axles.shape[1])
     history = {"t": interval * np.arange(len(table)), **dict(zip(names, table.T, strict=True))}
-    return SpaceMotion(OUTCOMES[int(one.outcome)], one, history, taken, error)
+    return SpaceMotion(OUTCOMES[int(one.outcome)], one, history, interval / int(parts[0]), error)
 
 
 def solve_spaces(
@@ -207,7 +207,7 @@ def solve_spaces(
     vehicle : SpaceVehicle
         Its values are floats or of shape (n,), as those of the next.
     wall : SpaceWall
-        What it strikes.
+        Wall that it strikes.
     speed, angle : float or ndarray
         Before the impact [m/s], [rad].
     refine : int
@@ -309,7 +309,10 @@ def _run(
 
 
 def _change(coarse: SpaceAnswers, fine: SpaceAnswers) -> float:
-    """Return the largest change of the compared quantities, infinite where the outcome changes."""
+    """Return the largest relative change of the compared quantities.
+
+    It is infinite where the outcome changes.
+    """
     if coarse.outcome[0] != fine.outcome[0]:
         return math.inf
     changes = []
@@ -320,7 +323,10 @@ def _change(coarse: SpaceAnswers, fine: SpaceAnswers) -> float:
 
 
 def _parts(fleet: Fleet, interval: float, phase: float, step: float | None) -> NDArray[np.int64]:
-    """Return the steps of an interval by the fastest oscillation, shape (n,). Raises RigidBodyError."""
+    """Return the steps of an interval by the fastest oscillation.
+
+    Returns shape (n,). Raises RigidBodyError for too many.
+    """
     rate = _fastest(fleet)
     parts = np.ceil(
         interval * rate / phase if step is None else np.full_like(rate, interval / step) * (1.0 - 1e-12)
@@ -331,7 +337,7 @@ def _parts(fleet: Fleet, interval: float, phase: float, step: float | None) -> N
 
 
 def _fastest(fleet: Fleet) -> Array:
-    """Return an estimate of the highest frequency of each sample [rad/s], shape (n,)."""
+    """Estimate the highest frequencies [rad/s], shape (n,)."""
     axles, strips, units = (np.moveaxis(values, -1, 0) for values in (fleet.axles, fleet.strips, fleet.units))
     mass, inertia = axles[state.AXLE_MASS], axles[state.AXLE_INERTIA]
     vertical = 2.0 * (axles[state.TYRE] + axles[state.SPRING])

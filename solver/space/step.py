@@ -182,8 +182,8 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
                     rows[row, j] = work.windows[row, j]
             row += 1
         outcome, turning = _verdict(units, bodies, joints, edge, t, answer, rolls)
-        done = outcome != UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not turning)
-        if k % parts == 0 and ((done and not clock.given) or t >= clock.longest * (1.0 - 1e-12)):
+        is_over = outcome != UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not turning)
+        if k % parts == 0 and ((is_over and not clock.given) or t >= clock.longest * (1.0 - 1e-12)):
             reached = t
             break
         assemble(units, axles, fleet.axle_unit, bodies, joints)
@@ -228,9 +228,9 @@ def _end_row(sums, before, first, parts, means):
 
 @compiled
 def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
-    """Set sample i to first touch, and return False where no strip can touch the face.
+    """Set sample i to the instant of first contact.
 
-    anywhere: True to begin without contact.
+    Returns False where no strip can touch the face. anywhere: True to begin without contact.
     """
     theta = fleet.angle[i]
     c, s = np.cos(theta), np.sin(theta)
@@ -265,7 +265,7 @@ def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
 
 @compiled
 def _push(push, share, unit, b):
-    """Add a share of the force of a history to the first unit.
+    """Add a fraction of a force of a history to a unit.
 
     Columns: along, across and up [N], the point's place ahead of the centre of the whole mass along X [m], and its
     height [m], NaN for that of the centre. The centre is that with the axles at rest on the body.
@@ -278,7 +278,10 @@ def _push(push, share, unit, b):
 
 @compiled
 def _leave(unit, b, answer):
-    """Store speed and directions of the first unit at a contact, its axles at rest on the body."""
+    """Store speed and directions of the first unit at a contact.
+
+    Its axles are taken as at rest on the body.
+    """
     x, y, z = cross(b[NOW + 3], b[NOW + 4], b[NOW + 5], unit[WHOLE_X], 0.0, unit[WHOLE_Z])
     vx, vy, _ = rotated(b, x, y, z)
     vx, vy = b[NOW] + vx, b[NOW + 1] + vy
@@ -288,9 +291,9 @@ def _leave(unit, b, answer):
 
 @compiled
 def _verdict(units, bodies, joints, edge, t, answer, rolls):
-    """Update the largest angles, and return the outcome so far and whether a unit is still rising.
+    """Update the largest angles.
 
-    A unit rises while it rolls outwards, or with a wheel off the ground.
+    Returns the outcome so far, and True while a unit rises: while it rolls outwards, or has a wheel off the ground.
     """
     outcome, rising = UPRIGHT, False
     for u in range(units.shape[0]):
@@ -319,7 +322,7 @@ def _verdict(units, bodies, joints, edge, t, answer, rolls):
 
 @compiled
 def _means(windows, window, interval, answer):
-    """Set the largest mean of the lateral force over a window, and what belongs to it."""
+    """Set the largest mean of the lateral force over a window."""
     total, best, at = 0.0, 0.0, 0
     for k in range(windows.shape[0]):
         total += windows[k, LATERAL] - (windows[k - window, LATERAL] if k >= window else 0.0)
@@ -386,7 +389,10 @@ def _record(units, axles, axle_unit, work, first, before, row):
 
 @compiled
 def _record_axle(axle, b, q, row, column):
-    """Add an axle to place and velocity of its unit's row, and return its kinetic energy."""
+    """Add an axle to position and velocity of its unit's row.
+
+    Returns its kinetic energy [J].
+    """
     c, s, rate = q[COSINE], q[SINE], q[JOINT_NOW + 1]
     x, y, z = axle[PLACE], axle[BELOW] * s, axle[CENTRE] + q[JOINT] - axle[BELOW] * c
     px, py, pz = rotated(b, x, y, z)

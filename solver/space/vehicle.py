@@ -1,4 +1,4 @@
-"""Vehicles in space: bodies, solid axles, strips that can touch the wall.
+"""Vehicles in space with solid axles, and strips for contact.
 
 Values are floats, or arrays of n samples. All masses and inertias are those of the whole vehicle; the sprung mass is
 what remains without the axles. Springs and tyres carry the vehicle at rest with its floor level: their loads follow
@@ -117,7 +117,9 @@ class SpaceAxle:
 
 @dataclass(frozen=True)
 class Strip:
-    """A line of a body or of an axle that can touch the wall, the same on both sides.
+    """Line of a body or axle that can touch the wall.
+
+    There is one on each side.
 
     Parameters
     ----------
@@ -134,7 +136,7 @@ class Strip:
     unloading : float or ndarray
         Slope of unloading per metre in its place [N/m^2], or 0.
     axle : int
-        Number of the axle that it moves with, or -1 for the body.
+        Number of the axle to which it belongs, or -1 for the body.
     unit : int
         Number of its unit, from 0.
     """
@@ -200,7 +202,7 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
     vehicle : SpaceVehicle
         Its values broadcast with all others.
     wall : SpaceWall
-        What it strikes.
+        Wall that it strikes.
     speed, angle : float or ndarray
         Before the impact [m/s], of the vehicle to the wall [rad].
 
@@ -217,7 +219,7 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
         for index, record in enumerate(records):
             _demand_values(table, index, record)
     of_sample = (wall.height, wall.friction, speed, angle)
-    n = _samples(vehicle, of_sample)
+    n = _sample_count(vehicle, of_sample)
     units = _columns([_unit(vehicle, index) for index in range(len(vehicle.units))], n)
     loads = _loads(vehicle, n)
     axles = _columns([_axle(vehicle, a, loads[a]) for a in range(len(vehicle.axles))], n)
@@ -239,9 +241,12 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
     )  # fmt: skip
 
 
-def _samples(vehicle: SpaceVehicle, others: Sequence[Number]) -> int:
-    """Return the common number of samples. Raises RigidBodyError for arrays of different sizes."""
-    sizes = {np.size(value) for value in others}
+def _sample_count(vehicle: SpaceVehicle, further: Sequence[Number]) -> int:
+    """Return the common number of samples.
+
+    Raises RigidBodyError for arrays of different sizes.
+    """
+    sizes = {np.size(value) for value in further}
     for record in (*vehicle.units, *vehicle.axles, *vehicle.strips):
         for value in vars(record).values():
             sizes |= {np.size(part) for part in (value if isinstance(value, tuple) else (value,))}
@@ -272,7 +277,10 @@ def _demand_counts(vehicle: SpaceVehicle) -> None:
 
 
 def _demand_values(table: str, index: int, record: object) -> None:
-    """Require values in their bounds, by the rules of their names. Raises RigidBodyError."""
+    """Require values within the bounds of their rules.
+
+    Raises RigidBodyError.
+    """
     for name, value in vars(record).items():
         rule = rules.SPACE.get(name)
         for part in value if isinstance(value, tuple) else (value,):
@@ -317,17 +325,20 @@ def _loads(vehicle: SpaceVehicle, n: int) -> Array:
 
 
 def _sprung(vehicle: SpaceVehicle, index: int) -> tuple[Number, Number, Number]:
-    """Return mass, place ahead of the front and height of a unit's sprung mass. Raises RigidBodyError."""
-    unit, own = vehicle.units[index], [axle for axle in vehicle.axles if axle.unit == index]
-    carried = math.fsum if all(isinstance(a.mass, float) for a in own) else sum
-    axles = carried([axle.mass for axle in own])
-    mass = unit.mass - axles
+    """Return the sprung mass with its place and height.
+
+    The place is ahead of the front. Raises RigidBodyError.
+    """
+    unit, axles = vehicle.units[index], [axle for axle in vehicle.axles if axle.unit == index]
+    add = math.fsum if all(isinstance(axle.mass, float) for axle in axles) else sum
+    unsprung = add([axle.mass for axle in axles])
+    mass = unit.mass - unsprung
     Gate().demand(
-        rules.SPRUNG._replace(key=_unit_key(index, "mass")), np.asarray(mass > 0.0), unit.mass, axles=axles
+        rules.SPRUNG._replace(key=_unit_key(index, "mass")), np.asarray(mass > 0.0), unit.mass, axles=unsprung
     )
-    place = (sum(axle.mass * axle.position for axle in own) - unit.mass * unit.centre_of_mass) / mass
-    height = (unit.mass * unit.centre_height - sum(axle.mass * axle.radius for axle in own)) / mass
-    for axle in own:
+    place = (sum(axle.mass * axle.position for axle in axles) - unit.mass * unit.centre_of_mass) / mass
+    height = (unit.mass * unit.centre_height - sum(axle.mass * axle.radius for axle in axles)) / mass
+    for axle in axles:
         rule = rules.CENTRE_ABOVE._replace(key=_unit_key(index, "centre_height"))
         Gate().demand(
             rule, np.asarray(unit.centre_height > axle.radius), unit.centre_height, radius=axle.radius
@@ -350,9 +361,9 @@ def _unit(vehicle: SpaceVehicle, index: int) -> list[Number]:
             at = unit.centre_of_mass - axle.position, axle.radius - unit.centre_height
             parts.append((*at, axle.mass, _axle_inertia(axle)))
     removed = {
-        "roll_inertia": sum(m * dz**2 + own for _, dz, m, own in parts),
+        "roll_inertia": sum(m * dz**2 + inertia for _, dz, m, inertia in parts),
         "pitch_inertia": sum(m * (dx**2 + dz**2) for dx, dz, m, _ in parts),
-        "yaw_inertia": sum(m * dx**2 + own for dx, _, m, own in parts),
+        "yaw_inertia": sum(m * dx**2 + inertia for dx, _, m, inertia in parts),
     }
     for name, least in removed.items():
         rule, value = rules.SPRUNG_INERTIA._replace(key=_unit_key(index, name)), getattr(unit, name)
@@ -367,7 +378,7 @@ def _unit(vehicle: SpaceVehicle, index: int) -> list[Number]:
 
 
 def _reach(vehicle: SpaceVehicle, index: int, place: Number, height: Number) -> Number:
-    """Return the distance of the farthest point that can touch from the sprung centre of mass [m]."""
+    """Return the largest distance of strips from the sprung centre [m]."""
     unit = vehicle.units[index]
     along = np.maximum(np.abs(place), np.abs(unit.length + place))
     levels = [level for strip in vehicle.strips if strip.unit == index for level in strip.height]
@@ -424,9 +435,9 @@ def _demand_strip(vehicle: SpaceVehicle, index: int, unit: SpaceUnit) -> None:
         rules.INSET._replace(key=f"{key}.inset"), np.asarray(strip.inset < half), strip.inset, most=half
     )
     if strip.axle >= len(vehicle.axles) or (strip.axle >= 0 and vehicle.axles[strip.axle].unit != strip.unit):
-        own = [str(a) for a, axle in enumerate(vehicle.axles) if axle.unit == strip.unit]
+        allowed = ", ".join(str(a) for a, axle in enumerate(vehicle.axles) if axle.unit == strip.unit)
         why = "the strip's unit has no axle of this number"
-        raise RigidBodyError(f"{key}.axle", str(strip.axle), why, ", ".join(own))
+        raise RigidBodyError(f"{key}.axle", str(strip.axle), why, allowed)
 
 
 def _points_of(strip: Strip) -> int:

@@ -28,7 +28,10 @@ MOST_POINTS = 20
 
 
 def _safety_shape(height: float, back: float) -> tuple[tuple[float, float], ...]:
-    """Return the profile with 3 in upright, a slope, and the steep upper face [m]."""
+    """Return the profile of a safety shape [m].
+
+    It has 3 in upright, a slope, and a steep upper face.
+    """
     return (0.0, 0.0), (0.0, 3 * INCH), (-back, height), (-back - STEEP, height + 1.0)
 
 
@@ -80,7 +83,7 @@ def profile_points(profile: str | Sequence[Sequence[float]]) -> Array:
 
 
 def face_at(points: Array, height: Array | float) -> Array:
-    """Return the place y of the face at heights [m], of the shape of `height`."""
+    """Return positions y of the face at heights [m], same shape."""
     (y0, z0), (y1, z1) = points[-2:]
     beyond = y1 + (np.asarray(height) - z1) * (y1 - y0) / (z1 - z0)
     within = np.interp(height, points[:, 1], points[:, 0])

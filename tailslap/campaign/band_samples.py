@@ -85,22 +85,22 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
     return ForceBand(
         sampling.band_of(force).percentiles,
         int(np.count_nonzero(solved)),
-        variance_shares({key: values[solved] for key, values in inputs.items()}, force[solved]),
+        variance_fractions({key: values[solved] for key, values in inputs.items()}, force[solved]),
         {item.key: (item.lower, item.upper, item.origin) for item in ranges},
         fractions,
     )
 
 
-def variance_shares(inputs: Columns, output: Array) -> dict[str, float]:
-    """Return the part of the variance due to each input, largest first.
+def variance_fractions(inputs: Columns, output: Array) -> dict[str, float]:
+    """Return the fraction of the variance due to each input.
 
-    The output is approximated by a linear function of independent inputs (Saltelli et al., Global Sensitivity Analysis,
-    2008, section 1.2.5, squared standardised regression coefficients).
+    The largest is first. The output is approximated by a linear function of independent inputs (Saltelli et al., Global
+    Sensitivity Analysis, 2008, section 1.2.5, squared standardised regression coefficients).
     """
     values = np.array(list(inputs.values()))
     scaled = (values - values.mean(axis=1, keepdims=True)) / values.std(axis=1, keepdims=True)
     slopes = np.linalg.lstsq(scaled.T, output - output.mean(), rcond=None)[0]
-    shares = slopes**2 / max(float(np.var(output)), np.finfo(float).tiny)
-    order = np.argsort(-shares)
+    fractions = slopes**2 / max(float(np.var(output)), np.finfo(float).tiny)
+    order = np.argsort(-fractions)
     keys = list(inputs)
-    return {keys[number]: float(shares[number]) for number in order}
+    return {keys[number]: float(fractions[number]) for number in order}

@@ -117,7 +117,10 @@ class Outcome(ABC):
     @property
     @abstractmethod
     def mean_force(self) -> float:
-        """50 ms mean of the lateral force, which is compared with design forces [N], NaN without a result."""
+        """Largest 50 ms mean of the lateral force [N].
+
+        It is compared with design forces, NaN without a result.
+        """
 
     @property
     @abstractmethod
@@ -171,7 +174,7 @@ class RunReport(ABC):
 
     @abstractmethod
     def page(self, pictures: bool) -> Page:
-        """Return the page; pictures: whether they are requested."""
+        """Return the page, on request with pictures."""
 
     @abstractmethod
     def written(
@@ -279,9 +282,10 @@ class Case(ABC):
         """Draw the set-up from above."""
 
     def design_ratio(self, mean: float) -> str:
-        """Return a 50 ms mean [N] as a multiple of the first design force of MASH.
+        """Return a 50 ms mean as a multiple of a design force.
 
-        Empty for scenes without a test level, and for levels that have only loads of lighter vehicles.
+        mean [N]; the force is the first one of MASH. Empty for scenes without a test level, and for levels that have
+        only loads of lighter vehicles.
         """
         level = self.scene.impact and self.scene.impact.test_level
         first = design_forces(level)[0] if level else None

@@ -1,4 +1,4 @@
-"""Band of a force over inputs that are not known exactly, and its sentences."""
+"""Band of a force over uncertain inputs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any
 
 from postprocess.units import measure
 
-LARGEST_SHARES, LEAST_SHARE = 2, 0.05
-"""Number of inputs that the sentence names, and their least part of the variance."""
+MOST_NAMED, LEAST_NAMED = 2, 0.05
+"""Number of inputs that the sentence names, and their least fraction of the variance."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,8 @@ class ForceBand:
         5 %, 50 % and 95 % of the force [N], empty where there are none.
     samples : int
         Number of vehicles.
-    shares : dict of str to float
-        Part of the variance due to each input by linear regression, by key, largest first [-].
+    variance_fractions : dict of str to float
+        Fraction of the variance due to each input by linear regression, by key, largest first [-].
     ranges : dict of str to tuple
         Lower and upper end [SI] and origin of the range of each key.
     outcomes : dict of str to float
@@ -36,7 +36,7 @@ class ForceBand:
 
     percentiles: tuple[float, ...] = ()
     samples: int = 0
-    shares: Mapping[str, float] = field(default_factory=dict)
+    variance_fractions: Mapping[str, float] = field(default_factory=dict)
     ranges: Mapping[str, tuple[float, float, str]] = field(default_factory=dict)
     outcomes: Mapping[str, float] = field(default_factory=dict)
     fixed: tuple[str, ...] = ()
@@ -59,9 +59,9 @@ class ForceBand:
             return f"Without a band of the force: {self.refusal}." if self.refusal else ""
         assumed = sum("assumed" in origin for *_, origin in self.ranges.values())
         largest = [
-            f"`{key}` ({100.0 * share:.0f} %)"
-            for key, share in list(self.shares.items())[:LARGEST_SHARES]
-            if share > LEAST_SHARE
+            f"`{key}` ({100.0 * fraction:.0f} %)"
+            for key, fraction in list(self.variance_fractions.items())[:MOST_NAMED]
+            if fraction > LEAST_NAMED
         ]
         parts = [
             f"Band of {self.samples} rigid vehicles over {len(self.ranges)} inputs, {assumed} with assumed ranges",
@@ -79,7 +79,7 @@ class ForceBand:
         return {
             **dict(zip(names, self.percentiles, strict=False)),
             "samples": self.samples,
-            "shares": dict(self.shares),
+            "variance_fractions": dict(self.variance_fractions),
             "ranges": {key: list(ends) for key, ends in self.ranges.items()},
             "outcomes": dict(self.outcomes),
             "fixed": list(self.fixed),

@@ -125,7 +125,10 @@ class Confirmation:
 
 
 def without_friction(case: Case) -> Case:
-    """Return the case without friction at the corner, which decks of CalculiX cannot have."""
+    """Return the case without friction at the corner.
+
+    Decks of CalculiX have none.
+    """
     if case.scene.contact or not case.scene.corner_friction:
         return case
     return case_of(*vary(case.source, {"corner.reaction": "none", "corner.friction": None}))

@@ -40,7 +40,7 @@ def test_shares_of_a_linear_function_are_exact():
     random = np.random.default_rng(2)
     x = {"a": random.normal(size=200), "b": random.random(200), "c": random.random(200)}
     y = 1.0 + 2.0 * x["a"] - 5.0 * x["b"]
-    shares = band_samples.variance_shares(x, y)
+    shares = band_samples.variance_fractions(x, y)
     assert shares["a"] == pytest.approx(4.0 * np.var(x["a"]) / np.var(y), rel=1e-12)
     assert shares["b"] == pytest.approx(25.0 * np.var(x["b"]) / np.var(y), rel=1e-12)
     assert shares["c"] == pytest.approx(0.0, abs=1e-20)
@@ -121,7 +121,7 @@ def test_the_first_screen_has_band_origin_and_outcomes(bands):
         assert f"90 % of such impacts: {lower / 1e3:.0f} to {upper / 1e3:.0f} kN" in headline.answer
         assert headline.band == SI.rendered(band.sentence)
         assert headline.lines[1] == headline.band
-        first = next(iter(band.shares))
+        first = next(iter(band.variance_fractions))
         assert f"largest parts of the variance: `{first}` " in headline.band
     assert sum(bands[SPACE].outcomes.values()) == pytest.approx(1.0, abs=1e-12)
     assert f"{100.0 * bands[SPACE].outcomes['upright']:.0f} % upright" in bands[SPACE].sentence

@@ -12,11 +12,6 @@ from wording import PACKAGES, PRIVATE, RETIRED, docstrings, occurrences, private
 from tailslap import cli
 
 ROOT = Path(__file__).parents[2]
-READ_IN_AN_EDITOR = (
-    "tailslap/api.py", "tailslap/campaign/sweep_run.py",
-    "tailslap/result/columns.py", "tailslap/result/result.py", "tailslap/result/load.py",
-    "tailslap/exports/export.py",
-)  # fmt: skip
 STRICT = ("private words", "long first lines", "vague names")
 DOCUMENTS = [
     *sorted((ROOT / "docs").rglob("*.md")),
@@ -42,13 +37,13 @@ def retired_in(text):
 
 def package_faults(path):
     """List private words of messages, retired words, and openings of docstrings."""
-    text, name = path.read_text(encoding="utf-8"), str(path.relative_to(ROOT))
+    text = path.read_text(encoding="utf-8")
     tree = ast.parse(text)
     nodes = (node for node in ast.walk(tree) if isinstance(node, ast.Constant))
     sentences = [
         (id(node), node.value) for node in nodes if isinstance(node.value, str) and " " in node.value
     ]
-    described = set() if name in READ_IN_AN_EDITOR else {id(node) for node in docstrings(tree)}
+    described = {id(node) for node in docstrings(tree)}
     faults = [
         word for key, value in sentences if key not in described for word in private_words(value, PRIVATE)
     ]
@@ -59,15 +54,13 @@ def package_faults(path):
 
 @pytest.mark.parametrize("folder", [*PACKAGES, "tests", "benchmarks"])
 def test_sources(folder):
-    """Tests and benchmarks have short first lines and names with a meaning."""
-    faults = {}
+    """Sources have plain words, short first lines and names with a meaning."""
+    faults = []
     for path in sources([ROOT / folder]):
-        if folder in PACKAGES:
-            faults[path.name] = package_faults(path)
-        else:
-            places = occurrences(path)
-            faults[path.name] = [place for kind in STRICT for place in places[kind]]
-    assert [fault for entries in faults.values() for fault in entries] == []
+        places = occurrences(path)
+        faults += [place for kind in STRICT for place in places[kind]]
+        faults += package_faults(path) if folder in PACKAGES else []
+    assert faults == []
 
 
 @pytest.mark.parametrize("name", [str(path.relative_to(ROOT)) for path in DOCUMENTS])

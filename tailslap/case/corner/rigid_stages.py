@@ -234,7 +234,10 @@ class RigidStages(case.Case):
         return parts
 
     def force_sentence(self, peak: float, reliable: bool = True, band: ForceBand = NO_BAND) -> str:
-        """Return a peak force of the tail-slap [N] as a sentence, with its 50 ms mean."""
+        """Return the sentence on a peak force and its 50 ms mean.
+
+        peak: of the tail-slap [N].
+        """
         pulse = f"triangular pulse of {1e3 * self.scene.strike.duration:g} ms, assumed"
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
         interval = f"{band.interval}; " if band.interval else ""
@@ -250,7 +253,7 @@ class RigidStages(case.Case):
         return Headline(f"Tail-slap force: {self.subject}", sentence, self.set_up, certainty, band.sentence)
 
     def pull(self) -> str:
-        """Return the largest pull of the wall as a sentence, empty where it only pushes."""
+        """Return the sentence on a wall that pulls, or ""."""
         reaction = self.rigid_history()["reaction_normal"]
         if not reaction.min() < 0.0:
             return ""

@@ -112,7 +112,10 @@ class ImpactAnswer:
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """History with the filtered lateral force, shape (rows,) each, 0 in the first row."""
+        """History with the filtered lateral forces, shape (rows,).
+
+        They are 0 in the first row.
+        """
         curves = {f"force_normal_{name}": force for name, force in self.lateral.items() if name != "raw"}
         return dict(self.history) | {name: np.concatenate(([0.0], force)) for name, force in curves.items()}
 

@@ -167,7 +167,10 @@ def headline(outcome: run.ImpactOutcome, band: ForceBand = NO_BAND) -> Headline:
 
 
 def _certainty(outcome: run.ImpactOutcome) -> str:
-    """Return the effect of flexibility and the discretisation error, in the plane, as sentences."""
+    """Return sentences on flexibility and the discretisation error.
+
+    Both are those of the motion in the plane.
+    """
     mean_force = force(outcome.fe.peaks["mean_50ms"])
     plane = f"In the plane {mean_force}. " if outcome.fe_plan.case.space else ""
     heavy = error.of_weight(outcome.difference, outcome.fe.strikes)
@@ -196,7 +199,7 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
 
 
 def _largest(differences: Mapping[str, float], name: str) -> float:
-    """Return the largest difference of a quantity of the strikes, NaN without any."""
+    """Return the largest difference of a quantity, or NaN."""
     values = [abs(value) for key, value in differences.items() if key.endswith(name)]
     return max(values, default=math.nan)
 
@@ -269,7 +272,7 @@ def durations_table(answer: ImpactAnswer) -> Table:
 
 
 def _design_table(outcome: run.ImpactOutcome) -> Table:
-    """Return the 50 ms means of the plate's force above the design loads."""
+    """Return the table of 50 ms means and design loads."""
     longitudinal = float(outcome.fe.longitudinal["mean_50ms"].max())
     case = outcome.fe_plan.case
     in_space = case.space.numbers()["force"] if case.space else None
@@ -454,7 +457,7 @@ def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
 
 
 def _space_lines(scene: Scene) -> Lines:
-    """Return the text of `tailslap check` on the vehicle in space, none without [body]."""
+    """Return the lines of `tailslap check` on [body]."""
     if scene.body is None or scene.wall is None or scene.wall.height is None:
         return {}
     profile = scene.wall.profile or "vertical"

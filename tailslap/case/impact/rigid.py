@@ -280,7 +280,7 @@ class RigidImpact(Case):
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def largest_means(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return the largest 50 ms mean of the force of n impacts [N], see `many`."""
+        """Return the largest 50 ms means of n impacts [N], see `many`."""
         impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
         rows = round(answers.MEAN_WINDOW / INTERVAL)
         total = np.cumsum(np.pad(impacts.mean_force, ((rows, rows), (0, 0))), axis=0)

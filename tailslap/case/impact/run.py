@@ -237,11 +237,11 @@ def _on(outcome: ImpactOutcome, plate: Plate) -> answers.ImpactAnswer:
     return answer
 
 
-def cut_alone(answer: answers.ImpactAnswer, own: answers.ImpactAnswer) -> bool:
+def cut_alone(answer: answers.ImpactAnswer, main: answers.ImpactAnswer) -> bool:
     """Return True for an incomplete strike on another mesh alone.
 
     All assessed strikes of the run itself are complete.
     """
     return any(strike.cut for strike in error.assessed_strikes(answer.strikes)) and not any(
-        strike.cut for strike in error.assessed_strikes(own.strikes)
+        strike.cut for strike in error.assessed_strikes(main.strikes)
     )

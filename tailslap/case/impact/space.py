@@ -1,4 +1,4 @@
-"""Vehicle in space of a scene with [body]: its records, its motion, and the texts about it."""
+"""Vehicle in space of a scene with [body]."""
 
 import math
 from collections.abc import Mapping
@@ -49,7 +49,10 @@ CURVES = {name: filters.LABELS[name] for name in ("raw", "mean_10ms", "mean_50ms
 
 @dataclass(frozen=True)
 class SpaceInput:
-    """Vehicle, wall, speed and angle of `solver.space`, floats or arrays of n samples."""
+    """Arguments of `solver.space`, floats or arrays of n samples.
+
+    speed [m/s]; angle [rad].
+    """
 
     vehicle: space.SpaceVehicle
     wall: space.SpaceWall
@@ -86,8 +89,8 @@ def space_input(scene: Scene, values: Mapping[str, Number] | None = None) -> Spa
     values = values or {}
 
     def value(key: str, default: Number | None = None) -> Any:
-        own = values[key] if key in values else value_at(scene, key)
-        return default if own is None else own
+        result = values[key] if key in values else value_at(scene, key)
+        return default if result is None else result
 
     units = tuple(_unit(scene, number, value, values) for number in range(len(scene.units)))
     axles = tuple(_axle(scene, number, value) for number in range(len(scene.axle)))
@@ -108,8 +111,8 @@ def _unit(scene: Scene, number: int, value: Any, values: Mapping[str, Number]) -
     scale = mass / value_at(scene, f"{table}.mass")
 
     def inertia(key: str, default: Number) -> Any:
-        own = value(key)
-        return default if own is None else own if key in values else own * scale
+        result = value(key)
+        return default if result is None else result if key in values else result * scale
 
     yaw = inertia(f"{table}.yaw_inertia", mass * (length**2 + width**2) / 12.0)
     hinge: dict[str, Any] = {}
@@ -148,7 +151,7 @@ def _strip(scene: Scene, number: int, value: Any) -> space.Strip:
 
 @dataclass(frozen=True)
 class SpaceAnswer:
-    """Motion of a vehicle in space, and the lowest wall that keeps it upright.
+    """Motion of a vehicle in space, and its lowest wall.
 
     Attributes
     ----------
@@ -186,7 +189,10 @@ class SpaceAnswer:
 
     @property
     def lifted(self) -> list[dict[str, Any]]:
-        """Intervals with wheels off the ground: axle, side, start and duration [s], in order."""
+        """Intervals with wheels off the ground, in order of time.
+
+        Each has axle, side, start and duration [s].
+        """
         t, intervals = self.motion.history["t"], []
         for axle in range(1, len(self.inputs.vehicle.axles) + 1):
             for side in ("right", "left"):
@@ -293,7 +299,7 @@ class SpaceAnswer:
 
     @property
     def force_rows(self) -> list[dict[str, Any]]:
-        """Peaks of the force on the wall by filter, each component by itself."""
+        """Peaks of the components of the wall force by filter."""
         return [
             {"name": label} | {name: float(curves[key].max()) for name, curves in self.curves.items()}
             for key, label in CURVES.items()
@@ -306,14 +312,17 @@ def _height(height: float) -> str:
 
 
 def solve(inputs: SpaceInput) -> SpaceAnswer:
-    """Solve the motion of a vehicle. Raises RigidBodyError for steps that are too short."""
+    """Solve the motion of a vehicle.
+
+    Raises RigidBodyError for steps that are too short.
+    """
     motion = space.solve_space(*inputs.arguments, on_compile=progress.compiling)
     lowest = float(space.lowest_walls(*inputs.arguments, on_compile=progress.compiling)[0])
     return SpaceAnswer(inputs, motion, lowest)
 
 
 def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:
-    """Return the motion in space beside the planar one: what the plane leaves out."""
+    """Return the table of the motions in space and in the plane."""
     one, interval = answer.motion.answers, float(answer.motion.history["t"][1])
     rows: list[dict[str, Any]] = [
         {

@@ -1,4 +1,4 @@
-"""Figures of a vehicle in space: its geometry for the drawings, charts and the animation."""
+"""Figures of a vehicle in space."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def geometry(vehicle: SpaceVehicle, wall: SpaceWall) -> drawings.Vehicle:
 
 
 def _unit(unit: SpaceUnit, strips: Sequence[drawings.Strip]) -> drawings.Unit:
-    """Return a unit with lower and upper edge of its body by its strips."""
+    """Return a unit to draw, with body edges by its strips."""
     centre = float(unit.centre_height)
     low = min((min(strip.height) for strip in strips if strip.axle < 0), default=0.5 * centre)
     top = max([OVER_CENTRE * centre, *(max(strip.height) for strip in strips)])
@@ -62,7 +62,10 @@ def _pair(ends: tuple[object, ...]) -> tuple[float, float]:
 def charts(
     vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion, lifted: Sequence[Mapping[str, Any]]
 ) -> list[Chart]:
-    """Return the charts of a motion; lifted: see `SpaceAnswer.lifted`."""
+    """Return the charts of a motion.
+
+    lifted: see `SpaceAnswer.lifted`.
+    """
     drawn, one, h = geometry(vehicle, wall), motion.answers, motion.history
     row = int(np.argmin(np.abs(h["t"] - one.roll_time)))
     resultant = drawings.Resultant(float(one.mean_50ms), float(one.height))
