@@ -37,7 +37,7 @@ class RigidBodyError(ValueError):
     ----------
     key : str
         Name of the input to change.
-    given : object
+    value : object
         Its value.
     why : str
         Reason why the value is invalid.
@@ -47,10 +47,10 @@ class RigidBodyError(ValueError):
 
     def __init__(self, key: str, value: object, why: str, allowed: str) -> None:
         super().__init__(key, value, why, allowed)
-        self.key, self.given, self.why, self.allowed = key, value, why, allowed
+        self.key, self.value, self.why, self.allowed = key, value, why, allowed
 
     def __str__(self) -> str:
-        return f"{self.key} is {self.given}, but {self.why}; allowed: {self.allowed}."
+        return f"{self.key} is {self.value}, but {self.why}; allowed: {self.allowed}."
 
 
 class Rule(NamedTuple):
@@ -133,7 +133,7 @@ def refusal(rule: Rule, values: Number, met: Met = False, **details: Number | st
     row |= {f"{name}_deg": math.degrees(number) for name, number in numbers.items()}  # of angles
     why = rule.why.format(**row) if np.isfinite(value) else "it is not a finite number"
     place = f" at index {index if len(index) > 1 else index[0]}" if index else ""
-    return RigidBodyError(rule.key, f"{value:.10g}{place}", why, rule.allowed.format(**values))
+    return RigidBodyError(rule.key, f"{value:.10g}{place}", why, rule.allowed.format(**row))
 
 
 def functions(*values: object) -> Any:

@@ -40,19 +40,19 @@ class InputError(Exception):
     ----------
     key : str
         Dotted key of the scene, or option of the command.
-    given : object
+    value : object
         Its value; `Missing` for an absent key.
     allowed : str
         Allowed values, or the reason of the error.
     """
 
     def __init__(self, key: str, value: object, allowed: str) -> None:
-        self.key, self.given, self.allowed = key, value, allowed
+        self.key, self.value, self.allowed = key, value, allowed
         super().__init__(f"{shortened(key)}: given {_quoted(value)}; {allowed}")
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, object, str]]:
         """Pickle the error as its three parts."""
-        return type(self), (self.key, self.given, self.allowed)
+        return type(self), (self.key, self.value, self.allowed)
 
 
 class Interrupted(KeyboardInterrupt):

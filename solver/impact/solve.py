@@ -461,7 +461,7 @@ def _naming(table: str) -> Iterator[None]:
     try:
         yield
     except RigidBodyError as error:
-        raise RigidBodyError(f"{table}{error.key}", error.given, error.why, error.allowed) from None
+        raise RigidBodyError(f"{table}{error.key}", error.value, error.why, error.allowed) from None
 
 
 def _complete(unit: dict[str, Array]) -> None:

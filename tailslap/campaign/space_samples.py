@@ -198,6 +198,6 @@ def solve_samples(source: Source, inputs: Mapping[str, Array]) -> dict[str, Any]
     try:
         answers = sample_answers(scene, inputs, COLUMNS)
     except RigidBodyError as error:
-        raise InputError(error.key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
+        raise InputError(error.key, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
     columns = {name: values.tolist() for name, values in answers.items()}
     return columns | {"processor": time.process_time() - began}

@@ -106,7 +106,7 @@ def test_an_argument_of_another_type_is_refused_by_its_name(function, name, wron
     several = parameters[name].kind is inspect.Parameter.VAR_POSITIONAL
     with pytest.raises(InputError) as caught:
         function("x", wrong) if several else function(**options | {name: wrong})
-    assert (caught.value.key, caught.value.given) == (name, repr(wrong))
+    assert (caught.value.key, caught.value.value) == (name, repr(wrong))
     assert re.search(rf"^ *\*?{name} : {re.escape(caught.value.allowed.removeprefix('allowed is '))}$",
                      inspect.getdoc(function) or "", re.MULTILINE)  # fmt: skip
 

@@ -95,9 +95,9 @@ def test_the_message_names_key_value_and_what_is_allowed(call, key, value, allow
         call()
     error = refused.value
     assert error.key == key
-    assert str(error.given).startswith(value)
+    assert str(error.value).startswith(value)
     assert allowed in error.allowed
-    assert str(error) == f"{key} is {error.given}, but {error.why}; allowed: {error.allowed}."
+    assert str(error) == f"{key} is {error.value}, but {error.why}; allowed: {error.allowed}."
     assert isinstance(error, ValueError)
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 

@@ -353,7 +353,7 @@ def _refusals(scene: schema.Scene, table: str) -> Iterator[None]:
         key, allowed = _key(scene, table, error.key), f"{error.why}; allowed: {error.allowed}"
         if key == "impact.restitution" and scene.impact:  # the theory refuses an angular velocity of zero
             raise InputError(key, scene.impact.restitution, f"{error.why}; allowed: less than 1") from None
-        value = str(error.given)
+        value = str(error.value)
         if key.endswith(".angle"):
             value = f"{value} rad ({math.degrees(schema.value_at(scene, key)):.4g} deg)"
         raise InputError(key, Verbatim(value), allowed) from None

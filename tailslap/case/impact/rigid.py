@@ -499,7 +499,7 @@ def _crush_law(scene: Scene, law: Mapping[str, Any], tables: list[str]) -> impac
     except solver.RigidBodyError as error:
         keys = [f"{table}.{error.key}" for table in tables]
         key = next((key for key in keys if value_at(scene, key) is not None), keys[-1])
-        raise InputError(key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
+        raise InputError(key, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
 
 
 @contextmanager
@@ -512,7 +512,7 @@ def refusals(scene: Scene, unit: str = "vehicle") -> Iterator[None]:
         yield
     except solver.RigidBodyError as error:
         key = error.key if "." in error.key else KEYS.get(error.key, "impact").replace("vehicle", unit)
-        raise InputError(key, Verbatim(error.given), f"{error.why}; allowed: {error.allowed}") from None
+        raise InputError(key, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
 
 
 def _paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
