@@ -295,11 +295,11 @@ def test_another_mesh_is_run_until_its_strikes_are_over(monkeypatch):
     outcome, plate = ran(), ran().fe_plan.plate.model_copy(update={"elements": (10, 3)})
     rear = outcome.fe.strikes[1]
     monkeypatch.setattr(error, "judged_until", lambda answer: rear.end - 0.01)
-    other = run._on(outcome, plate)
+    other = run._on(outcome, plate, {})
     assert not other.strikes[1].cut
     assert other.strikes[1].impulse == pytest.approx(rear.impulse, rel=0.02)
     short = dataclasses.replace(outcome, fe=ran("time.end=0.34").fe)
-    assert run._on(short, plate).strikes[1].cut
+    assert run._on(short, plate, {}).strikes[1].cut
 
 
 def test_what_is_not_known_of_a_strike_is_left_out():
@@ -557,24 +557,33 @@ def test_a_mesh_left_open_is_of_quadratic_elements_and_takes_smaller_steps():
     assert own_step.model.parameters.time_step > 1.2 * open_mesh.model.parameters.time_step
 
 
-def test_a_chosen_mesh_is_refined_once_where_its_error_exceeds_the_limit():
-    """The mesh is refined from four to eight elements across.
+def test_a_chosen_mesh_is_refined_while_its_error_exceeds_the_limit(monkeypatch):
+    """The mesh is refined from four to sixteen elements across, and none is run twice.
 
-    The error of the finer one bounds its distance from 16 across.
+    The error of each bounds its distance from the finest.
     """
-    case = planned(*PICKUP, *OPEN, "verify.mesh=0.006", scene="impact-mash-tl2-pickup")
-    assert run.with_errors(run.attempt(case), meshes=2).stated_error > 0.006
-    outcome = case.run()
+    changes = (*PICKUP, *OPEN, "verify.mesh=0.006")
+    meshes, simulated, with_errors, assessed = [], run.simulated, run.with_errors, []
+
+    def counted(fe_plan, *arguments, **keywords):
+        meshes.append(fe_plan.plate.counts)
+        return simulated(fe_plan, *arguments, **keywords)
+
+    def stored(*arguments, **keywords):
+        assessed.append(with_errors(*arguments, **keywords))
+        return assessed[-1]
+
+    monkeypatch.setattr(run, "simulated", counted)
+    monkeypatch.setattr(run, "with_errors", stored)
+    outcome = planned(*changes, scene="impact-mash-tl2-pickup").run()
+    assert meshes == [(12, 4), (6, 2), (24, 8), (48, 16)]
     elements, *_ = outcome.fe_plan.decisions
-    assert (elements.value, outcome.passed) == ((24, 8), True)
+    assert (elements.value, outcome.passed) == ((48, 16), True)
     assert elements.why.endswith("with half as many the estimated error exceeds verify.mesh")
-    chosen = {"plate.element": "quad9", **plan.chosen_lengths(case.scene)}
-    differences = error.changes(
-        outcome.fe, run.attempt(case.varied({**chosen, "plate.elements": (48, 16)})).fe
-    )
-    assert {
-        name for name, difference in differences.items() if abs(difference) > outcome.mesh_error[name]
-    } == set()
+    assert [coarse.stated_error > 0.006 for coarse in assessed] == [True, True, False]
+    for coarse in assessed[:-1]:
+        differences = error.changes(coarse.fe, outcome.fe)
+        assert [n for n, change in differences.items() if abs(change) > coarse.mesh_error[n]] == []
     own_mesh = planned(*PICKUP, "verify.mesh=1e-4", scene="impact-mash-tl2-pickup").run()
     assert (own_mesh.fe_plan.plate.counts, own_mesh.passed) == ((18, 6), False)
 

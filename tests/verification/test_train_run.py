@@ -159,7 +159,7 @@ def test_a_third_mesh_is_run_for_a_hinge_alone(monkeypatch):
     start = attempted()
     meshes = []
 
-    def on(outcome, plate):
+    def on(outcome, plate, computed):
         meshes.append(plate.counts)
         return outcome.fe
 

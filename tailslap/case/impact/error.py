@@ -39,6 +39,9 @@ force acts on a point."""
 COARSEST = 2
 """Least number of quadratic elements across for the error of linear ones, where the plate has as many."""
 
+COARSEST_THIRD = 4
+"""Least number of quadratic elements across of a third mesh that is coarser than the others."""
+
 LATER = 1.1
 """Durations of a strike after which it is over on other meshes as well; it may last a little longer there."""
 
@@ -96,6 +99,13 @@ def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:
     if min(plate.counts) > 3 and not any(count % 2 for count in plate.counts):
         yield refined(plate, 0.5), plate
     yield plate, refined(plate)
+
+
+def coarser(plate: Plate) -> Plate | None:
+    """Return a mesh half as fine, None if it is too coarse or has other element sides."""
+    if min(plate.counts) < 2 * COARSEST_THIRD or any(count % 2 for count in plate.counts):
+        return None
+    return refined(plate, 0.5)
 
 
 def finer(plate: Plate) -> Plate | None:

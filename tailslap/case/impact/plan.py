@@ -61,15 +61,15 @@ class ImpactPlan(FePlan):
     sample: float
 
 
-def make_impact_plan(case: RigidImpact, refined: bool = False) -> ImpactPlan:
+def make_impact_plan(case: RigidImpact, refinements: int = 0) -> ImpactPlan:
     """Choose omitted values, mesh and assemble.
 
     Parameters
     ----------
     case : RigidImpact
         With [plate].
-    refined : bool
-        A chosen mesh has twice as many elements along both sides.
+    refinements : int
+        A chosen mesh has twice as many elements along both sides for each of them.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def make_impact_plan(case: RigidImpact, refined: bool = False) -> ImpactPlan:
     """
     from fem.run.impact import FirstTouch
 
-    plate, decisions = chosen_plate(case.scene, refined)
+    plate, decisions = chosen_plate(case.scene, refinements)
     factor = safety_factor(case.scene, plate)
     if factor != case.scene.time.safety_factor:
         why = "unloading with low restitution makes the light corner nodes of quadratic elements oscillate"
@@ -103,10 +103,10 @@ def make_impact_plan(case: RigidImpact, refined: bool = False) -> ImpactPlan:
     return ImpactPlan(case, plate, decisions, model, first, sample)
 
 
-def chosen_plate(scene: Scene, refined: bool) -> tuple[Plate, tuple[plate_input.Decision, ...]]:
+def chosen_plate(scene: Scene, refinements: int) -> tuple[Plate, tuple[plate_input.Decision, ...]]:
     """Return the plate with elements, and the decisions.
 
-    Elements are quadratic where their kind is omitted. refined: with twice as many elements along both sides.
+    Elements are quadratic where their kind is omitted. refinements: see `make_impact_plan`.
     """
     plate, vehicle = scene.needed_plate, scene.vehicle
     if plate.elements is not None:
@@ -115,9 +115,8 @@ def chosen_plate(scene: Scene, refined: bool) -> tuple[Plate, tuple[plate_input.
     element = plate.element if chosen else "quad9"
     across = ACROSS_LINEAR if kinds.ELEMENT_KINDS[element].higher_order else ACROSS
     along = 2 * max(1, min(200, round(0.5 * across * vehicle.length / vehicle.width)))
-    if refined:
-        along, across = 2 * along, 2 * across
-    why = f"square elements, {across} across{UNSURE if refined else ''}"
+    along, across = along * 2**refinements, across * 2**refinements
+    why = f"square elements, {across} across{UNSURE if refinements else ''}"
     counts = plate_input.Decision("plate.elements", (along, across), why)
     kind = plate_input.Decision("plate.element", element, "linear elements are too stiff in bending")
     plate = plate.model_copy(update={"elements": (along, across), "element": element})

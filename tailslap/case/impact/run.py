@@ -27,6 +27,9 @@ from tailslap.storage import checkpoints
 if TYPE_CHECKING:
     from fem.run.impact import ImpactRun
 
+REFINEMENTS = 2
+"""Largest number of refinements of a chosen mesh."""
+
 BEYOND = 1.5
 """Multiples of the rigid vehicle's time after which a plate without a second strike is not continued."""
 
@@ -78,16 +81,16 @@ class ImpactOutcome(Outcome):
         return paper_method(self.fe_plan.case.scene, self.rigid)
 
 
-def attempt(case: RigidImpact, refined: bool = False) -> ImpactOutcome:
+def attempt(case: RigidImpact, refinements: int = 0) -> ImpactOutcome:
     """Run the plate once, and compare it with the rigid vehicle.
 
-    There are no further runs and no checks. refined: see `make_impact_plan`. Raises InputError.
+    There are no further runs and no checks. refinements: see `make_impact_plan`. Raises InputError.
     """
     began = time.perf_counter()
     with announced("Building the model ..."):
         from fem.run import impact
 
-        fe_plan = plan.make_impact_plan(case, refined)
+        fe_plan = plan.make_impact_plan(case, refinements)
     impact.compile_impact_loop(fe_plan.model, on_compile=compiling)
     setup = time.perf_counter() - began
     return replace(compared(fe_plan, simulated(fe_plan, case.scene.kept_fields)), setup_s=setup)
@@ -176,35 +179,55 @@ def corners_of(fe_plan: plan.ImpactPlan, run: ImpactRun) -> np.ndarray:
 def assessed(case: RigidImpact) -> ImpactOutcome:
     """Run the plate, with its error by other meshes.
 
-    A mesh that the scene leaves open is refined once where the error exceeds the limit. Raises InputError.
+    A mesh that the scene leaves open is refined, at most `REFINEMENTS` times, while the error exceeds the limit. Raises
+    InputError.
     """
-    outcome = attempt(case)
-    if case.scene.needed_plate.elements is None and error.finer(outcome.fe_plan.plate):
-        outcome = with_errors(outcome, meshes=2)
-        if not outcome.stated_error > case.scene.verify.mesh:
-            return outcome
-        outcome = attempt(case, refined=True)
-    return with_errors(outcome)
+    outcome, computed = attempt(case), Computed()
+    if case.scene.needed_plate.elements is None:
+        for refinements in range(1, 1 + REFINEMENTS):
+            if not error.finer(outcome.fe_plan.plate):
+                break
+            outcome = with_errors(outcome, computed, meshes=2)
+            if not outcome.stated_error > case.scene.verify.mesh:
+                return outcome
+            computed[outcome.fe_plan.plate.element, outcome.fe_plan.plate.counts] = outcome.fe
+            outcome = attempt(case, refinements)
+    return with_errors(outcome, computed)
 
 
-def with_errors(outcome: ImpactOutcome, meshes: int = 3) -> ImpactOutcome:
-    """Return the outcome with its error by two other meshes.
+Computed = dict[tuple[str, tuple[int, int]], answers.ImpactAnswer]
+"""Impacts by the kind and the numbers of elements."""
 
-    A third mesh is used where the error may then be within the limit, if `meshes` allows it. Without possible meshes
-    no error is added.
+
+def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes: int = 3) -> ImpactOutcome:
+    """Return the outcome with its error by two or three meshes.
+
+    Without possible meshes no error is added.
+
+    Parameters
+    ----------
+    outcome : ImpactOutcome
+        Finished run.
+    computed : dict
+        Impacts on coarser meshes, used where they last long enough; others are added.
+    meshes : int
+        With 3 a mesh finer than both is run where the error may then be within the limit and a coarser third is
+        impossible.
     """
-    limit = outcome.fe_plan.case.scene.verify.mesh
+    limit, computed = outcome.fe_plan.case.scene.verify.mesh, {} if computed is None else computed
     for coarse, fine in error.companions(outcome.fe_plan.plate):
         try:
-            sequence = [_on(outcome, plate) for plate in (coarse, fine)]
+            sequence = [_on(outcome, plate, computed) for plate in (coarse, fine)]
         except InputError:
             continue
         estimated = _estimated(outcome, sequence)
         moved = list(error.changes(outcome.fe, sequence[-1]).values())
         moved += [distances[-1] for distances in error.hinge_changes(outcome.fe, sequence)]
-        within = max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values())
-        if within and meshes > 2 and (finest := error.finer(fine)):
-            estimated = _estimated(outcome, [*sequence, _on(outcome, finest)])
+        if max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values()):
+            if coarsest := error.coarser(coarse):
+                estimated = _estimated(outcome, [_on(outcome, coarsest, computed), *sequence])
+            elif meshes > 2 and (finest := error.finer(fine)):
+                estimated = _estimated(outcome, [*sequence, _on(outcome, finest, computed)])
         return estimated
     return outcome
 
@@ -218,22 +241,25 @@ def _estimated(outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer]) -> 
     )
 
 
-def _on(outcome: ImpactOutcome, plate: Plate) -> answers.ImpactAnswer:
+def _on(outcome: ImpactOutcome, plate: Plate, computed: Computed) -> answers.ImpactAnswer:
     """Return the impact on another mesh, or that of the run.
 
-    Raises InputError for an impossible mesh.
+    See `with_errors`. Raises InputError for an impossible mesh.
     """
     from fem.run import impact
 
-    fe_plan = outcome.fe_plan
+    fe_plan, end = outcome.fe_plan, error.judged_until(outcome.fe)
     if plate == fe_plan.plate:
         return outcome.fe
-    model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
-    impact.compile_impact_loop(model, on_compile=compiling)
-    other, end = replace(fe_plan, model=model, plate=plate), error.judged_until(outcome.fe)
-    answer = _answer(other, simulated(other, end=end))
-    if cut_alone(answer, outcome.fe):
-        answer = _answer(other, simulated(other, end=BEYOND * end))
+    answer = computed.get((plate.element, plate.counts))
+    if answer is None or answer.history["t"][-1] + answer.interval < end:
+        model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
+        impact.compile_impact_loop(model, on_compile=compiling)
+        other = replace(fe_plan, model=model, plate=plate)
+        answer = _answer(other, simulated(other, end=end))
+        if cut_alone(answer, outcome.fe):
+            answer = _answer(other, simulated(other, end=BEYOND * end))
+        computed[plate.element, plate.counts] = answer
     return answer
 
 
