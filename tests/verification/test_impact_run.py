@@ -558,9 +558,9 @@ def test_a_mesh_left_open_is_of_quadratic_elements_and_takes_smaller_steps():
 
 
 def test_a_chosen_mesh_is_refined_while_its_error_exceeds_the_limit(monkeypatch):
-    """The mesh is refined from four to sixteen elements across, and none is run twice.
+    """The mesh is refined from four to sixteen elements across.
 
-    The error of each bounds its distance from the finest.
+    No mesh is run twice. The error of each bounds its distance from the finest.
     """
     changes = (*PICKUP, *OPEN, "verify.mesh=0.006")
     meshes, simulated, with_errors, assessed = [], run.simulated, run.with_errors, []

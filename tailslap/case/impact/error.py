@@ -102,7 +102,10 @@ def companions(plate: Plate) -> Iterator[tuple[Plate, Plate]]:
 
 
 def coarser(plate: Plate) -> Plate | None:
-    """Return a mesh half as fine, None if it is too coarse or has other element sides."""
+    """Return a mesh half as fine.
+
+    None if it is too coarse, or if an odd number of elements cannot be halved.
+    """
     if min(plate.counts) < 2 * COARSEST_THIRD or any(count % 2 for count in plate.counts):
         return None
     return refined(plate, 0.5)
