@@ -107,11 +107,11 @@ def penalty(inputs: ConstraintInput) -> Penalty:
     return Penalty(stiffness, inputs.damping_ratio * 2.0 * math.sqrt(stiffness / inputs.mobility))
 
 
-def _spring_and_dashpot(constants: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
+def _spring_and_dashpot(constants: Penalty, gap: float, rate: float, closing: float) -> tuple[float, float]:
     return -constants.stiffness * gap, -constants.damping * rate
 
 
-def _spring_energy(constants: Any, gap: float) -> float:
+def _spring_energy(constants: Penalty, gap: float) -> float:
     return 0.5 * constants.stiffness * gap * gap
 
 
@@ -139,11 +139,11 @@ class Exact(NamedTuple):
     gap: float
 
 
-def _closing_force(constants: Any, gap: float, rate: float, closing: float) -> tuple[float, float]:
+def _closing_force(constants: Exact, gap: float, rate: float, closing: float) -> tuple[float, float]:
     return closing, 0.0
 
 
-def _no_energy(constants: Any, gap: float) -> float:
+def _no_energy(constants: Exact, gap: float) -> float:
     return 0.0
 
 

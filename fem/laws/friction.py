@@ -74,11 +74,11 @@ class Drag(NamedTuple):
     coefficient: float
 
 
-def _drag_force(law: Any, normal: float, stopping: float) -> float:
+def _drag_force(law: Drag, normal: float, stopping: float) -> float:
     return coulomb_force(stopping, law.coefficient * abs(normal))
 
 
-def _drag_slope(law: Any, normal: float, speed: float) -> float:
+def _drag_slope(law: Drag, normal: float, speed: float) -> float:
     return -law.coefficient * np.sign(normal) * np.sign(speed)
 
 
@@ -96,7 +96,7 @@ FRICTION_LAWS.register(
 )
 
 
-def _no_force(law: Any, normal: float, stopping: float) -> float:
+def _no_force(law: None, normal: float, stopping: float) -> float:
     return 0.0
 
 
@@ -122,14 +122,14 @@ class Signed(NamedTuple):
     coefficient: float
 
 
-def _signed_force(law: Any, normal: float, stopping: float) -> float:
+def _signed_force(law: Signed, normal: float, stopping: float) -> float:
     limit = law.coefficient * normal
     if limit >= 0.0:
         return coulomb_force(stopping, limit)
     return limit if stopping > 0.0 else -limit
 
 
-def _signed_slope(law: Any, normal: float, speed: float) -> float:
+def _signed_slope(law: Signed, normal: float, speed: float) -> float:
     return -law.coefficient * np.sign(speed)
 
 

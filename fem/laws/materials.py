@@ -93,7 +93,9 @@ def st_venant_kirchhoff(youngs_modulus: float, poissons_ratio: float) -> StVenan
     return StVenantKirchhoff(c_11, poissons_ratio * c_11, 0.5 * youngs_modulus / (1.0 + poissons_ratio))
 
 
-def _linear_stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
+def _linear_stress(
+    material: StVenantKirchhoff, e_11: float, e_22: float, g_12: float
+) -> tuple[float, float, float]:
     return (
         material.c_11 * e_11 + material.c_12 * e_22,
         material.c_12 * e_11 + material.c_11 * e_22,
@@ -101,7 +103,7 @@ def _linear_stress(material: Any, e_11: float, e_22: float, g_12: float) -> tupl
     )
 
 
-def _quadratic_energy(material: Any, e_11: float, e_22: float, g_12: float) -> float:
+def _quadratic_energy(material: StVenantKirchhoff, e_11: float, e_22: float, g_12: float) -> float:
     s_11, s_22, s_12 = _linear_stress(material, e_11, e_22, g_12)
     return 0.5 * (s_11 * e_11 + s_22 * e_22 + s_12 * g_12)
 
@@ -157,7 +159,9 @@ def _logarithms(lame: float, shear: float, area: float) -> tuple[float, float]:
     return plane, thickness
 
 
-def _neo_hookean_stress(material: Any, e_11: float, e_22: float, g_12: float) -> tuple[float, float, float]:
+def _neo_hookean_stress(
+    material: NeoHookean, e_11: float, e_22: float, g_12: float
+) -> tuple[float, float, float]:
     area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
     plane, thickness = _logarithms(material.lame, material.shear, area)
     volume = 0.5 * material.lame * (plane + thickness)
@@ -170,7 +174,7 @@ def _neo_hookean_stress(material: Any, e_11: float, e_22: float, g_12: float) ->
     )
 
 
-def _neo_hookean_energy(material: Any, e_11: float, e_22: float, g_12: float) -> float:
+def _neo_hookean_energy(material: NeoHookean, e_11: float, e_22: float, g_12: float) -> float:
     area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
     plane, thickness = _logarithms(material.lame, material.shear, area)
     volume = plane + thickness

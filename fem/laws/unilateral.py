@@ -106,7 +106,9 @@ class PenaltyContact(NamedTuple):
     stiffness: np.ndarray
 
 
-def _penalty_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
+def _penalty_force(
+    law: PenaltyContact, i: int, before: float, free: float, deepest: float, inertia: float
+) -> float:
     half, fraction = 0.5 * law.stiffness[i], 0.5 * law.stiffness[i] / inertia
     if before > 0.0:
         ahead = (free - fraction * before) / (1.0 + fraction)
@@ -125,7 +127,9 @@ def _penalty_force(law: Any, i: int, before: float, free: float, deepest: float,
     return half * max(before + moved, 0.0) ** 2 / moved
 
 
-def _penalty_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
+def _penalty_stored(
+    law: PenaltyContact, i: int, before: float, depth: float, deepest: float, force: float
+) -> float:
     """Return the stored energy [J].
 
     With it the balance, with works by the trapezoidal rule, closes at every instant.
@@ -134,7 +138,7 @@ def _penalty_stored(law: Any, i: int, before: float, depth: float, deepest: floa
     return held + 0.5 * force * (depth - before)
 
 
-def _nothing_lost(law: Any, i: int, deepest: float) -> float:
+def _nothing_lost(law: object, i: int, deepest: float) -> float:
     return 0.0
 
 
@@ -161,11 +165,15 @@ class ExactContact(NamedTuple):
     points: int
 
 
-def _exact_force(law: Any, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
+def _exact_force(
+    law: ExactContact, i: int, before: float, free: float, deepest: float, inertia: float
+) -> float:
     return inertia * max(free, 0.0)
 
 
-def _nothing_stored(law: Any, i: int, before: float, depth: float, deepest: float, force: float) -> float:
+def _nothing_stored(
+    law: ExactContact, i: int, before: float, depth: float, deepest: float, force: float
+) -> float:
     return 0.0
 
 

@@ -80,6 +80,23 @@ force with the same standard deviation along the wall [m]; largest mean of an in
 UPRIGHT, ON_ITS_SIDE, OVER, LOST = range(4)
 """Outcomes; the last where the motion became infinite."""
 
+TURNED, AT, SPEED, TURN, SPIN, RATE, NOW, LOAD, MATRIX, BODY_STATE = 0, 9, 12, 15, 19, 22, 28, 34, 40, 76
+"""First columns of the state of a body.
+
+Rotation matrix by rows; place and velocity of the sprung centre in space; quaternion; spin in the body's axes;
+accelerations of velocity and spin over the last step; velocity and spin at this instant; force and moment in the
+body's axes; mass matrix by rows.
+"""
+
+JOINT, JOINT_SPEED, JOINT_RATE, JOINT_NOW, JOINT_LOAD, WHEEL = range(0, 12, 2)
+COLUMN, SHARE, COSINE, SINE, AXLE_STATE = 12, 24, 27, 28, 29
+"""First columns of the state of an axle.
+
+Heave and roll relative to the body, their rates half a step ago and ahead, accelerations, rates at this instant, and
+loads; loads of the right and left tyres; mass with that of the body, for heave and for roll; inverse of the own mass;
+cosine and sine of the roll.
+"""
+
 
 class Fleet(NamedTuple):
     """Vehicles of n samples, with columns named above.
@@ -117,24 +134,6 @@ class Clock(NamedTuple):
     longest: float
     given: bool
     push: np.ndarray
-
-
-TURNED, AT, SPEED, TURN, SPIN, RATE, NOW, LOAD, MATRIX, BODY_STATE = 0, 9, 12, 15, 19, 22, 28, 34, 40, 76
-"""First columns of the state of a body.
-
-Rotation matrix by rows; place and velocity of the sprung centre in space; quaternion; spin in the body's axes;
-accelerations of velocity and spin over the last step; velocity and spin at this instant; force and moment in the
-body's axes; mass matrix by rows.
-"""
-
-JOINT, JOINT_SPEED, JOINT_RATE, JOINT_NOW, JOINT_LOAD, WHEEL = range(0, 12, 2)
-COLUMN, SHARE, COSINE, SINE, AXLE_STATE = 12, 24, 27, 28, 29
-"""First columns of the state of an axle.
-
-Heave and roll relative to the body, their rates half a step ago and ahead, accelerations, rates at this instant, and
-loads; loads of the right and left tyres; mass with that of the body, for heave and for roll; inverse of the own mass;
-cosine and sine of the roll.
-"""
 
 
 class Work(NamedTuple):

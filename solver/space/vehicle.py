@@ -9,7 +9,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -28,6 +27,9 @@ ROLL_STIFFNESS = 3.55e6
 
 AXLE_GYRATION = math.sqrt(1.0 / 6.0)
 """Assumed radius of gyration of an axle over the track: half of its mass in the wheels, half along the beam."""
+
+OF_BODY = ("centre_height", "roll_inertia", "pitch_inertia")
+"""Quantities of a unit that stand in [body] of a scene."""
 
 SLACK = 1.0
 """Largest heave of an axle that is assumed where the distance from the wall is judged [m]."""
@@ -167,7 +169,7 @@ class SpaceWall:
     """
 
     height: Number
-    profile: Any = "vertical"
+    profile: str | Sequence[Sequence[float]] = "vertical"
     friction: Number = 0.0
 
 
@@ -188,10 +190,6 @@ class SpaceVehicle:
     units: tuple[SpaceUnit, ...]
     axles: tuple[SpaceAxle, ...]
     strips: tuple[Strip, ...]
-
-
-OF_BODY = ("centre_height", "roll_inertia", "pitch_inertia")
-"""Quantities of a unit that stand in [body] of a scene."""
 
 
 def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number) -> Fleet:
@@ -382,7 +380,7 @@ def _reach(vehicle: SpaceVehicle, index: int, place: Number, height: Number) -> 
     unit = vehicle.units[index]
     along = np.maximum(np.abs(place), np.abs(unit.length + place))
     levels = [level for strip in vehicle.strips if strip.unit == index for level in strip.height]
-    up: Any = np.float64(0.0)
+    up: Number = 0.0
     for level in levels:
         up = np.maximum(up, np.abs(level - height))
     result: Number = SLACK + np.sqrt(along**2 + up**2 + 0.25 * np.square(unit.width))

@@ -22,28 +22,28 @@ INCH = 0.0254
 STEEP = 1.0 / math.tan(math.radians(84.0))
 """Horizontal over vertical length of the upper face of New Jersey and F-shape."""
 
-
 MOST_POINTS = 20
 """Largest number of points of a profile."""
-
-
-def _safety_shape(height: float, back: float) -> tuple[tuple[float, float], ...]:
-    """Return the profile of a safety shape [m].
-
-    It has 3 in upright, a slope, and a steep upper face.
-    """
-    return (0.0, 0.0), (0.0, 3 * INCH), (-back, height), (-back - STEEP, height + 1.0)
-
 
 PROFILES = MappingProxyType(
     {
         "vertical": ((0.0, 0.0), (0.0, 1.0)),
         "single-slope": ((0.0, 0.0), (-math.tan(math.radians(11.0)), 1.0)),
-        "f-shape": _safety_shape(10 * INCH, 5 * INCH),
-        "new-jersey": _safety_shape(13 * INCH, 7 * INCH),
+        "f-shape": (
+            (0.0, 0.0),
+            (0.0, 3 * INCH),
+            (-5 * INCH, 10 * INCH),
+            (-5 * INCH - STEEP, 10 * INCH + 1.0),
+        ),
+        "new-jersey": (
+            (0.0, 0.0),
+            (0.0, 3 * INCH),
+            (-7 * INCH, 13 * INCH),
+            (-7 * INCH - STEEP, 13 * INCH + 1.0),
+        ),
     }
 )
-"""Points (y, z) of the named profiles [m]."""
+"""Points (y, z) of the named profiles [m]. Safety shapes have 3 in upright, a slope, and a steep upper face."""
 
 
 def profile_points(profile: str | Sequence[Sequence[float]]) -> Array:

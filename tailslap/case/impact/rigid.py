@@ -1,11 +1,13 @@
 """Rigid vehicle of a whole impact, and the texts of `tailslap rigid`."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +29,9 @@ from tailslap.errors import InputError, Missing, Verbatim
 from tailslap.scene.schema import Scene, Vehicle, value_at
 from tailslap.scene.units import shown, value_line
 from tailslap.scene.vary import Source, vary
+
+if TYPE_CHECKING:
+    from tailslap.case.impact.space import SpaceAnswer, SpaceInput
 
 AFTER_SECOND = 0.1
 """Time [s] from the second strike to the end of an impact without time.end."""
@@ -312,7 +317,7 @@ class RigidImpact(Case):
         return [*parts, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
 
     @cached_property
-    def space_input(self) -> Any:
+    def space_input(self) -> SpaceInput | None:
         """Vehicle in space, None without [body]. Raises InputError for impossible values."""
         if self.scene.body is None:
             return None
@@ -322,7 +327,7 @@ class RigidImpact(Case):
             return space.space_input(self.scene)
 
     @cached_property
-    def space(self) -> Any:
+    def space(self) -> SpaceAnswer | None:
         """Motion of the vehicle in space, None without [body]."""
         if self.space_input is None:
             return None

@@ -284,7 +284,7 @@ def _finite_elements(case: Any, setting: Setting) -> Record:
     return {"values": values, **times, "compile": compiled, "steps": result.steps, "failed": list(failed)}
 
 
-def strike_values(strikes: Sequence[Any]) -> dict[str, float]:
+def strike_values(strikes: Sequence[object]) -> dict[str, float]:
     """Return the quantities of the first two strikes.
 
     They are by `NAMES`, NaN for fewer strikes.

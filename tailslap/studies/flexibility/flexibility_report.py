@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
 from postprocess.figures.studies import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
-from postprocess.report.tables import Column, Table, columns, listed
+from postprocess.report.tables import Column, Form, Table, columns, listed
+from postprocess.report.terminal import Part
 from postprocess.svg.chart import FULL, HALF, Chart
 from postprocess.units import known, measure, percent
 from tailslap.campaign.levels import hertz
@@ -125,7 +125,7 @@ def _good(levels: Sequence[float], *more: Column) -> tuple[Column, ...]:
     return (Column("what", "Largest difference"), *columns(named, form=str), *more)
 
 
-def _of_starts(starts: Sequence[str], labels: dict[str, str], form: Any) -> list[Column]:
+def _of_starts(starts: Sequence[str], labels: dict[str, str], form: Form) -> list[Column]:
     """Return the columns of each start."""
     named = ({f"{start}:{key}": label for key, label in labels.items()} for start in starts)
     groups = (columns(keys, form=form, group=START_NAMES[k]) for k, keys in zip(starts, named, strict=True))
@@ -143,7 +143,11 @@ def _every_plate() -> dict[str, Sequence[Column]]:
 
 
 def _report(
-    result: Flexibility, sentences: tuple[str, str], sections: Any, numbers: Record, terminal: tuple[Any, ...]
+    result: Flexibility,
+    sentences: tuple[str, str],
+    sections: Sequence[Section],
+    numbers: Record,
+    terminal: tuple[Part, ...],
 ) -> Report:
     """Return the report of either kind of case.
 
@@ -235,7 +239,9 @@ def figures(result: Flexibility) -> list[Chart]:
         largest, error = values[f"{start}:v_gy_largest"], values[f"{start}:v_gy_error"]
         return SweepLine(START_NAMES[start], largest, error, passed=values[f"{start}:passed"])
 
-    def chart(name: str, caption: str, label: str, lines: Sequence[SweepLine], levels: Any = ()) -> Chart:
+    def chart(
+        name: str, caption: str, label: str, lines: Sequence[SweepLine], levels: Sequence[float] = ()
+    ) -> Chart:
         good = [*map(any, any_start)] if name == "starts" else passed
         axis = SweepAxis(values["first_frequency"], good, result.own_frequency)
         width = FULL if name == "starts" else HALF

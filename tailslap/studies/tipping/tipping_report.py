@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
@@ -11,6 +10,8 @@ from postprocess.figures import tipping as figures
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
+from postprocess.signals.design_forces import DesignForce
+from postprocess.svg.chart import Chart
 from postprocess.units import grouped, measure
 from solver.space import OUTCOMES
 from tailslap.campaign import sampling
@@ -37,20 +38,12 @@ BANDS = {
 }
 """Label, unit and form of the answers in tables."""
 
-
-def _percent(fraction: float) -> str:
-    """Return a fraction in per cent."""
-    return f"{100.0 * fraction:.1f} %"
-
-
-def _per_cents(ends: Sequence[float]) -> str:
-    """Return the ends of an interval in per cent."""
-    return f"{100.0 * ends[0]:.1f} to {100.0 * ends[1]:.1f} %"
-
-
-def _columns() -> tuple[Column, ...]:
-    """Return the columns of fractions and bands."""
-    bands = [
+ANSWERS = (
+    Column(
+        "upright", "Upright", form=lambda fraction: f"{100.0 * fraction:.1f} %", style="strong",
+        below=Column("interval", "", form=lambda ends: f"{100.0 * ends[0]:.1f} to {100.0 * ends[1]:.1f} %"),
+    ),
+    *(
         column
         for name, (label, unit, form) in BANDS.items()
         for column in (
@@ -59,17 +52,16 @@ def _columns() -> tuple[Column, ...]:
             Column(f"{name}.2", "95 %", unit, form=form),
         )
         if name != "length" or column.key == "length.1"
-    ]
-    interval = Column("interval", "", form=_per_cents)
-    return (Column("upright", "Upright", form=_percent, style="strong", below=interval), *bands)
-
+    ),
+)  # fmt: skip
+"""Columns of fractions and bands."""
 
 HELD = (
     Column("inches", "Wall [in]", form=".1f"),
     Column("height_of_wall", "Wall", "m", form=".3f"),
-    *_columns(),
+    *ANSWERS,
 )
-PROFILES = (Column("profile", "Profile"), *_columns())
+PROFILES = (Column("profile", "Profile"), *ANSWERS)
 KEPT = (
     Column("level", "Upright", form=lambda level: f"{100.0 * level:g} %"),
     Column("wall", "Lowest wall", form=str, style="strong"),
@@ -94,8 +86,7 @@ def report(result: TippingResult) -> Report:
     scene = result.case.scene
     assert scene.wall
     loads = design_forces_of(scene.impact.test_level if scene.impact else None)
-    load_rows = [{"name": name} | vars(load) | {"force": load.force} for name, load in loads.items()]
-    load_rows = [row | {"name": name} for row, name in zip(load_rows, loads, strict=True)]
+    load_rows = [vars(load) | {"name": name, "force": load.force} for name, load in loads.items()]
     lowest, held = Table(KEPT, kept_rows(result)), Table(HELD, held_rows(result), notes=(MEANING,))
     profiles = Table(PROFILES, profile_rows(result))
     sections = (
@@ -201,7 +192,7 @@ def _distribution(columns: Mapping[str, Array]) -> Record:
     return {"upright": upright / columns["outcome"].size, "interval": [low, high], **bands}
 
 
-def _map_chart(result: TippingResult) -> Any:
+def _map_chart(result: TippingResult) -> Chart:
     """Draw the map."""
     scene, lines = result.case.scene, figures.Lines(result.line_centres, result.lines)
     assert scene.wall
@@ -211,7 +202,7 @@ def _map_chart(result: TippingResult) -> Any:
     )
 
 
-def _wall_charts(result: TippingResult, loads: Mapping[str, Any]) -> list[Any]:
+def _wall_charts(result: TippingResult, loads: Mapping[str, DesignForce]) -> list[Chart]:
     """Draw outcomes, force and resultant over the height of the wall."""
     assert result.case.scene.wall
     wall, outcome = result.case.scene.wall.height or 0.0, result.answers["outcome"]
@@ -291,7 +282,7 @@ def _decrease(result: TippingResult) -> str:
     if highest[lower] == result.upright[lower]:
         return ""
     before = int(np.argmax(result.upright[:lower]))
-    at = [f"{_percent(result.upright[n])} at {_height(float(result.walls[n]))}" for n in (before, lower)]
+    at = [f"{100.0 * result.upright[n]:.1f} % at {_height(float(result.walls[n]))}" for n in (before, lower)]
     return f" The fraction does not always grow with the height: {', '.join(at)}."
 
 

@@ -179,6 +179,7 @@ def compute(
         )
     began = time.perf_counter()
     varied, nominal = space_samples.space_ranges(case, ranges, fixed), case.space
+    assert nominal
     solution: Record = {}
 
     def solve(inputs: Mapping[str, Array]) -> dict[str, Array]:
@@ -202,6 +203,7 @@ def wall_heights(case: ImpactCase) -> Array:
 
     The scene's and common ones are among them.
     """
+    assert case.space
     assert case.scene.wall
     assert case.scene.wall.height
     highest = max(HIGHEST, *(float(unit.centre_height) for unit in case.space.inputs.vehicle.units))

@@ -1,8 +1,7 @@
 """Report of the study `uncertainty`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
@@ -10,10 +9,12 @@ from postprocess.figures import studies as figures
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table, columns, pairs
+from postprocess.report.terminal import Part
+from postprocess.svg.chart import Chart
 from postprocess.units import force, grouped
 from tailslap.campaign.planar_ranges import used_keys
 from tailslap.campaign.records import Record
-from tailslap.campaign.sampling import PERCENTILES, SEED, points_in_words
+from tailslap.campaign.sampling import PERCENTILES, SEED, Array, points_in_words
 from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
 from tailslap.case.report_parts import design_forces_of, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
@@ -105,9 +106,9 @@ def _report(
     result: Spread,
     kicker: str,
     sentences: tuple[str, str],
-    sections: Any,
-    numbers: Any,
-    terminal: Any,
+    sections: Sequence[Section],
+    numbers: Mapping[str, object],
+    terminal: Sequence[Part],
     **curves: Table,
 ) -> Report:
     """Return page, summary and files.
@@ -122,7 +123,7 @@ def _report(
     return Report(
         study_page(result.case, kicker, headline, sections, "; ".join(files)),
         {**head, "seed": SEED, **numbers, "cost": cost},
-        terminal,
+        tuple(terminal),
         {f"{name}.csv": table for name, table in curves.items()},
         {"samples.csv": result.samples},
     )
@@ -269,14 +270,14 @@ def impact_report(result: Spread) -> Report:
         "rows": result.paper_rows,
         **({"levels": levels.rows} if levels.rows else {}),
     }
-    terminal = (
+    terminal: list[Part] = [
         _bands_table(result, f"{result.case.scene.name}: both strikes"),
         short(levels),
         _inputs_table(result, short=True),
         *_refused_indices(result),
         Table((*ROWS, VERDICT), compared, "Comparison with Tables 4 and 5 (* projected); u_D is unknown"),
         f"Cost:   {result.computed} impacts in {result.seconds:.1f} s",
-    )
+    ]
     kicker = "Uncertainty of both strikes of a whole impact"
     return _report(result, kicker, sentences, sections, summary, terminal, curves=_curves_table(result))
 
@@ -396,7 +397,7 @@ def _curves_table(result: Spread) -> Table:
     return Table(heads, rows)
 
 
-def _curve_figures(result: Spread) -> list[Any]:
+def _curve_figures(result: Spread) -> list[Chart]:
     """Return the charts of all quantities over each input."""
     panels = []
     for curve in result.curves:
@@ -415,13 +416,13 @@ def _curve_figures(result: Spread) -> list[Any]:
     return figures.draw_inputs("Both strikes over", panels)
 
 
-def _curve(curve: Mapping[str, Any], column: str) -> tuple[str, Any]:
+def _curve(curve: Record, column: str) -> tuple[str, Array]:
     """Return label and displayed values of a quantity."""
     label, _, scale = QUANTITIES[column.split(".")[1]]
     return label, curve["columns"][column] / scale
 
 
-def _band_figure(result: Spread) -> Any:
+def _band_figure(result: Spread) -> Chart:
     """Return the chart of peak forces."""
     bars = []
     for name in ("raw", "mean_50ms", "cfc60"):
