@@ -27,7 +27,7 @@ from meshes import plate_mesh
 from postprocess.report.tables import pairs
 from postprocess.report.terminal import printed
 from solver.impact import solve_impact
-from solver.impact.solve import MANY_TOLERANCE, Impacts
+from solver.impact.many import MANY_TOLERANCE, Impacts
 from tailslap.campaign.planar_ranges import impact_ranges
 from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase

@@ -8,16 +8,16 @@ layer along its sides, follow a crush law (`CrushLaw`) and Coulomb's friction. O
 hinges; each states its error. Signs are those of `solver.MotionState`; SI units and radians.
 """
 
-from solver.impact.solve import ImpactMotion, Impacts, solve_impact, solve_impacts
+from solver.impact.crush_law import CrushLaw, WallContact
+from solver.impact.many import Impacts, solve_impacts
+from solver.impact.solve import ImpactMotion, solve_impact
 from solver.impact.strikes import Strike, corner_name, strikes_of
 from solver.impact.train import (
     CORNERS,
-    CrushLaw,
     HitchedVehicle,
     ImpactState,
     ImpactVehicle,
     Train,
-    WallContact,
     first_touch,
     stiffness_of_duration,
     train_of,

@@ -25,7 +25,7 @@ from solver.impact import (
     solve_impact,
     solve_impacts,
 )
-from solver.impact.train import unit_laws
+from solver.impact.crush_law import unit_laws
 from tailslap import cli
 from tailslap.case.impact import run
 from tailslap.case.impact.answers import both_strikes

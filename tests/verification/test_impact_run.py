@@ -17,7 +17,7 @@ from postprocess.units import SI, percent_up
 from solver.impact import Strike
 from tailslap import cli, errors
 from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.impact import answers, checks, error, plan, report, rigid, run
+from tailslap.case.impact import answers, checks, error, paper_method, plan, report, run
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
@@ -621,7 +621,7 @@ def test_a_contact_too_stiff_for_the_plate_is_caught(changes):
 def test_the_papers_method_stands_beside():
     """The impulse equals that of the same truck with a constrained corner."""
     outcome = shipped()
-    beside = rigid.paper_method(outcome.fe_plan.case.scene, outcome.rigid)
+    beside = paper_method.paper_method(outcome.fe_plan.case.scene, outcome.rigid)
     corner = CornerCase(*read_scene("mash-tl4-sut"))
     assert beside is not None
     assert beside["impulse"] == pytest.approx(float(corner.force.impulse), rel=1e-12)
@@ -629,7 +629,7 @@ def test_the_papers_method_stands_beside():
     computed = 2.0 * beside["impulse"] / beside["computed_duration"]
     assert beside["computed_peak_force"] == pytest.approx(computed)
     without = planned("impact.friction=", "impact.restitution=")
-    assert rigid.paper_method(without.scene, outcome.rigid) is None
+    assert paper_method.paper_method(without.scene, outcome.rigid) is None
 
 
 WALL = {

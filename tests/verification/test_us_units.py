@@ -19,7 +19,7 @@ from postprocess.svg.marks import Level, Line
 from postprocess.units import SI, US, measure
 from tailslap import cli, errors
 from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.impact import report, rigid
+from tailslap.case.impact import paper_method, report
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 from tailslap.scene.units import shown
@@ -196,7 +196,7 @@ def second_columns(table):
 def test_tables_of_an_impact_convert_before_they_round(monkeypatch):
     """0.1 kN s is 1 % of the second value."""
     case = ImpactCase(*read_scene("impact-mash-tl3-pickup", ("verify.mesh=0.01",)))
-    method = rigid.paper_method(case.scene, case.answer)
+    method = paper_method.paper_method(case.scene, case.answer)
     assert method is not None
     outcome: Any = SimpleNamespace(rigid=case.answer, paper_method=method)
     (beside,) = report._paper(outcome)

@@ -3,32 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import solver
-from fem.laws.unilateral import penalty_stiffness
 from postprocess.comparison import quantities
 from postprocess.report.page import Headline
 from postprocess.signals.filters import LABELS
 from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent_up
 from solver import impact
-from solver.impact import train
+from solver.impact import crush_law
 from tailslap import progress
 from tailslap.case.case import WHOLE_IMPACT, Case
-from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.impact import answers
-from tailslap.errors import InputError, Missing, Verbatim
-from tailslap.scene.schema import Scene, Vehicle, value_at
+from tailslap.case.impact.paper_method import DIGITS, paper_lines, paper_method
+from tailslap.case.impact.rigid_input import ARGUMENTS, at_table, refusals, rigid_vehicle, wall_contact
+from tailslap.errors import InputError, Missing
+from tailslap.scene.schema import value_at
 from tailslap.scene.units import shown, value_line
-from tailslap.scene.vary import Source, vary
 
 if TYPE_CHECKING:
     from tailslap.case.impact.space import SpaceAnswer, SpaceInput
@@ -39,39 +36,11 @@ AFTER_SECOND = 0.1
 LONGEST = 5.0
 """Time [s] after which an impact without a second strike ends."""
 
-OF_A_WHOLE_IMPACT = (
-    "contact",
-    "axle",
-    "body",
-    "strip",
-    "plate",
-    "material",
-    "damping",
-    "wall",
-    "time",
-    "verify",
-    "vehicle.centre_of_mass",
-    "vehicle.yaw_inertia",
-    "impact.test_level",
-)
-"""Tables and keys that the paper's method does not use."""
-
 SAMPLE = 2e-4
 """Longest time between rows [s]: 5 kHz, above the requirement of CFC 180."""
 
 ROWS_A_STRIKE, MOST_ROWS = 200, 200_000
 """Rows in the shorter of the rigid vehicle's first two strikes; most rows of a history."""
-
-ARGUMENTS = (
-    *(f"vehicle.{name}" for name in ("length", "width", "mass", "centre_of_mass")),
-    *("impact.speed", "impact.angle"),
-    *(f"contact.{name}" for name in ("stiffness", "initial_force", "restitution", "friction")),
-)
-"""Keys of the scene that the rigid vehicle's impact depends on, by the corners alone."""
-
-OF_LAW = tuple(f"contact.{key}" for key in train.LAW)
-KEYS = {key.split(".")[1]: key for key in (*ARGUMENTS, *OF_LAW, "vehicle.yaw_inertia", "time.end")}
-"""Keys of the scene by names of the theory's inputs."""
 
 TRAIN_TOLERANCE = 1e-4
 """Error by which the step of a train is chosen; the actual error is a hundredth of that."""
@@ -81,9 +50,6 @@ OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "stiffness", "hitch", "kingpin"
 
 OF_AN_AXLE = ("position", "friction", "cornering")
 """Keys of an axle that it depends on."""
-
-DIGITS = 4
-"""Digits of numbers in the text; those in files and in --json are complete."""
 
 INTERVAL = 5e-4
 """Time between rows of the forces of many impacts [s]: peaks of a 50 ms mean are within 1e-4."""
@@ -203,7 +169,9 @@ class RigidImpact(Case):
         keys = dict.fromkeys(key for key in ARGUMENTS if key not in replaced)
         keys |= dict.fromkeys(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
         tables = ("contact", *(f"trailer.{number}" for number in numbers))
-        crush = (f"{table}{part}.{key}" for table in tables for part in ("", ".rear") for key in train.LAW)
+        crush = (
+            f"{table}{part}.{key}" for table in tables for part in ("", ".rear") for key in crush_law.LAW
+        )
         keys |= dict.fromkeys(key for key in crush if value_at(self.scene, key) is not None)
         axles = (f"axle.{number}.{key}" for number in range(len(self.scene.axle)) for key in OF_AN_AXLE)
         inertia = ("vehicle.yaw_inertia",) if self.scene.vehicle.yaw_inertia is not None else ()
@@ -228,16 +196,16 @@ class RigidImpact(Case):
         values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
         if "contact.unloading_stiffness" in inputs and "contact.restitution" not in inputs:
             values.pop("contact.restitution", None)
-        arguments = _at_table(values, ("impact", "vehicle", "contact"))
+        arguments = at_table(values, ("impact", "vehicle", "contact"))
         if (inertia := self.scene.vehicle.yaw_inertia) is not None and "vehicle.yaw_inertia" not in inputs:
             arguments["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
         trailers = []
         for number, trailer in enumerate(self.trailers):
-            unit = _at_table(values, (f"trailer.{number}",))
+            unit = at_table(values, (f"trailer.{number}",))
             unit["yaw_inertia"] = unit["yaw_inertia"] * np.asarray(unit["mass"]) / trailer.vehicle.mass
             trailers.append(unit)
         axles = [
-            {**_at_table(values, (f"axle.{number}",)), "unit": axle.unit - 1}
+            {**at_table(values, (f"axle.{number}",)), "unit": axle.unit - 1}
             for number, axle in enumerate(self.scene.axle)
         ]
         with refusals(self.scene):
@@ -442,136 +410,4 @@ class RigidImpact(Case):
             lines = [*self.space.text(units), "", *lines]
         if remarks := answers.remarks(answer):
             lines += ["", *remarks]
-        return lines + _paper_lines(paper_method(self.scene, answer), units)
-
-
-def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:
-    """Return the rigid body of a unit of the scene.
-
-    Raises RigidBodyError.
-    """
-    sides = unit.length, unit.width
-    return impact.ImpactVehicle(*sides, unit.mass, unit.centre_of_mass, unit.yaw_inertia)
-
-
-def _at_table(values: Mapping[str, Any], tables: tuple[str, ...]) -> dict[str, Any]:
-    """Return the values of keys in these tables by name.
-
-    Under "rear" stand those of their tables of that name.
-    """
-    split = {key: key.rpartition(".") for key in values}
-    values_by_name = {name: values[key] for key, (table, _, name) in split.items() if table in tables}
-    behind = {
-        name: values[key]
-        for key, (table, _, name) in split.items()
-        if table.removesuffix(".rear") in tables and table not in tables
-    }
-    return values_by_name | ({"rear": behind} if behind else {})
-
-
-def wall_contact(scene: Scene, number: int = 0) -> impact.WallContact:
-    """Return the contact of a unit.
-
-    A unit that does not crush has the elastic penalty of the plate at its corners. Raises InputError for a law that is
-    not possible.
-    """
-    contact = scene.needed_contact
-    if contact.stiffness is None:
-        plate = scene.needed_plate
-        penalty = penalty_stiffness(plate.modulus, plate.thickness, contact.penalty_scale)
-        return impact.WallContact(impact.CrushLaw(penalty, 0.0, 1.0), contact.friction)
-    keys = {*train.LAW, "rear"}
-    units = [table.model_dump(include=keys) for table in (contact, *scene.trailer)]
-    trailer = [f"trailer.{number - 1}"] if number else []
-    behind = [*(f"{table}.rear" for table in trailer), *trailer, "contact.rear", "contact"]
-    ahead, rear = train.unit_laws(units)[number]
-    front, back = _crush_law(scene, ahead, [*trailer, "contact"]), _crush_law(scene, rear, behind)
-    side = None
-    if contact.side_stiffness:
-        slope = (contact.unloading_stiffness or 0.0) * contact.side_stiffness / contact.stiffness
-        restitution = contact.restitution or 0.0
-        side = impact.CrushLaw(contact.side_stiffness, 0.0, restitution, unloading_stiffness=slope)
-    return impact.WallContact(front, contact.friction, side, rear=None if back == front else back)
-
-
-def _crush_law(scene: Scene, law: Mapping[str, Any], tables: list[str]) -> impact.CrushLaw:
-    """Return a crush law.
-
-    Each value is from the first of these tables that contains it. Raises InputError.
-    """
-    try:
-        return impact.CrushLaw(**law)
-    except solver.RigidBodyError as error:
-        keys = [f"{table}.{error.key}" for table in tables]
-        key = next((key for key in keys if value_at(scene, key) is not None), keys[-1])
-        raise InputError(key, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
-
-
-@contextmanager
-def refusals(scene: Scene, unit: str = "vehicle") -> Iterator[None]:
-    """Turn errors of the theory into messages with the scene's key.
-
-    unit: the table of the body.
-    """
-    try:
-        yield
-    except solver.RigidBodyError as error:
-        key = error.key if "." in error.key else KEYS.get(error.key, "impact").replace("vehicle", unit)
-        raise InputError(key, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
-
-
-def _paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
-    """Return lines on the paper's method."""
-    if beside is None:
-        return []
-    impulse = shown(beside["impulse"], "N s", units, digits=DIGITS)
-    force = shown(beside["peak_force"], "N", units, digits=DIGITS)
-    lines = [
-        "",
-        "The paper's method (uniform rectangle, whole side stopped at once)",
-        f"  tail-slap at {beside['t']:.4g} s, impulse {impulse}, peak force {force} with a duration of "
-        f"{beside['duration']:g} s",
-    ]
-    if read := beside["computed_duration"]:
-        force = shown(beside["computed_peak_force"], "N", units, digits=DIGITS)
-        lines.append(f"  {force} with {read:.3f} s, the duration in the 50 ms mean")
-    return lines
-
-
-def paper_method(scene: Scene, answer: answers.ImpactAnswer) -> dict[str, Any] | None:
-    """Return the results of the paper's method for the same impact.
-
-    It is that of the uniform rectangle.
-
-    Parameters
-    ----------
-    scene : Scene
-        With [contact].
-    answer : ImpactAnswer
-        The rigid vehicle's impact.
-
-    Returns
-    -------
-    dict or None
-        omega after Stage 1 [rad/s]; t and impulse of the tail-slap [s], [N s], the whole mass stopped; duration that
-        the paper reads off crash tests [s], and peak_force with it [N]; computed_duration, computed_peak_force: with
-        the duration of the second strike as the paper would read it off the computed 50 ms mean, or None. None where
-        [impact] has no friction or restitution, where the method has no answer, and of trains.
-    """
-    table = scene.impact
-    if table is None or table.friction is None or table.restitution is None or scene.trailer:
-        return None
-    try:
-        case = CornerCase(*vary(Source.of(scene), dict.fromkeys(OF_A_WHOLE_IMPACT)))
-    except InputError:
-        return None
-    read, force = answer.second_strike.get("mean_50ms", {}).get("duration"), case.force
-    return {
-        "omega": float(case.start.omega),
-        "t": float(case.motion.strike.t),
-        "impulse": float(force.impulse),
-        "duration": float(force.duration),
-        "peak_force": float(force.peak_force),
-        "computed_duration": read,
-        "computed_peak_force": 2.0 * float(force.impulse) / read if read else None,
-    }
+        return lines + paper_lines(paper_method(self.scene, answer), units)

@@ -17,7 +17,8 @@ from fem.plate.properties import ModelError
 from solver.impact import ImpactMotion, Strike
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
-from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact, paper_method
+from tailslap.case.impact.paper_method import paper_method
+from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact
 from tailslap.case.plate_input import refusal
 from tailslap.errors import InputError
 from tailslap.progress import announced, compiling, progress_bar
