@@ -1,4 +1,4 @@
-"""Whole impact of a rigid vehicle or train on a wall that only pushes."""
+"""Whole impact of a rigid vehicle or train on a wall."""
 
 import math
 from collections.abc import Sequence
