@@ -29,7 +29,12 @@ LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}
 
 
 def pytest_configure() -> None:
-    """Let interrupted commands receive SIGINT, also from a background shell."""
+    """Let commands write compiled sources, and receive SIGINT from a background shell too.
+
+    To compile the sources takes 0.3 s of the 1.1 s of `tailslap rigid`.
+    """
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
