@@ -64,6 +64,12 @@ HELPER = re.compile(rb"\bnumba_(\w+)")
 Without their addresses LLVM would end the process.
 """
 
+SETTING = re.compile("NUMBA_(?!CACHE|NUM_THREADS)")
+"""Environment variables that change the code.
+
+Workers of a sweep have one thread and run the code of other commands.
+"""
+
 LARGEST, LONGEST_HEADER = 2**26, 2**16
 """Largest numbers of bytes of a file of object code, and of its first line."""
 
@@ -199,9 +205,7 @@ def machine() -> dict[str, object]:
     return {
         "processor": [llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()],
         "versions": {"python": sys.version, "numpy": np.__version__, **programs},
-        "settings": sorted(
-            f"{k}={v}" for k, v in os.environ.items() if k.startswith("NUMBA_") and "CACHE" not in k
-        ),
+        "settings": sorted(f"{k}={v}" for k, v in os.environ.items() if SETTING.match(k)),
     }
 
 

@@ -1,5 +1,6 @@
 """Verify links, commands and citation of the documents, and the examples."""
 
+import functools
 import re
 import shlex
 import shutil
@@ -89,9 +90,17 @@ def accept(line):
         read_scene(scene, tuple(parameters.get("changes", ())))
 
 
+@functools.cache
+def files_of_the_checkout():
+    """Paths of its files from its root, without hidden folders."""
+    folders = (path for path in ROOT.iterdir() if path.is_dir() and not path.name.startswith("."))
+    files = (path for folder in folders for path in folder.rglob("*.*"))
+    return ["/" + str(path.relative_to(ROOT)) for path in (*files, *ROOT.glob("*.*"))]
+
+
 def missing_files(text):
     """File names between backticks that are not in the checkout."""
-    files = ["/" + str(path.relative_to(ROOT)) for path in ROOT.rglob("*.*") if ".venv" not in path.parts]
+    files = files_of_the_checkout()
     named = (name for name in QUOTED.findall(text) if FILE.fullmatch(name))
     return [name for name in named if not any(path.endswith("/" + name) for path in files)]
 

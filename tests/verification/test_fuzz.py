@@ -212,7 +212,7 @@ BEYOND = (
 )
 """Changes that are refused by the name of their key."""
 SECONDS = 5.0
-"""Within which an input is refused: a guard; unloaded it is a tenth of that."""
+"""Processor time [s] within which an input is refused: a guard; it usually takes a tenth of that."""
 
 
 @pytest.mark.parametrize(
@@ -255,10 +255,10 @@ SECONDS = 5.0
 def test_it_is_refused_at_once(tmp_path, monkeypatch, capsys, arguments, said):
     monkeypatch.chdir(tmp_path)
     write_files(tmp_path)
-    before, began = sorted(tmp_path.rglob("*")), time.monotonic()
+    before, began = sorted(tmp_path.rglob("*")), time.process_time()
     assert _status(list(arguments)) == 2
     out, err = capsys.readouterr()
-    assert (out, time.monotonic() - began < SECONDS) == ("", True)
+    assert (out, time.process_time() - began < SECONDS) == ("", True)
     assert said in err
     assert len(err) < 1000
     assert [letter for letter in err if not (letter.isprintable() or letter == "\n")] == []
@@ -375,7 +375,7 @@ def test_too_little_memory_is_told_with_the_estimate():
 
 
 def test_a_large_mesh_is_estimated_and_not_made(capsys):
-    began = time.monotonic()
+    began = time.process_time()
     assert _status(["check", "paper-table-3", "--set", "plate.elements=[2000, 2000]", "--allow-large"]) == 0
     assert "about 4000000 nodes" in capsys.readouterr().out
-    assert time.monotonic() - began < SECONDS
+    assert time.process_time() - began < SECONDS

@@ -348,11 +348,12 @@ def test_code_depends_on_the_functions_that_it_calls(caller, tmp_path, printed):
 
 
 def test_a_function_of_numba_is_loaded_in_a_second_process(tmp_path, printed):
-    """A law from outside may call one."""
+    """A law from outside may call one. The number of threads does not matter."""
     body = "@compiled\ndef gamma(x):\n    return math.gamma(x)\n"
     (tmp_path / "outside.py").write_text(f"import math\n{HEADER}\n\n{body}")
-    for _ in range(2):
-        assert printed("import outside; print(outside.gamma(5.0))") == ["24.0"]
+    for threads in ("1", "2"):
+        assert printed("import outside; print(outside.gamma(5.0))", NUMBA_NUM_THREADS=threads) == ["24.0"]
+    assert len(list(tmp_path.glob("code/*/gamma-*.code"))) == 1
 
 
 def test_compilation_disabled_for_numba_is_not_disabled_here(tmp_path, printed):
