@@ -29,17 +29,24 @@ QUICK = (
 FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "--set", "damping.kind=none")
 
 
-def said(*arguments, cwd):
-    command = [sys.executable, "-m", "tailslap", *arguments]
-    environment = os.environ | {"COLUMNS": "80"}
-    process = subprocess.run(command, capture_output=True, text=True, cwd=cwd, env=environment)
-    assert process.returncode in (0, 1), process.stderr
-    return process.stdout
+@pytest.fixture
+def said(tmp_path, monkeypatch, capsys):
+    """Output of a command on a terminal of 80 columns."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def run(*arguments):
+        status = cli._status(list(arguments))
+        out, err = capsys.readouterr()
+        assert status in (0, 1), err
+        return out
+
+    return run
 
 
 @pytest.mark.parametrize("arguments", QUICK, ids=" ".join)
-def test_no_line_is_longer_than_80_columns(arguments, tmp_path):
-    out = said(*arguments, cwd=tmp_path)
+def test_no_line_is_longer_than_80_columns(arguments, said):
+    out = said(*arguments)
     assert out.strip()
     assert [line for line in out.splitlines() if len(line) > 80] == []
 
@@ -54,10 +61,10 @@ OPENED = (
 
 
 @pytest.mark.parametrize("arguments", OPENED, ids=" ".join)
-def test_answer_set_up_and_certainty_open_the_terminal(arguments, tmp_path):
+def test_answer_set_up_and_certainty_open_the_terminal(arguments, said, tmp_path):
     """Within 25 lines of 80 columns, as they stand in the summary."""
-    first = " ".join(" ".join(said(*arguments, cwd=tmp_path).splitlines()[:25]).split())
-    summary = json.loads(said(*arguments, "--json", cwd=tmp_path))
+    first = " ".join(" ".join(said(*arguments).splitlines()[:25]).split())
+    summary = json.loads(said(*arguments, "--json"))
     lines = [summary[name] for name in ("answer", "band", "set_up", "certainty") if summary[name]]
     assert len(lines) >= 3
     assert first.startswith(" ".join(lines).replace("\N{NO-BREAK SPACE}", " "))
@@ -65,8 +72,8 @@ def test_answer_set_up_and_certainty_open_the_terminal(arguments, tmp_path):
         assert json.loads(place.read_text())["answer"] == summary["answer"]
 
 
-def test_a_failed_run_fits_too(tmp_path):
-    out = said("run", "mash-tl4-sut", "--no-pictures", "--out", "bad", *FLUTTER, cwd=tmp_path)
+def test_a_failed_run_fits_too(said):
+    out = said("run", "mash-tl4-sut", "--no-pictures", "--out", "bad", *FLUTTER)
     assert [line for line in out.splitlines() if len(line) > 80] == []
     assert "Remedy: remove damping.kind" in " ".join(out.split())
 

@@ -206,6 +206,7 @@ def test_against_the_whole_plate_of_20_hertz(outcome, scene, change):
     assert largest(modal.values, full.fe) < 5e-7
 
 
+@pytest.mark.long
 def test_signed_friction(outcome):
     change = ("corner.reaction=signed", TWENTY_HERTZ)
     modal, full = run(4, "paper-table-3", *change), outcome("paper-table-3", *change)
