@@ -231,8 +231,8 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
             [_points_of(strip) for strip in vehicle.strips],
         )
     )
-    heights, friction, speeds, angles = (
-        np.ascontiguousarray(np.broadcast_to(value, n), dtype=np.float64) for value in of_sample
+    heights, friction, speeds, angles = (  # copies: read-only arrays are of another type to Numba
+        np.array(np.broadcast_to(value, n), dtype=np.float64) for value in of_sample
     )
     return Fleet(
         units, axles, strips, of_axles, of_strips, carriers, points, profile, heights, friction, speeds, angles

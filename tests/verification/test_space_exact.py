@@ -11,6 +11,7 @@ from scipy.optimize import root
 from space_vehicles import ANGLE, FAR, MASS, SPEED, axle, truck, truck_unit
 
 from machine_code.compiled import compiled
+from machine_code.object_code import flattened
 from solver.body import GRAVITY
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact
 from solver.space import SpaceVehicle, SpaceWall, Strip, solve_space
@@ -84,6 +85,14 @@ def test_symmetric_top_precesses():
     angle = np.unwrap(np.arctan2(spins[:, 1], spins[:, 0]))
     t = h * np.arange(len(angle))
     assert np.polyfit(t, angle, 1)[0] == pytest.approx((along / across - 1.0) * rate, rel=1e-6)
+
+
+def test_one_sample_and_many_have_one_kernel():
+    """Wall, speed and angle as numbers or arrays, read-only ones among them."""
+    heights = np.full(3, LOW.height), np.broadcast_to(LOW.height, 3)
+    walls = [LOW, *(replace(LOW, height=height) for height in heights)]
+    fleets = [fleet_of(truck(), wall, speed, 0.1) for wall in walls for speed in (SPEED, np.full(3, SPEED))]
+    assert len({flattened((fleet,))[0] for fleet in fleets}) == 1
 
 
 def test_free_vehicle_conserves_angular_momentum():

@@ -36,7 +36,7 @@ from tailslap.scene.vary import vary
 from tailslap.storage.folder import commit, fresh, result_folder
 from tailslap.storage.manifest import NAME as MANIFEST
 
-HANG = 120.0
+HANG = 600.0
 """Seconds after which a waiting test fails: a guard, not a measurement."""
 
 SCENE = """name = "small"
