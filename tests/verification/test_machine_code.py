@@ -348,7 +348,7 @@ def test_code_depends_on_the_functions_that_it_calls(caller, tmp_path, printed):
 
 
 def test_a_function_of_numba_is_loaded_in_a_second_process(tmp_path, printed):
-    """A law from outside may call one. The number of threads does not matter."""
+    """A law from outside may call one, with any number of threads."""
     body = "@compiled\ndef gamma(x):\n    return math.gamma(x)\n"
     (tmp_path / "outside.py").write_text(f"import math\n{HEADER}\n\n{body}")
     for threads in ("1", "2"):
