@@ -31,7 +31,7 @@ FIRST = ("test_style.py", "test_mash_scenes.py", "test_impact_run.py")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Let commands write compiled sources, and receive SIGINT from a background shell too.
+    """Let commands write compiled sources, and receive SIGINT from background shells.
 
     To compile the sources takes 0.3 s of the 1.1 s of `tailslap rigid`. Files are distributed in the order of `FIRST`,
     not by their number of tests.
