@@ -87,7 +87,7 @@ def indicator(name: str, inputs: int, fraction: float) -> Function:
 
 
 def functions(inputs: int) -> list[Function]:
-    """Return the functions of a number of inputs."""
+    """Return the test functions of this number of inputs."""
     unequal = 1.0 / np.arange(1.0, inputs + 1.0)
     unequal[2::3] = 0.0
     simple = [linear("linear", np.ones(inputs)), linear("linear 1/i", unequal)]

@@ -22,24 +22,8 @@ from solver.stage_3 import (
 )
 
 __all__ = [
-    "CONVENTIONS",
-    "REACTIONS",
-    "ImpulseResult",
-    "MotionState",
-    "OdeMotion",
-    "OlsonForce",
-    "PlaneMotion",
-    "RectangularBody",
-    "RigidBodyError",
-    "RitterForce",
-    "StrikeForce",
-    "corner_impulse",
-    "hirsch_force",
-    "integrate_odes",
-    "olson_force",
-    "plane_motion",
-    "ritter_force",
-    "strike_force",
-    "tail_slap",
+    "CONVENTIONS", "REACTIONS", "ImpulseResult", "MotionState", "OdeMotion", "OlsonForce", "PlaneMotion",
+    "RectangularBody", "RigidBodyError", "RitterForce", "StrikeForce", "corner_impulse", "hirsch_force",
+    "integrate_odes", "olson_force", "plane_motion", "ritter_force", "strike_force", "tail_slap",
     "triangle_mean",
-]
+]  # fmt: skip

@@ -38,7 +38,7 @@ COLUMNS = (
 
 
 class ModalEstimate(NamedTuple):
-    """Estimated relative errors of the five quantities.
+    """Estimated relative errors of the results at the tail-slap.
 
     modes: truncation, from the change at any time with more modes. linear: linearisation of the elastic strain. steps:
     time step, from the change with half as many steps.

@@ -57,7 +57,7 @@ def _plateau_excess(plateau: object, force: object, stiffness: object) -> Callab
 def returned_part(
     unloading: float | None, returned: float, peak: float, energy: float, deepest: float
 ) -> float:
-    """Return the part of energy that unloading returns.
+    """Return the fraction of the energy that unloading recovers.
 
     peak: force [N], and energy: absorbed [J], at the deepest point [m]. Compiled code only.
     """

@@ -161,7 +161,7 @@ def write_csv(path: Path, table: Table) -> Path:
 
 
 def write_parquet(path: Path, table: Table) -> Path:
-    """Write columns by their names, with units in the metadata of fields."""
+    """Write a Parquet file of columns, with units as metadata."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 

@@ -13,10 +13,10 @@ from postprocess.svg import chart
 from postprocess.svg.chart import Chart
 from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Span, Swatch
 from postprocess.svg.scales import Floats, Shades, cells_about
+from postprocess.units import INCH
 
 MAP, RED = 620.0, "#d8453a"
 
-INCH = 0.0254
 INCHES = (27, 32, 36, 42, 54)
 """Heights of common walls on the map [in]."""
 

@@ -458,7 +458,7 @@ class Boxes(Mark):
 
 @dataclass(frozen=True)
 class Span(Mark):
-    """Shaded range of x, or a dashed line without width.
+    """Shaded range of x, a dashed line if its width is zero.
 
     Its name stands at the top of the plot; row: of the name.
     """

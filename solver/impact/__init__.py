@@ -26,25 +26,7 @@ from solver.impact.trajectories import TOLERANCE, Trajectories, solve_trains
 from solver.impact.tyres import TyreAxle
 
 __all__ = [
-    "CORNERS",
-    "TOLERANCE",
-    "CrushLaw",
-    "HitchedVehicle",
-    "ImpactMotion",
-    "ImpactState",
-    "ImpactVehicle",
-    "Impacts",
-    "Strike",
-    "Train",
-    "Trajectories",
-    "TyreAxle",
-    "WallContact",
-    "corner_name",
-    "first_touch",
-    "solve_impact",
-    "solve_impacts",
-    "solve_trains",
-    "stiffness_of_duration",
-    "strikes_of",
-    "train_of",
-]
+    "CORNERS", "TOLERANCE", "CrushLaw", "HitchedVehicle", "ImpactMotion", "ImpactState", "ImpactVehicle",
+    "Impacts", "Strike", "Train", "Trajectories", "TyreAxle", "WallContact", "corner_name", "first_touch",
+    "solve_impact", "solve_impacts", "solve_trains", "stiffness_of_duration", "strikes_of", "train_of",
+]  # fmt: skip

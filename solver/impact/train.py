@@ -380,7 +380,7 @@ def train_of(
     contact: WallContact | Sequence[WallContact],
     hinges: Sequence[tuple[float, float]] = (),
 ) -> Train:
-    """Return one train of vehicles, as a sample of `solve_trains`.
+    """Return the arrays of one train for `solve_trains`.
 
     Parameters
     ----------

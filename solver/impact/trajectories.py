@@ -5,6 +5,8 @@ is estimated by a run with twice the step, and the step is halved where it is ab
 """
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -163,17 +165,11 @@ def solve_trains(
     most = int(LONGEST_RUN / (STEP_COST + POINT_COST * train.unit.size))
     latest = longest if end is None else end
     rate, turning = _rates(train, state)
-    h = PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
     many_strikes = len(train.hitch) > 0 or tyres is not None
     varies = step is None and many_strikes
     is_coarse = varies and tyres is not None and impulse_alone
     phase, floor = (COARSE_PHASE, COARSE_FLOOR) if is_coarse else (PHASE_OF_PARTS, 0.0)
-    if is_coarse:
-        h = COARSE_TURN * math.sqrt(tolerance) / turning
-    elif varies:
-        h = np.minimum(TURN_OF_PARTS * math.sqrt(tolerance) / turning, 0.5 * SHORTEST)
-    if step is not None:
-        h = np.full(len(state), step)
+    h = _whole_steps(rate, turning, tolerance, step, varies, is_coarse)
     h = np.maximum(h, latest / most)  # first coarser, then finer as far as the computed end allows
     whole = interval or latest
     rows_a_step = np.exp2(np.floor(np.log2(np.maximum(h / whole, 1.0)))) if is_coarse else 1.0
@@ -207,31 +203,73 @@ def solve_trains(
             return run(chosen, h, interval, int(counted.max()))
         return Trajectories(reached, out, strike_rows, rows, h / parts[chosen] * stride, h, np.zeros(n))
 
-    chosen, settled = np.arange(len(state)), np.full(len(state), step is not None)
+    everyone = np.arange(len(state))
     upright = (train.restitution == 0.0) & (train.unloading_stiffness == 0.0)
     more = np.where(upright.any(axis=0) & varies, UPRIGHT_FACTOR, 1.0)
-    motions = run(chosen, h.copy(), interval)
     weight = tolerance / max(tolerance, DURATION_TOLERANCE)
-    error = more * _difference(motions, run(chosen, 2.0 * h, None), turning, weight, many_strikes)
+
+    def change(fine: Trajectories, coarse: Trajectories, chosen: NDArray[np.int64]) -> Array:
+        return more[chosen] * _difference(fine, coarse, turning[chosen], weight, many_strikes)
+
+    motions = run(everyone, h.copy(), interval)
+    error = change(motions, run(everyone, 2.0 * h, None), everyone)
+    if step is None:
+        motions = _refined(partial(run, interval=interval), change, motions, error, tolerance * h, most)
+        _demand_small(error, motions.step, max(LARGEST_ERROR, 10.0 * tolerance))
+    return motions._replace(error=error)
+
+
+def _refined(
+    run: Callable[..., Trajectories],
+    change: Callable[..., Array],
+    motions: Trajectories,
+    error: Array,
+    limit: Array,
+    most: int,
+) -> Trajectories:
+    """Halve the steps where errors exceed the limit over the step.
+
+    The errors are updated in place. most: largest number of steps.
+    """
+    settled = np.zeros(len(error), dtype=np.bool_)
     while True:
-        settled |= (error <= tolerance * h / motions.step) | ~(2.0 * motions.end <= most * motions.step)
+        settled |= (error <= limit / motions.step) | ~(2.0 * motions.end <= most * motions.step)
         chosen = np.flatnonzero(~settled)
         if not chosen.size:
-            break
-        finer = run(chosen, 0.5 * motions.step[chosen], interval)
+            return motions
+        finer = run(chosen, 0.5 * motions.step[chosen])
         settled[chosen] = np.isnan(finer.end)  # steps did not suffice: the previous result stays
         if settled[chosen].any():
             finer, chosen = _samples(finer, ~settled[chosen]), chosen[~settled[chosen]]
         coarse = _samples(motions._replace(rows=motions.end), chosen)  # rows are large
-        error[chosen] = more[chosen] * _difference(finer, coarse, turning[chosen], weight, many_strikes)
+        error[chosen] = change(finer, coarse, chosen)
         motions = _replaced(motions, chosen, finer)
-    bad = ~(error <= max(LARGEST_ERROR, 10.0 * tolerance))
-    if bad.any() and step is None:
+
+
+def _whole_steps(
+    rate: Array, turning: Array, tolerance: float, step: float | None, varies: bool, is_coarse: bool
+) -> Array:
+    """Return the whole steps of n trains [s].
+
+    rate, turning: as of `_rates`; varies: True where parts of them are taken.
+    """
+    if step is not None:
+        return np.full(len(rate), step)
+    if is_coarse:
+        return COARSE_TURN * math.sqrt(tolerance) / turning
+    if varies:
+        return np.minimum(TURN_OF_PARTS * math.sqrt(tolerance) / turning, 0.5 * SHORTEST)
+    return PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
+
+
+def _demand_small(error: Array, steps: Array, largest: float) -> None:
+    """Raise RigidBodyError where an error exceeds the largest one."""
+    bad = ~(error <= largest)
+    if bad.any():
         i = int(np.argmax(bad))
         place = f" at index {i}" if len(bad) > 1 else ""
-        why = f"steps of {motions.step[i]:.2g} s leave an error of {error[i]:.2g}{place}"
+        why = f"steps of {steps[i]:.2g} s leave an error of {error[i]:.2g}{place}"
         raise RigidBodyError("contact", "this law", why, "a smaller stiffness or friction")
-    return motions._replace(error=error)
 
 
 def _samples(motions: Trajectories, chosen: NDArray[Any]) -> Trajectories:

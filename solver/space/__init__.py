@@ -12,17 +12,6 @@ from solver.space.vehicle import SpaceAxle, SpaceUnit, SpaceVehicle, SpaceWall, 
 from solver.space.wall import PROFILES, profile_points
 
 __all__ = [
-    "OUTCOMES",
-    "PROFILES",
-    "SpaceAnswers",
-    "SpaceAxle",
-    "SpaceMotion",
-    "SpaceUnit",
-    "SpaceVehicle",
-    "SpaceWall",
-    "Strip",
-    "lowest_walls",
-    "profile_points",
-    "solve_space",
-    "solve_spaces",
-]
+    "OUTCOMES", "PROFILES", "SpaceAnswers", "SpaceAxle", "SpaceMotion", "SpaceUnit", "SpaceVehicle",
+    "SpaceWall", "Strip", "lowest_walls", "profile_points", "solve_space", "solve_spaces",
+]  # fmt: skip

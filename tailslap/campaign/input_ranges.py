@@ -8,7 +8,7 @@ and duration of the strike are assumed and include the values of the paper's tab
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from postprocess.units import MPH, POUND, measure
@@ -22,7 +22,18 @@ Limits = tuple[float, float, str]
 """Ends of a range [SI], and its origin."""
 TypedLimits = tuple[str, str, str]
 """Ends of a range as typed, and its origin."""
-ASSUMED, FROM_USER = "assumed", "--range"
+ASSUMED, FROM_USER, FROM_LENGTH = "assumed", "--range", "± 5 % of the length, assumed"
+CRUSH: dict[str, Callable[[float], Limits]] = {
+    "stiffness": lambda value: about(value, 0.5 * value, "± 50 %, assumed"),
+    "plateau_force": lambda value: about(
+        value, 3.0 / 7.0 * value, "± 43 %, assumed: 200 to 500 kN of 350 kN"
+    ),
+    "restitution": lambda value: (0.1, 0.35, "assumed; 0.22: the paper"),
+    "unloading_stiffness": lambda value: about(value, 0.5 * value, "± 50 %, assumed"),
+}
+"""Default range of each crush parameter of a corner from its value in the scene."""
+CONTACT_FRICTION = 0.2, 0.5, "assumed; 0.2: FHWA/NTRCI model of TL5CMB-2, 0.47: the paper"
+"""Default range of the friction of a whole impact."""
 LIGHT_VEHICLES = {"1100C": (2420.0, 55.0), "2270P": (5000.0, 110.0)}
 """Inertial mass and its tolerance [lb] by vehicle of MASH."""
 
@@ -42,6 +53,16 @@ def default_limits(scene: schema.Scene) -> dict[str, Limits]:
             "impact.angle": about(scene.impact.angle, math.radians(1.5), "± 1.5 deg, MASH"),
         }
     return limits
+
+
+def impact_limits(scene: schema.Scene, mass: float) -> dict[str, Limits]:
+    """Return default ranges of any whole impact.
+
+    mass: nominal mass of the vehicle [kg].
+    """
+    limits = {"vehicle.mass": about(mass, 0.05 * mass, "± 5 %, assumed")} | default_limits(scene)
+    keys = ("vehicle.mass", "impact.speed", "impact.angle")
+    return {key: limits[key] for key in keys} | {"contact.friction": CONTACT_FRICTION}
 
 
 def about(value: float, tolerance: float, origin: str) -> Limits:

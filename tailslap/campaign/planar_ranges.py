@@ -1,10 +1,20 @@
 """Ranges of uncertain inputs of both kinds of case."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
-from tailslap.campaign.input_ranges import ASSUMED, Limits, Range, about, default_limits, ranges_of
+from tailslap.campaign.input_ranges import (
+    ASSUMED,
+    CRUSH,
+    FROM_LENGTH,
+    Limits,
+    Range,
+    about,
+    default_limits,
+    impact_limits,
+    ranges_of,
+)
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Missing
@@ -14,23 +24,12 @@ STAGE_ONE = ("impact.speed", "impact.angle", "impact.friction", "impact.restitut
 """Keys of Stage 1, of the start and of the vehicle."""
 START = ("start.angle", "start.omega", "start.corner_speed")
 BODY = ("vehicle.length", "vehicle.width", "vehicle.mass")
-FROM_LENGTH = "± 5 % of the length, assumed"
 
 HITCH = 0.3
 """Half the default range of a hitch [m]."""
 
 TYRES: Limits = (0.5, 0.8, ASSUMED)
 """Default range of the friction of tyres."""
-
-CRUSH: dict[str, Callable[[float], Limits]] = {
-    "stiffness": lambda value: about(value, 0.5 * value, "± 50 %, assumed"),
-    "plateau_force": lambda value: about(
-        value, 3.0 / 7.0 * value, "± 43 %, assumed: 200 to 500 kN of 350 kN"
-    ),
-    "restitution": lambda value: (0.1, 0.35, "assumed; 0.22: the paper"),
-    "unloading_stiffness": lambda value: about(value, 0.5 * value, "± 50 %, assumed"),
-}
-"""Default range of each crush parameter of a corner from its value in the scene."""
 
 
 def corner_ranges(
@@ -105,18 +104,12 @@ def _nominal(case: ImpactCase) -> dict[str, float]:
 
 def _impact_limits(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, Limits]:
     """Return the default range of each input."""
-    defaults, scene = default_limits(case.scene), case.scene
+    scene, length = case.scene, nominal["vehicle.length"]
     limits = {key: CRUSH[name](nominal[key]) for key in nominal if (name := key.rpartition(".")[2]) in CRUSH}
     limits |= {key: TYRES for key in nominal if key.startswith("axle.") and key.endswith(".friction")}
-    mass, length = nominal["vehicle.mass"], nominal["vehicle.length"]
-    limits |= {
-        "contact.friction": (0.2, 0.5, "assumed; 0.2: FHWA/NTRCI model of TL5CMB-2, 0.47: the paper"),
-        "vehicle.mass": defaults.get("vehicle.mass", about(mass, 0.05 * mass, "± 5 %, assumed")),
-        "vehicle.yaw_inertia": _about_inertia(case.vehicle.inertia),
-        "impact.speed": defaults["impact.speed"],
-        "impact.angle": defaults["impact.angle"],
-        "vehicle.centre_of_mass": (0.45 * length, 0.55 * length, FROM_LENGTH),
-    }
+    limits |= impact_limits(scene, nominal["vehicle.mass"])
+    limits["vehicle.yaw_inertia"] = _about_inertia(case.vehicle.inertia)
+    limits["vehicle.centre_of_mass"] = 0.45 * length, 0.55 * length, FROM_LENGTH
     if scene.vehicle.centre_of_mass is not None:
         limits["vehicle.centre_of_mass"] = about(
             nominal["vehicle.centre_of_mass"], 0.05 * length, FROM_LENGTH

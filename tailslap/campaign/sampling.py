@@ -181,7 +181,7 @@ def band_of(values: Array) -> Band:
 
 
 class Indices(NamedTuple):
-    """First-order and total indices with their 95 % intervals.
+    """Sobol indices with 95 % confidence intervals.
 
     Indices have shape (inputs,), intervals shape (2, inputs). `refusal` is the reason why they are not shown, or "".
     """

@@ -84,32 +84,20 @@ def members(scene: Scene, key: str) -> list[str]:
 
 def default_ranges(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, Limits]:
     """Return the default range of each input [SI]."""
-    of_plane = input_ranges.default_limits(case.scene)
-    mass, unloading = nominal["vehicle.mass"], nominal.get("contact.unloading_stiffness")
-    limits = {
-        "impact.speed": of_plane["impact.speed"],
-        "impact.angle": of_plane["impact.angle"],
-        "vehicle.mass": of_plane.get("vehicle.mass", about(mass, 0.05 * mass, "± 5 %, assumed")),
-        "contact.restitution": (0.1, 0.35, "assumed; 0.22: the paper"),
-        "contact.friction": (0.2, 0.5, "assumed; 0.2: FHWA/NTRCI model of TL5CMB-2, 0.47: the paper"),
-    }
-    if unloading:
-        limits["contact.unloading_stiffness"] = about(unloading, 0.5 * unloading, "± 50 %, assumed")
+    limits = input_ranges.impact_limits(case.scene, nominal["vehicle.mass"])
+    for name in ("restitution", "unloading_stiffness"):
+        limits[f"contact.{name}"] = input_ranges.CRUSH[name](nominal.get(f"contact.{name}", 0.0))
     for number, unit in enumerate(case.scene.units):
         table, body = (f"trailer.{number - 1}",) * 2 if number else ("vehicle", "body")
         middle, height = f"{table}.centre_of_mass", f"{body}.centre_height"
-        limits[middle] = about(nominal[middle], 0.05 * unit.length, "± 5 % of the length, assumed")
+        limits[middle] = about(nominal[middle], 0.05 * unit.length, input_ranges.FROM_LENGTH)
         if height in nominal:
             limits[height] = about(nominal[height], CENTRE_RANGE, f"± {CENTRE_RANGE} m, assumed")
         for name in ("roll_inertia",) if number else ("roll_inertia", "yaw_inertia"):
             key = f"{body if name == 'roll_inertia' else table}.{name}"
             low, high = ROLL_INERTIA if name == "roll_inertia" else (0.8, 1.2)
-            why = (
-                "radii of gyration of 0.82 to 1.27 times the scene's, assumed"
-                if low < 0.8
-                else "± 20 %, assumed"
-            )
-            limits[key] = (low * nominal[key], high * nominal[key], why)
+            why = "radii of gyration of 0.82 to 1.27 times the scene's" if low < 0.8 else "± 20 %"
+            limits[key] = (low * nominal[key], high * nominal[key], f"{why}, assumed")
     return {key: ends for key, ends in (limits | GROUPS).items() if key in nominal}
 
 

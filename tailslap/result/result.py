@@ -128,7 +128,10 @@ class Result:
 
     @property
     def headline(self) -> Headline:
-        """Title, answer, set-up and certainty."""
+        """Headline of the result.
+
+        It has title, answer, set-up and certainty.
+        """
         return Headline(*(str(self.summary.get(part.name) or "") for part in fields(Headline)))
 
     @cached_property

@@ -174,7 +174,7 @@ def key(meaning: str, default: Any = None) -> Any:
 
 
 class SceneTable(BaseModel):
-    """Table of a scene, in which unknown keys are errors."""
+    """Table of a scene that refuses unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 

@@ -1,4 +1,4 @@
-"""Verify that the description for archives names every file and digest."""
+"""Verify that the description for archives lists all files and digests."""
 
 import hashlib
 import json

@@ -387,7 +387,7 @@ def nearest_corner(points: np.ndarray, length: float) -> np.ndarray:
 
 
 def filtered(force: np.ndarray, interval: float) -> dict[str, np.ndarray]:
-    """Return the force by the filters of `QUANTITIES`."""
+    """Return the force after each filter of `QUANTITIES`."""
     return filters.force_curves(force, interval, FORCES)
 
 

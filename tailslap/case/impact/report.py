@@ -127,11 +127,8 @@ class ImpactReport(FeReport):
     def tables(self) -> list[Table]:
         """Forces, strikes, errors and hinges."""
         outcome = self.outcome
-        design = _design_table(outcome)
-        return [
-            *(force_table(outcome), short(design), _strikes(outcome)),
-            *(errors_table(outcome), hinges_table(outcome)),
-        ]
+        strikes = force_table(outcome), short(_design_table(outcome)), _strikes(outcome)
+        return [*strikes, errors_table(outcome), hinges_table(outcome)]
 
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:
         """List the parts that the scene omits."""
@@ -178,9 +175,8 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
         name: max(LEAST_CHANGE, _largest(heavy, name)) for name in ("impulse", "duration", "peak_force")
     }
     of = f" of strikes above {100 * WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
-    what = (
-        "Flexibility of vehicle and wall" if outcome.fe_plan.case.scene.meshed_wall else "Vehicle flexibility"
-    )
+    meshed_wall = outcome.fe_plan.case.scene.meshed_wall
+    what = "Flexibility of vehicle and wall" if meshed_wall else "Vehicle flexibility"
     mean = abs(outcome.fe.peaks["mean_50ms"] / outcome.rigid.peaks["mean_50ms"] - 1.0) if heavy else math.nan
     mean = max(LEAST_CHANGE, mean)
     text = (
@@ -190,11 +186,9 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
     )
     if not heavy:
         text = "Plate and rigid vehicle do not strike in the same order"
-    stated = (
-        f"at most {percent_up(max(outcome.stated_errors.values()))}"
-        if outcome.mesh_error
-        else "not estimated"
-    )
+    stated = "not estimated"
+    if outcome.mesh_error:
+        stated = f"at most {percent_up(max(outcome.stated_errors.values()))}"
     return f"{text}; discretisation error {stated}."
 
 
@@ -250,19 +244,15 @@ def force_table(outcome: run.ImpactOutcome) -> Table:
     fe, rigid, along = outcome.fe.peaks, outcome.rigid.peaks, filters.force_peaks(outcome.fe.longitudinal)
     space = outcome.fe_plan.case.space
     in_space = {row["name"]: row for row in space.force_rows} if space else {}
-    rows = [
-        {
-            "curve": label,
-            "fe": fe[name],
-            "rigid": rigid[name],
-            "along": along[name],
-            **in_space.get(label, {}),
-        }
-        for name, label in filters.LABELS.items()
-    ]
-    missing = dict.fromkeys(column.key for column in FORCE_IN_SPACE)
     columns = (*FORCE, *FORCE_IN_SPACE) if space else FORCE
-    return Table(columns, [missing | row for row in rows], notes=(FORCE_NOTE,))
+    missing = dict.fromkeys(column.key for column in FORCE_IN_SPACE)
+    rows = [
+        missing
+        | {"curve": label, "fe": fe[k], "rigid": rigid[k], "along": along[k]}
+        | in_space.get(label, {})
+        for k, label in filters.LABELS.items()
+    ]
+    return Table(columns, rows, notes=(FORCE_NOTE,))
 
 
 def durations_table(answer: ImpactAnswer) -> Table:

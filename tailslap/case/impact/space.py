@@ -11,7 +11,7 @@ import numpy as np
 from postprocess.report.page import Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
-from postprocess.units import SYSTEMS, measure, percent_up
+from postprocess.units import INCH, SYSTEMS, measure, percent_up
 from solver import space
 from solver.conditions import Number
 from solver.space.vehicle import DAMPING_RATIO, GYRATION, ROLL_CENTRE, ROLL_STIFFNESS, fleet_of
@@ -20,7 +20,7 @@ from tailslap.case.impact import space_figures
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.scene.schema import Scene, value_at
 
-TITLE, INCH = "Vehicle in space", 0.0254
+TITLE = "Vehicle in space"
 
 PLANE = (
     Column("name", "Quantity"),

@@ -12,7 +12,7 @@ from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
 from postprocess.signals.design_forces import DesignForce
 from postprocess.svg.chart import Chart
-from postprocess.units import grouped, measure
+from postprocess.units import INCH, grouped, measure
 from solver.space import OUTCOMES
 from tailslap.campaign import sampling
 from tailslap.campaign.records import Record
@@ -21,7 +21,6 @@ from tailslap.case.impact.space import LIMIT_COLUMNS, LIMITS
 from tailslap.case.report_parts import design_forces_of, study_page, study_summary
 from tailslap.studies.sobol_tables import INDEX_METHOD, index_columns, main_source, with_intervals
 from tailslap.studies.tipping.tipping_study import (
-    INCH,
     LEVELS,
     LINE_SAMPLES,
     OUTPUTS,
@@ -84,7 +83,6 @@ MEANING = (
 def report(result: TippingResult) -> Report:
     """Return the report with map, walls and samples."""
     scene = result.case.scene
-    assert scene.wall
     loads = design_forces_of(scene.impact.test_level if scene.impact else None)
     load_rows = [vars(load) | {"name": name, "force": load.force} for name, load in loads.items()]
     lowest, held = Table(KEPT, kept_rows(result)), Table(HELD, held_rows(result), notes=(MEANING,))
@@ -96,7 +94,7 @@ def report(result: TippingResult) -> Report:
         Section(
             "Walls", "", _wall_charts(result, loads), (lowest, held, Table(LOADS, load_rows)), layout="wide"
         ),
-        Section(f"Profiles of a wall of {_height(scene.wall.height or 0.0)}", tables=(profiles,)),
+        Section(f"Profiles of a wall of {_height(result.height)}", tables=(profiles,)),
         *(_sensitivity(result, name) for name in OUTPUTS),
         Section("Method", sentences=_sentences(result)),
         Section("Omitted effects", tables=(Table(LIMIT_COLUMNS, LIMITS),)),
@@ -169,10 +167,8 @@ def kept_rows(result: TippingResult) -> list[Record]:
 
 def held_rows(result: TippingResult) -> list[Record]:
     """Return fractions and bands of common walls and the scene's."""
-    assert result.case.scene.wall
-    heights = sorted({*WALLS, result.case.scene.wall.height or 0.0})
     rows = []
-    for height in heights:
+    for height in sorted({*WALLS, result.height}):
         number = int(np.argmin(np.abs(result.walls - height)))
         columns = {name: values[number] for name, values in result.answers.items()}
         rows.append({"inches": height / INCH, "height_of_wall": height} | _distribution(columns))
@@ -194,18 +190,13 @@ def _distribution(columns: Mapping[str, Array]) -> Record:
 
 def _map_chart(result: TippingResult) -> Chart:
     """Draw the map."""
-    scene, lines = result.case.scene, figures.Lines(result.line_centres, result.lines)
-    assert scene.wall
-    _, centre = highest_centre(result.case)
-    return figures.draw_map(
-        result.centres, result.map_walls, result.rolls, lines, (centre, scene.wall.height or 0.0)
-    )
+    lines, (_, centre) = figures.Lines(result.line_centres, result.lines), highest_centre(result.case)
+    return figures.draw_map(result.centres, result.map_walls, result.rolls, lines, (centre, result.height))
 
 
 def _wall_charts(result: TippingResult, loads: Mapping[str, DesignForce]) -> list[Chart]:
     """Draw outcomes, force and resultant over the height of the wall."""
-    assert result.case.scene.wall
-    wall, outcome = result.case.scene.wall.height or 0.0, result.answers["outcome"]
+    wall, outcome = result.height, result.answers["outcome"]
     side = (outcome == float(OUTCOMES.index("on its side"))).mean(axis=1)
     fractions = np.array([result.upright, side, 1.0 - result.upright - side])
     forces = {name: load.force for name, load in loads.items()}
@@ -248,16 +239,9 @@ def _index_text(result: TippingResult, name: str) -> Table | str:
 
 def _sentences(result: TippingResult) -> list[str]:
     """Describe the method."""
-    wall, count = result.case.scene.wall, result.count
-    assert wall
-    rows = count // 2
-    named = (
-        wall.profile
-        if isinstance(wall.profile, str)
-        else "vertical"
-        if wall.profile is None
-        else "given by points"
-    )
+    count, rows, wall = result.count, result.count // 2, result.case.scene.wall
+    profile = (wall and wall.profile) or "vertical"
+    named = profile if isinstance(profile, str) else "given by points"
     return [
         f"Profile of the wall: {named}. The same {grouped(count)} samples strike {result.walls.size} walls; lowest "
         "walls are interpolated between these. A wall counts where it and all higher ones keep the fraction upright."
@@ -288,15 +272,13 @@ def _decrease(result: TippingResult) -> str:
 
 def _summary(result: TippingResult) -> Record:
     """Return the numbers of the study, SI."""
-    lowest_walls = {f"{100 * level:g}": result.keeps(level) for level in LEVELS}
+    lowest = {f"{100 * level:g}": result.keeps(level) for level in LEVELS}
     return {
         "seed": sampling.SEED,
         "space": result.nominal.numbers(),
         "motions": result.motions,
         "samples": result.count,
-        "lowest_walls": {
-            level: {"wall": wall, "interval": ends} for level, (wall, *ends) in lowest_walls.items()
-        },
+        "lowest_walls": {level: {"wall": wall, "interval": ends} for level, (wall, *ends) in lowest.items()},
         "walls": held_rows(result),
         "profiles": profile_rows(result),
         "lines": {"centre_height": result.line_centres, "lowest_wall": result.lines, "levels": LEVELS},
@@ -310,11 +292,8 @@ def _summary(result: TippingResult) -> Record:
 def _map(result: TippingResult) -> Record:
     """Return the columns of the map."""
     walls, centres = np.meshgrid(result.map_walls, result.centres, indexing="ij")
-    return {
-        "wall_height": walls.ravel(),
-        "centre_height": centres.ravel(),
-        "largest_roll": result.rolls.ravel(),
-    }
+    columns = {"wall_height": walls, "centre_height": centres, "largest_roll": result.rolls}
+    return {name: values.ravel() for name, values in columns.items()}
 
 
 def _walls(result: TippingResult) -> Record:
@@ -337,7 +316,5 @@ def _samples(result: TippingResult) -> Record:
 
     Outcomes are numbers of `solver.space.OUTCOMES`.
     """
-    assert result.case.scene.wall
-    number = int(np.argmin(np.abs(result.walls - (result.case.scene.wall.height or 0.0))))
-    answers = {name: values[number] for name, values in result.answers.items()}
-    return {**result.inputs, **answers}
+    number = int(np.argmin(np.abs(result.walls - result.height)))
+    return {**result.inputs, **{name: values[number] for name, values in result.answers.items()}}

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from postprocess.figures.tipping import INCHES
+from postprocess.units import INCH
 from solver import space
 from tailslap.campaign import engine, sampling, space_samples
 from tailslap.campaign.input_ranges import Range
@@ -25,8 +27,7 @@ from tailslap.case.impact.space import SpaceAnswer
 from tailslap.errors import InputError, Missing
 from tailslap.scene.vary import Source, vary
 
-INCH = 0.0254
-WALLS = tuple(INCH * inches for inches in (27, 32, 36, 42, 54))
+WALLS = tuple(INCH * inches for inches in INCHES)
 """Heights of common walls [m]."""
 
 LOWEST, HIGHEST, STEP = 20 * INCH, 60 * INCH, 2 * INCH
@@ -103,6 +104,11 @@ class TippingResult:
     motions: int
     seconds: float
     processor: float
+
+    @property
+    def height(self) -> float:
+        """Height of the scene's wall [m]."""
+        return wall_height(self.case)
 
     @property
     def count(self) -> int:
@@ -198,17 +204,22 @@ def compute(
     )  # fmt: skip
 
 
+def wall_height(case: ImpactCase) -> float:
+    """Return the height of the scene's wall [m]."""
+    assert case.scene.wall
+    assert case.scene.wall.height
+    return case.scene.wall.height
+
+
 def wall_heights(case: ImpactCase) -> Array:
     """Return the heights of the walls of the samples [m].
 
     The scene's and common ones are among them.
     """
     assert case.space
-    assert case.scene.wall
-    assert case.scene.wall.height
     highest = max(HIGHEST, *(float(unit.centre_height) for unit in case.space.inputs.vehicle.units))
     spaced = np.arange(LOWEST, highest + STEP - 1e-6, STEP)
-    return np.unique(np.round([*spaced, *WALLS, case.scene.wall.height], 6))
+    return np.unique(np.round([*spaced, *WALLS, wall_height(case)], 6))
 
 
 def highest_centre(case: ImpactCase) -> tuple[str, float]:

@@ -116,9 +116,7 @@ def _report(
     `sentences` are answer and certainty.
     """
     headline = Headline(f"Uncertainty: {result.case.subject}", sentences[0], result.case.set_up, sentences[1])
-    files = ["summary.json (results in SI)", "samples.csv (samples)"]
-    if curves:
-        files[1:] = ["samples.csv (samples)", "curves.csv (curves)"]
+    files = ["summary.json (results in SI)", "samples.csv (samples)"] + ["curves.csv (curves)"] * bool(curves)
     head, cost = study_summary("uncertainty", result.case), {"seconds": result.seconds}
     return Report(
         study_page(result.case, kicker, headline, sections, "; ".join(files)),
@@ -162,25 +160,22 @@ def corner_report(result: Spread) -> Report:
         Section("Method", sentences=method, layout="half"),
     )
     title = f"{result.case.scene.name}: Sobol indices of the peak force"
-    cost = f"Cost:   {result.computed} combinations in {result.seconds:.2f} s"
-    terminal = (
-        refused or Table(with_intervals((INPUTS[0], *index_columns())), inputs, title=title),
-        refusals,
-        cost,
-    )
+    indices = refused or Table(with_intervals((INPUTS[0], *index_columns())), inputs, title=title)
+    terminal = indices, refusals, f"Cost:   {result.computed} combinations in {result.seconds:.2f} s"
     kicker = "Uncertainty of the peak force of the tail-slap, by the rigid-body method"
     distribution = {"of_the_scene": nominal, "histogram": {"edges": edges, "counts": counts}}
-    return _report(
-        result, kicker, sentences, sections, _corner_summary(result, distribution, fixed), terminal
-    )
+    numbers = _corner_summary(result, distribution, fixed)
+    return _report(result, kicker, sentences, sections, numbers, terminal)
 
 
 def _corner_summary(result: Spread, drawn: Record, held: tuple[str, ...]) -> Record:
     """Return the summary with histogram and fixed keys."""
     refused, left_out = result.refused
     return {
-        **{"rows": result.rows, "combinations": result.computed},
-        **{"refused": refused, "rows_left_out": left_out},
+        "rows": result.rows,
+        "combinations": result.computed,
+        "refused": refused,
+        "rows_left_out": left_out,
         "first_refusal": result.refusal or None,
         "peak_force": {**result.band("peak_force").numbers(), **drawn},
         "inputs": result.sources["peak_force"] or [asdict(item) for item in result.ranges],
@@ -302,8 +297,7 @@ def _impact_answer(result: Spread) -> tuple[str, str]:
     )
     certainty = f"{grouped(result.computed)} impacts of the rigid vehicle."
     if sources := result.sources_of(LARGEST):
-        first = sources[0]
-        certainty += f" Largest part of the variance from {main_source(first)}."
+        certainty += f" Largest part of the variance from {main_source(sources[0])}."
     if measured := [row for row in result.paper_rows if not row["projected"]]:
         inside = sum(row["band"][0] <= row["measured"] <= row["band"][2] for row in measured)
         within = sum(row["within"] for row in measured)
@@ -344,16 +338,10 @@ def _bands_table(result: Spread, title: str = "") -> Table:
         label, unit, scale = QUANTITIES[quantity]
         ends = zip(PERCENTILES, result.band(name).percentiles, strict=True)
         first = next(iter(result.sources_of(name)), {"key": "–", "total": None, "total_interval": None})
-        row = {
-            "strike": int(strike) if strike.isdigit() else "largest",
-            "quantity": label,
-            "own": result.nominal[name] / scale,
-            "unit": unit,
-        }
-        row |= {f"{p} %": value / scale for p, value in ends}
-        rows.append(
-            row | {"source": first["key"], **{key: first[key] for key in ("total", "total_interval")}}
-        )
+        strikes = int(strike) if strike.isdigit() else "largest"
+        row: Record = {"strike": strikes, "quantity": label, "unit": unit}
+        row |= {"own": result.nominal[name] / scale, **{f"{p} %": value / scale for p, value in ends}}
+        rows.append(row | {"source": first["key"], **{k: first[k] for k in ("total", "total_interval")}})
     return Table(with_intervals(BANDS) if title else BANDS, rows, title)
 
 
