@@ -34,6 +34,15 @@ def test_each_test_asserts_something():
     assert without_assertion(trees) == []
 
 
+def test_files_with_long_tests_are_listed_with_the_reason():
+    listed = re.findall(
+        r"`(test_\w+\.py)`", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("| reason")[2]
+    )
+    texts = {path.name: path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py")}
+    long = [name for name, text in texts.items() if re.search(r"pytest\.mark\.long\b", text)]
+    assert sorted(listed) == sorted(long)
+
+
 def test_a_test_that_asserts_nothing_is_noticed():
     code = """
 def demand(x):
