@@ -1,10 +1,12 @@
 """Compiling by Numba, in the only module that imports it."""
 
 import functools
+import gc
+import operator
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from machine_code.object_code import ADDRESS, FLOAT, INTEGER, LOGICAL, ObjectCode, Result, UnknownTypeError
 
@@ -13,6 +15,13 @@ if TYPE_CHECKING:
 
 NUMBERS = {"float64": FLOAT, "int64": INTEGER, "bool": LOGICAL, "none": None}
 """Codes of results by Numba's names of their types."""
+
+OPERATORS = {
+    operator.add, operator.sub, operator.mul, operator.truediv, operator.neg, operator.iadd, operator.isub,
+    operator.imul, operator.itruediv, operator.lt, operator.le, operator.gt, operator.ge, operator.eq, operator.ne,
+    operator.getitem, operator.setitem,
+}  # fmt: skip
+"""Operators whose types depend on the types of numbers and arrays alone, not on the values of literals."""
 
 
 @contextmanager
@@ -31,7 +40,8 @@ def hidden_modules(*modules: str) -> Iterator[None]:
             del sys.modules[module]
 
 
-with hidden_modules("coverage", "cffi"):  # Numba imports them if installed, which takes long
+# Numba imports them if installed, which takes long, and would colour thousands of messages that are not shown.
+with hidden_modules("coverage", "cffi", "colorama"):
     import numba
     from numba.extending import overload, register_jitable, typeof_impl
 
@@ -51,13 +61,55 @@ def make_dispatcher(function: Callable[..., object], options: dict[str, object])
 def compile_for(dispatcher: "Dispatcher", arguments: tuple[object, ...]) -> ObjectCode:
     """Return the machine code for arguments of these types."""
     types = tuple(map(numba.typeof, arguments))
-    dispatcher.compile(types)
+    with _short_compilation():
+        dispatcher.compile(types)
     specialised, convention = dispatcher.overloads[types], dispatcher.targetctx.call_conv
     description = specialised.fndesc
     layout = convention.get_function_type(description.restype, description.argtypes)
     codes = "".join(map(_code, layout.args[2:]))  # behind the addresses of the result and of an error
     machine_code = specialised.library._get_compiled_object()
     return ObjectCode(description.llvm_func_name, codes, _result(description.restype), machine_code)
+
+
+@contextmanager
+def _short_compilation() -> Iterator[None]:
+    """Find the types of each operation once, and collect no garbage."""
+    from numba.core.types import Function
+
+    with numba.core.compiler_lock.global_compiler_lock:
+        get_call_type, collects = Function.get_call_type, gc.isenabled()
+        gc.disable()
+        Function.get_call_type = _known_call_type(get_call_type)  # type: ignore[method-assign]
+        try:
+            yield
+        finally:
+            Function.get_call_type = get_call_type  # type: ignore[method-assign]
+            if collects:
+                gc.enable()
+
+
+def _known_call_type(get_call_type: Callable[..., object]) -> Callable[..., object]:
+    """Return a function that finds the types of each operation once.
+
+    Numba tries tens of implementations of each operator on numbers and arrays.
+    """
+    plain = numba.types.Number, numba.types.Boolean, numba.types.Array
+    memory: dict[tuple[object, ...], tuple[object, object]] = {}
+
+    def call_type(function: Any, context: object, arguments: tuple[object, ...], named: object) -> object:
+        kinds = tuple(map(numba.types.unliteral, arguments))
+        if (
+            named
+            or function.typing_key not in OPERATORS
+            or not all(isinstance(kind, plain) for kind in kinds)
+        ):
+            return get_call_type(function, context, arguments, named)
+        key = id(function), *kinds
+        if key not in memory:  # with the function, so that no other one has its address
+            memory[key] = get_call_type(function, context, kinds, named), function
+        return memory[key][0]
+
+    return call_type
 
 
 def register_numba_symbols() -> None:

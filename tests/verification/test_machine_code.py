@@ -107,6 +107,17 @@ def test_the_same_as_in_python(kernel, factor, step):
     assert kernel.has_code(*in_code)
 
 
+def test_numba_of_users_compiles_as_before(kernel):
+    """Code of users has types by the values of literals."""
+    import numba
+
+    kernel(*arguments(None, 1))
+    squared = numba.njit(lambda values: values[1] ** 2 + (1, 2.0)[0])
+    assert squared(np.full(2, 3.0)) == 10.0
+    assert numba.types.functions.Function.get_call_type.__module__ == "numba.core.types.functions"
+    assert gc.isenabled()
+
+
 def subtract(outer, rows, counts, fixed, flags, factor):
     """Function of the arguments of `add` with another result."""
     return Sums(-outer.pair[0], -counts.size, not flags[0], (0.0, 0.0))
