@@ -1,9 +1,10 @@
 """Ratios of times to those of another checkout.
 
-    .venv/bin/python benchmarks/process.py OTHER [--rounds 7] [--only WORDS]... [--million]
+    .venv/bin/python benchmarks/process.py OTHER [--rounds 7] [--only WORDS]... [--first] [--million]
 
-Processes, rows of a sweep, a large plate. OTHER is the folder of another checkout of this repository; it runs in the
-same environment. Runs of the two follow each other in turn, after one of each that compiles. A ratio is a median of the
+Processes, rows of a sweep, a large plate. With --first the difference of first and second runs from an empty cache is
+measured instead. OTHER is the folder of another checkout of this repository; it runs in the same environment. Runs of
+the two follow each other in turn, after one of each that compiles. A ratio is a median of the
 rounds, with its least and greatest; that of processor time beside it is hardly touched by other programs. Ten minutes
 for all but --million, which takes one more and 4 GiB.
 """
@@ -35,6 +36,15 @@ COMMANDS = {
     "rigid paper-table-3": ("0.65", RIGID),
     "run of 30 720 elements, short": ("0.85", (*RUN, "--set", "plate.elements=[320,96]", "--set", SHORT)),
 }
+FIRST = {
+    "corner": ("3 s", RUN),
+    "whole impact": ("4 s", ("run", "impact-mash-tl4-sut", "--no-pictures")),
+    "train": ("5 s", ("run", "impact-tl5cmb-2", "--no-pictures")),
+    "modal": ("3 s", ("modal", "paper-table-3")),
+    "uncertainty": ("4 s", ("study", "uncertainty", "impact-mash-tl4-sut", "--samples", "1000")),
+    "vehicle in space": ("4 s", ("rigid", "impact-tipping-tl4-sut")),
+}
+"""First runs: most seconds more than the second, and command."""
 SWEPT = {"modulus": "plate.youngs_modulus=log:1e11:4e11:40", "friction": "corner.friction=0.2:0.4:40"}
 NEEDED = ("-c", "import numpy, click; from pydantic import BaseModel")
 """Libraries that every command loads: no time can be below theirs."""
@@ -58,19 +68,24 @@ class Spent(NamedTuple):
     processor: float
 
 
-def environment(checkout: Path) -> dict[str, str]:
-    """Return the environment of a user with one thread of BLAS."""
+def environment(checkout: Path, cache: str = "") -> dict[str, str]:
+    """Return an environment with one thread of BLAS."""
     variables = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     variables |= {"PYTHONPYCACHEPREFIX": str(BYTECODE), "OPENBLAS_NUM_THREADS": "1"}
+    variables |= {"NUMBA_CACHE_DIR": cache} if cache else {}
     return variables | {"PYTHONPATH": str(checkout)}
 
 
-def process(checkout: Path, arguments: Sequence[str], program: Sequence[str] = TAILSLAP[1:]) -> Spent:
+def process(
+    checkout: Path, arguments: Sequence[str], program: Sequence[str] = TAILSLAP[1:], cache: str = ""
+) -> Spent:
     """Run a command of a checkout in an empty folder."""
     command, quiet = [sys.executable, *program, *arguments], subprocess.DEVNULL
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()
-        child = subprocess.Popen(command, cwd=folder, env=environment(checkout), stdout=quiet, stderr=quiet)
+        child = subprocess.Popen(
+            command, cwd=folder, env=environment(checkout, cache), stdout=quiet, stderr=quiet
+        )
         _, status, usage = os.wait4(child.pid, 0)
         child.returncode = os.waitstatus_to_exitcode(status)
         assert child.returncode in (0, 1), f"{checkout}: {arguments} ended with {child.returncode}"
@@ -100,6 +115,16 @@ def compare(what: str, required: str, measure: Callable[[Path], Spent], other: P
     row(what, required, f"{ratios}{text}; {mine:.3f} s and {theirs:.3f} s")
 
 
+def first_runs(what: str, required: str, command: Sequence[str], checkouts: Sequence[Path]) -> None:
+    """Print the difference of first and second runs of checkouts."""
+    more = []
+    for checkout in checkouts:
+        with tempfile.TemporaryDirectory() as cache:
+            first, second = (process(checkout, command, cache=cache) for _ in range(2))
+        more.append(f"{first.wall - second.wall:.1f} s ({first.processor - second.processor:.1f} processor)")
+    row(f"first run over the second, {what}", required, " and ".join(more))
+
+
 def million() -> None:
     """Print the time and memory of the set-up of a million elements."""
     command = [sys.executable, "-c", READY]
@@ -115,7 +140,7 @@ def libraries(checkout: Path) -> Spent:
 
 def main() -> None:
     """Print the table."""
-    options = command_line.options(__doc__, "other", rounds=7, only=[], million=False)
+    options = command_line.options(__doc__, "other", rounds=7, only=[], first=False, million=False)
     rows: dict[str, tuple[str, Callable[[Path], Spent]]] = {
         what: (required, partial(process, arguments=command))
         for what, (required, command) in COMMANDS.items()
@@ -123,6 +148,11 @@ def main() -> None:
     rows["numpy, pydantic and click alone, over its rigid"] = "", libraries
     for name, varied in SWEPT.items():
         rows[f"row of a sweep, {name} varies"] = "0.42", partial(row_of_a_sweep, varied)
+    if options.first:
+        rows = {}
+        for what, (required, command) in FIRST.items():
+            if not options.only or any(words in what for words in options.only):
+                first_runs(what, required, command, (ROOT, Path(options.other).resolve()))
     for what, (required, measure) in rows.items():
         if not options.only or any(words in what for words in options.only):
             rounds = max(1, options.rounds // 2) if what.startswith("row") else options.rounds
