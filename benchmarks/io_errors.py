@@ -42,7 +42,7 @@ INTERRUPTED_RUN = (*RUN, "--set", "corner.friction=0.3")
 COMPARE = ("compare", "{root}/first", "{root}/second", "{root}/measured.csv", "--out", "{root}/out")
 OTHER_COMPARE = ("compare", "{root}/second", "{root}/first", "--out", "{root}/out")
 REMEMBERED = (
-    "tailslap.case.corner.corner_run.run_corner", "postprocess.svg.chart.draw_chart",
+    "tailslap.case.corner.corner_run.run_corner", "postprocess.svg.chart.Chart._drawn",
     "postprocess.report.page.page_text", "tailslap.comparing.validation.page_text",
 )  # fmt: skip
 """Functions that use no file."""

@@ -49,14 +49,14 @@ class Units:
     def of(self, unit: str) -> tuple[float, str]:
         """Return factor and unit in which a value is shown.
 
-        A power of ten before the unit is kept.
+        A power of ten before the unit is kept, and replaces "k".
         """
         if unit in self.conversions:
             return self.conversions[unit]
         power = POWER.match(unit)
         if power and power[2] in self.conversions:
             factor, name = self.conversions[power[2]]
-            return factor, f"{power[1]} {name}"
+            return (1.0, unit) if name == f"k{power[2]}" else (factor, f"{power[1]} {name}")
         return 1.0, unit
 
     def rendered(self, text: str, gap: str = " ") -> str:

@@ -15,6 +15,7 @@ with app.setup:
     import math
     import tempfile
     import time
+    from dataclasses import replace
     from pathlib import Path
 
     import marimo as mo
@@ -22,7 +23,7 @@ with app.setup:
 
     import postprocess
     import tailslap
-    from postprocess.svg.chart import Chart, draw_chart
+    from postprocess.svg.chart import Chart
     from tailslap import progress
     from tailslap.scene import read, units
     from tailslap.scene.validate import given_at
@@ -112,7 +113,7 @@ def slider(key: str, quantity: str | float) -> tuple[mo.ui.slider, float, str]:
 @app.function
 def drawn(chart: Chart) -> str:
     """Return a chart in two widths, of which the window shows one."""
-    narrow = draw_chart(chart.name, chart.caption, chart.plots, chart.x, chart.group, NARROW)
+    narrow = replace(chart, width=NARROW)
     return f'<div class="{chart.name}"><div class="wide">{chart.svg}</div><div class="narrow">{narrow.svg}</div></div>'
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
+
+import numpy as np
 
 EMPTY = """() => [...document.querySelectorAll("figure")].filter((figure) => {
   const marks = [...figure.querySelectorAll("svg path, svg circle, svg rect:not(.paper), svg image, svg text")];
@@ -29,6 +32,15 @@ WORDS = """() => {
   }
   return found;
 }"""
+
+
+def points_of(path: str) -> np.ndarray:
+    """Return the places of a path of steps, shape (n, 2) [pixels]."""
+    points = list[np.ndarray]()
+    for kind, text in re.findall(r"([Ml])([^MlZHVv]*)", path):
+        steps = np.array(re.findall(r"-?[\d.]+", text), float).reshape(-1, 2)
+        points.append(steps if kind == "M" else points[-1][-1] + np.cumsum(steps, axis=0))
+    return np.concatenate(points)
 
 
 def empty(page: Any) -> list[str]:

@@ -15,7 +15,7 @@ FAR = 4000
 BEGINNING = 3
 """Cells by which the beginning of a table is recognised."""
 TEXTS = """() => {
-  const said = (part) => part.textContent;
+  const said = (part) => part.innerText;
   const all = (of, what) => [...of.querySelectorAll(what)].map(said);
   return {
     tables: [...document.querySelectorAll("table")].map((table) =>

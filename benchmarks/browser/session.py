@@ -59,6 +59,8 @@ def opened(
         session.page.evaluate(
             "() => document.querySelectorAll('details').forEach((part) => (part.open = true))"
         )
+        if scripts:
+            session.page.evaluate("typeof prepareAll === 'undefined' || prepareAll()")
         yield session
     finally:
         context.close()

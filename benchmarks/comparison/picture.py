@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from comparison.entries import ALIKE, ANGLE, COMMAND, EXACT, EXUDYN, RIGID, SAME_MODEL, Entry
-from postprocess.svg.chart import Axis, Chart, Plot, draw_chart
+from postprocess.svg.chart import Axis, Chart, Plot
 from postprocess.svg.marks import Line, Mark, Words
 
 COLOURS = {COMMAND: "fe", EXACT: "steel", ALIKE: "difference", "Akantu": "rigid"}
@@ -71,7 +71,7 @@ def draw(entries: Sequence[Entry]) -> Chart:
             axis = _axis(f"largest error of five, {shape}", [point.error for point in shown_points])
             plots.append(Plot(tuple(_marks(shown_points)), axis, 240.0, nearest="xy"))
     caption = "Error at the tail-slap against the time of the whole process; numbers are elements"
-    return draw_chart("peers", caption, plots, Axis("whole process [s]", is_log=True), width=WIDTH)
+    return Chart("peers", caption, plots, Axis("whole process [s]", is_log=True), width=WIDTH)
 
 
 def _axis(label: str, errors: Sequence[float]) -> Axis:

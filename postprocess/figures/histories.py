@@ -1,7 +1,7 @@
 """Histories as line plots.
 
 FE over rigid body on the page of a run, several origins over one another on pages and in Python. Pages show the
-smallest and the largest value in each of 200 parts of a history, which preserves peaks.
+smallest and the largest value in each of 160 parts of a history, which preserves peaks.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 History = Mapping[str, scales.Floats]
 
-STRETCHES, FEW = 200, 110
+STRETCHES, FEW = 160, 100
 """Parts of the main chart of a page, and of one of half its width or less."""
 
 COLOURS = ("fe", "red", "green", "violet")
@@ -138,7 +138,7 @@ def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:
         chart.Plot(lines, chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, unit_power)}]"), high),
         chart.Plot((difference,), chart.Axis(f"FE − rigid [{unit_with_power(panel.unit, power)}]"), 66.0),
     )
-    return chart.draw_chart(panel.name, panel.caption, plots, TIME, panel.group, wide)
+    return chart.Chart(panel.name, panel.caption, plots, TIME, panel.group, wide)
 
 
 def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
@@ -152,7 +152,7 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
     )
     axis = chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
     height = 216.0 - (18.0 if len(lines) > 1 else 0.0)
-    return chart.draw_chart(panel.name, panel.caption, (chart.Plot(lines, axis, height),), TIME, panel.group)
+    return chart.Chart(panel.name, panel.caption, (chart.Plot(lines, axis, height),), TIME, panel.group)
 
 
 def thinned(
@@ -216,7 +216,7 @@ def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str,
         )
         for number, curve in enumerate(curves)
     )
-    return chart.draw_chart(name, caption, (chart.Plot(lines, chart.Axis(heading)),), TIME, width=width)
+    return chart.Chart(name, caption, (chart.Plot(lines, chart.Axis(heading)),), TIME, width=width)
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,9 @@ SHOWN = ("raw", "mean_50ms")
 
 LAYERS = ("difference", "rigid", "steel", "green", "violet", "soft", "red")
 
+INSTANTS = 160
+"""Number of instants of energies."""
+
 COLUMNS = 240
 """Largest number of columns of cells; each is the largest force of its time."""
 
@@ -125,7 +128,7 @@ def draw_forces(
         front = [] if motion is None else [Cursor("", motion)]
         drawn = (*shaded(strikes), *([] if plots else across), *lines, *front)
         plots.append(chart.Plot(drawn, chart.Axis(f"{axis} [kN]"), 150.0 if plots else 270.0))
-    return chart.draw_chart("force", caption, plots, START, "Force", chart.FULL)
+    return chart.Chart("force", caption, plots, START, "Force", chart.FULL)
 
 
 def draw_curves(
@@ -140,7 +143,7 @@ def draw_curves(
         for k, ((label, values), colour) in enumerate(zip(curves.items(), LAYERS, strict=False))
     ]
     plot = chart.Plot((*shaded(strikes), *lines), chart.Axis(axis), 230.0)
-    return chart.draw_chart(name, caption, (plot,), START, "Train")
+    return chart.Chart(name, caption, (plot,), START, "Train")
 
 
 def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
@@ -152,7 +155,7 @@ def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
     places = {label: _cornered(crush * 1e3, force / 1e3) for label, (crush, force) in contacts.items()}
     lines = tuple(Line(label, *points, corner_colour(label)) for label, points in places.items())
     plot = chart.Plot(lines, chart.Axis("force [kN]", low=0.0), 230.0, nearest="xy")
-    return chart.draw_chart("loops", caption, (plot,), chart.Axis("crush [mm]", low=0.0), "Force")
+    return chart.Chart("loops", caption, (plot,), chart.Axis("crush [mm]", low=0.0), "Force")
 
 
 def _cornered(x: Floats, y: Floats) -> tuple[Floats, Floats]:
@@ -171,14 +174,14 @@ def draw_energies(t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strik
     so on, the first at the bottom. The distance between line and layers is the error of the balance.
     """
     caption = "Decrease of the kinetic energy (line), and energies into which it is converted (layers)"
-    rows = np.unique(np.linspace(0, t.size - 1, 2 * histories.STRETCHES).astype(int))
+    rows = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
     used = {label: values[rows] / 1e3 for label, values in parts.items() if np.any(values)}
     tops = np.cumsum([np.zeros(rows.size), *used.values()], axis=0)
     bands = zip(used, tops, tops[1:], LAYERS, strict=False)
     layers = tuple(Layer(label, t[rows], below, above, colour) for label, below, above, colour in bands)
     line = Line("given up", t[rows], (kinetic[0] - kinetic[rows]) / 1e3, "ink", 1.3)
     plot = chart.Plot((*shaded(strikes), *layers, line), chart.Axis("energy [kJ]"), 220.0)
-    return chart.draw_chart("energies", caption, (plot,), START, "Energy", chart.HALF)
+    return chart.Chart("energies", caption, (plot,), START, "Energy", chart.HALF)
 
 
 def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, strikes: Strikes = ()) -> Chart:
@@ -204,4 +207,4 @@ def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, stri
     y = chart.Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
     keys = [Swatch(*colour_key) for colour_key in shades.keys(unit)]
     plot = chart.Plot((*keys, cells, *shaded(strikes)), y, 200.0, nearest="xy", has_grid=False)
-    return chart.draw_chart("side-force", caption, (plot,), x, "Force", chart.HALF)
+    return chart.Chart("side-force", caption, (plot,), x, "Force", chart.HALF)

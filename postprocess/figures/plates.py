@@ -86,7 +86,7 @@ def draw_map(
     ends = cells_about(x, not across.is_even), cells_about(y, not up.is_even)
     cells = Boxes("verdict", *ends, [VERDICTS[kind] for kind in kinds], kinds, at)
     plot = chart.Plot((cells,), up.axis, HEIGHT, nearest="xy", has_grid=False)
-    return chart.draw_chart(name, caption, (plot,), across.axis, "Maps", MAP_WIDTH)
+    return chart.Chart(name, caption, (plot,), across.axis, "Maps", MAP_WIDTH)
 
 
 def _rounded(value: float) -> str:
@@ -128,7 +128,7 @@ def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape
     (start, low), (end, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
     x, y = chart.Axis(low=start, high=end, named=()), chart.Axis(low=low, high=high, named=())
     plot = chart.Plot(boxes, y, None, nearest="xy", has_grid=False, has_legend=False)
-    return chart.draw_chart(name, caption, (plot,), x, "Shapes")
+    return chart.Chart(name, caption, (plot,), x, "Shapes")
 
 
 def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Line:

@@ -110,7 +110,7 @@ def plan_view(
     ends = zip(labels, frame.T.tolist(), strict=True)
     x, y = (chart.Axis(label, a, b, named=None if label else ()) for label, (a, b) in ends)
     plot = chart.Plot((area(wall, "grey", 0.25), *marks), y, None, "xy", has_grid=False)
-    return chart.draw_chart(name, caption, (plot,), x, group, width)
+    return chart.Chart(name, caption, (plot,), x, group, width)
 
 
 def _position(outline: Floats, instant: float, shade: float, top: float, row: int | None) -> list[Mark]:

@@ -210,7 +210,7 @@ def draw_elevation(vehicle: Vehicle, history: History, row: int, resultant: Resu
         "face bold and front face thin; arrow: largest 50 ms mean of the lateral force, at the height of its resultant"
     )
     plot = chart.Plot(tuple(marks), Axis("Z [m]", low[1], high[1]), None, "xy", has_grid=False)
-    return chart.draw_chart("space_elevation", caption, (plot,), Axis("Y [m]", high[0], low[0]), GROUP, WIDTH)
+    return chart.Chart("space_elevation", caption, (plot,), Axis("Y [m]", high[0], low[0]), GROUP, WIDTH)
 
 
 def draw_plan(vehicle: Vehicle, history: History, row: int) -> Chart:
@@ -322,7 +322,7 @@ def draw_force_height(t: Floats, force: Floats, moment: Floats, levels: Mapping[
         "50 ms mean of the lateral force on the wall, and height of its resultant where the force exceeds "
         f"{100 * LEAST:g} % of the largest"
     )
-    return chart.draw_chart("space_force", caption, plots, histories.TIME, GROUP, chart.HALF)
+    return chart.Chart("space_force", caption, plots, histories.TIME, GROUP, chart.HALF)
 
 
 def _thinned_with_gaps(t: Floats, values: Floats) -> tuple[Floats, Floats]:
@@ -368,7 +368,7 @@ def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Ch
     across = Axis("wheels off the ground", len(wheels) - 0.5, -0.5, named=names)
     plots.append(chart.Plot((bars,), across, 15.0 * len(wheels), "xy", has_grid=False, has_legend=False))
     caption = "Roll and pitch, and intervals with wheels off the ground"
-    return chart.draw_chart("space_angles", caption, plots, histories.TIME, GROUP, chart.HALF)
+    return chart.Chart("space_angles", caption, plots, histories.TIME, GROUP, chart.HALF)
 
 
 def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
@@ -382,7 +382,7 @@ def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
     )
     axles, faces = (
         range(len(vehicle.axles)),
-        ([4, 5, 6, 7], [0, 4, 7, 3], [1, 5, 6, 2], [3, 2, 6, 7], [0, 1, 2, 3]),
+        ([4, 5, 6, 7], [0, 4, 7, 3], [1, 5, 6, 2], [0, 1, 2, 3]),
     )
     behind = [
         wheel(vehicle, history, n, side) for n in axles if vehicle.axles[n].unit == unit for side in (-1, 1)
@@ -422,4 +422,4 @@ def _draw_film(name: str, caption: str, t: Floats, view: View) -> Chart:
     plot = chart.Plot(
         (wall, *moving), Axis(f"{view.names[1]} [m]", low[1], high[1]), None, "xy", has_grid=False
     )
-    return chart.draw_chart(name, caption, (plot,), Axis(f"{view.names[0]} [m]", *ends), GROUP, WIDTH)
+    return chart.Chart(name, caption, (plot,), Axis(f"{view.names[0]} [m]", *ends), GROUP, WIDTH)

@@ -113,7 +113,7 @@ def draw_histogram(
     ]
     plot = chart.Plot(tuple(marks), chart.Axis("fraction [%]", *ends.tolist()), 220.0)
     x = chart.Axis("peak force [kN]", margin=0.0)
-    return chart.draw_chart("histogram", caption, (plot,), x, "Distribution", chart.FULL)
+    return chart.Chart("histogram", caption, (plot,), x, "Distribution", chart.FULL)
 
 
 def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak force") -> chart.Chart:
@@ -131,9 +131,7 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
         intervals = [(*row[f"{index}_interval"], np.nan) for row in inputs]
         marks.append(Line("", np.ravel(intervals), np.repeat(rows, 3), "ink", 1.4))
     plot = _row_plot(names, marks, 34.0)
-    return chart.draw_chart(
-        "sensitivity", caption, (plot,), chart.Axis("Sobol index"), "Sensitivity", chart.HALF
-    )
+    return chart.Chart("sensitivity", caption, (plot,), chart.Axis("Sobol index"), "Sensitivity", chart.HALF)
 
 
 def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]:
@@ -159,7 +157,7 @@ def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]
         ]
         x = chart.Axis(panel.label, is_log=panel.logarithmic, margin=0.0)
         heading = f"{caption} {panel.label.partition(' [')[0]}"
-        drawn.append(chart.draw_chart(panel.name, heading, plots, x))
+        drawn.append(chart.Chart(panel.name, heading, plots, x))
     return drawn
 
 
@@ -201,9 +199,7 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
         ]
         marks += _dots(name, colour, sorted(dots, key=lambda dot: dot[0])) if dots else []
     plot = _row_plot(labels, marks, 46.0)
-    return chart.draw_chart(
-        "bands", caption, (plot,), chart.Axis("peak lateral force [kN]"), width=chart.FULL
-    )
+    return chart.Chart("bands", caption, (plot,), chart.Axis("peak lateral force [kN]"), width=chart.FULL)
 
 
 def draw_ratios(bars: Sequence[RatioBar]) -> chart.Chart:
@@ -222,7 +218,7 @@ def draw_ratios(bars: Sequence[RatioBar]) -> chart.Chart:
             marks += _bands(name, colour, heights[chosen], ends, texts, [labels[number] for number in chosen])
     marks.append(Span("", 1.0, 1.0, "ink"))
     axis = chart.Axis("predicted over published", is_log=True)
-    return chart.draw_chart("validation", caption, (_row_plot(labels, marks, 30.0),), axis, width=chart.FULL)
+    return chart.Chart("validation", caption, (_row_plot(labels, marks, 30.0),), axis, width=chart.FULL)
 
 
 def _bands(
@@ -311,7 +307,7 @@ def draw_precision(
         nearest="xy",
         is_wide=True,
     )
-    return [chart.draw_chart(name, title, (plot,), across, "Work and precision", chart.FULL)]
+    return [chart.Chart(name, title, (plot,), across, "Work and precision", chart.FULL)]
 
 
 def _end_names(series: Sequence[Series], x: Range, y: Range) -> list[Words]:
@@ -417,7 +413,7 @@ def draw_sweep(
     words = "first frequency of the plate [Hz], rigid to soft"
     x = chart.Axis(words, frequencies[0] * 1.15, frequencies[-1] / 1.15, is_log=True)
     plot = chart.Plot(tuple(marks), chart.Axis(f"{label} [%]", is_log=True), 260.0)
-    return chart.draw_chart(name, caption, (plot,), x, "Sweeps", width)
+    return chart.Chart(name, caption, (plot,), x, "Sweeps", width)
 
 
 def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str, number: int) -> list[Mark]:
@@ -464,4 +460,4 @@ def draw_plates(
         plots.append(chart.Plot(tuple(marks), chart.Axis(label, low=0.0), 120.0))
     caption = "Both strikes against the plate's first frequency; dashed: the rigid vehicle"
     x = chart.Axis("first frequency of the plate [Hz]", is_log=True)
-    return chart.draw_chart("plates", caption, plots, x, width=chart.FULL)
+    return chart.Chart("plates", caption, plots, x, width=chart.FULL)

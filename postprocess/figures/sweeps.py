@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from postprocess.comparison import quantities
 from postprocess.comparison.records import Compared
-from postprocess.svg.chart import FULL, PART, Axis, Chart, Plot, draw_chart
+from postprocess.svg.chart import FULL, PART, Axis, Chart, Plot
 from postprocess.svg.marks import Boxes, Line, Mark, Swatch, Words
 from postprocess.svg.scales import Scale, Shades, cells_about, power_text
 from postprocess.units import measure
@@ -123,7 +123,7 @@ def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
     if apart:
         plots["difference"] = (Axis("largest difference", is_log=True), "Largest difference", apart)
     return [
-        draw_chart(
+        Chart(
             "-".join(("against", *re.split(r"[._]", item.key), key.replace(".", "-"))),
             f"{title} against {item.key}",
             (
@@ -207,7 +207,7 @@ def _draw_map(
     cells = Boxes(title, ends_x, ends_y, colours[coloured].tolist(), texts, at)
     along, upwards = (Axis(item.label, is_log=item.logarithmic, margin=0.0) for item in (across, up))
     plot = Plot((*keys, cells), upwards, 230.0, nearest="xy", has_grid=False)
-    return draw_chart(f"map-{name}", title, (plot,), along, "Maps")
+    return Chart(f"map-{name}", title, (plot,), along, "Maps")
 
 
 def _ends(item: Varied, is_grid: bool) -> Values:
@@ -286,7 +286,7 @@ def draw_parallels(rows: SweepRows) -> Chart:
     y = Axis(low=-0.04, high=1.04, named=())
     marks = (*lines, *axes, _points(scales, complete))
     plot = Plot(marks, y, 330.0, nearest="xy", has_grid=False, has_legend=False)
-    return draw_chart("parallels", caption, (plot,), x, "All keys side by side", FULL)
+    return Chart("parallels", caption, (plot,), x, "All keys side by side", FULL)
 
 
 def _lines(heights: Values, failed: Values) -> list[Mark]:

@@ -67,7 +67,7 @@ def draw_map(
     across = chart.Axis("height of the centre of mass [m]", start, end, margin=0.0)
     plot = chart.Plot(tuple(marks), chart.Axis("height of the wall [m]", bottom, top), 380.0, "xy", False)
     caption = "Largest roll of the nominal vehicle, and walls that keep 5, 50 and 95 % of the samples upright (lines)"
-    return chart.draw_chart("map", caption, (plot,), across, "Roll", MAP)
+    return chart.Chart("map", caption, (plot,), across, "Roll", MAP)
 
 
 def draw_upright(walls: Floats, fractions: Floats, interval: Floats, wall: float, level: float) -> Chart:
@@ -92,7 +92,7 @@ def draw_upright(walls: Floats, fractions: Floats, interval: Floats, wall: float
     ]
     plot = chart.Plot(tuple(marks), chart.Axis("fraction of the samples [%]", 0.0, 100.0), 220.0)
     caption = "Outcome of the samples over the height of the wall"
-    return chart.draw_chart("upright", caption, (plot,), _across(walls), "Walls", chart.HALF)
+    return chart.Chart("upright", caption, (plot,), _across(walls), "Walls", chart.HALF)
 
 
 def draw_force(walls: Floats, band: Floats, loads: Mapping[str, float], wall: float) -> Chart:
@@ -104,7 +104,7 @@ def draw_force(walls: Floats, band: Floats, loads: Mapping[str, float], wall: fl
     marks = (*_band(walls, band / 1e3), *levels, Span("the scene", wall, wall, "ink"))
     plot = chart.Plot(marks, chart.Axis("largest 50 ms mean [kN]", low=0.0), 220.0)
     caption = "Lateral force over the height of the wall, and published design loads (lines across)"
-    return chart.draw_chart("force-over-height", caption, (plot,), _across(walls), "Walls", chart.HALF)
+    return chart.Chart("force-over-height", caption, (plot,), _across(walls), "Walls", chart.HALF)
 
 
 def draw_resultant(walls: Floats, band: Floats, heights: Mapping[str, float], wall: float) -> Chart:
@@ -117,7 +117,7 @@ def draw_resultant(walls: Floats, band: Floats, heights: Mapping[str, float], wa
     marks = (*_band(walls, band), top, *levels, Span("the scene", wall, wall, "ink"))
     plot = chart.Plot(marks, chart.Axis("height of the resultant [m]", low=0.0), 220.0)
     caption = "Height of the resultant at the largest 50 ms mean, and published heights (lines across)"
-    return chart.draw_chart("resultant", caption, (plot,), _across(walls), "Walls", chart.HALF)
+    return chart.Chart("resultant", caption, (plot,), _across(walls), "Walls", chart.HALF)
 
 
 def _across(walls: Floats) -> chart.Axis:
@@ -161,6 +161,4 @@ def draw_outcomes(bars: Sequence[OutcomeBar]) -> Chart:
     axis = chart.Axis("", -0.6, len(bars) - 0.4, named=named)
     plot = chart.Plot(tuple(marks), axis, 34.0 * len(bars) + 8.0, "y", False)
     caption = "Probabilities of the outcomes of crash tests, and the published outcome (line below)"
-    return chart.draw_chart(
-        "outcomes", caption, (plot,), chart.Axis("probability", 0.0, 1.0), width=chart.FULL
-    )
+    return chart.Chart("outcomes", caption, (plot,), chart.Axis("probability", 0.0, 1.0), width=chart.FULL)

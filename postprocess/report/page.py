@@ -8,13 +8,11 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import re
+import io
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
-from urllib.parse import quote
 
 from postprocess.report.prose import prose
 from postprocess.report.tables import Table
@@ -25,11 +23,11 @@ if TYPE_CHECKING:
 
     from postprocess.svg.chart import Chart
 
-SEPARATOR, OTHER = "\x1e", "\x1d"
-"""Marks of the page's template: ends of a part that units change, and place of a chart in other units."""
+SEPARATOR = "\x1e"
+"""Mark of the page's template: end of a part that units change."""
 
-PATH = re.compile(r' d="[^"]*"')
-"""Coordinates of a path."""
+COLOURS = 64
+"""Colours of a picture within a page."""
 
 
 @dataclass(frozen=True)
@@ -178,8 +176,8 @@ def page_text(page: Page) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"words": prose, "prose": lambda text: between(prose(text)), "unit": between}
-    environment.filters |= {"data_uri": data_uri, "quoted": partial(quote, safe=" ,:;[]()/")}
+    environment.filters |= {"words": prose, "prose": lambda text: between(prose(text))}
+    environment.filters["data_uri"] = data_uri
     script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
     template, original = environment.get_template("page.html.j2"), page.original or page
@@ -200,37 +198,30 @@ def between(html: str) -> Markup:
 def in_both_units(texts: Sequence[str], units: Units) -> str:
     """Return one page of two that differ in units.
 
-    It shows the units of the first at the beginning. Texts that differ stand one after the other with the class of
-    their system, of which the page's switch shows one. The page's script replaces charts by those in other units.
+    It shows the units of the first at the beginning. Texts that differ stand one after the other with the class of their system, of which the page's switch shows one.
     """
     names = [units.name, US.name if units is SI else SI.name]
     parts = []
     for number, pair in enumerate(zip(*(text.split(SEPARATOR) for text in texts), strict=True)):
         one, other = pair
         if one == other or number % 2 == 0:
-            parts.append(one.replace(OTHER, ""))
-        elif OTHER in one:
-            chart = without_equal_paths(other.replace(OTHER, ""), one)
-            parts.append(one.replace(OTHER, f"<template>{chart}</template>"))
+            parts.append(one)
         else:
             spans = [f'<span class="{name}">{text}</span>' for name, text in zip(names, pair, strict=True)]
             parts += sorted(spans)
     return "".join(parts)
 
 
-def without_equal_paths(other: str, one: str) -> str:
-    """Return a drawing without the paths that another one contains.
-
-    The page's script copies them.
-    """
-    paths = iter(first := PATH.findall(one))
-    if len(PATH.findall(other)) != len(first):
-        return other
-    return PATH.sub(lambda match: "" if match[0] == next(paths) else match[0], other)
-
-
 def data_uri(path: Path) -> str:
-    """Return a PNG or GIF file as a data URI."""
-    return f"data:image/{path.suffix.removeprefix('.')};base64," + base64.b64encode(path.read_bytes()).decode(
-        "ascii"
-    )
+    """Return a PNG or GIF file as a data URI.
+
+    A PNG becomes a smaller WebP, which contains fewer shades.
+    """
+    content, kind = path.read_bytes(), path.suffix.removeprefix(".")
+    if kind == "png":
+        from PIL import Image
+
+        file, kind = io.BytesIO(), "webp"
+        Image.open(path).convert("RGB").quantize(COLOURS).convert("RGB").save(file, kind, lossless=True)
+        content = file.getvalue()
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"

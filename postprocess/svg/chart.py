@@ -1,17 +1,19 @@
 """Charts of plots one below the other over one x axis.
 
-A chart is SVG text that stands alone as a file and is part of a page as it is: it has no ids, text remains text, and
-colours of `PALETTE` are classes that a page may redefine. A CSV table of the samples accompanies it: one column for
-each mark with a label and values, in the order of the marks, preceded by their places where these differ from the
-mark before. `page.js` reads both.
+A chart is SVG text that stands alone as a file: it has no ids, text remains text, and colours of `PALETTE` are classes
+that a page may redefine. On a page it has the texts of both systems of units over the same curves. A CSV table of the
+samples accompanies it: one column for each mark with a label and values, in the order of the marks, preceded by their
+places where these differ from the mark before. `page.js` reads the values of lines from their paths.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from html import escape
 from itertools import zip_longest
 from typing import Literal
@@ -20,7 +22,7 @@ import numpy as np
 
 from postprocess.svg import marks, scales
 from postprocess.svg.marks import Cursor, Level, Line, Mark, Moving, found_ranges
-from postprocess.units import SI, Units
+from postprocess.units import MEASURE, SI, US, Units
 
 SIZE, SMALL = 12.0, 11.0
 """Sizes of letters in labels, and in all other texts [pixels]."""
@@ -65,23 +67,23 @@ class Axis:
         """Unit in brackets after the label."""
         return self.label.partition("[")[2].rstrip("]")
 
-    def scaled(self, factor: float, unit: str) -> Axis:
-        """Return the axis with values in another unit."""
-        low, high = (None if end is None else factor * end for end in (self.low, self.high))
-        named = self.named and tuple((factor * value, text) for value, text in self.named)
+    def in_units(self, scale: scales.Scale, units: Units) -> tuple[str, scales.Scale]:
+        """Return label and scale with values in other units, at the same places."""
+        factor, unit = units.of(self.unit)
         label = self.label.replace(f"[{self.unit}]", f"[{unit}]")
-        return replace(self, label=label, low=low, high=high, named=named)
+        return label, replace(scale, low=factor * scale.low, high=factor * scale.high)
 
-    def ticks(self, scale: scales.Scale, room: float) -> list[tuple[float, str]]:
-        """Return values and their texts.
+    def ticks(self, scale: scales.Scale, room: float, units: Units) -> list[tuple[float, str]]:
+        """Return places and texts of ticks at round values.
 
         room: pixels for one of them.
         """
         if self.named is not None:
             low, high = sorted((scale.low, scale.high))
-            return [(value, text) for value, text in self.named if low <= value <= high]
+            return [(float(scale.at(value)), text) for value, text in self.named if low <= value <= high]
+        _, scale = self.in_units(scale, units)
         values = scale.ticks(max(2, int(abs(scale.end - scale.start) / room)))
-        return list(zip(values, scales.tick_texts(values, self.is_log), strict=True))
+        return list(zip(scale.at(values).tolist(), scales.tick_texts(values, self.is_log), strict=True))
 
 
 @dataclass(frozen=True)
@@ -103,12 +105,15 @@ class Plot:
 
 @dataclass(frozen=True)
 class Frame:
-    """Plot with placed scales and ticks."""
+    """Plot with placed scales."""
 
     plot: Plot
     x: scales.Scale
     y: scales.Scale
-    y_ticks: list[tuple[float, str]]
+
+    def ticks(self, units: Units) -> list[tuple[float, str]]:
+        """Return places and texts of the ticks of y."""
+        return self.plot.y.ticks(self.y, 26.0, units)
 
 
 def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Frame]:
@@ -123,19 +128,22 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
         replace(scale, start=200.0 if plot.height is None else plot.height, end=0.0)
         for scale, plot in zip(scales, plots, strict=True)
     ]
-    ticks = [plot.y.ticks(scale, 26.0) for plot, scale in zip(plots, sized, strict=True)]
-    texts = [text for of_plot in ticks for _, text in of_plot]
-    texts += [WIDEST for plot, of_plot in zip(plots, ticks, strict=True) if plot.height is None and of_plot]
+    texts = [
+        WIDEST if plot.height is None else text
+        for plot, scale in zip(plots, sized, strict=True)
+        for units in (SI, US)
+        for _, text in plot.y.ticks(scale, 26.0, units)
+    ]
     start = 8.0 + max((marks.text_width(text, SMALL) for text in texts), default=0.0)
     x_scale = replace(x_scale, start=start, end=width - RIGHT)
     frames = []
-    for plot, scale, marked in zip(plots, sized, ticks, strict=True):
+    for plot, scale in zip(plots, sized, strict=True):
         equal_height = (x_scale.end - x_scale.start) * abs(
             (scale.high - scale.low) / (x_scale.high - x_scale.low)
         )
         height = equal_height if plot.height is None else plot.height
         top += HEAD if plot.y.label else BARE
-        frames.append(Frame(plot, x_scale, replace(scale, start=top + height, end=top), marked))
+        frames.append(Frame(plot, x_scale, replace(scale, start=top + height, end=top)))
         top += height
     return frames
 
@@ -151,34 +159,63 @@ def _below_names(plot: Plot, scale: scales.Scale) -> scales.Scale:
     return replace(scale, high=scale.high + (scale.high - scale.low) * part / (1.0 - part))
 
 
-def drawn(frame: Frame, across: Axis) -> str:
+Systems = Sequence[Units]
+"""Systems of units of a drawing; a page shows one of them at a time."""
+
+
+def in_systems(systems: Systems, draw: Callable[[Units], str]) -> str:
+    """Return a part in all systems of units.
+
+    Equal parts are drawn once; the others have the name of their system as class.
+    """
+    texts = {units.name: draw(units) for units in systems}
+    if len(set(texts.values())) == 1:
+        return f"<g>{texts[systems[0].name]}</g>"
+    return "".join(f'<g class="{name}">{text}</g>' for name, text in texts.items())
+
+
+def drawn(frame: Frame, across: Axis, systems: Systems) -> str:
     """Return grid, marks, box and y axis."""
     x, y, plot = frame.x, frame.y, frame.plot
     width, height = x.end - x.start, y.start - y.end
     box = f'x="{x.start:.2f}" y="{y.end:.2f}" width="{width:.2f}" height="{height:.2f}" fill="none"'
-    places = [(float(y.at(value)), text) for value, text in frame.y_ticks]
-    grid = "".join(f"M{x.start:.2f} {place:.2f}H{x.end:.2f}" for place, _ in places)
-    texts = [marks.words(text, x.start - 5.0, place + 4.0, "end", SMALL) for place, text in places]
     attributes = {
         "box": f"{x.start:.2f} {y.end:.2f} {x.end:.2f} {y.start:.2f}",
-        "x": f"{x.low:.10g} {x.high:.10g}",
-        "y": f"{y.low:.10g} {y.high:.10g}",
         "scales": f"{_kind(x, across)} {_kind(y, plot.y)}",
         "nearest": plot.nearest,
-        "quantity": plot.y.label,
         "fixed": "equal" if plot.height is None else "wide" * plot.is_wide,
     }
-    data = " ".join(f'data-{name}="{escape(str(value))}"' for name, value in attributes.items())
+    data = " ".join(f'data-{name}="{value}"' for name, value in attributes.items())
     parts = [
         f'<g class="plot" {data}>',
-        _stroked(f'<path class="rows" d="{grid}"', "grid") if plot.has_grid else "",
+        in_systems(systems, lambda units: _y_axis(frame, units)),
         f'<g class="marks">{"".join(mark.draw(x, y) for mark in plot.marks)}</g>',
-        _stroked(f'<rect class="frame" {box}', "grey") if places else "",
-        f'<g class="ticks">{marks.coloured("".join(texts), "soft")}</g>',
-        marks.coloured(marks.words(plot.y.label, 0.0, y.end - 10.0), "ink"),
-        f'<g class="beside">{_level_names(frame)}</g>',
+        _stroked(f'<rect class="frame" {box}', "grey") if frame.ticks(SI) else "",
+        in_systems(systems, lambda units: f'<g class="beside">{_level_names(frame, units)}</g>'),
     ]
     return "".join(parts) + "</g>"
+
+
+def _y_axis(frame: Frame, units: Units) -> str:
+    """Return grid, ticks and label."""
+    x, ticks = frame.x, frame.ticks(units)
+    label, scale = frame.plot.y.in_units(frame.y, units)
+    grid = "".join(f"M{x.start:.2f} {place:.2f}H{x.end:.2f}" for place, _ in ticks)
+    return (
+        f'<g class="y-axis" {_ends(label, scale)}>'
+        + (_stroked(f'<path class="rows" d="{grid}"', "grid") if frame.plot.has_grid else "")
+        + _ticks([marks.words(text, x.start - 5.0, place + 4.0, "end", SMALL) for place, text in ticks])
+        + marks.coloured(marks.words(label, 0.0, frame.y.end - 10.0), "ink")
+        + "</g>"
+    )
+
+
+def _ends(label: str, scale: scales.Scale) -> str:
+    return f'data-label="{escape(label)}" data-ends="{scale.low:.10g} {scale.high:.10g}"'
+
+
+def _ticks(texts: Sequence[str]) -> str:
+    return f'<g class="ticks">{marks.coloured("".join(texts), "soft")}</g>'
 
 
 def _kind(scale: scales.Scale, axis: Axis) -> str:
@@ -189,15 +226,16 @@ def _stroked(opening: str, colour: str) -> str:
     return marks.coloured(f'{opening} stroke="currentColor" stroke-width="0.8"/>', colour)
 
 
-def _level_names(frame: Frame) -> str:
+def _level_names(frame: Frame, units: Units) -> str:
     """Return the names of levels at the right end of their lines.
 
     They are above or below the line, and further to the left beside other names.
     """
     levels = [mark for mark in frame.plot.marks if isinstance(mark, Level)]
+    factor, unit = units.of(frame.plot.y.unit)
     placed, drawn = list[tuple[float, float, float]](), []
     for level in sorted(levels, key=lambda level: -level.value):
-        text = " ".join(filter(None, (level.label, f"{level.value:.4g}", frame.plot.y.unit)))
+        text = " ".join(filter(None, (level.label, f"{factor * level.value:.4g}", unit)))
         wide, line = marks.text_width(text, SMALL), float(frame.y.at(level.value))
         ends = [frame.x.end - 4.0, *(start - 8.0 for start, _, _ in placed)]
         sides = [down for down in (line - 3.0, line + SMALL) if frame.y.end + 8.0 < down <= frame.y.start]
@@ -219,28 +257,47 @@ def _is_clear(one: tuple[float, float, float], other: tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Chart:
-    """Drawn chart.
+    """Plots one below the other over one x axis, drawn on demand.
 
-    name: of its file; group: heading over several charts; svg, csv: drawing and table of its samples; width [pixels];
-    plots, x: contents, from which it is drawn again in other units.
+    name: of its file; group: heading over several charts; width: [pixels]; units: of its texts.
     """
 
     name: str
-    group: str
     caption: str
-    svg: str
-    width: float = 0.0
-    csv: str = ""
-    plots: tuple[Plot, ...] = field(default=(), compare=False)
-    x: Axis = field(default=Axis(), compare=False)
+    plots: Sequence[Plot]
+    x: Axis
+    group: str = ""
+    width: float = PART
+    units: Units = field(default=SI, compare=False)
 
     def _repr_svg_(self) -> str:
         return self.svg
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Chart) and self.svg == other.svg
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @cached_property
+    def svg(self) -> str:
+        """Drawing that stands alone."""
+        return self._drawn((self.units,))
+
+    @property
+    def on_page(self) -> str:
+        """Drawing with the texts of both systems of units."""
+        return self._drawn((self.units, US if self.units is SI else SI))
+
+    @property
+    def csv(self) -> str:
+        """Table of its samples."""
+        with np.errstate(all="ignore"):
+            return self.units.rendered(_table(self))
+
     @property
     def is_legend(self) -> bool:
         """True if it contains only a legend."""
-        return bool(self.plots) and all(plot.height == 0.0 for plot in self.plots)
+        return all(plot.height == 0.0 for plot in self.plots)
 
     @property
     def is_moving(self) -> bool:
@@ -248,75 +305,71 @@ class Chart:
         return any(isinstance(mark, Moving | Cursor) for plot in self.plots for mark in plot.marks)
 
     def in_units(self, units: Units) -> Chart:
-        """Return the chart in other units.
+        """Return the chart in other units."""
+        return replace(self, units=units, caption=units.rendered(self.caption))
 
-        A chart that was not drawn from plots remains unchanged.
-        """
-        if not self.plots:
-            return self
-        along, x_unit = units.of(self.x.unit)
-        plots = []
-        for plot in self.plots:
-            up, unit = units.of(plot.y.unit)
-            drawn = tuple(mark.scaled(along, up) for mark in plot.marks)
-            plots.append(replace(plot, marks=drawn, y=plot.y.scaled(up, unit)))
-        across = self.x.scaled(along, x_unit)
-        caption = units.rendered(self.caption)
-        return draw_chart(self.name, caption, plots, across, self.group, self.width, units)
-
-
-def draw_chart(
-    name: str,
-    caption: str,
-    plots: Sequence[Plot],
-    x: Axis,
-    group: str = "",
-    width: float = PART,
-    units: Units = SI,
-) -> Chart:
-    """Draw a chart as SVG text.
-
-    width: [pixels]; units: of the measures in its texts.
-    """
-    with np.errstate(all="ignore"):
-        legend, top = _legend(plots[0], width)
-        frames = framed(plots, x, width, top)
-        body = "".join([*(drawn(frame, x) for frame in frames), _x_axis(x, frames)])
-        table = units.rendered(_table(x, frames))
-    height = frames[-1].y.start + _foot(x)
-    head = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:.0f}" width="{width:g}" '
-        f'height="{height:.0f}" role="img" aria-label="{escape(caption)}" class="chart" data-top="{top:g}" '
-        f'font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
-        '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
-    )
-    svg = units.rendered(f"{head}{legend}{body}</svg>", "\N{NO-BREAK SPACE}")
-    return Chart(name, group, caption, svg, width, table, tuple(plots), x)
+    def _drawn(self, systems: Systems) -> str:
+        """Return SVG text with axes in several systems of units."""
+        with np.errstate(all="ignore"):
+            legend, top = _legend(self.plots[0], self.width)
+            frames = framed(self.plots, self.x, self.width, top)
+            body = "".join(drawn(frame, self.x, systems) for frame in frames)
+            body += in_systems(systems, lambda units: _x_axis(self.x, frames, units))
+        height = frames[-1].y.start + _foot(self.x)
+        caption = self.units.rendered(self.caption, "\N{NO-BREAK SPACE}")
+        head = (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width:g} {height:.0f}" '
+            f'width="{self.width:g}" height="{height:.0f}" role="img" aria-label="{escape(caption)}" class="chart" '
+            f'data-top="{top:g}" font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
+            '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
+        )
+        head += f"<style>{marks.MOTION}</style>" if self.is_moving else ""
+        return _with_measures(f"{head}{legend}{body}</svg>", systems)
 
 
-def _table(x: Axis, frames: Sequence[Frame]) -> str:
+def _with_measures(svg: str, systems: Systems) -> str:
+    """Return a drawing with its measures in all systems of units."""
+    if len(systems) == 1:
+        return systems[0].rendered(svg, "\N{NO-BREAK SPACE}")
+
+    def spans(match: re.Match[str]) -> str:
+        texts = {units.name: units.rendered(match[0], "\N{NO-BREAK SPACE}") for units in systems}
+        if len(set(texts.values())) == 1:
+            return texts[systems[0].name]
+        return "".join(f'<tspan class="{name}">{text}</tspan>' for name, text in texts.items())
+
+    return MEASURE.sub(spans, svg)
+
+
+def _table(chart: Chart) -> str:
     """Return the samples of all marks as CSV."""
     columns: list[list[str]] = []
     where: list[str] = []
+    frames = framed(chart.plots, chart.x, chart.width, 0.0)
+    along = chart.units.of(chart.x.unit)[0]
     for frame in frames:
+        (x_label, _), (label, _) = (
+            axis.in_units(scale, chart.units) for axis, scale in ((chart.x, frame.x), (frame.plot.y, frame.y))
+        )
+        up = chart.units.of(frame.plot.y.unit)[0]
         for mark in frame.plot.marks:
             at, values = mark.samples(frame.x, frame.y) if mark.label else ((), ())
             if not len(at):
                 continue
-            label, is_named = frame.plot.y.label, isinstance(at[0], str)
-            both = "; ".join(filter(None, (x.label, label))) if is_named else x.label
+            is_named = isinstance(at[0], str)
+            both = "; ".join(filter(None, (x_label, label))) if is_named else x_label
             heading = mark.label if is_named or not label else f"{mark.label}: {label}"
-            here = [both, *map(_cell, at)]
+            here = [both, *(_cell(place, along) for place in at)]
             columns += [] if here == where else [here]
-            columns.append([heading, *map(_cell, values)])
+            columns.append([heading, *(_cell(value, up) for value in values)])
             where = here
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(zip_longest(*columns, fillvalue=""))
     return text.getvalue()
 
 
-def _cell(value: str | float) -> str:
-    return value if isinstance(value, str) else f"{value:.6g}"
+def _cell(value: str | float, factor: float) -> str:
+    return value if isinstance(value, str) else f"{factor * value:.6g}"
 
 
 def draw_legend(
@@ -324,7 +377,7 @@ def draw_legend(
 ) -> Chart:
     """Draw the keys of marks as one legend of several charts."""
     bare = Axis(named=())
-    return draw_chart(name, caption, (Plot(tuple(marks), bare, 0.0, has_grid=False),), bare, group, width)
+    return Chart(name, caption, (Plot(tuple(marks), bare, 0.0, has_grid=False),), bare, group, width)
 
 
 def _foot(x: Axis) -> float:
@@ -353,21 +406,18 @@ def _legend(plot: Plot, width: float) -> tuple[str, float]:
     return "".join(keys), (row + 1) * ROW + 2.0
 
 
-def _x_axis(axis: Axis, frames: Sequence[Frame]) -> str:
+def _x_axis(axis: Axis, frames: Sequence[Frame], units: Units) -> str:
     """Return ticks and label below the last plot."""
     last = frames[-1]
-    ticks = axis.ticks(last.x, 58.0 if axis.named is None else 1.0)
+    label, scale = axis.in_units(last.x, units)
+    ticks = axis.ticks(last.x, 58.0 if axis.named is None else 1.0, units)
     down = last.y.start + 15.0
     texts = [
-        marks.words(line, float(last.x.at(value)), down + 13.0 * row, "middle", SMALL)
-        for value, text in ticks
+        marks.words(line, place, down + 13.0 * row, "middle", SMALL)
+        for place, text in ticks
         for row, line in enumerate(text.split("\n"))
     ]
-    path = "".join(f"M{last.x.at(value):.2f} {last.y.start:.2f}v3" for value, _ in ticks)
-    middle = 0.5 * (last.x.start + last.x.end)
-    label = marks.words(axis.label, middle, last.y.start + _foot(axis) - 5.0, "middle")
-    texts_and_label = (
-        f'<g class="ticks">{marks.coloured("".join(texts), "soft")}</g>{marks.coloured(label, "ink")}'
-    )
-    notches = _stroked(f'<path d="{path}"', "grey")
-    return f'<g class="x-axis">{notches}{texts_and_label}</g>'
+    notches = "".join(f"M{place:.2f} {last.y.start:.2f}v3" for place, _ in ticks)
+    words = marks.words(label, 0.5 * (scale.start + scale.end), last.y.start + _foot(axis) - 5.0, "middle")
+    drawn = _stroked(f'<path d="{notches}"', "grey") + _ticks(texts) + marks.coloured(words, "ink")
+    return f'<g class="x-axis" {_ends(label, scale)}>{drawn}</g>'

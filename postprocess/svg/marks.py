@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from html import escape
 from itertools import compress, pairwise
 from typing import ClassVar, TypedDict
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.svg.scales import Floats, Range, Scale, extent
-from postprocess.units import SI
+from postprocess.units import SI, US
 
 PALETTE = {
     "fe": "#14467c",
@@ -53,29 +53,42 @@ DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 3", "5 2 1 2", "4 4", "1 5")
 
 WIDTHS = (3.0, 2.2, 1.7, 1.4)
 
-SLOWER, MAX_FRAMES, HOLD = 10.0, 121, 0.12
-"""Slowdown of an animation, most frames, and fraction of its duration on the last one."""
+SLOWER, MAX_FRAMES, HOLD = 10.0, 101, 0.12
+"""Duration of an animation over that of the motion, number of its frames, and part of it that holds the last one."""
+
+MOTION = (
+    f"@keyframes motion{{from{{transform:none}}{100.0 * (1.0 - HOLD):g}%,to{{transform:translateX(var(--shift))}}}}"
+    ".moving{transform:translateX(var(--shift));animation:motion var(--time) infinite}"
+    "@media print,(prefers-reduced-motion:reduce){.moving{animation:none}}"
+)
+"""Style of a chart with animated marks."""
 
 SMALL_BOX = 9.0
 """Size below which boxes are drawn without gaps [pixels]."""
 
 
+DRAWN, READ = (1, 1), (2, 3)
+"""Decimals of places that are drawn alone, and of those from which pages read values [pixels]."""
+
+
 def labelled(label: str) -> str:
     """Return the attribute that names a mark, empty without a label."""
-    return f'data-label="{escape(label)}" ' if label else ""
+    return f'data-label="{escape(SI.rendered(label))}" ' if label else ""
 
 
-def path(places: Floats) -> str:
+def path(places: Floats, digits: tuple[int, int] = DRAWN) -> str:
     """Return the path through places, shape (n, 2).
 
-    It has gaps where they are not finite.
+    It consists of a start and steps, and has gaps where places are not finite. digits: decimals of x and y; their
+    rounding errors do not add up, as each step ends at a rounded place.
     """
-    sound = np.isfinite(places).all(axis=-1)
+    sound, size = np.isfinite(places).all(axis=-1), 10.0 ** np.array(digits)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], sound, [False]]).astype(int)))
     pieces = []
     for first, last in list(pairwise(ends))[::2]:
-        points = places[first:last].ravel().tolist()
-        pieces.append("M" + "L".join(["%.2f %.2f"] * (last - first)) % tuple(points))
+        steps = np.diff(np.rint(places[first:last] * size), axis=0, prepend=[(0.0, 0.0)]) / size + 0.0
+        start, *further = [f"{across:.10g} {down:.10g}" for across, down in steps.tolist()]
+        pieces.append(f"M{start}l{' '.join(further)}".removesuffix("l").replace(" -", "-"))
     return "".join(pieces)
 
 
@@ -125,6 +138,10 @@ def look(number: int) -> Look:
     return {"width": WIDTHS[min(number, len(WIDTHS) - 1)], "dashes": DASHES[number % len(DASHES)]}
 
 
+def _sample_text(sample: str | float) -> str:
+    return sample if isinstance(sample, str) else f"{sample:.6g}"
+
+
 class Mark:
     """Element of a plot.
 
@@ -144,15 +161,20 @@ class Mark:
         x, y = (extent(np.concatenate([np.zeros(0), *values])) for values in (along, up))
         return x, y
 
-    def scaled(self, along: float, up: float) -> Mark:
-        """Return the mark with x and y multiplied."""
-        changed = {name: along * np.asarray(getattr(self, name)) for name in self.ACROSS}
-        changed |= {name: up * np.asarray(getattr(self, name)) for name in self.UP}
-        return replace(self, **changed)  # type: ignore[type-var]
-
     def draw(self, x: Scale, y: Scale) -> str:
         """Return the SVG elements."""
         return ""
+
+    @property
+    def attributes(self) -> str:
+        """Attributes of the path: its label, and samples that are not places."""
+        label, texts = getattr(self, "label", ""), list[str]()
+        for name in ("at", "values"):
+            words = "|".join(map(_sample_text, getattr(self, name, ()))) if label else ""
+            in_si, in_us = (escape(units.rendered(words)) for units in (SI, US))
+            texts += [f'data-{name}="{in_si}" '] if words else []
+            texts += [f'data-{name}-us="{in_us}" '] if in_us != in_si else []
+        return "".join([labelled(label), *texts])
 
     def samples(self, x: Scale, y: Scale) -> Samples:
         """Return places and values of its points.
@@ -196,8 +218,10 @@ class Line(Mark):
         """
         places, sound = self._places(x, y)
         dots = [f"M{a:.2f} {b:.2f}Z" for a, b in places[sound]]
-        label, edge = labelled(self.label), path(places) if self.width else "".join(dots)
-        elements = f'<path {label}d="{edge}" fill="none"{self._look() if self.width else self._dots()}/>'
+        edge = path(places, READ if self.label else DRAWN) if self.width else "".join(dots)
+        elements = (
+            f'<path {self.attributes}d="{edge}" fill="none"{self._look() if self.width else self._dots()}/>'
+        )
         if self.dots and self.at:
             named = zip(dots, compress(self.at, sound), strict=True)
             elements += "".join(
@@ -312,19 +336,14 @@ def film_rows(t: Floats) -> NDArray[np.intp]:
 
 
 def animated(elements: str, travel: float, t: Floats) -> str:
-    """Return elements with a repeated motion along x by CSS.
+    """Return elements that the style `MOTION` moves along x.
 
-    travel: distance [pixels], in one step for each frame; t: instants [s]. Without animation the elements are at the
+    They take one step for each frame, over and over. travel: distance [pixels], in one step for each frame; t: instants [s]. Without animation the elements are at the
     end, as on paper and for readers who prefer reduced motion. Pages can pause it.
     """
-    style = (
-        f"@keyframes motion{{from{{transform:none}}{100.0 * (1.0 - HOLD):g}%,to{{transform:translateX(var(--shift))}}}}"
-        ".moving{transform:translateX(var(--shift));animation:motion var(--time) infinite}"
-        "@media print,(prefers-reduced-motion:reduce){.moving{animation:none}}"
-    )
     variables = f"--shift:{travel:.2f}px;--time:{SLOWER * float(np.ptp(t)) / (1.0 - HOLD):.3g}s"
     steps = f"animation-timing-function:steps({len(film_rows(t)) - 1})"
-    return f'<style>{style}</style><g class="moving" style="{variables};{steps}">{elements}</g>'
+    return f'<g class="moving" style="{variables};{steps}">{elements}</g>'
 
 
 @dataclass(frozen=True)
@@ -394,9 +413,10 @@ class Layer(Mark):
         along = x.at(self.x)
         forth = np.stack([along, y.at(self.high)], axis=-1)
         back = np.stack([along, y.at(self.low)], axis=-1)[::-1]
-        edge = path(np.concatenate([forth, back]))
+        edge = path(np.concatenate([forth, back]), READ)
         return coloured(
-            f'<path {labelled(self.label)}d="{edge}Z" fill-opacity="{self.strength:g}"/>', self.colour
+            f'<path {self.attributes}class="layer" d="{edge}Z" fill-opacity="{self.strength:g}"/>',
+            self.colour,
         )
 
     def samples(self, x: Scale, y: Scale) -> Samples:
@@ -445,7 +465,7 @@ class Boxes(Mark):
             return elements
         centres = zip(0.5 * (start + end), 0.5 * (top + bottom), strict=True)
         invisible = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
-        return f'<g>{elements}<path {labelled(self.label)}d="{invisible}"/></g>'
+        return f'<g>{elements}<path {self.attributes}d="{invisible}"/></g>'
 
     def samples(self, x: Scale, y: Scale) -> Samples:
         """Return values and places of the boxes."""
@@ -499,7 +519,7 @@ class Outline(Mark):
 
     def draw(self, x: Scale, y: Scale) -> str:
         """Return a closed path."""
-        edge = labelled(self.label) + f'd="{path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))}Z"'
+        edge = self.attributes + f'd="{path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))}Z"'
         look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
         return coloured(f"<path {edge} {look}/>", self.colour)
 

@@ -7,8 +7,6 @@ const printed = (text) => {
   const product = /^-?1$/.test(factor) ? factor.replace("1", ten) : `${factor}×${ten}`;
   return (power ? product : text).replace(/^-/, "−");
 };
-const cells = (row) => [...row.matchAll(/(?:^|,)(?:"((?:[^"]|"")*)"|([^,]*))/g)].map(([, quoted, plain]) =>
-  quoted?.replaceAll('""', '"') ?? plain);
 const set = (element, attributes) => {
   Object.entries(attributes).forEach(([name, value]) => element.setAttribute(name, value));
   return element;
@@ -16,10 +14,34 @@ const set = (element, attributes) => {
 const add = (parent, name, attributes) =>
   parent.appendChild(set(document.createElementNS("http://www.w3.org/2000/svg", name), attributes));
 
+/* Parts in the units that the page shows. */
+const shownIn = () => document.querySelector(".units :checked")?.id ?? "si";
+const ofUnits = (part, what) => all(part, what).find((node) => !node.closest(shownIn() === "si" ? ".us" : ".si"));
+
 /* An axis has its ends at the pixels `from` and `to` of the file; what lies between those of `seen` is shown in `place`. */
-const axisOf = (ends, scale, from, to) => ({ ends: numbers(ends), scale, from, to, seen: [from, to], place: [from, to] });
+const axisOf = (svg, what, scale, from, to) => ({ scale, from, to, seen: [from, to], place: [from, to],
+  get group() { return ofUnits(svg, what); }, get label() { return this.group.dataset.label; }, get ends() { return numbers(this.group.dataset.ends); } });
 const shownAt = ({ seen: [a, b], place: [p, q] }) => (pixel) => p + ((pixel - a) * (q - p)) / (b - a);
 const drawnAt = ({ seen: [a, b], place: [p, q] }) => (pixel) => a + ((pixel - p) * (b - a)) / (q - p);
+/* Value at a pixel of the file to the digits of its place, which is rounded to `precision`. */
+const valueAt = ({ ends, scale, from, to }, pixel, precision) => {
+  const part = (pixel - from) / (to - from), [a, b] = ends;
+  if (scale === "log") return +(a * (b / a) ** part).toPrecision(4);
+  const step = Math.ceil(Math.log10(Math.abs((5 * precision * (b - a)) / (to - from))));
+  return +(Math.round((a + part * (b - a)) / 10 ** step) * 10 ** step).toPrecision(12);
+};
+const pointsOf = (path) => {
+  let x = 0, y = 0;
+  const points = [];
+  for (const [, kind, text] of path.matchAll(/([Ml])([^Mlz]*)/gi)) {
+    const steps = text.match(/-?[\d.]+/g)?.map(Number) ?? [];
+    for (let i = 0; i < steps.length; i += 2) {
+      [x, y] = kind === "M" ? [steps[i], steps[i + 1]] : [x + steps[i], y + steps[i + 1]];
+      points.push([x, y]);
+    }
+  }
+  return points;
+};
 const ticksOf = (axis, room) => {
   const isLog = axis.scale === "log", [start, end] = isLog ? axis.ends.map(Math.log10) : axis.ends;
   const value = (pixel) => start + ((pixel - axis.from) / (axis.to - axis.from)) * (end - start);
@@ -44,22 +66,24 @@ const setTicks = (holder, attribute, ticks, shift) => holder.replaceChildren(...
 }));
 
 const plotOf = (element) => {
-  const { box, x, y, scales, nearest, quantity, fixed } = element.dataset, [left, top, right, bottom] = numbers(box);
-  const [across, up] = scales.split(" "), plot = { element, top, right, bottom, nearest, quantity, fixed };
-  const parts = all(element, ".marks path:not(.moving path), .marks text").map((node) =>
-    ({ node, path: node.getAttribute("d"), at: ["x", "y"].map((name) => +node.getAttribute(name)) }));
-  const lines = parts.filter(({ node, path }) => path && node.dataset.label).map(({ node, path }) => {
-    const home = path.match(/[ML]-?[\d.]+ -?[\d.]+/g).map((point) => numbers(point.slice(1)));
-    return { plot, node, label: node.dataset.label, isOn: node.parentNode.style.display !== "none", home, places: home };
-  });
-  return Object.assign(plot, { parts, lines, x: axisOf(x, across, left, right), y: axisOf(y, up, bottom, top) });
+  const { box, scales, nearest, fixed } = element.dataset, [left, top, right, bottom] = numbers(box);
+  const [across, up] = scales.split(" "), plot = { element, top, right, bottom, nearest, fixed };
+  const paths = all(element, ".marks path:not(.moving path)");
+  const texts = all(element, ".marks text").map((node) => [node, +node.getAttribute("x"), +node.getAttribute("y")]);
+  const lines = paths.filter(({ dataset }) => dataset.label).map((node) => ({ plot, node, label: node.dataset.label,
+    isOn: node.parentNode.style.display !== "none",
+    get home() { return (this.points ??= pointsOf(node.getAttribute("d"))).slice(0, node.matches(".layer") ? this.points.length / 2 : undefined); },
+    get places() { return this.home.map(([x, y]) => [shownAt(plot.x)(x), shownAt(plot.y)(y)]); } }));
+  const x = axisOf(element.ownerSVGElement, ".x-axis", across, left, right), y = axisOf(element, ".y-axis", up, bottom, top);
+  return Object.assign(plot, { paths, texts, lines: lines.filter(({ node }) => node.getAttribute("d")), x, y });
 };
 /* Words of a narrow drawing stay inside of it, and those that would cover earlier ones are not shown. */
 const separate = (element) => {
-  const { left, right } = element.ownerSVGElement.getBoundingClientRect(), seen = [];
-  all(element, ".marks text").forEach((node) => {
-    node.style.display = "";
-    const box = node.getBoundingClientRect(), shift = Math.max(0, left - box.left) - Math.max(0, box.right - right);
+  const { left, right } = element.ownerSVGElement.getBoundingClientRect(), seen = [], texts = all(element, ".marks text");
+  texts.forEach((node) => (node.style.display = ""));
+  const boxes = texts.map((node) => node.getBoundingClientRect());
+  texts.forEach((node, i) => {
+    const box = boxes[i], shift = Math.max(0, left - box.left) - Math.max(0, box.right - right);
     const [start, end] = [box.left + shift, box.right + shift];
     node.setAttribute("x", +node.getAttribute("x") + shift);
     const isFree = seen.every((other) => end < other[0] - 4 || start > other[1] + 4 || box.top > other[3] - 2 || box.bottom < other[2] + 2);
@@ -67,54 +91,60 @@ const separate = (element) => {
     else node.style.display = "none";
   });
 };
-const drawPlot = ({ element, parts, lines, x, y, top, right }) => {
+const drawPlot = ({ element, paths, texts, x, y, top, right }) => {
   const [across, down, [start, end], [bottom]] = [shownAt(x), shownAt(y), x.place, y.place];
-  const moved = (path) => path.replace(/([MLHV])(-?[\d.]+)(?: (-?[\d.]+))?/g, (_, kind, a, b) =>
-    kind + (kind === "V" ? down(a) : across(a)).toFixed(2) + (b === undefined ? "" : ` ${down(b).toFixed(2)}`));
-  parts.forEach(({ node, path, at: [a, b] }) => set(node, path ? { d: moved(path) } : { x: across(a), y: down(b) }));
-  all(element, ".beside > g").forEach((name) => {
-    const at = Number(name.dataset.at), height = down(at);
-    set(name, { transform: `translate(${end - right} ${height - at})` }).style.display = "";
-    const isCut = name.getBoundingClientRect().left < element.ownerSVGElement.getBoundingClientRect().left;
-    name.style.display = isCut || height < top - 1 || height > bottom + 1 ? "none" : "";
-  });
-  lines.forEach((line) => (line.places = line.home.map(([a, b]) => [across(a), down(b)])));
   const isWhole = [x, y].every(({ from, to, seen }) => seen[0] === from && seen[1] === to);
+  const [left, above] = [across(0), down(0)], matrix = [across(1) - left, 0, 0, down(1) - above, left, above];
+  const moving = all(element, ".moving").map((node) => node.closest("g:not(.moving)"));
+  [...paths, ...moving].forEach((node) => set(node, { transform: `matrix(${matrix})` }));
+  texts.forEach(([node, a, b]) => set(node, { x: across(a), y: down(b) }));
   const corners = [[start, top], [end, top], [end, bottom], [start, bottom]].map(([a, b]) => `${a}px ${b}px`);
   element.querySelector(".marks").style.clipPath = isWhole ? "" : `polygon(${corners}) view-box`;
-  const [left, above] = [across(0), down(0)], matrix = [across(1) - left, 0, 0, down(1) - above, left, above];
-  all(element, ".moving").forEach((node) => set(node.closest("g:not(.moving)"), { transform: `matrix(${matrix})` }));
   if (element.querySelector(".frame")) set(element.querySelector(".frame"), { width: end - start, height: bottom - top });
+  const names = all(ofUnits(element, ".beside"), "g[data-at]");
+  names.forEach((name) => set(name, { transform: `translate(${end - right} ${down(name.dataset.at) - name.dataset.at})` }).style.display = "");
+  names.map((name) => name.getBoundingClientRect().left < element.ownerSVGElement.getBoundingClientRect().left).forEach((isCut, i) => {
+    const height = down(names[i].dataset.at);
+    names[i].style.display = isCut || height < top - 1 || height > bottom + 1 ? "none" : "";
+  });
   if (matrix[0] < 1 && isWhole) separate(element);
-  const holder = element.querySelector(".ticks g");
+  const holder = y.group.querySelector(".ticks g");
   if (y.scale === "named" || !holder.childElementCount) return;
   const ticks = ticksOf(y, 26);
   setTicks(holder, "y", ticks, 4);
-  element.querySelector(".rows")?.setAttribute("d", ticks.map(([at]) => `M${start} ${at}H${end}`).join(""));
+  y.group.querySelector(".rows")?.setAttribute("d", ticks.map(([at]) => `M${start} ${at}H${end}`).join(""));
 };
 
 const NEAR = 14;
 /* Each line with the number of its point nearest to a place, of those about as near as the nearest. */
 const nearTo = (plot, x, y) => {
   const weights = ["x", "y"].map((name) => (plot.nearest.includes(name) ? 1 : 1e-3));
-  const far = ([a, b]) => Math.hypot(weights[0] * (a - x), weights[1] * (b - y));
-  const found = plot.lines.filter((line) => line.isOn).map((line) =>
-    [line, line.places.reduce((best, place, i) => (far(place) < far(line.places[best]) ? i : best), 0)]);
-  const least = Math.min(...found.map(([line, i]) => far(line.places[i])));
-  return found.filter(([line, i]) => far(line.places[i]) < least + NEAR);
+  const found = plot.lines.filter((line) => line.isOn).map((line) => {
+    const far = line.places.map(([a, b]) => Math.hypot(weights[0] * (a - x), weights[1] * (b - y))), least = Math.min(...far);
+    return [line, far.indexOf(least), least];
+  });
+  const least = Math.min(...found.map(([, , far]) => far));
+  return found.filter(([, , far]) => far < least + NEAR);
+};
+/* Headings and cells of a line: where its points are, and their values, from words or from its path. */
+const tableOf = ({ plot: { x, y }, node, label, home, points }) => {
+  const [at, values] = ["at", "values"].map((name) => ((shownIn() === "us" && node.dataset[`${name}Us`]) || node.dataset[name])?.split("|"));
+  const height = (i) => valueAt(y, points[i][1], 0.001);
+  const value = (i) => (node.matches(".layer") ? +(height(i) - height(points.length - 1 - i)).toPrecision(6) : height(i));
+  const headings = at ? [[x.label, y.label].filter(Boolean).join("; "), label] : [x.label, y.label ? `${label}: ${y.label}` : label];
+  return [headings, ...home.map((place, i) => [at?.[i] ?? valueAt(x, place[0], 0.01), values?.[i] ?? value(i)].map(String))];
 };
 /* Name of a quantity, and its value with the unit that stands in its heading. */
-const said = (heading, text, least = 0) => {
-  const [, name, unit] = heading.match(/^(.*?)(?: \[(.*)\])?$/);
-  const value = text && isFinite(text) ? printed(String(Math.abs(text) < least ? 0 : +(+text).toPrecision(5))) : text;
-  return [name, unit ? `${value} ${unit}` : value];
+const said = (heading, text) => {
+  const [, name, unit] = heading.match(/^(.*?)(?: \[([^\]]*)\])?$/);
+  const value = text && isFinite(text) ? printed(String(+(+text).toPrecision(5))) : text;
+  return [name, unit && isFinite(text) ? `${value} ${unit}` : value];
 };
 
 const chartOf = (svg) => {
   const figure = svg.closest("figure"), section = svg.closest("section"), note = document.createElement("output");
   const [, , width, height] = numbers(svg.getAttribute("viewBox")), top = Number(svg.dataset.top);
   const plots = all(svg, ".plot").map(plotOf), lines = plots.flatMap((plot) => plot.lines), last = plots.at(-1);
-  const axis = svg.querySelector(".x-axis"), csv = figure.querySelector("[download$=csv]");
   let from = null, reading = null;
   const clear = () => {
     note.hidden = true;
@@ -123,26 +153,27 @@ const chartOf = (svg) => {
   const draw = () => {
     clear();
     plots.forEach(drawPlot);
-    const holder = axis.querySelector(".ticks g"), { scale, place: [start, end] } = last.x;
-    axis.querySelector(".ink text")?.setAttribute("x", (start + end) / 2);
+    const { scale, group, place: [start, end] } = last.x, holder = group.querySelector(".ticks g");
+    group.querySelector(".ink text")?.setAttribute("x", (start + end) / 2);
     if (scale === "named" || !holder.childElementCount) return;
     const ticks = ticksOf(last.x, 58);
     setTicks(holder, "x", ticks, 0);
-    set(axis.querySelector("path"), { d: ticks.map(([at]) => `M${at} ${last.bottom}v3`).join("") });
+    set(group.querySelector("path"), { d: ticks.map(([at]) => `M${at} ${last.bottom}v3`).join("") });
   };
   /* As wide as its place, drawings to scale at most as wide as drawn; the keys stand above it as buttons. */
   const isFixed = plots.some(({ fixed, x }) => fixed === "wide" || (x.scale === "named" && fixed !== "equal")), isEqual = last.fixed === "equal";
   let drawnWide = 0;
   const room = () => (isFixed ? width : Math.min(isEqual ? width : Infinity, figure.clientWidth));
   const fit = (wide) => {
-    if (!wide || wide === drawnWide) return;
+    if (!wide || wide === drawnWide) return false;
+    const isAsDrawn = !drawnWide && wide === width;
     drawnWide = wide;
     const narrower = (wide - width) / (last.right - last.x.from), lower = isEqual ? narrower * (last.bottom - last.top) : 0;
     set(svg, { viewBox: `0 ${top} ${wide} ${height - top + lower}`, width: wide, height: height - top + lower });
     svg.closest(".large")?.classList.toggle("fitted", !isFixed);
     plots.forEach(({ x, y, right }) => Object.assign(x, { place: [x.from, right + wide - width] }) && (y.place = [y.from + lower, y.to]));
-    set(axis, { transform: `translate(0 ${lower})` });
-    if (!isFixed) draw();
+    all(svg, ".x-axis").forEach((axis) => set(axis, { transform: `translate(0 ${lower})` }));
+    return !isFixed && !isAsDrawn;
   };
   const reset = () => {
     plots.flatMap(({ x, y }) => [x, y]).forEach((each) => (each.seen = [each.from, each.to]));
@@ -156,27 +187,18 @@ const chartOf = (svg) => {
     draw();
   };
 
-  const readTable = () => {
-    const rows = decodeURIComponent(csv.href.slice(csv.href.indexOf(",") + 1)).split("\n").map(cells);
-    let where = 0, column = 0;
-    lines.forEach((line) => {
-      if (!column || !rows[0][column].startsWith(line.label)) where = column++;
-      line.table = rows.map((row) => [row[where], row[column]]);
-      column += 1;
-    });
-  };
   const plotAt = ([x, y]) => plots.find((plot) => x >= plot.x.place[0] && x <= plot.x.place[1] && y >= plot.top && y <= plot.y.place[0]);
   const show = ([x, y], reader) => {
     clear();
-    if (!csv || !lines.length || !plotAt([x, y])) return;
-    if (!lines[0].table) readTable();
+    if (!lines.length || !plotAt([x, y])) return;
+    lines.forEach((each) => (each.table ??= tableOf(each)));
     const found = reader ? [[reader]] : plots.map((plot) => nearTo(plot, x, y)), [line, i] = found.flat()[0] ?? [];
     if (!line) return;
     const rows = [[said(line.table[0][0], line.table[i + 1][0]).filter(Boolean).join(" ")]];
     found.forEach((near) => near.forEach(([each, n], k) => {
-      const [a, b] = each.places[n], { quantity, nearest, top, y: { ends, place: [bottom] } } = each.plot;
-      if (!k && quantity) rows.push([quantity.replace(/ \[.*/, "")]);
-      const value = said(each.table[0][1], each.table[n + 1][1], 1e-6 * Math.abs(ends[1] - ends[0]))[1];
+      const [a, b] = each.places[n], { nearest, top, y: { label, place: [bottom] } } = each.plot;
+      if (!k && label) rows.push([label.replace(/ \[.*/, "")]);
+      const value = said(each.table[0][1], each.table[n + 1][1])[1];
       rows.push([`${each.label} ${value}`, getComputedStyle(each.node).color]);
       if (!k && nearest === "x") add(svg, "path", { class: "pointer", d: `M${a} ${top}V${bottom}` });
       add(svg, "circle", { class: "pointer", cx: a, cy: b, r: 3 });
@@ -198,12 +220,12 @@ const chartOf = (svg) => {
     if (by === undefined || !shown.length) return;
     event.preventDefault();
     const [old, at] = reading ?? [shown[0], -1], turn = by ? 0 : event.key === "ArrowDown" ? 1 : shown.length - 1;
-    const line = shown[(shown.indexOf(old) + turn) % shown.length], x = old.places[at]?.[0] ?? 0;
-    const order = line.places.map((_, i) => i).sort((i, j) => line.places[i][0] - line.places[j][0]);
-    const rank = by && line === old ? order.indexOf(at) : order.findIndex((i) => line.places[i][0] >= x);
+    const line = shown[(shown.indexOf(old) + turn) % shown.length], x = old.places[at]?.[0] ?? 0, { places } = line;
+    const order = places.map((_, i) => i).sort((i, j) => places[i][0] - places[j][0]);
+    const rank = by && line === old ? order.indexOf(at) : order.findIndex((i) => places[i][0] >= x);
     const next = order[Math.max(0, Math.min(order.length - 1, rank + by * (event.shiftKey ? 10 : 1)))];
     reading = [line, next];
-    show(line.places[next], reading);
+    show(places[next], reading);
   };
 
   const at = ({ clientX, clientY }) => {
@@ -228,21 +250,40 @@ const chartOf = (svg) => {
     const heard = { pointermove: drag, pointerdown: drag, pointerup: drop, pointerleave: drop, blur: drop, dblclick: reset, keydown: step };
     Object.entries(heard).forEach(([name, act]) => svg.addEventListener(name, act));
   }
-  figure.querySelector("[download$=svg]")?.addEventListener("click", ({ currentTarget }) => {
+  const files = figure.querySelector("[download$=svg]");
+  const toFile = (link, text, type) => (link.href = URL.createObjectURL(new Blob([text], { type })));
+  files?.addEventListener("click", () => {
     const shown = drawnWide;
-    fit(width);
+    if (fit(width)) draw();
     const whole = set(svg.cloneNode(true), { viewBox: `0 0 ${width} ${height}`, height });
+    all(whole, shownIn() === "si" ? ".us" : ".si").forEach((part) => part.remove());
     all(whole, ".key").forEach((key) => (key.style.display = ""));
-    currentTarget.href = URL.createObjectURL(new Blob([new XMLSerializer().serializeToString(whole)], { type: "image/svg+xml" }));
-    fit(shown);
+    toFile(files, new XMLSerializer().serializeToString(whole), "image/svg+xml");
+    if (fit(shown)) draw();
   });
-  return { svg, section: svg.closest("section"), lines, room, fit };
+  /* Each line has a column, preceded by its places where these differ from those of the line before. */
+  if (lines.length && files && !figure.querySelector("[download$=csv]")) {
+    const link = set(files.cloneNode(), { download: files.download.replace(/svg$/, "csv"), href: "#", "aria-label": files.ariaLabel.replace("SVG", "CSV") });
+    link.textContent = "CSV";
+    link.addEventListener("click", () => {
+      const columns = lines.map(tableOf).flatMap((rows) => [0, 1].map((n) => rows.map((row) => quoted(row[n]))));
+      const kept = columns.filter((column, i) => i % 2 || i === 0 || column.join() !== columns[i - 2].join());
+      const count = Math.max(...kept.map((column) => column.length));
+      toFile(link, Array.from({ length: count }, (_, i) => `${kept.map((column) => column[i] ?? "").join(",")}\n`).join(""), "text/csv");
+    });
+    files.before(link, " ");
+  }
+  const renew = () => {
+    lines.forEach((line) => delete line.table);
+    if (drawnWide !== width && !isFixed) draw();
+    else clear();
+  };
+  return { svg, lines, room, fit, draw, renew };
 };
 
 /* Keys of the lines as buttons; those of a legend that has no lines are of all charts of its section. */
-let charts = [];
-const addKeys = ({ svg, section, lines }) => {
-  const reach = lines.length ? lines : charts.filter((other) => other.section === section).flatMap((other) => other.lines);
+const addKeys = ({ svg, lines }, section) => {
+  const reach = lines.length ? lines : section.flatMap((other) => other.lines);
   const row = document.createElement("div");
   row.className = "keys";
   all(svg, ".key").forEach((key) => {
@@ -260,38 +301,8 @@ const addKeys = ({ svg, section, lines }) => {
   });
   svg.before(row);
 };
-const fitAll = () => {
-  const rooms = charts.map(({ room }) => room());
-  charts.forEach(({ fit }, i) => fit(rooms[i]));
-};
-const prepare = () => {
-  charts = all(document, "svg.chart").map(chartOf);
-  charts.forEach(addKeys);
-  fitAll();
-  document.getAnimations().forEach((each) => (each.startTime = document.timeline.currentTime));
-};
-/* Charts as drawn in the units of the page, and in the others where these differ. */
-const shownIn = document.querySelector(".units :checked")?.id;
-const drawings = all(document, "figure:has(svg.chart)").map((now) => {
-  const own = now.cloneNode(true), other = now.querySelector("template")?.content.firstElementChild ?? now.cloneNode(true);
-  const paths = all(own, "path");
-  all(other, "path:not([d])").forEach((path) => set(path, { d: paths[all(other, "path").indexOf(path)].getAttribute("d") }));
-  return { now, own, other };
-});
-document.querySelector(".units")?.addEventListener("change", ({ target }) => {
-  drawings.forEach((each) => {
-    const next = (target.id === shownIn ? each.own : each.other).cloneNode(true);
-    each.now.replaceWith(next);
-    each.now = next;
-  });
-  prepare();
-});
-prepare();
-const observer = new ResizeObserver(fitAll);
-all(document, "main").forEach((main) => observer.observe(main));
-
-/* Buttons copy a table as it is shown. */
 const quoted = (cell) => (/[",]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell);
+/* Buttons copy a table as it is shown. */
 const ofTex = (cell) => cell.replace(/[&%#$_{}]/g, "\\$&").replaceAll("−", "$-$").replaceAll("^", "\\^{}");
 const forms = {
   text: (rows) => rows.map((row) => row.join("\t")),
@@ -299,7 +310,7 @@ const forms = {
   LaTeX: (rows) => [`\\begin{tabular}{l${"r".repeat(rows[0].length - 1)}}`,
     ...rows.map((row) => `${row.map(ofTex).join(" & ")} \\\\`), "\\end{tabular}"],
 };
-all(document, ".scroll > table").forEach((table) => {
+const addCopies = (table) => {
   const row = document.createElement("div");
   [row.className, row.textContent] = ["copy", "Copy as"];
   row.append(...Object.entries(forms).map(([name, form]) => {
@@ -313,7 +324,33 @@ all(document, ".scroll > table").forEach((table) => {
     return button;
   }));
   table.parentNode.after(row);
-});
+};
+
+/* A section is prepared when it is about to be seen, its charts one by one, so that the page answers in between. */
+const charts = [], waiting = new Set(all(document, "section"));
+const fitAll = async (some = charts) => {
+  const rooms = some.map(({ room }) => room());
+  for (const { draw } of some.filter(({ fit }, i) => fit(rooms[i]))) {
+    await new Promise((next) => setTimeout(next));
+    draw();
+  }
+};
+const prepare = (section) => {
+  if (!waiting.delete(section)) return null;
+  const added = all(section, "svg.chart").map(chartOf);
+  added.forEach((chart) => addKeys(chart, added));
+  all(section, ".scroll > table").forEach(addCopies);
+  section.getAnimations({ subtree: true }).forEach((each) => (each.startTime = document.timeline.currentTime));
+  charts.push(...added);
+  return fitAll(added);
+};
+const prepareAll = () => Promise.all([...waiting].map(prepare));
+const near = new IntersectionObserver((entries) => entries.filter(({ isIntersecting }) => isIntersecting)
+  .forEach(({ target }) => prepare(target)), { rootMargin: "400px" });
+waiting.forEach((section) => near.observe(section));
+const resized = new ResizeObserver(() => fitAll());
+all(document, "main").forEach((main) => resized.observe(main));
+document.querySelector(".units").addEventListener("change", () => charts.forEach(({ renew }) => renew()));
 
 const unfold = (id) => document.getElementById(id)?.querySelectorAll("details").forEach((part) => (part.open = true));
 document.querySelectorAll("nav a").forEach((link) => link.addEventListener("click", () => unfold(link.hash.slice(1))));

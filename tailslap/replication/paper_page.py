@@ -231,7 +231,7 @@ def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Char
     styles = [*zip(lines, MOTION_LOOKS, strict=False), *zip(points, MARK_LOOKS, strict=False)]
     curves = [marks.Line(label, *places, **style) for (label, places), style in styles]
     plot = chart.Plot(tuple(curves), chart.Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
-    return chart.draw_chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)
+    return chart.Chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)
 
 
 def figure_tables(numbers: Numbers) -> tuple[Table, Table]:

@@ -191,12 +191,12 @@ def test_an_animation_has_both_views(tmp_path):
     h = history(6, x_g=np.arange(6.0), y_g=2.0, roll=0.1 * np.arange(6))
     behind, above = space.film_views(VEHICLE, h)
     corners = space.box(VEHICLE, h, 0)
-    assert behind.outlines[4] == pytest.approx(corners[:, :4, 1:])
+    assert behind.outlines[3] == pytest.approx(corners[:, :4, 1:])
     assert above.outlines[0][:, 0, 0] == pytest.approx(-6.0)
     films = space.draw_films(VEHICLE, h)
     drawn = [[mark.y for mark in marks(film, Moving)] for film in films]
     assert [len(polygons) for polygons in drawn] == [len(behind.outlines), len(above.outlines)]
-    np.testing.assert_array_equal(drawn[0][4], behind.outlines[4][..., 1])
+    np.testing.assert_array_equal(drawn[0][3], behind.outlines[3][..., 1])
     assert behind.is_mirrored
     assert behind.face is FACE
     path = animation.write_animation(tmp_path / "space.gif", h["t"], (behind, above), 1e5 * h["t"])

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from browser.charts import points_of
 
 from postprocess.figures import animation, impact, positions
 from postprocess.svg.marks import HOLD, MAX_FRAMES, SLOWER, Line, Words
@@ -30,8 +31,7 @@ def points(svg, colour):
     """Points of the longest line of a colour, y upwards."""
     groups = re.findall(rf'<g class="{colour}"[^>]*>(<path .*?)</g>', svg)
     paths = [re.findall(r' d="([^"]+)"', group)[0] for group in groups]
-    longest = max((re.findall(r"[ML]([-\d.]+) ([-\d.]+)", path) for path in paths), key=len)
-    return np.array(longest, float) * (1.0, -1.0)
+    return max(map(points_of, paths), key=len) * (1.0, -1.0)
 
 
 def test_outlines_of_a_rigid_vehicle():
@@ -62,13 +62,13 @@ def test_positions_keep_their_scale():
     outlines = positions.vehicle_outlines(np.array([0.0]), np.array([2.4]), np.array([0.3]), 10.0, 2.5, 5.0)
     corners = points(positions.draw_positions(outlines, (0.0,)).svg, "fe")[:4]
     sides = np.hypot(*np.diff(corners, axis=0).T)
-    assert sides[0] / sides[1] == pytest.approx(4.0, rel=1e-4)
+    assert sides[0] / sides[1] == pytest.approx(4.0, rel=1e-3)
 
 
 def frames(svg, wide):
     """Corners of a polygon in each frame, shape (frames, points, 2) [pixels]."""
     strip = found(r'class="moving".*?<path d="([^"]*)Z" fill', svg).split("Z")
-    corners = np.array([[pair.split() for pair in frame[1:].split("L")] for frame in strip], float)
+    corners = np.array([points_of(frame) for frame in strip])
     corners[..., 0] -= wide * np.arange(len(corners))[:, None]
     return corners
 
@@ -83,10 +83,8 @@ def test_the_animation_shows_each_instant_where_the_vehicle_was(rows):
     outlines = frames(chart.svg, right - x_left) + np.array([x_left, top])
     assert len(outlines) == min(rows, MAX_FRAMES)
     for instant, corners in (("0.00 s", outlines[0]), ("0.50 s", outlines[-1])):
-        edge = found(rf'<path data-label="{instant}" d="M([^"]*)Z"', chart.svg)
-        np.testing.assert_allclose(
-            corners, np.array([pair.split() for pair in edge.split("L")], float), atol=0.03
-        )
+        edge = found(rf'<path data-label="{instant}" d="([^"]*)Z"', chart.svg)
+        np.testing.assert_allclose(corners, points_of(edge), atol=0.21)
     way = float(found(r"--shift:(-?[\d.]+)px", chart.svg))
     assert way == pytest.approx(-(right - x_left) * (len(outlines) - 1), abs=0.01 * len(outlines))
     assert f"steps({len(outlines) - 1})" in chart.svg
@@ -106,7 +104,7 @@ def test_a_train_bends_in_the_animation():
     outlines = frames(chart.svg, right - x_left)
     turned = np.arctan2(*(outlines[:, 2] - outlines[:, 1]).T)
     assert turned[0] - turned[-1] == pytest.approx(np.arctan(0.5 / 4.0), abs=1e-3)
-    np.testing.assert_allclose(outlines[:, 0], outlines[0, 0][None].repeat(30, 0), atol=0.01)
+    np.testing.assert_allclose(outlines[:, 0], outlines[0, 0][None].repeat(30, 0), atol=0.11)
 
 
 def test_the_cursor_runs_from_start_to_end_with_the_animation():
@@ -191,8 +189,8 @@ def test_layers_end_at_what_was_given_up():
     ).svg
     assert {"given up", "crush, lost", "friction"} <= set(texts(svg))
     assert "damping" not in texts(svg)
-    layer = re.findall(r"[ML]([-\d.]+) ([-\d.]+)", found(r'<path data-label="friction".*?d="([^"]+)"', svg))
-    assert max(-float(y) for _, y in layer) == pytest.approx(points(svg, "ink")[:, 1].max(), abs=1e-4)
+    layer = points_of(found(r'<path data-label="friction".*? d="([^"]+)"', svg))
+    assert max(-layer[:, 1]) == pytest.approx(points(svg, "ink")[:, 1].max(), abs=1e-4)
 
 
 def test_contact_of_one_instant_is_seen():

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from browser.charts import points_of
 
 from postprocess.comparison.quantities import TAIL_SLAP
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
@@ -231,7 +232,7 @@ def test_of_very_many_rows_all_that_failed_are_drawn():
 
 def lowest_drawn(varied):
     first, *_ = draw_sweep(rows(varied))
-    (low,) = re.findall(r'data-x="(\S+) ', first.svg)
+    (low,) = re.findall(r'class="x-axis"[^>]*data-ends="(\S+) ', first.svg)
     return float(low)
 
 
@@ -266,8 +267,8 @@ def test_parallels_say_each_row_where_it_meets_a_scale():
     assert at[6] == "run 2, c.z"
     pattern = '<g class="{}"[^>]*><path d="([^"]*)"'
     red, behind = (re.findall(pattern.format(c), chart.svg)[0] for c in ("red", "rigid"))
-    assert (red.count("M"), red.count("L")) == (1, 9)
-    assert (behind.count("M"), behind.count("L")) == (4, 4 * 5)
+    assert (red.count("M"), len(points_of(red))) == (1, 10)
+    assert (behind.count("M"), len(points_of(behind))) == (4, 4 * 6)
 
 
 def test_heights_of_parallels():
