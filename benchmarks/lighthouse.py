@@ -1,5 +1,8 @@
-"""Size, elements and mobile score of report pages by Lighthouse, served from this machine without compression.
+"""Print size, elements and mobile score of report pages.
 
+    .venv/bin/python benchmarks/lighthouse.py [SCENE|RESULT ...] [--times N] [--lighthouse COMMAND]
+
+Lighthouse audits pages that are served from this machine without compression, as on a telephone with a slow network.
 Requires Chromium at /usr/bin/chromium and npx. Scores depend on the load of the machine, which is printed.
 """
 
@@ -18,8 +21,8 @@ from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+import command_line
 from browser.session import CHROMIUM
-from command_line import options, run_command
 
 SCENES = ("mash-tl4-sut", "impact-mash-tl4-sut", "impact-tipping-tl4-sut", "impact-mash-tl5-tractor-van")
 TIMES = ("first-contentful-paint", "largest-contentful-paint", "total-blocking-time")
@@ -51,16 +54,19 @@ def audited(address: str, lighthouse: str) -> dict[str, Any]:
     flags = "--chrome-flags=--headless --no-sandbox --disable-gpu"
     command = [*shlex.split(lighthouse), address, *options, flags]
     environment = os.environ | {"CHROME_PATH": str(CHROMIUM)}
-    done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True)
-    return dict(json.loads(done.stdout))
+    output = subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True).stdout
+    return dict(json.loads(output))
 
 
 def measured(scene: str, lighthouse: str, times: int) -> list[float]:
-    """Return size [kB], elements, times [ms] and scores of the page of a scene or of a result folder."""
+    """Return the numbers of the page of a scene or result folder.
+
+    They are its size [kB], elements, times [ms] and scores.
+    """
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scene) if Path(scene).is_dir() else Path(scratch) / "result"
         if not folder.exists():
-            run_command("run", scene, "--quiet", "--out", folder)
+            command_line.run_command("run", scene, "--quiet", "--out", folder)
         with served(folder) as address:
             reports = [audited(f"{address}/report.html", lighthouse) for _ in range(times)]
         size = (folder / "report.html").stat().st_size / 1e3
@@ -72,7 +78,7 @@ def measured(scene: str, lighthouse: str, times: int) -> list[float]:
 
 def main() -> None:
     """Print a line for each page."""
-    arguments = options(__doc__, ("scenes", []), lighthouse="npx --yes lighthouse@12", times=3)
+    arguments = command_line.options(__doc__, ("scenes", []), lighthouse="npx --yes lighthouse@12", times=3)
     print(("{:30}" + "{:>9}" * len(TITLES)).format("page, best of its audits", *TITLES))
     for scene in arguments.scenes or SCENES:
         numbers = [*measured(scene, arguments.lighthouse, arguments.times), os.getloadavg()[0]]

@@ -48,6 +48,8 @@ def serve(scene: str, port: int, headless: bool) -> None:
         settings = uvicorn.Config(guard, log_level="error", lifespan="off", timeout_graceful_shutdown=1)
         with contextlib.suppress(KeyboardInterrupt), _shown(address, headless):
             uvicorn.Server(settings).run([listener])
+        # a kernel of a closed tab waits in a thread that Python joins at its end
+        app.routes[0].app.state.session_manager.close_all_sessions()
 
 
 def _listen(listener: socket.socket, port: int) -> None:

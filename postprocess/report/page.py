@@ -198,7 +198,8 @@ def between(html: str) -> Markup:
 def in_both_units(texts: Sequence[str], units: Units) -> str:
     """Return one page of two that differ in units.
 
-    It shows the units of the first at the beginning. Texts that differ stand one after the other with the class of their system, of which the page's switch shows one.
+    It shows the units of the first at the beginning. Texts that differ stand one after the other with the class of
+    their system, of which the page's switch shows one.
     """
     names = [units.name, US.name if units is SI else SI.name]
     parts = []

@@ -27,7 +27,7 @@ MINUS = re.compile(r"(?<![\w.\-/])-(?=\d)")
 SQUARE = re.compile(r"(?<=[A-Za-z])\^-?[23]\b")
 
 NAMED = re.compile(
-    r"(?<![\w;&.\-])[A-Z\d]{1,6}(?:-[A-Z\d]{1,6})*-\d[A-Z\d]*\b|(?<![\w&.\-])[a-z]+\d-[a-z]+\b"
+    r"(?<![\w;&.\-])[A-Z\d]{1,6}(?:\.\d)?(?:-[A-Z\d]{1,6})*-\d[A-Z\d]*\b|(?<![\w&.\-])[a-z]+\d-[a-z]+\b"
 )
 
 PLAIN = range(-1, 3)

@@ -68,7 +68,7 @@ class Axis:
         return self.label.partition("[")[2].rstrip("]")
 
     def in_units(self, scale: scales.Scale, units: Units) -> tuple[str, scales.Scale]:
-        """Return label and scale with values in other units, at the same places."""
+        """Return label and scale with values in other units."""
         factor, unit = units.of(self.unit)
         label = self.label.replace(f"[{self.unit}]", f"[{unit}]")
         return label, replace(scale, low=factor * scale.low, high=factor * scale.high)

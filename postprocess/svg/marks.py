@@ -54,7 +54,7 @@ DASHES = ("", "7 3", "2 3", "9 3 2 3", "14 3", "5 2 1 2", "4 4", "1 5")
 WIDTHS = (3.0, 2.2, 1.7, 1.4)
 
 SLOWER, MAX_FRAMES, HOLD = 10.0, 101, 0.12
-"""Duration of an animation over that of the motion, number of its frames, and part of it that holds the last one."""
+"""Slowdown of an animation, most frames, and fraction of its duration on the last one."""
 
 MOTION = (
     f"@keyframes motion{{from{{transform:none}}{100.0 * (1.0 - HOLD):g}%,to{{transform:translateX(var(--shift))}}}}"
@@ -167,7 +167,7 @@ class Mark:
 
     @property
     def attributes(self) -> str:
-        """Attributes of the path: its label, and samples that are not places."""
+        """Attributes of a path with label and samples."""
         label, texts = getattr(self, "label", ""), list[str]()
         for name in ("at", "values"):
             words = "|".join(map(_sample_text, getattr(self, name, ()))) if label else ""
@@ -336,9 +336,9 @@ def film_rows(t: Floats) -> NDArray[np.intp]:
 
 
 def animated(elements: str, travel: float, t: Floats) -> str:
-    """Return elements that the style `MOTION` moves along x.
+    """Return elements with a repeated motion along x by `MOTION`.
 
-    They take one step for each frame, over and over. travel: distance [pixels], in one step for each frame; t: instants [s]. Without animation the elements are at the
+    travel: distance [pixels], in one step for each frame; t: instants [s]. Without animation the elements are at the
     end, as on paper and for readers who prefer reduced motion. Pages can pause it.
     """
     variables = f"--shift:{travel:.2f}px;--time:{SLOWER * float(np.ptp(t)) / (1.0 - HOLD):.3g}s"

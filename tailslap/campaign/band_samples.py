@@ -3,6 +3,7 @@
 It is that of few rigid vehicles with varied inputs.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
@@ -15,10 +16,11 @@ from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import Array
 from tailslap.case.case import Case
 from tailslap.case.force_band import ForceBand
+from tailslap.case.resources import available_cores
 from tailslap.errors import InputError
 
-SAMPLES, SAMPLES_OF_SLOW, BLOCK = 256, 128, 32
-"""Number of vehicles, of trains and vehicles in space, and at a time on one core."""
+SAMPLES, SAMPLES_OF_SLOW = 256, 72
+"""Number of vehicles, and of trains and vehicles in space."""
 
 Columns = Mapping[str, Array]
 
@@ -41,7 +43,7 @@ def force_band(case: Case) -> ForceBand:
             item.key: item.lower + (item.upper - item.lower) * column
             for item, column in zip(ranges, drawn, strict=True)
         }
-        columns = sampling.solved_in_blocks(solve, inputs, BLOCK)
+        columns = sampling.solved_in_blocks(solve, inputs, math.ceil(count / available_cores()))
     except InputError as error:
         return ForceBand(refusal=str(error))
     fixed = tuple(item.key for item in every if item not in ranges)

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from postprocess.units import MPH, POUND, measure
 from tailslap.case.case import Case
 from tailslap.errors import InputError, Verbatim
-from tailslap.scene import schema, write
+from tailslap.scene import schema
 from tailslap.scene.read import unit_remarks
-from tailslap.scene.vary import Source, parse_value, vary
+from tailslap.scene.vary import parse_value, vary
+from tailslap.scene.write import unit_at
 
 Limits = tuple[float, float, str]
 """Ends of a range [SI], and its origin."""
@@ -158,19 +159,12 @@ def _range(case: Case, key: str, lower: float | str, upper: float | str, origin:
             raise
         where = Verbatim(f"{lower} to {upper} by default ({origin})")
         raise InputError(key, where, f"{error.allowed}; --range changes the range") from None
-    ends = [_row(*scene_and_source, key) for scene_and_source in varied]
     remarks = (unit_remarks(source).get(key) for _, source in varied if typed)
     if remark := next(filter(None, remarks), None):
         warnings.warn(remark, stacklevel=2)
-    low, high = (float(row.value or 0.0) if row else math.nan for row in ends)
+    low, high = (float(schema.value_at(scene, key)) for scene, _ in varied)
     if not high > low:
         text = f"{lower}:{upper}" if typed else f"{lower!r}:{upper!r}"
         raise InputError(key, text, "the upper limit must exceed the lower limit")
-    nominal = _row(case.scene, case.source, key)
-    unit = ends[0].unit if ends[0] else ""
-    return Range(key, low, high, unit, None if nominal is None else float(nominal.value or 0.0), origin)
-
-
-def _row(scene: schema.Scene, source: Source, key: str) -> write.SceneInput | None:
-    """Return the row of a key in the table of inputs."""
-    return next((row for row in write.scene_inputs(scene, source) if row.key == key), None)
+    nominal = schema.value_at(case.scene, key)
+    return Range(key, low, high, unit_at(key), None if nominal is None else float(nominal), origin)
