@@ -228,7 +228,7 @@ def test_drawn_tyres_are_compressed_by_their_loads(changes):
             assert axle.tyre * np.maximum(depth[:, column], 0.0) == pytest.approx(load, rel=1e-6, abs=1.0)
     edge, top = drawn.face[-1]
     assert (top, edge < -0.1) == (pytest.approx(0.9144), bool(changes))
-    elevation, _, force, angles = charts(vehicle, wall, motion, answer.lifted)
+    *_, elevation, _, force, angles = charts(vehicle, wall, motion, answer.lifted)
     (height,) = marks(force, Line, 1)
     assert height.y[np.nanargmin(np.abs(height.x - motion.answers.mean_time))] > 0.5
     assert f"{np.degrees(motion.answers.largest_roll):.1f} deg" in elevation.in_units(SI).caption
