@@ -52,9 +52,11 @@ class Call(NamedTuple):
 
 
 def is_supported() -> bool:
-    """Return True where the kernel has user notification."""
+    """Return True where the kernel has user notification, and /proc is mounted."""
     action = ctypes.c_uint32(ASK_PARENT)
-    return platform.machine() == "x86_64" and libc.syscall(SECCOMP, 2, 0, ctypes.byref(action)) == 0
+    if platform.machine() != "x86_64" or not os.path.isdir("/proc/self"):
+        return False
+    return bool(libc.syscall(SECCOMP, 2, 0, ctypes.byref(action)) == 0)
 
 
 def run_in_child(

@@ -67,6 +67,13 @@ def temporary_folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def proc():
+    """Skip tests that read /proc where it is not mounted."""
+    if not os.path.isdir("/proc/self/fd"):
+        pytest.skip("/proc is not mounted")
+
+
+@pytest.fixture(scope="session")
 def outcome():
     """Run a scene with changes, each combination once a session."""
     return lambda name, *changes: _outcome(name, changes)

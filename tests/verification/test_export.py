@@ -300,7 +300,7 @@ series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((5, 120)) f
     pytest.param(CONTOURS, 8, id="9 contours"),
     pytest.param(CONTOURS, 100, marks=pytest.mark.long, id="101 contours"),
 ])  # fmt: skip
-def test_memory_of_many_pictures_is_flat(setup, count, tmp_path, python):
+def test_memory_of_many_pictures_is_flat(setup, count, tmp_path, python, proc):
     """A hundred pictures need at most 20 MB more than three."""
     (tmp_path / "tests_series.py").write_text(SERIES)
     code = MEMORY.format(setup=setup, count=count)

@@ -130,7 +130,7 @@ def test_messages_that_nobody_takes_change_no_status(tmp_path):
             assert (process.returncode, b"peak force" in process.stdout) == (status, status == 0)
 
 
-def test_a_new_scene_where_none_can_be_written(tmp_path, monkeypatch, capsys):
+def test_a_new_scene_where_none_can_be_written(tmp_path, monkeypatch, capsys, proc):
     monkeypatch.chdir("/proc")
     assert _status(["new", "mine"]) == 2
     assert "NAME: given " in capsys.readouterr().err
@@ -168,7 +168,7 @@ def test_a_file_that_has_the_name_of_a_package_is_named(name, tmp_path):
     assert (process.returncode, process.stdout, process.stderr) == (2, "", f"tailslap: {message}")
 
 
-def test_processes_of_this_machine_open_no_port():
+def test_processes_of_this_machine_open_no_port(proc):
     """Messages between processes go through pipes and sockets of the machine."""
     before = {socket.laddr for socket in psutil.Process().net_connections(kind="inet")}
     with pools.local(2) as pool:

@@ -34,7 +34,7 @@ UNKNOWN = pytest.mark.parametrize("error", [errno.ENOMEM, errno.EACCES, errno.ES
 
 
 @pytest.fixture
-def fail(monkeypatch):
+def fail(monkeypatch, proc):
     """Let calls of the system to files of a name fail."""
 
     def start(name, error, *calls):

@@ -344,7 +344,7 @@ def test_killed_at_every_step_the_folder_is_whole_and_the_next_one_clears_it(tmp
     assert states == {(False, False), (True, True), (True, False)}
 
 
-def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earlier, monkeypatch):
+def test_new_files_are_on_the_disk_before_the_log_and_moved_before_it_goes(earlier, monkeypatch, proc):
     """Files are synchronised in the order that recovery requires."""
     calls, fsync, replace, unlink = [], os.fsync, os.replace, os.unlink
 

@@ -225,7 +225,7 @@ def alive(pid):
 
 @pytest.mark.long
 @pytest.mark.parametrize("where", ["local", "cluster"])
-def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp_path):
+def test_killed_in_mid_sweep_and_resumed(where, scene, cluster, undisturbed, tmp_path, proc):
     """kill -9 of the client also ends its local workers."""
     place = tmp_path / "sweep"
     process = started(place, scene, *(("--workers", "2") if where == "local" else ("--cluster", cluster)))
@@ -274,7 +274,7 @@ def test_interrupted_and_resumed(where, scene, cluster, undisturbed, tmp_path):
     assert perform(definition_of(scene), place, "tcp://nowhere:1").effort.runs == 0
 
 
-def test_ended_while_processes_are_started_it_says_so_alone(scene, tmp_path):
+def test_ended_while_processes_are_started_it_says_so_alone(scene, tmp_path, proc):
     """Two processes exist then, and no worker."""
     varied = ("--vary", "corner.friction=0.1:0.5:40", "--out", str(tmp_path / "sweep"))
     command = [sys.executable, "-m", "tailslap.cli", "sweep", scene, *varied]
