@@ -13,7 +13,7 @@ from solver import rules
 from solver.conditions import Array, Gate, number, positive
 from solver.impact import train as vehicles
 from solver.impact.crush_law import WallContact
-from solver.impact.step import SUMS, UNIT
+from solver.impact.state import SUMS, UNIT
 from solver.impact.strikes import Strike, corner_name, strikes_of_rows
 from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, train_of
 from solver.impact.trajectories import TOLERANCE, solve_trains

@@ -14,24 +14,33 @@ Steps of a train are divided into parts, because its unloading lasts a milliseco
 `_parts_of_step`.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 
-from fem.laws.contact_forces import (
-    PointCrush,
-    coulomb_force,
-    crush_force,
-    crush_line,
-    loading_depth,
-    loading_force,
-)
+from fem.laws.contact_forces import crush_line
 from machine_code.compiled import compiled
+from solver.impact.contact import crush_of, deepest_mean, mean_speeds, press, unloading_length
+from solver.impact.counting import count_strikes, end_of_motion, mark_cut
+from solver.impact.state import (
+    ACROSS,
+    ALONG,
+    DEEPEST,
+    DEPTH,
+    EARLIER,
+    FOOT,
+    FRICTION,
+    INITIAL,
+    NORMAL,
+    PART,
+    PLATEAU,
+    RATE,
+    RESTITUTION,
+    STIFFNESS,
+    TANGENTIAL,
+    UNLOADING,
+    X,
+    Y,
+)
 from solver.impact.tyres import end_tyre_step, has_tyres, record_tyres, start_tyres, steer
-
-SWEEPS = 200
-SETTLED = 1e-13
-"""Relative change of a force at which Gauss-Seidel ends; SWEEPS: largest number of sweeps."""
 
 NEAR = 0.25
 """Step over the remaining time to the next jump of stiffness, at the tolerance."""
@@ -39,103 +48,6 @@ NEAR = 0.25
 LOADING, UPRIGHT = 2.0, 0.25
 """Phase of a step on loading over that on a line of unloading; the second where the line is vertical and force
 jumps."""
-
-SHORTEST = 1e-3
-"""Shortest separation that ends a strike [s]."""
-
-LEANING = 0.2
-"""Force of the wall over the largest, up to which a vehicle with tyres merely leans on it."""
-
-LIGHT = 5e-3
-"""Impulse of later touches of a corner, over that of the strike, below which they do not prolong it. Whether such
-touches occur depends on micrometres, and therefore on the step."""
-
-STRIKE = (
-    "corner",
-    "start",
-    "end",
-    "peak",
-    "impulse",
-    "tangential",
-    "along",
-    "place",
-    "crush",
-    "friction",
-    "cut",
-)
-"""Columns of a strike: number of its unit and corner, 4 unit + corner; times [s], greatest force [N], impulses [N s],
-impulse times place on the vehicle and along the wall [N s m], works [J], 1 where the motion ends before it is over."""
-CUT = STRIKE.index("cut")
-
-UNIT = ("x_g", "y_g", "theta", "v_gx", "v_gy", "omega")
-SUMS = ("force_normal", "force_tangential", "crush_energy_stored", "crush_energy_lost", "impulse_normal",
-        "impulse_tangential", "impulse_angular", "friction_work", "crush_work")  # fmt: skip
-"""Columns of a row: `UNIT` of each unit, then `SUMS` of the train: forces [N], energies stored and lost [J], impulses
-[N s] and that of their moment about the origin [N m s], works of friction and on the crush [J]. Of more units than one
-follow for each the wall's impulses on it, normal and tangential [N s]."""
-
-ALONG, ACROSS, STIFFNESS, INITIAL, PLATEAU, RESTITUTION, UNLOADING, FRICTION, X, Y = range(10)
-DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(10, 19)
-"""Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
-deepest mean so far [m]; forces [N]; part of the step in which the force acts; for trains the rate of the depth
-[m/s] and the depth at which the line of unloading ends [m]."""
-
-SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
-"""Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
-before [N]; the step of the last contact; impulses of the strike and of touches after its end so far, the latest
-included [N s]."""
-
-
-def columns(units):
-    """Return the number of a row's columns before those of tyres."""
-    return 6 * units + len(SUMS) + (2 * units if units > 1 else 0)
-
-
-class Work(NamedTuple):
-    """Workspace of one sample.
-
-    Columns of its tables are named above. points: a row for each point; point_owner: its unit and corner; motion, shape
-    (3, 3 units): places and angles, velocities half a step ago and half a step ahead; masses: inverse mass of each
-    velocity; load: accelerations by the external load; headings: cosine and sine of each unit's angle; joints: hitch
-    and kingpin of each hinge; ties: its two conditions, see `_tie`; reach: from each centre of mass to the farthest
-    point; effect: velocities by a unit impulse along and across on each point; groups: a row for each corner; active:
-    points that may touch in this step; sums: impulses and works so far.
-    """
-
-    points: np.ndarray
-    point_owner: np.ndarray
-    motion: np.ndarray
-    masses: np.ndarray
-    load: np.ndarray
-    headings: np.ndarray
-    joints: np.ndarray
-    ties: np.ndarray
-    reach: np.ndarray
-    effect: np.ndarray
-    groups: np.ndarray
-    active: np.ndarray
-    sums: np.ndarray
-
-
-def workspace(units: int, hinges: int, points: int) -> Work:
-    """Return a workspace for one sample."""
-    size = 3 * units
-    return Work(
-        np.zeros((points, 19)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
-        np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
-        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 8)), np.zeros(points, dtype=np.int64),
-        np.zeros(columns(units) - 6 * units - 4),
-    )  # fmt: skip
-
-
-@compiled
-def over_from(start, end):
-    """Return the instant [s] from which a strike is over.
-
-    start, end: its first and latest contact [s]. The corner has then been off the wall for as long as the strike has
-    lasted. The repeated contacts of a plate are one strike; otherwise their number would depend on the mesh.
-    """
-    return end + max(SHORTEST, end - start)
 
 
 @compiled
@@ -201,20 +113,20 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
         steer(tyres, i, work.masses, work.headings, motion, last, kick)
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.headings, work.ties, h)
-        touching = _press(points, owner, motion, work.masses, work.ties, work.effect, active, kick, h)
+        touching = press(points, owner, motion, work.masses, work.ties, work.effect, active, kick, h)
         pressed = active[:touching]
         if touching > 0 and t < finish + h:
             steps_left = min((finish - t) / kick, 1.0)
-            number = _count(
+            number = count_strikes(
                 points, owner, motion, pressed, work.groups, strikes, number, last, h, t, k, steps_left
             )
         if np.isnan(reached) and not end < np.inf:
-            finish, loaded, largest = _finish(
+            finish, loaded, largest = end_of_motion(
                 t, k, number, touching, loaded, largest, motion, work, strikes, clock, has_tyres(tyres)
             )
         if np.isnan(reached) and finish < t + h:
             _leave(kick, h, finish - t, motion, state)
-            _name_cut(work.groups, k, finish, strikes)
+            mark_cut(work.groups, k, finish, strikes)
             reached = finish
         if row * stride <= part and row < rows.shape[0]:
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
@@ -267,10 +179,10 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
             points[p, FOOT] = deepest
         elif rate > 0.0 and depth >= deepest:
             if slowing > 0.0:
-                least = floor * phase * np.sqrt(_length(points[p]) / slowing) if floor > 0.0 else 0.0
+                least = floor * phase * np.sqrt(unloading_length(points[p]) / slowing) if floor > 0.0 else 0.0
                 shortest = min(shortest, max(near * rate / slowing, least))
         else:
-            length = _length(points[p])
+            length = unloading_length(points[p])
             points[p, FOOT] = deepest - length
             speed = max(abs(rate), 1e-300)
             end = deepest - depth if rate > 0.0 else depth - points[p, FOOT]
@@ -355,284 +267,6 @@ def _tie(motion, masses, joints, headings, ties, h):
 
 
 @compiled
-def _press(points, point_owner, motion, masses, ties, effect, active, kick, h):
-    """Solve for the wall's forces and the velocities.
-
-    Returns the number of points that may touch.
-    """
-    v, touching = motion[2], 0
-    for p in range(points.shape[0]):
-        j = 3 * point_owner[p, 0]
-        x, y, w = points[p, X], points[p, Y], motion[1, j + 2]
-        ahead = points[p, DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-        if ahead <= points[p, FOOT] and points[p, DEPTH] <= points[p, FOOT]:
-            points[p, NORMAL] = points[p, TANGENTIAL] = 0.0
-            continue
-        for m in range(v.size):
-            effect[p, 0, m] = effect[p, 1, m] = 0.0
-        effect[p, 0, j], effect[p, 1, j + 1] = masses[j], masses[j + 1]
-        effect[p, 0, j + 2], effect[p, 1, j + 2] = -y * masses[j + 2], x * masses[j + 2]
-        for a in range(ties.shape[0]):
-            row = ties[a]
-            along, across = row[j] - y * row[j + 2], row[j + 1] + x * row[j + 2]
-            for m in range(v.size):
-                effect[p, 0, m] -= along * row[m]
-                effect[p, 1, m] -= across * row[m]
-        points[p, PART] = 1.0 if points[p, NORMAL] > 0.0 else h / kick * _part(points[p], ahead)
-        active[touching] = p
-        touching += 1
-    for a in range(touching):
-        p = active[a]
-        _push(kick * points[p, TANGENTIAL], kick * points[p, NORMAL], effect[p], v)
-    for _ in range(SWEEPS if touching > 0 else 0):
-        settled = True
-        for a in range(touching):
-            p = active[a]
-            j = 3 * point_owner[p, 0]
-            settled &= _solve_point(points[p], effect[p], v, j, motion[1, j + 2], kick, h)
-        if settled:
-            break
-    return touching
-
-
-@compiled
-def _push(along, across, effect, v):
-    for j in range(v.size):
-        v[j] += along * effect[0, j] + across * effect[1, j]
-
-
-@compiled
-def _solve_point(point, effect, v, j, w, kick, h):
-    """Solve for the forces of one point.
-
-    Returns True without a change. j: its unit's first velocity; w: angular velocity.
-    """
-    x, y = point[X], point[Y]
-    inertia = 1.0 / (kick * h * (effect[1, j + 1] + x * effect[1, j + 2]))
-    ahead = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-    normal = _normal_force(point, ahead + point[NORMAL] / inertia, inertia)
-    more = normal - point[NORMAL]
-    _push(0.0, kick * more, effect, v)
-    slip = v[j] - v[j + 2] * y - 0.5 * h * w * w * x
-    stopping = point[TANGENTIAL] - slip / (kick * (effect[0, j] - y * effect[0, j + 2]))
-    tangential = coulomb_force(stopping, point[FRICTION] * normal)
-    turned = tangential - point[TANGENTIAL]
-    _push(kick * turned, 0.0, effect, v)
-    point[NORMAL], point[TANGENTIAL] = normal, tangential
-    point[AHEAD] = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-    return abs(more) + abs(turned) <= SETTLED * (normal + abs(tangential))
-
-
-@compiled
-def _crush(point):
-    """Return the crush law of a point."""
-    returned = point[RESTITUTION] ** 2
-    return PointCrush(point[STIFFNESS], point[INITIAL], returned, point[PLATEAU], point[UNLOADING])
-
-
-@compiled
-def _length(point):
-    """Return the length of the unloading line [m]."""
-    _, _, length, _ = crush_line(_crush(point), point[DEEPEST])
-    return length
-
-
-@compiled
-def _normal_force(point, free, inertia):
-    """Return the normal force of a point.
-
-    The step ends at the depth `free` [m] without it, and N/inertia less with it.
-    """
-    crush, deepest, part = _crush(point), point[DEEPEST], point[PART]
-    compliance, mean = 0.5 / inertia, 0.5 * (point[EARLIER] + free)
-    depth = loading_depth(crush, mean, compliance, part)
-    if _length(point) <= 0.0:
-        most = part * loading_force(crush, max(depth, deepest))
-        return min(max(inertia * (free - max(deepest, point[DEPTH])), 0.0), most)
-    return crush_force(crush, deepest, mean, compliance, depth)
-
-
-@compiled
-def _part(point, ahead):
-    """Return the part of the step after the touch of a point.
-
-    The step is from half a step ago to half a step ahead. It applies to a force that begins suddenly.
-    """
-    closing = ahead - point[DEPTH]
-    if _length(point) > 0.0 or closing <= 0.0:
-        return 1.0
-    return min(max(0.5 + (point[DEPTH] - point[DEEPEST]) / closing, 0.0), 1.0)
-
-
-@compiled
-def _count(points, point_owner, motion, active, groups, strikes, number, last, h, t, k, steps_left):
-    """Add this step's forces to the strikes, and return their number.
-
-    steps_left: from now to the end, up to 1.
-    """
-    kick = 0.5 * (last + h)
-    part = min(max(steps_left + 0.5 * last / kick, 0.0), 1.0)
-    for p in active:
-        if points[p, NORMAL] <= 0.0:
-            continue
-        group = groups[point_owner[p, 1]]
-        first, until = _pressed_during(points[p], last, h, t)
-        if group[STAMP] < k:
-            comes = group[STAMP] < k - 1
-            if group[SLOT] < 0.0 or (comes and first >= over_from(group[FIRST], group[LAST])):
-                group[SLOT], group[FIRST], group[LAST] = number, first, until
-                group[WHOLE] = group[AFTER] = 0.0
-                if number < strikes.shape[0]:
-                    strikes[number, :] = 0.0
-                number += 1
-            if group[AFTER] >= LIGHT * group[WHOLE]:
-                if comes:
-                    group[AFTER] = 0.0
-                else:
-                    group[LAST] = until
-            group[BEFORE] = 0.0 if comes else group[FORCE]
-            group[FORCE], group[STAMP] = 0.0, k
-        group[FORCE] += points[p, NORMAL]
-        group[AFTER] += kick * points[p, NORMAL]
-        group[WHOLE] += kick * points[p, NORMAL]
-        if group[AFTER] >= LIGHT * group[WHOLE]:
-            group[LAST] = max(group[LAST], until)
-        if group[SLOT] >= strikes.shape[0]:
-            continue
-        strike, j = strikes[int(group[SLOT])], 3 * point_owner[p, 0]
-        impulse, along = part * kick * points[p, NORMAL], part * kick * points[p, TANGENTIAL]
-        strike[0], strike[1], strike[2] = point_owner[p, 1], group[FIRST], group[LAST]
-        strike[3] = max(strike[3], group[FORCE] + min(steps_left, 0.0) * (group[FORCE] - group[BEFORE]))
-        strike[4] += impulse
-        strike[5] += along
-        strike[6] += impulse * points[p, ALONG]
-        strike[7] += impulse * (motion[0, j] + points[p, X])
-        slip, opening = _mean_speeds(points[p], motion, j)
-        strike[8] -= impulse * opening
-        strike[9] += along * slip
-    return number
-
-
-@compiled
-def _pressed_during(point, last, h, t):
-    """Return start and end of a point's contact in this step [s].
-
-    They follow from its speed; the start applies to a new contact.
-    """
-    peak, _, length, _ = crush_line(_crush(point), point[DEEPEST])
-    rate = (point[AHEAD] - point[EARLIER]) / (0.5 * last + 1.5 * h)
-    beyond = point[DEPTH] - max(point[DEEPEST] - length, 0.0)
-    first, until = t, t + h
-    if rate > 0.0:
-        first = max(t - beyond / rate, t - h, 0.0)
-    if length <= 0.0 and peak > 0.0:
-        until = t - 0.5 * last + 0.5 * (last + h) * min(point[NORMAL] / peak, 1.0)
-    elif rate < 0.0:
-        until = min(max(t - beyond / rate, t - 0.5 * h), t + h)
-    return first, until
-
-
-@compiled
-def _mean_speeds(point, motion, j):
-    """Return mean speeds of a point along and across the wall.
-
-    They are means of both half steps, with which energy is conserved.
-    """
-    w = motion[1, j + 2] + motion[2, j + 2]
-    along, across = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
-    return 0.5 * (along - w * point[Y]), 0.5 * (across + w * point[X])
-
-
-@compiled
-def _finish(t, k, number, touching, loaded, largest, motion, work, strikes, clock, steered):
-    """Return the end of the motion [s], and updated `loaded`, `largest`.
-
-    loaded: last instant at which the vehicle did more than lean on the wall, where its tyres may hold it for seconds;
-    largest: force of the wall so far [N]. steered: True with tyres.
-    """
-    force, is_young = 0.0, True
-    if steered:
-        force, is_young = _pressing(work.groups, k, t - clock.after)
-        largest = max(largest, force)
-    if is_young or force > LEANING * largest:
-        loaded = t
-    open_end = _open_end(
-        t, k, loaded, number, touching, motion, work.reach, work.groups, strikes, clock.after, steered
-    )
-    leaning = loaded + clock.after if loaded < t else np.inf
-    finish = min(max(open_end, _all_over(work.groups, k, leaning)), clock.longest)
-    if loaded < t:  # a corner that touches lightly again does not end the motion in the past
-        finish = max(finish, t)
-    return finish, loaded, largest
-
-
-@compiled
-def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, after, steered):
-    """Return the end of the motion [s], infinite while it is unknown.
-
-    loaded: see `_finish`. steered: with tyres a vehicle that is directed towards the wall will return to it.
-    """
-    rear = 4 * reach.size - 3  # of a train's last unit
-    if reach.size > 1 and number >= 2 and groups[rear, SLOT] >= 0.0:
-        if groups[rear, STAMP] != k:
-            return groups[rear, LAST] + after
-        return loaded + after if loaded < t else np.inf
-    if reach.size == 1 and number >= 2:
-        end = 0.0
-        for s in range(2):
-            g = int(strikes[s, 0])
-            pressed = groups[g, STAMP] == k and groups[g, SLOT] == s
-            if pressed and not loaded < t:
-                return np.inf
-            end = max(end, loaded if pressed else strikes[s, 2])
-        return end + after
-    end = max(after, t)
-    for u in range(reach.size):
-        v = motion[2, 3 * u + 1]
-        if touching > 0 or v <= 0.0 or (steered and motion[0, 3 * u + 2] > 0.0):
-            return np.inf
-        end = max(end, t + max(reach[u] - motion[0, 3 * u + 1], 0.0) / v)
-    return end
-
-
-@compiled
-def _pressing(groups, k, recent):
-    """Return the normal force of the wall in this step [N].
-
-    Also whether a strike in progress began after `recent`.
-    """
-    force, is_young = 0.0, False
-    for g in range(groups.shape[0]):
-        if groups[g, STAMP] == k:
-            force += groups[g, FORCE]
-            is_young = is_young or groups[g, FIRST] > recent
-    return force, is_young
-
-
-@compiled
-def _all_over(groups, k, pressed):
-    """Return the instant from which all strikes are over [s].
-
-    pressed: that of strikes with corners in contact.
-    """
-    latest = 0.0
-    for g in range(groups.shape[0]):
-        if groups[g, SLOT] >= 0.0:
-            over = over_from(groups[g, FIRST], groups[g, LAST])
-            latest = max(latest, pressed if groups[g, STAMP] == k else over)
-    return latest
-
-
-@compiled
-def _name_cut(groups, k, finish, strikes):
-    """Mark the strikes that are not over when the motion ends."""
-    for g in range(groups.shape[0]):
-        if 0.0 <= groups[g, SLOT] < strikes.shape[0]:
-            is_cut = groups[g, STAMP] == k or over_from(groups[g, FIRST], groups[g, LAST]) > finish
-            strikes[int(groups[g, SLOT]), CUT] = 1.0 if is_cut else 0.0
-
-
-@compiled
 def _leave(kick, h, ahead, motion, state):
     """Write the state `ahead` seconds after this instant into `state`."""
     for m in range(motion.shape[1]):
@@ -669,9 +303,9 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
         row[base + 4 + j] = sums[j]
     _add(points, point_owner, motion, active, early * h, row[base + 4 : base + 4 + sums.size])
     for p in range(points.shape[0]):
-        deepest = _deepest(points[p])
+        deepest = deepest_mean(points[p])
         if deepest > 0.0:
-            _, absorbed, length, returned = crush_line(_crush(points[p]), deepest)
+            _, absorbed, length, returned = crush_line(crush_of(points[p]), deepest)
             length_left = length - deepest + points[p, DEPTH]
             row[base + 3] += (1.0 - returned) * absorbed
             if length_left > 0.0 and length > 0.0:
@@ -693,19 +327,12 @@ def _fill(rows, row, stride, part, impulse):
 
 
 @compiled
-def _deepest(point):
-    """Return the deepest mean up to this step."""
-    mean = 0.5 * (point[EARLIER] + point[AHEAD]) if point[NORMAL] > 0.0 else 0.0
-    return max(point[DEEPEST], mean)
-
-
-@compiled
 def _add(points, point_owner, motion, active, h, sums):
     """Add impulses and works of the wall's forces over h."""
     for p in active:
         j = 3 * point_owner[p, 0]
         normal, along = h * points[p, NORMAL], h * points[p, TANGENTIAL]
-        slip, opening = _mean_speeds(points[p], motion, j)
+        slip, opening = mean_speeds(points[p], motion, j)
         sums[0] += normal
         sums[1] += along
         sums[2] += (motion[0, j] + points[p, X]) * normal - (motion[0, j + 1] + points[p, Y]) * along
@@ -720,6 +347,6 @@ def _add(points, point_owner, motion, active, h, sums):
 def _move(points, motion, active, h):
     """Advance points and units to the end of the step."""
     for p in active:
-        points[p, DEEPEST] = _deepest(points[p])
+        points[p, DEEPEST] = deepest_mean(points[p])
     for m in range(motion.shape[1]):
         motion[0, m] += (-h if m % 3 == 2 else h) * motion[2, m]

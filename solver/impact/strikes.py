@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solver.conditions import Array
-from solver.impact.step import LIGHT, over_from
+from solver.impact.counting import LIGHT, over_from
 from solver.impact.train import CORNERS
 
 
@@ -190,7 +190,7 @@ def corner_name(unit: int, corner: int) -> str:
 
 
 def strikes_of_rows(rows: Array, fronts: Sequence[float], end: float) -> tuple[Strike, ...]:
-    """Convert rows of `step.STRIKE` to strikes.
+    """Convert rows of `state.STRIKE` to strikes.
 
     fronts: distance of each unit's centre of mass behind its front [m].
     """

@@ -325,7 +325,7 @@ def corner_depths(places: Array, y_g: Any, theta: Any) -> Array:
 
 
 def touching(centre: Number, width: Number, theta: Number, speed: Number) -> tuple[Any, ...]:
-    """Return the state at first touch in the order of `step.UNIT`.
+    """Return the state at first touch in the order of `state.UNIT`.
 
     It is that of one vehicle or of many.
     """

@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver.conditions import Array, RigidBodyError
-from solver.impact.step import CUT, LEANING, SHORTEST, STRIKE, advance, columns, workspace
+from solver.impact.counting import LEANING, SHORTEST
+from solver.impact.state import CUT, STRIKE, columns, workspace
+from solver.impact.step import advance
 from solver.impact.train import Train
 from solver.impact.tyres import Tyres, chosen_tyres
 
@@ -84,11 +86,11 @@ class Trajectories(NamedTuple):
     end : ndarray, shape (n,)
         End of each [s].
     state : ndarray, shape (n, units, 6)
-        State at the end, in the order of `step.UNIT`.
+        State at the end, in the order of `state.UNIT`.
     strikes : ndarray, shape (n, strikes, columns)
-        In the order of their starts, columns as of `step.STRIKE`; NaN where there is none.
+        In the order of their starts, columns as of `state.STRIKE`; NaN where there is none.
     rows : ndarray, shape (n, rows, columns)
-        Columns as of `step.UNIT` of each unit and `step.SUMS`, with tyres as of `tyres.SUMS` of each unit, or the
+        Columns as of `state.UNIT` of each unit and `state.SUMS`, with tyres as of `tyres.SUMS` of each unit, or the
         impulse alone; undefined after the end.
     interval : ndarray, shape (n,)
         Between rows [s].
@@ -131,7 +133,7 @@ def solve_trains(
     train : Train
         n samples.
     state : ndarray, shape (n, units, 6)
-        At the start, in the order of `step.UNIT` [m, rad, m/s, rad/s]; hinges closed.
+        At the start, in the order of `state.UNIT` [m, rad, m/s, rad/s]; hinges closed.
     tyres : Tyres or None
         Of its axles, if any.
     step : float or None

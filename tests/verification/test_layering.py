@@ -17,7 +17,7 @@ def graph():
     return {name: set(structure.imports(path, set(paths))) for name, path in paths.items()}
 
 
-STEPS = ("step", "trajectories", "solve", "tyres")
+STEPS = ("contact", "counting", "step", "trajectories", "solve", "tyres")
 COMPILED = {
     "solver.space.forces",
     "solver.space.step",

@@ -1,0 +1,164 @@
+"""Compiled forces of the wall on the points of a train.
+
+The law of a point, and the forces of all points in a step by Gauss-Seidel; see `solver.impact.step`.
+"""
+
+from fem.laws.contact_forces import (
+    PointCrush,
+    coulomb_force,
+    crush_force,
+    crush_line,
+    loading_depth,
+    loading_force,
+)
+from machine_code.compiled import compiled
+from solver.impact.state import (
+    AHEAD,
+    DEEPEST,
+    DEPTH,
+    EARLIER,
+    FOOT,
+    FRICTION,
+    INITIAL,
+    NORMAL,
+    PART,
+    PLATEAU,
+    RESTITUTION,
+    STIFFNESS,
+    TANGENTIAL,
+    UNLOADING,
+    X,
+    Y,
+)
+
+SWEEPS = 200
+SETTLED = 1e-13
+"""Relative change of a force at which Gauss-Seidel ends; SWEEPS: largest number of sweeps."""
+
+
+@compiled
+def press(points, point_owner, motion, masses, ties, effect, active, kick, h):
+    """Solve for the wall's forces and the velocities.
+
+    Returns the number of points that may touch.
+    """
+    v, touching = motion[2], 0
+    for p in range(points.shape[0]):
+        j = 3 * point_owner[p, 0]
+        x, y, w = points[p, X], points[p, Y], motion[1, j + 2]
+        ahead = points[p, DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+        if ahead <= points[p, FOOT] and points[p, DEPTH] <= points[p, FOOT]:
+            points[p, NORMAL] = points[p, TANGENTIAL] = 0.0
+            continue
+        for m in range(v.size):
+            effect[p, 0, m] = effect[p, 1, m] = 0.0
+        effect[p, 0, j], effect[p, 1, j + 1] = masses[j], masses[j + 1]
+        effect[p, 0, j + 2], effect[p, 1, j + 2] = -y * masses[j + 2], x * masses[j + 2]
+        for a in range(ties.shape[0]):
+            row = ties[a]
+            along, across = row[j] - y * row[j + 2], row[j + 1] + x * row[j + 2]
+            for m in range(v.size):
+                effect[p, 0, m] -= along * row[m]
+                effect[p, 1, m] -= across * row[m]
+        points[p, PART] = 1.0 if points[p, NORMAL] > 0.0 else h / kick * _part(points[p], ahead)
+        active[touching] = p
+        touching += 1
+    for a in range(touching):
+        p = active[a]
+        _push(kick * points[p, TANGENTIAL], kick * points[p, NORMAL], effect[p], v)
+    for _ in range(SWEEPS if touching > 0 else 0):
+        settled = True
+        for a in range(touching):
+            p = active[a]
+            j = 3 * point_owner[p, 0]
+            settled &= _solve_point(points[p], effect[p], v, j, motion[1, j + 2], kick, h)
+        if settled:
+            break
+    return touching
+
+
+@compiled
+def _push(along, across, effect, v):
+    for j in range(v.size):
+        v[j] += along * effect[0, j] + across * effect[1, j]
+
+
+@compiled
+def _solve_point(point, effect, v, j, w, kick, h):
+    """Solve for the forces of one point.
+
+    Returns True without a change. j: its unit's first velocity; w: angular velocity.
+    """
+    x, y = point[X], point[Y]
+    inertia = 1.0 / (kick * h * (effect[1, j + 1] + x * effect[1, j + 2]))
+    ahead = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+    normal = _normal_force(point, ahead + point[NORMAL] / inertia, inertia)
+    more = normal - point[NORMAL]
+    _push(0.0, kick * more, effect, v)
+    slip = v[j] - v[j + 2] * y - 0.5 * h * w * w * x
+    stopping = point[TANGENTIAL] - slip / (kick * (effect[0, j] - y * effect[0, j + 2]))
+    tangential = coulomb_force(stopping, point[FRICTION] * normal)
+    turned = tangential - point[TANGENTIAL]
+    _push(kick * turned, 0.0, effect, v)
+    point[NORMAL], point[TANGENTIAL] = normal, tangential
+    point[AHEAD] = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+    return abs(more) + abs(turned) <= SETTLED * (normal + abs(tangential))
+
+
+@compiled
+def crush_of(point):
+    """Return the crush law of a point."""
+    returned = point[RESTITUTION] ** 2
+    return PointCrush(point[STIFFNESS], point[INITIAL], returned, point[PLATEAU], point[UNLOADING])
+
+
+@compiled
+def unloading_length(point):
+    """Return the length of the unloading line [m]."""
+    _, _, length, _ = crush_line(crush_of(point), point[DEEPEST])
+    return length
+
+
+@compiled
+def _normal_force(point, free, inertia):
+    """Return the normal force of a point.
+
+    The step ends at the depth `free` [m] without it, and N/inertia less with it.
+    """
+    crush, deepest, part = crush_of(point), point[DEEPEST], point[PART]
+    compliance, mean = 0.5 / inertia, 0.5 * (point[EARLIER] + free)
+    depth = loading_depth(crush, mean, compliance, part)
+    if unloading_length(point) <= 0.0:
+        most = part * loading_force(crush, max(depth, deepest))
+        return min(max(inertia * (free - max(deepest, point[DEPTH])), 0.0), most)
+    return crush_force(crush, deepest, mean, compliance, depth)
+
+
+@compiled
+def _part(point, ahead):
+    """Return the part of the step after the touch of a point.
+
+    The step is from half a step ago to half a step ahead. It applies to a force that begins suddenly.
+    """
+    closing = ahead - point[DEPTH]
+    if unloading_length(point) > 0.0 or closing <= 0.0:
+        return 1.0
+    return min(max(0.5 + (point[DEPTH] - point[DEEPEST]) / closing, 0.0), 1.0)
+
+
+@compiled
+def deepest_mean(point):
+    """Return the deepest mean up to this step."""
+    mean = 0.5 * (point[EARLIER] + point[AHEAD]) if point[NORMAL] > 0.0 else 0.0
+    return max(point[DEEPEST], mean)
+
+
+@compiled
+def mean_speeds(point, motion, j):
+    """Return mean speeds of a point along and across the wall.
+
+    They are means of both half steps, with which energy is conserved.
+    """
+    w = motion[1, j + 2] + motion[2, j + 2]
+    along, across = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
+    return 0.5 * (along - w * point[Y]), 0.5 * (across + w * point[X])

@@ -1,0 +1,206 @@
+"""Compiled strikes of a motion, and its end.
+
+Contacts of a corner are strikes by their duration and separation; the motion ends after the strikes that are awaited.
+"""
+
+import numpy as np
+
+from fem.laws.contact_forces import crush_line
+from machine_code.compiled import compiled
+from solver.impact.contact import crush_of, mean_speeds
+from solver.impact.state import (
+    AFTER,
+    AHEAD,
+    ALONG,
+    BEFORE,
+    CUT,
+    DEEPEST,
+    DEPTH,
+    EARLIER,
+    FIRST,
+    FORCE,
+    LAST,
+    NORMAL,
+    SLOT,
+    STAMP,
+    TANGENTIAL,
+    WHOLE,
+    X,
+)
+
+SHORTEST = 1e-3
+"""Shortest separation that ends a strike [s]."""
+
+LEANING = 0.2
+"""Force of the wall over the largest, up to which a vehicle with tyres merely leans on it."""
+
+LIGHT = 5e-3
+"""Impulse of later touches of a corner, over that of the strike, below which they do not prolong it. Whether such
+touches occur depends on micrometres, and therefore on the step."""
+
+
+@compiled
+def over_from(start, end):
+    """Return the instant [s] from which a strike is over.
+
+    start, end: its first and latest contact [s]. The corner has then been off the wall for as long as the strike has
+    lasted. The repeated contacts of a plate are one strike; otherwise their number would depend on the mesh.
+    """
+    return end + max(SHORTEST, end - start)
+
+
+@compiled
+def count_strikes(points, point_owner, motion, active, groups, strikes, number, last, h, t, k, steps_left):
+    """Add this step's forces to the strikes, and return their number.
+
+    steps_left: from now to the end, up to 1.
+    """
+    kick = 0.5 * (last + h)
+    part = min(max(steps_left + 0.5 * last / kick, 0.0), 1.0)
+    for p in active:
+        if points[p, NORMAL] <= 0.0:
+            continue
+        group = groups[point_owner[p, 1]]
+        first, until = _pressed_during(points[p], last, h, t)
+        if group[STAMP] < k:
+            comes = group[STAMP] < k - 1
+            if group[SLOT] < 0.0 or (comes and first >= over_from(group[FIRST], group[LAST])):
+                group[SLOT], group[FIRST], group[LAST] = number, first, until
+                group[WHOLE] = group[AFTER] = 0.0
+                if number < strikes.shape[0]:
+                    strikes[number, :] = 0.0
+                number += 1
+            if group[AFTER] >= LIGHT * group[WHOLE]:
+                if comes:
+                    group[AFTER] = 0.0
+                else:
+                    group[LAST] = until
+            group[BEFORE] = 0.0 if comes else group[FORCE]
+            group[FORCE], group[STAMP] = 0.0, k
+        group[FORCE] += points[p, NORMAL]
+        group[AFTER] += kick * points[p, NORMAL]
+        group[WHOLE] += kick * points[p, NORMAL]
+        if group[AFTER] >= LIGHT * group[WHOLE]:
+            group[LAST] = max(group[LAST], until)
+        if group[SLOT] >= strikes.shape[0]:
+            continue
+        strike, j = strikes[int(group[SLOT])], 3 * point_owner[p, 0]
+        impulse, along = part * kick * points[p, NORMAL], part * kick * points[p, TANGENTIAL]
+        strike[0], strike[1], strike[2] = point_owner[p, 1], group[FIRST], group[LAST]
+        strike[3] = max(strike[3], group[FORCE] + min(steps_left, 0.0) * (group[FORCE] - group[BEFORE]))
+        strike[4] += impulse
+        strike[5] += along
+        strike[6] += impulse * points[p, ALONG]
+        strike[7] += impulse * (motion[0, j] + points[p, X])
+        slip, opening = mean_speeds(points[p], motion, j)
+        strike[8] -= impulse * opening
+        strike[9] += along * slip
+    return number
+
+
+@compiled
+def _pressed_during(point, last, h, t):
+    """Return start and end of a point's contact in this step [s].
+
+    They follow from its speed; the start applies to a new contact.
+    """
+    peak, _, length, _ = crush_line(crush_of(point), point[DEEPEST])
+    rate = (point[AHEAD] - point[EARLIER]) / (0.5 * last + 1.5 * h)
+    beyond = point[DEPTH] - max(point[DEEPEST] - length, 0.0)
+    first, until = t, t + h
+    if rate > 0.0:
+        first = max(t - beyond / rate, t - h, 0.0)
+    if length <= 0.0 and peak > 0.0:
+        until = t - 0.5 * last + 0.5 * (last + h) * min(point[NORMAL] / peak, 1.0)
+    elif rate < 0.0:
+        until = min(max(t - beyond / rate, t - 0.5 * h), t + h)
+    return first, until
+
+
+@compiled
+def end_of_motion(t, k, number, touching, loaded, largest, motion, work, strikes, clock, steered):
+    """Return the end of the motion [s], and updated `loaded`, `largest`.
+
+    loaded: last instant at which the vehicle did more than lean on the wall, where its tyres may hold it for seconds;
+    largest: force of the wall so far [N]. steered: True with tyres.
+    """
+    force, is_young = 0.0, True
+    if steered:
+        force, is_young = _pressing(work.groups, k, t - clock.after)
+        largest = max(largest, force)
+    if is_young or force > LEANING * largest:
+        loaded = t
+    open_end = _open_end(
+        t, k, loaded, number, touching, motion, work.reach, work.groups, strikes, clock.after, steered
+    )
+    leaning = loaded + clock.after if loaded < t else np.inf
+    finish = min(max(open_end, _all_over(work.groups, k, leaning)), clock.longest)
+    if loaded < t:  # a corner that touches lightly again does not end the motion in the past
+        finish = max(finish, t)
+    return finish, loaded, largest
+
+
+@compiled
+def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, after, steered):
+    """Return the end of the motion [s], infinite while it is unknown.
+
+    loaded: see `end_of_motion`. steered: with tyres a vehicle that is directed towards the wall will return to it.
+    """
+    rear = 4 * reach.size - 3  # of a train's last unit
+    if reach.size > 1 and number >= 2 and groups[rear, SLOT] >= 0.0:
+        if groups[rear, STAMP] != k:
+            return groups[rear, LAST] + after
+        return loaded + after if loaded < t else np.inf
+    if reach.size == 1 and number >= 2:
+        end = 0.0
+        for s in range(2):
+            g = int(strikes[s, 0])
+            pressed = groups[g, STAMP] == k and groups[g, SLOT] == s
+            if pressed and not loaded < t:
+                return np.inf
+            end = max(end, loaded if pressed else strikes[s, 2])
+        return end + after
+    end = max(after, t)
+    for u in range(reach.size):
+        v = motion[2, 3 * u + 1]
+        if touching > 0 or v <= 0.0 or (steered and motion[0, 3 * u + 2] > 0.0):
+            return np.inf
+        end = max(end, t + max(reach[u] - motion[0, 3 * u + 1], 0.0) / v)
+    return end
+
+
+@compiled
+def _pressing(groups, k, recent):
+    """Return the normal force of the wall in this step [N].
+
+    Also whether a strike in progress began after `recent`.
+    """
+    force, is_young = 0.0, False
+    for g in range(groups.shape[0]):
+        if groups[g, STAMP] == k:
+            force += groups[g, FORCE]
+            is_young = is_young or groups[g, FIRST] > recent
+    return force, is_young
+
+
+@compiled
+def _all_over(groups, k, pressed):
+    """Return the instant from which all strikes are over [s].
+
+    pressed: that of strikes with corners in contact.
+    """
+    latest = 0.0
+    for g in range(groups.shape[0]):
+        if groups[g, SLOT] >= 0.0:
+            over = over_from(groups[g, FIRST], groups[g, LAST])
+            latest = max(latest, pressed if groups[g, STAMP] == k else over)
+    return latest
+
+
+@compiled
+def mark_cut(groups, k, finish, strikes):
+    """Mark the strikes that are not over when the motion ends."""
+    for g in range(groups.shape[0]):
+        if 0.0 <= groups[g, SLOT] < strikes.shape[0]:
+            is_cut = groups[g, STAMP] == k or over_from(groups[g, FIRST], groups[g, LAST]) > finish
+            strikes[int(groups[g, SLOT]), CUT] = 1.0 if is_cut else 0.0

@@ -1,0 +1,82 @@
+"""Columns and workspace of the compiled motion of trains."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+STRIKE = (
+    "corner",
+    "start",
+    "end",
+    "peak",
+    "impulse",
+    "tangential",
+    "along",
+    "place",
+    "crush",
+    "friction",
+    "cut",
+)
+"""Columns of a strike: number of its unit and corner, 4 unit + corner; times [s], greatest force [N], impulses [N s],
+impulse times place on the vehicle and along the wall [N s m], works [J], 1 where the motion ends before it is over."""
+CUT = STRIKE.index("cut")
+
+UNIT = ("x_g", "y_g", "theta", "v_gx", "v_gy", "omega")
+SUMS = ("force_normal", "force_tangential", "crush_energy_stored", "crush_energy_lost", "impulse_normal",
+        "impulse_tangential", "impulse_angular", "friction_work", "crush_work")  # fmt: skip
+"""Columns of a row: `UNIT` of each unit, then `SUMS` of the train: forces [N], energies stored and lost [J], impulses
+[N s] and that of their moment about the origin [N m s], works of friction and on the crush [J]. Of more units than one
+follow for each the wall's impulses on it, normal and tangential [N s]."""
+
+ALONG, ACROSS, STIFFNESS, INITIAL, PLATEAU, RESTITUTION, UNLOADING, FRICTION, X, Y = range(10)
+DEPTH, EARLIER, AHEAD, DEEPEST, NORMAL, TANGENTIAL, PART, RATE, FOOT = range(10, 19)
+"""Columns of points: as in `Train`; arm about the centre of mass; depth now, a step before, a step ahead, and the
+deepest mean so far [m]; forces [N]; part of the step in which the force acts; for trains the rate of the depth
+[m/s] and the depth at which the line of unloading ends [m]."""
+
+SLOT, FIRST, LAST, FORCE, BEFORE, STAMP, WHOLE, AFTER = range(8)
+"""Columns of groups: number of the latest strike, its start and end so far [s]; forces of this step and the one
+before [N]; the step of the last contact; impulses of the strike and of touches after its end so far, the latest
+included [N s]."""
+
+
+def columns(units):
+    """Return the number of a row's columns before those of tyres."""
+    return 6 * units + len(SUMS) + (2 * units if units > 1 else 0)
+
+
+class Work(NamedTuple):
+    """Workspace of one sample.
+
+    Columns of its tables are named above. points: a row for each point; point_owner: its unit and corner; motion, shape
+    (3, 3 units): places and angles, velocities half a step ago and half a step ahead; masses: inverse mass of each
+    velocity; load: accelerations by the external load; headings: cosine and sine of each unit's angle; joints: hitch
+    and kingpin of each hinge; ties: its two conditions, as of `step`; reach: from each centre of mass to the farthest
+    point; effect: velocities by a unit impulse along and across on each point; groups: a row for each corner; active:
+    points that may touch in this step; sums: impulses and works so far.
+    """
+
+    points: np.ndarray
+    point_owner: np.ndarray
+    motion: np.ndarray
+    masses: np.ndarray
+    load: np.ndarray
+    headings: np.ndarray
+    joints: np.ndarray
+    ties: np.ndarray
+    reach: np.ndarray
+    effect: np.ndarray
+    groups: np.ndarray
+    active: np.ndarray
+    sums: np.ndarray
+
+
+def workspace(units: int, hinges: int, points: int) -> Work:
+    """Return a workspace for one sample."""
+    size = 3 * units
+    return Work(
+        np.zeros((points, 19)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
+        np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
+        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 8)), np.zeros(points, dtype=np.int64),
+        np.zeros(columns(units) - 6 * units - 4),
+    )  # fmt: skip
