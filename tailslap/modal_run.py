@@ -19,6 +19,7 @@ from postprocess.report.tables import Column, Table, columns
 from postprocess.report.terminal import part_in_units, printed
 from postprocess.units import SYSTEMS, percent_up
 from tailslap import progress
+from tailslap.campaign.band_samples import force_band
 from tailslap.case.check import Check, failed_sentence
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.errors import InputError
@@ -189,9 +190,10 @@ def modal_text(fe_plan: CornerPlan, run: ModalRun, units: str = "si") -> str:
 def modal_headline(fe_plan: CornerPlan, run: ModalRun) -> Headline:
     """Return peak force, modes and error estimate."""
     case, estimate = fe_plan.case, run.estimate
+    band = force_band(case)
     sentence, certainty = "No tail-slap within the run.", ""
     if run.values:
-        sentence = case.force_sentence(case.peak_force(run.values["v_gy"]), run.passed)
+        sentence = case.force_sentence(case.peak_force(run.values["v_gy"]), run.passed, band)
         certainty = (
             f"Estimated error {percent_up(estimate.total)}: omitted modes {percent_up(estimate.modes)}, linear strain "
             f"{percent_up(estimate.linear)}, time steps {percent_up(estimate.steps)}."
@@ -201,7 +203,7 @@ def modal_headline(fe_plan: CornerPlan, run: ModalRun) -> Headline:
         f"Modal model: modes of {frequencies} Hz." if frequencies else "Modal model without elastic modes."
     )
     answer = failed_sentence(run.checks) + sentence
-    return Headline(case.headline().title, answer, f"{case.set_up} {modes}", certainty)
+    return Headline(case.headline().title, answer, f"{case.set_up} {modes}", certainty, band.sentence)
 
 
 def modal_numbers(fe_plan: CornerPlan, run: ModalRun) -> dict[str, object]:

@@ -341,3 +341,13 @@ def test_the_command_states_that_its_steps_are_compiled(monkeypatch, capsys):
     assert _status(["modal", "paper-table-3", "--modes", "1"]) == 0
     assert set(kernels) == {modal_model.run_to_strike}
     assert "tailslap: compiling\n" in capsys.readouterr().err
+
+
+def test_the_force_has_the_band_of_rigid_vehicles():
+    import tailslap
+
+    modal, rigid = (run("paper-table-3").headline for run in (tailslap.modal, tailslap.rigid))
+    assert modal.band == rigid.band
+    interval = rigid.answer.partition("(")[2].partition(";")[0]
+    assert interval.startswith("90 % of such impacts")
+    assert interval in modal.answer
