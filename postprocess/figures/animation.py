@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from postprocess.figures import histories
 from postprocess.figures.positions import EDGE
-from postprocess.svg.marks import SLOWER
+from postprocess.svg.motion import SLOWER
 from postprocess.svg.scales import Floats
 from postprocess.units import SI, Units
 

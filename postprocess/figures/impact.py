@@ -11,8 +11,10 @@ import numpy as np
 
 from postprocess.figures import histories
 from postprocess.svg import chart
+from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Boxes, Cursor, Layer, Level, Line, Span, Swatch, look
+from postprocess.svg.marks import Level, Line, Swatch, look
+from postprocess.svg.motion import Cursor
 from postprocess.svg.scales import Floats, Shades
 from postprocess.units import measure
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.svg import chart, scales
-from postprocess.svg.marks import Boxes, Line, Swatch
+from postprocess.svg.areas import Boxes
+from postprocess.svg.marks import Line, Swatch
 from postprocess.svg.scales import Floats, cells_about
 from postprocess.units import measure
 

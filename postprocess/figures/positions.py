@@ -12,8 +12,10 @@ import numpy as np
 
 from postprocess.figures.impact import StrikeMark, Strikes, corner_colour
 from postprocess.svg import chart
+from postprocess.svg.areas import Outline, area
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import SLOWER, Line, Mark, Moving, Outline, Swatch, Words, area, dot
+from postprocess.svg.marks import Line, Mark, Swatch, Words, dot
+from postprocess.svg.motion import SLOWER, Moving
 from postprocess.svg.scales import Floats
 from postprocess.units import measure
 

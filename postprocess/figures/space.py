@@ -15,21 +15,10 @@ from postprocess.figures import histories
 from postprocess.figures.animation import View, frame_of, wall_outline
 from postprocess.figures.positions import arrow, plan_view
 from postprocess.svg import chart
+from postprocess.svg.areas import Boxes, Outline, area
 from postprocess.svg.chart import Axis, Chart
-from postprocess.svg.marks import (
-    Boxes,
-    Cursor,
-    Level,
-    Line,
-    Mark,
-    Moving,
-    Outline,
-    Swatch,
-    Words,
-    area,
-    dot,
-    look,
-)
+from postprocess.svg.marks import Level, Line, Mark, Swatch, Words, dot, look
+from postprocess.svg.motion import Cursor, Moving
 from postprocess.svg.scales import Floats
 from postprocess.units import measure
 

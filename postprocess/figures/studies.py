@@ -13,7 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from postprocess.svg import chart
-from postprocess.svg.marks import Boxes, Level, Line, Mark, Span, Words, key, look, text_width
+from postprocess.svg.areas import Boxes, Span
+from postprocess.svg.marks import Level, Line, Mark, Words, key, look, text_width
 from postprocess.svg.scales import Floats, Range, Scale
 from postprocess.units import measure
 

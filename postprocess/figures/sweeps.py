@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from postprocess.comparison import quantities
 from postprocess.comparison.records import Compared
+from postprocess.svg.areas import Boxes
 from postprocess.svg.chart import FULL, PART, Axis, Chart, Plot
-from postprocess.svg.marks import Boxes, Line, Mark, Swatch, Words
+from postprocess.svg.marks import Line, Mark, Swatch, Words
 from postprocess.svg.scales import Scale, Shades, cells_about, power_text
 from postprocess.units import measure
 

@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from postprocess.svg import chart
+from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Boxes, Layer, Level, Line, Mark, Span, Swatch
+from postprocess.svg.marks import Level, Line, Mark, Swatch
 from postprocess.svg.scales import Floats, Shades, cells_about
 from postprocess.units import INCH
 

@@ -21,7 +21,9 @@ from typing import Literal
 import numpy as np
 
 from postprocess.svg import marks, scales
-from postprocess.svg.marks import Cursor, Level, Line, Mark, Moving, found_ranges
+from postprocess.svg.areas import Span
+from postprocess.svg.marks import Level, Line, Mark, found_ranges
+from postprocess.svg.motion import MOTION, Cursor, Moving
 from postprocess.units import MEASURE, SI, US, Units
 
 SIZE, SMALL = 12.0, 11.0
@@ -150,7 +152,7 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
 
 def _below_names(plot: Plot, scale: scales.Scale) -> scales.Scale:
     """Extend a scale so that names of spans are above all curves."""
-    spans = [mark for mark in plot.marks if isinstance(mark, marks.Span) and mark.label]
+    spans = [mark for mark in plot.marks if isinstance(mark, Span) and mark.label]
     rows = max((mark.row + 1 for mark in spans), default=0)
     rows += any(isinstance(mark, Level) for mark in plot.marks)
     if plot.height is None or scale.is_log or not rows:
@@ -323,7 +325,7 @@ class Chart:
             f'data-top="{top:g}" font-family="system-ui, Segoe UI, DejaVu Sans, sans-serif" font-size="{SIZE:g}">'
             '<rect class="paper" width="100%" height="100%" fill="#fff"/>'
         )
-        head += f"<style>{marks.MOTION}</style>" if self.is_moving else ""
+        head += f"<style>{MOTION}</style>" if self.is_moving else ""
         return _with_measures(f"{head}{legend}{body}</svg>", systems)
 
 

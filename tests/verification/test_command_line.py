@@ -107,7 +107,7 @@ def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
     assert list(fe_rows[0]) == list(rigid_rows[0])
     assert {"t", *CURVES[:7]} <= {*fe_rows[0]}
     report = (folder / "report.html").read_text()
-    assert report.count("data:image/png") == 4
+    assert report.count("data:image/webp") == 4
     assert report.count("<svg") >= 5
 
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from postprocess.figures import animation, space
-from postprocess.svg.marks import Boxes, Level, Line, Moving, Outline, Words
+from postprocess.svg.areas import Boxes, Outline
+from postprocess.svg.marks import Level, Line, Words
+from postprocess.svg.motion import Moving
 from postprocess.units import SI
 
 UNIT = space.Unit(length=10.0, width=2.4, mass=10000.0, centre=4.0, centre_height=1.5, low=0.5, top=2.7)

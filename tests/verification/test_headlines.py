@@ -11,7 +11,8 @@ import pytest
 import tailslap
 from postprocess.figures.positions import SCHEME, SYMBOLS, Unit, draw_set_up
 from postprocess.report.terminal import opened
-from postprocess.svg.marks import Outline, Words
+from postprocess.svg.areas import Outline
+from postprocess.svg.marks import Words
 from postprocess.units import KIP, SI, US, force, percent_up
 from tailslap import cli
 from tailslap.campaign.band_samples import force_band

@@ -8,7 +8,8 @@ import pytest
 from browser.charts import points_of
 
 from postprocess.figures import animation, impact, positions
-from postprocess.svg.marks import HOLD, MAX_FRAMES, SLOWER, Line, Words
+from postprocess.svg.marks import Line, Words
+from postprocess.svg.motion import HOLD, MAX_FRAMES, SLOWER
 
 T = np.linspace(0.0, 0.5, 5001)
 STRIKES = (

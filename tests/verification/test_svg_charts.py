@@ -15,8 +15,9 @@ from postprocess.figures import studies
 from postprocess.figures.histories import Curve, draw_histories, draw_overlay, power_of_ten, thinned
 from postprocess.figures.impact import LINES, Forces, draw_forces
 from postprocess.figures.plates import VERDICTS, MapAxis, draw_map, draw_meanings, draw_mode
+from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import FULL, Axis, Chart, Plot, framed
-from postprocess.svg.marks import PALETTE, Boxes, Layer, Level, Line, Span, Swatch, Words, text_width
+from postprocess.svg.marks import PALETTE, Level, Line, Swatch, Words, text_width
 from postprocess.svg.scales import Scale, Shades, cells_about, fitted, power_text, round_ticks, tick_texts
 from postprocess.units import SI
 from tailslap.scene.read import read_scene

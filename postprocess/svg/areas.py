@@ -1,0 +1,155 @@
+"""Marks of a plot that cover areas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import compress
+
+import numpy as np
+
+from postprocess.svg.marks import READ, Mark, Samples, coloured, patch, path, words
+from postprocess.svg.scales import Floats, Scale
+
+SMALL_BOX = 9.0
+"""Size below which boxes are drawn without gaps [pixels]."""
+
+
+@dataclass(frozen=True)
+class Layer(Mark):
+    """Area between two lines over the same x, shape (n,).
+
+    Pages show the distance of the lines.
+    """
+
+    UP = ("low", "high")
+    label: str
+    x: Floats
+    low: Floats
+    high: Floats
+    colour: str = "steel"
+    strength: float = 0.7
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """Return a closed path along both lines."""
+        along = x.at(self.x)
+        forth = np.stack([along, y.at(self.high)], axis=-1)
+        back = np.stack([along, y.at(self.low)], axis=-1)[::-1]
+        edge = path(np.concatenate([forth, back]), READ)
+        return coloured(
+            f'<path {self.attributes}class="layer" d="{edge}Z" fill-opacity="{self.strength:g}"/>',
+            self.colour,
+        )
+
+    def samples(self, x: Scale, y: Scale) -> Samples:
+        """Return the distances of the two lines."""
+        return self.x, self.high - self.low
+
+    def key(self) -> str:
+        """Return a patch of its colour."""
+        return patch(self.colour, self.strength)
+
+
+@dataclass(frozen=True)
+class Boxes(Mark):
+    """Bars or cells between two values of x and of y.
+
+    x, y: shape (n, 2). Boxes have one colour, or one each. Pages show `values` at `at`, by default the middle.
+    strength: opacity.
+    """
+
+    label: str
+    x: Floats
+    y: Floats
+    colour: str | Sequence[str] = "steel"
+    values: Sequence[str] | Sequence[float] = ()
+    at: Sequence[str] = ()
+    strength: float = 1.0
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """Return one path for each colour.
+
+        Boxes that are not small have gaps. Values require an invisible path through the centres.
+        """
+        start, end = np.sort(x.at(self.x)).T
+        top, bottom = np.sort(y.at(self.y)).T
+        is_small = bool((np.minimum(end - start, bottom - top) < SMALL_BOX).any())
+        gap = 0.0 if is_small else 0.4
+        edges = zip(start + gap, top + gap, end - gap, bottom - gap, strict=True)
+        look = f' fill-opacity="{self.strength:g}"' + is_small * ' shape-rendering="crispEdges"'
+        drawn = ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges]
+        colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
+        elements = ""
+        for colour in dict.fromkeys(colours):
+            path = "".join(compress(drawn, [own_colour == colour for own_colour in colours]))
+            elements += coloured(f'<path d="{path}"{look}/>', colour)
+        if not self.values:
+            return elements
+        centres = zip(0.5 * (start + end), 0.5 * (top + bottom), strict=True)
+        invisible = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
+        return f'<g>{elements}<path {self.attributes}d="{invisible}"/></g>'
+
+    def samples(self, x: Scale, y: Scale) -> Samples:
+        """Return values and places of the boxes."""
+        return self.at or np.mean(self.x, axis=-1), self.values
+
+    def key(self) -> str:
+        """Return a patch if boxes have one colour."""
+        return patch(self.colour, self.strength) if isinstance(self.colour, str) else ""
+
+
+@dataclass(frozen=True)
+class Span(Mark):
+    """Shaded range of x, a dashed line if its width is zero.
+
+    Its name stands at the top of the plot; row: of the name.
+    """
+
+    ACROSS = ("start", "end")
+    UP = ()
+    label: str
+    start: float
+    end: float
+    colour: str = "soft"
+    row: int = 0
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """Return the band or line with its name."""
+        start, end = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
+        if self.start == self.end:
+            line = f'<path d="M{start:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
+            name = words(self.label, start + 3.0, y.end + 11.0, size=11.0)
+            return coloured(line + name, self.colour)
+        box = f"M{start:.2f} {y.end:.2f}H{end:.2f}V{y.start:.2f}H{start:.2f}Z"
+        name = words(self.label, 0.5 * (start + end), y.end + 11.0 * (1 + self.row), "middle", 11.0)
+        return coloured(f'<path d="{box}" fill-opacity="0.1"/>{name}', self.colour)
+
+
+@dataclass(frozen=True)
+class Outline(Mark):
+    """Closed polygon, faintly filled.
+
+    x, y: shape (n,). Its label is in the table, not in the legend.
+    """
+
+    x: Floats
+    y: Floats
+    colour: str = "fe"
+    strength: float = 1.0
+    fill: float = 0.04
+    label: str = ""
+
+    def draw(self, x: Scale, y: Scale) -> str:
+        """Return a closed path."""
+        edge = self.attributes + f'd="{path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))}Z"'
+        look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
+        return coloured(f"<path {edge} {look}/>", self.colour)
+
+    def samples(self, x: Scale, y: Scale) -> Samples:
+        """Return the corners."""
+        return self.x, self.y
+
+
+def area(points: Floats, colour: str, fill: float = 0.04) -> Outline:
+    """Return the polygon through points, shape (n, 2)."""
+    return Outline(points[:, 0], points[:, 1], colour, fill=fill)
