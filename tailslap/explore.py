@@ -162,14 +162,6 @@ def _(elements, sliders, tables):
 
 
 @app.cell
-def _(changes, rigid, tables):
-    assert rigid, "the force is shown first; the band takes longer"
-    banded = tailslap.rigid(tables, changes).headline
-    mo.md(f"**With its band:** {banded.answer} {banded.band}")
-    return
-
-
-@app.cell
 def _(changes, rigid, text):
     scene = tomlkit.parse(text)
     for dotted, chosen in changes.items():
@@ -183,6 +175,14 @@ def _(changes, rigid, text):
         wrap=True,
     )
     return (button,)
+
+
+@app.cell
+def _(changes, rigid, tables):
+    assert rigid, "force and saved scene come first; the band takes longer"
+    banded = tailslap.rigid(tables, changes).headline
+    mo.md(f"**With its band:** {banded.answer} {banded.band}")
+    return
 
 
 @app.cell
