@@ -160,10 +160,11 @@ const chartOf = (svg) => {
     setTicks(holder, "x", ticks, 0);
     set(group.querySelector("path"), { d: ticks.map(([at]) => `M${at} ${last.bottom}v3`).join("") });
   };
-  /* As wide as its place, drawings to scale at most as wide as drawn; the keys stand above it as buttons. */
+  /* As wide as its place, drawings to scale at most as wide as drawn; the keys stand above it as buttons. A plot beside
+     long names keeps 150 pixels, and the chart is then reduced. */
   const isFixed = plots.some(({ fixed, x }) => fixed === "wide" || (x.scale === "named" && fixed !== "equal")), isEqual = last.fixed === "equal";
   let drawnWide = 0;
-  const room = () => (isFixed ? width : Math.min(isEqual ? width : Infinity, figure.clientWidth));
+  const room = () => (isFixed ? width : Math.max(Math.min(isEqual ? width : Infinity, figure.clientWidth), last.x.from + 150));
   const fit = (wide) => {
     if (!wide || wide === drawnWide) return false;
     const isAsDrawn = !drawnWide && wide === width;

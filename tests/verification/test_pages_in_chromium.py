@@ -11,6 +11,7 @@ import pytest
 
 from postprocess.figures.impact import Forces, StrikeMark, draw_forces
 from postprocess.figures.positions import draw_positions, vehicle_outlines
+from postprocess.figures.studies import draw_sensitivity
 from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Chart, Plot
 from postprocess.svg.marks import Line, look
@@ -260,6 +261,23 @@ def test_a_narrow_window_has_a_narrow_chart_with_letters_as_large(shown_chart):
     size = "text => parseFloat(getComputedStyle(text).fontSize) * text.ownerSVGElement.getScreenCTM().a"
     assert min(shown_chart.locator("svg.chart text").evaluate_all(f"texts => texts.map({size})")) >= 9.0
     assert ticks_of(shown_chart, ".x-axis") == [0.0, 10.0, 20.0, 30.0, 40.0]
+
+
+def test_a_plot_beside_long_names_is_seen_in_a_narrow_window(browser, tmp_path):
+    """Long names leave 80 pixels to the plot."""
+    rows = [
+        {"key": f"{name} of an axle of the third trailer", "total": 0.5}
+        | {"first_order": 0.4, "total_interval": (0.3, 0.7), "first_order_interval": (0.2, 0.6)}
+        for name in ("friction", "cornering coefficient")
+    ]
+    section = Section("Inputs", figures=(draw_sensitivity(rows),))
+    path = write_page(tmp_path / "p.html", Page("", Headline("Names", ""), (section,), ""))
+    with opened(browser, path, 390) as narrow:
+        page = narrow.page
+        svg, frame = (page.locator(part).first.bounding_box() for part in ("svg.chart", "svg.chart .frame"))
+        assert svg["width"] <= 358
+        assert frame["width"] >= 80
+        assert screen.outside(page) == []
 
 
 def test_what_is_wrong_on_a_screen_is_found(browser, page, tmp_path):
