@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 REFINEMENTS = 2
 """Largest number of refinements of a chosen mesh."""
 
-REACHABLE = 2.0**error.ORDER
-"""Error over its limit up to which a mesh is refined a second time, which takes minutes for trains."""
+REACHABLE = 4.0
+"""Error over its limit up to which a mesh is refined a second time, which takes minutes for trains: second order."""
 
 BEYOND = 1.5
 """Multiples of the rigid vehicle's time after which a plate without a second strike is not continued."""
