@@ -48,7 +48,7 @@ def say(message: str) -> None:
 
 
 def call(command: list[str]) -> tuple[bool, str]:
-    """Run a command in the checkout, without input: whether it succeeded, and all that it printed."""
+    """Return whether a command in the checkout succeeded, and all that it printed."""
     done = subprocess.run(
         command,
         cwd=ROOT,
@@ -62,12 +62,15 @@ def call(command: list[str]) -> tuple[bool, str]:
 
 
 def sudo() -> list[str]:
-    """The prefix that runs a command as root: empty for root, and where there is no sudo."""
+    """Return the prefix that runs a command as root.
+
+    It is empty for root, and without sudo.
+    """
     return ["sudo"] if os.geteuid() != 0 and shutil.which("sudo") else []
 
 
 def line_to_paste(apt_packages: str, dnf_packages: str) -> str:
-    """What a person is told to paste in order to install these packages."""
+    """Return the advice that installs these packages."""
     commands = ["apt-get update", f"{APT_INSTALL} {apt_packages}"]
     if shutil.which("dnf") and not shutil.which("apt-get"):
         commands = [f"dnf install -y {dnf_packages}"]
@@ -76,7 +79,10 @@ def line_to_paste(apt_packages: str, dnf_packages: str) -> str:
 
 
 def apt_install(packages: str) -> bool:
-    """Install Debian packages if that needs no password, and say whether it went well."""
+    """Install Debian packages if no password is required.
+
+    Returns whether they are installed.
+    """
     may = os.geteuid() == 0 or (bool(sudo()) and call(["sudo", "-n", "true"])[0])
     if not may or not shutil.which("apt-get"):
         return False
@@ -88,7 +94,10 @@ def apt_install(packages: str) -> bool:
 
 
 def venv_version() -> str:
-    """The version of the Python in `.venv`, or "" if there is none that works, is new enough and has pip."""
+    """Return the version of the Python in `.venv`.
+
+    It is empty if none works, is new enough and has pip.
+    """
     if not os.access(PYTHON, os.X_OK):
         return ""
     code = "import pip, sys; assert sys.version_info >= (3, 11); print(sys.version)"
@@ -97,7 +106,7 @@ def venv_version() -> str:
 
 
 def make_venv(no_system: bool) -> None:
-    """Make `.venv` anew."""
+    """Create `.venv` anew."""
     package = f"python3.{sys.version_info.minor}-venv"
     has_venv = [sys.executable, "-c", "import ensurepip, venv"]
     if not call(has_venv)[0] and (no_system or not apt_install(package) or not call(has_venv)[0]):
@@ -109,7 +118,7 @@ def make_venv(no_system: bool) -> None:
 
 
 def install_packages(target: str) -> None:
-    """Put tailslap, linked to this checkout, and what it needs into `.venv`."""
+    """Install tailslap of this checkout and its requirements into `.venv`."""
     say("installing packages (a minute or more)")
     # No user install, even where pip's configuration asks for it: that fails in a virtual environment.
     options = ["-qq", "--no-user", "--no-input", "--disable-pip-version-check", "-c", "constraints.txt"]
@@ -119,7 +128,10 @@ def install_packages(target: str) -> None:
 
 
 def missing_library() -> str:
-    """Why gmsh does not load or VTK does not draw, in one line, or "" if both work."""
+    """Return why gmsh or VTK does not work.
+
+    It is one line, empty if both work.
+    """
     for name, code in (("gmsh", GMSH_PROBE), ("VTK", VTK_PROBE)):
         works, output = call([*PROBE, code])
         if not works:
@@ -129,7 +141,7 @@ def missing_library() -> str:
 
 
 def check_libraries(no_system: bool) -> None:
-    """See to it that gmsh and VTK find their system libraries, or say what to install."""
+    """Install missing system libraries of gmsh and VTK, or exit with advice."""
     say("testing gmsh and an off-screen picture")
     reason = missing_library()
     if reason and not no_system and apt_install(APT_PACKAGES):
@@ -139,7 +151,10 @@ def check_libraries(no_system: bool) -> None:
 
 
 def compile_ahead() -> None:
-    """Compile the time loops of shipped scenes, two at a time; what fails here, a first run does or explains."""
+    """Compile the time loops of shipped scenes, two at a time.
+
+    A failure is not an error here: the first run compiles, or explains.
+    """
     say("compiling time loops, once for this version (one to two minutes)")
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
         run = [PYTHON, "-m", "tailslap", "run", "--no-pictures", "--out"]
@@ -147,14 +162,17 @@ def compile_ahead() -> None:
 
 
 def digest(version: str, target: str) -> str:
-    """A hash of all that decides what an install of `target` puts into `.venv`."""
+    """Return a hash of all that determines an installation of `target`."""
     # The path too: when the checkout is moved, the scripts in `.venv` point to where it was.
     files = [(ROOT / name).read_text() for name in ("pyproject.toml", "constraints.txt")]
     return hashlib.sha256("\0".join([version, target, str(VENV), *files]).encode()).hexdigest()
 
 
 def update_venv(target: str, no_system: bool) -> None:
-    """Do what `.venv` still lacks; a step that went well leaves a stamp of what it was done for."""
+    """Complete `.venv`.
+
+    A step that succeeded leaves a stamp of its input, and is not repeated for the same.
+    """
     version = venv_version()
     wanted = digest(version, target)
     enough = (wanted, digest(version, ".[dev]"))
