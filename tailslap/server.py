@@ -3,6 +3,7 @@
 The secret is the first part of every path, as cookies of 127.0.0.1 are sent to all of its ports.
 """
 
+import atexit
 import contextlib
 import os
 import secrets
@@ -11,7 +12,7 @@ import tempfile
 import webbrowser
 from collections.abc import Awaitable, Callable, Iterator, MutableMapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 from urllib.parse import quote
 
 from tailslap.errors import InputError
@@ -30,8 +31,8 @@ FORBIDDEN, FOREIGN = 403, 1008
 """Status of a refused request, and code of a refused websocket."""
 
 
-def serve(scene: str, port: int, headless: bool) -> None:
-    """Serve the page until the process is interrupted.
+def serve(scene: str, port: int, headless: bool) -> NoReturn:
+    """Serve the page until an interrupt, which ends the process.
 
     Raises InputError for a port that is in use.
     """
@@ -48,8 +49,10 @@ def serve(scene: str, port: int, headless: bool) -> None:
         settings = uvicorn.Config(guard, log_level="error", lifespan="off", timeout_graceful_shutdown=1)
         with contextlib.suppress(KeyboardInterrupt), _shown(address, headless):
             uvicorn.Server(settings).run([listener])
-        # a kernel of a closed tab waits in a thread that Python joins at its end
-        app.routes[0].app.state.session_manager.close_all_sessions()
+    # Kernels are threads, also those of closed tabs, and may be within a run. SciPy's factors belong to the thread that
+    # made them: the interpreter's own end would wait for the threads, or print an error while it frees the factors.
+    atexit._run_exitfuncs()
+    os._exit(0)
 
 
 def _listen(listener: socket.socket, port: int) -> None:

@@ -101,6 +101,38 @@ def test_the_file_for_the_browser_is_private(tmp_path):
     assert 'content="0; url=http://127.0.0.1:2718/secret/?scene=a"' in path.read_text(encoding="utf-8")
 
 
+KERNEL = """
+import sys, tempfile, threading, uvicorn
+from scipy.sparse import eye_array, linalg
+from tailslap import server
+
+factorised = threading.Event()
+
+def kernel():
+    with tempfile.TemporaryDirectory(dir=sys.argv[1]):
+        factor = linalg.splu(eye_array(9).tocsc())
+        factorised.set()
+        threading.Event().wait()
+
+def run(server, sockets):
+    threading.Thread(target=kernel, daemon=True).start()
+    factorised.wait()
+
+uvicorn.Server.run = run
+server.serve("mash-tl4-sut", 0, headless=True)
+"""
+"""Page that is interrupted while its kernel is within a run."""
+
+
+def test_an_interrupt_within_a_run_ends_it_without_messages(tmp_path):
+    pytest.importorskip("marimo")
+    command = [sys.executable, "-c", KERNEL, str(tmp_path)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert len(ended.stdout.splitlines()) == 1, "the address alone"
+    assert not list(tmp_path.iterdir()), "temporary files are removed"
+
+
 def answer(address, **headers):
     """Status of a request with these headers."""
     where = urlsplit(address)
