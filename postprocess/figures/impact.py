@@ -20,9 +20,6 @@ from postprocess.units import measure
 
 CORNERS = {"front": "red", "rear": "fe"}
 
-CLOSE = 0.25
-"""Distance of strikes whose names may overlap, over the time of all."""
-
 START = replace(histories.TIME, low=0.0)
 """Time from first touch on."""
 
@@ -69,16 +66,10 @@ def corner_colour(corner: str) -> str:
 
 
 def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
-    """Return the times of strikes as bands behind a plot.
-
-    The name of each corner stands on top, close ones in rows.
-    """
-    row, middle, spans = 0, -np.inf, list[Span]()
-    for strike in strikes:
-        last, middle = middle, 0.5 * (strike.start + strike.end)
-        row = (row + 1) % 3 if middle - last < CLOSE * strikes[-1].end else 0
-        spans.append(Span(strike.corner, strike.start, strike.end, corner_colour(strike.corner), row))
-    return tuple(spans)
+    """Return strikes as bands behind a plot, with their corners."""
+    return tuple(
+        Span(strike.corner, strike.start, strike.end, corner_colour(strike.corner)) for strike in strikes
+    )
 
 
 class Forces(NamedTuple):

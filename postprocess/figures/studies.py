@@ -14,7 +14,7 @@ import numpy as np
 
 from postprocess.svg import chart
 from postprocess.svg.areas import Boxes, Span
-from postprocess.svg.marks import Level, Line, Mark, Words, key, look, text_width
+from postprocess.svg.marks import SMALL, Level, Line, Mark, Name, Words, key, look, text_width
 from postprocess.svg.scales import Floats, Range, Scale
 from postprocess.units import measure
 
@@ -317,32 +317,19 @@ def _end_names(series: Sequence[Series], x: Range, y: Range) -> list[Words]:
     Names near the right edge stand on the left; all are shifted until none overlap.
     """
     across = Scale(*x, 0.0, chart.FULL - 70.0, is_log=True)
-    up, names = Scale(*y, PRECISION_HEIGHT, 0.0, is_log=True), []
-    occupied: list[tuple[float, float, float]] = []
+    up, placed, drawn = Scale(*y, PRECISION_HEIGHT, 0.0, is_log=True), list[Name](), []
     for method, colour in zip(series, cycle(COLOURS), strict=False):
-        end, height = float(across.at(method.times[-1])), float(up.at(method.errors[-1]))
-        wide, is_left = text_width(method.label, 11.0) + 14.0, False
-        if end + wide > across.end:
-            end, is_left = end - wide, True
-        for shift in (sign * 12.0 * step for step in range(1 * is_left, 20) for sign in (-1.0, 1.0)):
-            at = height + shift
-            if 8.0 < at < PRECISION_HEIGHT and all(
-                end + wide < start or stop < end or abs(at - other) > 12.0 for start, stop, other in occupied
-            ):
-                break
-        occupied.append((end, end + wide, at))
-        place = (-8.0, shift + 3.5) if is_left else (8.0, shift + 3.5)
-        names.append(
-            Words(
-                method.label,
-                method.times[-1],
-                method.errors[-1],
-                place,
-                "end" if is_left else "start",
-                colour,
-            )
-        )
-    return names
+        time, error = method.times[-1], method.errors[-1]
+        end, height = float(across.at(time)), float(up.at(error))
+        is_left = end + text_width(method.label, SMALL) + 14.0 > across.end
+        anchor, beside = ("end", -8.0) if is_left else ("start", 8.0)
+        shifts = [sign * 12.0 * step + 3.5 for step in range(1 * is_left, 20) for sign in (-1.0, 1.0)]
+        names = [Name(method.label, end + beside, height + shift, anchor) for shift in shifts]
+        inside = [name for name in names if 11.0 < name.y < PRECISION_HEIGHT]
+        name = next((name for name in inside if not any(map(name.overlaps, placed))), names[-1])
+        placed.append(name)
+        drawn.append(Words(method.label, time, error, (beside, name.y - height), anchor, colour))
+    return drawn
 
 
 def _decades(values: Sequence[float]) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from itertools import compress
 
 import numpy as np
 
-from postprocess.svg.marks import READ, Mark, Samples, coloured, patch, path, words
+from postprocess.svg.marks import READ, SMALL, Mark, Name, Samples, coloured, patch, path, text_width
 from postprocess.svg.scales import Floats, Scale
 
 SMALL_BOX = 9.0
@@ -115,14 +115,26 @@ class Span(Mark):
 
     def draw(self, x: Scale, y: Scale) -> str:
         """Return the band or line with its name."""
-        start, end = sorted(np.clip(x.at([self.start, self.end]), x.start, x.end))
-        if self.start == self.end:
-            line = f'<path d="M{start:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
-            name = words(self.label, start + 3.0, y.end + 11.0, size=11.0)
-            return coloured(line + name, self.colour)
-        box = f"M{start:.2f} {y.end:.2f}H{end:.2f}V{y.start:.2f}H{start:.2f}Z"
-        name = words(self.label, 0.5 * (start + end), y.end + 11.0 * (1 + self.row), "middle", 11.0)
-        return coloured(f'<path d="{box}" fill-opacity="0.1"/>{name}', self.colour)
+        start, end = self._ends(x)
+        shape = (
+            f'<path d="M{start:.2f} {y.end:.2f}V{y.start:.2f}" stroke="currentColor" stroke-dasharray="2 2"/>'
+        )
+        if start != end:
+            box = f"M{start:.2f} {y.end:.2f}H{end:.2f}V{y.start:.2f}H{start:.2f}Z"
+            shape = f'<path d="{box}" fill-opacity="0.1"/>'
+        return coloured(shape + "".join(name.draw() for name in self.names(x, y)), self.colour)
+
+    def names(self, x: Scale, y: Scale) -> list[Name]:
+        """Return the name, centred on a band or beside a line."""
+        start, end = self._ends(x)
+        is_last = start + text_width(self.label, SMALL) + 6.0 > x.end
+        beside = (start - 3.0, "end") if is_last else (start + 3.0, "start")
+        across, anchor = beside if start == end else (0.5 * (start + end), "middle")
+        return [Name(self.label, across, y.end + SMALL * (1 + self.row), anchor)] if self.label else []
+
+    def _ends(self, x: Scale) -> Floats:
+        """Return the ends within the plot [pixels]."""
+        return np.sort(np.clip(x.at([self.start, self.end]), x.start, x.end))
 
 
 @dataclass(frozen=True)

@@ -22,18 +22,18 @@ import numpy as np
 
 from postprocess.svg import marks, scales
 from postprocess.svg.areas import Span
-from postprocess.svg.marks import Level, Line, Mark, found_ranges
+from postprocess.svg.marks import SMALL, Level, Line, Mark, Name, found_ranges
 from postprocess.svg.motion import MOTION, Cursor, Moving
 from postprocess.units import MEASURE, SI, US, Units
 
-SIZE, SMALL = 12.0, 11.0
-"""Sizes of letters in labels, and in all other texts [pixels]."""
+SIZE = 12.0
+"""Size of letters in labels [pixels]."""
 
 FULL, HALF, PART = 1072.0, 520.0, 340.0
 """Widths of a chart alone, of one of two and of one of three side by side [pixels]."""
 
-HEAD, RIGHT, BARE = 26.0, 12.0, 4.0
-"""Room above a plot, right of the plots, and beside a bare axis [pixels]."""
+HEAD, LEFT, RIGHT, BARE = 26.0, 40.0, 12.0, 4.0
+"""Room above a plot, about left and right of the plots, and beside a bare axis [pixels]."""
 
 WIDEST = "−0.0"
 """Widest text of the ticks of a plot of equal scales, whose height is not known before."""
@@ -124,8 +124,9 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
     top: of the first one.
     """
     ranges = [found_ranges(plot.marks) for plot in plots]
-    scales = [_below_names(plot, plot.y.scale(y)) for plot, (_, y) in zip(plots, ranges, strict=True)]
     x_scale = x.scale((min(a for (a, _), _ in ranges), max(b for (_, b), _ in ranges)))
+    plots = [_in_rows(plot, replace(x_scale, start=LEFT, end=width - RIGHT)) for plot in plots]
+    scales = [_below_names(plot, plot.y.scale(y)) for plot, (_, y) in zip(plots, ranges, strict=True)]
     sized = [
         replace(scale, start=200.0 if plot.height is None else plot.height, end=0.0)
         for scale, plot in zip(scales, plots, strict=True)
@@ -148,6 +149,21 @@ def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Fra
         frames.append(Frame(plot, x_scale, replace(scale, start=top + height, end=top)))
         top += height
     return frames
+
+
+def _in_rows(plot: Plot, x: scales.Scale) -> Plot:
+    """Return a plot with names of spans in free rows.
+
+    x: its scale across, with the place of the plot to a few pixels.
+    """
+    up, names, rows = scales.Scale(0.0, 1.0), list[Name](), list[Mark]()
+    for mark in plot.marks:
+        if isinstance(mark, Span):
+            while any(name.overlaps(other) for name in mark.names(x, up) for other in names):
+                mark = replace(mark, row=mark.row + 1)
+            names += mark.names(x, up)
+        rows.append(mark)
+    return replace(plot, marks=tuple(rows))
 
 
 def _below_names(plot: Plot, scale: scales.Scale) -> scales.Scale:
@@ -231,30 +247,21 @@ def _stroked(opening: str, colour: str) -> str:
 def _level_names(frame: Frame, units: Units) -> str:
     """Return the names of levels at the right end of their lines.
 
-    They are above or below the line, and further to the left beside other names.
+    They are above or below the line, and left of other names that they would cover.
     """
     levels = [mark for mark in frame.plot.marks if isinstance(mark, Level)]
     factor, unit = units.of(frame.plot.y.unit)
-    placed, drawn = list[tuple[float, float, float]](), []
+    placed, drawn = [name for mark in frame.plot.marks for name in mark.names(frame.x, frame.y)], []
     for level in sorted(levels, key=lambda level: -level.value):
         text = " ".join(filter(None, (level.label, f"{factor * level.value:.4g}", unit)))
-        wide, line = marks.text_width(text, SMALL), float(frame.y.at(level.value))
-        ends = [frame.x.end - 4.0, *(start - 8.0 for start, _, _ in placed)]
+        line = float(frame.y.at(level.value))
+        ends = [frame.x.end - 4.0, *(name.ends[0] - 8.0 for name in placed)]
         sides = [down for down in (line - 3.0, line + SMALL) if frame.y.end + 8.0 < down <= frame.y.start]
-        places = [(end - wide, end, down) for end in ends for down in sides or [line - 3.0]]
-        place = next(place for place in places if all(_is_clear(place, other) for other in placed))
-        placed.append(place)
-        name = marks.words(text, place[1], place[2], "end", SMALL, marks.HALO)
-        drawn.append(f'<g data-at="{line:.2f}">{marks.coloured(name, level.colour)}</g>')
+        names = [Name(text, end, down, "end") for end in ends for down in sides or [line - 3.0]]
+        name = next(name for name in names if not any(map(name.overlaps, placed)))
+        placed.append(name)
+        drawn.append(f'<g data-at="{line:.2f}">{marks.coloured(name.draw(marks.HALO), level.colour)}</g>')
     return "".join(drawn)
-
-
-def _is_clear(one: tuple[float, float, float], other: tuple[float, float, float]) -> bool:
-    """Return True for two names that do not overlap.
-
-    Each is start, end and height.
-    """
-    return one[1] < other[0] or other[1] < one[0] or abs(one[2] - other[2]) >= SMALL
 
 
 @dataclass(frozen=True)

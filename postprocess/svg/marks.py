@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from itertools import compress, pairwise
-from typing import ClassVar, TypedDict
+from typing import ClassVar, NamedTuple, TypedDict
 
 import numpy as np
 
@@ -44,6 +44,12 @@ _WIDTHS = {
 }
 
 HALO = ' class="halo" stroke="#fff" stroke-width="3" paint-order="stroke"'
+
+SMALL = 11.0
+"""Size of letters of names and ticks [pixels]."""
+
+BESIDE = 4.0
+"""Room between names in one row [pixels]."""
 
 KEY = 26.0
 """Width of a key in the legend, gaps included [pixels]."""
@@ -102,6 +108,35 @@ def text_width(text: str, size: float = 12.0) -> float:
     return size * math.fsum(_WIDTHS.get(letter, MEAN_WIDTH) for letter in SI.rendered(text))
 
 
+class Name(NamedTuple):
+    """Small text at a place of a drawing [pixels].
+
+    anchor: "start", "middle" or "end".
+    """
+
+    text: str
+    x: float
+    y: float
+    anchor: str = "start"
+
+    def draw(self, more: str = "") -> str:
+        """Return its text element."""
+        return words(self.text, self.x, self.y, self.anchor, SMALL, more)
+
+    @property
+    def ends(self) -> Range:
+        """Left and right end [pixels]."""
+        wide = text_width(self.text, SMALL)
+        start = self.x - {"start": 0.0, "middle": 0.5, "end": 1.0}[self.anchor] * wide
+        return start, start + wide
+
+    def overlaps(self, other: Name) -> bool:
+        """Return True if it covers another name or touches it."""
+        (start, end), (other_start, other_end) = self.ends, other.ends
+        is_beside = start > other_end + BESIDE or other_start > end + BESIDE
+        return not is_beside and abs(self.y - other.y) < SMALL
+
+
 Cells = Sequence[str] | Sequence[float] | Floats
 Samples = tuple[Cells, Cells]
 """Places and values, equal in number, as numbers or words."""
@@ -149,6 +184,10 @@ class Mark:
     def draw(self, x: Scale, y: Scale) -> str:
         """Return the SVG elements."""
         return ""
+
+    def names(self, x: Scale, y: Scale) -> list[Name]:
+        """Return the texts that it draws."""
+        return []
 
     @property
     def attributes(self) -> str:
@@ -277,8 +316,12 @@ class Words(Mark):
 
         The edge separates it from lines.
         """
+        return coloured("".join(name.draw(HALO) for name in self.names(x, y)), self.colour)
+
+    def names(self, x: Scale, y: Scale) -> list[Name]:
+        """Return the text at its place."""
         across, down = float(x.at(self.x)) + self.shift[0], float(y.at(self.y)) + self.shift[1]
-        return coloured(words(self.label, across, down, self.anchor, 11.0, HALO), self.colour)
+        return [Name(self.label, across, down, self.anchor)] if self.label else []
 
 
 @dataclass(frozen=True)

@@ -77,18 +77,35 @@ const plotOf = (element) => {
   const x = axisOf(element.ownerSVGElement, ".x-axis", across, left, right), y = axisOf(element, ".y-axis", up, bottom, top);
   return Object.assign(plot, { paths, texts, lines: lines.filter(({ node }) => node.getAttribute("d")), x, y });
 };
-/* Words of a narrow drawing stay inside of it, and those that would cover earlier ones are not shown. */
+/* Words of a narrow drawing stay inside of it. A name on top that would cover another is a row lower; other words are not shown. */
+const isClear = (one, other) => one.right < other.left - 4 || one.left > other.right + 4 || one.top > other.bottom - 2 || one.bottom < other.top + 2;
+const boxAt = (node, across, down = 0) => {
+  const { left, right, top, bottom } = node.getBoundingClientRect();
+  return { left: left + across, right: right + across, top: top + down, bottom: bottom + down };
+};
 const separate = (element) => {
   const { left, right } = element.ownerSVGElement.getBoundingClientRect(), seen = [], texts = all(element, ".marks text");
   texts.forEach((node) => (node.style.display = ""));
-  const boxes = texts.map((node) => node.getBoundingClientRect());
+  const shifts = texts.map((node) => node.getBoundingClientRect()).map((box) => Math.max(0, left - box.left) - Math.max(0, box.right - right));
+  const places = texts.map((node, i) => (node.matches(".halo") ? [0] : [0, 11, 22]).map((lower) => [lower, boxAt(node, shifts[i], lower)]));
   texts.forEach((node, i) => {
-    const box = boxes[i], shift = Math.max(0, left - box.left) - Math.max(0, box.right - right);
-    const [start, end] = [box.left + shift, box.right + shift];
-    node.setAttribute("x", +node.getAttribute("x") + shift);
-    const isFree = seen.every((other) => end < other[0] - 4 || start > other[1] + 4 || box.top > other[3] - 2 || box.bottom < other[2] + 2);
-    if (isFree) seen.push([start, end, box.top, box.bottom]);
+    const [lower, box] = places[i].find(([, place]) => seen.every((other) => isClear(place, other))) ?? [0];
+    set(node, { x: +node.getAttribute("x") + shifts[i], y: +node.getAttribute("y") + lower });
+    if (box) seen.push(box);
     else node.style.display = "none";
+  });
+};
+/* Names of levels are at the right end of their lines, left of words that they would cover, and not outside of the drawing. */
+const placeNames = (names, words, shift, [top, bottom], down) => {
+  const seen = words.map((node) => node.getBoundingClientRect()).filter(({ width }) => width);
+  names.forEach((name) => {
+    const height = down(name.dataset.at), lower = height - name.dataset.at, at = (across) => `translate(${across} ${lower})`;
+    set(name, { transform: at(shift) }).style.display = "";
+    const ends = [0, ...seen.map(({ left }) => left - 8 - name.getBoundingClientRect().right)].filter((far) => far <= 0).sort((a, b) => b - a);
+    const far = ends.find((by) => seen.every((other) => isClear(boxAt(name, by), other)));
+    const box = boxAt(name, far), isIn = box.left >= name.ownerSVGElement.getBoundingClientRect().left && height > top - 1 && height < bottom + 1;
+    if (isIn) seen.push(box);
+    set(name, { transform: at(shift + far) }).style.display = isIn ? "" : "none";
   });
 };
 const drawPlot = ({ element, paths, texts, x, y, top, right }) => {
@@ -101,13 +118,8 @@ const drawPlot = ({ element, paths, texts, x, y, top, right }) => {
   const corners = [[start, top], [end, top], [end, bottom], [start, bottom]].map(([a, b]) => `${a}px ${b}px`);
   element.querySelector(".marks").style.clipPath = isWhole ? "" : `polygon(${corners}) view-box`;
   if (element.querySelector(".frame")) set(element.querySelector(".frame"), { width: end - start, height: bottom - top });
-  const names = all(ofUnits(element, ".beside"), "g[data-at]");
-  names.forEach((name) => set(name, { transform: `translate(${end - right} ${down(name.dataset.at) - name.dataset.at})` }).style.display = "");
-  names.map((name) => name.getBoundingClientRect().left < element.ownerSVGElement.getBoundingClientRect().left).forEach((isCut, i) => {
-    const height = down(names[i].dataset.at);
-    names[i].style.display = isCut || height < top - 1 || height > bottom + 1 ? "none" : "";
-  });
   if (matrix[0] < 1 && isWhole) separate(element);
+  placeNames(all(ofUnits(element, ".beside"), "g[data-at]"), texts.map(([node]) => node), end - right, [top, bottom], down);
   const holder = y.group.querySelector(".ticks g");
   if (y.scale === "named" || !holder.childElementCount) return;
   const ticks = ticksOf(y, 26);
@@ -328,7 +340,7 @@ const addCopies = (table) => {
 };
 
 /* A section is prepared when it is about to be seen, its charts one by one, so that the page answers in between. */
-const charts = [], waiting = new Set(all(document, "section"));
+const charts = [], sections = all(document, "section");
 const fitAll = async (some = charts) => {
   const rooms = some.map(({ room }) => room());
   for (const { draw } of some.filter(({ fit }, i) => fit(rooms[i]))) {
@@ -336,8 +348,8 @@ const fitAll = async (some = charts) => {
     draw();
   }
 };
-const prepare = (section) => {
-  if (!waiting.delete(section)) return null;
+const prepare = (section) => (section.prepared ??= prepared(section));
+const prepared = (section) => {
   const added = all(section, "svg.chart").map(chartOf);
   added.forEach((chart) => addKeys(chart, added));
   all(section, ".scroll > table").forEach(addCopies);
@@ -345,10 +357,10 @@ const prepare = (section) => {
   charts.push(...added);
   return fitAll(added);
 };
-const prepareAll = () => Promise.all([...waiting].map(prepare));
+const prepareAll = () => Promise.all(sections.map(prepare));
 const near = new IntersectionObserver((entries) => entries.filter(({ isIntersecting }) => isIntersecting)
   .forEach(({ target }) => prepare(target)), { rootMargin: "400px" });
-waiting.forEach((section) => near.observe(section));
+sections.forEach((section) => near.observe(section));
 const resized = new ResizeObserver(() => fitAll());
 all(document, "main").forEach((main) => resized.observe(main));
 document.querySelector(".units").addEventListener("change", () => charts.forEach(({ renew }) => renew()));

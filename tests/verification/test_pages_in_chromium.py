@@ -11,7 +11,7 @@ import pytest
 
 from postprocess.figures.impact import Forces, StrikeMark, draw_forces
 from postprocess.figures.positions import draw_positions, vehicle_outlines
-from postprocess.figures.studies import draw_sensitivity
+from postprocess.figures.studies import SweepAxis, SweepLine, draw_sensitivity, draw_sweep
 from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Chart, Plot
 from postprocess.svg.marks import Line, look
@@ -278,6 +278,28 @@ def test_a_plot_beside_long_names_is_seen_in_a_narrow_window(browser, tmp_path):
         assert svg["width"] <= 358
         assert frame["width"] >= 80
         assert screen.outside(page) == []
+
+
+def test_names_on_a_chart_cover_none_in_narrow_windows_and_on_paper(browser, tmp_path):
+    """Failed plates at the end where levels have their names."""
+    frequencies, sizes = np.geomspace(84.0, 2.0, 12), np.geomspace(0.002, 0.3, 12)
+    passed = [number % 5 > 0 for number in range(12)]
+    line, axes = (
+        SweepLine("impulse", sizes.tolist()),
+        [SweepAxis(frequencies.tolist(), runs, at) for runs in (passed, passed[::-1]) for at in (2.2, 20.0)],
+    )
+    drawn = [
+        draw_sweep(f"s{k}", axis, [line], "size", f"Chart {k}", (0.25, 0.1, 0.01))
+        for k, axis in enumerate(axes)
+    ]
+    report_page = Page("", Headline("Names", ""), (Section("Sweeps", figures=tuple(drawn)),), "")
+    path = write_page(tmp_path / "p.html", report_page)
+    for width, is_paper in ((1280, False), (390, False), (paper.PAPER_WIDTH, True)):
+        with opened(browser, path, width, is_paper=is_paper) as session:
+            assert charts.words(session.page) == []
+            assert session.page.locator(".marks text:visible", has_text="failed").count() == len(drawn)
+            names = session.page.locator(".beside text:visible").all_text_contents()
+            assert sorted(names) == sorted(["25 %", "10 %", "1 %"] * len(drawn))
 
 
 def test_what_is_wrong_on_a_screen_is_found(browser, page, tmp_path):

@@ -146,6 +146,37 @@ def test_names_of_levels_stay_in_the_picture_and_clear_of_each_other():
         assert abs(other - down) >= 11.0 or abs(end - other_end) >= text_width(text, 11.0)
 
 
+def boxes_of_words(root):
+    """Return text, ends and height of the words in a plot [pixels]."""
+    plot = next(group for group in root.iter(SVG + "g") if group.get("data-box"))
+    named = [group for group in plot.iter(SVG + "g") if group.get("class") in ("marks", "beside")]
+    boxes = []
+    for text in (element for group in named for element in group.iter(SVG + "text")):
+        x, y = (float(text.get(name, "nan")) for name in "xy")
+        wide = text_width(text.text or "", 11.0)
+        start = x - {"middle": 0.5, "end": 1.0}.get(text.get("text-anchor", ""), 0.0) * wide
+        boxes.append((text.text, start, start + wide, y))
+    return boxes
+
+
+@pytest.mark.parametrize(("failed", "plate"), [((9.6, 10.0), 9.0), ((9.0, 9.8), 9.4), ((1.0, 2.0), 10.0)])
+def test_names_of_spans_and_levels_cover_no_other_and_stay_in_the_plot(failed, plate):
+    """Spans at the right end, where names of levels stand."""
+    marks = (
+        Span("failed", *failed),
+        Span("the scene's plate", plate, plate),
+        Level("", 9.9),
+        Level("", 10.0),
+    )
+    line = Line("FE", np.array([0.0, 10.0]), np.array([0.0, 10.0]))
+    drawn = Chart("name", "caption", (Plot((line, *marks), Axis("size [%]")),), Axis(margin=0.0))
+    boxes = boxes_of_words(ElementTree.fromstring(drawn.svg))
+    assert len(boxes) == 4
+    assert all(0.0 < start < end <= drawn.width for _, start, end, _ in boxes)
+    for (_, start, end, y), (_, other_start, other_end, other_y) in itertools.combinations(boxes, 2):
+        assert end < other_start or other_end < start or abs(y - other_y) >= 11.0
+
+
 def test_names_of_levels_stand_at_their_lines():
     """Above them, or below where there is no room."""
     marks = [Level("", value) for value in (0.1, 1.0, 5.0, 10.0)]
