@@ -1,17 +1,19 @@
 """Failures, errors and time of random whole impacts.
 
     .venv/bin/python benchmarks/impacts_random.py [--runs 200] [--seed 1] [--meshes default quad4:6 ...]
-        [--crush] [--trains] [--units N] [--rigid] [--references [MESH ...]] [--every N] [--keep FILE]
+        [--crush] [--trains] [--units N] [--restitution LEAST MOST] [--rigid] [--references [MESH ...]] [--every N]
+        [--keep FILE]
 
 Vehicles are cars, pickups, trucks and tractors with their trailer as one body, of ordinary size and mass, as a plate of
 200 GPa and half to twice the thickness that steel would have, their crush within the values that docs/impact.md names.
-Below a restitution of 0.1 a strike ends too suddenly for any mesh.
 
 --crush        the same vehicles with a plateau, rear corners of their own, half of which unload by their slope, and two
                axles with tyres
 --trains       tractors with one to three trailers instead, each unit with a centre of mass and a yaw inertia of its
                own; in a third of them the hinges are spread over 1.5 m
 --units        trains of at most N units only
+--restitution  range of the restitution of the front; below 0.1 it strikes several times at short intervals, and short
+               strikes differ from mesh to mesh
 --rigid        rigid vehicles alone, each beside the same at a quarter of its step
 --meshes       "default", or a kind of element and the number across the vehicle, which are square
 --references   each impact also on finer meshes of two kinds of element, still finer ones for those that fail, or on the
@@ -53,6 +55,8 @@ UNITS = (
 REFERENCES = ("quad9:10", "quad4:20")
 FINER = ("quad9:16", "quad4:40")
 """References of an impact that fails: a corner's force at a point has no limit of fine meshes."""
+restitution: Sequence[float] = (0.1, 0.4)
+"""Range of the restitution of the front."""
 CHOSEN = ("quad4:4", "quad4:6", "quad4:12", "quad9:3")
 
 
@@ -63,7 +67,7 @@ def common_changes(random: np.random.Generator, size: Sequence[float], steepest:
     """
     length, width, mass = size
     return {
-        "contact.restitution": random.uniform(0.1, 0.4),
+        "contact.restitution": random.uniform(*restitution),
         "contact.friction": random.uniform(0.05, 0.6),
         "impact.speed": random.uniform(8.0, 30.0),
         "impact.angle": math.radians(random.uniform(5.0, steepest)),
@@ -341,11 +345,12 @@ def tell_true(runs: dict[int, Record], failed: dict[int, Record], compared: dict
 
 def main() -> None:
     """Make the runs, and print the figures of each mesh."""
+    global drawn, restitution
     options = command_line.options(
         __doc__, runs=200, seed=1, meshes=("default", *CHOSEN), crush=False, trains=False, units=8, rigid=False,
-        references=None, every=1, keep=Path,
+        restitution=restitution, references=None, every=1, keep=Path,
     )  # fmt: skip
-    global drawn
+    restitution = options.restitution
     if options.trains or options.crush:
         drawn = train_changes if options.trains else crush_changes
     if options.rigid:
