@@ -107,9 +107,15 @@ class Memory:
         """Record the answers in this block, or return them in order."""
         with contextlib.ExitStack() as stack:
             for place, answers in self._answers.items():
-                effect: Any = self._record(place) if is_recording else list(answers)
-                stack.enter_context(mock.patch(place, side_effect=effect))
+                call = self._record(place) if is_recording else _repeat(answers)
+                stack.enter_context(mock.patch(place, call))
             yield
+
+
+def _repeat(answers: list[Any]) -> Callable[..., Any]:
+    """Return a function, or method, that returns these answers in order."""
+    remaining = iter(list(answers))
+    return lambda *values, **options: next(remaining)
 
 
 class Laboratory:
