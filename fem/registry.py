@@ -49,7 +49,7 @@ class Law:
 
 
 class Registry(dict[str, T]):
-    """Objects by their names, in the order of registration."""
+    """Objects by name, in order of registration."""
 
     def __init__(self, what: str) -> None:
         super().__init__()

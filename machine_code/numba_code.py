@@ -141,7 +141,7 @@ def python_type(kind: object) -> type | None:
 
 @functools.cache
 def make_callable(helper: Callable[..., object]) -> None:
-    """Register a plain function for calls from compiled code."""
+    """Register a function for calls from compiled code."""
     register_jitable(helper)
 
 

@@ -166,7 +166,7 @@ class ObjectCode(NamedTuple):
 
 
 class KernelError(RuntimeError):
-    """Error within a kernel, as of a registered law."""
+    """Error within a kernel or a registered law."""
 
 
 def encoded(code: ObjectCode, identity: dict[str, object]) -> bytes:
@@ -215,7 +215,7 @@ def helpers_of(code: ObjectCode) -> set[str]:
 
 
 def load_code(code: ObjectCode) -> Call:
-    """Load object code into memory and return its call.
+    """Load object code and return its call.
 
     The call raises KernelError if the kernel ends with an error.
     """

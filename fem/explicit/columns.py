@@ -1,4 +1,4 @@
-"""Columns of the histories with their units and meanings.
+"""Columns of the histories, with units and meanings.
 
 The compiled record of an instant has a field for each of the program's own columns. Other columns are registered as
 one object each, here or in any file outside. Their values are computed in Python, of the constrained corner from that
@@ -156,7 +156,7 @@ for _name in _IMPACT_NAMES.split():
 
 
 def row_of(measures: Measures, state: object, model: object) -> tuple[float, ...]:
-    """Return the values of all columns at an instant.
+    """Return the columns' values at an instant.
 
     Those of the record come first.
     """

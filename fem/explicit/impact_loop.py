@@ -128,7 +128,7 @@ class ImpactMeasures(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Arrays that are filled with one row per instant.
+    """Arrays with one row per instant.
 
     values, shape (rows, fields of `ImpactMeasures`). normal and tangential impulse [N s], depth behind the face and
     place along the wall [m] of each contact point, shape (rows, points) each. units, shape (rows, columns): of the

@@ -127,7 +127,7 @@ def modal_plate(plate: PlateModel, count: int) -> ModalPlate:
 
 
 def with_fewer_modes(modal: ModalPlate, count: int) -> ModalPlate:
-    """Return the model with its first `count` modes only.
+    """Return the model with the first `count` modes.
 
     The flexibility of the others is added to that of the omitted modes.
     """

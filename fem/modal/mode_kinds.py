@@ -18,7 +18,7 @@ from fem.plate.free_modes import FreeModes
 def mode_kinds(
     model: PlateModel, modes: FreeModes, thickness: float
 ) -> tuple[tuple[str, ...], dict[str, np.ndarray]]:
-    """Return the kinds of the modes of a model.
+    """Return the kinds of a model's modes.
 
     thickness: [m]. Also returns the fractions that define the kinds, shape (modes,): kinetic energy of the symmetric
     part and along the length, strain energy of shear.
@@ -37,7 +37,7 @@ def mode_kinds(
 
 
 def _name(symmetric: float, along: float, shear: float) -> str:
-    """Return the name of the kind for these fractions."""
+    """Return the kind of mode for these fractions."""
     if symmetric > 0.5:
         return "longitudinal" if along > 0.5 else "transverse"
     return "shear" if shear > 0.5 else "bending"

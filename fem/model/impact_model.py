@@ -130,7 +130,7 @@ def _crush(laws: np.ndarray) -> unilateral.Crush:
 
 
 def _axles(parts: Sequence[tuple[Discretisation, np.ndarray, tuple[AxleProperties, ...]]]) -> Axles | None:
-    """Return the axles of all plates, None without any.
+    """Return the axles of all plates, or None.
 
     parts: discretisation, nodes in the model and axles of each.
     """
@@ -165,7 +165,7 @@ def _axle_line(discretisation: Discretisation, position: float) -> tuple[np.ndar
 
 
 def boundary_of(discretisation: Discretisation) -> tuple[np.ndarray, np.ndarray]:
-    """Return the nodes of the boundary and their lengths.
+    """Return the boundary nodes and their lengths.
 
     A length [m] is that of the sides that the node represents. Both have the shape (boundary nodes,).
     """

@@ -331,7 +331,7 @@ def _corner(
 def plate_viscosity(
     d: Discretisation, plate: PlateProperties, step: StepProperties, frequency: float
 ) -> internal_force.Viscosity | None:
-    """Return the viscosity of the plate, None without any."""
+    """Return the viscosity of the plate, or None."""
     if not (step.damping_ratio or step.bulk_viscosity):
         return None
     moduli = materials.st_venant_kirchhoff(plate.youngs_modulus, plate.poissons_ratio)

@@ -91,7 +91,7 @@ class Inverse:
 
     @property
     def is_large(self) -> bool:
-        """True for large plates, which are solved by iteration."""
+        """True for large plates, solved by iteration."""
         return 2 * self.masses.size >= LARGE and self.hinges is None
 
     @cached_property

@@ -93,7 +93,7 @@ class Multigrid:
         return self._elastic(self._cycle.matvec(self._elastic(residual)))
 
     def _elastic(self, values: np.ndarray) -> np.ndarray:
-        """Remove the rigid motion from values of the unknowns."""
+        """Remove the rigid motion from the unknowns."""
         return np.asarray(values - self._rigid @ (self._rigid.T @ values))
 
     def lowest_square(self, masses: np.ndarray, guesses: np.ndarray) -> float:

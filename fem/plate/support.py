@@ -1,4 +1,4 @@
-"""Constraint of the corner as support of the plate."""
+"""The corner's constraint as support of the plate."""
 
 from __future__ import annotations
 

@@ -193,7 +193,7 @@ def _window_ends(count: int, supported: np.ndarray) -> list[tuple[int, int]]:
 
 
 def _even_ends(start: int, end: int) -> list[tuple[int, int]]:
-    """Return the ends of windows of about equal size."""
+    """Return the ends of windows of similar size."""
     number = max(1, (end - start) // SIZE)
     ends = [start + (end - start) * k // number for k in range(number + 1)]
     return [window for window in itertools.pairwise(ends) if window[0] < window[1]]

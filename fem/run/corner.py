@@ -200,7 +200,7 @@ def simulate(
     checkpoint: observers.Checkpoint | None = None,
     snapshots: int = 0,
 ) -> Run:
-    """Run the plate from the start to the tail-slap.
+    """Run the plate until the tail-slap.
 
     The tail-slap is the instant at which the plate's angle reaches zero.
 

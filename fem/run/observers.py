@@ -147,7 +147,7 @@ class SnapshotKeeper(Observer):
         return max(k, round(self._spacing * k))
 
     def due(self, row: int) -> int:
-        """Return the number of rows until the next instant.
+        """Return the rows until the next instant.
 
         It is 0 where only the end of the run is missing.
         """

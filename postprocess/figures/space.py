@@ -388,7 +388,7 @@ def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
 
 
 def draw_films(vehicle: Vehicle, history: History) -> list[Chart]:
-    """Draw the animated motion from behind and from above."""
+    """Animate the motion from behind and above."""
     behind, above = film_views(vehicle, history)
     captions = (
         "Vehicle from behind, animated, ten times slower",

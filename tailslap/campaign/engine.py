@@ -224,7 +224,7 @@ class _Engine:
             self._alone = self._submit([self._suspects.popleft()])
 
     def _submit(self, keys: list[Key]) -> Batch:
-        """Submit the parts of these keys as one batch."""
+        """Submit these parts as one batch."""
         batch = [(key, self._parts.arguments(key)) for key in keys]
         future = self._pool.submit(pools.run_batch, program(), self._parts.function, batch)
         self._under_way[future] = keys
@@ -232,7 +232,7 @@ class _Engine:
         return future
 
     def _collect(self, timeout: float) -> None:
-        """Record all finished batches, after the first is finished."""
+        """Wait for a batch, then record finished ones."""
         records: dict[Key, object] = {}
         seconds: dict[Key, float] = {}
         try:

@@ -73,7 +73,7 @@ def about(value: float, tolerance: float, origin: str) -> Limits:
 
 @dataclass(frozen=True)
 class Range:
-    """An input that is uniformly distributed between two values.
+    """An input, uniformly distributed between two values.
 
     `given` is the value of the scene where it has one. All values are in `unit`.
     """

@@ -110,7 +110,7 @@ def make_ready() -> str:
 
 
 class Pool:
-    """Workers of one thread each, processes of this machine.
+    """Worker processes of this machine, one thread each.
 
     They are forked from a process that has imported the modules of runs, and restarted if one dies.
 
@@ -240,7 +240,7 @@ def _hidden_script() -> Iterator[None]:
 
 @contextlib.contextmanager
 def local(workers: int) -> Iterator[Pool]:
-    """Start processes of this machine, and end them afterwards.
+    """Start processes of this machine and end them.
 
     Without workers or without /proc, the pool is this process. Raises LostError.
     """

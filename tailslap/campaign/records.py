@@ -198,7 +198,7 @@ class Records(Mapping[Key, Any]):
         return _seal(*row or (None,))
 
     def in_order(self) -> Iterator[Any]:
-        """Yield all records in the order of their keys."""
+        """Yield all records in order of their keys."""
         return (_value(text) for (text,) in self._file.execute("SELECT value FROM record ORDER BY key"))
 
     def __getitem__(self, key: Key) -> Any:

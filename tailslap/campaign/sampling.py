@@ -159,7 +159,7 @@ class Band:
     values: Array
 
     def fraction_below(self, value: float) -> float:
-        """Return the fraction of the samples below a value."""
+        """Return the fraction of samples below a value."""
         return float(np.mean(self.values < value))
 
     def numbers(self) -> dict[str, float]:

@@ -1,4 +1,4 @@
-"""Report of a sweep with page, charts and summary."""
+"""Report a sweep by page, charts and summary."""
 
 import contextlib
 import math
@@ -224,7 +224,7 @@ def _varied(item: Variation, values: np.ndarray, units: Units) -> Varied:
 
 
 def counts(sweep: FinishedSweep) -> str:
-    """Return the numbers of rows by status in words."""
+    """Describe the number of rows of each status."""
     return ", ".join(f"{n} {STATUS_WORDS[status]}" for status, n in sweep.statuses.items() if n)
 
 

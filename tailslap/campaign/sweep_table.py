@@ -105,7 +105,7 @@ def write_table(folder: Path, definition: Definition, rows: records.Records) -> 
 
 
 def table_schema(definition: Definition, checks: list[str]) -> pa.Schema:
-    """Return the columns of the table and their types.
+    """Return the table's columns and their types.
 
     `checks` are the columns of the checks, which depend on the runs.
     """

@@ -32,7 +32,7 @@ def register(study: Study) -> None:
 
 
 def study_names() -> list[str]:
-    """Return the sorted names of the studies, without imports."""
+    """Return the sorted names of the studies."""
     return sorted([*(module.name for module in pkgutil.iter_modules(__path__) if module.ispkg), *_registered])
 
 

@@ -164,7 +164,7 @@ def own_error(row: Record) -> float:
 
 
 def is_valid(row: Record) -> bool:
-    """Return True for a result that passed its checks."""
+    """Return True if a result passed its checks."""
     return not row["refused"] and not row["failed"] and math.isfinite(row["error"])
 
 

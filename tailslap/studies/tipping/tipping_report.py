@@ -297,7 +297,7 @@ def _map(result: TippingResult) -> Record:
 
 
 def _walls(result: TippingResult) -> Record:
-    """Return the distributions over the height of the wall."""
+    """Return the distributions over the wall's height."""
     low, high = result.intervals
     columns = {
         "wall_height": result.walls,

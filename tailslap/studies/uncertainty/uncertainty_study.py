@@ -163,7 +163,7 @@ def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
 
 
 def nominal_columns(case: Any) -> dict[str, float]:
-    """Return the results of the scene's own values [SI]."""
+    """Return the results of the scene's values [SI]."""
     if case.scene.contact is None:
         return {"peak_force": float(case.force.peak_force)}
     return answers.both_strikes(case.answer)
