@@ -150,10 +150,22 @@ def _blocks(columns: list[Laid], width: int) -> Iterator[list[Laid]]:
     yield block
 
 
+def _widths(block: list[Laid], width: int) -> list[int]:
+    """Return the column widths, where words divide the free space equally."""
+    longest = [max([column.narrowest, *map(len, column.cells)]) for column in block]
+    widths = [column.narrowest for column in block]
+    for _ in range(width - sum(widths) - GAP * (len(block) - 1)):
+        growing = [i for i, most in enumerate(longest) if widths[i] < most]
+        if not growing:
+            break
+        widths[min(growing, key=widths.__getitem__)] += 1
+    return widths
+
+
 def _grid(block: list[Laid], width: int) -> list[str]:
     """Return columns side by side as lines.
 
-    Words are aligned left, numbers right.
+    Words are aligned left and wrap, numbers right and whole.
     """
     from rich import box
     from rich.console import Console
@@ -162,16 +174,12 @@ def _grid(block: list[Laid], width: int) -> list[str]:
 
     grid = Grid(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, header_style="")
     grid.show_header = any(column.heading for column in block)
-    for column in block:
-        grid.add_column(
-            Text(column.heading),
-            justify="left" if column.is_words else "right",
-            min_width=column.narrowest,
-            no_wrap=max(map(len, column.cells), default=0) <= column.narrowest,
-        )
+    widths = _widths(block, width)  # Rich makes columns narrower than their minimum, and cuts the last ones
+    for column, size in zip(block, widths, strict=True):
+        grid.add_column(Text(column.heading), justify="left" if column.is_words else "right", width=size)
     for cells in zip(*(column.cells for column in block), strict=True):
         grid.add_row(*map(Text, cells))
-    console = Console(file=io.StringIO(), width=width, color_system=None)
+    console = Console(file=io.StringIO(), width=sum(widths) + GAP * len(widths), color_system=None)
     with console.capture() as capture:
         console.print(grid)
     return [line.rstrip() for line in capture.get().splitlines()]

@@ -9,8 +9,10 @@ import tomllib
 
 import click
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from postprocess.report.tables import Column, Table
+from postprocess.report.tables import Column, Table, text_table
 from postprocess.report.terminal import labelled, printed, table_lines
 from tailslap import cli, errors
 from tailslap.scene import read, schema, write
@@ -70,6 +72,23 @@ def test_answer_set_up_and_certainty_open_the_terminal(arguments, said, tmp_path
     assert first.startswith(" ".join(lines).replace("\N{NO-BREAK SPACE}", " "))
     for place in tmp_path.glob("*/summary.json"):
         assert json.loads(place.read_text())["answer"] == summary["answer"]
+
+
+PHRASES = st.lists(st.text("abc", min_size=1, max_size=16), min_size=1, max_size=6).map(" ".join)
+NUMBERS = st.text("123", min_size=1, max_size=9)
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.data(), st.integers(40, 100), st.integers(1, 3), st.integers(1, 9))
+def test_every_word_and_number_of_a_table_is_whole(data, width, words, numbers):
+    """Lines are no longer than the terminal where columns fit in pairs."""
+    kinds = [PHRASES] * words + [NUMBERS] * numbers
+    rows = [[data.draw(kind) for kind in kinds] for _ in range(3)]
+    lines = table_lines(text_table(*(f"h{i}" for i in range(len(kinds))), rows=rows, texts=words), width)
+    assert {part for row in rows for cell in row for part in cell.split()} <= {*" ".join(lines).split()}
+    longest = [max(len(part) for row in rows for part in row[i].split()) for i in range(len(kinds))]
+    if sum(longest[:words]) + max(longest[words:]) + 2 * words <= width / 2:
+        assert max(map(len, lines)) <= width
 
 
 def test_a_failed_run_fits_too(said):
