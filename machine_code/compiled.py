@@ -203,6 +203,14 @@ def compiled(function: Function) -> Kernel:
     return Kernel(function, OPTIONS | {"nogil": True})
 
 
+def allocation_free(function: Function) -> Kernel:
+    """Decorate a function as `compiled` does, if it creates no array.
+
+    Numba then counts no references to arrays, which takes a quarter of the time of a loop over many views.
+    """
+    return Kernel(function, OPTIONS | {"nogil": True, "_nrt": False})
+
+
 def compile_once(
     compile_all: Callable[[], object], kernel: Kernel, *arguments: object, on_compile: OnCompile
 ) -> None:

@@ -14,7 +14,7 @@ Hinge               moment in proportion to the sine of the angle between the la
 import numpy as np
 
 from fem.laws.contact_forces import PointCrush, crush_line, loading_force, side_force
-from machine_code.compiled import compiled
+from machine_code.compiled import allocation_free
 from solver.space.dynamics import cross, rotated, turned_back
 from solver.space.state import (
     ABOVE,
@@ -28,6 +28,7 @@ from solver.space.state import (
     DAMPING_WORK,
     END,
     FACE,
+    FOOT,
     FRICTION,
     FRICTION_WORK,
     HALF_SPACING,
@@ -48,6 +49,7 @@ from solver.space.state import (
     REACH,
     RETURNED,
     SINE,
+    SLOPE,
     SPREAD,
     SPRING,
     START,
@@ -74,7 +76,7 @@ STEEPEST, STICKING = 0.25, 0.25
 a point: the force of a step does not reverse the motion that causes it."""
 
 
-@compiled
+@allocation_free
 def wall_facets(profile, height, wall):
     """Set the facets of a wall of a height.
 
@@ -91,24 +93,24 @@ def wall_facets(profile, height, wall):
         size = np.hypot(y0 - y1, z1 - z0)
         wall[count, 0], wall[count, 1], wall[count, 2], wall[count, 3] = y0, z0, y1, z1
         wall[count, 4], wall[count, 5] = (z1 - z0) / size, (y0 - y1) / size
+        wall[count, 6] = (y1 - y0) / (z1 - z0)
         count += 1
     return count
 
 
-@compiled
+@allocation_free
 def point_of_face(wall, facets, z):
-    """Return the position y of the wall's face at a height.
+    """Return the position y of the wall's face at a height, and its facet.
 
     Above the top it is that of the upper edge.
     """
-    for k in range(facets):
-        if z <= wall[k, 3] or k == facets - 1:
-            part = min(max((z - wall[k, 1]) / (wall[k, 3] - wall[k, 1]), 0.0), 1.0)
-            return wall[k, 0] + part * (wall[k, 2] - wall[k, 0])
-    return 0.0
+    level, k = min(z, wall[facets - 1, 3]), 0
+    while level > wall[k, 3]:
+        k += 1
+    return wall[k, 0] + max(level - wall[k, 1], 0.0) * wall[k, 6], k
 
 
-@compiled
+@allocation_free
 def add_force(b, x, y, z, fx, fy, fz):
     """Add a force at a point of a body.
 
@@ -125,7 +127,7 @@ def add_force(b, x, y, z, fx, fy, fz):
     return py, pz
 
 
-@compiled
+@allocation_free
 def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
     """Add a force at a point of an axle.
 
@@ -136,7 +138,7 @@ def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
     q[JOINT_LOAD + 1] += y * up - (z - centre) * across
 
 
-@compiled
+@allocation_free
 def point_velocity(b, x, y, z, uy, uz):
     """Return the velocity in space of a point of a body.
 
@@ -147,14 +149,14 @@ def point_velocity(b, x, y, z, uy, uz):
     return b[NOW] + vx, b[NOW + 1] + vy, b[NOW + 2] + vz
 
 
-@compiled
+@allocation_free
 def press_axles(axles, axle_unit, bodies, joints, sums, h):
     """Add forces of springs, dampers and tyres, and works over h."""
     for a in range(axles.shape[0]):
         _press_axle(axles[a], bodies[axle_unit[a]], joints[a], sums, h)
 
 
-@compiled
+@allocation_free
 def _press_axle(axle, b, q, sums, h):
     """Add the forces on one axle."""
     heave, c, s = q[JOINT], q[COSINE], q[SINE]
@@ -186,7 +188,7 @@ def _press_axle(axle, b, q, sums, h):
             sums[TYRE_WORK] += h * force * across
 
 
-@compiled
+@allocation_free
 def twist_hinges(units, bodies):
     """Add the moments of the hinges in roll."""
     for u in range(1, units.shape[0]):
@@ -201,37 +203,30 @@ def twist_hinges(units, bodies):
             b[LOAD + 5] += pz
 
 
-@compiled
+@allocation_free
 def press_strips(fleet, i, units, axles, strips, facets, work, h):
     """Add the forces of the wall on all strips.
 
-    h: the step [s]. Returns the largest depth [m]; without contact it is negative, the smallest gap.
+    h: the step [s]. Returns True if a point is behind the face, or has come down on the top.
     """
-    deepest, first, toe = -np.inf, 0, work.wall[0, 0]
+    touching, first = False, 0
     for k in range(strips.shape[0]):
         u, a, points = fleet.strip_unit[k], fleet.strip_axle[k], fleet.strip_points[k]
-        b, strip = work.bodies[u], strips[k]
-        q = work.joints[max(a, 0)]  # unused of a strip of the body
-        if b[AT + 1] - units[u, REACH] > toe:
-            deepest, first = max(deepest, toe - b[AT + 1] + units[u, REACH]), first + 2 * points
-            continue
-        centre, of_axle = (axles[a, CENTRE], 1.0 / axles[a, AXLE_MASS]) if a >= 0 else (np.nan, 0.0)
-        for side in (-1.0, 1.0):
-            ax, ay, az, _, _ = _end(strip, START, side, centre, q)
-            bx, by, bz, _, _ = _end(strip, END, side, centre, q)
-            depth = (
-                toe - b[AT + 1] - min(b[3] * ax + b[4] * ay + b[5] * az, b[3] * bx + b[4] * by + b[5] * bz)
-            )
-            if depth > 0.0:
-                depth = _press_strip(
-                    strip, side, centre, b, q, work.wall, facets, work.memory[first : first + points],
+        b, q = work.bodies[u], work.joints[max(a, 0)]  # unused of a strip of the body
+        if b[AT + 1] - units[u, REACH] <= work.wall[0, 0]:
+            centre, of_axle = (axles[a, CENTRE], 1.0 / axles[a, AXLE_MASS]) if a >= 0 else (np.nan, 0.0)
+            for side in range(2):
+                touches = _press_strip(
+                    strips[k], 2.0 * side - 1.0, centre, b, q, work.wall, facets,
+                    work.memory[first + side * points : first + (side + 1) * points],
                     fleet.friction[i], 4.0 / units[u, MASS], of_axle, work.bodies[0, AT], work.sums, h,
                 )  # fmt: skip
-            deepest, first = max(deepest, depth), first + points
-    return deepest
+                touching = touching or touches
+        first += 2 * points
+    return touching
 
 
-@compiled
+@allocation_free
 def _end(strip, at, side, centre, q):
     """Return position and velocity of an end of a strip.
 
@@ -245,77 +240,99 @@ def _end(strip, at, side, centre, q):
     return x, y, centre + q[JOINT] + z, -z * q[JOINT_NOW + 1], q[JOINT_NOW] + y * q[JOINT_NOW + 1]
 
 
-@compiled
+@allocation_free
 def _press_strip(
     strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h
 ):  # fmt: skip
     """Add the forces of the wall on a strip.
 
-    Returns its depth [m]. origin: place along the wall from which stations count; mobility, of_axle: inverse masses of
-    the body at a point, and of the axle. The points are one loop: calls for each would take a third more time.
+    Returns True if a point touches. origin: place along the wall from which stations count; mobility, of_axle: inverse
+    masses of the body at a point, and of the axle. The points are one loop: calls for each would take a third more
+    time.
     """
     ax, ay, az, auy, auz = _end(strip, START, side, centre, q)
     bx, by, bz, buy, buz = _end(strip, END, side, centre, q)
     sx, sy, sz = rotated(b, ax, ay, az)
     ex, ey, ez = rotated(b, bx, by, bz)
-    sx, sy, sz = sx + b[AT], sy + b[AT + 1], sz + b[AT + 2]
-    ex, ey, ez = ex + b[AT], ey + b[AT + 1], ez + b[AT + 2]
-    svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
-    evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
+    sy, sz, ey, ez = sy + b[AT + 1], sz + b[AT + 2], ey + b[AT + 1], ez + b[AT + 2]
+    toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
+    if min(sy, ey) > toe:
+        return False
     points = memories.shape[0]
-    top, edge = wall[facets - 1, 3], wall[facets - 1, 2]
-    part = strip[LENGTH] / points
+    spacing = 1.0 / points
+    half = max(0.5 * abs(ez - sz) * spacing, EDGE)
+    if min(sz, ez) - half > top and max(sy, ey) < edge:
+        for n in range(points):
+            memories[n, ABOVE] = 1.0
+        return False
+    part = strip[LENGTH] * spacing
     crush = PointCrush(
         strip[STIFFNESS] * part, 0.0, strip[RETURNED], strip[PLATEAU] * part, strip[UNLOADING] * part
     )
-    half = max(0.5 * abs(ez - sz) / points, EDGE)
-    deepest = -np.inf
+    stopping = STICKING / (h * points * (mobility + of_axle))
+    touches, pressed, spread, work, lost = False, False, 0.0, 0.0, 0.0
     fsx, fsy, fsz, fex, fey, fez = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    svx, svy, svz, evx, evy, evz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for n in range(points):
-        p = (n + 0.5) / points
+        p = spacing * (n + 0.5)
         o = 1.0 - p
-        x, y, z = o * sx + p * ex, o * sy + p * ey, o * sz + p * ez
-        if y > wall[0, 0]:  # clear of the wall at any height
-            memories[n, ABOVE] = 0.0
+        y, z, memory = o * sy + p * ey, o * sz + p * ez, memories[n]
+        if y > toe:  # clear of the wall at any height
+            memory[ABOVE] = 0.0
             continue
         if z - half > top:
-            memories[n, ABOVE] = 1.0 if y < edge else 0.0
-        elif y > edge:
-            memories[n, ABOVE] = 0.0
+            memory[ABOVE] = 1.0 if y < edge else 0.0
+            continue
+        if y > edge:
+            memory[ABOVE] = 0.0
         ny, nz, weight, depth, column = 0.0, 1.0, 1.0, top - z, TOP
-        if memories[n, ABOVE] == 0.0:
-            ny, nz, weight = _face(wall, facets, z - half, z + half)
-            if weight == 0.0:
+        if memory[ABOVE] == 0.0:
+            column = FACE
+            face, k = point_of_face(wall, facets, z)
+            if face <= y:
                 continue
-            depth, column = (point_of_face(wall, facets, min(z, top)) - y) * ny, FACE
-        deepest = max(deepest, depth)
+            ny, nz, weight = _face(wall, facets, k, z - half, z + half)
+            depth = (face - y) * ny
         if depth <= 0.0:
             continue
-        memories[n, column] = max(memories[n, column], depth)
-        inverse = points * (mobility + nz * nz * of_axle)
-        force = weight * _crushed(crush, memories[n, column], depth, STEEPEST / (h * h * inverse))
+        touches = True
+        if depth <= memory[column + FOOT]:
+            continue
+        if depth >= memory[column]:
+            memory[column], memory[column + SLOPE] = depth, 0.0
+            force = weight * loading_force(crush, depth)
+        else:
+            if memory[column + SLOPE] == 0.0:
+                _set_unloading(crush, memory, column, h * h * points * (mobility + nz * nz * of_axle))
+            force = weight * memory[column + SLOPE] * (depth - memory[column + FOOT])
         if force <= 0.0:
             continue
+        if not pressed:
+            pressed = True
+            svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
+            evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
+            sx, ex = sx + b[AT] - origin, ex + b[AT] - origin
         vx, vy, vz = o * svx + p * evx, o * svy + p * evy, o * svz + p * evz
         approach = vy * ny + vz * nz
         ty, tz = vy - approach * ny, vz - approach * nz
-        sliding = np.sqrt(vx * vx + ty * ty + tz * tz)
-        drag = min(
-            coefficient * force / sliding if sliding > 0.0 else 0.0,
-            STICKING / (h * points * (mobility + of_axle)),
-        )
+        sliding, limit = np.sqrt(vx * vx + ty * ty + tz * tz), coefficient * force
+        drag = limit / sliding if limit < stopping * sliding else stopping
         fx, fy, fz = -drag * vx, force * ny - drag * ty, force * nz - drag * tz
         fsx, fsy, fsz = fsx + o * fx, fsy + o * fy, fsz + o * fz
         fex, fey, fez = fex + p * fx, fey + p * fy, fez + p * fz
-        sums[WALL_WORK] += h * force * approach
-        sums[FRICTION_WORK] -= h * drag * sliding * sliding
-        station = x - origin
-        sums[LATERAL] += fy
-        sums[ALONG] += fx
-        sums[UP] += fz
-        sums[MOMENT] += fy * z
-        sums[STATION] += fy * station
-        sums[SPREAD] += fy * station * station
+        spread += fy * (o * sx + p * ex) ** 2
+        work += force * approach
+        lost += drag * sliding * sliding
+    if not pressed:
+        return touches
+    sums[LATERAL] += fsy + fey
+    sums[ALONG] += fsx + fex
+    sums[UP] += fsz + fez
+    sums[MOMENT] += fsy * sz + fey * ez
+    sums[STATION] += fsy * sx + fey * ex
+    sums[SPREAD] += spread
+    sums[WALL_WORK] += h * work
+    sums[FRICTION_WORK] -= h * lost
     if np.isnan(centre):
         add_force(b, ax, ay, az, fsx, fsy, fsz)
         add_force(b, bx, by, bz, fex, fey, fez)
@@ -323,33 +340,34 @@ def _press_strip(
         centre += q[JOINT]
         add_axle_force(b, q, centre, ax, ay, az, fsx, fsy, fsz)
         add_axle_force(b, q, centre, bx, by, bz, fex, fey, fez)
-    return deepest
+    return touches
 
 
-@compiled
-def _face(wall, facets, low, high):
+@allocation_free
+def _face(wall, facets, k, low, high):
     """Return the mean normal of the face between two heights.
 
-    The third value is the fraction of the interval below the top.
+    The third value is the fraction of the interval below the top. k: facet of the middle.
     """
+    if high <= wall[k, 3] and (k == 0 or low >= wall[k, 1]):
+        return wall[k, 4], wall[k, 5], 1.0
     ny, nz, weight = 0.0, 0.0, 0.0
-    for k in range(facets):
-        bottom = wall[k, 1] if k > 0 else min(low, wall[k, 1])
-        part = max(min(high, wall[k, 3]) - max(low, bottom), 0.0) / (high - low)
+    for j in range(facets):
+        bottom = wall[j, 1] if j > 0 else min(low, wall[j, 1])
+        part = max(min(high, wall[j, 3]) - max(low, bottom), 0.0) / (high - low)
         if part > 0.0:
-            ny, nz, weight = ny + part * wall[k, 4], nz + part * wall[k, 5], weight + part
+            ny, nz, weight = ny + part * wall[j, 4], nz + part * wall[j, 5], weight + part
     size = np.sqrt(ny * ny + nz * nz)
     return (ny / size, nz / size, weight) if size > 0.0 else (1.0, 0.0, 0.0)
 
 
-@compiled
-def _crushed(crush, deepest, depth, steepest):
-    """Return the force of the crush law [N].
+@allocation_free
+def _set_unloading(crush, memory, column, inverse):
+    """Set the line of unloading of a point from its deepest position.
 
-    The line of unloading is no steeper than this slope [N/m].
+    inverse: square of the step over the effective mass [s^2/kg].
     """
-    if depth >= deepest:
-        return loading_force(crush, depth)
-    peak, _, length, _ = crush_line(crush, deepest)
-    length = max(length, peak / steepest)
-    return peak * max(length - deepest + depth, 0.0) / length if length > 0.0 else 0.0
+    peak, _, length, _ = crush_line(crush, memory[column])
+    length = max(length, peak * inverse / STEEPEST)
+    memory[column + FOOT] = memory[column] - length
+    memory[column + SLOPE] = peak / length if length > 0.0 else 0.0

@@ -35,10 +35,12 @@ Both ends, in the body's axes or about the roll centre of its axle, y to the lef
 [m].
 """
 
-FACE, TOP, ABOVE = range(3)
+FACE, TOP, ABOVE = 0, 3, 6
+FOOT, SLOPE = 1, 2
 """Columns of a point of a strip.
 
-Deepest penetration of face and top [m]; 1 after it was above the top behind the edge of the face.
+For the face and for the top the deepest penetration, then the depth at which unloading ends [m] and its slope [N/m], 0
+before; 1 after it was above the top behind the edge of the face.
 """
 
 LATERAL, ALONG, UP, MOMENT, STATION, SPREAD, WALL_WORK, FRICTION_WORK, TYRE_WORK, DAMPING_WORK = range(10)
@@ -139,9 +141,10 @@ class Clock(NamedTuple):
 class Work(NamedTuple):
     """Workspace of one sample.
 
-    bodies, shape (units, 76); joints, shape (axles, 29); wall, (facets, 6): from y, z to y, z, and normal; memory,
-    (points of both sides, 3); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of both
-    units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 6): means of the rows so far.
+    bodies, shape (units, 76); joints, shape (axles, 29); wall, (facets, 7): from y, z to y, z, normal and dy/dz;
+    memory, (points of both sides, 7); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of
+    both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 6): means of the rows so far;
+    before, (10,): sums before the step; answer, rolls: of one motion in a search for a wall.
     """
 
     bodies: np.ndarray
@@ -152,15 +155,18 @@ class Work(NamedTuple):
     effect: np.ndarray
     tie: np.ndarray
     windows: np.ndarray
+    before: np.ndarray
+    answer: np.ndarray
+    rolls: np.ndarray
 
 
 def workspace(units: int, axles: int, points: int, facets: int, rows: int) -> Work:
     """Return a workspace for one sample."""
     hinges = units - 1
     return Work(
-        np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 6)),
-        np.zeros((2 * points, 3)), np.zeros(10), np.zeros((6 * hinges, 6)),
-        np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 6)),
+        np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 7)),
+        np.zeros((2 * points, 7)), np.zeros(10), np.zeros((6 * hinges, 6)),
+        np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 6)), np.zeros(10), np.zeros(ANSWERS), np.zeros(units),
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ of its largest force, all wheels are loaded and all units roll back; or at the l
 
 import numpy as np
 
-from machine_code.compiled import compiled
+from machine_code.compiled import allocation_free
 from solver.body import GRAVITY
 from solver.space.dynamics import assemble, begin_step, close_hinges, cross, kick, move, rotated, turned_back
 from solver.space.forces import (
@@ -25,7 +25,6 @@ from solver.space.forces import (
 )
 from solver.space.state import (
     ALONG,
-    ANSWERS,
     AT,
     AXLE_INERTIA,
     AXLE_MASS,
@@ -98,7 +97,7 @@ RESOLUTION, LOWEST_WALL = 1e-3, 0.1
 """Resolution and lowest height of the search for a wall [m]."""
 
 
-@compiled
+@allocation_free
 def advance(fleet, clock, work, rows, answers, rolls):
     """Follow every sample to its end.
 
@@ -109,14 +108,14 @@ def advance(fleet, clock, work, rows, answers, rolls):
         _follow(fleet, clock, i, fleet.height[i], work, rows[min(i, rows.shape[0] - 1)], answers[i], rolls[i])
 
 
-@compiled
+@allocation_free
 def lowest_walls(fleet, clock, work, scan, lowest):
     """Find for every sample the lowest wall above which it remains upright.
 
     scan: steps downwards from the height of the highest centre of mass, before the bisection [m]; lowest, shape (n,):
     NaN where a wall of that height does not suffice.
     """
-    rows, answer, rolls = np.zeros((0, 0)), np.zeros(ANSWERS), np.zeros(fleet.units.shape[1])
+    rows, answer, rolls = work.windows[:0], work.answer, work.rolls
     for i in range(fleet.units.shape[0]):
         holds, fails = np.nan, LOWEST_WALL
         for u in range(fleet.units.shape[1]):
@@ -143,7 +142,7 @@ def lowest_walls(fleet, clock, work, scan, lowest):
         lowest[i] = holds
 
 
-@compiled
+@allocation_free
 def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     """Follow sample i on a wall of this height to its end."""
     units, axles, strips, parts = fleet.units[i], fleet.axles[i], fleet.strips[i], clock.parts[i]
@@ -151,29 +150,29 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     facets = wall_facets(fleet.profile, height, work.wall)
     edge = work.wall[facets - 1, 2]
     answer[:], rolls[:], work.sums[:] = 0.0, 0.0, 0.0
-    bodies, joints, sums = work.bodies, work.joints, work.sums
+    bodies, joints, sums, before = work.bodies, work.joints, work.sums, work.before
     if not _begin(fleet, i, units, axles, strips, facets, clock.given, work):
         answer[OUTCOME] = OVER
         return
     touched, largest, touching, row, reached, outcome = 0.0, 0.0, False, 0, clock.longest, UPRIGHT
-    before = np.zeros(10)
     for k in range(int(np.ceil(clock.longest / clock.interval * (1.0 - 1e-12))) * parts + 1):
         t, last, ahead = k * h, h if k > 0 else 0.0, h if k > 0 else 0.5 * h
         begin_step(bodies, joints, last)
         for j in range(10):
             before[j] = sums[j]
         press_axles(axles, fleet.axle_unit, bodies, joints, sums, ahead)
-        depth = press_strips(fleet, i, units, axles, strips, facets, work, ahead)
-        _push_at(clock.push, k, parts, units[0], bodies[0])
+        touches = press_strips(fleet, i, units, axles, strips, facets, work, ahead)
+        if clock.push.shape[0] > 0:
+            _push_at(clock.push, k, parts, units[0], bodies[0])
         if units.shape[0] > 1:
             twist_hinges(units, bodies)
         force = sums[LATERAL] - before[LATERAL]
         largest = max(largest, force)
         if force > LEANING * largest:
             touched = t
-        if touching and depth <= 0.0:
+        if touching and not touches:
             _leave(units[0], bodies[0], answer)
-        touching = depth > 0.0
+        touching = touches
         if k % parts == 0:
             _end_row(sums, before, k == 0, parts, work.windows[row])
             if row < rows.shape[0]:
@@ -199,10 +198,10 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
         answer[ROLL] = min(max(answer[ROLL], -0.5 * np.pi), 0.5 * np.pi)
         for u in range(units.shape[0]):
             rolls[u] = min(max(rolls[u], -0.5 * np.pi), 0.5 * np.pi)
-    _means(work.windows[:row], clock.window, clock.interval, answer)
+    _means(work.windows[:row], sums, clock.window, clock.interval, answer)
 
 
-@compiled
+@allocation_free
 def _push_at(pushes, k, parts, unit, b):
     """Add the force of a history at a step.
 
@@ -214,7 +213,7 @@ def _push_at(pushes, k, parts, unit, b):
             _push(pushes[row], 0.5 if border else 1.0, unit, b)
 
 
-@compiled
+@allocation_free
 def _end_row(sums, before, first, parts, means):
     """Set the mean forces of a row that ends with this step.
 
@@ -226,7 +225,7 @@ def _end_row(sums, before, first, parts, means):
         sums[j] = 0.5 * change
 
 
-@compiled
+@allocation_free
 def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
     """Set sample i to the instant of first contact.
 
@@ -255,7 +254,7 @@ def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
             z = strip[START + 2] + p * (strip[END + 2] - strip[START + 2]) + raised + units[u, HEIGHT]
             if z - half < top:
                 place = bodies[u, AT + 1] - s * x - c * y
-                gap = min(gap, place - point_of_face(work.wall, facets, min(z, top)))
+                gap = min(gap, place - point_of_face(work.wall, facets, z)[0])
     if gap == np.inf:
         return anywhere
     for u in range(units.shape[0]):
@@ -263,7 +262,7 @@ def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
     return True
 
 
-@compiled
+@allocation_free
 def _push(push, share, unit, b):
     """Add a fraction of a force of a history to a unit.
 
@@ -276,7 +275,7 @@ def _push(push, share, unit, b):
     add_force(b, x, y, z, share * push[0], share * push[1], share * push[2])
 
 
-@compiled
+@allocation_free
 def _leave(unit, b, answer):
     """Store speed and directions of the first unit at a contact.
 
@@ -289,7 +288,7 @@ def _leave(unit, b, answer):
     answer[EXIT_YAW] = np.arctan2(b[3], b[0])
 
 
-@compiled
+@allocation_free
 def _verdict(units, bodies, joints, edge, t, answer, rolls):
     """Update the largest angles.
 
@@ -320,16 +319,19 @@ def _verdict(units, bodies, joints, edge, t, answer, rolls):
     return outcome, rising
 
 
-@compiled
-def _means(windows, window, interval, answer):
-    """Set the largest mean of the lateral force over a window."""
+@allocation_free
+def _means(windows, sums, window, interval, answer):
+    """Set the largest mean of the lateral force over a window.
+
+    sums: overwritten.
+    """
     total, best, at = 0.0, 0.0, 0
     for k in range(windows.shape[0]):
         total += windows[k, LATERAL] - (windows[k - window, LATERAL] if k >= window else 0.0)
         answer[RAW] = max(answer[RAW], windows[k, LATERAL])
         if total > best:
             best, at = total, k
-    sums = np.zeros(6)
+    sums[:] = 0.0
     for k in range(max(at - window + 1, 0), at + 1):
         for j in range(6):
             sums[j] += windows[k, j]
@@ -341,7 +343,7 @@ def _means(windows, window, interval, answer):
         answer[CONTACT_LENGTH] = np.sqrt(12.0 * max(sums[SPREAD] / sums[LATERAL] - station * station, 0.0))
 
 
-@compiled
+@allocation_free
 def _record(units, axles, axle_unit, work, first, before, row):
     """Fill the row of this instant, besides the forces.
 
@@ -387,7 +389,7 @@ def _record(units, axles, axle_unit, work, first, before, row):
     row[10], row[11], row[12], row[13] = kinetic, gravity, spring, tyre
 
 
-@compiled
+@allocation_free
 def _record_axle(axle, b, q, row, column):
     """Add an axle to position and velocity of its unit's row.
 
