@@ -67,7 +67,7 @@ def common_changes(random: np.random.Generator, size: Sequence[float], steepest:
     """
     length, width, mass = size
     return {
-        "contact.restitution": random.uniform(*restitution),
+        "contact.restitution": random.uniform(restitution[0], restitution[1]),
         "contact.friction": random.uniform(0.05, 0.6),
         "impact.speed": random.uniform(8.0, 30.0),
         "impact.angle": math.radians(random.uniform(5.0, steepest)),

@@ -100,7 +100,7 @@ def wall_facets(profile, height, wall):
 
 @allocation_free
 def point_of_face(wall, facets, z):
-    """Return the position y of the wall's face at a height, and its facet.
+    """Return the face's position y and its facet at a height.
 
     Above the top it is that of the upper edge.
     """
