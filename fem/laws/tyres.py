@@ -127,5 +127,6 @@ def _end_tyre_step(axles, axle_state, state, mass, time_step, force):
 
 @implements(record_tyres, Axles)
 def _record_tyres(axles, axle_state, state, mass, time_step, force, row):
-    row[:] = axle_state.sums
+    for k in range(row.size):
+        row[k] = axle_state.sums[k]
     add_tyre_work(axles, axle_state, state, mass, time_step, force, 0.5 * time_step, row)

@@ -158,14 +158,17 @@ def run_to_strike(step, model, table, workspace, vector):
     """
     half = 1 + table.shape[1] // 2
     stages, guess, place, speed = workspace[8:10], workspace[10:12], workspace[12], workspace[13]
-    place[:], speed[:] = table[0, 1:half], table[0, half:]
+    _copy(table[0, 1:half], place)
+    _copy(table[0, half:], speed)
     accelerate(place, speed, model, workspace[3:, 3:], stages[0])
-    guess[0], guess[1] = stages[0], stages[0]
+    _copy(stages[0], guess[0])
+    _copy(stages[0], guess[1])
     iterations = 0
     for row in range(1, table.shape[0]):
         length = step
         for _ in range(MAX_ITERATIONS):
-            stages[:] = guess
+            _copy(guess[0], stages[0])
+            _copy(guess[1], stages[1])
             count = gauss_step(place, speed, stages, length, model, workspace, vector)
             iterations += count
             if not count:
@@ -176,9 +179,11 @@ def run_to_strike(step, model, table, workspace, vector):
             if abs(miss) <= 1e-14 * step:
                 break
             length -= miss
-            place[:], speed[:] = table[row - 1, 1:half], table[row - 1, half:]
+            _copy(table[row - 1, 1:half], place)
+            _copy(table[row - 1, half:], speed)
         table[row, 0] = table[row - 1, 0] + length
-        table[row, 1:half], table[row, half:] = place, speed
+        _copy(place, table[row, 1:half])
+        _copy(speed, table[row, half:])
         if not speed[0] > 0.0:
             return STOPPED, row + 1, iterations
         if length != step:
@@ -187,3 +192,13 @@ def run_to_strike(step, model, table, workspace, vector):
             slope = (stages[1, i] - stages[0, i]) / (1.0 - 2.0 * NODE)
             guess[0, i], guess[1, i] = stages[0, i] + slope, stages[1, i] + slope
     return TIMED_OUT, table.shape[0], iterations
+
+
+@compiled
+def _copy(values, target):
+    """Copy a vector.
+
+    A loop compiles in a tenth of the time of a slice, to which Numba adds error messages about shapes.
+    """
+    for i in range(target.size):
+        target[i] = values[i]

@@ -262,5 +262,6 @@ def _end_tyre_step(tyres, i, headings, motion, kick):
 @implements(record_tyres, Tyres)
 def _record_tyres(tyres, i, headings, motion, h, row):
     columns = row[row.size - tyres.sums.size :]
-    columns[:] = tyres.sums
+    for k in range(columns.size):
+        columns[k] = tyres.sums[k]
     _add_tyres(tyres, i, headings, motion, h, columns)
