@@ -149,12 +149,16 @@ def test_the_wall_swings_on_its_foundation():
 CASES: dict[str, dict[str, Any]] = {
     "crush": {}, "layer": {"layer": 2e5}, "penalty": {"law": "penalty"}, "exact": {"law": "exact"},
 }  # fmt: skip
+COMPILED_APART = {"penalty", "exact"}
+"""Cases with a compiled loop of their own."""
 GAINED = {"exact": 2e-5, "penalty": 2e-5, "layer": 5e-6}
 LOST = {"exact": 2e-3}
 """Fraction of the energy in light nodes on touching, and in waves that the step does not resolve."""
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=pytest.mark.long) if c in COMPILED_APART else c for c in CASES]
+)
 def test_energy_of_plate_and_wall(case):
     _, run = truck(1e8, **CASES[case])
     h = run.history
@@ -166,7 +170,9 @@ def test_energy_of_plate_and_wall(case):
     assert run.normal.min() >= 0.0
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=pytest.mark.long) if c in COMPILED_APART else c for c in CASES]
+)
 def test_momentum_of_plate_and_wall_is_what_the_foundation_gives(case):
     model, _ = truck(1e8, **CASES[case])
     stepper, wall = ImpactStepper(model), model.parameters.wall

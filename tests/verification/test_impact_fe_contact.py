@@ -34,7 +34,7 @@ def bar(elements, law, width=0.0, **plate):
     properties = PlateProperties(poissons_ratio=0.0, lumping="row-sum", **values)
     mesh = plate_mesh(length, width or length / elements, (elements, 1))
     return build_impact_model(
-        [UnitProperties(mesh, properties, ContactProperties(None, law))], StepProperties()
+        [UnitProperties(mesh, properties, ContactProperties(Drag(0.0), law))], StepProperties()
     )
 
 
@@ -175,7 +175,7 @@ def truck(law="crush", elements=(20, 6), friction=0.47, modulus=200e9, inertia=N
     """Table 1's truck from its first touch."""
     plate = PlateProperties(0.053, 9979.0 / (10.0 * 2.438 * 0.053), modulus, 0.3, inertia=inertia)
     law_given = {"stiffness": 2e6, "restitution": 0.22, **contact} if law == "crush" else contact
-    properties = ContactProperties(Drag(friction) if friction else None, law, **law_given)
+    properties = ContactProperties(Drag(friction), law, **law_given)
     mesh, step = plate_mesh(10.0, 2.438, elements), StepProperties(longest=longest)
     model = build_impact_model([UnitProperties(mesh, plate, properties)], step)
     angle, speed = math.radians(15.0), 25.034

@@ -1,5 +1,6 @@
 """Verify that imports follow the layers, without circles."""
 
+import functools
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ MAX_CLIMBS = 4
 HEAVY = {"pyvista", "vtk", "vtkmodules", "matplotlib", "jinja2", "meshio", "scipy", "numba"}
 
 
+@functools.cache
 def graph():
     paths = {structure.module_name(path): path for path in structure.sources()}
     return {name: set(structure.imports(path, set(paths))) for name, path in paths.items()}

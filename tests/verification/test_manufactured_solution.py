@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import skfem
 
+from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
 from fem.plate.kinds import ELEMENT_KINDS
 from fem.plate.properties import ContactProperties, PlateProperties, StepProperties, UnitProperties
@@ -81,7 +82,7 @@ class Manufactured:
     def __init__(self, kind, elements):
         plate = PlateProperties(THICKNESS, DENSITY, MODULUS, RATIO, element=kind)
         mesh = plate_mesh(LENGTH, WIDTH, elements, ELEMENT_KINDS[kind].cells)
-        unit = UnitProperties(mesh, plate, ContactProperties(None, "penalty"))
+        unit = UnitProperties(mesh, plate, ContactProperties(Drag(0.0), "crush", 1.0))
         self.model = build_impact_model([unit], StepProperties())
         scalar = self.model.discretisation.scalar
         self.fine = skfem.CellBasis(scalar.mesh, scalar.elem, intorder=8)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
 from fem.plate.properties import (
     AxleProperties,
@@ -299,7 +300,7 @@ def test_the_side_force_on_a_plate_that_turns_steadily(ahead):
     unit = UnitProperties(
         plate_mesh(10.0, 2.4, (5, 2)),
         PlateProperties(0.05, 7800.0, 2e11, 0.3),
-        ContactProperties(None, "penalty"),
+        ContactProperties(Drag(0.0), "crush", 1.0, plateau_force=1.0),
         axles=(AxleProperties(8.7, load, 0.7, 6.0),),
     )
     model = build_impact_model([unit], StepProperties(longest=1e-8))
