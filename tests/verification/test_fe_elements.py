@@ -1,4 +1,4 @@
-"""Verify forces and energies of elements, materials and hourglass control by exact answers."""
+"""Verify forces and energies of elements, with materials and hourglass control."""
 
 import decimal
 from decimal import Decimal

@@ -1,4 +1,4 @@
-"""Verify rows, levels and pages of the flexibility study of a whole impact."""
+"""Verify rows, levels and pages of flexibility studies of whole impacts."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Verify the stated numerical error: companions, known orders and oscillations."""
+"""Verify the stated numerical error by companions, known orders and oscillations."""
 
 import math
 from dataclasses import replace
