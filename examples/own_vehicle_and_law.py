@@ -14,7 +14,7 @@
 
 # %%
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import tailslap
 from fem import FrictionLaw
@@ -42,17 +42,17 @@ class Fading(NamedTuple):
     half: float = 2e3
 
 
-def limit(law: Any, normal: float) -> float:
+def limit(law: Fading, normal: float) -> float:
     size = abs(normal)
     return law.coefficient * size / (1.0 + size / law.half)
 
 
-def force(law: Any, normal: float, stopping: float) -> float:
+def force(law: Fading, normal: float, stopping: float) -> float:
     most = limit(law, normal)
     return min(max(stopping, -most), most)
 
 
-def slope(law: Any, normal: float, speed: float) -> float:
+def slope(law: Fading, normal: float, speed: float) -> float:
     factor = 1.0 / (1.0 + abs(normal) / law.half)
     return -law.coefficient * factor * factor * math.copysign(1.0, normal) * math.copysign(1.0, speed)
 

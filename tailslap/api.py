@@ -24,9 +24,7 @@ from tailslap.case.of_arguments import (
     Scene,
     affordable_case,
     case_of_scene,
-    change_texts,
     folder_or_temporary,
-    warn_of_numbers,
 )
 from tailslap.errors import InputError, one_of
 from tailslap.result import columns, load, result
@@ -325,7 +323,7 @@ def modes(
 @checked_arguments
 def study(
     name: str,
-    scene: str | os.PathLike[str],
+    scene: Scene,
     changes: Changes | None = None,
     *,
     folder: str | os.PathLike[str] | None = None,
@@ -339,8 +337,8 @@ def study(
     ----------
     name : str
         "cost", "flexibility", "stability", "tipping" or "uncertainty".
-    scene : str or path
-        Name of a scene of the program, or path of a TOML file.
+    scene : str, path or mapping
+        Name of a scene of the program, path of a TOML file, or tables of a scene.
     changes : mapping or sequence of str, optional
         Values by dotted key, or texts KEY=VALUE.
     folder : path, optional
@@ -373,10 +371,8 @@ def study(
     chosen = find_study(name)
     settings = checked_options(chosen, options)
     with folder_or_temporary(folder) as place:
-        case, _, origin = prepared(
-            chosen, os.fspath(scene), change_texts(changes), place, allow_large, settings
-        )
-        warn_of_numbers(case.source, not isinstance(changes, Mapping))
+        case = case_of_scene(scene, changes)
+        _, origin = prepared(chosen, case, place, allow_large, settings)
         with result_folder(place, force=force, origin=origin) as unfinished:
             study_outcome = study_result(chosen, case, place, settings)
             if folder is not None and study_outcome.fill:

@@ -46,9 +46,7 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(function)
     def command(name: str, changes: tuple[str, ...], **arguments: object) -> int:
-        scene, source = read.read_scene(name, changes)
-        remark_on(source)
-        return function(case_of(scene, source), **arguments)
+        return function(case_with_remarks(name, changes), **arguments)
 
     return options.with_options(options.SCENE, options.SET)(command)
 
@@ -56,6 +54,13 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
 def place_of(case: Case, ending: str = "") -> Path:
     """Return the default result folder of a command on a case."""
     return default_place(case.scene.name, changes_of(case.source), ending)
+
+
+def case_with_remarks(name: str, changes: tuple[str, ...]) -> Case:
+    """Return the case of a scene, with printed remarks on unusual numbers."""
+    scene, source = read.read_scene(name, changes)
+    remark_on(source)
+    return case_of(scene, source)
 
 
 def remark_on(source: Source) -> None:
@@ -212,8 +217,8 @@ def study_command(chosen: Study) -> click.Command:
         from tailslap import api
 
         folder, allow_large, force = (settings.pop(key) for key in ("folder", "allow_large", "force"))
-        case, place, of = prepared(chosen, name, changes, folder, allow_large, settings)
-        remark_on(case.source)
+        case = case_with_remarks(name, changes)
+        place, of = prepared(chosen, case, folder, allow_large, settings)
         compute = functools.partial(api.study_result, chosen, case, place, settings)
         return deliver(compute, place, of, as_json, units, force=force)
 

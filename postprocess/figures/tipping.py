@@ -63,7 +63,7 @@ def draw_map(
         ),
         Line("the scene", np.array(nominal[:1]), np.array(nominal[1:]), "ink", 0.0, dots=4.5),
         *(Line("", np.array([start, end]), np.full(2, INCH * inches), "#ffffff", 1.0) for inches in INCHES),
-        *(Level(f"{inches} in", INCH * inches, "rigid") for inches in INCHES),
+        *(Level(f"{inches} in =", INCH * inches, "ink") for inches in INCHES),
     ]
     across = chart.Axis("height of the centre of mass [m]", start, end, margin=0.0)
     plot = chart.Plot(tuple(marks), chart.Axis("height of the wall [m]", bottom, top), 380.0, "xy", False)

@@ -85,7 +85,6 @@ const boxAt = (node, across, down = 0) => {
 };
 const separate = (element) => {
   const { left, right } = element.ownerSVGElement.getBoundingClientRect(), seen = [], texts = all(element, ".marks text");
-  texts.forEach((node) => (node.style.display = ""));
   const shifts = texts.map((node) => node.getBoundingClientRect()).map((box) => Math.max(0, left - box.left) - Math.max(0, box.right - right));
   const places = texts.map((node, i) => (node.matches(".halo") ? [0] : [0, 11, 22]).map((lower) => [lower, boxAt(node, shifts[i], lower)]));
   texts.forEach((node, i) => {
@@ -114,7 +113,7 @@ const drawPlot = ({ element, paths, texts, x, y, top, right }) => {
   const [left, above] = [across(0), down(0)], matrix = [across(1) - left, 0, 0, down(1) - above, left, above];
   const moving = all(element, ".moving").map((node) => node.closest("g:not(.moving)"));
   [...paths, ...moving].forEach((node) => set(node, { transform: `matrix(${matrix})` }));
-  texts.forEach(([node, a, b]) => set(node, { x: across(a), y: down(b) }));
+  texts.forEach(([node, a, b]) => (set(node, { x: across(a), y: down(b) }).style.display = ""));
   const corners = [[start, top], [end, top], [end, bottom], [start, bottom]].map(([a, b]) => `${a}px ${b}px`);
   element.querySelector(".marks").style.clipPath = isWhole ? "" : `polygon(${corners}) view-box`;
   if (element.querySelector(".frame")) set(element.querySelector(".frame"), { width: end - start, height: bottom - top });
@@ -127,6 +126,8 @@ const drawPlot = ({ element, paths, texts, x, y, top, right }) => {
   y.group.querySelector(".rows")?.setAttribute("d", ticks.map(([at]) => `M${start} ${at}H${end}`).join(""));
 };
 
+/* Width between the margins of A4 [pixels]. */
+const PAPER = 700;
 const NEAR = 14;
 /* Each line with the number of its point nearest to a place, of those about as near as the nearest. */
 const nearTo = (plot, x, y) => {
@@ -176,7 +177,7 @@ const chartOf = (svg) => {
      long names keeps 150 pixels, and the chart is then reduced. */
   const isFixed = plots.some(({ fixed, x }) => fixed === "wide" || (x.scale === "named" && fixed !== "equal")), isEqual = last.fixed === "equal";
   let drawnWide = 0;
-  const room = () => (isFixed ? width : Math.max(Math.min(isEqual ? width : Infinity, figure.clientWidth), last.x.from + 150));
+  const room = (wide = figure.clientWidth) => (isFixed ? width : wide && Math.max(Math.min(isEqual ? width : Infinity, wide), last.x.from + 150));
   const fit = (wide) => {
     if (!wide || wide === drawnWide) return false;
     const isAsDrawn = !drawnWide && wide === width;
@@ -291,7 +292,8 @@ const chartOf = (svg) => {
     if (drawnWide !== width && !isFixed) draw();
     else clear();
   };
-  return { svg, lines, room, fit, draw, renew };
+  const print = () => fit(room(figure.closest(".alone, .tall") ? PAPER : 0.48 * PAPER)) && draw();
+  return { svg, lines, room, fit, draw, renew, print };
 };
 
 /* Keys of the lines as buttons; those of a legend that has no lines are of all charts of its section. */
@@ -341,7 +343,9 @@ const addCopies = (table) => {
 
 /* A section is prepared when it is about to be seen, its charts one by one, so that the page answers in between. */
 const charts = [], sections = all(document, "section");
+let isPrinted = false;
 const fitAll = async (some = charts) => {
+  if (isPrinted) return;
   const rooms = some.map(({ room }) => room());
   for (const { draw } of some.filter(({ fit }, i) => fit(rooms[i]))) {
     await new Promise((next) => setTimeout(next));
@@ -355,6 +359,7 @@ const prepared = (section) => {
   all(section, ".scroll > table").forEach(addCopies);
   section.getAnimations({ subtree: true }).forEach((each) => (each.startTime = document.timeline.currentTime));
   charts.push(...added);
+  section.addEventListener("contentvisibilityautostatechange", ({ skipped }) => skipped || fitAll(added));
   return fitAll(added);
 };
 const prepareAll = () => Promise.all(sections.map(prepare));
@@ -368,4 +373,14 @@ document.querySelector(".units").addEventListener("change", () => charts.forEach
 const unfold = (id) => document.getElementById(id)?.querySelectorAll("details").forEach((part) => (part.open = true));
 document.querySelectorAll("nav a").forEach((link) => link.addEventListener("click", () => unfold(link.hash.slice(1))));
 unfold(location.hash.slice(1));
-addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((part) => (part.open = true)));
+/* Charts are as wide as on paper before it is laid out, as nothing is drawn meanwhile. */
+addEventListener("beforeprint", () => {
+  document.querySelectorAll("details").forEach((part) => (part.open = true));
+  isPrinted = true;
+  sections.forEach(prepare);
+  charts.forEach(({ print }) => print());
+});
+addEventListener("afterprint", () => {
+  isPrinted = false;
+  fitAll();
+});

@@ -159,7 +159,7 @@ class Definition:
 
 
 def make_definition(
-    name: str, changes: tuple[str, ...], varied: tuple[str, ...], sample: int | None, seed: int
+    scene: read.Scene, changes: tuple[str, ...], varied: tuple[str, ...], sample: int | None, seed: int
 ) -> Definition:
     """Define the sweep of a scene.
 
@@ -167,8 +167,8 @@ def make_definition(
 
     Parameters
     ----------
-    name : str
-        Name or path of the scene.
+    scene : str, path or mapping
+        Name, path or tables of the scene.
     changes, varied : tuple of str
         Options --set (KEY=VALUE) and --vary (KEY=VALUES).
     sample : int, optional
@@ -181,7 +181,7 @@ def make_definition(
     InputError
         Where a key or value is invalid in every scene.
     """
-    scene_source = read.read_source(name)
+    scene_source = read.read_source(scene)
     typed = [parse_varied(text, bool(sample)) for text in varied]
     source = _fixed(scene_source, changes, [key for key, _ in typed])
     counts = [(values.number or 1) if isinstance(values, TypedRange) else len(values) for _, values in typed]
@@ -189,8 +189,8 @@ def make_definition(
         product = " x ".join(map(str, counts)) + " runs"
         raise InputError("--vary", product, f"the limit is {MAX_RUNS} runs")
     first = {key: vary.parse_value(values[0]) for key, values in typed}
-    scene = _scene(source, first)
-    kind = kind_of(scene)
+    example = _scene(source, first)
+    kind = kind_of(example)
 
     def read_value(key: str, value: str) -> tuple[Setting, str]:
         scene = _scene(source, {**first, key: vary.parse_value(value)})
@@ -205,8 +205,8 @@ def make_definition(
         _variation(key, values, functools.partial(read_value, key), places)
         for (key, values), places in zip(typed, fractions, strict=True)
     )
-    fixed = (scene.name, scene_source.text, changes, source, varied, variations, sample, seed)
-    return Definition(*fixed, kind.columns(scene), kind.compared)
+    fixed = (example.name, write.scene_text(scene_source), changes, source, varied, variations, sample, seed)
+    return Definition(*fixed, kind.columns(example), kind.compared)
 
 
 def varied_source(definition: Definition) -> vary.Source:

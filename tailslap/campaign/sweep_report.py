@@ -27,6 +27,7 @@ from tailslap.errors import InputError
 from tailslap.progress import clock
 from tailslap.result.columns import read_columns
 from tailslap.scene import vary
+from tailslap.scene.write import scene_text
 
 REPORT: str = "report.html"
 SUMMARY: str = "summary.json"
@@ -126,9 +127,7 @@ def sweep_page(
         Section("Method", sentences=_sentences(sweep)),
     )
     kind = "finite elements and exact rigid solution" if rows.fe else "rigid vehicle"
-    changes = "".join(f"# changed by --set {change}\n" for change in definition.changes)
-    text = definition.text.rstrip("\n") + "\n" + changes
-    return Page(f"Sweep: {kind}", opening, sections, footer(FILES), text)
+    return Page(f"Sweep: {kind}", opening, sections, footer(FILES), scene_text(definition.source))
 
 
 def summary(sweep: FinishedSweep, rows: SweepRows) -> Record:

@@ -29,6 +29,7 @@ from tailslap.case import resources
 from tailslap.case.of_arguments import Changes, change_texts, folder_or_temporary, warn_of_numbers
 from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
 from tailslap.result import columns, result
+from tailslap.scene.read import Scene
 from tailslap.scene.vary import added_names
 from tailslap.storage import folder, manifest
 
@@ -248,7 +249,7 @@ def _is_known(place: Path, definition: Definition, force: bool) -> bool:
 
 @checked_arguments
 def sweep(
-    scene: str | os.PathLike[str],
+    scene: Scene,
     vary: Mapping[str, Values] | Sequence[str],
     changes: Changes | None = None,
     *,
@@ -264,8 +265,8 @@ def sweep(
 
     Parameters
     ----------
-    scene : str or path
-        Name of a scene of the program, or path of a TOML file.
+    scene : str, path or mapping
+        Name of a scene of the program, path of a TOML file, or tables of a scene.
     vary : mapping or sequence of str
         Values by dotted key: a list, or a text as on the command line, "log:20 GPa:2 TPa:5".
     changes : mapping or sequence of str, optional
@@ -309,7 +310,7 @@ def sweep(
     if isinstance(vary, Mapping):
         texts = {k: v if isinstance(v, str) else ",".join(map(str, v)) for k, v in vary.items()}
         vary = [f"{key}={text}" for key, text in texts.items()]
-    sweep_definition = make_definition(os.fspath(scene), change_texts(changes), tuple(vary), sample, seed)
+    sweep_definition = make_definition(scene, change_texts(changes), tuple(vary), sample, seed)
     source = varied_source(sweep_definition) if typed else sweep_definition.source
     warn_of_numbers(source, not isinstance(changes, Mapping))
     local = _local_names(sweep_definition)

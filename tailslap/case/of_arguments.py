@@ -10,15 +10,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-
 from tailslap.case import case_of, resources
 from tailslap.case.case import Case
 from tailslap.errors import Interrupted
 from tailslap.scene import read
 from tailslap.scene.vary import Source, named, parse_changes, shown, vary
 
-Scene = str | os.PathLike[str] | Mapping[str, Any] | Case
+Scene = read.Scene | Case
 """Name of a scene of the program, path of a TOML file, tables of a scene, or a case."""
 
 Changes = Mapping[str, Any] | Sequence[str]
@@ -32,14 +30,9 @@ def case_of_scene(scene: Scene, changes: Changes | None, level: int = 4) -> Case
     """
     if isinstance(scene, Case) and not changes:
         return scene
-    if isinstance(scene, Case):
-        source = scene.source
-    elif isinstance(scene, Mapping):
-        source = Source(given=_plain(scene))
-    else:
-        source = read.read_source(os.fspath(scene))
+    source = scene.source if isinstance(scene, Case) else read.read_source(scene)
     typed = not isinstance(changes, Mapping)
-    values = parse_changes(changes or (), source.given) if typed else named(_plain(changes))
+    values = parse_changes(changes or (), source.given) if typed else named(read.plain(changes))
     varied, source = vary(source, values)
     warn_of_numbers(source, typed, level + 1)
     return case_of(varied, source)
@@ -67,15 +60,6 @@ def affordable_case(scene: Scene, changes: Changes | None, allow_large: bool, le
 def change_texts(changes: Changes | None) -> tuple[str, ...]:
     """Return changes as texts, for worker processes."""
     return shown(named(changes)) if isinstance(changes, Mapping) else tuple(changes or ())
-
-
-def _plain(value: Any) -> Any:
-    """Convert values of NumPy to those of Python."""
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return {key: _plain(inner) for key, inner in value.items()}
-    return value
 
 
 @contextmanager

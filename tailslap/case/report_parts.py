@@ -14,6 +14,7 @@ from postprocess.units import milliseconds
 from tailslap.case.case import Case
 from tailslap.case.check import Check, printed_check
 from tailslap.errors import typed_command
+from tailslap.scene.write import scene_text
 
 DESIGN = (
     Column("name", "Design load", style="whole"),
@@ -90,7 +91,7 @@ def study_page(
     files: those beside it; passed: None where nothing is checked.
     """
     sections = [Section("Set-up", figures=[case.drawing()]), *sections]
-    return Page(kicker, headline, sections, footer(files), case.source.text, passed)
+    return Page(kicker, headline, sections, footer(files), scene_text(case.source), passed)
 
 
 def study_summary(study: str, case: Case) -> dict[str, Any]:

@@ -128,9 +128,9 @@ class Result:
 
     @property
     def headline(self) -> Headline:
-        """Headline of the result.
+        """Headline of the result in SI.
 
-        It has title, answer, set-up and certainty.
+        It has title, answer, set-up, certainty and band.
         """
         return Headline(*(str(self.summary.get(part.name) or "") for part in fields(Headline)))
 
@@ -335,9 +335,8 @@ class Result:
                 with suppress(ImportError):
                     return self.histories[name].to_pandas()
                 return self.histories[name]
-        raise InputError(
-            names[0], Missing, f"the result of `tailslap {self.command}` does not have this history"
-        )
+        why = f"the result of `tailslap {self.command}` has no history; its numbers are in `summary`"
+        raise InputError(".rigid" if names == (RIGID,) else ".history", Missing, why)
 
 
 def _table_html(title: str, table: Table) -> str:

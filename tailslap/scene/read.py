@@ -6,16 +6,22 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from tailslap import errors
 from tailslap.arguments import checked_arguments
 from tailslap.scene import schema, units, write
 from tailslap.scene.validate import given_at
 from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
+
+Scene = str | os.PathLike[str] | Mapping[str, Any]
+"""Name of a scene of the program, path of a TOML file, or tables of a scene."""
 
 UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 """Byte order marks of UTF-16."""
@@ -119,13 +125,26 @@ def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, So
     return vary(source, parse_changes(changes, source.given))
 
 
-def read_source(name: str, text: str | None = None) -> Source:
+def read_source(scene: Scene, text: str | None = None) -> Source:
     """Read a scene's tables, without validation.
 
-    text: of the file, where it is available. A scene without the key `name` takes that of the file. Raises InputError.
+    text: of the file, where it is available. A scene without the key `name` takes that of the file, tables "scene".
+    Raises InputError.
     """
+    if isinstance(scene, Mapping):
+        return Source(given={"name": "scene"} | plain(scene))
+    name = os.fspath(scene)
     source = source_of_text(scene_text(name) if text is None else text, name)
     return replace(source, given={"name": Path(name).stem} | source.given)
+
+
+def plain(value: Any) -> Any:
+    """Convert values of NumPy in tables to those of Python."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {key: plain(inner) for key, inner in value.items()}
+    return value
 
 
 def source_of_text(text: str, name: str = "SCENE") -> Source:

@@ -63,7 +63,7 @@ class Source:
     Attributes
     ----------
     text : str
-        Text of the file, with changes noted at the end.
+        Text of the file, empty without one.
     given : dict
         Tables as in the file, with units.
     changed : frozenset of str
@@ -86,8 +86,7 @@ def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
     The source notes the changes. The removal of a key that the scene does not have is no change. Raises InputError.
     """
     tables, noted = changed_tables(source.given, changes)
-    text = "".join(f"# changed by --set {change}\n" for change in shown(noted))
-    return validate(tables), Source(source.text + text, tables, source.changed | noted.keys())
+    return validate(tables), Source(source.text, tables, source.changed | noted.keys())
 
 
 def varied(scene: schema.Scene, changes: Changes) -> schema.Scene:

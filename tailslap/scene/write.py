@@ -63,13 +63,13 @@ OPTIONAL: Mapping[str, Mapping[str, str | list[str]]] = {
 def scene_text(source: vary.Source) -> str:
     """Return a scene file that reproduces this run.
 
-    It is the original file, or has all tables where keys were changed.
+    It is the original file, or has all tables where keys were changed and where there was no file.
     """
-    if not source.changed:
+    if source.text and not source.changed:
         return source.text
     title = source.text.partition("\n")[0]
-    changed = f"# changed: {', '.join(sorted(source.changed))}"
-    return "\n".join([*([title] if title.startswith("#") else []), changed, *_lines(source.given)]) + "\n"
+    changed = [f"# changed: {', '.join(sorted(source.changed))}"] if source.changed else []
+    return "\n".join([*([title] if title.startswith("#") else []), *changed, *_lines(source.given)]) + "\n"
 
 
 def scene_file(tables: Mapping[str, object], title: str) -> str:

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from tailslap.campaign.records import Record
-from tailslap.case import case_of, kind_of
+from tailslap.case import kind_of
 from tailslap.case.case import CORNER, Case
 from tailslap.case.resources import demand_run
 from tailslap.errors import InputError, Missing, Verbatim, one_of
-from tailslap.scene.read import read_scene
 from tailslap.scene.vary import changes_of, shown
 from tailslap.storage.folder import default_place
 from tailslap.storage.manifest import Origin
@@ -113,24 +112,22 @@ def option_names(study: Study) -> dict[str, click.Option]:
 
 def prepared(
     study: Study,
-    name: str,
-    changes: tuple[str, ...],
+    case: Case,
     out: Path | None,
     allow_large: bool,
     options: Mapping[str, Any],
-) -> tuple[Case, Path, Origin]:
-    """Return case, place of the result folder and origin.
+) -> tuple[Path, Origin]:
+    """Return place of the result folder and origin.
 
     A journal is stored beside the folder. Raises InputError.
     """
-    scene, source = read_scene(name, changes)
+    scene = case.scene
     if (kind := kind_of(scene).name) not in study.analyses:
         actual, allowed = (Missing, "with") if kind == CORNER else (Verbatim("a table"), "without")
         wanted = f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {kind}"
         raise InputError("contact", actual, f"{wanted}; allowed is a scene {allowed} this table")
-    case = case_of(scene, source)
     if study.needs_plate:
         demand_run(scene, case.duration, allow_large)
     ending = study.folder(options) if study.folder else study.name
-    place = out or default_place(scene.name, changes_of(source), f"-{ending}")
-    return case, place, Origin(f"study {study.name}", scene.name)
+    place = out or default_place(scene.name, changes_of(case.source), f"-{ending}")
+    return place, Origin(f"study {study.name}", scene.name)

@@ -122,6 +122,28 @@ def test_what_no_argument_can_be_is_refused_by_its_name(call, key):
     assert caught.value.key == key
 
 
+def test_tables_are_a_scene_of_every_function(tmp_path):
+    """Tables without a name, which pages and results contain as the scene."""
+    tables = {
+        "vehicle": {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"},
+        "impact": {"speed": "56 mph", "angle": "15 deg"},
+        "contact": {"stiffness": "2 MN/m", "restitution": 0.2, "friction": 0.35},
+    }
+    rigid = tailslap.rigid(tables)
+    assert rigid.scene == "scene"
+    swept = tailslap.sweep(tables, {"contact.friction": [0.2, 0.35]}, folder=tmp_path / "sweep")
+    assert swept.history["rigid.peaks.raw"].to_list()[1] == rigid.summary["peaks"]["raw"]
+    study = tailslap.study("uncertainty", tables, samples=288, folder=tmp_path / "study")
+    assert study.summary["scene"] == "scene"
+    for place in ("sweep", "study"):
+        assert "speed = &#34;56 mph&#34;" in (tmp_path / place / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_result_without_a_history_names_what_contains_its_numbers():
+    with pytest.raises(InputError, match=r"`tailslap modes` has no history; its numbers are in `summary`"):
+        _ = tailslap.modes("paper-table-3", count=1).history
+
+
 def test_numbers_and_rows_of_numpy_are_taken():
     changes = np.array(["impact.speed=56 mph"])
     assert UNTYPED.modes("paper-table-3", count=np.int64(1)).summary["modes"]

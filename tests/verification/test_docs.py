@@ -195,7 +195,7 @@ LONG = {"own_vehicle_and_law.py"}
 """A law from outside requires loops of its own."""
 
 WRITTEN = {"compare_with_csv.py": {"compared.png"}, "run_and_plot.py": {"history.png", "field.png"}}
-WRITTEN |= {"sweep_friction.py": {"peak-force.png"}}
+WRITTEN |= {"sweep_friction.py": {"peak-force.png"}, "forces_of_own_truck.py": {"force.png"}}
 """Files that an example saves; others none."""
 
 
@@ -232,7 +232,19 @@ def test_it_opens_as_a_notebook(name):
     assert min(kinds.values()) >= 2
 
 
-def test_there_are_six():
+@pytest.mark.long
+@pytest.mark.parametrize("command", [(sys.executable, "-m", "mypy", "--strict"), ("pyright",)])
+def test_type_checkers_accept_it(command, tmp_path):
+    """They see the package as installed, without its settings of mypy."""
+    if not shutil.which(command[0]):
+        pytest.skip(f"{command[0]} is not installed")
+    place = shutil.copytree(FOLDER, tmp_path / "examples", ignore=shutil.ignore_patterns("__pycache__"))
+    python = ("--python-executable" if "mypy" in command else "--pythonpath", sys.executable)
+    process = subprocess.run([*command, *python, *EXAMPLES], cwd=place, capture_output=True, text=True)
+    assert process.returncode == 0, process.stdout + process.stderr
+
+
+def test_there_are_seven():
     assert {*EXAMPLES} == {"flexible_plate.py", "own_vehicle_and_law.py", "table_3.py", *WRITTEN}
 
 

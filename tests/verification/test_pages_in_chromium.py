@@ -14,7 +14,7 @@ from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.figures.studies import SweepAxis, SweepLine, draw_sensitivity, draw_sweep
 from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Chart, Plot
-from postprocess.svg.marks import Line, look
+from postprocess.svg.marks import Line, Words, look
 from tailslap.case.corner.corner_report import CornerReport
 from tailslap.cli import _status
 
@@ -261,6 +261,34 @@ def test_a_narrow_window_has_a_narrow_chart_with_letters_as_large(shown_chart):
     size = "text => parseFloat(getComputedStyle(text).fontSize) * text.ownerSVGElement.getScreenCTM().a"
     assert min(shown_chart.locator("svg.chart text").evaluate_all(f"texts => texts.map({size})")) >= 9.0
     assert ticks_of(shown_chart, ".x-axis") == [0.0, 10.0, 20.0, 30.0, 40.0]
+
+
+def test_a_chart_is_as_wide_as_the_paper_and_then_as_its_window(shown_chart):
+    wide = shown_chart.locator("svg.chart").get_attribute("width")
+    shown_chart.evaluate("dispatchEvent(new Event('beforeprint'))")
+    assert shown_chart.locator("svg.chart").get_attribute("width") == "700"
+    shown_chart.evaluate("dispatchEvent(new Event('afterprint'))")
+    shown_chart.wait_for_function(
+        "wide => document.querySelector('svg.chart').getAttribute('width') === wide", arg=wide
+    )
+
+
+def test_words_return_when_a_window_is_wide_again(browser, tmp_path):
+    """A hidden page is not fitted."""
+    names = [Words(f"position {number}", float(number), 1.0) for number in range(8)]
+    line = Line("FE", np.array([0.0, 9.0]), np.array([0.0, 2.0]))
+    chart = Chart("c", "A chart", (Plot((line, *names)),), Axis("t [s]"), width=FULL)
+    report_page = Page("", Headline("Words", ""), (Section("Chart", figures=(chart,)),), "")
+    with opened(browser, write_page(tmp_path / "p.html", report_page)) as session:
+        for width, state in ((390, "attached"), (1280, "detached")):
+            session.page.set_viewport_size({"width": width, "height": 800})
+            session.page.locator(".marks text[style*='none']").first.wait_for(state=state)
+        drawn = session.page.locator("svg.chart").get_attribute("width")
+        session.page.evaluate("document.querySelector('main').style.display = 'none'")
+        session.page.evaluate(
+            "() => new Promise((next) => requestAnimationFrame(() => requestAnimationFrame(next)))"
+        )
+        assert session.page.locator("svg.chart").get_attribute("width") == drawn
 
 
 def test_a_plot_beside_long_names_is_seen_in_a_narrow_window(browser, tmp_path):

@@ -298,7 +298,8 @@ def test_the_worst_of_the_five_differences():
 def sweep_of(some):
     """A sweep with these rows."""
     varied = [Variation(v.key, v.unit, tuple(v.values.tolist()), v.logarithmic) for v in some.varied]
-    definition = Definition("a<b", "name = 1", (), Source(), (), tuple(varied), len(some.status), 307)
+    source = Source("name = 1")
+    definition = Definition("a<b", source.text, (), source, (), tuple(varied), len(some.status), 307)
     statuses = {name: int((some.status == name).sum()) for name in ("passed", "failed", "refused", "error")}
     return FinishedSweep(definition, statuses, engine.CampaignEffort())
 

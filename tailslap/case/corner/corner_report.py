@@ -204,7 +204,7 @@ def comparison(outcome: CornerOutcome, title: str = "") -> Table:
     columns = TAIL_SLAP + (PAPER if of_paper else ())
     if title:
         return Table((replace(columns[1], label="Tail-slap"), *columns[2:]), rows, title)
-    note = f"Paper: {quantities.PAPER_SOURCE}, whose magnitude of v_GY is given this report's sign."
+    note = f"Paper: {quantities.PAPER_SOURCE}; v_GY has the sign of this report."
     return Table(columns, rows, notes=(note,) if of_paper else ())
 
 

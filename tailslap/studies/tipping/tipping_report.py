@@ -131,7 +131,7 @@ def headline(result: TippingResult) -> Headline:
     certainty += _decrease(result)
     if rows := result.sources.get("roll"):
         certainty += (
-            f" Main source of variance of the roll {main_source(max(rows, key=lambda row: row['total']))}."
+            f" Main source of variance of the roll: {main_source(max(rows, key=lambda row: row['total']))}."
         )
     return Headline(f"Roll over the wall: {result.case.subject}", answer, result.case.set_up, certainty)
 
