@@ -11,7 +11,7 @@ from fem.laws.contact_forces import (
     loading_depth,
     loading_force,
 )
-from machine_code.compiled import compiled
+from machine_code.compiled import allocation_free
 from solver.impact.state import (
     AHEAD,
     DEEPEST,
@@ -36,7 +36,7 @@ SETTLED = 1e-13
 """Relative change of a force at which Gauss-Seidel ends; SWEEPS: largest number of sweeps."""
 
 
-@compiled
+@allocation_free
 def press(points, point_owner, motion, masses, ties, effect, active, kick, h):
     """Solve for the wall's forces and the velocities.
 
@@ -77,13 +77,13 @@ def press(points, point_owner, motion, masses, ties, effect, active, kick, h):
     return touching
 
 
-@compiled
+@allocation_free
 def _push(along, across, effect, v):
     for j in range(v.size):
         v[j] += along * effect[0, j] + across * effect[1, j]
 
 
-@compiled
+@allocation_free
 def _solve_point(point, effect, v, j, w, kick, h):
     """Solve for the forces of one point.
 
@@ -105,21 +105,21 @@ def _solve_point(point, effect, v, j, w, kick, h):
     return abs(more) + abs(turned) <= SETTLED * (normal + abs(tangential))
 
 
-@compiled
+@allocation_free
 def crush_of(point):
     """Return the crush law of a point."""
     returned = point[RESTITUTION] ** 2
     return PointCrush(point[STIFFNESS], point[INITIAL], returned, point[PLATEAU], point[UNLOADING])
 
 
-@compiled
+@allocation_free
 def unloading_length(point):
     """Return the length of the unloading line [m]."""
     _, _, length, _ = crush_line(crush_of(point), point[DEEPEST])
     return length
 
 
-@compiled
+@allocation_free
 def _normal_force(point, free, inertia):
     """Return the normal force of a point.
 
@@ -134,7 +134,7 @@ def _normal_force(point, free, inertia):
     return crush_force(crush, deepest, mean, compliance, depth)
 
 
-@compiled
+@allocation_free
 def _part(point, ahead):
     """Return the part of the step after the touch of a point.
 
@@ -146,14 +146,14 @@ def _part(point, ahead):
     return min(max(0.5 + (point[DEPTH] - point[DEEPEST]) / closing, 0.0), 1.0)
 
 
-@compiled
+@allocation_free
 def deepest_mean(point):
     """Return the deepest mean up to this step."""
     mean = 0.5 * (point[EARLIER] + point[AHEAD]) if point[NORMAL] > 0.0 else 0.0
     return max(point[DEEPEST], mean)
 
 
-@compiled
+@allocation_free
 def mean_speeds(point, motion, j):
     """Return mean speeds of a point along and across the wall.
 

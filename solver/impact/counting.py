@@ -6,7 +6,7 @@ Contacts of a corner are strikes by their duration and separation; the motion en
 import numpy as np
 
 from fem.laws.contact_forces import crush_line
-from machine_code.compiled import compiled
+from machine_code.compiled import allocation_free
 from solver.impact.contact import crush_of, mean_speeds
 from solver.impact.state import (
     AFTER,
@@ -39,7 +39,7 @@ LIGHT = 5e-3
 touches occur depends on micrometres, and therefore on the step."""
 
 
-@compiled
+@allocation_free
 def over_from(start, end):
     """Return the instant [s] from which a strike is over.
 
@@ -49,7 +49,7 @@ def over_from(start, end):
     return end + max(SHORTEST, end - start)
 
 
-@compiled
+@allocation_free
 def count_strikes(points, point_owner, motion, active, groups, strikes, number, last, h, t, k, steps_left):
     """Add this step's forces to the strikes, and return their number.
 
@@ -98,7 +98,7 @@ def count_strikes(points, point_owner, motion, active, groups, strikes, number, 
     return number
 
 
-@compiled
+@allocation_free
 def _pressed_during(point, last, h, t):
     """Return start and end of a point's contact in this step [s].
 
@@ -117,7 +117,7 @@ def _pressed_during(point, last, h, t):
     return first, until
 
 
-@compiled
+@allocation_free
 def end_of_motion(t, k, number, touching, loaded, largest, motion, work, strikes, clock, steered):
     """Return the end of the motion [s], and updated `loaded`, `largest`.
 
@@ -140,7 +140,7 @@ def end_of_motion(t, k, number, touching, loaded, largest, motion, work, strikes
     return finish, loaded, largest
 
 
-@compiled
+@allocation_free
 def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, after, steered):
     """Return the end of the motion [s], infinite while it is unknown.
 
@@ -169,7 +169,7 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
     return end
 
 
-@compiled
+@allocation_free
 def _pressing(groups, k, recent):
     """Return the normal force of the wall in this step [N].
 
@@ -183,7 +183,7 @@ def _pressing(groups, k, recent):
     return force, is_young
 
 
-@compiled
+@allocation_free
 def _all_over(groups, k, pressed):
     """Return the instant from which all strikes are over [s].
 
@@ -197,7 +197,7 @@ def _all_over(groups, k, pressed):
     return latest
 
 
-@compiled
+@allocation_free
 def mark_cut(groups, k, finish, strikes):
     """Mark the strikes that are not over when the motion ends."""
     for g in range(groups.shape[0]):

@@ -17,7 +17,7 @@ Steps of a train are divided into parts, because its unloading lasts a milliseco
 import numpy as np
 
 from fem.laws.contact_forces import crush_line
-from machine_code.compiled import compiled
+from machine_code.compiled import allocation_free
 from solver.impact.contact import crush_of, deepest_mean, mean_speeds, press, unloading_length
 from solver.impact.counting import count_strikes, end_of_motion, mark_cut
 from solver.impact.state import (
@@ -50,7 +50,7 @@ LOADING, UPRIGHT = 2.0, 0.25
 jumps."""
 
 
-@compiled
+@allocation_free
 def advance(train, tyres, states, clock, work, rows, strikes):
     """Integrate every sample to its end.
 
@@ -62,7 +62,7 @@ def advance(train, tyres, states, clock, work, rows, strikes):
         clock.reached[i], clock.counted[i] = _follow(states[i], clock, tyres, i, work, rows[i], strikes[i])
 
 
-@compiled
+@allocation_free
 def _begin(train, i, state, work):
     """Set the workspace to the start of sample i, without contact."""
     points, reach = work.points, work.reach
@@ -85,7 +85,7 @@ def _begin(train, i, state, work):
         reach[u] = max(reach[u], np.hypot(train.along[p, i], train.across[p, i]))
 
 
-@compiled
+@allocation_free
 def _follow(state, clock, tyres, i, work, rows, strikes):
     """Integrate sample i, and return its end [s] and number of strikes.
 
@@ -148,7 +148,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     return reached, number
 
 
-@compiled
+@allocation_free
 def _parts_of_step(points, clock, i, part, parts_taken, last):
     """Choose the next step in parts of a whole step.
 
@@ -197,7 +197,7 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
     return parts_taken
 
 
-@compiled
+@allocation_free
 def _look_back(points, last, h):
     """Set the earlier depth where the step changes.
 
@@ -208,7 +208,7 @@ def _look_back(points, last, h):
             points[p, EARLIER] = points[p, DEPTH] - 0.5 * (last + h) * points[p, RATE]
 
 
-@compiled
+@allocation_free
 def _place(points, point_owner, motion, headings, h, start):
     """Update arms and depths of all points at the new instant."""
     for j in range(motion.shape[1]):
@@ -227,7 +227,7 @@ def _place(points, point_owner, motion, headings, h, start):
         points[p, X], points[p, Y], points[p, DEPTH] = x, y, depth
 
 
-@compiled
+@allocation_free
 def _tie(motion, masses, joints, headings, ties, h):
     """Correct velocities so that hinges are closed at the step's end.
 
@@ -266,7 +266,7 @@ def _tie(motion, masses, joints, headings, ties, h):
             motion[2, j] -= row[j] * row[-1]
 
 
-@compiled
+@allocation_free
 def _leave(kick, h, ahead, motion, state):
     """Write the state `ahead` seconds after this instant into `state`."""
     for m in range(motion.shape[1]):
@@ -275,7 +275,7 @@ def _leave(kick, h, ahead, motion, state):
         state[m // 3, 3 + m % 3] = v + (ahead / kick - 0.5 * h / kick) * gain
 
 
-@compiled
+@allocation_free
 def _early(points, active, before):
     """Return the part of this step's impulse before its instant."""
     total, early = 0.0, 0.0
@@ -288,7 +288,7 @@ def _early(points, active, before):
     return early / total if total > 0.0 else 0.5
 
 
-@compiled
+@allocation_free
 def _record(points, point_owner, motion, active, sums, early, h, row):
     """Fill the row of this instant."""
     base = 2 * motion.shape[1]
@@ -312,7 +312,7 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
                 row[base + 2] += returned * absorbed * min(length_left / length, 1.0) ** 2
 
 
-@compiled
+@allocation_free
 def _fill(rows, row, stride, part, impulse):
     """Write the impulse at rows since the last one.
 
@@ -326,7 +326,7 @@ def _fill(rows, row, stride, part, impulse):
     return min(row + count, rows.shape[0])
 
 
-@compiled
+@allocation_free
 def _add(points, point_owner, motion, active, h, sums):
     """Add impulses and works of the wall's forces over h."""
     for p in active:
@@ -343,7 +343,7 @@ def _add(points, point_owner, motion, active, h, sums):
             sums[6 + 2 * point_owner[p, 0]] += along
 
 
-@compiled
+@allocation_free
 def _move(points, motion, active, h):
     """Advance points and units to the end of the step."""
     for p in active:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.laws.contact_forces import side_force
-from machine_code.compiled import compiled, implements, optional
+from machine_code.compiled import allocation_free, implements, optional
 from solver import rules
 from solver.body import GRAVITY
 from solver.conditions import Array, Gate
@@ -235,7 +235,7 @@ def _steer(tyres, i, masses, headings, motion, last, kick):
         motion[2, j + 2] += kick * masses[j + 2] * force * arm
 
 
-@compiled
+@allocation_free
 def _add_tyres(tyres, i, headings, motion, h, sums):
     """Add impulses and works of the tyres over h to the sums.
 
