@@ -73,7 +73,8 @@ STRIKE_POINTS = [
 IMPACT_READING = (
     "FE/rigid - 1 of each strike, with the mesh error below it (change with elements of twice the order). Plates whose "
     "first two strikes occur at other corners than those of the rigid vehicle have no values. Levels: lowest first "
-    "frequency at which the difference is below the level; <: below the range, >: above the range."
+    "frequency at which the difference is below the level; <: below the range, >: above the range; unknown: a plate "
+    "below the level is next to one without values, or with a numerical error above a third of the level."
 )
 PLATES = (
     "FE runs from soft to rigid, with the crush force of a corner distributed over a tenth of the length. Contacts "
