@@ -16,7 +16,15 @@ from scipy.optimize import brentq
 from fem.explicit.impact_loop import ImpactMeasures
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
-from fem.plate.properties import ContactProperties, Inertia, PlateProperties, StepProperties, UnitProperties
+from fem.plate.nodal_masses import prescribed_inertia_masses
+from fem.plate.properties import (
+    ContactProperties,
+    Inertia,
+    ModelError,
+    PlateProperties,
+    StepProperties,
+    UnitProperties,
+)
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
 from meshes import plate_mesh
 
@@ -243,6 +251,27 @@ def test_nodal_masses_carry_a_given_centre_and_yaw_inertia(centre):
     assert masses @ y / masses.sum() == pytest.approx(1.219, rel=1e-10)
     assert masses @ ((x + centre) ** 2 + (y - 1.219) ** 2) == pytest.approx(yaw_inertia, rel=1e-9)
     assert run.history["force_normal"].max() > 1e5
+
+
+@pytest.mark.parametrize(("centre", "fraction"), [(3.0, 0.1), (3.4, 0.5), (2.0, 1.2), (3.0, 2.8)])
+def test_prescribed_inertia_leaves_no_light_nodes(centre, fraction):
+    """Masses are the analytic centre: m_0/m is linear in the moments."""
+    length, width, mass = 6.0, 2.4, 1000.0
+    plate = PlateProperties(0.01, 7800.0, 200e9, 0.3)
+    unit = UnitProperties(plate_mesh(length, width, (20, 8)), plate, ContactProperties(Drag(0.3), "penalty"))
+    x, y = build_impact_model([unit], StepProperties()).discretisation.positions
+    uniform = np.full(x.size, mass / x.size)
+    yaw_inertia = fraction * mass * (length**2 + width**2) / 12.0
+    masses = prescribed_inertia_masses(np.array([x, y]), uniform, Inertia(centre, yaw_inertia))
+    moments = np.array(
+        [np.ones_like(x), x + centre, y - 0.5 * width, (x + centre) ** 2 + (y - 0.5 * width) ** 2]
+    )
+    assert moments @ masses == pytest.approx([mass, 0.0, 0.0, yaw_inertia], rel=1e-9, abs=1e-7 * mass)
+    fitted = np.linalg.lstsq(moments.T, uniform / masses, rcond=None)[0] @ moments
+    assert fitted == pytest.approx(uniform / masses, rel=1e-9)
+    assert (masses / uniform).min() > 0.03
+    with pytest.raises(ModelError, match="no positive nodal masses"):
+        prescribed_inertia_masses(np.array([x, y]), uniform, Inertia(0.1, 1.2 * yaw_inertia / fraction))
 
 
 def test_a_layer_along_the_sides_is_the_same_on_finer_meshes():
