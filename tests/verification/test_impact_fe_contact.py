@@ -255,7 +255,7 @@ def test_nodal_masses_carry_a_given_centre_and_yaw_inertia(centre):
 
 @pytest.mark.parametrize(("centre", "fraction"), [(3.0, 0.1), (3.4, 0.5), (2.0, 1.2), (3.0, 2.8)])
 def test_prescribed_inertia_leaves_no_light_nodes(centre, fraction):
-    """Masses are the analytic centre: m_0/m is linear in the moments."""
+    """In the analytic centre m_0/m is linear in the moments."""
     length, width, mass = 6.0, 2.4, 1000.0
     plate = PlateProperties(0.01, 7800.0, 200e9, 0.3)
     unit = UnitProperties(plate_mesh(length, width, (20, 8)), plate, ContactProperties(Drag(0.3), "penalty"))
