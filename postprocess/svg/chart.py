@@ -255,7 +255,7 @@ def _level_names(frame: Frame, units: Units) -> str:
     for level in sorted(levels, key=lambda level: -level.value):
         text = " ".join(filter(None, (level.label, f"{factor * level.value:.4g}", unit)))
         line = float(frame.y.at(level.value))
-        ends = [frame.x.end - 4.0, *(name.ends[0] - 8.0 for name in placed)]
+        ends = sorted((frame.x.end - 4.0, *(name.ends[0] - 8.0 for name in placed)), reverse=True)
         sides = [down for down in (line - 3.0, line + SMALL) if frame.y.end + 8.0 < down <= frame.y.start]
         names = [Name(text, end, down, "end") for end in ends for down in sides or [line - 3.0]]
         name = next(name for name in names if not any(map(name.overlaps, placed)))

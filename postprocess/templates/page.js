@@ -94,17 +94,19 @@ const separate = (element) => {
     else node.style.display = "none";
   });
 };
-/* Names of levels are at the right end of their lines, left of words that they would cover, and not outside of the drawing. */
+/* Names of levels are at the right end of their lines, above or below, left of words that they would cover, and not outside of the drawing. */
 const placeNames = (names, words, shift, [top, bottom], down) => {
   const seen = words.map((node) => node.getBoundingClientRect()).filter(({ width }) => width);
   names.forEach((name) => {
-    const height = down(name.dataset.at), lower = height - name.dataset.at, at = (across) => `translate(${across} ${lower})`;
-    set(name, { transform: at(shift) }).style.display = "";
+    const height = down(name.dataset.at), lower = height - name.dataset.at, at = (across, other) => `translate(${across} ${lower + other})`;
+    const sides = [0, name.firstElementChild.firstElementChild.getAttribute("y") < name.dataset.at ? 14 : -14];
+    set(name, { transform: at(shift, 0) }).style.display = "";
     const ends = [0, ...seen.map(({ left }) => left - 8 - name.getBoundingClientRect().right)].filter((far) => far <= 0).sort((a, b) => b - a);
-    const far = ends.find((by) => seen.every((other) => isClear(boxAt(name, by), other)));
-    const box = boxAt(name, far), isIn = box.left >= name.ownerSVGElement.getBoundingClientRect().left && height > top - 1 && height < bottom + 1;
+    const places = ends.flatMap((by) => sides.map((side) => [by, side]));
+    const [far, side] = places.find((place) => seen.every((other) => isClear(boxAt(name, ...place), other)));
+    const box = boxAt(name, far, side), isIn = box.left >= name.ownerSVGElement.getBoundingClientRect().left && height > top - 1 && height < bottom + 1;
     if (isIn) seen.push(box);
-    set(name, { transform: at(shift + far) }).style.display = isIn ? "" : "none";
+    set(name, { transform: at(shift + far, side) }).style.display = isIn ? "" : "none";
   });
 };
 const drawPlot = ({ element, paths, texts, x, y, top, right }) => {

@@ -159,19 +159,18 @@ def boxes_of_words(root):
     return boxes
 
 
-@pytest.mark.parametrize(("failed", "plate"), [((9.6, 10.0), 9.0), ((9.0, 9.8), 9.4), ((1.0, 2.0), 10.0)])
+@pytest.mark.parametrize(("failed", "plate"), [((9.6, 10.0), 9.0), ((9.0, 9.8), 9.4), ((0.0, 0.5), 10.0)])
 def test_names_of_spans_and_levels_cover_no_other_and_stay_in_the_plot(failed, plate):
     """Spans at the right end, where names of levels stand."""
     marks = (
         Span("failed", *failed),
         Span("the scene's plate", plate, plate),
-        Level("", 9.9),
-        Level("", 10.0),
+        *(Level("design", value) for value in (9.8, 9.9, 10.0)),
     )
     line = Line("FE", np.array([0.0, 10.0]), np.array([0.0, 10.0]))
     drawn = Chart("name", "caption", (Plot((line, *marks), Axis("size [%]")),), Axis(margin=0.0))
     boxes = boxes_of_words(ElementTree.fromstring(drawn.svg))
-    assert len(boxes) == 4
+    assert len(boxes) == 5
     assert all(0.0 < start < end <= drawn.width for _, start, end, _ in boxes)
     for (_, start, end, y), (_, other_start, other_end, other_y) in itertools.combinations(boxes, 2):
         assert end < other_start or other_end < start or abs(y - other_y) >= 11.0
