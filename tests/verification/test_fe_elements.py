@@ -160,7 +160,7 @@ def test_viscous_power_is_the_power_of_the_viscous_forces(discretisation):
     random = np.random.default_rng(5)
     positions = to_global(0.26) @ discretisation.positions
     velocities = random.normal(size=positions.shape)
-    elastic, _ = internal_forces(discretisation.table, positions, viscosity=None)
+    elastic, _ = internal_forces(discretisation.table, positions)
     both, power = internal_forces(discretisation.table, positions, velocities, viscosity(2e-6))
     assert power > 0.0
     assert np.sum((both - elastic) * velocities) == pytest.approx(power, rel=1e-9)

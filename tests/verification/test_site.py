@@ -26,6 +26,7 @@ from tailslap.cli import commands, main
 from tailslap.result import result
 from tailslap.scene import read
 from tailslap.scene.schema import MEANINGS, Scene, SceneTable
+from tailslap.validation import outcomes, predictions
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -62,6 +63,7 @@ FAILING = ("plate.lumping=row-sum", "plate.start=unstressed")
 """Changes with which, by the page, a check fails."""
 
 SHORTENED = {
+    "tailslap confirm paper-table-3": " --set plate.elements=[10,3]",
     "tailslap study stability paper-table-3": " --random 2",
     "tailslap study stability impact-mash-tl4-sut": " --points 2",
     "tailslap study flexibility mash-tl4-sut": " --points 4 --lowest 4 --highest 30",
@@ -69,8 +71,9 @@ SHORTENED = {
     "tailslap study uncertainty impact-mash-tl4-sut": " --samples 288",
     "tailslap study uncertainty impact-mash-tl5-tractor-van": " --samples 288",
 }
-"""What is added to commands that take an hour; `--random 100` becomes 2."""
+"""What is added to commands that take long; `--random 100` becomes 2."""
 
+SHORT = re.compile("confirm|uncertainty")
 LONG = re.compile(r"study (?!uncertainty)|--vary \S+ --vary")
 ELSEWHERE = ("dask scheduler\n", "python3 bootstrap.py --dev && ")
 """Beginnings of blocks that other tests run, and of the installation."""
@@ -338,16 +341,18 @@ def folder(tmp_path_factory):
 def test_a_page_runs(page, folder, monkeypatch):
     """Commands of a page run, without the large campaigns.
 
-    Long studies compute one part, large sweeps the corners. Random cells compile loops of their own and are tested in
-    `test_a_long_command_runs`.
+    Long studies compute one part, large sweeps the corners, `validate` a few samples. Random cells compile loops of
+    their own and are tested in `test_a_long_command_runs`.
     """
     place, commands_run = folder
     monkeypatch.chdir(place)
     monkeypatch.setattr(engine, "run_parts", one_for_all)
+    for module in (predictions, outcomes):
+        monkeypatch.setattr(module, "SAMPLES", 32)
     namespace = {"__name__": "__main__"}
     for step in SHOWN[page]:
         text = re.sub(r":\d+(?= |$)", ":2", step.text) if LONG.search(step.text) else step.text
-        text = shortened(text) if "uncertainty" in text else text
+        text = shortened(text) if SHORT.search(text) else text
         if step.kind != "command" or (text not in commands_run and "--random" not in text):
             do(replace(step, text=text), namespace)
             commands_run.add(text)
