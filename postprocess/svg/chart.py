@@ -368,17 +368,13 @@ def _table(chart: Chart) -> str:
             is_named = isinstance(at[0], str)
             both = "; ".join(filter(None, (x_label, label))) if is_named else x_label
             heading = mark.label if is_named or not label else f"{mark.label}: {label}"
-            here = [both, *(_cell(place, along) for place in at)]
+            here = [both, *(marks.sample_text(place, along) for place in at)]
             columns += [] if here == where else [here]
-            columns.append([heading, *(_cell(value, up) for value in values)])
+            columns.append([heading, *(marks.sample_text(value, up) for value in values)])
             where = here
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(zip_longest(*columns, fillvalue=""))
     return text.getvalue()
-
-
-def _cell(value: str | float, factor: float) -> str:
-    return value if isinstance(value, str) else f"{factor * value:.6g}"
 
 
 def draw_legend(

@@ -158,8 +158,9 @@ def look(number: int) -> Look:
     return {"width": WIDTHS[min(number, len(WIDTHS) - 1)], "dashes": DASHES[number % len(DASHES)]}
 
 
-def _sample_text(sample: str | float) -> str:
-    return sample if isinstance(sample, str) else f"{sample:.6g}"
+def sample_text(sample: str | float, factor: float = 1.0) -> str:
+    """Return a sample as text, of a number times a factor."""
+    return sample if isinstance(sample, str) else f"{factor * sample:.6g}"
 
 
 class Mark:
@@ -194,7 +195,7 @@ class Mark:
         """Attributes of a path with label and samples."""
         label, texts = getattr(self, "label", ""), list[str]()
         for name in ("at", "values"):
-            words = "|".join(map(_sample_text, getattr(self, name, ()))) if label else ""
+            words = "|".join(map(sample_text, getattr(self, name, ()))) if label else ""
             in_si, in_us = (escape(units.rendered(words)) for units in (SI, US))
             texts += [f'data-{name}="{in_si}" '] if words else []
             texts += [f'data-{name}-us="{in_us}" '] if in_us != in_si else []
