@@ -68,10 +68,20 @@ def single(scene: str) -> None:
         row(f"{name}, {scene}", "30 ms", f"{1e3 * least_time(partial(solve, *arguments)):.1f} ms")
 
 
+def height_map(scene: str, count: int) -> None:
+    """Print the time of a map of heights of the wall and of the centre of mass."""
+    walls, centres = (heights.ravel() for heights in np.meshgrid(*2 * [np.linspace(0.6, 1.4, count)]))
+    heights = {"wall.height": walls, "body.centre_height": centres + 0.4}
+    arguments = space_input(case_of(*read_scene(scene)).scene, heights).arguments
+    spent = least_time(partial(solve_spaces, *arguments), 1)
+    row(f"map of {count} x {count} heights, {scene}", "8 s", f"{spent:.1f} s")
+
+
 def main() -> None:
     """Print the times of motions and the changes."""
     options = command_line.options(__doc__, samples=400, seed=8, profiles=("vertical", "new-jersey"))
     single("impact-tipping-tl4-sut")
+    height_map("impact-tipping-tl4-sut", 50)
     for profile in options.profiles:
         trucks = drawn(options.samples, options.seed, profile)
         solve_spaces(*drawn(2, 0, profile))  # compiles
