@@ -69,7 +69,7 @@ def single(scene: str) -> None:
 
 
 def height_map(scene: str, count: int) -> None:
-    """Print the time of a map of heights of the wall and of the centre of mass."""
+    """Print the time of a map over heights of wall and centre."""
     walls, centres = (heights.ravel() for heights in np.meshgrid(*2 * [np.linspace(0.6, 1.4, count)]))
     heights = {"wall.height": walls, "body.centre_height": centres + 0.4}
     arguments = space_input(case_of(*read_scene(scene)).scene, heights).arguments
