@@ -88,11 +88,13 @@ class Range:
     def in_words(self) -> tuple[str, str]:
         """Return range and nominal value in words."""
         factor, unit = (1e-6, "MN/m") if self.unit == "N/m" else (1.0, self.unit)
-        lower, upper, nominal = (
-            None if value is None else measure(factor * value, unit, ".5g", named=bool(unit) and last)
-            for value, last in ((self.lower, False), (self.upper, True), (self.given, True))
-        )
-        return f"{lower} to {upper}", nominal or "–"
+        texts = []
+        for value, is_last in ((self.lower, False), (self.upper, True), (self.given, True)):
+            rounded = 0.0 if value is None else float(f"{factor * value:.4g}")
+            form = ".4g" if abs(rounded) < 1e4 else ".0f"  # without powers of ten
+            texts.append("–" if value is None else measure(rounded, unit, form, named=bool(unit) and is_last))
+        lower, upper, nominal = texts
+        return f"{lower} to {upper}", nominal
 
 
 def ranges_of(

@@ -21,6 +21,7 @@ from postprocess.report.command_report import write_report
 from postprocess.report.provenance import CRATE
 from postprocess.report.terminal import printed
 from postprocess.signals.filters import moving_mean
+from postprocess.units import SI
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
 from tailslap import cli, errors, studies
 from tailslap.campaign import planar_ranges, sampling
@@ -736,3 +737,10 @@ def test_impacts_without_a_second_strike_are_told(impacts):
     assert study_report.summary["without_second_strike"] == 3
     sentences = [text for part in study_report.page.sections for text in part.sentences]
     assert any("3 impacts have no second strike" in text for text in sentences)
+
+
+def test_ranges_have_four_digits_and_no_powers_of_ten():
+    large = Range("vehicle.yaw_inertia", 70480.9, 105721.4, "kg m^2", 88101.1, "assumed")
+    assert [SI.rendered(text) for text in large.in_words()] == ["70480 to 105700 kg m^2", "88100 kg m^2"]
+    stiff = Range("contact.stiffness", 1e6, 3e6, "N/m", None, "assumed")
+    assert [SI.rendered(text) for text in stiff.in_words()] == ["1 to 3 MN/m", "–"]
