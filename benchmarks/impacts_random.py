@@ -218,12 +218,12 @@ def rigid(seed: int, number: int) -> Record:
     least = 0.05 * max(strike.impulse for strike in motion.strikes)
     true = 0.0
     for strike in (strike for strike in motion.strikes if strike.impulse >= least):
-        same = [other for other in finer.strikes if other.corner == strike.corner]
+        same = [candidate for candidate in finer.strikes if candidate.corner == strike.corner]
         if not same:
             true = math.inf
             continue
-        other = min(same, key=lambda other: abs(other.start - strike.start))
-        changes = other.peak_force / strike.peak_force - 1.0, other.impulse / strike.impulse - 1.0
+        nearest = min(same, key=lambda candidate: abs(candidate.start - strike.start))
+        changes = nearest.peak_force / strike.peak_force - 1.0, nearest.impulse / strike.impulse - 1.0
         true = max(true, *map(abs, changes))
     return {"seconds": spent, "stated": motion.error, "true": true}
 
@@ -290,9 +290,9 @@ def true_errors(record: Record, references: list[Record], of: Callable[..., floa
     Infinite where others strike.
     """
     ours = record["values"]
-    same = [other["values"] for other in references if other["values"]["corners"] == ours["corners"]]
+    same = [record["values"] for record in references if record["values"]["corners"] == ours["corners"]]
     names = [name for name in ours if name != "corners"]
-    return {n: of((abs(ours[n] / other[n] - 1.0) for other in same), default=math.inf) for n in names}
+    return {n: of((abs(ours[n] / values[n] - 1.0) for values in same), default=math.inf) for n in names}
 
 
 def tell(mesh: str, records: dict[tuple[int, str], Record], references: Callable[..., Any]) -> None:

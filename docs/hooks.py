@@ -37,14 +37,14 @@ GALLERY = Path(__file__).parent / "gallery"
 
 def picture(script: Path) -> Path | None:
     """Picture of a script, PNG or SVG, unless the script was changed since."""
-    made = (script.with_suffix(ending) for ending in (".png", ".svg"))
+    pictures = (script.with_suffix(ending) for ending in (".png", ".svg"))
     return next(
-        (path for path in made if path.exists() and path.stat().st_mtime >= script.stat().st_mtime), None
+        (path for path in pictures if path.exists() and path.stat().st_mtime >= script.stat().st_mtime), None
     )
 
 
 def on_pre_build(**_: Any) -> None:
-    """Make the pictures of the gallery that are missing, in one process, which imports once."""
+    """Make missing pictures of the gallery in one process."""
     missing = [script.name for script in sorted(GALLERY.glob("*.py")) if not picture(script)]
     code = "import runpy, sys; [runpy.run_path(name, run_name='__main__') for name in sys.argv[1:]]"
     if missing:
@@ -52,19 +52,19 @@ def on_pre_build(**_: Any) -> None:
 
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
-    """Show pictures and scripts of the gallery, each under the title that its docstring has."""
+    """Show pictures and scripts of the gallery under their titles."""
     if page.file.src_uri != "gallery/index.md":
         return markdown
     parts, thumbnails = list[str](), list[str]()
     for script in sorted(GALLERY.glob("*.py")):
-        text, made = script.read_text(encoding="utf-8"), picture(script)
+        text, image = script.read_text(encoding="utf-8"), picture(script)
         title, _blank, *rest = (ast.get_docstring(ast.parse(text)) or "").splitlines()
         code = text.split('"""')[2].strip()
-        shown = f"![{title}]({made.name})" if made else ""
+        figure = f"![{title}]({image.name})" if image else ""
         parts.append(
-            f"## {title} {{#{script.stem}}}\n\n{' '.join(rest)}\n\n{shown}\n\n```python\n{code}\n```"
+            f"## {title} {{#{script.stem}}}\n\n{' '.join(rest)}\n\n{figure}\n\n```python\n{code}\n```"
         )
-        thumbnails += [f"[![]({made.name}) {title}](#{script.stem})"] if made else []
+        thumbnails += [f"[![]({image.name}) {title}](#{script.stem})"] if image else []
     return "\n\n".join(
         [markdown, f'<div class="thumbnails" markdown>\n{" ".join(thumbnails)}\n</div>', *parts]
     )
@@ -75,9 +75,9 @@ def on_page_content(content: str, **_: Any) -> str:
     from latex2mathml.converter import convert
 
     def mathml(found: re.Match[str]) -> str:
-        made = convert(html.unescape(found[2]), display="block" if found[1] == "div" else "inline")
-        made = FUNCTION.sub(rf"{THIN}\1{THIN}", made)
-        return f'<span class="whole">{made}{found[3]}</span>' if found[3] else made
+        formula = convert(html.unescape(found[2]), display="block" if found[1] == "div" else "inline")
+        formula = FUNCTION.sub(rf"{THIN}\1{THIN}", formula)
+        return f'<span class="whole">{formula}{found[3]}</span>' if found[3] else formula
 
     return EQUATION.sub(mathml, content)
 

@@ -36,7 +36,7 @@ print(plain)
 
 # %%
 class Fading(NamedTuple):
-    """Coefficient of friction; reaction N0 [N] at which it is halved."""
+    """Coefficient of friction, halved at the reaction `half` [N]."""
 
     coefficient: float
     half: float = 2e3

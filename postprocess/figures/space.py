@@ -176,9 +176,9 @@ def wheel(vehicle: Vehicle, history: History, number: int, side: int, above: boo
 
 def draw_elevation(vehicle: Vehicle, history: History, row: int, resultant: Resultant) -> Chart:
     """Draw the unit with the largest roll in a row, from behind."""
-    now = {name: values[row : row + 1] for name, values in history.items()}
-    unit = leaning_unit(vehicle, now)
-    corners, roll = box(vehicle, now, unit)[0, :, 1:], float(column(now, "roll", unit)[0])
+    state = {name: values[row : row + 1] for name, values in history.items()}
+    unit = leaning_unit(vehicle, state)
+    corners, roll = box(vehicle, state, unit)[0, :, 1:], float(column(state, "roll", unit)[0])
     low, high = corners.min(axis=0) - EDGE, corners.max(axis=0) + EDGE
     edge, top = vehicle.face[-1]
     low = np.minimum(low, (edge - DEPTH, -EDGE))
@@ -188,14 +188,14 @@ def draw_elevation(vehicle: Vehicle, history: History, row: int, resultant: Resu
         area(np.array([*vehicle.face, (low[0], top), (low[0], 0.0)]), "grey", 0.25),
         *_force_marks(vehicle.face, resultant),
         *_far_marks(corners[4:], corners[:4]),
-        *_axle_marks(vehicle, now, unit, (1, 2)),
+        *_axle_marks(vehicle, state, unit, (1, 2)),
         area(corners[:4], "fe", 0.12),
-        *_strip_marks(vehicle, now, unit),
-        *_centre_mark(now, unit, ("y_g", "z_g")),
+        *_strip_marks(vehicle, state, unit),
+        *_centre_mark(state, unit, ("y_g", "z_g")),
     ]
     name = f"Unit {unit + 1}" if len(vehicle.units) > 1 else "Vehicle"
     caption = (
-        f"{name} from behind at its largest roll, {measure(roll, 'rad', '.1f')} at {float(now['t'][0]):.2f} s, rear "
+        f"{name} from behind at its largest roll, {measure(roll, 'rad', '.1f')} at {float(state['t'][0]):.2f} s, rear "
         "face bold and front face thin; arrow: largest 50 ms mean of the lateral force, at the height of its resultant"
     )
     plot = chart.Plot(tuple(marks), Axis("Z [m]", low[1], high[1]), None, "xy", has_grid=False)
@@ -204,19 +204,20 @@ def draw_elevation(vehicle: Vehicle, history: History, row: int, resultant: Resu
 
 def draw_plan(vehicle: Vehicle, history: History, row: int) -> Chart:
     """Draw all units in a row from above."""
-    now = {name: values[row : row + 1] for name, values in history.items()}
-    marks, corners = list[Mark](), [box(vehicle, now, unit)[0, :, :2] for unit in range(len(vehicle.units))]
+    state = {name: values[row : row + 1] for name, values in history.items()}
+    marks = list[Mark]()
+    corners = [box(vehicle, state, unit)[0, :, :2] for unit in range(len(vehicle.units))]
     for unit, (body, corner) in enumerate(zip(vehicle.units, corners, strict=True)):
-        marks += _axle_marks(vehicle, now, unit, (0, 1))
+        marks += _axle_marks(vehicle, state, unit, (0, 1))
         floor, roof = corner[[0, 1, 5, 4]], corner[[3, 2, 6, 7]]
         marks += [*_far_marks(roof, floor), area(floor, "fe", 0.12)]
         centre, speed = (
-            np.array([column(now, name, unit)[0] for name in names])
+            np.array([column(state, name, unit)[0] for name in names])
             for names in (("x_g", "y_g"), ("v_gx", "v_gy"))
         )
         along = speed / (float(np.linalg.norm(speed)) or 1.0)
         marks += [
-            *_centre_mark(now, unit, ("x_g", "y_g")),
+            *_centre_mark(state, unit, ("x_g", "y_g")),
             *arrow(centre, centre + 0.3 * body.length * along, body.length),
         ]
     every = np.concatenate(corners)
@@ -224,7 +225,7 @@ def draw_plan(vehicle: Vehicle, history: History, row: int) -> Chart:
     frame[0, 1] = min(frame[0, 1], vehicle.face[-1, 0] - EDGE)
     marks.insert(0, Line("", frame[:, 0], np.full(2, vehicle.face[-1, 0]), "soft", 1.0))
     caption = (
-        f"Vehicle from above at {float(now['t'][0]):.2f} s, lower edge of the body bold and upper edge thin; arrow: "
+        f"Vehicle from above at {float(state['t'][0]):.2f} s, lower edge of the body bold and upper edge thin; arrow: "
         "direction of travel; grey: wall, its toe and its upper edge"
     )
     return plan_view("space_plan", caption, marks, frame, GROUP, ("X along the wall [m]", "Y [m]"), WIDTH)
@@ -242,7 +243,7 @@ def _far_marks(far: Floats, near: Floats) -> list[Mark]:
     return [Outline(far[:, 0], far[:, 1], "fe", 0.5, 0.03), Line("", edges[:, 0], edges[:, 1], "steel", 0.6)]
 
 
-def _axle_marks(vehicle: Vehicle, now: History, unit: int, plane: tuple[int, int]) -> list[Mark]:
+def _axle_marks(vehicle: Vehicle, state: History, unit: int, plane: tuple[int, int]) -> list[Mark]:
     """Return beams and wheels of a unit.
 
     Wheels off the ground are red.
@@ -252,30 +253,30 @@ def _axle_marks(vehicle: Vehicle, now: History, unit: int, plane: tuple[int, int
         if axle.unit != unit:
             continue
         ends = [(-axle.position, side * 0.5 * axle.track, axle.radius) for side in (-1.0, 1.0)]
-        beam = moved(vehicle, now, unit, ends, number)[0][:, plane]
+        beam = moved(vehicle, state, unit, ends, number)[0][:, plane]
         marks.append(Line("", beam[:, 0], beam[:, 1], "soft", 2.0))
         for side, name in zip((-1, 1), SIDES, strict=True):
-            is_lifted = now[f"load_{name}_{number + 1}"][0] <= 0.0
-            outline = wheel(vehicle, now, number, side, plane == (0, 1))[0][:, plane]
+            is_lifted = state[f"load_{name}_{number + 1}"][0] <= 0.0
+            outline = wheel(vehicle, state, number, side, plane == (0, 1))[0][:, plane]
             marks.append(area(outline, "red" if is_lifted else "soft", 0.6))
     return [*marks, Swatch("wheel on the ground", "soft"), Swatch("off the ground", "red")]
 
 
-def _strip_marks(vehicle: Vehicle, now: History, unit: int) -> list[Mark]:
+def _strip_marks(vehicle: Vehicle, state: History, unit: int) -> list[Mark]:
     """Return the strips on the wall side of a unit, from behind."""
     marks = list[Mark]()
     for strip in vehicle.strips:
         if strip.unit == unit:
             y = strip.inset - 0.5 * vehicle.units[unit].width
             ends = [(-at, y, height) for at, height in zip(strip.at, strip.height, strict=True)]
-            _, across, up = moved(vehicle, now, unit, ends, strip.axle)[0].T
+            _, across, up = moved(vehicle, state, unit, ends, strip.axle)[0].T
             marks.append(Line("strips", across, up, "rigid", 2.4))
     return marks
 
 
-def _centre_mark(now: History, unit: int, names: tuple[str, str]) -> list[Mark]:
+def _centre_mark(state: History, unit: int, names: tuple[str, str]) -> list[Mark]:
     """Return the centre of mass of a unit with its name."""
-    centre = np.array([column(now, name, unit)[0] for name in names])
+    centre = np.array([column(state, name, unit)[0] for name in names])
     return [dot(centre, "ink", 3.0), Words("G", float(centre[0]), float(centre[1]), (6.0, 11.0))]
 
 

@@ -38,10 +38,10 @@ def test_a_package_stands_alone(package):
     """
     for name, imported in graph().items():
         if name.split(".")[0] == package:
-            foreign = {other for other in imported if other.split(".")[0] != package}
+            foreign = {name for name in imported if name.split(".")[0] != package}
             if package == "fem" or name in COMPILED:
                 allowed = ("machine_code", "fem.laws.contact_forces")
-                foreign = {other for other in foreign if not other.startswith(allowed)}
+                foreign = {name for name in foreign if not name.startswith(allowed)}
             assert not foreign, f"{name} imports {foreign}"
 
 
@@ -50,11 +50,9 @@ def test_folders_of_fem_import_downward():
     level = {folder: height for height, folder in enumerate(order)} | {"modal": order.index("stability")}
     for name, imported in graph().items():
         if name.startswith("fem.") and (folder := name.split(".")[1]) in level:
-            inner = (other for other in imported if other.startswith("fem.") and other.count(".") > 1)
-            folders = {other.split(".")[1] for other in inner}
-            assert all(level.get(other, 0) <= level[folder] for other in folders), (
-                f"{name}: {sorted(folders)}"
-            )
+            inner = (name for name in imported if name.startswith("fem.") and name.count(".") > 1)
+            folders = {name.split(".")[1] for name in inner}
+            assert all(level.get(name, 0) <= level[folder] for name in folders), f"{name}: {sorted(folders)}"
 
 
 def test_a_corner_run_loads_no_impact(python):

@@ -142,8 +142,8 @@ def test_names_of_levels_stay_in_the_picture_and_clear_of_each_other():
     width = float(root.get("width", "nan"))
     assert len(names) == 5
     assert all(down > 0.0 and text_width(text) < end <= width for text, end, down, _ in names)
-    for (text, end, down, _), (_, other_end, other, _) in itertools.combinations(names, 2):
-        assert abs(other - down) >= 11.0 or abs(end - other_end) >= text_width(text, 11.0)
+    for (text, end, down, _), (_, next_end, next_down, _) in itertools.combinations(names, 2):
+        assert abs(next_down - down) >= 11.0 or abs(end - next_end) >= text_width(text, 11.0)
 
 
 def boxes_of_words(root):
@@ -475,8 +475,8 @@ def test_tick_labels_do_not_overlap(points):
         centred = [(said, text) for said, text in words if middle <= text.attrib.items()]
         below = [(float(text.get("x", "0")), text_width(said, 11.0)) for said, text in centred]
         beside = [float(text.get("y", "0")) for _, text in words if text.get("text-anchor") == "end"]
-        for (x, wide), (other, more) in itertools.pairwise(sorted(below)):
-            assert other - x > 0.5 * (wide + more)
+        for (x, wide), (next_x, next_wide) in itertools.pairwise(sorted(below)):
+            assert next_x - x > 0.5 * (wide + next_wide)
         assert all(after - before > 11.0 for before, after in itertools.pairwise(sorted(beside)))
 
 
@@ -593,8 +593,8 @@ def test_only_what_the_histories_have_is_drawn():
 
 def test_rigid_history_at_other_instants():
     """Straight lines interpolate exactly, except rounding."""
-    t, other = np.linspace(0.0, 1.0, 77), np.linspace(0.0, 1.0, 11)
-    (curve,) = draw_histories({"t": t, "slide": 3.1 * t}, {"t": other, "slide": 3.1 * other})
+    t, t_rigid = np.linspace(0.0, 1.0, 77), np.linspace(0.0, 1.0, 11)
+    (curve,) = draw_histories({"t": t, "slide": 3.1 * t}, {"t": t_rigid, "slide": 3.1 * t_rigid})
     assert any("[10⁻¹⁵" in words or "[10⁻¹⁸" in words for words in texts(curve))
 
 
