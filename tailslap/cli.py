@@ -35,10 +35,6 @@ STDERR = 2
 ENVIRONMENT = {
     "NUMBA_NUM_THREADS": ("0*[1-9][0-9]{0,8}", "a whole number of at least 1"),
     "SOURCE_DATE_EPOCH": ("[0-9]{1,11}", "a whole number of seconds since 1970"),
-    "VTK_DEFAULT_OPENGL_WINDOW": (
-        "vtk(EGL|OSOpenGL|XOpenGL)RenderWindow",
-        "a window of VTK, vtkEGLRenderWindow",
-    ),
 }
 """Environment variables with which libraries fail on import: pattern of their values, and its description."""
 

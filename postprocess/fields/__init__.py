@@ -1,6 +1,6 @@
 """Fields of the plate over time.
 
-The record, formats of other programs, and contour pictures by PyVista.
+The record, formats of other programs, and contour pictures.
 """
 
 MESHES, TABLES, PICTURES = ("vtkhdf", "xdmf", "vtu", "msh"), ("csv", "parquet"), ("png", "gif")

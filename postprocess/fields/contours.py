@@ -7,7 +7,6 @@ the wall. A field has one scale of colours for all instants, so that visible cha
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -16,7 +15,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from postprocess.fields.series import COMPONENTS, ELEMENTS, UNITS, FieldSeries
-from postprocess.fields.sheet import SIZE, WIDENING, ColourScale, Floats, Mesh, Sheet, Size, colour_scale
+from postprocess.fields.sheet import (
+    SIZE,
+    ContourField,
+    Floats,
+    Mesh,
+    Sheet,
+    Size,
+    colour_scale,
+    draw_field,
+    image_of,
+)
 from postprocess.figures.histories import power_of_ten
 from postprocess.units import SI, Units
 
@@ -24,22 +33,6 @@ if TYPE_CHECKING:
     from PIL import Image
 
 FRAME_MS, GIF_SIZE, GIF_COLOURS = 120, (960, 420), 64
-
-
-@dataclass(frozen=True)
-class ContourField:
-    """Field to be drawn.
-
-    name: in file names ("v_gx"); title, unit; values in that unit, "nodal" or "element"; of_centre: value of the
-    centre of mass, by default that of the field there.
-    """
-
-    name: str
-    title: str
-    unit: str
-    values: Floats
-    where: Literal["nodal", "element"] = "nodal"
-    of_centre: float | None = None
 
 
 @dataclass(frozen=True)
@@ -66,29 +59,25 @@ def draw_contours(
     units: of the texts; size: [pixels].
     """
     length, length_unit = units.of("m")
-    (points, cells), wall = situation.plate, situation.wall
-    points, paths = length * points, []
+    (points, cells), wall, paths = situation.plate, situation.wall, []
+    points = length * points
+    sheet = Sheet(points, None if wall is None else length * wall[0], length_unit, size)
     moment = [] if situation.time is None else [f"tail-slap at t = {situation.time:.4g} s"]
-    with closing(Sheet(points, size)) as sheet:
-        sheet.draw_wall(None if wall is None else (length * wall[0], wall[1]), length_unit)
-        sheet.write_at_edge(",  ".join([situation.scene, *moment]), (-24, -50))
-        marks = {"P": situation.corner, "G": situation.centroid}
-        marked = {name: length * np.asarray(at) for name, at in marks.items() if at is not None}
-        beside = {name: sheet.draw_dot(at) for name, at in marked.items()}
-        if "P" in beside:
-            sheet.write("P", beside["P"])
-        sheet.keep()
-        for field in fields:
-            factor, unit = shown_unit(field, units)
-            field = replace(field, unit=unit, values=factor * field.values)
-            draw_field(sheet, (points, cells), field, colour_scale(field.values))
-            if situation.centroid is not None:
-                places = points if field.where == "nodal" else points[cells].mean(axis=1)
-                at_centre = value_at(places, field.values, length * np.asarray(situation.centroid))
-                value = at_centre if field.of_centre is None else factor * field.of_centre
-                sheet.write(f"G: {value:#.5g} {unit}", beside["G"], ground=0.8)
-            paths.append(out_dir / f"contour_{field.name}.png")
-            save(sheet.image(), paths[-1])
+    for field in fields:
+        factor, unit = shown_unit(field, units)
+        field, marks = replace(field, unit=unit, values=factor * field.values), dict[tuple[float, ...], str]()
+        if situation.corner is not None:
+            marks[tuple(length * np.asarray(situation.corner))] = "P"
+        if situation.centroid is not None:
+            centre = length * np.asarray(situation.centroid)
+            places = points if field.where == "nodal" else points[cells].mean(axis=1)
+            at_centre = value_at(places, field.values, centre)
+            value = at_centre if field.of_centre is None else factor * field.of_centre
+            marks[tuple(centre)] = f"G: {value:#.5g} {unit}"
+        texts = ",  ".join([situation.scene, *moment])
+        figure = draw_field(sheet, (points, cells), field, colour_scale(field.values), texts, marks)
+        paths.append(out_dir / f"contour_{field.name}.png")
+        save(image_of(figure), paths[-1])
     return paths
 
 
@@ -168,14 +157,10 @@ def frames(
     values, places = factor * whole.values, length * series.places(magnify)
     scale = colour_scale(values)
     deformed = f",  elastic deformation × {magnify:g}" if magnify != 1.0 else ""
-    with closing(Sheet(places.reshape(-1, 2), size)) as sheet:
-        sheet.draw_wall(None, length_unit)
-        sheet.keep()
-        for k in instants:
-            field = replace(whole, unit=unit, values=values[k])
-            draw_field(sheet, (places[k], series.corners), field, scale)
-            sheet.write_at_edge(f"t = {series.t[k]:.4f} s{deformed}", (-24, -50))
-            yield sheet.image()
+    sheet = Sheet(places.reshape(-1, 2), None, length_unit, size)
+    for k in instants:
+        field, note = replace(whole, unit=unit, values=values[k]), f"t = {series.t[k]:.4f} s{deformed}"
+        yield image_of(draw_field(sheet, (places[k], series.corners), field, scale, note))
 
 
 def save(image: Image.Image, path: Path) -> None:
@@ -184,29 +169,6 @@ def save(image: Image.Image, path: Path) -> None:
     The colours of bands are exact.
     """
     image.quantize(256).save(path, optimize=True)
-
-
-def draw_field(sheet: Sheet, plate: Mesh, field: ContourField, scale: ColourScale) -> None:
-    """Draw a field with its title and range."""
-    sheet.draw_values(plate, field.values, field.where, scale)
-    sheet.write_title(f"{field.title} [{field.unit}]", range_note(field, scale))
-
-
-def range_note(field: ContourField, scale: ColourScale) -> str:
-    """Return the line below the title with the range of a field.
-
-    It states whether the field is almost uniform.
-    """
-    low, high = float(np.min(field.values)), float(np.max(field.values))
-    if scale.uniform:
-        spread = (high - low) / (max(abs(low), abs(high)) or 1.0)
-        at = "node" if field.where == "nodal" else "element"
-        middle = f"{0.5 * (low + high):.5g}"
-        widened = f"the colour range is widened to {100.0 * WIDENING:g} %"
-        return f"uniform to {spread:.0e}: {middle} {field.unit} at every {at}; {widened}"
-    ends = (end if abs(end) > 1e-5 * (high - low) else 0.0 for end in (low, high))
-    least, most = (f"{end:.4g}" for end in ends)
-    return f"{field.where} values from {least} to {most} {field.unit}"
 
 
 def value_at(points: Floats, values: Floats, place: ArrayLike) -> float:

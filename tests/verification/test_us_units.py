@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 import tailslap
-from postprocess.fields.contours import ContourField, Sheet, Situation, draw_contours, draw_instants
+from postprocess.fields import contours
+from postprocess.fields.contours import ContourField, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import from_above, write_animation
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section, page_text
@@ -249,14 +251,14 @@ def folder(result, tmp_path_factory):
 
 def texts_of(monkeypatch, draw):
     """Words of a picture with the numbers of its rulers."""
-    words = []
-    plain = Sheet.write
+    words, image_of = list[str](), contours.image_of
 
-    def write(sheet, text, *rest, **options):
-        words.append(text)
-        plain(sheet, text, *rest, **options)
+    def read(figure):
+        image = image_of(figure)
+        words.extend(text.get_text() for text in figure.axes[0].findobj(Text))
+        return image
 
-    monkeypatch.setattr(Sheet, "write", write)
+    monkeypatch.setattr(contours, "image_of", read)
     draw()
     monkeypatch.undo()
     return words
