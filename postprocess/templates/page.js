@@ -78,7 +78,7 @@ const plotOf = (element) => {
   return Object.assign(plot, { paths, texts, lines: lines.filter(({ node }) => node.getAttribute("d")), x, y });
 };
 /* Words of a narrow drawing stay inside of it. A name on top that would cover another is a row lower; other words are not shown. */
-const isClear = (one, other) => one.right < other.left - 4 || one.left > other.right + 4 || one.top > other.bottom - 2 || one.bottom < other.top + 2;
+const isClear = (one, other) => one.right < other.left - 4 || one.left > other.right + 4 || one.top > other.bottom - 3 || one.bottom < other.top + 3;
 const boxAt = (node, across, down = 0) => {
   const { left, right, top, bottom } = node.getBoundingClientRect();
   return { left: left + across, right: right + across, top: top + down, bottom: bottom + down };
@@ -95,11 +95,12 @@ const separate = (element) => {
   });
 };
 /* Names of levels are at the right end of their lines, above or below, left of words that they would cover, and not outside of the drawing. */
-const placeNames = (names, words, shift, [top, bottom], down) => {
+const placeNames = (names, words, end, [top, bottom], down) => {
   const seen = words.map((node) => node.getBoundingClientRect()).filter(({ width }) => width);
   names.forEach((name) => {
     const height = down(name.dataset.at), lower = height - name.dataset.at, at = (across, other) => `translate(${across} ${lower + other})`;
-    const sides = [0, name.firstElementChild.firstElementChild.getAttribute("y") < name.dataset.at ? 14 : -14];
+    const text = name.querySelector("text"), shift = end - 4 - text.getAttribute("x");
+    const sides = [0, text.getAttribute("y") < name.dataset.at ? 14 : -14];
     set(name, { transform: at(shift, 0) }).style.display = "";
     const ends = [0, ...seen.map(({ left }) => left - 8 - name.getBoundingClientRect().right)].filter((far) => far <= 0).sort((a, b) => b - a);
     const places = ends.flatMap((by) => sides.map((side) => [by, side]));
@@ -109,7 +110,7 @@ const placeNames = (names, words, shift, [top, bottom], down) => {
     set(name, { transform: at(shift + far, side) }).style.display = isIn ? "" : "none";
   });
 };
-const drawPlot = ({ element, paths, texts, x, y, top, right }) => {
+const drawPlot = ({ element, paths, texts, x, y, top }) => {
   const [across, down, [start, end], [bottom]] = [shownAt(x), shownAt(y), x.place, y.place];
   const isWhole = [x, y].every(({ from, to, seen }) => seen[0] === from && seen[1] === to);
   const [left, above] = [across(0), down(0)], matrix = [across(1) - left, 0, 0, down(1) - above, left, above];
@@ -120,7 +121,7 @@ const drawPlot = ({ element, paths, texts, x, y, top, right }) => {
   element.querySelector(".marks").style.clipPath = isWhole ? "" : `polygon(${corners}) view-box`;
   if (element.querySelector(".frame")) set(element.querySelector(".frame"), { width: end - start, height: bottom - top });
   if (matrix[0] < 1 && isWhole) separate(element);
-  placeNames(all(ofUnits(element, ".beside"), "g[data-at]"), texts.map(([node]) => node), end - right, [top, bottom], down);
+  placeNames(all(ofUnits(element, ".beside"), "g[data-at]"), texts.map(([node]) => node), end, [top, bottom], down);
   const holder = y.group.querySelector(".ticks g");
   if (y.scale === "named" || !holder.childElementCount) return;
   const ticks = ticksOf(y, 26);

@@ -10,7 +10,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from postprocess.comparison.records import Compared
 from postprocess.signals.design_forces import REPORT_350, design_forces
-from postprocess.units import SI, Units, force, measure
+from postprocess.units import force, measure
 from tailslap.case import plate_input, resources
 from tailslap.case.check import Check, Evaluation
 from tailslap.case.force_band import NO_BAND, ForceBand
@@ -32,9 +31,7 @@ if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
     from fem.run.corner import Run
     from fem.run.impact import ImpactRun
-    from postprocess.fields.series import FieldSeries
-    from postprocess.report.command_report import Report
-    from postprocess.report.page import Headline, Page
+    from postprocess.report.page import Headline
     from postprocess.svg.chart import Chart
 
 CaseT = TypeVar("CaseT", bound="Case")
@@ -139,51 +136,6 @@ class Outcome(ABC):
         remedy = "a larger --tolerance, or --allow-large"
         check = Check.at_most("tolerance", error, tolerance, meaning, remedy)
         return replace(self, checks=(*self.checks, check))
-
-
-class RunReport(ABC):
-    """Numbers, histories, texts and figures of a run."""
-
-    @abstractmethod
-    def summary(self, pictures: bool) -> dict[str, Any]:
-        """Return the content of `summary.json`, SI.
-
-        pictures: whether they are requested.
-        """
-
-    @property
-    @abstractmethod
-    def histories(self) -> dict[str, dict[str, NDArray[np.float64]]]:
-        """Columns of FE model and rigid vehicle by file name, shape (rows,)."""
-
-    @property
-    @abstractmethod
-    def fields(self) -> Callable[[], FieldSeries] | None:
-        """Function that returns the fields at the instants of the scene.
-
-        None without any.
-        """
-
-    @property
-    def fields_of_ends(self) -> Callable[[], FieldSeries] | None:
-        """Function that returns the fields at start and tail-slap.
-
-        None without a tail-slap.
-        """
-        return None
-
-    @abstractmethod
-    def page(self, pictures: bool) -> Page:
-        """Return the page, on request with pictures."""
-
-    @abstractmethod
-    def written(
-        self, folder: Path, pictures: bool, units: Units = SI, size: tuple[int, int] | None = None
-    ) -> Report:
-        """Write fields and pictures into a folder, and return the report.
-
-        Units and size [pixels] are those of the pictures.
-        """
 
 
 @dataclass(frozen=True)
@@ -346,8 +298,8 @@ class Case(ABC):
         """Run the plate and check it, see `within_tolerance`. Raises InputError."""
 
     @abstractmethod
-    def report(self, outcome: Any, band: ForceBand = NO_BAND) -> RunReport:
-        """Return the report of a run, which it writes on request.
+    def report(self, outcome: Any, band: ForceBand = NO_BAND) -> Any:
+        """Return the report of a run, a `FeReport`.
 
         band: of the force over varied inputs.
         """

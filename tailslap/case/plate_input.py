@@ -16,9 +16,11 @@ from fem import cache
 from fem.plate import kinds
 from fem.plate.properties import Inertia, ModelError, PlateProperties, StepProperties
 from meshes import distorted, plate_mesh
+from postprocess.units import measure
 from tailslap.case import resources
 from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene, value_at
+from tailslap.scene.write import unit_at
 
 if TYPE_CHECKING:
     import meshio
@@ -58,7 +60,8 @@ class Decision:
         """The decision as a line of text."""
         value = self.value
         if isinstance(value, float):
-            value = f"{value:.3g}"
+            unit = unit_at(self.key)
+            value = measure(value, unit, ".3g") if unit else f"{value:.3g}"
         elif isinstance(value, tuple):
             value = f"[{', '.join(map(str, value))}]"
         return f"{self.key} = {'none' if value is None else value}: {self.why}"

@@ -60,9 +60,7 @@ STRIKES = (
 )
 ATTACK = "Resultant: distance of the resultant force behind the front bumper."
 CUT = " (cut)"
-AT_LEAST = (
-    "Cut: the strike is not over at the end; its duration, peak force and impulse are at least those given."
-)
+AT_LEAST = "Cut: the strike continues beyond the end; its duration, peak force and impulse are lower bounds."
 OF_TRACTORS = ("TL-5", "TL-6")
 """Test levels of tractors with trailers, whose design forces are listed together."""
 

@@ -5,12 +5,15 @@ Lines of `tailslap check` are texts by label: all texts of one label belong toge
 
 from __future__ import annotations
 
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 import tailslap
 from postprocess import units
@@ -20,7 +23,7 @@ from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, pairs
 from postprocess.units import SI, Units, duration, number
 from tailslap.case import resources
-from tailslap.case.case import FePlan, Outcome, RunReport
+from tailslap.case.case import FePlan, Outcome
 from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.report_parts import design_ratios, failed_section, footer, passed_text
 from tailslap.case.run_fields import field_series
@@ -55,8 +58,8 @@ COST: Mapping[str, tuple[str, Callable[[Any], str]]] = {
 
 
 @dataclass(frozen=True)
-class FeReport(RunReport):
-    """Summary, page and terminal text of a run."""
+class FeReport(ABC):
+    """Summary, histories, page and terminal text of a run."""
 
     outcome: Outcome
     band: ForceBand = NO_BAND
@@ -71,6 +74,11 @@ class FeReport(RunReport):
     @abstractmethod
     def headline(self) -> Headline:
         """Result, set-up and accuracy of the run."""
+
+    @property
+    @abstractmethod
+    def histories(self) -> dict[str, dict[str, NDArray[np.float64]]]:
+        """Columns of FE model and rigid vehicle by file name, shape (rows,)."""
 
     @property
     @abstractmethod
@@ -104,6 +112,14 @@ class FeReport(RunReport):
         return None
 
     @property
+    def fields_of_ends(self) -> Callable[[], FieldSeries] | None:
+        """Function that returns the fields at start and tail-slap.
+
+        None without a tail-slap.
+        """
+        return None
+
+    @property
     def fields(self) -> Callable[[], FieldSeries] | None:
         """Function that returns the fields at the instants of the scene.
 
@@ -113,7 +129,10 @@ class FeReport(RunReport):
         return None if snapshots is None else partial(field_series, self.outcome.fe_plan.model, snapshots)
 
     def summary(self, pictures: bool) -> dict[str, Any]:
-        """Return the entries of `summary.json` that both kinds of case have, SI."""
+        """Return the entries of `summary.json` that both kinds of case have, SI.
+
+        pictures: whether they are requested.
+        """
         outcome, fe_plan, model = self.outcome, self.outcome.fe_plan, self.outcome.fe_plan.model
         return {
             **vars(self.headline),
@@ -138,7 +157,10 @@ class FeReport(RunReport):
     def written(
         self, folder: Path, pictures: bool, units: Units = SI, size: tuple[int, int] | None = None
     ) -> Report:
-        """Write fields and pictures into a folder, and return the report."""
+        """Write fields and pictures into a folder, and return the report.
+
+        Units and size [pixels] are those of the pictures.
+        """
         if self.fields:
             write_fields(folder / FILE, self.fields())
         return (self.drawn(folder, units, size) if pictures else self).composed(pictures)

@@ -6,9 +6,11 @@ from dataclasses import replace
 
 import pytest
 
+from postprocess.units import SI, US
 from tailslap.case.corner import corner_case, decisions, numerical_error, static_models
 from tailslap.case.corner.corner_plan import make_corner_plan
-from tailslap.case.corner.corner_report import flutter_sentence, headline
+from tailslap.case.corner.corner_report import CornerReport, flutter_sentence
+from tailslap.case.plate_input import Decision
 from tailslap.case.resources import loop_seconds
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
@@ -198,7 +200,7 @@ def test_former_names_of_starts_are_refused_with_the_new_one():
 def test_the_certainty_tells_flexibility_from_discretisation_error(outcome):
     stiff, bending = outcome("mash-tl4-sut"), outcome("mash-tl4-sut", "wall=", *SOFT, "corner.patch_length=1")
     agree = "Finite elements and rigid-body method agree within 0.00023 %; discretisation error at most"
-    assert headline(stiff).certainty.startswith(agree)
+    assert CornerReport(stiff).headline.certainty.startswith(agree)
     assert stiff.passed
     assert bending.passed
     soft = ("wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1")
@@ -207,7 +209,7 @@ def test_the_certainty_tells_flexibility_from_discretisation_error(outcome):
     sentence = (
         r"Vehicle flexibility changes the motion by at most (\S+) %; discretisation error at most (\S+) %\."
     )
-    numbers = re.match(sentence, headline(softer).certainty)
+    numbers = re.match(sentence, CornerReport(softer).headline.certainty)
     assert numbers
     assert 0.9 < float(numbers[1]) <= 1.1
     assert float(numbers[2]) < 0.1
@@ -253,3 +255,17 @@ def test_a_costly_material_is_reckoned_with():
     linear, other = (read_scene("paper-table-3", changes)[0] for changes in laws)
     seconds = [loop_seconds(scene, "quad9", (20, 6), 1000.0) for scene in (linear, other)]
     assert seconds == pytest.approx([120e3 * 75e-9, 120e3 * (75.0 + 9 * 95.0) * 1e-9], rel=1e-12)
+
+
+@pytest.mark.parametrize(("key", "value", "si", "us"), [
+    ("contact.patch_length", 1.02, "1.02 m", "3.35 ft"),
+    ("trailer.0.hitch_length", 1.0, "1 m", "3.28 ft"),
+    ("damping.rate", 123.4, "123 1/s", "123 1/s"),
+    ("time.safety_factor", 0.7, "0.7", "0.7"),
+    ("plate.elements", (16, 4), "[16, 4]", "[16, 4]"),
+])  # fmt: skip
+def test_a_decision_states_its_value_with_the_unit(key, value, si, us):
+    """Lengths follow the units of the reader."""
+    text = Decision(key, value, "the reason").text
+    assert SI.rendered(text) == f"{key} = {si}: the reason"
+    assert US.rendered(text) == f"{key} = {us}: the reason"

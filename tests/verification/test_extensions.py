@@ -32,7 +32,7 @@ from tailslap.case.corner import corner_case
 from tailslap.case.corner.corner_checks import CHECKS
 from tailslap.case.corner.corner_report import CornerReport
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.report import histories
+from tailslap.case.impact.report import ImpactReport
 from tailslap.case.impact.run import attempt
 from tailslap.case.resources import loop_seconds
 from tailslap.errors import InputError
@@ -93,7 +93,7 @@ def folder(result, tmp_path_factory):
 def test_a_whole_impact_has_its_column(registered):
     """Its first value is the speed of the vehicle, with the unit."""
     case = ImpactCase(*read_scene("impact-mash-tl4-sut", ("plate.elements=[8,2]", "time.end=50 ms")))
-    history = histories(attempt(case))["history.csv"]
+    history = ImpactReport(attempt(case)).histories["history.csv"]
     assert history["speed"][0] == pytest.approx(np.hypot(case.touch.v_gx, case.touch.v_gy), rel=1e-14)
     assert impact_columns()["speed"].unit == "m/s"
 

@@ -99,7 +99,7 @@ def test_inputs_stand_in_the_units_in_which_they_are_given():
 def test_a_run_answers_with_the_force_of_the_plate(outcome):
     soft = ("wall=", "plate.youngs_modulus=30 MPa", "corner.patch_length=1", "plate.elements=[40, 12]")
     result = outcome("mash-tl4-sut", *soft)
-    headline = corner.headline(result).in_units(SI)
+    headline = corner.CornerReport(result).headline.in_units(SI)
     fe, rigid = result.lateral_force, result.fe_plan.case.force.peak_force
     assert round(fe / 1e3) != round(rigid / 1e3)
     assert (
@@ -117,7 +117,7 @@ def test_a_run_answers_with_the_force_of_the_plate(outcome):
 def test_an_impact_answers_with_its_largest_mean_and_strike(outcome):
     result = outcome("impact-mash-tl4-sut")
     strike = result.fe.strikes[0]
-    answer = impact.headline(result).in_units(SI).answer
+    answer = impact.ImpactReport(result).headline.in_units(SI).answer
     where = f"strike 1 (front corner, from {strike.start:.3f} s)"
     assert f"force: {result.fe.peaks['mean_50ms'] / 1e3:.0f} kN in {where}" in answer
     none = replace(result.fe, strikes=())
@@ -128,21 +128,21 @@ def test_the_readme_shows_the_headline_of_its_run(outcome):
     text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
     quoted = " ".join(line.removeprefix(">").strip() for line in text.splitlines() if line.startswith(">"))
     result = outcome("paper-table-3")
-    lines = corner.headline(result, force_band(result.fe_plan.case)).in_units(SI).lines
+    lines = corner.CornerReport(result, force_band(result.fe_plan.case)).headline.in_units(SI).lines
     assert " ".join(lines) in " ".join(quoted.split())
 
 
 def test_a_failed_run_opens_with_check_size_and_remedy(outcome):
     result = outcome("mash-tl4-sut", "corner.penalty_scale=0.0001")
     (failed,) = (check for check in result.checks if not check.passed)
-    answer = corner.headline(result).answer
+    answer = corner.CornerReport(result).headline.answer
     size = f"{failed.name} {failed.value:.3g} (limit {failed.limit:.3g})"
     assert answer.startswith(f"Failed: {size}. Remedy: {failed.advice}. ")
     assert "a larger corner.penalty_scale" in failed.advice
     assert "Peak lateral force at the tail-slap, not reliable: " in answer
     demanded = outcome("mash-tl4-sut", "verify.tolerance=1e-7")
-    assert "not reliable" not in corner.headline(demanded).answer
-    assert corner.headline(demanded).answer.startswith("Failed: agreement with rigid ")
+    assert "not reliable" not in corner.CornerReport(demanded).headline.answer
+    assert corner.CornerReport(demanded).headline.answer.startswith("Failed: agreement with rigid ")
 
 
 @pytest.mark.parametrize(("fraction", "text"), [

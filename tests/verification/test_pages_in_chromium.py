@@ -16,6 +16,7 @@ from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Chart, Plot
 from postprocess.svg.marks import Line, Words, look
 from tailslap.case.corner.corner_report import CornerReport
+from tailslap.case.report_parts import design_forces_of
 from tailslap.cli import _status
 
 BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
@@ -328,6 +329,20 @@ def test_names_on_a_chart_cover_none_in_narrow_windows_and_on_paper(browser, tmp
             assert session.page.locator(".marks text:visible", has_text="failed").count() == len(drawn)
             names = session.page.locator(".beside text:visible").all_text_contents()
             assert sorted(names) == sorted(["25 %", "10 %", "1 %"] * len(drawn))
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_all_design_loads_of_a_train_have_names(browser, tmp_path, width):
+    """Three of them are within 20 pixels of each other."""
+    t = np.linspace(0.0, 1.0, 101)
+    loads = {name: load.force for name, load in design_forces_of("TL-5").items()}
+    strikes = [StrikeMark("trailer front", 0.2, 0.3), StrikeMark("rear", 0.25, 0.3)]
+    drawn = draw_forces("Force", [Forces("force", t, {"raw": 1.2e6 * np.sin(3.0 * t)})], strikes, loads)
+    report_page = Page("", Headline("Loads", ""), (Section("Force", figures=(drawn,), layout="tall"),), "")
+    with opened(browser, write_page(tmp_path / "p.html", report_page), width) as session:
+        names = session.page.locator(".beside text:visible").all_text_contents()
+        assert sorted(name.rpartition(" ")[0].rpartition(" ")[0] for name in names) == sorted(loads)
+        assert charts.words(session.page) == []
 
 
 def test_what_is_wrong_on_a_screen_is_found(browser, page, tmp_path):

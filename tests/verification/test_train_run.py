@@ -62,7 +62,7 @@ def test_a_train_of_plates_strikes_as_the_rigid_one():
 
 
 def test_columns_of_the_plates_are_those_of_the_rigid_train():
-    history, rigid = report.histories(attempted()).values()
+    history, rigid = report.ImpactReport(attempted()).histories.values()
     assert {name for name in rigid if name[-2:] in ("_1", "_2")} <= set(history)
     for name in ("theta", "theta_2", "y_g", "y_g_2", "articulation_1"):
         assert history[name] == pytest.approx(rigid[name], abs=0.05 * np.abs(rigid[name]).max())
@@ -153,7 +153,7 @@ def test_a_train_whose_hinge_is_not_known_fails():
     assert (failed.name, failed.value, failed.limit) == ("error of hinge force", 0.0312, 0.02)
     assert "trailer.hitch_length" in failed.advice
     assert checks.failed_but_mesh(outcome) == ()
-    assert "hinge forces to 3.2 % (limit 2 %)" in report.headline(outcome).certainty
+    assert "hinge forces to 3.2 % (limit 2 %)" in report.ImpactReport(outcome).headline.certainty
     assert outcome.stated_error == 0.0312
     unknown = checks.impact_checks(replace(sure, hinge_error=[]))
     assert [check.name for check in unknown if not check.passed] == ["error of hinge force"]

@@ -27,7 +27,6 @@ from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.numerical_error import FLOOR
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.rigid_stages import RigidStages
-from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.report_parts import TAIL_SLAP, checks_section, design_table, short
 from tailslap.case.run_fields import series_of_ends
 from tailslap.case.run_report import (
@@ -83,7 +82,20 @@ class CornerReport(FeReport):
     @property
     def headline(self) -> Headline:
         """Peak force of the tail-slap, the set-up, and its accuracy."""
-        return headline(self.outcome, self.band)
+        outcome, fe_plan, case = self.outcome, self.outcome.fe_plan, self.outcome.fe_plan.case
+        sentence = "No tail-slap within the run."
+        if outcome.fe:
+            failed = set(failed_names(outcome.checks)) - corner_checks.reaction_checks()
+            sentence = case.force_sentence(
+                outcome.lateral_force, failed <= {"agreement with rigid"}, self.band
+            )
+        return Headline(
+            case.headline().title,
+            failed_sentence(outcome.checks) + sentence,
+            f"{case.set_up} {plate_sentence(fe_plan)}",
+            _certainty(outcome) if outcome.fe else "",
+            self.band.sentence,
+        )
 
     @property
     def histories(self) -> dict[str, dict[str, NDArray[np.float64]]]:
@@ -171,8 +183,8 @@ class CornerReport(FeReport):
 
 
 def _stage_table(numbers: dict[str, float], title: str) -> Table:
-    rows = [(*rigid_stages.LABELS[name], value) for name, value in numbers.items()]
-    return pairs([(label, value, unit) for label, unit, value in rows], title=title)
+    labels = {name: rigid_stages.LABELS[name] for name in numbers}
+    return pairs([(label, numbers[name], unit) for name, (label, unit) in labels.items()], title=title)
 
 
 def peak_table(outcome: CornerOutcome) -> Table:
@@ -278,23 +290,6 @@ def check_lines(case: RigidStages, fe_plan: CornerPlan | None) -> Lines:
         **fe_lines(fe_plan, rows, contact, start, more={"flexibility": [flexibility]}),
         "flutter": [flutter_sentence(fe_plan)],
     }
-
-
-def headline(outcome: CornerOutcome, band: ForceBand = NO_BAND) -> Headline:
-    """Return the peak force of the tail-slap, the set-up, and its accuracy."""
-    fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
-    failed = set(failed_names(outcome.checks))
-    sentence = "No tail-slap within the run."
-    if outcome.fe:
-        reliable = not failed - corner_checks.reaction_checks() - {"agreement with rigid"}
-        sentence = case.force_sentence(outcome.lateral_force, reliable, band)
-    return Headline(
-        case.headline().title,
-        failed_sentence(outcome.checks) + sentence,
-        f"{case.set_up} {plate_sentence(fe_plan)}",
-        _certainty(outcome) if outcome.fe else "",
-        band.sentence,
-    )
 
 
 def _certainty(outcome: CornerOutcome) -> str:

@@ -368,7 +368,7 @@ def open_damping(
 def _damped(rate: float, why: str) -> tuple[Decision, ...]:
     """Return the decisions for damping at a rate [1/s], none for 0."""
     kind = Decision("damping.kind", "elastic-velocity", why)
-    return (kind, Decision("damping.rate", rate, "1/s, the required rate")) if rate > 0.0 else ()
+    return (kind, Decision("damping.rate", rate, "the required rate")) if rate > 0.0 else ()
 
 
 def _why(growth: Growth) -> str:

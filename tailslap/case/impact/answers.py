@@ -317,9 +317,8 @@ def train_columns(
 def remarks(answer: ImpactAnswer) -> list[str]:
     """List sentences on incomplete strikes and on limits of the model."""
     sentences = [
-        f"Strike {number} ({answer.strikes[number - 1].corner} corner) is not over at the end, "
-        f"{answer.end['t']:.4g} s: its duration, peak force and impulse, and the filtered forces, are at least those "
-        "given."
+        f"Strike {number} ({answer.strikes[number - 1].corner} corner) continues beyond the end at "
+        f"{answer.end['t']:.4g} s: its duration, peak force and impulse, and the filtered forces, are lower bounds."
         for number in answer.cut
     ]
     if answer.strikes and answer.strikes[0].corner.startswith("trailer"):

@@ -18,11 +18,11 @@ from postprocess.report.tables import Column, Table
 from postprocess.signals import filters
 from postprocess.units import Units, force, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
-from tailslap.case.force_band import NO_BAND, ForceBand
 from tailslap.case.impact import checks, error, figures, run, space_figures
 from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import RigidImpact
+from tailslap.case.impact.space import section
 from tailslap.case.report_parts import checks_section, design_table, short, strikes_table
 from tailslap.case.run_report import (
     FeReport,
@@ -111,17 +111,60 @@ class ImpactReport(FeReport):
     @property
     def headline(self) -> Headline:
         """Largest 50 ms mean, set-up and accuracy."""
-        return headline(self.outcome, self.band)
+        outcome, fe_plan, case = self.outcome, self.outcome.fe_plan, self.outcome.fe_plan.case
+        failed = failed_names(outcome.checks)
+        uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
+        sentence = case.force_sentence(outcome.fe, not failed or uncertain, self.band)
+        return Headline(
+            case.headline().title,
+            failed_sentence(outcome.checks) + sentence,
+            f"{case.set_up} {plate_sentence(fe_plan)}",
+            _uncertain(outcome) if uncertain else _certainty(outcome),
+            self.band.sentence,
+        )
 
     @property
     def histories(self) -> dict[str, dict[str, NDArray[np.float64]]]:
         """Histories of plate and rigid vehicle by file name, shape (rows,)."""
-        return histories(self.outcome)
+        h = self.outcome.fe.columns
+        ordered = {name: h[name] for name in FIRST} | h | {"energy_error": checks.energy_error(self.outcome)}
+        return {"history.csv": ordered, "rigid.csv": self.outcome.rigid.columns}
 
     @property
     def sections(self) -> list[Section]:
         """Sections of the page, with empty ones, which are not shown."""
-        return _sections(self.outcome)
+        outcome, case = self.outcome, self.outcome.fe_plan.case
+        design = _design_table(outcome)
+        levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
+        loops, along = figures.contact_figures(outcome)
+        positions = figures.position_strip(outcome.fe, case.motion.vehicles)
+        return [
+            Section("Force on the wall", tables=[force_table(outcome), design]),
+            Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
+            Section(
+                "Motion and force", figures=[positions, figures.force_figure(outcome, levels)], layout="tall"
+            ),
+            *([section(case.space, outcome.rigid)] if case.space else []),
+            Section(
+                "Units and hinges of the train",
+                figures=figures.train_figures(outcome),
+                tables=[hinges_table(outcome)],
+                layout="wide",
+            ),
+            Section(
+                "Energy and crush", figures=[figures.energy_figure(outcome), *loops, *along], layout="wide"
+            ),
+            Section("Deformable wall", tables=_wall(outcome)),
+            Section("The second strike's duration", tables=[durations_table(outcome.fe)], is_folded=True),
+            Section("Comparison with the paper's method", tables=_paper(outcome), is_folded=True),
+            Section(
+                "Occupant risk, planar, of the tractor" if outcome.fe.units > 1 else "Occupant risk, planar",
+                tables=[Table(RISK, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))],
+                is_folded=True,
+            ),
+            Section("Model", sentences=_statements(outcome), is_folded=True),
+            checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
+        ]
 
     @property
     def tables(self) -> list[Table]:
@@ -145,22 +188,20 @@ class ImpactReport(FeReport):
 
     def summary(self, pictures: bool) -> dict[str, Any]:
         """Return the content of `summary.json`, SI."""
-        return super().summary(pictures) | numbers(self.outcome)
-
-
-def headline(outcome: run.ImpactOutcome, band: ForceBand = NO_BAND) -> Headline:
-    """Return largest 50 ms mean, set-up and accuracy."""
-    fe_plan, case = outcome.fe_plan, outcome.fe_plan.case
-    failed = failed_names(outcome.checks)
-    uncertain = bool(failed and outcome.mesh_error and set(failed) <= set(checks.MESH_CHECKS.values()))
-    sentence = case.force_sentence(outcome.fe, not failed or uncertain, band)
-    return Headline(
-        case.headline().title,
-        failed_sentence(outcome.checks) + sentence,
-        f"{case.set_up} {plate_sentence(fe_plan)}",
-        _uncertain(outcome) if uncertain else _certainty(outcome),
-        band.sentence,
-    )
+        outcome, case = self.outcome, self.outcome.fe_plan.case
+        return super().summary(pictures) | {
+            "rigid": outcome.rigid.numbers(),
+            "fe": outcome.fe.numbers(),
+            **({"space": case.space.numbers()} if case.space else {}),
+            "paper_method": outcome.paper_method,
+            "remarks": remarks(outcome.fe),
+            "difference": outcome.difference,
+            "numerical_error": {"mesh": outcome.mesh_error}
+            | ({"hinges": outcome.hinge_error} if outcome.hinge_error else {}),
+            "occupant_risk": list(map(asdict, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))),
+            "wall": wall_numbers(outcome),
+            "vehicle": {"centre_of_mass": case.vehicle.front_distance, "yaw_inertia": case.vehicle.inertia},
+        }
 
 
 def _certainty(outcome: run.ImpactOutcome) -> str:
@@ -269,48 +310,6 @@ def _design_table(outcome: run.ImpactOutcome) -> Table:
     return design_table(case, outcome.mean_force, longitudinal, in_space)
 
 
-def _sections(outcome: run.ImpactOutcome) -> list[Section]:
-    design = _design_table(outcome)
-    levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
-    loops, along = figures.contact_figures(outcome)
-    positions = figures.position_strip(outcome.fe, outcome.fe_plan.case.motion.vehicles)
-    return [
-        Section("Force on the wall", tables=[force_table(outcome), design]),
-        Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
-        Section(
-            "Motion and force", figures=[positions, figures.force_figure(outcome, levels)], layout="tall"
-        ),
-        *space_sections(outcome),
-        Section(
-            "Units and hinges of the train",
-            figures=figures.train_figures(outcome),
-            tables=[hinges_table(outcome)],
-            layout="wide",
-        ),
-        Section("Energy and crush", figures=[figures.energy_figure(outcome), *loops, *along], layout="wide"),
-        Section("Deformable wall", tables=_wall(outcome)),
-        Section("The second strike's duration", tables=[durations_table(outcome.fe)], is_folded=True),
-        Section("Comparison with the paper's method", tables=_paper(outcome), is_folded=True),
-        Section(
-            "Occupant risk, planar, of the tractor" if outcome.fe.units > 1 else "Occupant risk, planar",
-            tables=[Table(RISK, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))],
-            is_folded=True,
-        ),
-        Section("Model", sentences=_statements(outcome), is_folded=True),
-        checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
-    ]
-
-
-def space_sections(outcome: run.ImpactOutcome) -> list[Section]:
-    """Return the section on the vehicle in space, none without [body]."""
-    case = outcome.fe_plan.case
-    if case.space is None:
-        return []
-    from tailslap.case.impact import space
-
-    return [space.section(case.space, outcome.rigid)]
-
-
 def _wall(outcome: run.ImpactOutcome) -> list[Table]:
     """Return the response of a deformable wall, none for a rigid one."""
     response = wall_numbers(outcome)
@@ -361,24 +360,6 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
     ]
 
 
-def numbers(outcome: run.ImpactOutcome) -> dict[str, Any]:
-    """Return numbers of a whole impact's summary, SI."""
-    plan = outcome.fe_plan.case
-    return {
-        "rigid": outcome.rigid.numbers(),
-        "fe": outcome.fe.numbers(),
-        **({"space": plan.space.numbers()} if plan.space else {}),
-        "paper_method": outcome.paper_method,
-        "remarks": remarks(outcome.fe),
-        "difference": outcome.difference,
-        "numerical_error": {"mesh": outcome.mesh_error}
-        | ({"hinges": outcome.hinge_error} if outcome.hinge_error else {}),
-        "occupant_risk": list(map(asdict, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))),
-        "wall": wall_numbers(outcome),
-        "vehicle": {"centre_of_mass": plan.vehicle.front_distance, "yaw_inertia": plan.vehicle.inertia},
-    }
-
-
 def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
     """Return deflection and forces of a deformable wall.
 
@@ -398,13 +379,6 @@ def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
         "foundation_mean_50ms": float(mean.max()),
         "contact_mean_50ms": outcome.fe.peaks["mean_50ms"],
     }
-
-
-def histories(outcome: run.ImpactOutcome) -> dict[str, dict[str, np.ndarray]]:
-    """Return the columns of `history.csv` and `rigid.csv`, SI."""
-    h = outcome.fe.columns
-    ordered = {name: h[name] for name in FIRST} | h | {"energy_error": checks.energy_error(outcome)}
-    return {"history.csv": ordered, "rigid.csv": outcome.rigid.columns}
 
 
 def contact_words(contact: Contact) -> str:
