@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from fem.explicit import columns, time_loop
-from fem.explicit.measures import advance_and_measure, all_forces, measure
+from fem.explicit.measures import advance_and_measure, measure
 from fem.explicit.time_loop import State
 from fem.model.plate_model import PlateModel
 from fem.run import observers, runner
@@ -116,18 +116,21 @@ class Stepper(runner.PlateStepper[State]):
         parameters, state = self.parameters, State(positions, velocities, np.zeros(4), np.zeros(1))
         self._react(state)
         state.velocities[:] -= 0.5 * parameters.time_step * self._force / parameters.mass
-        normal, tangential, _, _, damping = self._react(state)
+        first = self._react(state)
         # The trapezoidal rule takes only half of the first instant; the loop adds it whole.
-        friction = tangential * float(velocities[0, parameters.corner.nodes] @ parameters.corner.weights)
-        state.sums[:] = -0.5 * parameters.time_step * np.array([friction, damping, normal, abs(normal)])
+        speed = float(velocities[0, parameters.corner.nodes] @ parameters.corner.weights)
+        friction = 0.5 * parameters.time_step * (first.reaction_tangential * speed)
+        works = np.array([friction, first.damping_work, first.normal_impulse, first.normal_impulse_magnitude])
+        state.sums[:] = -works
         return state
 
-    def _react(self, state: State) -> tuple[float, ...]:
-        """Put all forces into the workspace.
+    def _react(self, state: State) -> columns.Measures:
+        """Put all forces into the workspace, and return the record.
 
-        See `all_forces`.
+        A row without a step takes the code of the run, and no other code is compiled.
         """
-        return tuple(all_forces(state, self._fixed, *self._parts, self._force, self._workspace))
+        values = self.record(state, 0, 1).rows[0, : len(columns.Measures._fields)]
+        return columns.Measures(*values.tolist())
 
     def advance(self, state: State, steps: int) -> State:
         """Return the state after this many steps."""
