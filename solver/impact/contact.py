@@ -12,24 +12,7 @@ from fem.laws.contact_forces import (
     loading_force,
 )
 from machine_code.compiled import allocation_free
-from solver.impact.state import (
-    AHEAD,
-    DEEPEST,
-    DEPTH,
-    EARLIER,
-    FOOT,
-    FRICTION,
-    INITIAL,
-    NORMAL,
-    PART,
-    PLATEAU,
-    RESTITUTION,
-    STIFFNESS,
-    TANGENTIAL,
-    UNLOADING,
-    X,
-    Y,
-)
+from solver.impact import state as col
 
 SWEEPS = 200
 SETTLED = 1e-13
@@ -45,10 +28,10 @@ def press(points, point_owner, motion, masses, ties, effect, active, kick, h):
     v, touching = motion[2], 0
     for p in range(points.shape[0]):
         j = 3 * point_owner[p, 0]
-        x, y, w = points[p, X], points[p, Y], motion[1, j + 2]
-        ahead = points[p, DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-        if ahead <= points[p, FOOT] and points[p, DEPTH] <= points[p, FOOT]:
-            points[p, NORMAL] = points[p, TANGENTIAL] = 0.0
+        x, y, w = points[p, col.X], points[p, col.Y], motion[1, j + 2]
+        ahead = points[p, col.DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+        if ahead <= points[p, col.FOOT] and points[p, col.DEPTH] <= points[p, col.FOOT]:
+            points[p, col.NORMAL] = points[p, col.TANGENTIAL] = 0.0
             continue
         for m in range(v.size):
             effect[p, 0, m] = effect[p, 1, m] = 0.0
@@ -60,12 +43,12 @@ def press(points, point_owner, motion, masses, ties, effect, active, kick, h):
             for m in range(v.size):
                 effect[p, 0, m] -= along * row[m]
                 effect[p, 1, m] -= across * row[m]
-        points[p, PART] = 1.0 if points[p, NORMAL] > 0.0 else h / kick * _part(points[p], ahead)
+        points[p, col.PART] = 1.0 if points[p, col.NORMAL] > 0.0 else h / kick * _part(points[p], ahead)
         active[touching] = p
         touching += 1
     for a in range(touching):
         p = active[a]
-        _push(kick * points[p, TANGENTIAL], kick * points[p, NORMAL], effect[p], v)
+        _push(kick * points[p, col.TANGENTIAL], kick * points[p, col.NORMAL], effect[p], v)
     for _ in range(SWEEPS if touching > 0 else 0):
         settled = True
         for a in range(touching):
@@ -89,33 +72,35 @@ def _solve_point(point, effect, v, j, w, kick, h):
 
     Returns True without a change. j: its unit's first velocity; w: angular velocity.
     """
-    x, y = point[X], point[Y]
+    x, y = point[col.X], point[col.Y]
     inertia = 1.0 / (kick * h * (effect[1, j + 1] + x * effect[1, j + 2]))
-    ahead = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-    normal = _normal_force(point, ahead + point[NORMAL] / inertia, inertia)
-    more = normal - point[NORMAL]
+    ahead = point[col.DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+    normal = _normal_force(point, ahead + point[col.NORMAL] / inertia, inertia)
+    more = normal - point[col.NORMAL]
     _push(0.0, kick * more, effect, v)
     slip = v[j] - v[j + 2] * y - 0.5 * h * w * w * x
-    stopping = point[TANGENTIAL] - slip / (kick * (effect[0, j] - y * effect[0, j + 2]))
-    tangential = coulomb_force(stopping, point[FRICTION] * normal)
-    turned = tangential - point[TANGENTIAL]
+    stopping = point[col.TANGENTIAL] - slip / (kick * (effect[0, j] - y * effect[0, j + 2]))
+    tangential = coulomb_force(stopping, point[col.FRICTION] * normal)
+    turned = tangential - point[col.TANGENTIAL]
     _push(kick * turned, 0.0, effect, v)
-    point[NORMAL], point[TANGENTIAL] = normal, tangential
-    point[AHEAD] = point[DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
+    point[col.NORMAL], point[col.TANGENTIAL] = normal, tangential
+    point[col.AHEAD] = point[col.DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
     return abs(more) + abs(turned) <= SETTLED * (normal + abs(tangential))
 
 
 @allocation_free
 def crush_of(point):
     """Return the crush law of a point."""
-    returned = point[RESTITUTION] ** 2
-    return PointCrush(point[STIFFNESS], point[INITIAL], returned, point[PLATEAU], point[UNLOADING])
+    returned = point[col.RESTITUTION] ** 2
+    return PointCrush(
+        point[col.STIFFNESS], point[col.INITIAL], returned, point[col.PLATEAU], point[col.UNLOADING]
+    )
 
 
 @allocation_free
 def unloading_length(point):
     """Return the length of the unloading line [m]."""
-    _, _, length, _ = crush_line(crush_of(point), point[DEEPEST])
+    _, _, length, _ = crush_line(crush_of(point), point[col.DEEPEST])
     return length
 
 
@@ -125,12 +110,12 @@ def _normal_force(point, free, inertia):
 
     The step ends at the depth `free` [m] without it, and N/inertia less with it.
     """
-    crush, deepest, part = crush_of(point), point[DEEPEST], point[PART]
-    compliance, mean = 0.5 / inertia, 0.5 * (point[EARLIER] + free)
+    crush, deepest, part = crush_of(point), point[col.DEEPEST], point[col.PART]
+    compliance, mean = 0.5 / inertia, 0.5 * (point[col.EARLIER] + free)
     depth = loading_depth(crush, mean, compliance, part)
     if unloading_length(point) <= 0.0:
         most = part * loading_force(crush, max(depth, deepest))
-        return min(max(inertia * (free - max(deepest, point[DEPTH])), 0.0), most)
+        return min(max(inertia * (free - max(deepest, point[col.DEPTH])), 0.0), most)
     return crush_force(crush, deepest, mean, compliance, depth)
 
 
@@ -140,17 +125,17 @@ def _part(point, ahead):
 
     The step is from half a step ago to half a step ahead. It applies to a force that begins suddenly.
     """
-    closing = ahead - point[DEPTH]
+    closing = ahead - point[col.DEPTH]
     if unloading_length(point) > 0.0 or closing <= 0.0:
         return 1.0
-    return min(max(0.5 + (point[DEPTH] - point[DEEPEST]) / closing, 0.0), 1.0)
+    return min(max(0.5 + (point[col.DEPTH] - point[col.DEEPEST]) / closing, 0.0), 1.0)
 
 
 @allocation_free
 def deepest_mean(point):
     """Return the deepest mean up to this step."""
-    mean = 0.5 * (point[EARLIER] + point[AHEAD]) if point[NORMAL] > 0.0 else 0.0
-    return max(point[DEEPEST], mean)
+    mean = 0.5 * (point[col.EARLIER] + point[col.AHEAD]) if point[col.NORMAL] > 0.0 else 0.0
+    return max(point[col.DEEPEST], mean)
 
 
 @allocation_free
@@ -161,4 +146,4 @@ def mean_speeds(point, motion, j):
     """
     w = motion[1, j + 2] + motion[2, j + 2]
     along, across = motion[1, j] + motion[2, j], motion[1, j + 1] + motion[2, j + 1]
-    return 0.5 * (along - w * point[Y]), 0.5 * (across + w * point[X])
+    return 0.5 * (along - w * point[col.Y]), 0.5 * (across + w * point[col.X])

@@ -7,26 +7,8 @@ import numpy as np
 
 from fem.laws.contact_forces import crush_line
 from machine_code.compiled import allocation_free
+from solver.impact import state as col
 from solver.impact.contact import crush_of, mean_speeds
-from solver.impact.state import (
-    AFTER,
-    AHEAD,
-    ALONG,
-    BEFORE,
-    CUT,
-    DEEPEST,
-    DEPTH,
-    EARLIER,
-    FIRST,
-    FORCE,
-    LAST,
-    NORMAL,
-    SLOT,
-    STAMP,
-    TANGENTIAL,
-    WHOLE,
-    X,
-)
 
 SHORTEST = 1e-3
 """Shortest separation that ends a strike [s]."""
@@ -58,40 +40,42 @@ def count_strikes(points, point_owner, motion, active, groups, strikes, number, 
     kick = 0.5 * (last + h)
     part = min(max(steps_left + 0.5 * last / kick, 0.0), 1.0)
     for p in active:
-        if points[p, NORMAL] <= 0.0:
+        if points[p, col.NORMAL] <= 0.0:
             continue
         group = groups[point_owner[p, 1]]
         first, until = _pressed_during(points[p], last, h, t)
-        if group[STAMP] < k:
-            comes = group[STAMP] < k - 1
-            if group[SLOT] < 0.0 or (comes and first >= over_from(group[FIRST], group[LAST])):
-                group[SLOT], group[FIRST], group[LAST] = number, first, until
-                group[WHOLE] = group[AFTER] = 0.0
+        if group[col.STAMP] < k:
+            comes = group[col.STAMP] < k - 1
+            if group[col.SLOT] < 0.0 or (comes and first >= over_from(group[col.FIRST], group[col.LAST])):
+                group[col.SLOT], group[col.FIRST], group[col.LAST] = number, first, until
+                group[col.WHOLE] = group[col.AFTER] = 0.0
                 if number < strikes.shape[0]:
                     strikes[number, :] = 0.0
                 number += 1
-            if group[AFTER] >= LIGHT * group[WHOLE]:
+            if group[col.AFTER] >= LIGHT * group[col.WHOLE]:
                 if comes:
-                    group[AFTER] = 0.0
+                    group[col.AFTER] = 0.0
                 else:
-                    group[LAST] = until
-            group[BEFORE] = 0.0 if comes else group[FORCE]
-            group[FORCE], group[STAMP] = 0.0, k
-        group[FORCE] += points[p, NORMAL]
-        group[AFTER] += kick * points[p, NORMAL]
-        group[WHOLE] += kick * points[p, NORMAL]
-        if group[AFTER] >= LIGHT * group[WHOLE]:
-            group[LAST] = max(group[LAST], until)
-        if group[SLOT] >= strikes.shape[0]:
+                    group[col.LAST] = until
+            group[col.BEFORE] = 0.0 if comes else group[col.FORCE]
+            group[col.FORCE], group[col.STAMP] = 0.0, k
+        group[col.FORCE] += points[p, col.NORMAL]
+        group[col.AFTER] += kick * points[p, col.NORMAL]
+        group[col.WHOLE] += kick * points[p, col.NORMAL]
+        if group[col.AFTER] >= LIGHT * group[col.WHOLE]:
+            group[col.LAST] = max(group[col.LAST], until)
+        if group[col.SLOT] >= strikes.shape[0]:
             continue
-        strike, j = strikes[int(group[SLOT])], 3 * point_owner[p, 0]
-        impulse, along = part * kick * points[p, NORMAL], part * kick * points[p, TANGENTIAL]
-        strike[0], strike[1], strike[2] = point_owner[p, 1], group[FIRST], group[LAST]
-        strike[3] = max(strike[3], group[FORCE] + min(steps_left, 0.0) * (group[FORCE] - group[BEFORE]))
+        strike, j = strikes[int(group[col.SLOT])], 3 * point_owner[p, 0]
+        impulse, along = part * kick * points[p, col.NORMAL], part * kick * points[p, col.TANGENTIAL]
+        strike[0], strike[1], strike[2] = point_owner[p, 1], group[col.FIRST], group[col.LAST]
+        strike[3] = max(
+            strike[3], group[col.FORCE] + min(steps_left, 0.0) * (group[col.FORCE] - group[col.BEFORE])
+        )
         strike[4] += impulse
         strike[5] += along
-        strike[6] += impulse * points[p, ALONG]
-        strike[7] += impulse * (motion[0, j] + points[p, X])
+        strike[6] += impulse * points[p, col.ALONG]
+        strike[7] += impulse * (motion[0, j] + points[p, col.X])
         slip, opening = mean_speeds(points[p], motion, j)
         strike[8] -= impulse * opening
         strike[9] += along * slip
@@ -104,14 +88,14 @@ def _pressed_during(point, last, h, t):
 
     They follow from its speed; the start applies to a new contact.
     """
-    peak, _, length, _ = crush_line(crush_of(point), point[DEEPEST])
-    rate = (point[AHEAD] - point[EARLIER]) / (0.5 * last + 1.5 * h)
-    beyond = point[DEPTH] - max(point[DEEPEST] - length, 0.0)
+    peak, _, length, _ = crush_line(crush_of(point), point[col.DEEPEST])
+    rate = (point[col.AHEAD] - point[col.EARLIER]) / (0.5 * last + 1.5 * h)
+    beyond = point[col.DEPTH] - max(point[col.DEEPEST] - length, 0.0)
     first, until = t, t + h
     if rate > 0.0:
         first = max(t - beyond / rate, t - h, 0.0)
     if length <= 0.0 and peak > 0.0:
-        until = t - 0.5 * last + 0.5 * (last + h) * min(point[NORMAL] / peak, 1.0)
+        until = t - 0.5 * last + 0.5 * (last + h) * min(point[col.NORMAL] / peak, 1.0)
     elif rate < 0.0:
         until = min(max(t - beyond / rate, t - 0.5 * h), t + h)
     return first, until
@@ -147,15 +131,15 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
     loaded: see `end_of_motion`. steered: with tyres a vehicle that is directed towards the wall will return to it.
     """
     rear = 4 * reach.size - 3  # of a train's last unit
-    if reach.size > 1 and number >= 2 and groups[rear, SLOT] >= 0.0:
-        if groups[rear, STAMP] != k:
-            return groups[rear, LAST] + after
+    if reach.size > 1 and number >= 2 and groups[rear, col.SLOT] >= 0.0:
+        if groups[rear, col.STAMP] != k:
+            return groups[rear, col.LAST] + after
         return loaded + after if loaded < t else np.inf
     if reach.size == 1 and number >= 2:
         end = 0.0
         for s in range(2):
             g = int(strikes[s, 0])
-            pressed = groups[g, STAMP] == k and groups[g, SLOT] == s
+            pressed = groups[g, col.STAMP] == k and groups[g, col.SLOT] == s
             if pressed and not loaded < t:
                 return np.inf
             end = max(end, loaded if pressed else strikes[s, 2])
@@ -177,9 +161,9 @@ def _pressing(groups, k, recent):
     """
     force, is_young = 0.0, False
     for g in range(groups.shape[0]):
-        if groups[g, STAMP] == k:
-            force += groups[g, FORCE]
-            is_young = is_young or groups[g, FIRST] > recent
+        if groups[g, col.STAMP] == k:
+            force += groups[g, col.FORCE]
+            is_young = is_young or groups[g, col.FIRST] > recent
     return force, is_young
 
 
@@ -191,9 +175,9 @@ def _all_over(groups, k, pressed):
     """
     latest = 0.0
     for g in range(groups.shape[0]):
-        if groups[g, SLOT] >= 0.0:
-            over = over_from(groups[g, FIRST], groups[g, LAST])
-            latest = max(latest, pressed if groups[g, STAMP] == k else over)
+        if groups[g, col.SLOT] >= 0.0:
+            over = over_from(groups[g, col.FIRST], groups[g, col.LAST])
+            latest = max(latest, pressed if groups[g, col.STAMP] == k else over)
     return latest
 
 
@@ -201,6 +185,8 @@ def _all_over(groups, k, pressed):
 def mark_cut(groups, k, finish, strikes):
     """Mark the strikes that are not over when the motion ends."""
     for g in range(groups.shape[0]):
-        if 0.0 <= groups[g, SLOT] < strikes.shape[0]:
-            is_cut = groups[g, STAMP] == k or over_from(groups[g, FIRST], groups[g, LAST]) > finish
-            strikes[int(groups[g, SLOT]), CUT] = 1.0 if is_cut else 0.0
+        if 0.0 <= groups[g, col.SLOT] < strikes.shape[0]:
+            is_cut = (
+                groups[g, col.STAMP] == k or over_from(groups[g, col.FIRST], groups[g, col.LAST]) > finish
+            )
+            strikes[int(groups[g, col.SLOT]), col.CUT] = 1.0 if is_cut else 0.0

@@ -271,5 +271,5 @@ def solve_impact(
     return ImpactMotion(
         vehicle, contact, strikes, reached, last, float(trajectories.step[0]), float(trajectories.error[0]),
         float(trajectories.interval[0]), rows, tuple(trailers), tuple(axles),
-        () if tyres is None else tuple(tyres.load[:, 0].tolist()),
+        tuple(tyres.load[:, 0].tolist()),
     )  # fmt: skip

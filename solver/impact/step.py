@@ -18,29 +18,10 @@ import numpy as np
 
 from fem.laws.contact_forces import crush_line
 from machine_code.compiled import allocation_free
+from solver.impact import state as col
 from solver.impact.contact import crush_of, deepest_mean, mean_speeds, press, unloading_length
 from solver.impact.counting import count_strikes, end_of_motion, mark_cut
-from solver.impact.state import (
-    ACROSS,
-    ALONG,
-    DEEPEST,
-    DEPTH,
-    EARLIER,
-    FOOT,
-    FRICTION,
-    INITIAL,
-    NORMAL,
-    PART,
-    PLATEAU,
-    RATE,
-    RESTITUTION,
-    STIFFNESS,
-    TANGENTIAL,
-    UNLOADING,
-    X,
-    Y,
-)
-from solver.impact.tyres import end_tyre_step, has_tyres, record_tyres, start_tyres, steer
+from solver.impact.tyres import end_tyre_step, record_tyres, start_tyres, steer
 
 NEAR = 0.25
 """Step over the remaining time to the next jump of stiffness, at the tolerance."""
@@ -78,10 +59,13 @@ def _begin(train, i, state, work):
     for p in range(train.unit.size):
         u = train.unit[p]
         work.point_owner[p, 0], work.point_owner[p, 1] = u, 4 * u + train.corner[p]
-        points[p, ALONG], points[p, ACROSS] = train.along[p, i], train.across[p, i]
-        points[p, STIFFNESS], points[p, INITIAL] = train.stiffness[p, i], train.initial_force[p, i]
-        points[p, PLATEAU], points[p, UNLOADING] = train.plateau_force[p, i], train.unloading_stiffness[p, i]
-        points[p, RESTITUTION], points[p, FRICTION] = train.restitution[p, i], train.friction[p, i]
+        points[p, col.ALONG], points[p, col.ACROSS] = train.along[p, i], train.across[p, i]
+        points[p, col.STIFFNESS], points[p, col.INITIAL] = train.stiffness[p, i], train.initial_force[p, i]
+        points[p, col.PLATEAU], points[p, col.UNLOADING] = (
+            train.plateau_force[p, i],
+            train.unloading_stiffness[p, i],
+        )
+        points[p, col.RESTITUTION], points[p, col.FRICTION] = train.restitution[p, i], train.friction[p, i]
         reach[u] = max(reach[u], np.hypot(train.along[p, i], train.across[p, i]))
 
 
@@ -99,7 +83,9 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     loaded, largest = 0.0, 0.0
     for m in range(motion.shape[1]):
         motion[2, m] -= 0.5 * h * work.load[m]
-    start_tyres(tyres, i, work.masses, work.headings, work.load, motion, h)
+    steered = tyres.unit.size > 0
+    if steered:
+        start_tyres(tyres, i, work.masses, work.headings, work.load, motion, h)
     for k in range(clock.most):
         t, last = part * (whole / parts), h
         _place(points, owner, motion, work.headings, last, k == 0)
@@ -110,7 +96,8 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
         kick = 0.5 * (last + h)
         for m in range(motion.shape[1]):
             motion[2, m] += kick * work.load[m]
-        steer(tyres, i, work.masses, work.headings, motion, last, kick)
+        if steered:
+            steer(tyres, i, work.masses, work.headings, motion, last, kick)
         if work.joints.shape[0] > 0:
             _tie(motion, work.masses, work.joints, work.headings, work.ties, h)
         touching = press(points, owner, motion, work.masses, work.ties, work.effect, active, kick, h)
@@ -122,7 +109,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             )
         if np.isnan(reached) and not end < np.inf:
             finish, loaded, largest = end_of_motion(
-                t, k, number, touching, loaded, largest, motion, work, strikes, clock, has_tyres(tyres)
+                t, k, number, touching, loaded, largest, motion, work, strikes, clock, steered
             )
         if np.isnan(reached) and finish < t + h:
             _leave(kick, h, finish - t, motion, state)
@@ -132,17 +119,19 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
             if rows.shape[1] > 1:
                 _record(points, owner, motion, pressed, sums, early, kick, rows[row])
-                record_tyres(tyres, i, work.headings, motion, early * kick, rows[row])
+                if steered:
+                    record_tyres(tyres, i, work.headings, motion, early * kick, rows[row])
                 row += 1
             else:
                 impulse = sums[0]
                 for p in pressed:
-                    impulse += early * kick * points[p, NORMAL]
+                    impulse += early * kick * points[p, col.NORMAL]
                 row = _fill(rows, row, stride, part, impulse)
         if t >= finish and (row == rows.shape[0] or (row - 1) * stride * (whole / parts) >= finish):
             break
         _add(points, owner, motion, pressed, kick, sums)
-        end_tyre_step(tyres, i, work.headings, motion, kick)
+        if steered:
+            end_tyre_step(tyres, i, work.headings, motion, kick)
         _move(points, motion, pressed, h)
         part += parts_taken
     return reached, number
@@ -161,31 +150,31 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
     phase, near, floor = clock.phase * clock.pace[i], NEAR * clock.pace[i], clock.floor
     shortest = np.inf
     for p in range(points.shape[0]):
-        depth, deepest = points[p, DEPTH], points[p, DEEPEST]
-        upright = points[p, RESTITUTION] == 0.0 and points[p, UNLOADING] == 0.0
-        rate = (depth - points[p, EARLIER]) / last
-        slowing = (points[p, RATE] - rate) / last
-        points[p, RATE] = rate
+        depth, deepest = points[p, col.DEPTH], points[p, col.DEEPEST]
+        upright = points[p, col.RESTITUTION] == 0.0 and points[p, col.UNLOADING] == 0.0
+        rate = (depth - points[p, col.EARLIER]) / last
+        slowing = (points[p, col.RATE] - rate) / last
+        points[p, col.RATE] = rate
         pressed = (UPRIGHT if upright else LOADING) * phase / clock.rate[i]
-        if depth <= points[p, FOOT]:
+        if depth <= points[p, col.FOOT]:
             if rate > 0.0:
-                time_left = near * (points[p, FOOT] - depth) / rate
-                length = deepest - points[p, FOOT]
+                time_left = near * (points[p, col.FOOT] - depth) / rate
+                length = deepest - points[p, col.FOOT]
                 least = pressed if upright else floor * (phase * length / rate if length > 0.0 else pressed)
                 shortest = min(shortest, max(time_left, least))
             continue
         shortest = min(shortest, pressed)
         if upright:
-            points[p, FOOT] = deepest
+            points[p, col.FOOT] = deepest
         elif rate > 0.0 and depth >= deepest:
             if slowing > 0.0:
                 least = floor * phase * np.sqrt(unloading_length(points[p]) / slowing) if floor > 0.0 else 0.0
                 shortest = min(shortest, max(near * rate / slowing, least))
         else:
             length = unloading_length(points[p])
-            points[p, FOOT] = deepest - length
+            points[p, col.FOOT] = deepest - length
             speed = max(abs(rate), 1e-300)
-            end = deepest - depth if rate > 0.0 else depth - points[p, FOOT]
+            end = deepest - depth if rate > 0.0 else depth - points[p, col.FOOT]
             swing = max(speed, np.sqrt(length * abs(slowing)))
             full = phase * length / swing
             shortest = min(shortest, full, max(near * end / speed, floor * full))
@@ -205,7 +194,7 @@ def _look_back(points, last, h):
     """
     if h != last:
         for p in range(points.shape[0]):
-            points[p, EARLIER] = points[p, DEPTH] - 0.5 * (last + h) * points[p, RATE]
+            points[p, col.EARLIER] = points[p, col.DEPTH] - 0.5 * (last + h) * points[p, col.RATE]
 
 
 @allocation_free
@@ -219,12 +208,12 @@ def _place(points, point_owner, motion, headings, h, start):
             j = 3 * point_owner[p, 0]
             c, s = np.cos(motion[0, j + 2]), np.sin(motion[0, j + 2])
             headings[point_owner[p, 0], 0], headings[point_owner[p, 0], 1] = c, s
-        x = points[p, ALONG] * c + points[p, ACROSS] * s
-        y = points[p, ACROSS] * c - points[p, ALONG] * s
+        x = points[p, col.ALONG] * c + points[p, col.ACROSS] * s
+        y = points[p, col.ACROSS] * c - points[p, col.ALONG] * s
         depth = -(motion[0, j + 1] + y)
         rate = -(motion[2, j + 1] + motion[2, j + 2] * x)
-        points[p, EARLIER] = depth - h * rate if start else points[p, DEPTH]
-        points[p, X], points[p, Y], points[p, DEPTH] = x, y, depth
+        points[p, col.EARLIER] = depth - h * rate if start else points[p, col.DEPTH]
+        points[p, col.X], points[p, col.Y], points[p, col.DEPTH] = x, y, depth
 
 
 @allocation_free
@@ -280,7 +269,7 @@ def _early(points, active, before):
     """Return the part of this step's impulse before its instant."""
     total, early = 0.0, 0.0
     for p in active:
-        part, normal = points[p, PART], points[p, NORMAL]
+        part, normal = points[p, col.PART], points[p, col.NORMAL]
         total += normal
         early += normal * (
             before if part == 1.0 else max(part - (1.0 - before), 0.0) / part if part > 0.0 else 0.0
@@ -297,8 +286,8 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
         row[6 * (m // 3) + 3 + m % 3] = motion[1, m] + early * (motion[2, m] - motion[1, m])
     row[base:] = 0.0
     for p in active:
-        row[base] += points[p, NORMAL]
-        row[base + 1] += points[p, TANGENTIAL]
+        row[base] += points[p, col.NORMAL]
+        row[base + 1] += points[p, col.TANGENTIAL]
     for j in range(sums.size):
         row[base + 4 + j] = sums[j]
     _add(points, point_owner, motion, active, early * h, row[base + 4 : base + 4 + sums.size])
@@ -306,7 +295,7 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
         deepest = deepest_mean(points[p])
         if deepest > 0.0:
             _, absorbed, length, returned = crush_line(crush_of(points[p]), deepest)
-            length_left = length - deepest + points[p, DEPTH]
+            length_left = length - deepest + points[p, col.DEPTH]
             row[base + 3] += (1.0 - returned) * absorbed
             if length_left > 0.0 and length > 0.0:
                 row[base + 2] += returned * absorbed * min(length_left / length, 1.0) ** 2
@@ -331,11 +320,11 @@ def _add(points, point_owner, motion, active, h, sums):
     """Add impulses and works of the wall's forces over h."""
     for p in active:
         j = 3 * point_owner[p, 0]
-        normal, along = h * points[p, NORMAL], h * points[p, TANGENTIAL]
+        normal, along = h * points[p, col.NORMAL], h * points[p, col.TANGENTIAL]
         slip, opening = mean_speeds(points[p], motion, j)
         sums[0] += normal
         sums[1] += along
-        sums[2] += (motion[0, j] + points[p, X]) * normal - (motion[0, j + 1] + points[p, Y]) * along
+        sums[2] += (motion[0, j] + points[p, col.X]) * normal - (motion[0, j + 1] + points[p, col.Y]) * along
         sums[3] += along * slip
         sums[4] -= normal * opening
         if sums.size > 5:
@@ -347,6 +336,6 @@ def _add(points, point_owner, motion, active, h, sums):
 def _move(points, motion, active, h):
     """Advance points and units to the end of the step."""
     for p in active:
-        points[p, DEEPEST] = deepest_mean(points[p])
+        points[p, col.DEEPEST] = deepest_mean(points[p])
     for m in range(motion.shape[1]):
         motion[0, m] += (-h if m % 3 == 2 else h) * motion[2, m]

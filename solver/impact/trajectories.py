@@ -18,7 +18,7 @@ from solver.impact.counting import LEANING, SHORTEST
 from solver.impact.state import CUT, STRIKE, columns, workspace
 from solver.impact.step import advance
 from solver.impact.train import Train
-from solver.impact.tyres import Tyres, chosen_tyres
+from solver.impact.tyres import Tyres, chosen_tyres, no_tyres
 
 TOLERANCE = 1e-5
 """Error of peaks, impulses and spin of one impact by which the step is chosen."""
@@ -167,9 +167,11 @@ def solve_trains(
     most = int(LONGEST_RUN / (STEP_COST + POINT_COST * train.unit.size))
     latest = longest if end is None else end
     rate, turning = _rates(train, state)
-    many_strikes = len(train.hitch) > 0 or tyres is not None
+    tyres = no_tyres(train) if tyres is None else tyres
+    steered = tyres.unit.size > 0
+    many_strikes = len(train.hitch) > 0 or steered
     varies = step is None and many_strikes
-    is_coarse = varies and tyres is not None and impulse_alone
+    is_coarse = varies and steered and impulse_alone
     phase, floor = (COARSE_PHASE, COARSE_FLOOR) if is_coarse else (PHASE_OF_PARTS, 0.0)
     h = _whole_steps(rate, turning, tolerance, step, varies, is_coarse)
     h = np.maximum(h, latest / most)  # first coarser, then finer as far as the computed end allows
@@ -189,7 +191,7 @@ def solve_trains(
             stride = np.rint(rows_apart * stride).astype(np.int64)
             count = math.ceil(min(float((latest / h * parts[chosen] / stride).max()), most)) + 2
         road = chosen_tyres(tyres, chosen)
-        wide = columns(out.shape[1]) + (0 if road is None else road.sums.size)
+        wide = columns(out.shape[1]) + road.sums.size
         rows = np.empty((n, count, 1 if impulse_alone else wide))
         strike_rows = np.full((n, room, len(STRIKE)), np.nan)
         ends = np.full(n, math.inf if end is None else end)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.laws.contact_forces import side_force
-from machine_code.compiled import allocation_free, implements, optional
+from machine_code.compiled import allocation_free
 from solver import rules
 from solver.body import GRAVITY
 from solver.conditions import Array, Gate
@@ -28,11 +28,12 @@ moment about the origin [N m s]."""
 
 
 class Tyres(NamedTuple):
-    """Axles of n trains and workspace.
+    """Axles of n trains and workspace, without axles where none has friction.
 
     unit, shape (axles,): of each axle; along, load, friction, cornering, shape (axles, n): from the unit's centre of
     mass along its heading [m], N [N], mu and C [-]. Workspace of one sample: force, shape (axles,), side force to the
-    left [N]; rate, shape (3 units,), mean accelerations of the step before; sums, shape (4 units,), as of `SUMS`.
+    left [N]; rate, shape (3 units,), mean accelerations of the step before; sums, shape (4 units,), as of `SUMS`, both
+    empty without axles.
     """
 
     unit: np.ndarray
@@ -67,10 +68,8 @@ class TyreAxle:
     unit: int = 0
 
 
-def tyres_of(
-    train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, lengths: Array
-) -> "Tyres | None":
-    """Return the tyres of n trains, None without axles that have friction.
+def tyres_of(train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, lengths: Array) -> Tyres:
+    """Return the tyres of n trains.
 
     Parameters
     ----------
@@ -83,8 +82,8 @@ def tyres_of(
 
     Returns
     -------
-    Tyres or None
-        With loads in equilibrium.
+    Tyres
+        With loads in equilibrium; without axles where none has friction.
 
     Raises
     ------
@@ -92,7 +91,7 @@ def tyres_of(
         For an axle outside its unit, negative values, and axles that cannot carry a unit.
     """
     if not axles:
-        return None
+        return no_tyres(train)
     count, n = train.mass.shape
     unit = np.array([int(axle["unit"]) for axle in axles])
     names = ("position", "friction", "cornering")
@@ -112,9 +111,15 @@ def tyres_of(
     for a in range(len(unit)):
         Gate().demand(_rule(rules.AXLE_LOAD, a, "position"), load[a] >= 0.0, position[a], load=load[a])
     if not friction.any():
-        return None
+        return no_tyres(train)
     workspace = np.zeros(len(unit)), np.zeros(3 * count), np.zeros(count * len(SUMS))
     return Tyres(unit, along, load, friction, cornering, *workspace)
+
+
+def no_tyres(train: Train) -> Tyres:
+    """Return tyres without axles."""
+    nothing = np.zeros((0, train.mass.shape[1]))
+    return Tyres(np.zeros(0, dtype=np.int64), *4 * (nothing,), np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 def _rule(rule: rules.Rule, axle: int, name: str) -> rules.Rule:
@@ -158,56 +163,18 @@ def axle_loads(mass: Array, hitch: Array, kingpin: Array, unit: NDArray[np.int64
     return load
 
 
-def chosen_tyres(tyres: "Tyres | None", chosen: NDArray[np.int64]) -> "Tyres | None":
+def chosen_tyres(tyres: Tyres, chosen: NDArray[np.int64]) -> Tyres:
     """Return the tyres of these samples with a new workspace."""
-    if tyres is None:
-        return None
     columns = (np.ascontiguousarray(values[:, chosen]) for values in tyres[1:5])
     return Tyres(tyres.unit, *columns, *(np.zeros_like(values) for values in tyres[5:]))
 
 
-@optional(merged=True)
-def has_tyres(tyres):
-    """Return True for a train with tyres."""
-    return False
-
-
-@optional(merged=True)
+@allocation_free
 def start_tyres(tyres, i, masses, headings, load, motion, h):
     """Begin sample i.
 
     Velocities half a step back are those by the side forces at the start.
     """
-
-
-@optional(merged=True)
-def steer(tyres, i, masses, headings, motion, last, kick):
-    """Add the side forces of this instant to the velocities ahead."""
-
-
-@optional(merged=True)
-def end_tyre_step(tyres, i, headings, motion, kick):
-    """Add impulses and works of the tyres over a step.
-
-    Its accelerations are stored for the next.
-    """
-
-
-@optional(merged=True)
-def record_tyres(tyres, i, headings, motion, h, row):
-    """Fill the columns of the tyres in the row of this instant.
-
-    h: time since the end of the sums [s].
-    """
-
-
-@implements(has_tyres, Tyres, merged=True)
-def _has_tyres(tyres):
-    return True
-
-
-@implements(start_tyres, Tyres)
-def _start_tyres(tyres, i, masses, headings, load, motion, h):
     tyres.sums[:], tyres.rate[:] = 0.0, 0.0
     for m in range(motion.shape[1]):
         motion[1, m] = motion[2, m] + 0.5 * h * load[m]
@@ -219,8 +186,9 @@ def _start_tyres(tyres, i, masses, headings, load, motion, h):
         tyres.rate[m] = (motion[1, m] - motion[2, m]) / (0.5 * h)
 
 
-@implements(steer, Tyres)
-def _steer(tyres, i, masses, headings, motion, last, kick):
+@allocation_free
+def steer(tyres, i, masses, headings, motion, last, kick):
+    """Add the side forces of this instant to the velocities ahead."""
     for a in range(tyres.unit.size):
         j, arm = 3 * tyres.unit[a], tyres.along[a, i]
         c, s = headings[tyres.unit[a], 0], headings[tyres.unit[a], 1]
@@ -252,15 +220,23 @@ def _add_tyres(tyres, i, headings, motion, h, sums):
         sums[first + 3] += impulse * ((motion[0, j] + arm * c) * c - (motion[0, j + 1] - arm * s) * s)
 
 
-@implements(end_tyre_step, Tyres)
-def _end_tyre_step(tyres, i, headings, motion, kick):
+@allocation_free
+def end_tyre_step(tyres, i, headings, motion, kick):
+    """Add impulses and works of the tyres over a step.
+
+    Its accelerations are stored for the next.
+    """
     _add_tyres(tyres, i, headings, motion, kick, tyres.sums)
     for m in range(motion.shape[1]):
         tyres.rate[m] = (motion[2, m] - motion[1, m]) / kick
 
 
-@implements(record_tyres, Tyres)
-def _record_tyres(tyres, i, headings, motion, h, row):
+@allocation_free
+def record_tyres(tyres, i, headings, motion, h, row):
+    """Fill the columns of the tyres in the row of this instant.
+
+    h: time since the end of the sums [s].
+    """
     columns = row[row.size - tyres.sums.size :]
     for k in range(columns.size):
         columns[k] = tyres.sums[k]

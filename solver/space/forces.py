@@ -15,55 +15,8 @@ import numpy as np
 
 from fem.laws.contact_forces import PointCrush, crush_line, loading_force, side_force
 from machine_code.compiled import allocation_free
+from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
-from solver.space.state import (
-    ABOVE,
-    ALONG,
-    AT,
-    AXLE_MASS,
-    CENTRE,
-    CORNERING,
-    COSINE,
-    DAMPER,
-    DAMPING_WORK,
-    END,
-    FACE,
-    FOOT,
-    FRICTION,
-    FRICTION_WORK,
-    HALF_SPACING,
-    HALF_TRACK,
-    JOINT,
-    JOINT_LOAD,
-    JOINT_NOW,
-    LATERAL,
-    LENGTH,
-    LOAD,
-    LOWEST,
-    MASS,
-    MOMENT,
-    NOW,
-    PLACE,
-    PLATEAU,
-    PRELOAD,
-    REACH,
-    RETURNED,
-    SINE,
-    SLOPE,
-    SPREAD,
-    SPRING,
-    START,
-    STATION,
-    STIFFNESS,
-    TOP,
-    TWIST,
-    TYRE,
-    TYRE_WORK,
-    UNLOADING,
-    UP,
-    WALL_WORK,
-    WHEEL,
-)
 
 EDGE = 0.02
 """Least half height of a point of a strip [m].
@@ -118,12 +71,12 @@ def add_force(b, x, y, z, fx, fy, fz):
     """
     px, py, pz = turned_back(b, fx, fy, fz)
     mx, my, mz = cross(x, y, z, px, py, pz)
-    b[LOAD] += px
-    b[LOAD + 1] += py
-    b[LOAD + 2] += pz
-    b[LOAD + 3] += mx
-    b[LOAD + 4] += my
-    b[LOAD + 5] += mz
+    b[col.LOAD] += px
+    b[col.LOAD + 1] += py
+    b[col.LOAD + 2] += pz
+    b[col.LOAD + 3] += mx
+    b[col.LOAD + 4] += my
+    b[col.LOAD + 5] += mz
     return py, pz
 
 
@@ -134,8 +87,8 @@ def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
     centre: height of the roll centre in the axes of the body [m].
     """
     across, up = add_force(b, x, y, z, fx, fy, fz)
-    q[JOINT_LOAD] += up
-    q[JOINT_LOAD + 1] += y * up - (z - centre) * across
+    q[col.JOINT_LOAD] += up
+    q[col.JOINT_LOAD + 1] += y * up - (z - centre) * across
 
 
 @allocation_free
@@ -144,9 +97,9 @@ def point_velocity(b, x, y, z, uy, uz):
 
     uy, uz: velocity relative to the body, in its axes [m/s].
     """
-    vx, vy, vz = cross(b[NOW + 3], b[NOW + 4], b[NOW + 5], x, y, z)
+    vx, vy, vz = cross(b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5], x, y, z)
     vx, vy, vz = rotated(b, vx, vy + uy, vz + uz)
-    return b[NOW] + vx, b[NOW + 1] + vy, b[NOW + 2] + vz
+    return b[col.NOW] + vx, b[col.NOW + 1] + vy, b[col.NOW + 2] + vz
 
 
 @allocation_free
@@ -159,33 +112,33 @@ def press_axles(axles, axle_unit, bodies, joints, sums, h):
 @allocation_free
 def _press_axle(axle, b, q, sums, h):
     """Add the forces on one axle."""
-    heave, c, s = q[JOINT], q[COSINE], q[SINE]
-    heave_rate, roll_rate = q[JOINT_NOW], q[JOINT_NOW + 1]
+    heave, c, s = q[col.JOINT], q[col.COSINE], q[col.SINE]
+    heave_rate, roll_rate = q[col.JOINT_NOW], q[col.JOINT_NOW + 1]
     for side in (-1.0, 1.0):
-        arm = side * axle[HALF_SPACING]
+        arm = side * axle[col.HALF_SPACING]
         rate = heave_rate + arm * c * roll_rate
-        damping = axle[DAMPER] * rate
-        force = -axle[PRELOAD] - axle[SPRING] * (heave + arm * s) - damping
-        q[JOINT_LOAD] += force
-        q[JOINT_LOAD + 1] += force * arm * c
-        sums[DAMPING_WORK] -= h * damping * rate
+        damping = axle[col.DAMPER] * rate
+        force = -axle[col.PRELOAD] - axle[col.SPRING] * (heave + arm * s) - damping
+        q[col.JOINT_LOAD] += force
+        q[col.JOINT_LOAD + 1] += force * arm * c
+        sums[col.DAMPING_WORK] -= h * damping * rate
     scale = 1.0 / np.sqrt(b[0] * b[0] + b[3] * b[3])
     hx, hy = scale * b[0], scale * b[3]
     for side in range(2):
-        arm = (2.0 * side - 1.0) * axle[HALF_TRACK]
-        y, dz = arm * c + axle[LOWEST] * s, arm * s - axle[LOWEST] * c
-        x, z = axle[PLACE], axle[CENTRE] + heave + dz
-        depth = -(b[AT + 2] + b[6] * x + b[7] * y + b[8] * z)
-        q[WHEEL + side] = axle[TYRE] * max(depth, 0.0)
+        arm = (2.0 * side - 1.0) * axle[col.HALF_TRACK]
+        y, dz = arm * c + axle[col.LOWEST] * s, arm * s - axle[col.LOWEST] * c
+        x, z = axle[col.PLACE], axle[col.CENTRE] + heave + dz
+        depth = -(b[col.AT + 2] + b[6] * x + b[7] * y + b[8] * z)
+        q[col.WHEEL + side] = axle[col.TYRE] * max(depth, 0.0)
         if depth > 0.0:
             # The forces act at the ground, above the lowest point of the unloaded tyre.
             x, y, z, dz = x + depth * b[6], y + depth * b[7], z + depth * b[8], dz + depth * b[8]
             vx, vy, _ = point_velocity(b, x, y, z, -dz * roll_rate, heave_rate + y * roll_rate)
             ahead, across = vx * hx + vy * hy, vy * hx - vx * hy
-            normal = axle[TYRE] * depth
-            force = side_force(normal, axle[FRICTION], axle[CORNERING], ahead, across)
-            add_axle_force(b, q, axle[CENTRE] + heave, x, y, z, -force * hy, force * hx, normal)
-            sums[TYRE_WORK] += h * force * across
+            normal = axle[col.TYRE] * depth
+            force = side_force(normal, axle[col.FRICTION], axle[col.CORNERING], ahead, across)
+            add_axle_force(b, q, axle[col.CENTRE] + heave, x, y, z, -force * hy, force * hx, normal)
+            sums[col.TYRE_WORK] += h * force * across
 
 
 @allocation_free
@@ -194,13 +147,13 @@ def twist_hinges(units, bodies):
     for u in range(1, units.shape[0]):
         ahead, behind = bodies[u - 1], bodies[u]
         yx, yy, yz, zx, zy, zz = ahead[1], ahead[4], ahead[7], behind[2], behind[5], behind[8]
-        moment = -units[u, TWIST] * (yx * zx + yy * zy + yz * zz)
+        moment = -units[u, col.TWIST] * (yx * zx + yy * zy + yz * zz)
         mx, my, mz = cross(zx, zy, zz, yx, yy, yz)
         for b, sign in ((behind, 1.0), (ahead, -1.0)):
             px, py, pz = turned_back(b, sign * moment * mx, sign * moment * my, sign * moment * mz)
-            b[LOAD + 3] += px
-            b[LOAD + 4] += py
-            b[LOAD + 5] += pz
+            b[col.LOAD + 3] += px
+            b[col.LOAD + 4] += py
+            b[col.LOAD + 5] += pz
 
 
 @allocation_free
@@ -213,13 +166,15 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h):
     for k in range(strips.shape[0]):
         u, a, points = fleet.strip_unit[k], fleet.strip_axle[k], fleet.strip_points[k]
         b, q = work.bodies[u], work.joints[max(a, 0)]  # unused of a strip of the body
-        if b[AT + 1] - units[u, REACH] <= work.wall[0, 0]:
-            centre, of_axle = (axles[a, CENTRE], 1.0 / axles[a, AXLE_MASS]) if a >= 0 else (np.nan, 0.0)
+        if b[col.AT + 1] - units[u, col.REACH] <= work.wall[0, 0]:
+            centre, of_axle = (
+                (axles[a, col.CENTRE], 1.0 / axles[a, col.AXLE_MASS]) if a >= 0 else (np.nan, 0.0)
+            )
             for side in range(2):
                 touches = _press_strip(
                     strips[k], 2.0 * side - 1.0, centre, b, q, work.wall, facets,
                     work.memory[first + side * points : first + (side + 1) * points],
-                    fleet.friction[i], 4.0 / units[u, MASS], of_axle, work.bodies[0, AT], work.sums, h,
+                    fleet.friction[i], 4.0 / units[u, col.MASS], of_axle, work.bodies[0, col.AT], work.sums, h,
                 )  # fmt: skip
                 touching = touching or touches
         first += 2 * points
@@ -235,9 +190,15 @@ def _end(strip, at, side, centre, q):
     x, y, z = strip[at], side * strip[at + 1], strip[at + 2]
     if np.isnan(centre):
         return x, y, z, 0.0, 0.0
-    c, s = q[COSINE], q[SINE]
+    c, s = q[col.COSINE], q[col.SINE]
     y, z = y * c - z * s, y * s + z * c
-    return x, y, centre + q[JOINT] + z, -z * q[JOINT_NOW + 1], q[JOINT_NOW] + y * q[JOINT_NOW + 1]
+    return (
+        x,
+        y,
+        centre + q[col.JOINT] + z,
+        -z * q[col.JOINT_NOW + 1],
+        q[col.JOINT_NOW] + y * q[col.JOINT_NOW + 1],
+    )
 
 
 @allocation_free
@@ -250,11 +211,11 @@ def _press_strip(
     masses of the body at a point, and of the axle. The points are one loop: calls for each would take a third more
     time.
     """
-    ax, ay, az, auy, auz = _end(strip, START, side, centre, q)
-    bx, by, bz, buy, buz = _end(strip, END, side, centre, q)
+    ax, ay, az, auy, auz = _end(strip, col.START, side, centre, q)
+    bx, by, bz, buy, buz = _end(strip, col.END, side, centre, q)
     sx, sy, sz = rotated(b, ax, ay, az)
     ex, ey, ez = rotated(b, bx, by, bz)
-    sy, sz, ey, ez = sy + b[AT + 1], sz + b[AT + 2], ey + b[AT + 1], ez + b[AT + 2]
+    sy, sz, ey, ez = sy + b[col.AT + 1], sz + b[col.AT + 2], ey + b[col.AT + 1], ez + b[col.AT + 2]
     toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
     if min(sy, ey) > toe:
         return False
@@ -263,11 +224,15 @@ def _press_strip(
     half = max(0.5 * abs(ez - sz) * spacing, EDGE)
     if min(sz, ez) - half > top and max(sy, ey) < edge:
         for n in range(points):
-            memories[n, ABOVE] = 1.0
+            memories[n, col.ABOVE] = 1.0
         return False
-    part = strip[LENGTH] * spacing
+    part = strip[col.LENGTH] * spacing
     crush = PointCrush(
-        strip[STIFFNESS] * part, 0.0, strip[RETURNED], strip[PLATEAU] * part, strip[UNLOADING] * part
+        strip[col.STIFFNESS] * part,
+        0.0,
+        strip[col.RETURNED],
+        strip[col.PLATEAU] * part,
+        strip[col.UNLOADING] * part,
     )
     stopping = STICKING / (h * points * (mobility + of_axle))
     touches, pressed, spread, work, lost = False, False, 0.0, 0.0, 0.0
@@ -278,16 +243,16 @@ def _press_strip(
         o = 1.0 - p
         y, z, memory = o * sy + p * ey, o * sz + p * ez, memories[n]
         if y > toe:  # clear of the wall at any height
-            memory[ABOVE] = 0.0
+            memory[col.ABOVE] = 0.0
             continue
         if z - half > top:
-            memory[ABOVE] = 1.0 if y < edge else 0.0
+            memory[col.ABOVE] = 1.0 if y < edge else 0.0
             continue
         if y > edge:
-            memory[ABOVE] = 0.0
-        ny, nz, weight, depth, column = 0.0, 1.0, 1.0, top - z, TOP
-        if memory[ABOVE] == 0.0:
-            column = FACE
+            memory[col.ABOVE] = 0.0
+        ny, nz, weight, depth, column = 0.0, 1.0, 1.0, top - z, col.TOP
+        if memory[col.ABOVE] == 0.0:
+            column = col.FACE
             face, k = point_of_face(wall, facets, z)
             if face <= y:
                 continue
@@ -296,22 +261,22 @@ def _press_strip(
         if depth <= 0.0:
             continue
         touches = True
-        if depth <= memory[column + FOOT]:
+        if depth <= memory[column + col.FOOT]:
             continue
         if depth >= memory[column]:
-            memory[column], memory[column + SLOPE] = depth, 0.0
+            memory[column], memory[column + col.SLOPE] = depth, 0.0
             force = weight * loading_force(crush, depth)
         else:
-            if memory[column + SLOPE] == 0.0:
+            if memory[column + col.SLOPE] == 0.0:
                 _set_unloading(crush, memory, column, h * h * points * (mobility + nz * nz * of_axle))
-            force = weight * memory[column + SLOPE] * (depth - memory[column + FOOT])
+            force = weight * memory[column + col.SLOPE] * (depth - memory[column + col.FOOT])
         if force <= 0.0:
             continue
         if not pressed:
             pressed = True
             svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
             evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
-            sx, ex = sx + b[AT] - origin, ex + b[AT] - origin
+            sx, ex = sx + b[col.AT] - origin, ex + b[col.AT] - origin
         vx, vy, vz = o * svx + p * evx, o * svy + p * evy, o * svz + p * evz
         approach = vy * ny + vz * nz
         ty, tz = vy - approach * ny, vz - approach * nz
@@ -325,19 +290,19 @@ def _press_strip(
         lost += drag * sliding * sliding
     if not pressed:
         return touches
-    sums[LATERAL] += fsy + fey
-    sums[ALONG] += fsx + fex
-    sums[UP] += fsz + fez
-    sums[MOMENT] += fsy * sz + fey * ez
-    sums[STATION] += fsy * sx + fey * ex
-    sums[SPREAD] += spread
-    sums[WALL_WORK] += h * work
-    sums[FRICTION_WORK] -= h * lost
+    sums[col.LATERAL] += fsy + fey
+    sums[col.ALONG] += fsx + fex
+    sums[col.UP] += fsz + fez
+    sums[col.MOMENT] += fsy * sz + fey * ez
+    sums[col.STATION] += fsy * sx + fey * ex
+    sums[col.SPREAD] += spread
+    sums[col.WALL_WORK] += h * work
+    sums[col.FRICTION_WORK] -= h * lost
     if np.isnan(centre):
         add_force(b, ax, ay, az, fsx, fsy, fsz)
         add_force(b, bx, by, bz, fex, fey, fez)
     else:
-        centre += q[JOINT]
+        centre += q[col.JOINT]
         add_axle_force(b, q, centre, ax, ay, az, fsx, fsy, fsz)
         add_axle_force(b, q, centre, bx, by, bz, fex, fey, fez)
     return touches
@@ -369,5 +334,5 @@ def _set_unloading(crush, memory, column, inverse):
     """
     peak, _, length, _ = crush_line(crush, memory[column])
     length = max(length, peak * inverse / STEEPEST)
-    memory[column + FOOT] = memory[column] - length
-    memory[column + SLOPE] = peak / length if length > 0.0 else 0.0
+    memory[column + col.FOOT] = memory[column] - length
+    memory[column + col.SLOPE] = peak / length if length > 0.0 else 0.0

@@ -12,6 +12,7 @@ import numpy as np
 
 from machine_code.compiled import allocation_free
 from solver.body import GRAVITY
+from solver.space import state as col
 from solver.space.dynamics import assemble, begin_step, close_hinges, cross, kick, move, rotated, turned_back
 from solver.space.forces import (
     EDGE,
@@ -22,68 +23,6 @@ from solver.space.forces import (
     press_strips,
     twist_hinges,
     wall_facets,
-)
-from solver.space.state import (
-    ALONG,
-    AT,
-    AXLE_INERTIA,
-    AXLE_MASS,
-    BELOW,
-    CENTRE,
-    CENTRE_HEIGHT,
-    CONTACT_LENGTH,
-    COSINE,
-    END,
-    EXIT_ANGLE,
-    EXIT_SPEED,
-    EXIT_YAW,
-    HALF_SPACING,
-    HEIGHT,
-    HITCH_X,
-    I_X,
-    I_XZ,
-    I_Y,
-    I_Z,
-    JOINT,
-    JOINT_NOW,
-    KING_X,
-    LATERAL,
-    LOST,
-    MASS,
-    MEAN,
-    MEAN_ALONG,
-    MEAN_TIME,
-    MEAN_UP,
-    MOMENT,
-    NOW,
-    ON_ITS_SIDE,
-    OUTCOME,
-    OVER,
-    PITCH,
-    PITCH_TIME,
-    PLACE,
-    PRELOAD,
-    RAW,
-    REACHED,
-    ROLL,
-    ROLL_TIME,
-    ROWS_WRITTEN,
-    SINE,
-    SPEED,
-    SPREAD,
-    SPRING,
-    START,
-    STATION,
-    TOUCHED,
-    TURN,
-    TWIST,
-    TYRE,
-    UP,
-    UPRIGHT,
-    WHEEL,
-    WHOLE,
-    WHOLE_X,
-    WHOLE_Z,
 )
 
 QUIET, SOONEST, LEANING = 0.3, 0.6, 0.1
@@ -119,23 +58,23 @@ def lowest_walls(fleet, clock, work, scan, lowest):
     for i in range(fleet.units.shape[0]):
         holds, fails = np.nan, LOWEST_WALL
         for u in range(fleet.units.shape[1]):
-            centre = fleet.units[i, u, HEIGHT] + fleet.units[i, u, WHOLE_Z]
+            centre = fleet.units[i, u, col.HEIGHT] + fleet.units[i, u, col.WHOLE_Z]
             holds = centre if u == 0 else max(holds, centre)
         _follow(fleet, clock, i, holds, work, rows, answer, rolls)
-        if answer[OUTCOME] != UPRIGHT:
+        if answer[col.OUTCOME] != col.UPRIGHT:
             lowest[i] = np.nan
             continue
         height = holds - scan
         while height > LOWEST_WALL:
             _follow(fleet, clock, i, height, work, rows, answer, rolls)
-            if answer[OUTCOME] != UPRIGHT:
+            if answer[col.OUTCOME] != col.UPRIGHT:
                 fails = height
                 break
             holds, height = height, height - scan
         while holds - fails > RESOLUTION:
             height = 0.5 * (holds + fails)
             _follow(fleet, clock, i, height, work, rows, answer, rolls)
-            if answer[OUTCOME] == UPRIGHT:
+            if answer[col.OUTCOME] == col.UPRIGHT:
                 holds = height
             else:
                 fails = height
@@ -152,9 +91,9 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     answer[:], rolls[:], work.sums[:] = 0.0, 0.0, 0.0
     bodies, joints, sums, before = work.bodies, work.joints, work.sums, work.before
     if not _begin(fleet, i, units, axles, strips, facets, clock.given, work):
-        answer[OUTCOME] = OVER
+        answer[col.OUTCOME] = col.OVER
         return
-    touched, largest, touching, row, reached, outcome = 0.0, 0.0, False, 0, clock.longest, UPRIGHT
+    touched, largest, touching, row, reached, outcome = 0.0, 0.0, False, 0, clock.longest, col.UPRIGHT
     for k in range(int(np.ceil(clock.longest / clock.interval * (1.0 - 1e-12))) * parts + 1):
         t, last, ahead = k * h, h if k > 0 else 0.0, h if k > 0 else 0.5 * h
         begin_step(bodies, joints, last)
@@ -166,7 +105,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
             _push_at(clock.push, k, parts, units[0], bodies[0])
         if units.shape[0] > 1:
             twist_hinges(units, bodies)
-        force = sums[LATERAL] - before[LATERAL]
+        force = sums[col.LATERAL] - before[col.LATERAL]
         largest = max(largest, force)
         if force > LEANING * largest:
             touched = t
@@ -181,7 +120,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
                     rows[row, j] = work.windows[row, j]
             row += 1
         outcome, turning = _verdict(units, bodies, joints, edge, t, answer, rolls)
-        is_over = outcome != UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not turning)
+        is_over = outcome != col.UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not turning)
         if k % parts == 0 and ((is_over and not clock.given) or t >= clock.longest * (1.0 - 1e-12)):
             reached = t
             break
@@ -192,10 +131,11 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
         move(bodies, joints, h)
     if touching:
         _leave(units[0], bodies[0], answer)
-    answer[OUTCOME], answer[REACHED], answer[TOUCHED], answer[ROWS_WRITTEN] = outcome, reached, touched, row
-    answer[PITCH] = np.arcsin(min(max(answer[PITCH], -1.0), 1.0))  # the sine up to here
-    if outcome in (ON_ITS_SIDE, OVER):  # the end is on a row, a moment later than the roll of 90 deg
-        answer[ROLL] = min(max(answer[ROLL], -0.5 * np.pi), 0.5 * np.pi)
+    answer[col.OUTCOME], answer[col.REACHED] = outcome, reached
+    answer[col.TOUCHED], answer[col.ROWS_WRITTEN] = touched, row
+    answer[col.PITCH] = np.arcsin(min(max(answer[col.PITCH], -1.0), 1.0))  # the sine up to here
+    if outcome in (col.ON_ITS_SIDE, col.OVER):  # the end is on a row, a moment later than the roll of 90 deg
+        answer[col.ROLL] = min(max(answer[col.ROLL], -0.5 * np.pi), 0.5 * np.pi)
         for u in range(units.shape[0]):
             rolls[u] = min(max(rolls[u], -0.5 * np.pi), 0.5 * np.pi)
     _means(work.windows[:row], sums, clock.window, clock.interval, answer)
@@ -237,28 +177,33 @@ def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
     work.memory[:], bodies[:], work.joints[:] = 0.0, 0.0, 0.0
     for u in range(units.shape[0]):
         if u > 0:
-            behind += units[u - 1, HITCH_X] - units[u, KING_X]
+            behind += units[u - 1, col.HITCH_X] - units[u, col.KING_X]
         b = bodies[u]
-        b[AT], b[AT + 1], b[AT + 2] = behind * c, -behind * s, units[u, HEIGHT]
-        b[SPEED], b[SPEED + 1] = fleet.speed[i] * c, -fleet.speed[i] * s
-        b[TURN], b[TURN + 3] = np.cos(0.5 * theta), -np.sin(0.5 * theta)
+        b[col.AT], b[col.AT + 1], b[col.AT + 2] = behind * c, -behind * s, units[u, col.HEIGHT]
+        b[col.SPEED], b[col.SPEED + 1] = fleet.speed[i] * c, -fleet.speed[i] * s
+        b[col.TURN], b[col.TURN + 3] = np.cos(0.5 * theta), -np.sin(0.5 * theta)
     gap, top = np.inf, work.wall[facets - 1, 3]
     for k in range(strips.shape[0]):
         u, a, strip, points = fleet.strip_unit[k], fleet.strip_axle[k], strips[k], fleet.strip_points[k]
-        raised = axles[a, CENTRE] if a >= 0 else 0.0
-        half = max(0.5 * abs(strip[END + 2] - strip[START + 2]) / points, EDGE)
+        raised = axles[a, col.CENTRE] if a >= 0 else 0.0
+        half = max(0.5 * abs(strip[col.END + 2] - strip[col.START + 2]) / points, EDGE)
         for n in range(points):
             p = (n + 0.5) / points
-            x = strip[START] + p * (strip[END] - strip[START])
-            y = strip[START + 1] + p * (strip[END + 1] - strip[START + 1])
-            z = strip[START + 2] + p * (strip[END + 2] - strip[START + 2]) + raised + units[u, HEIGHT]
+            x = strip[col.START] + p * (strip[col.END] - strip[col.START])
+            y = strip[col.START + 1] + p * (strip[col.END + 1] - strip[col.START + 1])
+            z = (
+                strip[col.START + 2]
+                + p * (strip[col.END + 2] - strip[col.START + 2])
+                + raised
+                + units[u, col.HEIGHT]
+            )
             if z - half < top:
-                place = bodies[u, AT + 1] - s * x - c * y
+                place = bodies[u, col.AT + 1] - s * x - c * y
                 gap = min(gap, place - point_of_face(work.wall, facets, z)[0])
     if gap == np.inf:
         return anywhere
     for u in range(units.shape[0]):
-        bodies[u, AT + 1] -= gap
+        bodies[u, col.AT + 1] -= gap
     return True
 
 
@@ -269,8 +214,8 @@ def _push(push, share, unit, b):
     Columns: along, across and up [N], the point's place ahead of the centre of the whole mass along X [m], and its
     height [m], NaN for that of the centre. The centre is that with the axles at rest on the body.
     """
-    x, y, z = rotated(b, unit[WHOLE_X], 0.0, unit[WHOLE_Z])
-    height = z if np.isnan(push[4]) else push[4] - b[AT + 2]
+    x, y, z = rotated(b, unit[col.WHOLE_X], 0.0, unit[col.WHOLE_Z])
+    height = z if np.isnan(push[4]) else push[4] - b[col.AT + 2]
     x, y, z = turned_back(b, x + push[3], y, height)
     add_force(b, x, y, z, share * push[0], share * push[1], share * push[2])
 
@@ -281,11 +226,11 @@ def _leave(unit, b, answer):
 
     Its axles are taken as at rest on the body.
     """
-    x, y, z = cross(b[NOW + 3], b[NOW + 4], b[NOW + 5], unit[WHOLE_X], 0.0, unit[WHOLE_Z])
+    x, y, z = cross(b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5], unit[col.WHOLE_X], 0.0, unit[col.WHOLE_Z])
     vx, vy, _ = rotated(b, x, y, z)
-    vx, vy = b[NOW] + vx, b[NOW + 1] + vy
-    answer[EXIT_SPEED], answer[EXIT_ANGLE] = np.hypot(vx, vy), np.arctan2(vy, vx)
-    answer[EXIT_YAW] = np.arctan2(b[3], b[0])
+    vx, vy = b[col.NOW] + vx, b[col.NOW + 1] + vy
+    answer[col.EXIT_SPEED], answer[col.EXIT_ANGLE] = np.hypot(vx, vy), np.arctan2(vy, vx)
+    answer[col.EXIT_YAW] = np.arctan2(b[3], b[0])
 
 
 @allocation_free
@@ -294,7 +239,7 @@ def _verdict(units, bodies, joints, edge, t, answer, rolls):
 
     Returns the outcome so far, and True while a unit rises: while it rolls outwards, or has a wheel off the ground.
     """
-    outcome, rising = UPRIGHT, False
+    outcome, rising = col.UPRIGHT, False
     for u in range(units.shape[0]):
         b = bodies[u]
         sine, roll = abs(b[7]), rolls[u]
@@ -302,20 +247,20 @@ def _verdict(units, bodies, joints, edge, t, answer, rolls):
             roll = np.arctan2(b[7], b[8])
             if abs(roll) > abs(rolls[u]):
                 rolls[u] = roll
-            if abs(roll) > abs(answer[ROLL]):
-                answer[ROLL], answer[ROLL_TIME] = roll, t
-        if abs(b[6]) > abs(answer[PITCH]):
-            answer[PITCH], answer[PITCH_TIME] = -b[6], t
-        rising = rising or (sine > LEVEL and b[7] * b[NOW + 3] > 0.0)
-        beyond = edge - b[AT + 1] - b[3] * units[u, WHOLE_X] - b[5] * units[u, WHOLE_Z]
+            if abs(roll) > abs(answer[col.ROLL]):
+                answer[col.ROLL], answer[col.ROLL_TIME] = roll, t
+        if abs(b[6]) > abs(answer[col.PITCH]):
+            answer[col.PITCH], answer[col.PITCH_TIME] = -b[6], t
+        rising = rising or (sine > LEVEL and b[7] * b[col.NOW + 3] > 0.0)
+        beyond = edge - b[col.AT + 1] - b[3] * units[u, col.WHOLE_X] - b[5] * units[u, col.WHOLE_Z]
         if not np.isfinite(beyond + sine):
-            outcome = LOST
+            outcome = col.LOST
         elif b[8] <= 0.0:
-            outcome = OVER if beyond > 0.0 else ON_ITS_SIDE
-        elif beyond > units[u, HEIGHT]:
-            outcome = OVER
+            outcome = col.OVER if beyond > 0.0 else col.ON_ITS_SIDE
+        elif beyond > units[u, col.HEIGHT]:
+            outcome = col.OVER
     for a in range(joints.shape[0]):
-        rising = rising or joints[a, WHEEL] <= 0.0 or joints[a, WHEEL + 1] <= 0.0
+        rising = rising or joints[a, col.WHEEL] <= 0.0 or joints[a, col.WHEEL + 1] <= 0.0
     return outcome, rising
 
 
@@ -327,20 +272,22 @@ def _means(windows, sums, window, interval, answer):
     """
     total, best, at = 0.0, 0.0, 0
     for k in range(windows.shape[0]):
-        total += windows[k, LATERAL] - (windows[k - window, LATERAL] if k >= window else 0.0)
-        answer[RAW] = max(answer[RAW], windows[k, LATERAL])
+        total += windows[k, col.LATERAL] - (windows[k - window, col.LATERAL] if k >= window else 0.0)
+        answer[col.RAW] = max(answer[col.RAW], windows[k, col.LATERAL])
         if total > best:
             best, at = total, k
     sums[:] = 0.0
     for k in range(max(at - window + 1, 0), at + 1):
         for j in range(6):
             sums[j] += windows[k, j]
-    answer[MEAN], answer[MEAN_TIME] = sums[LATERAL] / window, at * interval
-    answer[MEAN_ALONG], answer[MEAN_UP] = sums[ALONG] / window, sums[UP] / window
-    if sums[LATERAL] > 0.0:
-        station = sums[STATION] / sums[LATERAL]
-        answer[CENTRE_HEIGHT] = sums[MOMENT] / sums[LATERAL]
-        answer[CONTACT_LENGTH] = np.sqrt(12.0 * max(sums[SPREAD] / sums[LATERAL] - station * station, 0.0))
+    answer[col.MEAN], answer[col.MEAN_TIME] = sums[col.LATERAL] / window, at * interval
+    answer[col.MEAN_ALONG], answer[col.MEAN_UP] = sums[col.ALONG] / window, sums[col.UP] / window
+    if sums[col.LATERAL] > 0.0:
+        station = sums[col.STATION] / sums[col.LATERAL]
+        answer[col.CENTRE_HEIGHT] = sums[col.MOMENT] / sums[col.LATERAL]
+        answer[col.CONTACT_LENGTH] = np.sqrt(
+            12.0 * max(sums[col.SPREAD] / sums[col.LATERAL] - station * station, 0.0)
+        )
 
 
 @allocation_free
@@ -355,20 +302,28 @@ def _record(units, axles, axle_unit, work, first, before, row):
     column = np.int64(14)  # for the literal 14 `_record_axle` would be compiled once more
     for u in range(units.shape[0]):
         body, b = units[u], work.bodies[u]
-        wx, wy, wz = b[NOW + 3], b[NOW + 4], b[NOW + 5]
-        kinetic += 0.5 * body[MASS] * (b[NOW] * b[NOW] + b[NOW + 1] * b[NOW + 1] + b[NOW + 2] * b[NOW + 2])
+        wx, wy, wz = b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5]
         kinetic += (
-            0.5 * (body[I_X] * wx * wx + body[I_Y] * wy * wy + body[I_Z] * wz * wz) - body[I_XZ] * wx * wz
+            0.5
+            * body[col.MASS]
+            * (b[col.NOW] * b[col.NOW] + b[col.NOW + 1] * b[col.NOW + 1] + b[col.NOW + 2] * b[col.NOW + 2])
+        )
+        kinetic += (
+            0.5 * (body[col.I_X] * wx * wx + body[col.I_Y] * wy * wy + body[col.I_Z] * wz * wz)
+            - body[col.I_XZ] * wx * wz
         )
         for j in range(3):
-            row[column + j], row[column + 6 + j] = body[MASS] * b[AT + j], body[MASS] * b[NOW + j]
+            row[column + j], row[column + 6 + j] = (
+                body[col.MASS] * b[col.AT + j],
+                body[col.MASS] * b[col.NOW + j],
+            )
         for a in range(axles.shape[0]):
             if axle_unit[a] == u:
                 kinetic += _record_axle(axles[a], b, work.joints[a], row, column)
         gravity += GRAVITY * row[column + 2]
         for j in range(3):
-            row[column + j] /= body[WHOLE]
-            row[column + 6 + j] /= body[WHOLE]
+            row[column + j] /= body[col.WHOLE]
+            row[column + 6 + j] /= body[col.WHOLE]
         row[column + 3] = np.arctan2(b[3], b[0])
         row[column + 4] = -np.arcsin(min(max(b[6], -1.0), 1.0))
         row[column + 5] = np.arctan2(b[7], b[8])
@@ -376,15 +331,15 @@ def _record(units, axles, axle_unit, work, first, before, row):
         if u > 0:
             ahead = work.bodies[u - 1]
             sine = ahead[1] * b[2] + ahead[4] * b[5] + ahead[7] * b[8]
-            spring += 0.5 * body[TWIST] * sine * sine
+            spring += 0.5 * body[col.TWIST] * sine * sine
         column += 12
     for a in range(axles.shape[0]):
         axle, q = axles[a], work.joints[a]
         for side in range(2):
-            shift = q[JOINT] + (2.0 * side - 1.0) * axle[HALF_SPACING] * np.sin(q[JOINT + 1])
-            spring += 0.5 * axle[SPRING] * shift * shift + axle[PRELOAD] * shift
-            tyre += 0.5 * q[WHEEL + side] * q[WHEEL + side] / axle[TYRE]
-            row[column + side], row[column + 2 + side] = q[WHEEL + side], q[JOINT + side]
+            shift = q[col.JOINT] + (2.0 * side - 1.0) * axle[col.HALF_SPACING] * np.sin(q[col.JOINT + 1])
+            spring += 0.5 * axle[col.SPRING] * shift * shift + axle[col.PRELOAD] * shift
+            tyre += 0.5 * q[col.WHEEL + side] * q[col.WHEEL + side] / axle[col.TYRE]
+            row[column + side], row[column + 2 + side] = q[col.WHEEL + side], q[col.JOINT + side]
         column += 4
     row[10], row[11], row[12], row[13] = kinetic, gravity, spring, tyre
 
@@ -395,13 +350,15 @@ def _record_axle(axle, b, q, row, column):
 
     Returns its kinetic energy [J].
     """
-    c, s, rate = q[COSINE], q[SINE], q[JOINT_NOW + 1]
-    x, y, z = axle[PLACE], axle[BELOW] * s, axle[CENTRE] + q[JOINT] - axle[BELOW] * c
+    c, s, rate = q[col.COSINE], q[col.SINE], q[col.JOINT_NOW + 1]
+    x, y, z = axle[col.PLACE], axle[col.BELOW] * s, axle[col.CENTRE] + q[col.JOINT] - axle[col.BELOW] * c
     px, py, pz = rotated(b, x, y, z)
-    vx, vy, vz = point_velocity(b, x, y, z, axle[BELOW] * c * rate, q[JOINT_NOW] + axle[BELOW] * s * rate)
-    m = axle[AXLE_MASS]
+    vx, vy, vz = point_velocity(
+        b, x, y, z, axle[col.BELOW] * c * rate, q[col.JOINT_NOW] + axle[col.BELOW] * s * rate
+    )
+    m = axle[col.AXLE_MASS]
     for j, place, speed in ((0, px, vx), (1, py, vy), (2, pz, vz)):
-        row[column + j] += m * (b[AT + j] + place)
+        row[column + j] += m * (b[col.AT + j] + place)
         row[column + 6 + j] += m * speed
-    spin = (b[NOW + 3] + rate) ** 2 + (c * b[NOW + 5] - s * b[NOW + 4]) ** 2
-    return 0.5 * m * (vx * vx + vy * vy + vz * vz) + 0.5 * axle[AXLE_INERTIA] * spin
+    spin = (b[col.NOW + 3] + rate) ** 2 + (c * b[col.NOW + 5] - s * b[col.NOW + 4]) ** 2
+    return 0.5 * m * (vx * vx + vy * vy + vz * vz) + 0.5 * axle[col.AXLE_INERTIA] * spin
