@@ -84,27 +84,17 @@ SI = Units(
 US = Units(
     "us",
     {
-        **{"m": (1.0 / FOOT, "ft"), "mm": (1e-3 / FOOT * 12.0, "in."), "m/s": (1.0 / FOOT, "ft/s")},
-        **{"N": (1.0 / KIP, "kip"), "kN": (1e3 / KIP, "kip")},
-        **{"N s": (1.0 / KIP, "kip s"), "kN s": (1e3 / KIP, "kip s")},
-        **{"J": (1.0 / (KIP * FOOT), "kip ft"), "kJ": (1e3 / (KIP * FOOT), "kip ft")},
-        **{"kg": (1.0 / POUND, "lb"), "kg/m^3": (FOOT**3 / POUND, "lb/ft^3")},
-        **{
-            "Pa": ((FOOT / 12.0) ** 2 / KIP, "ksi"),
-            "N/m": (FOOT / KIP, "kip/ft"),
-            "N/m^2": (FOOT**2 / KIP, "kip/ft^2"),
-            "J/m^3": (FOOT**2 / KIP, "kip ft/ft^3"),
-        },
-        **{
-            "kN/m": (1e3 * FOOT / KIP, "kip/ft"),
-            "MN/m": (1e6 * FOOT / KIP, "kip/ft"),
-            "t": (1e3 / POUND, "lb"),
-        },
-        **{"GPa": (1e9 * (FOOT / 12.0) ** 2 / KIP, "ksi"), "MPa": (1e6 * (FOOT / 12.0) ** 2 / KIP, "ksi")},
-        "kg m^2": (1.0 / (POUND * FOOT**2), "lb ft^2"),
-        "rad": (180.0 / math.pi, "deg"),
+        "m": (1.0 / FOOT, "ft"), "mm": (1e-3 / INCH, "in."), "m/s": (1.0 / FOOT, "ft/s"),
+        "N": (1.0 / KIP, "kip"), "kN": (1e3 / KIP, "kip"),
+        "N s": (1.0 / KIP, "kip s"), "kN s": (1e3 / KIP, "kip s"),
+        "J": (1.0 / (KIP * FOOT), "kip ft"), "kJ": (1e3 / (KIP * FOOT), "kip ft"),
+        "kg": (1.0 / POUND, "lb"), "t": (1e3 / POUND, "lb"), "kg/m^3": (FOOT**3 / POUND, "lb/ft^3"),
+        "Pa": (INCH**2 / KIP, "ksi"), "MPa": (1e6 * INCH**2 / KIP, "ksi"), "GPa": (1e9 * INCH**2 / KIP, "ksi"),
+        "N/m": (FOOT / KIP, "kip/ft"), "kN/m": (1e3 * FOOT / KIP, "kip/ft"), "MN/m": (1e6 * FOOT / KIP, "kip/ft"),
+        "N/m^2": (FOOT**2 / KIP, "kip/ft^2"), "J/m^3": (FOOT**2 / KIP, "kip ft/ft^3"),
+        "kg m^2": (1.0 / (POUND * FOOT**2), "lb ft^2"), "rad": (180.0 / math.pi, "deg"),
     },
-)
+)  # fmt: skip
 SYSTEMS = {units.name: units for units in (SI, US)}
 """Systems of units by name."""
 

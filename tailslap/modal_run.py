@@ -176,7 +176,7 @@ def _checks(motion: ModalMotion, estimate: ModalEstimate, tolerance: float) -> t
 
 def modal_text(fe_plan: CornerPlan, run: ModalRun, units: str = "si") -> str:
     """Return the text of the results in units "si" or "us"."""
-    rows = comparison_rows(run.values, run.rigid, None) if run.values else ()
+    rows = comparison_rows(run.values, run.rigid) if run.values else ()
     parts: tuple[Table | str, ...] = (
         *modal_headline(fe_plan, run).lines,
         "",

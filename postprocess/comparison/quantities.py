@@ -6,8 +6,9 @@ the wall.
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
-from postprocess.comparison.records import Compared, ComparedQuantity, ComparisonRow, by_key
+from postprocess.comparison.records import Compared, ComparedQuantity, by_key
 
 PAPER_SOURCE = "B. Chuong and R. B. Malla, Infrastructures 2025, 10(11), 307, Table 3"
 
@@ -70,23 +71,23 @@ def largest_relative(values: Mapping[str, float], reference: Mapping[str, float]
 
 
 def comparison_rows(
-    fe: Mapping[str, float],
-    rigid: Mapping[str, float],
-    paper: Mapping[str, Mapping[str, float]] | None = PAPER_TABLE_3,
-) -> tuple[ComparisonRow, ...]:
-    """Return the rows of the comparison table.
+    fe: Mapping[str, float], rigid: Mapping[str, float], has_paper: bool = False
+) -> list[dict[str, Any]]:
+    """Return the rows of the comparison table, SI.
 
-    paper: None unless the scene is the paper's.
+    Each has quantity, fe, rigid and difference, fe/rigid - 1; with has_paper also the values of the paper.
     """
-    columns = {} if paper is None else paper
-    analytical, abaqus = columns.get("analytical", {}), columns.get("abaqus", {})
-    difference = relative_difference(fe, rigid)
-    return tuple(
-        ComparisonRow(
-            quantity, float(fe[key]), float(rigid[key]), difference[key], analytical.get(key), abaqus.get(key)
-        )
+    difference, columns = relative_difference(fe, rigid), PAPER_TABLE_3 if has_paper else {}
+    return [
+        {
+            "quantity": quantity,
+            "fe": float(fe[key]),
+            "rigid": float(rigid[key]),
+            "difference": difference[key],
+        }
+        | {f"paper_{name}": values[key] for name, values in columns.items()}
         for key, quantity in QUANTITIES.items()
-    )
+    ]
 
 
 def _relative(fe: float, rigid: float) -> float:

@@ -20,21 +20,6 @@ class ComparedQuantity:
 
 
 @dataclass(frozen=True)
-class ComparisonRow:
-    """Row of the comparison table, in SI.
-
-    difference: fe/rigid - 1.
-    """
-
-    quantity: ComparedQuantity
-    fe: float
-    rigid: float
-    difference: float
-    paper_analytical: float | None = None
-    paper_abaqus: float | None = None
-
-
-@dataclass(frozen=True)
 class Compared:
     """Quantities compared between FE and rigid vehicle.
 

@@ -154,12 +154,9 @@ def _draw_views(figure: Any, views: Sequence[View], units: Units) -> list[tuple[
             Polygon(wall_outline(length * view.face, low, high), color=WALL, alpha=0.6, linewidth=0)
         )
         for outline in view.outlines:
-            look: dict[str, Any] = {
-                "facecolor": to_rgba(BODY, view.fill),
-                "edgecolor": to_rgba(BODY, 0.7),
-                "linewidth": 0.7,
-            }
-            body = Polygon(length * outline[0], animated=True, **look)
+            faint, edge = to_rgba(BODY, view.fill), to_rgba(BODY, 0.7)
+            corners = length * outline[0]
+            body = Polygon(corners, animated=True, facecolor=faint, edgecolor=edge, linewidth=0.7)
             axes.add_patch(body)
             bodies.append((body, length * outline))
     return bodies

@@ -33,32 +33,6 @@ MAIN = "v_gy"
 """Column whose chart has the width of the page; it determines the force of the tail-slap."""
 
 
-COMPARED = (
-    ("v_gy", "v_GY", "m/s", "Motion", "Velocity of G across the wall, negative towards it"),
-    ("v_gx", "v_GX", "m/s", "Motion", "Velocity of G along the wall"),
-    ("theta", "θ", "rad", "Motion", "Angle θ between the side PE and the wall"),
-    ("omega", "ω", "rad/s", "Motion", "Angular velocity ω, positive as the rear rotates towards the wall"),
-    ("slide", "s", "m", "Motion", "Slide of the corner P along the wall"),
-    ("reaction_normal", "N", "N", "Reaction", "Wall reaction on the vehicle, below zero a pull"),
-    ("reaction_tangential", "R", "N", "Reaction", "Friction force on the vehicle along the wall"),
-)
-"""Columns compared with the rigid body: name, symbol, unit, group and caption."""
-
-EXCHANGED = (("kinetic_energy", "kinetic, change"), ("friction_work", "work of friction"))
-STORED = (
-    ("strain_energy", "strain"),
-    ("contact_energy", "spring"),
-    ("vibration_energy", "vibration"),
-    ("damping_work", "damping"),
-)
-ERROR = (("energy_error", "error"),)
-ENERGIES = (
-    ("energy_exchanged", EXCHANGED, "Change of kinetic energy, and work of friction"),
-    ("energy_stored", STORED, "Strain, contact spring and vibration of the plate, and the work of damping"),
-    ("energy_error", ERROR, "Energy-balance error"),
-)
-"""Plots of energies: name, columns with their labels, and caption."""
-
 ORIGINS = ("fe", "rigid", "green", "difference", "violet", "red", "steel", "grey")
 """Colours of curves of several origins in order."""
 
@@ -99,6 +73,46 @@ class Panel(NamedTuple):
     from_start: bool = False
 
 
+COMPARED = tuple(
+    Panel(name, ((name, "FE"),), symbol, unit, group, caption)
+    for name, symbol, unit, group, caption in (
+        ("v_gy", "v_GY", "m/s", "Motion", "Velocity of G across the wall, negative towards it"),
+        ("v_gx", "v_GX", "m/s", "Motion", "Velocity of G along the wall"),
+        ("theta", "θ", "rad", "Motion", "Angle θ between the side PE and the wall"),
+        (
+            "omega",
+            "ω",
+            "rad/s",
+            "Motion",
+            "Angular velocity ω, positive as the rear rotates towards the wall",
+        ),
+        ("slide", "s", "m", "Motion", "Slide of the corner P along the wall"),
+        ("reaction_normal", "N", "N", "Reaction", "Wall reaction on the vehicle, below zero a pull"),
+        ("reaction_tangential", "R", "N", "Reaction", "Friction force on the vehicle along the wall"),
+    )
+)
+"""Plots of columns that are compared with the rigid body."""
+
+ENERGIES = tuple(
+    Panel(name, tuple(columns.items()), "energy", "J", "Energy", caption, name == "energy_exchanged")
+    for name, columns, caption in (
+        (
+            "energy_exchanged",
+            {"kinetic_energy": "kinetic, change", "friction_work": "work of friction"},
+            "Change of kinetic energy, and work of friction",
+        ),
+        (
+            "energy_stored",
+            {"strain_energy": "strain", "contact_energy": "spring", "vibration_energy": "vibration"}
+            | {"damping_work": "damping"},
+            "Strain, contact spring and vibration of the plate, and the work of damping",
+        ),
+        ("energy_error", {"energy_error": "error"}, "Energy-balance error"),
+    )
+)
+"""Plots of energies."""
+
+
 def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) -> tuple[chart.Chart, ...]:
     """Draw the columns of an FE history over the rigid body.
 
@@ -107,19 +121,9 @@ def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) ->
     further plots.
     """
     both = {*fe} & {*rigid}
-    compared = [_draw_compared(panel, fe, rigid) for panel in compared_panels() if panel.name in both]
-    energies = [
-        Panel(name, columns, "energy", "J", "Energy", caption, columns is EXCHANGED)
-        for name, columns, caption in ENERGIES
-    ]
-    plots = [_draw_columns(panel, fe) for panel in (*energies, *more) if {*fe} & {*dict(panel.columns)}]
+    compared = [_draw_compared(panel, fe, rigid) for panel in COMPARED if panel.name in both]
+    plots = [_draw_columns(panel, fe) for panel in (*ENERGIES, *more) if {*fe} & {*dict(panel.columns)}]
     return (*compared, *plots)
-
-
-def compared_panels() -> Iterator[Panel]:
-    """Yield the plots that compare columns with the rigid body."""
-    for name, symbol, unit, group, caption in COMPARED:
-        yield Panel(name, ((name, "FE"),), symbol, unit, group, caption)
 
 
 def _draw_compared(panel: Panel, fe: History, rigid: History) -> chart.Chart:

@@ -366,14 +366,9 @@ def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
 
     The latter is centred on the first unit.
     """
-    unit, first = (
-        leaning_unit(vehicle, history),
-        np.stack([history["x_g"], 0.0 * history["x_g"]], axis=-1)[:, None],
-    )
-    axles, faces = (
-        range(len(vehicle.axles)),
-        ([4, 5, 6, 7], [0, 4, 7, 3], [1, 5, 6, 2], [0, 1, 2, 3]),
-    )
+    unit, axles = leaning_unit(vehicle, history), range(len(vehicle.axles))
+    first = np.stack([history["x_g"], 0.0 * history["x_g"]], axis=-1)[:, None]
+    faces = ([4, 5, 6, 7], [0, 4, 7, 3], [1, 5, 6, 2], [0, 1, 2, 3])
     behind = [
         wheel(vehicle, history, n, side) for n in axles if vehicle.axles[n].unit == unit for side in (-1, 1)
     ]
@@ -390,26 +385,17 @@ def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
 
 def draw_films(vehicle: Vehicle, history: History) -> list[Chart]:
     """Animate the motion from behind and above."""
-    behind, above = film_views(vehicle, history)
-    captions = (
-        "Vehicle from behind, animated, ten times slower",
-        "Vehicle from above about its centre of mass, animated",
-    )
-    return [
-        _draw_film(name, caption, history["t"], view)
-        for name, caption, view in zip(
-            ("space_behind", "space_above"), captions, (behind, above), strict=True
-        )
-    ]
-
-
-def _draw_film(name: str, caption: str, t: Floats, view: View) -> Chart:
-    """Draw a view as an animation."""
-    low, high = frame_of(view)
-    wall = area(wall_outline(view.face, low, high), "grey", 0.25)
-    moving = [Moving("", t, outline[..., 0], outline[..., 1], fill=view.fill) for outline in view.outlines]
-    ends = (high[0], low[0]) if view.is_mirrored else (low[0], high[0])
-    plot = chart.Plot(
-        (wall, *moving), Axis(f"{view.names[1]} [m]", low[1], high[1]), None, "xy", has_grid=False
-    )
-    return chart.Chart(name, caption, (plot,), Axis(f"{view.names[0]} [m]", *ends), GROUP, WIDTH)
+    names = {
+        "space_behind": "Vehicle from behind, animated, ten times slower",
+        "space_above": "Vehicle from above about its centre of mass, animated",
+    }
+    charts = []
+    for (name, caption), view in zip(names.items(), film_views(vehicle, history), strict=True):
+        low, high = frame_of(view)
+        wall = area(wall_outline(view.face, low, high), "grey", 0.25)
+        moving = (Moving("", history["t"], o[..., 0], o[..., 1], fill=view.fill) for o in view.outlines)
+        ends = (high[0], low[0]) if view.is_mirrored else (low[0], high[0])
+        across, up = (f"{axis} [m]" for axis in view.names)
+        plot = chart.Plot((wall, *moving), Axis(up, low[1], high[1]), None, "xy", has_grid=False)
+        charts.append(Chart(name, caption, (plot,), Axis(across, *ends), GROUP, WIDTH))
+    return charts

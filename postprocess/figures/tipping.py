@@ -78,22 +78,17 @@ def draw_upright(walls: Floats, fractions: Floats, interval: Floats, wall: float
     scene [m]; level: fraction that the wall is to keep upright.
     """
     upright, side, _ = 100.0 * fractions
-    layers = zip(
-        OUTCOMES, ((upright, upright + side), (upright + side, np.full_like(side, 100.0))), strict=True
-    )
+    ends = (upright, upright + side, np.full_like(side, 100.0))
+    layers = zip(OUTCOMES, ends, ends[1:], strict=False)
     marks: list[Mark] = [
-        *(
-            Layer(name, walls, low, high, colour, strength)
-            for (name, colour, strength), (low, high) in layers
-        ),
+        *(Layer(name, walls, low, high, colour, fill) for (name, colour, fill), low, high in layers),
         Layer("95 % interval", walls, 100.0 * interval[0], 100.0 * interval[1], "ink", 0.2),
         Line("upright", walls, upright, "ink", 2.2),
         Level("", 100.0 * level, "ink"),
         Span("the scene", wall, wall, "ink"),
     ]
-    plot = chart.Plot(tuple(marks), chart.Axis("fraction of the samples [%]", 0.0, 100.0), 220.0)
     caption = "Outcome of the samples over the height of the wall"
-    return chart.Chart("upright", caption, (plot,), _across(walls), "Walls", chart.HALF)
+    return _over_walls("upright", caption, "fraction of the samples [%]", walls, marks, 100.0)
 
 
 def draw_force(walls: Floats, band: Floats, loads: Mapping[str, float], wall: float) -> Chart:
@@ -101,11 +96,10 @@ def draw_force(walls: Floats, band: Floats, loads: Mapping[str, float], wall: fl
 
     band: 5, 50 and 95 %, shape (3, n) [N]; loads: published ones by name [N]; wall: of the scene [m].
     """
-    levels = [Level(name, force / 1e3, "rigid") for name, force in loads.items()]
-    marks = (*_band(walls, band / 1e3), *levels, Span("the scene", wall, wall, "ink"))
-    plot = chart.Plot(marks, chart.Axis("largest 50 ms mean [kN]", low=0.0), 220.0)
     caption = "Lateral force over the height of the wall, and published design loads (lines across)"
-    return chart.Chart("force-over-height", caption, (plot,), _across(walls), "Walls", chart.HALF)
+    levels = {name: force / 1e3 for name, force in loads.items()}
+    marks = [*_band(walls, band / 1e3), *_published(levels, wall)]
+    return _over_walls("force-over-height", caption, "largest 50 ms mean [kN]", walls, marks)
 
 
 def draw_resultant(walls: Floats, band: Floats, heights: Mapping[str, float], wall: float) -> Chart:
@@ -113,17 +107,27 @@ def draw_resultant(walls: Floats, band: Floats, heights: Mapping[str, float], wa
 
     band: 5, 50 and 95 %, shape (3, n) [m]; heights: published ones by name [m]; wall: of the scene [m].
     """
-    levels = [Level(name, height, "rigid") for name, height in heights.items()]
-    top = Line("top of the wall", walls, walls, "grey", 1.2, "2 3")
-    marks = (*_band(walls, band), top, *levels, Span("the scene", wall, wall, "ink"))
-    plot = chart.Plot(marks, chart.Axis("height of the resultant [m]", low=0.0), 220.0)
     caption = "Height of the resultant at the largest 50 ms mean, and published heights (lines across)"
-    return chart.Chart("resultant", caption, (plot,), _across(walls), "Walls", chart.HALF)
+    top = Line("top of the wall", walls, walls, "grey", 1.2, "2 3")
+    marks = [*_band(walls, band), top, *_published(heights, wall)]
+    return _over_walls("resultant", caption, "height of the resultant [m]", walls, marks)
 
 
-def _across(walls: Floats) -> chart.Axis:
-    """Return the axis of heights of walls."""
-    return chart.Axis("height of the wall [m]", float(walls[0]), float(walls[-1]), margin=0.0)
+def _published(levels: Mapping[str, float], wall: float) -> list[Mark]:
+    """Return published values as levels, and the wall of the scene."""
+    return [
+        *(Level(name, level, "rigid") for name, level in levels.items()),
+        Span("the scene", wall, wall, "ink"),
+    ]
+
+
+def _over_walls(
+    name: str, caption: str, label: str, walls: Floats, marks: Sequence[Mark], high: float | None = None
+) -> Chart:
+    """Draw marks over the height of the wall."""
+    across = chart.Axis("height of the wall [m]", float(walls[0]), float(walls[-1]), margin=0.0)
+    plot = chart.Plot(tuple(marks), chart.Axis(label, 0.0, high), 220.0)
+    return chart.Chart(name, caption, (plot,), across, "Walls", chart.HALF)
 
 
 def _band(walls: Floats, band: Floats) -> Sequence[Mark]:

@@ -8,7 +8,7 @@ from itertools import compress
 
 import numpy as np
 
-from postprocess.svg.marks import READ, SMALL, Mark, Name, Samples, coloured, patch, path, text_width
+from postprocess.svg.marks import READ, SMALL, Mark, Name, coloured, patch, path, text_width
 from postprocess.svg.scales import Floats, Scale
 
 SMALL_BOX = 9.0
@@ -40,10 +40,6 @@ class Layer(Mark):
             f'<path {self.attributes}class="layer" d="{edge}Z" fill-opacity="{self.strength:g}"/>',
             self.colour,
         )
-
-    def samples(self, x: Scale, y: Scale) -> Samples:
-        """Return the distances of the two lines."""
-        return self.x, self.high - self.low
 
     def key(self) -> str:
         """Return a patch of its colour."""
@@ -88,10 +84,6 @@ class Boxes(Mark):
         centres = zip(0.5 * (start + end), 0.5 * (top + bottom), strict=True)
         invisible = "".join(f"M{a:.2f} {b:.2f}Z" for a, b in centres)
         return f'<g>{elements}<path {self.attributes}d="{invisible}"/></g>'
-
-    def samples(self, x: Scale, y: Scale) -> Samples:
-        """Return values and places of the boxes."""
-        return self.at or np.mean(self.x, axis=-1), self.values
 
     def key(self) -> str:
         """Return a patch if boxes have one colour."""
@@ -156,10 +148,6 @@ class Outline(Mark):
         edge = self.attributes + f'd="{path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))}Z"'
         look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
         return coloured(f"<path {edge} {look}/>", self.colour)
-
-    def samples(self, x: Scale, y: Scale) -> Samples:
-        """Return the corners."""
-        return self.x, self.y
 
 
 def area(points: Floats, colour: str, fill: float = 0.04) -> Outline:

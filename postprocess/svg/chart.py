@@ -1,21 +1,17 @@
 """Charts of plots one below the other over one x axis.
 
 A chart is SVG text that stands alone as a file: it has no ids, text remains text, and colours of `PALETTE` are classes
-that a page may redefine. On a page it has the texts of both systems of units over the same curves. A CSV table of the
-samples accompanies it: one column for each mark with a label and values, in the order of the marks, preceded by their
-places where these differ from the mark before. `page.js` reads the values of lines from their paths.
+that a page may redefine. On a page it has the texts of both systems of units over the same curves. `page.js` makes a
+table of the samples of each mark with a label: it reads the values of lines from their paths.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from html import escape
-from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
@@ -298,12 +294,6 @@ class Chart:
         return self._drawn((self.units, US if self.units is SI else SI))
 
     @property
-    def csv(self) -> str:
-        """Table of its samples."""
-        with np.errstate(all="ignore"):
-            return self.units.rendered(_table(self))
-
-    @property
     def is_legend(self) -> bool:
         """True if it contains only a legend."""
         return all(plot.height == 0.0 for plot in self.plots)
@@ -348,33 +338,6 @@ def _with_measures(svg: str, systems: Systems) -> str:
         return "".join(f'<tspan class="{name}">{text}</tspan>' for name, text in texts.items())
 
     return MEASURE.sub(spans, svg)
-
-
-def _table(chart: Chart) -> str:
-    """Return the samples of all marks as CSV."""
-    columns: list[list[str]] = []
-    where: list[str] = []
-    frames = framed(chart.plots, chart.x, chart.width, 0.0)
-    along = chart.units.of(chart.x.unit)[0]
-    for frame in frames:
-        (x_label, _), (label, _) = (
-            axis.in_units(scale, chart.units) for axis, scale in ((chart.x, frame.x), (frame.plot.y, frame.y))
-        )
-        up = chart.units.of(frame.plot.y.unit)[0]
-        for mark in frame.plot.marks:
-            at, values = mark.samples(frame.x, frame.y) if mark.label else ((), ())
-            if not len(at):
-                continue
-            is_named = isinstance(at[0], str)
-            both = "; ".join(filter(None, (x_label, label))) if is_named else x_label
-            heading = mark.label if is_named or not label else f"{mark.label}: {label}"
-            here = [both, *(marks.sample_text(place, along) for place in at)]
-            columns += [] if here == where else [here]
-            columns.append([heading, *(marks.sample_text(value, up) for value in values)])
-            where = here
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(zip_longest(*columns, fillvalue=""))
-    return text.getvalue()
 
 
 def draw_legend(

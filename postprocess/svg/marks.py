@@ -137,11 +137,6 @@ class Name(NamedTuple):
         return not is_beside and abs(self.y - other.y) < SMALL
 
 
-Cells = Sequence[str] | Sequence[float] | Floats
-Samples = tuple[Cells, Cells]
-"""Places and values, equal in number, as numbers or words."""
-
-
 class Look(TypedDict):
     """Width and dashes of a line."""
 
@@ -156,11 +151,6 @@ def look(number: int) -> Look:
     can be distinguished without colours.
     """
     return {"width": WIDTHS[min(number, len(WIDTHS) - 1)], "dashes": DASHES[number % len(DASHES)]}
-
-
-def sample_text(sample: str | float, factor: float = 1.0) -> str:
-    """Return a sample as text, of a number times a factor."""
-    return sample if isinstance(sample, str) else f"{factor * sample:.6g}"
 
 
 class Mark:
@@ -195,18 +185,12 @@ class Mark:
         """Attributes of a path with label and samples."""
         label, texts = getattr(self, "label", ""), list[str]()
         for name in ("at", "values"):
-            words = "|".join(map(sample_text, getattr(self, name, ()))) if label else ""
+            samples = getattr(self, name, ()) if label else ()
+            words = "|".join(text if isinstance(text, str) else f"{text:.6g}" for text in samples)
             in_si, in_us = (escape(units.rendered(words)) for units in (SI, US))
             texts += [f'data-{name}="{in_si}" '] if words else []
             texts += [f'data-{name}-us="{in_us}" '] if in_us != in_si else []
         return "".join([labelled(label), *texts])
-
-    def samples(self, x: Scale, y: Scale) -> Samples:
-        """Return places and values of its points.
-
-        They are in the order of the first path; most marks have none.
-        """
-        return (), ()
 
     def key(self) -> str:
         """Return its sample in the legend.
@@ -241,7 +225,8 @@ class Line(Mark):
 
         Points are strokes of zero length.
         """
-        places, sound = self._places(x, y)
+        places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
+        sound = np.logical_and.reduce(np.isfinite(places), axis=-1)
         dots = [f"M{a:.2f} {b:.2f}Z" for a, b in places[sound]]
         edge = path(places, READ if self.label else DRAWN) if self.width else "".join(dots)
         elements = (
@@ -256,22 +241,11 @@ class Line(Mark):
             elements += f'<path d="{"".join(dots)}"{self._dots()}/>'
         return coloured(elements, self.colour, self.is_shown)
 
-    def samples(self, x: Scale, y: Scale) -> Samples:
-        """Return places and values of the points that are drawn."""
-        _, sound = self._places(x, y)
-        at, values = (list(compress(of, sound)) for of in (self.at or self.x, self.values or self.y))
-        return at, values
-
     def key(self) -> str:
         """Return a piece of the line."""
         dot = f'<path d="M{0.5 * KEY:g} 5Z"{self._dots()}/>' if self.dots else ""
         line = f'<path d="M0 5H{KEY:g}"{self._look()}/>' if self.width else ""
         return coloured(line + dot, self.colour)
-
-    def _places(self, x: Scale, y: Scale) -> tuple[Floats, list[bool]]:
-        """Return places, shape (n, 2), and which are finite."""
-        places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
-        return places, np.logical_and.reduce(np.isfinite(places), axis=-1).tolist()
 
     def _look(self) -> str:
         dashes = f' stroke-dasharray="{self.dashes}"' if self.dashes else ""

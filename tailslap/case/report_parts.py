@@ -20,8 +20,7 @@ DESIGN = (
     Column("name", "Design load", style="whole"),
     Column("force", "Lateral", "N", form="#.4g", style="strong"),
     Column("ratio", "50 ms mean / design", form=".2f"),
-    Column("longitudinal", "Along", "N", form="#.3g"),
-    Column("vertical", "Vertical", "N", form="#.3g"),
+    *columns({"longitudinal": "Along", "vertical": "Vertical"}, unit="N", form="#.3g"),
     *columns({"height": "Height", "length": "Length"}, "m", form=".2f"),
     Column("source", "Source", style="soft"),
 )
@@ -52,8 +51,7 @@ TAIL_SLAP = (
 
 STRIKES = (
     *columns({"title": "Strike", "model": "Model"}),
-    Column("start", "Start", "ms", form=milliseconds),
-    Column("duration", "Duration", "ms", form=milliseconds),
+    *columns({"start": "Start", "duration": "Duration"}, unit="ms", form=milliseconds),
     Column("peak_force", "Peak", "N", form=".1f", style="strong"),
     Column("impulse", "Impulse", "N s", form=".2f"),
     Column("point_of_attack", "Resultant", "m", form="z.2f"),

@@ -10,7 +10,7 @@ import numpy as np
 import tailslap
 from postprocess.comparison.metrics import COVERED, LIMITS, Beside, beside
 from postprocess.comparison.quantities import QUANTITIES
-from postprocess.figures.histories import Curve, compared_panels, draw_overlay
+from postprocess.figures.histories import COMPARED, Curve, draw_overlay
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
@@ -43,7 +43,7 @@ METRICS = (
     Column("covered", "Time", form=lambda part: f"{100.0 * part:.0f}"),
     Column("within", "Within", form=lambda within: "yes" if within else "NO"),
 )
-WORDS = {panel.name: (panel.symbol, panel.caption) for panel in compared_panels()} | {
+WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
     "x_g": ("x_G", "Position of the centre of mass along the wall"),
     "y_g": ("y_G", "Distance of the centre of mass from the wall"),
     "force_normal": ("force", "Normal force of the wall on the vehicle"),

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 from postprocess.fields import FORMATS, PICTURES, TABLES
 from postprocess.units import SYSTEMS
@@ -109,16 +110,19 @@ def export(
             _write_tables(loaded, to, unfinished)
         elif to in PICTURES:
             names = list(series.SCALARS) if field is None else [field]
-            pictures = contours.animate if to == "gif" else contours.draw_instants
-            size = size or (contours.GIF_SIZE if to == "gif" else contours.SIZE)
+            look: dict[str, Any] = {
+                "magnify": magnify,
+                "units": SYSTEMS[units],
+                **({"size": size} if size else {}),
+            }
             numbers = count(1)
             with counted("Drawing pictures", len(names) * len(fields.t), 0) as show:
+                look["follow"] = lambda: show(next(numbers))
                 for name in names:
-                    path, follow = (
-                        unfinished / (f"{name}.gif" if to == "gif" else ""),
-                        lambda: show(next(numbers)),
-                    )
-                    pictures(path, fields, name, magnify, units=SYSTEMS[units], size=size, follow=follow)
+                    if to == "gif":
+                        contours.animate(unfinished / f"{name}.gif", fields, name, **look)
+                    else:
+                        contours.draw_instants(unfinished, fields, name, **look)
         else:
             getattr(formats, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")

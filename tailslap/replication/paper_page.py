@@ -14,7 +14,7 @@ import numpy as np
 import tailslap
 from postprocess.comparison.quantities import QUANTITIES
 from postprocess.comparison.records import ComparedQuantity
-from postprocess.figures.histories import TIME, History, compared_panels, thinned
+from postprocess.figures.histories import COMPARED, TIME, History, thinned
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Form, Table, columns, pairs
@@ -225,7 +225,7 @@ def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Char
 
     Motions are lines, printed points markers.
     """
-    panel = next(panel for panel in compared_panels() if panel.name == name)
+    panel = next(panel for panel in COMPARED if panel.name == name)
     lines: list[tuple[str, Any]] = [(label, thinned(c["t"], c[name])) for label, c in courses.items()]
     points = [(label, np.transpose(pairs)) for label, pairs in paper_numbers.marks(name).items() if pairs]
     styles = [*zip(lines, MOTION_LOOKS, strict=False), *zip(points, MARK_LOOKS, strict=False)]
@@ -344,6 +344,11 @@ def assumed(numbers: Numbers) -> tuple[Table, ...]:
 
     The whole impact has unilateral contact; the stages have corresponding values.
     """
+    return _restitution_table(numbers), *_impact_tables(numbers["whole_impact"]), _stages_table(numbers)
+
+
+def _restitution_table(numbers: Numbers) -> Table:
+    """Return the peak force by the definition of restitution."""
     signs = (
         Column("sign", "Restitution"),
         Column("corner_recoil", "corner after Stage 1", "m/s", "z.3f"),
@@ -353,9 +358,14 @@ def assumed(numbers: Numbers) -> tuple[Table, ...]:
     )
     names = {"paper": "paper, 1 - e", "newton": "Newton, 1 + e"}
     rows = [{"sign": names.get(name, name), **case} for name, case in numbers["restitution"].items()]
-    whole, pull = numbers["whole_impact"], numbers["reaction"]
+    return Table(signs, rows, "Definition of restitution, at 56 mph")
+
+
+def _impact_tables(whole: Numbers) -> tuple[Table, Table]:
+    """Return tables of the whole impact by crush stiffness."""
+    stiffness = Column("stiffness", "k", "MN/m", scaled(1e6, "g"))
     impact = (
-        Column("stiffness", "k", "MN/m", scaled(1e6, "g")),
+        stiffness,
         Column("omega", "ω", "rad/s", ".4f", group="first strike"),
         Column("released", "end", "s", ".4f", group="first strike"),
         Column("gap", "gap", "m", ".3f", group="front corner"),
@@ -364,24 +374,26 @@ def assumed(numbers: Numbers) -> tuple[Table, ...]:
         Column("rear_impulse", "impulse", "kN s", scaled(1e3, ".2f"), group="rear strike"),
         Column("share", "m_eff/m", form=".4f", group="rear strike"),
     )
-    durations = (
-        Column("stiffness", "k", "MN/m", scaled(1e6, "g")),
-        Column("rear_duration", "strike", "ms", scaled(1e-3, ".1f")),
-        Column("read.mean_50ms", "50 ms mean", "ms", scaled(1e-3, ".1f")),
-        Column("read.cfc60", "CFC 60", "ms", scaled(1e-3, ".1f")),
-        Column("rear_peak", "raw peak force", "kN", scaled(1e3, ".1f")),
-    )
+    labels = {"rear_duration": "strike", "read.mean_50ms": "50 ms mean", "read.cfc60": "CFC 60"}
+    peak = Column("rear_peak", "raw peak force", "kN", scaled(1e3, ".1f"))
+    durations = (stiffness, *columns(labels, "ms", scaled(1e-3, ".1f")), peak)
     solved = "Rigid vehicle, e = 0.22, μ_k = 0.47; unilateral contact with crush at the corners."
     share = "m_eff/m: impulse / ((1 + e) m v_E), with the normal velocity v_E of the rear corner."
     read = "Durations by the rule of the paper: between the minima around the second peak."
+    title = "Duration of the rear strike, computed and read from filtered forces"
+    return (
+        Table(impact, whole["cases"], "Whole impact, by crush stiffness k of a corner", (solved, share)),
+        Table(durations, whole["cases"], title, (read,)),
+    )
+
+
+def _stages_table(numbers: Numbers) -> Table:
+    """Return the corresponding values of Stages 1 to 3."""
+    whole, pull, rigid = numbers["whole_impact"], numbers["reaction"], paper_numbers.NEARLY_RIGID / 1e6
     stages = (
         ("Stage 1, ω_0 with 1 - e", whole["omegas"]["paper"], "rad/s"),
         ("Stage 1, ω_0 with 1 + e", whole["omegas"]["newton"], "rad/s"),
-        (
-            f"First strike, ω for k = {paper_numbers.NEARLY_RIGID / 1e6:g} MN/m",
-            whole["nearly_rigid"],
-            "rad/s",
-        ),
+        (f"First strike, ω for k = {rigid:g} MN/m", whole["nearly_rigid"], "rad/s"),
         ("Stage 2, initial reaction N", pull["first"], "N"),
         ("Stage 2, N at the tail-slap", pull["last"], "N"),
         ("Stage 2, time of the tail-slap", whole["paper_time"], "s"),
@@ -391,14 +403,4 @@ def assumed(numbers: Numbers) -> tuple[Table, ...]:
         ("Rear corner, m_eff/m", whole["share"], ""),
         ("Rear corner, m_eff/m with friction", whole["share_friction"], ""),
     )
-    return (
-        Table(signs, rows, "Definition of restitution, at 56 mph"),
-        Table(impact, whole["cases"], "Whole impact, by crush stiffness k of a corner", (solved, share)),
-        Table(
-            durations,
-            whole["cases"],
-            "Duration of the rear strike, computed and read from filtered forces",
-            (read,),
-        ),
-        pairs(stages, title="Corresponding values of Stages 1 to 3"),
-    )
+    return pairs(stages, title="Corresponding values of Stages 1 to 3")

@@ -388,6 +388,6 @@ def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
         tables["Strikes"] = strikes_table({"FE": fe["strikes"], "rigid": rigid["strikes"]})
     elif all(fe[key] is not None for key in quantities.KEYS):
         columns = tuple(replace(c, form=".7g") if c.key in ("fe", "rigid") else c for c in TAIL_SLAP)
-        tables["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid, None))
+        tables["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid))
     failed = [printed_check(check) for check in summary["checks"] if not check["passed"]]
     return tables | ({"Failed checks": Table(CHECKS, failed)} if failed else {})

@@ -1,6 +1,7 @@
 """Lay out the page of `tailslap validate`."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import tailslap
 from postprocess.figures.studies import RatioBar, draw_ratios
@@ -18,12 +19,9 @@ from tailslap.validation.predictions import QUANTITIES, Row, Validation
 PAGE = "validation.html"
 
 ROWS = (
-    Column("case", "Case"),
-    Column("label", "Quantity"),
+    *columns({"case": "Case", "label": "Quantity"}),
     Column("predicted", "Predicted", form=".3g", style="strong"),
-    Column("lower", "5 %", form=".3g"),
-    Column("upper", "95 %", form=".3g"),
-    Column("published", "Published", form=".3g"),
+    *columns({"lower": "5 %", "upper": "95 %", "published": "Published"}, form=".3g"),
     Column("unit", "Unit"),
     Column("ratio", "Ratio", form=".2f"),
     Column("verdict", "In the band"),
@@ -32,10 +30,7 @@ ROWS = (
 )
 SHORT = tuple(column for column in ROWS if column.key not in ("source", "plateau"))
 INPUTS = (
-    Column("vehicle", "Vehicle"),
-    Column("key", "Key"),
-    Column("lower", "From"),
-    Column("upper", "To"),
+    *columns({"vehicle": "Vehicle", "key": "Key", "lower": "From", "upper": "To"}),
     Column("source", "Source", style="soft"),
 )
 
@@ -50,10 +45,9 @@ OUTCOMES = (
 SCORES = (
     Column("name", "Forecast"),
     Column("score", "Brier score", form=".3f", style="strong"),
-    Column("right", "Right", form="d"),
-    Column("cases", "Of", form="d"),
+    *columns({"right": "Right", "cases": "Of"}, form="d"),
 )
-SKIPPED = (Column("name", "Published test"), Column("why", "Not computed because"))
+SKIPPED = columns({"name": "Published test", "why": "Not computed because"})
 
 SCORED = (
     'Brier score: mean square of the probability of "over the wall" minus 1 or 0; a test reported as passed or '
@@ -99,23 +93,7 @@ def validate() -> Result:
 
 def validation_report(validation: Validation) -> Report:
     """Report the rows with their picture, inputs and method."""
-    rows, forces = validation.rows, validation.force_ratios
-    inside, independent = sum(row.inside for row in rows), validation.independent
-    answer = (
-        f"{inside} of {len(rows)} published values lie in the 90 % band of their blind prediction. Forces: geometric "
-        f"mean of predicted over published {validation.geometric_mean:.2f}, spread by a factor of "
-        f"{validation.spread:.2f}, {len(forces)} values."
-    )
-    certainty = (
-        f"{sum(row.inside for row in independent)} of {len(independent)} rows that the assumed plateaus do not decide "
-        f"lie in the band. {validation.impacts} rigid impacts in {validation.seconds:.0f} s."
-    )
-    scored = scores(validation.outcomes) if validation.outcomes else ()
-    if scored:
-        worst = min(validation.outcomes, key=lambda row: row.stated)
-        least = f"Least probability of a published outcome: {worst.stated:.2f}, {worst.case}."
-        answer += f" {_scores_in_words(scored)} {least}"
-    headline = Headline("Predictions beside published tests", answer, "", certainty)
+    rows, scored = validation.rows, scores(validation.outcomes) if validation.outcomes else ()
     table = Table(ROWS, [_shown(row) for row in rows], "")
     sections = (
         Section("Predicted over published", figures=[draw_ratios(_bars(rows))]),
@@ -124,15 +102,42 @@ def validation_report(validation: Validation) -> Report:
         Section("Method", sentences=METHOD, layout="half"),
         Section("Inputs", tables=[Table(INPUTS, validation.inputs, "")]),
     )
-    summary = {
+    texts = [Table(SHORT, table.rows, "Blind predictions")]
+    if scored:
+        texts.append(Table(OUTCOMES[:-1], validation.outcomes, "Outcomes"))
+        texts.append(Table(SCORES, scored, "Event: over the wall"))
+    page = Page("Validation", _headline(validation, scored), sections, footer())
+    return Report(page, _summary(validation, scored), tuple(texts), {"validation.csv": table})
+
+
+def _headline(validation: Validation, scored: Sequence[Score]) -> Headline:
+    """Return the numbers of values within their bands."""
+    rows, independent = validation.rows, validation.independent
+    answer = (
+        f"{sum(row.inside for row in rows)} of {len(rows)} published values lie in the 90 % band of their blind "
+        f"prediction. Forces: geometric mean of predicted over published {validation.geometric_mean:.2f}, spread by a "
+        f"factor of {validation.spread:.2f}, {len(validation.force_ratios)} values."
+    )
+    certainty = (
+        f"{sum(row.inside for row in independent)} of {len(independent)} rows that the assumed plateaus do not decide "
+        f"lie in the band. {validation.impacts} rigid impacts in {validation.seconds:.0f} s."
+    )
+    if scored:
+        worst = min(validation.outcomes, key=lambda row: row.stated)
+        least = f"Least probability of a published outcome: {worst.stated:.2f}, {worst.case}."
+        answer += f" {_scores_in_words(scored)} {least}"
+    return Headline("Predictions beside published tests", answer, "", certainty)
+
+
+def _summary(validation: Validation, scored: Sequence[Score]) -> dict[str, Any]:
+    """Return the content of `summary.json`."""
+    independent = validation.independent
+    return {
         "version": tailslap.__version__,
-        "rows": [row._asdict() for row in rows],
-        "inside": inside,
-        "forces": {
-            "geometric_mean": validation.geometric_mean,
-            "spread": validation.spread,
-            "count": len(forces),
-        },
+        "rows": [row._asdict() for row in validation.rows],
+        "inside": sum(row.inside for row in validation.rows),
+        "forces": {"geometric_mean": validation.geometric_mean, "spread": validation.spread}
+        | {"count": len(validation.force_ratios)},
         "independent_of_plateaus": {
             "rows": len(independent),
             "inside": sum(row.inside for row in independent),
@@ -140,18 +145,8 @@ def validation_report(validation: Validation) -> Report:
         "outcomes": [row._asdict() for row in validation.outcomes],
         "scores": [score._asdict() for score in scored],
         "not_computed": validation.skipped,
-        "inputs": validation.inputs,
-        "impacts": validation.impacts,
-        "seconds": validation.seconds,
+        **{name: getattr(validation, name) for name in ("inputs", "impacts", "seconds")},
     }
-    page = Page("Validation", headline, sections, footer())
-    texts: list[Table | str] = [Table(SHORT, table.rows, "Blind predictions")]
-    if scored:
-        texts += [
-            Table(OUTCOMES[:-1], validation.outcomes, "Outcomes"),
-            Table(SCORES, scored, "Event: over the wall"),
-        ]
-    return Report(page, summary, tuple(texts), {"validation.csv": table})
 
 
 def _scores_in_words(scored: Sequence[Score]) -> str:

@@ -1,12 +1,11 @@
 """Verify pages, plots, pictures and data frames of Python results."""
 
-import csv
-import io
 import sys
 from typing import Any
 
 import numpy as np
 import pytest
+from chart_samples import samples
 from PIL import Image
 
 import tailslap
@@ -54,9 +53,9 @@ def test_the_rigid_force_stands_beside_the_design_forces(scene, group, name):
     assert aashto["force"] == pytest.approx(54.0 * 4448.2216, rel=1e-6)  # AASHTO LRFD A13.2-1, TL-4: 54 kip
     assert mash["ratio"] == pytest.approx(computed["force"] / mash["force"])
     assert ("Strikes" in result.tables) == (scene != "mash-tl4-sut")
-    header, *lines = csv.reader(io.StringIO(result.charts["force"].csv))
-    drawn = np.array([row[:2] for row in lines if row[0]], dtype=float)
-    assert header[:2] == ["t [s]", "raw: force on the wall [kN]"]
+    raw = samples(result.charts["force"])[0]
+    drawn = np.array([raw.at, raw.values], dtype=float).T
+    assert (raw.where, raw.heading) == ("t [s]", "raw: force on the wall [kN]")
     if scene == "mash-tl4-sut":
         pulse = drawn[drawn[:, 0] > result.summary["stage2"]["t"]]
         impulse = result.summary["stage3"]["impulse"]

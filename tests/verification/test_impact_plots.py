@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from browser.charts import points_of
+from chart_samples import samples
 
 from postprocess.figures import animation, impact, positions
 from postprocess.svg.marks import Line, Words
@@ -130,7 +131,8 @@ def test_filters_and_the_rigid_vehicle_are_shown_on_request():
     assert [line.label for line in along if line.is_shown] == ["raw", "50 ms mean"]
     assert {line.label for line in lateral if not line.is_shown} >= {"CFC 60", "raw, rigid"}
     assert chart.svg.count('style="display:none"') == 4 + 4 + 3, "keys, lateral and longitudinal lines"
-    assert all(label in chart.csv for label in ("CFC 60: lateral", "CFC 60: along", "raw, rigid: lateral"))
+    headings = {column.heading.partition(" [")[0] for column in samples(chart)}
+    assert {"CFC 60: lateral", "CFC 60: along", "raw, rigid: lateral"} <= headings
 
 
 def test_instants_of_close_positions_stand_in_two_rows():
@@ -200,12 +202,11 @@ def test_contact_of_one_instant_is_seen():
     plain = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN")
     force[1777, 2] = 300.0
     chart = impact.draw_side_force(T, np.linspace(0.0, 10.0, 5), force, "kN", STRIKES)
-    assert plain.csv == ""
+    assert samples(plain) == []
     svg = chart.svg
-    (heading, row) = chart.csv.splitlines()
-    at, value = row.split(",")
-    assert (heading, value) == ("t [s]; distance from the front [m],force", "300 kN")
-    time, place = at.split("; ")
+    (cells,) = samples(chart)
+    assert (cells.where, cells.values[0]) == ("t [s]; distance from the front [m]", "300 kN")
+    time, place = cells.at[0].split("; ")
     assert (float(time[:-2]), place) == (pytest.approx(T[1777], abs=T[-1] / impact.COLUMNS), "5 m")
     assert "300\N{NO-BREAK SPACE}kN" in texts(svg)
     assert len(svg) < len(plain.svg) + 1500

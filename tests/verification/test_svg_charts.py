@@ -1,7 +1,5 @@
 """Verify that charts are XML with round ticks and correct numbers."""
 
-import csv
-import io
 import itertools
 import math
 import re
@@ -10,6 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from browser.charts import points_of
+from chart_samples import samples
 
 from postprocess.figures import studies
 from postprocess.figures.histories import Curve, draw_histories, draw_overlay, power_of_ten, thinned
@@ -220,20 +219,11 @@ def texts_of(chart):
 
 
 def columns(chart):
-    """Columns of the table behind a chart, by label.
+    """Samples of a chart by label.
 
     Each has the heading of the positions, the positions and the values.
     """
-    labels = {mark.label for plot in chart.plots for mark in plot.marks if mark.label}
-    by_label, where = {}, []
-    for heading, *cells in zip(*csv.reader(io.StringIO(chart.csv)), strict=True):
-        label = heading.split(": ")[0]
-        if label not in labels:
-            where = [heading, *cells]
-            continue
-        there = [(at, value) for at, value in zip(where[1:], cells, strict=True) if value]
-        by_label[label] = (where[0], *map(list, zip(*there, strict=True)))
-    return by_label
+    return {row.label: (row.where, row.at, row.values) for row in samples(chart)}
 
 
 def shown(chart):

@@ -1,7 +1,5 @@
 """Verify values of a sweep, and pictures and page of its rows."""
 
-import csv
-import io
 import json
 import math
 import re
@@ -13,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser.charts import points_of
+from chart_samples import samples
 
 from postprocess.comparison.quantities import TAIL_SLAP
 from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
@@ -201,8 +200,7 @@ def test_which_plots_there_are():
 
 
 def values_drawn(curves):
-    columns = [column for c in curves for column in zip(*csv.reader(io.StringIO(c.csv)), strict=True)]
-    return sum(value != "" for heading, *values in columns if ": " in heading for value in values)
+    return sum(len(column.values) for c in curves for column in samples(c) if ": " in column.heading)
 
 
 def test_each_row_is_a_point():
@@ -225,9 +223,9 @@ def test_of_very_many_rows_all_that_failed_are_drawn():
     some.status[777::4000] = "failed"
     curves = draw_sweep(some)
     assert sum(len(curve.svg) for curve in curves) < 1e6
-    heading, *drawn = csv.reader(io.StringIO(curves[0].csv))
-    assert heading[4].startswith("FE, a check failed: ")
-    assert sum(row[4] != "" for row in drawn) >= 5
+    failed = samples(curves[0])[-1]
+    assert failed.heading.startswith("FE, a check failed: ")
+    assert len(failed.values) >= 5
 
 
 def lowest_drawn(varied):
@@ -249,9 +247,10 @@ def test_maps_show_each_run():
     some.status[:] = ["refused", "passed", "failed", "passed"]
     some.fe["peak_force"][0] = np.nan
     result, _, status = draw_sweep(some)[-3:]
-    heading, *values = csv.reader(io.StringIO(result.csv))
-    assert (heading[0], values[0], len(values)) == ("a.x; b.y", ["1; 10", "0.0013333 kN"], 3)
-    assert [row[0] for row in csv.reader(io.StringIO(status.csv))][1:] == ["1; 1", "1; 10", "2; 1", "2; 10"]
+    (cells,), (statuses,) = samples(result), samples(status)
+    value = cells.values[0]
+    assert (cells.where, cells.at[0], value, len(cells.values)) == ("a.x; b.y", "1; 10", "0.0013333 kN", 3)
+    assert statuses.at == ["1; 1", "1; 10", "2; 1", "2; 10"]
     (red,) = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', status.svg)
     assert red.count("M") == 1
 
@@ -261,7 +260,7 @@ def test_parallels_say_each_row_where_it_meets_a_scale():
     some = rows(key("a.x", 1, 1, 2, 2), key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4))
     some.status[2] = "failed"
     chart = draw_sweep(some)[-1]
-    at, values = zip(*list(csv.reader(io.StringIO(chart.csv)))[1:], strict=True)
+    *_, at, values = samples(chart)[-1]
     assert [*values[:8]] == ["1", "1", "2", "2", "p", "q", "p", "q"]
     assert len(values) == len(at) == 4 * (3 + 6 + 1)
     assert at[6] == "run 2, c.z"

@@ -211,8 +211,7 @@ def comparison(outcome: CornerOutcome, title: str = "") -> Table:
     The scene of the paper has its Table 3 beside them. title: of the short table on a terminal.
     """
     of_paper = is_paper_case(outcome.fe_plan.case)
-    paper = quantities.PAPER_TABLE_3 if of_paper else None
-    rows = quantities.comparison_rows(outcome.fe, outcome.rigid, paper) if outcome.fe else ()
+    rows = quantities.comparison_rows(outcome.fe, outcome.rigid, of_paper) if outcome.fe else ()
     columns = TAIL_SLAP + (PAPER if of_paper else ())
     if title:
         return Table((replace(columns[1], label="Tail-slap"), *columns[2:]), rows, title)

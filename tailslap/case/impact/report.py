@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from postprocess.report import tables
 from postprocess.report.page import Headline, Section
-from postprocess.report.tables import Column, Table
+from postprocess.report.tables import Column, Table, columns
 from postprocess.signals import filters
 from postprocess.units import Units, force, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
@@ -45,8 +45,9 @@ FORCE = (
 )
 FORCE_IN_SPACE = (
     Column("lateral", "Lateral, in space", "N", form="#.4g", style="strong"),
-    Column("longitudinal", "Along the wall, in space", "N", form="#.3g"),
-    Column("vertical", "Down, in space", "N", form="#.3g"),
+    *columns(
+        {"longitudinal": "Along the wall, in space", "vertical": "Down, in space"}, unit="N", form="#.3g"
+    ),
 )
 """Further columns of a scene with [body]."""
 
@@ -56,8 +57,7 @@ FORCE_NOTE = (
 )
 DURATIONS = (
     Column("curve", "Curve"),
-    Column("duration", "Valley to valley", "ms", form=milliseconds),
-    Column("triangle", "Equal triangle", "ms", form=milliseconds),
+    *columns({"duration": "Valley to valley", "triangle": "Equal triangle"}, unit="ms", form=milliseconds),
     Column("peak_force", "Peak", "N", form=".0f"),
 )
 RISK = (
@@ -72,8 +72,7 @@ ERRORS = (
     *(Column(name, words.capitalize(), form=percent_up) for name, words in error.QUANTITIES.items()),
 )
 HINGES = (
-    Column("title", "Hinge"),
-    Column("model", "Model"),
+    *columns({"title": "Hinge", "model": "Model"}),
     Column("mean_50ms", "Force, 50 ms mean", "N", form="#.4g", style="strong"),
     Column("error", "Stated error", form=lambda error: "–" if error is None else percent_up(error)),
     Column("peak_force", "Peak, unfiltered", "N", form="#.4g"),

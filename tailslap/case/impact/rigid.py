@@ -235,14 +235,8 @@ class RigidImpact(Case):
         rows = []
         for mean, *values in zip(impacts.mean_force.T, *(column.T for column in columns), strict=True):
             strikes = [
-                impact.Strike(
-                    impact.corner_name(*divmod(int(corner), 4)),
-                    float(start),
-                    float(end),
-                    float(peak),
-                    float(push),
-                )
-                for corner, start, end, peak, push in zip(*values, strict=True)
+                impact.Strike(impact.corner_name(*divmod(int(corner), 4)), *map(float, numbers))
+                for corner, *numbers in zip(*values, strict=True)
                 if corner >= 0
             ]
             both = answers.first_strikes(strikes, len(self.scene.units))

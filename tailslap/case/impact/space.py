@@ -334,7 +334,10 @@ def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:
             "space": interval * float(answer.motion.history["force_normal"][1:].sum()),
             "plane": plane.interval * float(plane.history["force_normal"][1:].sum()),
         },
-        {"name": "speed at the end", "unit": "m/s", "space": _end_speed(answer), "plane": _planar_speed(plane)},
+        {
+            "name": "speed at the end", "unit": "m/s",
+            "space": _end_speed(answer.motion.history), "plane": _end_speed(plane.history),
+        },
         {"name": "largest roll", "unit": "deg", "space": float(np.degrees(one.largest_roll)), "plane": None},
         {"name": "height of the resultant", "unit": "m", "space": float(one.height), "plane": None},
     ]  # fmt: skip
@@ -345,15 +348,9 @@ def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:
     return Table(PLANE, rows, notes=notes)
 
 
-def _end_speed(answer: SpaceAnswer) -> float:
+def _end_speed(history: Mapping[str, np.ndarray]) -> float:
     """Return the horizontal speed of the first unit at the end [m/s]."""
-    h = answer.motion.history
-    return float(np.hypot(h["v_gx"][-1], h["v_gy"][-1]))
-
-
-def _planar_speed(plane: ImpactAnswer) -> float:
-    """Return the speed of the planar vehicle at the end [m/s]."""
-    return float(np.hypot(plane.history["v_gx"][-1], plane.history["v_gy"][-1]))
+    return float(np.hypot(history["v_gx"][-1], history["v_gy"][-1]))
 
 
 def section(answer: SpaceAnswer, plane: ImpactAnswer) -> Section:

@@ -9,7 +9,7 @@ from postprocess.figures import studies
 from postprocess.figures import tipping as figures
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
-from postprocess.report.tables import Column, Table
+from postprocess.report.tables import Column, Table, columns
 from postprocess.signals.design_forces import DesignForce
 from postprocess.svg.chart import Chart
 from postprocess.units import INCH, grouped, measure
@@ -47,8 +47,7 @@ ANSWERS = (
         for name, (label, unit, form) in BANDS.items()
         for column in (
             Column(f"{name}.1", label, unit, form=form, style="strong"),
-            Column(f"{name}.0", "5 %", unit, form=form),
-            Column(f"{name}.2", "95 %", unit, form=form),
+            *columns({f"{name}.0": "5 %", f"{name}.2": "95 %"}, unit=unit, form=form),
         )
         if name != "length" or column.key == "length.1"
     ),
@@ -69,8 +68,7 @@ KEPT = (
 LOADS = (
     Column("name", "Published load"),
     Column("force", "Lateral", "N", form="#.4g", style="strong"),
-    Column("height", "Height", "m", form=".2f"),
-    Column("length", "Length", "m", form=".2f"),
+    *columns({"height": "Height", "length": "Length"}, unit="m", form=".2f"),
     Column("source", "Source", style="soft"),
 )
 INPUTS = (Column("key", "Input"), Column("range", "Range", form=str), Column("origin", "Source"))

@@ -6,12 +6,12 @@ nominal vehicle over the heights of wall and centre of mass. Sobol indices show 
 scene's wall.
 """
 
+import itertools
 import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from tailslap.campaign.sampling import Array
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.space import SpaceAnswer
 from tailslap.errors import InputError, Missing
-from tailslap.scene.vary import Source, vary
+from tailslap.scene.vary import vary
 
 WALLS = tuple(INCH * inches for inches in INCHES)
 """Heights of common walls [m]."""
@@ -195,13 +195,17 @@ def compute(
     inputs, tables = sampling.sampled(varied, samples, solve)
     sources, refusals = sampling.rows_and_refusals(varied, tables)
     refusals |= {name: "The quantity is constant." for name in tables if name not in sources}
+    count = solution["answers"]["outcome"].shape[1]
     return TippingResult(
-        case, nominal, solution["centre_key"], solution["centres"], solution["map_walls"], solution["rolls"],
-        solution["walls"], solution["answers"], solution["line_centres"], solution["lines"], solution["profiles"],
-        varied,
-        {key: values[: solution["answers"]["outcome"].shape[1]] for key, values in inputs.items()},
-        sources, refusals, solution["motions"], time.perf_counter() - began, solution["processor"],
-    )  # fmt: skip
+        case=case,
+        nominal=nominal,
+        ranges=varied,
+        inputs={key: values[:count] for key, values in inputs.items()},
+        sources=sources,
+        refusals=refusals,
+        seconds=time.perf_counter() - began,
+        **{name: value for name, value in solution.items() if name not in OUTPUTS},
+    )
 
 
 def wall_height(case: ImpactCase) -> float:
@@ -237,65 +241,80 @@ def _solved(
     place: Path,
     workers: int | None,
 ) -> Record:
-    """Return the answers of all parts of the study."""
-    walls, (key, centre) = wall_heights(case), highest_centre(case)
-    size = next(iter(inputs.values())).size
-    count = 2 * size // (len(varied) + 2)
-    first = {name: values[:count] for name, values in inputs.items()}
-    few = {name: values[:LINE_SAMPLES] for name, values in first.items() if name != key}
-    lowest = ABOVE_AXLES + max(axle.radius or 0.0 for axle in case.scene.axle)
-    centres = np.linspace(max(centre - MAP_RANGE, lowest), centre + MAP_RANGE, POINTS)
-    line_centres, line_walls = np.linspace(centres[0], centres[-1], LINE_CENTRES), walls[::LINE_WALLS]
-    map_walls = np.linspace(walls[0], walls[-1], POINTS)
-
-    def part(values: Mapping[str, Any], source: Source = case.source) -> tuple[object, ...]:
-        return source, dict(values)
-
-    blocks = np.array_split(np.arange(size), math.ceil(size / BLOCK))
-    groups: dict[str, dict[str, tuple[object, ...]]] = {
-        "samples": {
-            f"samples {n}": part({k: v[rows] for k, v in inputs.items()}) for n, rows in enumerate(blocks)
-        },
-        "walls": {f"wall {h:.6f}": part(first | {"wall.height": np.full(count, h)}) for h in walls},
-        "map": {
-            f"centre {c:.6f}": part({key: np.full(POINTS, c), "wall.height": map_walls}) for c in centres
-        },
-        "lines": {
-            f"line {c:.6f} {h:.6f}": part(
-                few | {name: np.full(LINE_SAMPLES, x) for name, x in ((key, c), ("wall.height", h))}
-            )
-            for c in line_centres
-            for h in line_walls
-        },
-        "profiles": {
-            f"profile {name}": part(first, vary(case.source, {"wall.profile": name})[1])
-            for name in space.PROFILES
-        },
-    }
-    definition = {
-        "study": "tipping", "scene": case.scene.model_dump(), "samples": samples,
-        "ranges": [[item.key, item.lower, item.upper] for item in varied],
-    }  # fmt: skip
+    """Return fields of `TippingResult`, and the columns of `OUTPUTS`."""
+    heights, count = _heights(case), 2 * next(iter(inputs.values())).size // (len(varied) + 2)
+    groups = _parts(case, heights, inputs, count)
+    ranges = [[item.key, item.lower, item.upper] for item in varied]
+    definition = {"study": "tipping", "scene": case.scene.model_dump(), "samples": samples, "ranges": ranges}
     together = {name: arguments for parts in groups.values() for name, arguments in parts.items()}
     motions = (space_samples.solve_samples, together, "motions")
     (results,) = engine.run_study(place, definition, (motions,), workers)
     records = {name: {key: results[key] for key in parts} for name, parts in groups.items()}
     tables = {name: {c: _column(of, c) for c in space_samples.COLUMNS} for name, of in records.items()}
-    answers = {c: values.reshape(len(walls), count) for c, values in tables["walls"].items()}
-    line = (tables["lines"]["outcome"].reshape(LINE_CENTRES, len(line_walls), -1) == 0.0).mean(axis=2)
-    return {
-        "roll": _largest(tables["samples"]), "mean_50ms": tables["samples"]["mean_50ms"],
-        "centre_key": key, "centres": centres, "map_walls": map_walls,
+    walls = heights["walls"]
+    upright = tables["lines"]["outcome"].reshape(LINE_CENTRES, -1, LINE_SAMPLES) == 0.0
+    lines = [[lowest_wall(walls[::LINE_WALLS], x, level) for x in upright.mean(axis=2)] for level in LEVELS]
+    profiles = zip(space.PROFILES, records["profiles"].values(), strict=True)
+    return heights | {
+        "roll": _largest(tables["samples"]),
+        "mean_50ms": tables["samples"]["mean_50ms"],
         "rolls": _largest(tables["map"]).reshape(POINTS, POINTS).T,
-        "walls": walls, "answers": answers, "line_centres": line_centres,
-        "lines": np.array([[lowest_wall(line_walls, of, level) for of in line] for level in LEVELS]),
-        "profiles": {
-            name: {c: np.array(records["profiles"][f"profile {name}"][c]) for c in space_samples.COLUMNS}
-            for name in space.PROFILES
-        },
+        "answers": {name: values.reshape(len(walls), count) for name, values in tables["walls"].items()},
+        "lines": np.array(lines),
+        "profiles": {name: {c: np.array(of[c]) for c in space_samples.COLUMNS} for name, of in profiles},
         "motions": sum(values["outcome"].size for values in tables.values()),
         "processor": math.fsum(record["processor"] for record in results.values()),
-    }  # fmt: skip
+    }
+
+
+def _heights(case: ImpactCase) -> Record:
+    """Return heights of walls and centres of mass by fields of `TippingResult`."""
+    walls, (key, centre) = wall_heights(case), highest_centre(case)
+    lowest = ABOVE_AXLES + max(axle.radius or 0.0 for axle in case.scene.axle)
+    centres = np.linspace(max(centre - MAP_RANGE, lowest), centre + MAP_RANGE, POINTS)
+    map_walls = np.linspace(walls[0], walls[-1], POINTS)
+    line_centres = np.linspace(centres[0], centres[-1], LINE_CENTRES)
+    return {
+        **{"centre_key": key, "centres": centres, "line_centres": line_centres},
+        **{"walls": walls, "map_walls": map_walls},
+    }
+
+
+def _parts(
+    case: ImpactCase, heights: Record, inputs: Mapping[str, Array], count: int
+) -> dict[str, dict[str, tuple[object, ...]]]:
+    """Return the arguments of all parts by group and key.
+
+    heights: of `_heights`; count: number of samples of a wall.
+    """
+    key, walls = heights["centre_key"], heights["walls"]
+    first = {name: values[:count] for name, values in inputs.items()}
+    few = {name: values[:LINE_SAMPLES] for name, values in first.items() if name != key}
+
+    source, size = case.source, next(iter(inputs.values())).size
+    blocks = np.array_split(np.arange(size), math.ceil(size / BLOCK))
+
+    def at(values: Mapping[str, Array], count: int, levels: Mapping[str, float]) -> tuple[object, ...]:
+        return source, {**values, **{name: np.full(count, level) for name, level in levels.items()}}
+
+    return {
+        "samples": {
+            f"samples {n}": (source, {k: v[rows] for k, v in inputs.items()}) for n, rows in enumerate(blocks)
+        },
+        "walls": {f"wall {h:.6f}": at(first, count, {"wall.height": h}) for h in walls},
+        "map": {
+            f"centre {c:.6f}": (source, {key: np.full(POINTS, c), "wall.height": heights["map_walls"]})
+            for c in heights["centres"]
+        },
+        "lines": {
+            f"line {c:.6f} {h:.6f}": at(few, LINE_SAMPLES, {key: c, "wall.height": h})
+            for c, h in itertools.product(heights["line_centres"], walls[::LINE_WALLS])
+        },
+        "profiles": {
+            f"profile {name}": (vary(source, {"wall.profile": name})[1], dict(first))
+            for name in space.PROFILES
+        },
+    }
 
 
 def _column(records: Mapping[str, Mapping[str, list[float]]], name: str) -> Array:
