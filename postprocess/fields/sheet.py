@@ -301,7 +301,7 @@ def _write(
 
 
 def _ground(opacity: float, margin: float) -> dict[str, Any]:
-    """Return the look of the white behind a text."""
+    """Return the style of the white behind a text."""
     return {"facecolor": "white", "alpha": opacity, "linewidth": 0.0, "pad": margin}
 
 

@@ -151,7 +151,7 @@ def _draw_columns(panel: Panel, fe: History) -> chart.Chart:
         curves = {label: values - values[0] for label, values in curves.items()}
     power = power_of_ten(np.concatenate([*curves.values()]))
     lines = tuple(
-        marks.Line(label, *thinned(fe["t"], values * 10.0**-power, FEW), colour, **marks.look(number))
+        marks.Line(label, *thinned(fe["t"], values * 10.0**-power, FEW), colour, **marks.line_style(number))
         for number, ((label, values), colour) in enumerate(zip(curves.items(), COLOURS, strict=False))
     )
     axis = chart.Axis(f"{panel.symbol} [{unit_with_power(panel.unit, power)}]")
@@ -216,7 +216,10 @@ def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str,
     """
     lines = tuple(
         marks.Line(
-            curve.label, *thinned(curve.t, curve.values), ORIGINS[number % len(ORIGINS)], **marks.look(number)
+            curve.label,
+            *thinned(curve.t, curve.values),
+            ORIGINS[number % len(ORIGINS)],
+            **marks.line_style(number),
         )
         for number, curve in enumerate(curves)
     )

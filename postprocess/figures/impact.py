@@ -13,7 +13,7 @@ from postprocess.figures import histories
 from postprocess.svg import chart
 from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import Chart
-from postprocess.svg.marks import Level, Line, Swatch, look
+from postprocess.svg.marks import Level, Line, Swatch, line_style
 from postprocess.svg.motion import Cursor
 from postprocess.svg.scales import Floats, Shades
 from postprocess.units import measure
@@ -24,13 +24,13 @@ START = replace(histories.TIME, low=0.0)
 """Time from first touch on."""
 
 LINES = {
-    "raw": ("raw", "grey", look(0)),
-    "cfc180": ("CFC 180", "green", look(1)),
-    "cfc60": ("CFC 60", "fe", look(2)),
-    "cutoff_60hz": ("60 Hz cut-off", "violet", look(3)),
-    "mean_50ms": ("50 ms mean", "rigid", look(4) | {"width": 2.2}),
+    "raw": ("raw", "grey", line_style(0)),
+    "cfc180": ("CFC 180", "green", line_style(1)),
+    "cfc60": ("CFC 60", "fe", line_style(2)),
+    "cutoff_60hz": ("60 Hz cut-off", "violet", line_style(3)),
+    "mean_50ms": ("50 ms mean", "rigid", line_style(4) | {"width": 2.2}),
 }
-"""Label, colour and look of each curve in the order of drawing."""
+"""Label, colour and line style of each curve in the order of drawing."""
 
 SHOWN = ("raw", "mean_50ms")
 """Curves that are shown at first."""
@@ -132,7 +132,7 @@ def draw_curves(
     Shape (n,), in the unit of the axis, over t [s].
     """
     lines = [
-        Line(label, *histories.thinned(t, values), colour, **look(k))
+        Line(label, *histories.thinned(t, values), colour, **line_style(k))
         for k, ((label, values), colour) in enumerate(zip(curves.items(), LAYERS, strict=False))
     ]
     plot = chart.Plot((*shaded(strikes), *lines), chart.Axis(axis), 230.0)
@@ -172,7 +172,7 @@ def draw_energies(t: Floats, kinetic: Floats, parts: Mapping[str, Floats], strik
     tops = np.cumsum([np.zeros(rows.size), *used.values()], axis=0)
     bands = zip(used, tops, tops[1:], LAYERS, strict=False)
     layers = tuple(Layer(label, t[rows], below, above, colour) for label, below, above, colour in bands)
-    line = Line("given up", t[rows], (kinetic[0] - kinetic[rows]) / 1e3, "ink", 1.3)
+    line = Line("kinetic energy lost", t[rows], (kinetic[0] - kinetic[rows]) / 1e3, "ink", 1.3)
     plot = chart.Plot((*shaded(strikes), *layers, line), chart.Axis("energy [kJ]"), 220.0)
     return chart.Chart("energies", caption, (plot,), START, "Energy", chart.HALF)
 
@@ -190,12 +190,12 @@ def draw_side_force(t: Floats, distances: Floats, force: Floats, unit: str, stri
     column, row = np.nonzero(table > 0.0)
     pressed, shades = table[column, row], Shades(float(table.max()) or 1.0, 0.0)
     along, across = (np.stack([ends[k], ends[k + 1]], -1) for ends, k in ((times, column), (edges, row)))
-    said, places = (
+    texts, places = (
         [measure(value, unit, ".4g") for value in pressed],
         zip(times[column], distances[row], strict=True),
     )
     at = [f"{time:.4g} s; {measure(place, 'm', '.4g')}" for time, place in places]
-    cells = Boxes("force", along, across, shades.colours(pressed), said, at)
+    cells = Boxes("force", along, across, shades.colours(pressed), texts, at)
     x = replace(START, high=float(t[-1]))
     y = chart.Axis("distance from the front [m]", low=float(edges[-1]), high=float(edges[0]))
     keys = [Swatch(*colour_key) for colour_key in shades.keys(unit)]

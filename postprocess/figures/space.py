@@ -17,7 +17,7 @@ from postprocess.figures.positions import arrow, plan_view
 from postprocess.svg import chart
 from postprocess.svg.areas import Boxes, Outline, area
 from postprocess.svg.chart import Axis, Chart
-from postprocess.svg.marks import Level, Line, Mark, Swatch, Words, dot, look
+from postprocess.svg.marks import Level, Line, Mark, Swatch, Words, dot, line_style
 from postprocess.svg.motion import Cursor, Moving
 from postprocess.svg.scales import Floats
 from postprocess.units import measure
@@ -343,7 +343,7 @@ def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Ch
                 f"unit {unit + 1}" if count > 1 else name,
                 *histories.thinned(history["t"], np.degrees(column(history, name, unit))),
                 COLOURS[unit % len(COLOURS)],
-                **look(unit) | {"width": 1.8},
+                **line_style(unit) | {"width": 1.8},
             )
             for unit in range(count)
         ]

@@ -14,7 +14,7 @@ import numpy as np
 
 from postprocess.svg import chart
 from postprocess.svg.areas import Boxes, Span
-from postprocess.svg.marks import SMALL, Level, Line, Mark, Name, Words, key, look, text_width
+from postprocess.svg.marks import SMALL, Level, Line, Mark, Name, Words, key, line_style, text_width
 from postprocess.svg.scales import Floats, Range, Scale
 from postprocess.units import measure
 
@@ -165,7 +165,11 @@ def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]
 def _lines(x: Floats, strikes: Mapping[int, Mapping[str, Floats]]) -> list[Line]:
     return [
         Line(
-            f"{STRIKES[strike][0]}, {name}", x, values, STRIKES[strike][1], **look(3 * (strike - 1) + number)
+            f"{STRIKES[strike][0]}, {name}",
+            x,
+            values,
+            STRIKES[strike][1],
+            **line_style(3 * (strike - 1) + number),
         )
         for strike, quantities in strikes.items()
         for number, (name, values) in enumerate(quantities.items())
@@ -177,19 +181,17 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
 
     With their medians, the values of the scene, and measured forces as dots.
     """
-    caption = (
-        "Peak lateral force: 5 to 95 %, median (stroke) and the scene's own value (dot); rows of the paper"
-    )
+    caption = "Peak lateral force: 5 to 95 %, median (stroke) and value of the scene (dot); forces of the paper's rows"
     labels, marks = [bar.label for bar in bars], list[Mark]()
     placed = list(zip(_heights(labels), bars, strict=True))
     for strike, (name, colour) in STRIKES.items():
         rows = np.array([row for row, bar in placed if bar.strike == strike])
         of = [bar for bar in bars if bar.strike == strike]
-        said = [
+        texts = [
             f"{measure(a, 'kN', '.0f', named=False)} to {measure(c, 'kN', '.0f')}, median {measure(b, 'kN', '.0f')}"
             for a, b, c in (bar.ends for bar in of)
         ]
-        marks += _bands(name, colour, rows, [bar.ends for bar in of], said, [bar.label for bar in of])
+        marks += _bands(name, colour, rows, [bar.ends for bar in of], texts, [bar.label for bar in of])
         marks.append(Line("", np.array([bar.nominal for bar in of]), rows, colour, 0.0, dots=3.6))
     for projected, (name, colour) in ORIGINS.items():
         dots = [
@@ -227,7 +229,7 @@ def _bands(
     colour: str,
     rows: Floats,
     ends: Sequence[tuple[float, ...]],
-    said: Sequence[str],
+    texts: Sequence[str],
     at: Sequence[str],
 ) -> list[Mark]:
     """Return bars about these heights with a stroke at the median.
@@ -237,7 +239,7 @@ def _bands(
     low, middle, high = np.array(ends).T
     strokes = np.array([-0.18, 0.18, np.nan]) + rows[:, None]
     return [
-        Boxes(name, np.stack([low, high], axis=-1), _across(rows), colour, said, at, 0.4),
+        Boxes(name, np.stack([low, high], axis=-1), _across(rows), colour, texts, at, 0.4),
         Line("", np.repeat(middle, 3), strokes.ravel(), colour, 2.2),
     ]
 
@@ -248,12 +250,12 @@ def _dots(name: str, colour: str, dots: Sequence[tuple[float, float, str]]) -> l
     Letters stand above and below in turns.
     """
     x, y = (np.array(values) for values in list(zip(*dots, strict=True))[:2])
-    said, at = [measure(force, "kN", ".0f") for force, _, _ in dots], [f"row {row}" for _, _, row in dots]
+    texts, at = [measure(force, "kN", ".0f") for force, _, _ in dots], [f"row {row}" for _, _, row in dots]
     letters = [
         Words(letter, force, row, (5.0, -1.0 if number % 2 else 9.0), colour=colour)
         for number, (force, row, letter) in enumerate(dots)
     ]
-    return [Line(name, x, y, colour, 0.0, dots=3.4, values=said, at=at), *letters]
+    return [Line(name, x, y, colour, 0.0, dots=3.4, values=texts, at=at), *letters]
 
 
 class Series(NamedTuple):
@@ -296,7 +298,9 @@ def draw_precision(
     for number, (method, colour) in enumerate(zip(drawn_series, cycle(COLOURS), strict=False)):
         times, errors, failed = np.array(method.times), np.array(method.errors), ~np.array(method.passed)
         marks.append(
-            Line(method.label, times, errors, colour, 1.5, look(number)["dashes"], 3.0, at=method.points)
+            Line(
+                method.label, times, errors, colour, 1.5, line_style(number)["dashes"], 3.0, at=method.points
+            )
         )
         if failed.any():
             marks.append(Line("failed a check", times[failed], errors[failed], "red", 0.0, dots=3.0))
@@ -407,12 +411,12 @@ def draw_sweep(
 def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str, number: int) -> list[Mark]:
     x, values = np.array(axis.frequencies), _per_cent(line.values)
     if line.form == DOTS:
-        return [Line(line.label, x, values, colour, **look(number))]
+        return [Line(line.label, x, values, colour, **line_style(number))]
     if line.form == RINGS:
         return [Line(line.label, x, values, colour, 0.0, dots=5.0)]
     passed = np.array(line.passed or axis.passed)
     good, bad = np.where(passed, values, np.nan), np.where(passed, np.nan, values)
-    marks: list[Mark] = [Line(line.label, x, good, colour, **look(number), dots=2.4)]
+    marks: list[Mark] = [Line(line.label, x, good, colour, **line_style(number), dots=2.4)]
     marks += [Line("failed a check", x, bad, "red", 0.0, dots=2.4)] if np.isfinite(bad).any() else []
     if line.errors:
         errors = np.where(passed, _per_cent(line.errors), np.nan)

@@ -191,19 +191,25 @@ def _shaded(values: Values, unit: str, is_log: bool = False) -> tuple[Values, Va
         return colours, colours, []
     shades = Shades.of(values, is_log)
     colours[finite] = shades.colours(values[finite])
-    said = np.array([measure(value, unit, ".5g", named=bool(unit)) for value in values], dtype=object)
-    return colours, said, [Swatch(*colour_key) for colour_key in shades.keys(unit)]
+    value_texts = np.array([measure(value, unit, ".5g", named=bool(unit)) for value in values], dtype=object)
+    return colours, value_texts, [Swatch(*colour_key) for colour_key in shades.keys(unit)]
 
 
 def _draw_map(
-    name: str, title: str, colours: Values, said: Values, keys: Sequence[Swatch], across: Varied, up: Varied
+    name: str,
+    title: str,
+    colours: Values,
+    value_texts: Values,
+    keys: Sequence[Swatch],
+    across: Varied,
+    up: Varied,
 ) -> Chart:
     """Draw cells of a complete grid, or boxes."""
     x, y, coloured = across.values, up.values, colours != ""
     counts = np.unique(x).size, np.unique(y).size
     is_grid = counts[0] * counts[1] == x.size and min(counts) > 1
     places = [f"{a:.4g}; {b:.4g}" for a, b in zip(x[coloured], y[coloured], strict=True)]
-    texts, at = (said[coloured].tolist(), places) if coloured.sum() <= MAX_DRAWN else ((), ())
+    texts, at = (value_texts[coloured].tolist(), places) if coloured.sum() <= MAX_DRAWN else ((), ())
     ends_x, ends_y = (_ends(item, is_grid)[coloured] for item in (across, up))
     cells = Boxes(title, ends_x, ends_y, colours[coloured].tolist(), texts, at)
     along, upwards = (Axis(item.label, is_log=item.logarithmic, margin=0.0) for item in (across, up))
@@ -309,10 +315,10 @@ def _across(places: Values, heights: Values, colour: str, width: float) -> Line:
 
 def _points(scales: Sequence[Scaled], selected: Values) -> Line:
     """Return the values that pages show where rows meet a scale."""
-    places, heights, said, at = [], [], [], []
+    places, heights, texts, at = [], [], [], []
     for place, scale in enumerate(scales):
         places += [float(place)] * len(selected)
         heights += scale.heights[selected].tolist()
-        said += [value if isinstance(value, str) else f"{value:.5g}" for value in scale.values[selected]]
+        texts += [value if isinstance(value, str) else f"{value:.5g}" for value in scale.values[selected]]
         at += [f"run {row}, {scale.label}" for row in selected]
-    return Line("value", np.array(places), np.array(heights), width=0.0, values=said, at=at)
+    return Line("value", np.array(places), np.array(heights), width=0.0, values=texts, at=at)

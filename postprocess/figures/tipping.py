@@ -48,13 +48,13 @@ def draw_map(
     colours = np.where(tips, RED, shades.colours(np.where(tips, 0.0, degrees)))
     row, column = np.divmod(np.arange(rolls.size), centres.size)
     x, y = cells_about(centres, False)[column], cells_about(walls, False)[row]
-    said = [f"{roll:.1f} deg" if roll < 90.0 else "rolls over" for roll in degrees]
+    texts = [f"{roll:.1f} deg" if roll < 90.0 else "rolls over" for roll in degrees]
     at = [f"wall {walls[i]:.3f} m; centre {centres[j]:.3f} m" for i, j in zip(row, column, strict=True)]
     start, end, bottom, top = (float(edge) for edge in (x.min(), x.max(), y.min(), y.max()))
-    looks = (("5 % upright", "2 3", 1.4), ("50 % upright", "7 3", 1.8), ("95 % upright", "", 2.6))
-    drawn = zip(looks, np.clip(lines.walls, bottom, top), strict=True)
+    styles = (("5 % upright", "2 3", 1.4), ("50 % upright", "7 3", 1.8), ("95 % upright", "", 2.6))
+    drawn = zip(styles, np.clip(lines.walls, bottom, top), strict=True)
     marks: list[Mark] = [
-        Boxes("largest roll", x, y, colours.tolist(), said, at),
+        Boxes("largest roll", x, y, colours.tolist(), texts, at),
         *(Swatch(*colour_key) for colour_key in shades.keys("deg")),
         Swatch("rolls over", RED),
         *(
@@ -154,8 +154,8 @@ def draw_outcomes(bars: Sequence[OutcomeBar]) -> Chart:
     labels, marks = [bar.label for bar in bars], list[Mark]()
     across = rows[:, None] + 0.2 * np.array([-1.0, 1.0])
     for number, (name, colour, strength) in enumerate((("upright", "green", 0.45), *OUTCOMES)):
-        said = [f"{bar.parts[number]:.2f}" for bar in bars]
-        marks.append(Boxes(name, ends[:, number : number + 2], across, colour, said, labels, strength))
+        texts = [f"{bar.parts[number]:.2f}" for bar in bars]
+        marks.append(Boxes(name, ends[:, number : number + 2], across, colour, texts, labels, strength))
     x, y = list[float](), list[float]()
     for bar, row, edges in zip(bars, rows.tolist(), ends.tolist(), strict=True):
         parts = [number for number, published in enumerate(bar.published) if published]

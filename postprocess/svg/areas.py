@@ -72,13 +72,13 @@ class Boxes(Mark):
         is_small = bool((np.minimum(end - start, bottom - top) < SMALL_BOX).any())
         gap = 0.0 if is_small else 0.4
         edges = zip(start + gap, top + gap, end - gap, bottom - gap, strict=True)
-        look = f' fill-opacity="{self.strength:g}"' + is_small * ' shape-rendering="crispEdges"'
+        style = f' fill-opacity="{self.strength:g}"' + is_small * ' shape-rendering="crispEdges"'
         drawn = ["M{0:.2f} {1:.2f}H{2:.2f}V{3:.2f}H{0:.2f}Z".format(*edge) for edge in edges]
         colours = [self.colour] * len(drawn) if isinstance(self.colour, str) else self.colour
         elements = ""
         for colour in dict.fromkeys(colours):
             path = "".join(compress(drawn, [own_colour == colour for own_colour in colours]))
-            elements += coloured(f'<path d="{path}"{look}/>', colour)
+            elements += coloured(f'<path d="{path}"{style}/>', colour)
         if not self.values:
             return elements
         centres = zip(0.5 * (start + end), 0.5 * (top + bottom), strict=True)
@@ -146,8 +146,8 @@ class Outline(Mark):
     def draw(self, x: Scale, y: Scale) -> str:
         """Return a closed path."""
         edge = self.attributes + f'd="{path(np.stack([x.at(self.x), y.at(self.y)], axis=-1))}Z"'
-        look = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
-        return coloured(f"<path {edge} {look}/>", self.colour)
+        style = f'fill-opacity="{self.fill:g}" stroke="currentColor" stroke-opacity="{self.strength:.3g}"'
+        return coloured(f"<path {edge} {style}/>", self.colour)
 
 
 def area(points: Floats, colour: str, fill: float = 0.04) -> Outline:

@@ -137,14 +137,14 @@ class Name(NamedTuple):
         return not is_beside and abs(self.y - other.y) < SMALL
 
 
-class Look(TypedDict):
+class LineStyle(TypedDict):
     """Width and dashes of a line."""
 
     width: float
     dashes: str
 
 
-def look(number: int) -> Look:
+def line_style(number: int) -> LineStyle:
     """Return width and dashes of line `number` of a plot.
 
     Later lines are thinner or dashed, so that they hide none drawn before. Dashes differ between lines, so that they
@@ -229,29 +229,29 @@ class Line(Mark):
         sound = np.logical_and.reduce(np.isfinite(places), axis=-1)
         dots = [f"M{a:.2f} {b:.2f}Z" for a, b in places[sound]]
         edge = path(places, READ if self.label else DRAWN) if self.width else "".join(dots)
-        elements = (
-            f'<path {self.attributes}d="{edge}" fill="none"{self._look() if self.width else self._dots()}/>'
-        )
+        stroke = self._stroke() if self.width else self._round_stroke()
+        elements = f'<path {self.attributes}d="{edge}" fill="none"{stroke}/>'
         if self.dots and self.at:
             named = zip(dots, compress(self.at, sound), strict=True)
             elements += "".join(
-                f'<path d="{dot}"{self._dots()}><title>{escape(at)}</title></path>' for dot, at in named
+                f'<path d="{dot}"{self._round_stroke()}><title>{escape(at)}</title></path>'
+                for dot, at in named
             )
         elif self.dots and self.width:
-            elements += f'<path d="{"".join(dots)}"{self._dots()}/>'
+            elements += f'<path d="{"".join(dots)}"{self._round_stroke()}/>'
         return coloured(elements, self.colour, self.is_shown)
 
     def key(self) -> str:
         """Return a piece of the line."""
-        dot = f'<path d="M{0.5 * KEY:g} 5Z"{self._dots()}/>' if self.dots else ""
-        line = f'<path d="M0 5H{KEY:g}"{self._look()}/>' if self.width else ""
+        dot = f'<path d="M{0.5 * KEY:g} 5Z"{self._round_stroke()}/>' if self.dots else ""
+        line = f'<path d="M0 5H{KEY:g}"{self._stroke()}/>' if self.width else ""
         return coloured(line + dot, self.colour)
 
-    def _look(self) -> str:
+    def _stroke(self) -> str:
         dashes = f' stroke-dasharray="{self.dashes}"' if self.dashes else ""
         return f' stroke="currentColor" stroke-width="{self.width:g}" stroke-linejoin="round"{dashes}'
 
-    def _dots(self) -> str:
+    def _round_stroke(self) -> str:
         return f' stroke="currentColor" stroke-width="{2.0 * self.dots:g}" stroke-linecap="round"'
 
 

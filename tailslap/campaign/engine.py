@@ -78,7 +78,9 @@ class CampaignEffort:
         return (self.wall_s * self.threads - self.runs_s) / self.runs if self.runs else 0.0
 
 
-def perform(parts: Parts, records: Records, pool: pools.Pool, look: Callable[[int], None]) -> CampaignEffort:
+def perform(
+    parts: Parts, records: Records, pool: pools.Pool, report: Callable[[int], None]
+) -> CampaignEffort:
     """Compute and record all parts.
 
     The first error of a part is raised. After an interruption, finished parts are still recorded.
@@ -91,10 +93,10 @@ def perform(parts: Parts, records: Records, pool: pools.Pool, look: Callable[[in
         Records, which receive the results.
     pool : Pool
         Workers.
-    look : callable
+    report : callable
         Takes the number of workers, about every second and after each batch.
     """
-    return _Engine(parts, records, pool).run(look)
+    return _Engine(parts, records, pool).run(report)
 
 
 def run_parts(
@@ -197,14 +199,14 @@ class _Engine:
         self._seconds = BATCH_S  # of a part, so that the first batches are of one part
         self._own_s, self._threads = 0.0, 0
 
-    def run(self, look: Callable[[int], None]) -> CampaignEffort:
+    def run(self, report: Callable[[int], None]) -> CampaignEffort:
         """Compute all parts and return the effort."""
         began, most = time.perf_counter(), 0
         try:
             while self._waiting or self._suspects or self._under_way:
                 self._threads = self._pool.threads()
                 most = max(most, self._threads)
-                look(self._threads)
+                report(self._threads)
                 self._fill()
                 self._collect(pools.POLL_S)
         except KeyboardInterrupt:

@@ -33,7 +33,7 @@ Lines = dict[str, list[str]]
 """Texts of `tailslap check` by label."""
 
 Parts = Sequence[tuple[str, str]]
-"""Parts that a scene does without, each with the reason."""
+"""Omitted parts of a scene, each with the reason."""
 
 LABEL = 13
 """Columns of a label of `tailslap check`."""
@@ -92,7 +92,7 @@ class FeReport(ABC):
 
     @abstractmethod
     def omitted(self, pictures: bool) -> Parts:
-        """Return the parts that the scene does without."""
+        """Return the omitted parts with reasons."""
 
     @abstractmethod
     def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> Self:

@@ -110,19 +110,19 @@ def export(
             _write_tables(loaded, to, unfinished)
         elif to in PICTURES:
             names = list(series.SCALARS) if field is None else [field]
-            look: dict[str, Any] = {
+            options: dict[str, Any] = {
                 "magnify": magnify,
                 "units": SYSTEMS[units],
                 **({"size": size} if size else {}),
             }
             numbers = count(1)
             with counted("Drawing pictures", len(names) * len(fields.t), 0) as show:
-                look["follow"] = lambda: show(next(numbers))
+                options["follow"] = lambda: show(next(numbers))
                 for name in names:
                     if to == "gif":
-                        contours.animate(unfinished / f"{name}.gif", fields, name, **look)
+                        contours.animate(unfinished / f"{name}.gif", fields, name, **options)
                     else:
-                        contours.draw_instants(unfinished, fields, name, **look)
+                        contours.draw_instants(unfinished, fields, name, **options)
         else:
             getattr(formats, f"write_{to}")(unfinished / FIRST[to], fields)
     return place / FIRST.get(to, "")

@@ -48,8 +48,8 @@ AXES = (
     "the wall."
 )
 
-MOTION_LOOKS: Any = ({"colour": "rigid", "width": 3.2}, {"colour": "fe", "width": 1.6, "dashes": "5 3"})
-MARK_LOOKS: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour in ("ink", "difference"))
+MOTION_STYLES: Any = ({"colour": "rigid", "width": 3.2}, {"colour": "fe", "width": 1.6, "dashes": "5 3"})
+MARK_STYLES: Any = tuple({"colour": colour, "width": 0.0, "dots": 3.6} for colour in ("ink", "difference"))
 """Styles of the first and the second motion, and of the two kinds of mark."""
 
 
@@ -228,7 +228,7 @@ def figure(number: int, name: str, courses: Mapping[str, History]) -> chart.Char
     panel = next(panel for panel in COMPARED if panel.name == name)
     lines: list[tuple[str, Any]] = [(label, thinned(c["t"], c[name])) for label, c in courses.items()]
     points = [(label, np.transpose(pairs)) for label, pairs in paper_numbers.marks(name).items() if pairs]
-    styles = [*zip(lines, MOTION_LOOKS, strict=False), *zip(points, MARK_LOOKS, strict=False)]
+    styles = [*zip(lines, MOTION_STYLES, strict=False), *zip(points, MARK_STYLES, strict=False)]
     curves = [marks.Line(label, *places, **style) for (label, places), style in styles]
     plot = chart.Plot(tuple(curves), chart.Axis(f"{panel.symbol} [{panel.unit}]"), 200.0)
     return chart.Chart(name, f"Figure {number}. {CAPTIONS[name]}.", (plot,), TIME, panel.group)

@@ -1,10 +1,10 @@
 """Fill result folders that are complete at any time.
 
 A folder contains the earlier or the new result, whenever a command or the machine ends. The folder itself is never
-renamed, and files of the user in it are never touched. A command has the lock of the folder from its first look to its
-last write. It writes new files into a folder within, and when they are complete a log of the files that they replace,
-on disk before anything is replaced. Then they are renamed one by one, the manifest last, and the log is removed. The
-next process that opens the folder finishes the replacements of a log, or drops new files without one.
+renamed, and files of the user in it are never touched. A command locks the folder until its last write. It writes new
+files into a folder within, and when they are complete a log of the files that they replace, on disk before anything is
+replaced. Then they are renamed one by one, the manifest last, and the log is removed. The next process that opens the
+folder finishes the replacements of a log, or drops new files without one.
 
 Only an absent or empty folder is accepted, or an earlier result of the same command and scene whose files are
 unchanged: the manifest lists them (manifest.py).

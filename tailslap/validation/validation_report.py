@@ -65,8 +65,8 @@ METHOD = (
     "No measured crush of a truck's corner was found; the plateaus are assumed, so that agreement of a row which they "
     "decide is no evidence for the model.",
     "The projected forces of Table 5, rows a to e, are the authors' multiples of Table 4 and are omitted. The planar "
-    "model excludes roll, pitch, shifting load and deflection of the barrier, so that speeds kept on barriers on posts "
-    "and forces of vehicles that lean on the wall differ by these.",
+    "model excludes roll, pitch, shifting load and deflection of the barrier, which changes speeds after impacts on "
+    "barriers on posts and forces of vehicles that lean on the wall.",
     f"Rows in space and outcomes: {SAMPLES} vehicles in space each, with roll and pitch, on a rigid wall with its "
     "profile. Springs, tyres, centres of mass, inertias and crush are assumed over wide ranges.",
 )

@@ -190,7 +190,7 @@ def test_layers_end_at_what_was_given_up():
     svg = impact.draw_energies(
         T, kinetic, {"crush, lost": half, "friction": half, "damping": 0.0 * half}, STRIKES
     ).svg
-    assert {"given up", "crush, lost", "friction"} <= set(texts(svg))
+    assert {"kinetic energy lost", "crush, lost", "friction"} <= set(texts(svg))
     assert "damping" not in texts(svg)
     layer = points_of(found(r'<path data-label="friction".*? d="([^"]+)"', svg))
     assert max(-layer[:, 1]) == pytest.approx(points(svg, "ink")[:, 1].max(), abs=1e-4)

@@ -14,7 +14,7 @@ from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.figures.studies import SweepAxis, SweepLine, draw_sensitivity, draw_sweep
 from postprocess.report.page import Headline, Page, Section, write_page
 from postprocess.svg.chart import FULL, Axis, Chart, Plot
-from postprocess.svg.marks import Line, Words, look
+from postprocess.svg.marks import Line, Words, line_style
 from tailslap.case.corner.corner_report import CornerReport
 from tailslap.case.report_parts import design_forces_of
 from tailslap.cli import _status
@@ -119,7 +119,7 @@ CURVES = {"slow": 2.0 * np.arange(41.0), "fast": 5.0 * np.arange(41.0)}
 def shown_chart(browser, tmp_path):
     """A page with a chart of two lines over 40 s."""
     t = np.arange(41.0)
-    lines = tuple(Line(label, t, force, **look(k)) for k, (label, force) in enumerate(CURVES.items()))
+    lines = tuple(Line(label, t, force, **line_style(k)) for k, (label, force) in enumerate(CURVES.items()))
     chart = Chart("c", "A chart", (Plot(lines, Axis("force [kN]")),), Axis("t [s]", margin=0.0), width=FULL)
     report_page = Page("", Headline("Charts", ""), (Section("Chart", figures=(chart,)),), "")
     with opened(browser, write_page(tmp_path / "p.html", report_page)) as session:

@@ -25,7 +25,7 @@ from solver.impact import CrushLaw, ImpactState, WallContact, solve_impact
 from tailslap.cli import _status
 from tailslap.replication import paper_numbers, paper_page, paper_values
 from tailslap.replication.paper_numbers import FIGURES, corner_fraction
-from tailslap.replication.paper_page import MARK_LOOKS, MOTION_LOOKS, figure, sections, summary
+from tailslap.replication.paper_page import MARK_STYLES, MOTION_STYLES, figure, sections, summary
 from tailslap.replication.paper_values import ABAQUS, MASS, ForceRow
 from tailslap.storage.manifest import NAME as MANIFEST
 
@@ -435,9 +435,9 @@ def test_the_figures_are_drawn_with_their_marks(folder):
         assert {"drag", "none", "paper"} <= words
         assert ("ABAQUS" in words) == (curve.name != "theta")
         groups = dict(re.findall(r'<g class="(\w+)"[^>]*>(<path data-label.*?)</g>', curve.svg))
-        for points, look in zip(paper_numbers.marks(curve.name).values(), MARK_LOOKS, strict=True):
-            assert groups.get(look["colour"], "").count("Z") == len(points)
-        assert {look["colour"] for look in MOTION_LOOKS} <= set(groups)
+        for points, style in zip(paper_numbers.marks(curve.name).values(), MARK_STYLES, strict=True):
+            assert groups.get(style["colour"], "").count("Z") == len(points)
+        assert {style["colour"] for style in MOTION_STYLES} <= set(groups)
         assert (folder / f"{curve.name}.svg").read_text().startswith("<svg xmlns=")
     page = (folder / "paper.html").read_text()
     assert page.count("<svg") - page.count("<template>") == 5

@@ -128,7 +128,7 @@ class CornerReport(FeReport):
         return None if strike is None else partial(series_of_ends, self.outcome.fe_plan, strike)
 
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:
-        """Return the parts that the scene does without."""
+        """Return the omitted parts with reasons."""
         return omitted_parts(self.outcome.fe_plan.case.scene, pictures)
 
     def drawn(self, folder: Path, units: Units, size: tuple[int, int] | None) -> CornerReport:
@@ -224,7 +224,7 @@ def _forces(outcome: CornerOutcome) -> list[Table]:
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
-    """Return the parts that a scene does without, with reasons."""
+    """Return the omitted parts of a scene, with reasons."""
     corner, plate = scene.corner, scene.plate
     fault = plate and kinds.LUMPINGS[plate.lumping].fault
     start, lumping = (plate.start, plate.lumping) if plate else ("", "")

@@ -54,13 +54,13 @@ ANSWERS = (
 )  # fmt: skip
 """Columns of fractions and bands."""
 
-HELD = (
+WALL_COLUMNS = (
     Column("inches", "Wall [in]", form=".1f"),
     Column("height_of_wall", "Wall", "m", form=".3f"),
     *ANSWERS,
 )
 PROFILES = (Column("profile", "Profile"), *ANSWERS)
-KEPT = (
+LOWEST_WALLS = (
     Column("level", "Upright", form=lambda level: f"{100.0 * level:g} %"),
     Column("wall", "Lowest wall", form=str, style="strong"),
     Column("interval", "By the number of samples", form=str),
@@ -83,15 +83,12 @@ def report(result: TippingResult) -> Report:
     scene = result.case.scene
     loads = design_forces_of(scene.impact.test_level if scene.impact else None)
     load_rows = [vars(load) | {"name": name, "force": load.force} for name, load in loads.items()]
-    lowest, held = Table(KEPT, kept_rows(result)), Table(HELD, held_rows(result), notes=(MEANING,))
-    profiles = Table(PROFILES, profile_rows(result))
+    lowest, profiles = Table(LOWEST_WALLS, lowest_wall_rows(result)), Table(PROFILES, profile_rows(result))
+    walls = Table(WALL_COLUMNS, wall_rows(result), notes=(MEANING,))
+    map_chart, tables = _map_chart(result), (lowest, walls, Table(LOADS, load_rows))
     sections = (
-        Section(
-            "Heights of wall and centre of mass", result.nominal.verdict, (_map_chart(result),), layout="tall"
-        ),
-        Section(
-            "Walls", "", _wall_charts(result, loads), (lowest, held, Table(LOADS, load_rows)), layout="wide"
-        ),
+        Section("Heights of wall and centre of mass", result.nominal.verdict, (map_chart,), layout="tall"),
+        Section("Walls", "", _wall_charts(result, loads), tables, layout="wide"),
         Section(f"Profiles of a wall of {_height(result.height)}", tables=(profiles,)),
         *(_sensitivity(result, name) for name in OUTPUTS),
         Section("Method", sentences=_sentences(result)),
@@ -106,8 +103,8 @@ def report(result: TippingResult) -> Report:
         study_page(result.case, "Roll over the wall", headline(result), sections, files),
         study_summary("tipping", result.case) | _summary(result),
         (
-            Table(KEPT, lowest.rows, f"{scene.name}: lowest walls that keep the samples upright"),
-            Table(HELD, held.rows, "Walls"),
+            Table(LOWEST_WALLS, lowest.rows, f"{scene.name}: lowest walls that keep the samples upright"),
+            Table(WALL_COLUMNS, walls.rows, "Walls"),
             Table(PROFILES, profiles.rows, "Profiles"),
             *(_index_text(result, name) for name in OUTPUTS),
             f"Cost:   {grouped(result.motions)} motions in {cost}",
@@ -154,7 +151,7 @@ def _between(ends: Sequence[float], result: TippingResult) -> str:
     return f"above {_height(low)}" if high != high else f"between {_height(low)} and {_height(high)}"
 
 
-def kept_rows(result: TippingResult) -> list[Record]:
+def lowest_wall_rows(result: TippingResult) -> list[Record]:
     """Return the lowest walls by fraction upright."""
     rows = []
     for level in LEVELS:
@@ -163,7 +160,7 @@ def kept_rows(result: TippingResult) -> list[Record]:
     return rows
 
 
-def held_rows(result: TippingResult) -> list[Record]:
+def wall_rows(result: TippingResult) -> list[Record]:
     """Return fractions and bands of common walls and the scene's."""
     rows = []
     for height in sorted({*WALLS, result.height}):
@@ -242,7 +239,7 @@ def _sentences(result: TippingResult) -> list[str]:
     named = profile if isinstance(profile, str) else "given by points"
     return [
         f"Profile of the wall: {named}. The same {grouped(count)} samples strike {result.walls.size} walls; lowest "
-        "walls are interpolated between these. A wall counts where it and all higher ones keep the fraction upright."
+        "walls are interpolated between these. From the lowest wall on, all walls keep the fraction upright."
         f"{_decrease(result)}",
         f"Samples: {grouped(count)} points of {sampling.points_in_words(len(result.ranges), rows)} (seed "
         f"{sampling.SEED}); inputs are independent and uniformly distributed. Results are reproducible.",
@@ -250,8 +247,8 @@ def _sentences(result: TippingResult) -> list[str]:
         f"centre of mass ({result.centre_key}).",
         "Keys with * are factors of the scene's values of all axles or strips, which vary together. The heights of "
         "strips are at most twice that of the centre of mass.",
-        f"Indices: at the scene's wall, of {' and of '.join(OUTPUTS.values())}; a roll without return counts as 90 "
-        f"deg. {INDEX_METHOD}",
+        f"Indices: at the scene's wall, of {' and of '.join(OUTPUTS.values())}; a vehicle "
+        f"that does not remain upright has a roll of 90 deg. {INDEX_METHOD}",
         f"{grouped(result.motions)} motions in space with the step of many motions; "
         f"{int((result.answers['outcome'] == 3.0).sum())} of the samples had no result and count as not upright.",
     ]
@@ -277,7 +274,7 @@ def _summary(result: TippingResult) -> Record:
         "motions": result.motions,
         "samples": result.count,
         "lowest_walls": {level: {"wall": wall, "interval": ends} for level, (wall, *ends) in lowest.items()},
-        "walls": held_rows(result),
+        "walls": wall_rows(result),
         "profiles": profile_rows(result),
         "lines": {"centre_height": result.line_centres, "lowest_wall": result.lines, "levels": LEVELS},
         "inputs": [asdict(item) for item in result.ranges],
