@@ -12,7 +12,7 @@ Functions, each the same as the command of its name:
     modal       run with the modal model of the plate
     modes       natural frequencies and mode shapes of the plate
     sweep       runs with varied keys
-    study       studies: cost, flexibility, stability, uncertainty
+    study       studies: cost, flexibility, stability, tipping, uncertainty
     compare     comparison of histories with a reference, including other programs
     confirm     the same scene in another solver, compared
     export      fields and histories for ParaView, Gmsh, data frames; decks for CalculiX, ABAQUS
@@ -59,10 +59,14 @@ __version__ = "0.2.0"
 __all__, __getattr__, __dir__ = lazy_names(
     __name__,
     {
-        "api": "check compare confirm modal modes rigid run study",
+        "api": "check rigid run study",
         "campaign.sweep_run": "sweep",
+        "comparing.compare": "compare",
         "errors": "InputError",
+        "exports.confirm": "confirm",
         "exports.export": "export",
+        "modal_analysis": "modes",
+        "modal_run": "modal",
         "result.columns": "Columns",
         "result.load": "load",
         "replication.paper_page": "paper",

@@ -1,23 +1,20 @@
-"""Functions of `import tailslap` that calculate one scene or compare results.
+"""Functions `run`, `rigid`, `check` and `study` of `import tailslap`.
 
-`sweep` stands in `tailslap.campaign`, `export` in `tailslap.exports`, `load` in `tailslap.result`, `paper` in
-`tailslap.replication`, `scenes` and `new` in `tailslap.scene`. The commands of the same names call these functions.
+The others are in the modules of their subjects, see `tailslap/__init__.py`. The commands of the same names call these
+functions.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from itertools import chain
+from collections.abc import Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from postprocess.report import data_files
 from postprocess.report.terminal import labelled_text, opened
 from postprocess.units import SYSTEMS
 from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.case.case import Case
-from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.force_band import ForceBand
 from tailslap.case.of_arguments import (
     Changes,
@@ -26,9 +23,7 @@ from tailslap.case.of_arguments import (
     case_of_scene,
     folder_or_temporary,
 )
-from tailslap.errors import InputError, one_of
 from tailslap.result import columns, load, result
-from tailslap.result.columns import Columns
 from tailslap.scene.vary import changes_of
 from tailslap.storage.folder import result_folder
 from tailslap.studies import find_study
@@ -217,110 +212,6 @@ def check(
 
 
 @checked_arguments
-def modal(
-    scene: Scene,
-    changes: Changes | None = None,
-    *,
-    modes: int = 4,
-    steps: int = 100,
-    tolerance: float = 1e-5,
-    allow_large: bool = False,
-    units: UnitSystem = "si",
-) -> result.Result:
-    """Run a scene with the modal model.
-
-    Parameters
-    ----------
-    scene : str, path or mapping
-        Name of a scene of the program, path of a TOML file, or tables of a scene; with a constrained corner.
-    changes : mapping or sequence of str, optional
-        Values by dotted key, or texts KEY=VALUE.
-    modes : int
-        Number of elastic modes, lowest first.
-    steps : int
-        Number of time steps to the tail-slap.
-    tolerance : float
-        Largest allowed relative error [-].
-    allow_large : bool
-        Run even if the estimate exceeds this machine's memory, threads or time.
-    units : {"si", "us"}
-        Units of the printed text, "si" or "us"; numbers are in SI.
-
-    Returns
-    -------
-    Result
-        `summary` contains the numbers of `tailslap modal --json`.
-
-    Raises
-    ------
-    InputError
-        For an invalid scene, key or value, and for features that the modal model does not support.
-
-    Examples
-    --------
-    >>> import tailslap
-    >>> tailslap.modal("paper-table-3", modes=2).passed
-    True
-    """
-    from tailslap import modal_run
-
-    case = affordable_case(scene, changes, allow_large)
-    fe_plan = CornerCase(case.scene, case.source).plan()
-    motion = modal_run.modal_run(fe_plan, modes, tolerance, steps)
-    summary = data_files.plain(modal_run.modal_numbers(fe_plan, motion))
-    return result.Result(
-        "modal",
-        summary["scene"],
-        summary,
-        passed=motion.passed,
-        histories={"modal": columns.history(motion.history)},
-        text=modal_run.modal_text(fe_plan, motion, units),
-    )
-
-
-@checked_arguments
-def modes(
-    scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
-) -> result.Result:
-    """Compute the free modes of the plate.
-
-    They are those in its plane, of a train those of the hinged plates.
-
-    Parameters
-    ----------
-    scene : str, path or mapping
-        Name of a scene of the program, path of a TOML file, or tables of a scene.
-    changes : mapping or sequence of str, optional
-        Values by dotted key, or texts KEY=VALUE.
-    count : int
-        Number of elastic modes, lowest first.
-    allow_large : bool
-        Run even if the estimate exceeds this machine's memory, threads or time.
-
-    Returns
-    -------
-    Result
-        `summary["modes"]` contains a record per mode: frequency [Hz], its relative error [-], kind, frequency of
-        beam theory.
-
-    Raises
-    ------
-    InputError
-        For an invalid scene, key or value, and for more modes than the mesh allows.
-
-    Examples
-    --------
-    >>> import tailslap
-    >>> tailslap.modes("paper-table-3", count=1).summary["modes"][0]["kind"]
-    'bending'
-    """
-    from tailslap import modal_analysis
-
-    report = modal_analysis.modes_report(affordable_case(scene, changes, allow_large, 6), count)
-    return result.of_report("modes", report, tables={"Frequencies": report.terminal[0]})
-
-
-@checked_arguments
 def study(
     name: str,
     scene: Scene,
@@ -388,120 +279,3 @@ def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, o
     report = chosen.report(chosen.compute(case, place, **options))
     text = opened(report.page.headline, *report.terminal)
     return result.of_report(f"study {chosen.name}", report, text=text)
-
-
-@checked_arguments
-def compare(
-    reference: result.Result | str | os.PathLike[str],
-    *results: result.Result | str | os.PathLike[str],
-    columns: Mapping[str, str] | str | None = None,
-    only: Sequence[str] = (),
-    author: str = "",
-    force: bool = False,
-) -> result.Result:
-    """Compare histories with a reference.
-
-    The result has differences, Sprague-Geers metrics, residuals, and the validation by NCHRP W179.
-
-    Parameters
-    ----------
-    reference : Result or path
-        Result of a run, its folder, a file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
-        CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV of th_to_csv).
-    *results : Result or path
-        Results, folders or files that are compared with the reference.
-    columns : mapping or str, optional
-        Column names of the files by names of this program: {"time": "t", "v_gy": "-VY [mph]"}; a minus reverses the
-        sign, a unit in brackets holds for a file without one. Default: SI.
-    only : sequence of str
-        Columns to compare. Default: the main columns in common.
-    author : str
-        Name on the page `validation.html`. Default: a blank to fill in.
-    force : bool
-        Read the intact files of damaged or modified results.
-
-    Returns
-    -------
-    Result
-        `summary["compared"]` contains the metrics by label and column, `summary["notes"]` what is missing or hardly
-        shows in them; `passed` is True if all are within the limits of NCHRP W179 over half of the reference's time.
-
-    Raises
-    ------
-    InputError
-        For unreadable or damaged results, cells without a number, units of time that differ, or no common column.
-
-    Examples
-    --------
-    >>> import tailslap
-    >>> soft = tailslap.run("paper-table-3", {"plate.youngs_modulus": "20 GPa"})
-    >>> tailslap.compare(tailslap.run("paper-table-3"), soft).passed
-    True
-    """
-    from tailslap.comparing import compare_report, validation
-
-    items = (reference, *results)
-    comparison = compare_report.compare_items(items, columns, only, force)
-    page = validation.with_validation(compare_report.compare_report(comparison), comparison, author)
-    histories = {item.label: Columns(item.columns, item.units) for item in comparison.items}
-    tables = {"Metrics": page.tables["metrics.csv"]}
-    inputs = chain(*(item.inputs if isinstance(item, result.Result) else (Path(item),) for item in items))
-    return result.of_report("compare", page, tables=tables, histories=histories, inputs=tuple(inputs))
-
-
-@checked_arguments
-def confirm(
-    scene: Scene,
-    changes: Changes | None = None,
-    *,
-    program: str = "calculix",
-    time_limit: float = 600.0,
-    allow_large: bool = False,
-) -> result.Result:
-    """Confirm a scene by another solver.
-
-    They are those of the other solver, of the rigid body, which is exact, and of this program's plate.
-
-    Parameters
-    ----------
-    scene : str, path or mapping
-        Name of a scene of the program, path of a TOML file, or tables of a scene; with a constrained corner, whose
-        friction is omitted.
-    changes : mapping or sequence of str, optional
-        Values by dotted key, or texts KEY=VALUE.
-    program : str
-        "calculix", which must be installed as `ccx`.
-    time_limit : float
-        Longest time of the other solver [s].
-    allow_large : bool
-        Run even if the estimate exceeds this machine's memory, threads or time.
-
-    Returns
-    -------
-    Result
-        `summary["difference"]` contains the relative differences from the exact motion at the tail-slap; `passed` is
-        True if none exceeds `summary["limit"]`.
-
-    Raises
-    ------
-    InputError
-        For an invalid scene or key, a scene that the solver cannot have, and a solver that is not installed.
-    OSError
-        For a solver that fails or exceeds the time limit, with its last lines.
-
-    Examples
-    --------
-    >>> import tailslap
-    >>> tailslap.confirm("paper-table-3", {"corner.reaction": "none"}).passed  # doctest: +SKIP
-    True
-    """
-    from tailslap.exports import SOLVERS, confirm, deck
-
-    if program not in SOLVERS:
-        raise InputError("--with", program, one_of(program, SOLVERS))
-    case = confirm.without_friction(affordable_case(scene, changes, allow_large))
-    solver_deck = deck.make_deck(case, program)
-    with TemporaryDirectory(prefix="tailslap-") as folder:
-        confirmation = confirm.run_confirmation(solver_deck, Path(folder), time_limit)
-    histories = {name: columns.history(motion) for name, motion in confirmation.histories.items()}
-    return result.of_report("confirm", confirm.confirm_report(confirmation), histories=histories)

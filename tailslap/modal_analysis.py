@@ -1,5 +1,7 @@
 """Compute free modes of the plate."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from itertools import repeat
@@ -18,10 +20,13 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table
 from postprocess.units import measure, percent, percent_up
+from tailslap.arguments import checked_arguments
 from tailslap.case.case import MOST_ELEMENTS, Case, FePlan
+from tailslap.case.of_arguments import Changes, Scene, affordable_case
 from tailslap.case.plate_input import plate_density, refined
 from tailslap.case.report_parts import study_page
 from tailslap.errors import InputError
+from tailslap.result.result import Result, of_report
 
 Mode = dict[str, Any]
 """Record of a mode, as in the summary."""
@@ -252,3 +257,43 @@ def _sentences(fe_plan: FePlan, frequencies: NDArray[np.float64], beam: beams.Be
         "a deep plate deviate from beam theory.",
     )
     return sentences[:2] if is_train else sentences
+
+
+@checked_arguments
+def modes(
+    scene: Scene, changes: Changes | None = None, *, count: int = 10, allow_large: bool = False
+) -> Result:
+    """Compute the free modes of the plate.
+
+    They are those in its plane, of a train those of the hinged plates.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        Name of a scene of the program, path of a TOML file, or tables of a scene.
+    changes : mapping or sequence of str, optional
+        Values by dotted key, or texts KEY=VALUE.
+    count : int
+        Number of elastic modes, lowest first.
+    allow_large : bool
+        Run even if the estimate exceeds this machine's memory, threads or time.
+
+    Returns
+    -------
+    Result
+        `summary["modes"]` contains a record per mode: frequency [Hz], its relative error [-], kind, frequency of
+        beam theory.
+
+    Raises
+    ------
+    InputError
+        For an invalid scene, key or value, and for more modes than the mesh allows.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.modes("paper-table-3", count=1).summary["modes"][0]["kind"]
+    'bending'
+    """
+    report = modes_report(affordable_case(scene, changes, allow_large, 6), count)
+    return of_report("modes", report, tables={"Frequencies": report.terminal[0]})

@@ -3,6 +3,8 @@
 The model is a floating frame with elastic modes; its error is estimated.
 """
 
+from __future__ import annotations
+
 import math
 import time
 from dataclasses import asdict, dataclass
@@ -14,15 +16,21 @@ from fem.modal.modal_model import ModalMotion, integrate, modal_plate, modal_sta
 from fem.plate.free_modes import most_modes
 from fem.start.inertia_relief import relieved_fields
 from postprocess.comparison.quantities import KEYS, comparison_rows, largest_relative, relative_difference
+from postprocess.report.data_files import plain
 from postprocess.report.page import Headline
 from postprocess.report.tables import Column, Table, columns
 from postprocess.report.terminal import part_in_units, printed
 from postprocess.units import SYSTEMS, percent_up
 from tailslap import progress
+from tailslap.arguments import UnitSystem, checked_arguments
 from tailslap.campaign.band_samples import force_band
 from tailslap.case.check import Check, failed_sentence
+from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
+from tailslap.case.of_arguments import Changes, Scene, affordable_case
 from tailslap.errors import InputError
+from tailslap.result.columns import history
+from tailslap.result.result import Result
 
 MODES, STEPS, TOLERANCE = 4, 100, 1e-5
 """Default number of elastic modes and of time steps to the tail-slap, and allowed relative error."""
@@ -222,3 +230,63 @@ def modal_numbers(fe_plan: CornerPlan, run: ModalRun) -> dict[str, object]:
         "checks": [asdict(check) for check in run.checks],
         "cost": {"modes": run.frequencies.size} | {name: getattr(run, name) for name in cost},
     }
+
+
+@checked_arguments
+def modal(
+    scene: Scene,
+    changes: Changes | None = None,
+    *,
+    modes: int = 4,
+    steps: int = 100,
+    tolerance: float = 1e-5,
+    allow_large: bool = False,
+    units: UnitSystem = "si",
+) -> Result:
+    """Run a scene with the modal model.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        Name of a scene of the program, path of a TOML file, or tables of a scene; with a constrained corner.
+    changes : mapping or sequence of str, optional
+        Values by dotted key, or texts KEY=VALUE.
+    modes : int
+        Number of elastic modes, lowest first.
+    steps : int
+        Number of time steps to the tail-slap.
+    tolerance : float
+        Largest allowed relative error [-].
+    allow_large : bool
+        Run even if the estimate exceeds this machine's memory, threads or time.
+    units : {"si", "us"}
+        Units of the printed text, "si" or "us"; numbers are in SI.
+
+    Returns
+    -------
+    Result
+        `summary` contains the numbers of `tailslap modal --json`.
+
+    Raises
+    ------
+    InputError
+        For an invalid scene, key or value, and for features that the modal model does not support.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.modal("paper-table-3", modes=2).passed
+    True
+    """
+    case = affordable_case(scene, changes, allow_large)
+    fe_plan = CornerCase(case.scene, case.source).plan()
+    motion = modal_run(fe_plan, modes, tolerance, steps)
+    summary = plain(modal_numbers(fe_plan, motion))
+    return Result(
+        "modal",
+        summary["scene"],
+        summary,
+        passed=motion.passed,
+        histories={"modal": history(motion.history)},
+        text=modal_text(fe_plan, motion, units),
+    )

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,14 +23,18 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.units import percent, percent_up
+from tailslap.arguments import checked_arguments
 from tailslap.case import case_of
 from tailslap.case.case import Case
+from tailslap.case.of_arguments import Changes, Scene, affordable_case
 from tailslap.case.report_parts import study_page
 from tailslap.comparing.compare_report import compare_items, compare_report
 from tailslap.comparing.source import Item
-from tailslap.exports import calculix
-from tailslap.exports.deck import Deck, write_deck
-from tailslap.result.columns import column_units
+from tailslap.errors import InputError, one_of
+from tailslap.exports import SOLVERS, calculix
+from tailslap.exports.deck import Deck, make_deck, write_deck
+from tailslap.result.columns import column_units, history
+from tailslap.result.result import Result, of_report
 from tailslap.scene.vary import vary
 
 if TYPE_CHECKING:
@@ -209,3 +214,59 @@ def _headline(confirmation: Confirmation) -> Headline:
         f"bricks, {increments} increments, {seconds:.3g} s."
     )
     return Headline(f"{case.scene.name} in CalculiX", answer, case.set_up, certainty)
+
+
+@checked_arguments
+def confirm(
+    scene: Scene,
+    changes: Changes | None = None,
+    *,
+    program: str = "calculix",
+    time_limit: float = 600.0,
+    allow_large: bool = False,
+) -> Result:
+    """Confirm a scene by another solver.
+
+    They are those of the other solver, of the rigid body, which is exact, and of this program's plate.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        Name of a scene of the program, path of a TOML file, or tables of a scene; with a constrained corner, whose
+        friction is omitted.
+    changes : mapping or sequence of str, optional
+        Values by dotted key, or texts KEY=VALUE.
+    program : str
+        "calculix", which must be installed as `ccx`.
+    time_limit : float
+        Longest time of the other solver [s].
+    allow_large : bool
+        Run even if the estimate exceeds this machine's memory, threads or time.
+
+    Returns
+    -------
+    Result
+        `summary["difference"]` contains the relative differences from the exact motion at the tail-slap; `passed` is
+        True if none exceeds `summary["limit"]`.
+
+    Raises
+    ------
+    InputError
+        For an invalid scene or key, a scene that the solver cannot have, and a solver that is not installed.
+    OSError
+        For a solver that fails or exceeds the time limit, with its last lines.
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> tailslap.confirm("paper-table-3", {"corner.reaction": "none"}).passed  # doctest: +SKIP
+    True
+    """
+    if program not in SOLVERS:
+        raise InputError("--with", program, one_of(program, SOLVERS))
+    case = without_friction(affordable_case(scene, changes, allow_large))
+    solver_deck = make_deck(case, program)
+    with TemporaryDirectory(prefix="tailslap-") as folder:
+        confirmation = run_confirmation(solver_deck, Path(folder), time_limit)
+    histories = {name: history(motion) for name, motion in confirmation.histories.items()}
+    return of_report("confirm", confirm_report(confirmation), histories=histories)

@@ -218,15 +218,15 @@ def test_calculix_confirms_the_paper(elsewhere, capsys):
 @needs_ccx
 def test_another_motion_is_not_confirmed(elsewhere, capsys, monkeypatch):
     """A spin that is 0.1 % larger fails with exit status 1."""
-    from tailslap.exports import deck
+    from tailslap.exports import confirm
 
-    exact_deck = deck.make_deck
+    exact_deck = confirm.make_deck
 
     def faster(*arguments):
         exact = exact_deck(*arguments)
         return replace(exact, velocities=1.001 * exact.velocities)
 
-    monkeypatch.setattr(deck, "make_deck", faster)
+    monkeypatch.setattr(confirm, "make_deck", faster)
     assert written("confirm", "paper-table-3", *COARSE) == 1
     assert "does not confirm" in capsys.readouterr().out
 
