@@ -17,7 +17,7 @@ Steps of a train are divided into parts, because its unloading lasts a milliseco
 import numpy as np
 
 from fem.laws.contact_forces import crush_line
-from machine_code.compiled import allocation_free
+from machine_code.compiled import allocation_free, inlined
 from solver.impact import state as col
 from solver.impact.contact import crush_of, deepest_mean, mean_speeds, press, unloading_length
 from solver.impact.counting import count_strikes, end_of_motion, mark_cut
@@ -117,16 +117,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             reached = finish
         if row * stride <= part and row < rows.shape[0]:
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
-            if rows.shape[1] > 1:
-                _record(points, owner, motion, pressed, sums, early, kick, rows[row])
-                if steered:
-                    record_tyres(tyres, i, work.headings, motion, early * kick, rows[row])
-                row += 1
-            else:
-                impulse = sums[0]
-                for p in pressed:
-                    impulse += early * kick * points[p, col.NORMAL]
-                row = _fill(rows, row, stride, part, impulse)
+            row = _write_rows(tyres, i, work, pressed, early, kick, rows, row, stride, part)
         if t >= finish and (row == rows.shape[0] or (row - 1) * stride * (whole / parts) >= finish):
             break
         _add(points, owner, motion, pressed, kick, sums)
@@ -135,6 +126,24 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
         _move(points, motion, pressed, h)
         part += parts_taken
     return reached, number
+
+
+@inlined
+def _write_rows(tyres, i, work, pressed, early, kick, rows, row, stride, part):
+    """Write the row of this instant and return the next number.
+
+    Of rows with the impulse alone, all since the last one are written.
+    """
+    points, motion = work.points, work.motion
+    if rows.shape[1] > 1:
+        _record(points, work.point_owner, motion, pressed, work.sums, early, kick, rows[row])
+        if tyres.unit.size > 0:
+            record_tyres(tyres, i, work.headings, motion, early * kick, rows[row])
+        return row + 1
+    impulse = work.sums[0]
+    for p in pressed:
+        impulse += early * kick * points[p, col.NORMAL]
+    return _fill(rows, row, stride, part, impulse)
 
 
 @allocation_free

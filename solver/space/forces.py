@@ -14,7 +14,7 @@ Hinge               moment in proportion to the sine of the angle between the la
 import numpy as np
 
 from fem.laws.contact_forces import PointCrush, crush_line, loading_force, side_force
-from machine_code.compiled import allocation_free
+from machine_code.compiled import allocation_free, inlined
 from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
 
@@ -167,9 +167,8 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h):
         u, a, points = fleet.strip_unit[k], fleet.strip_axle[k], fleet.strip_points[k]
         b, q = work.bodies[u], work.joints[max(a, 0)]  # unused of a strip of the body
         if b[col.AT + 1] - units[u, col.REACH] <= work.wall[0, 0]:
-            centre, of_axle = (
-                (axles[a, col.CENTRE], 1.0 / axles[a, col.AXLE_MASS]) if a >= 0 else (np.nan, 0.0)
-            )
+            centre = axles[a, col.CENTRE] if a >= 0 else np.nan
+            of_axle = 1.0 / axles[a, col.AXLE_MASS] if a >= 0 else 0.0
             for side in range(2):
                 touches = _press_strip(
                     strips[k], 2.0 * side - 1.0, centre, b, q, work.wall, facets,
@@ -192,13 +191,8 @@ def _end(strip, at, side, centre, q):
         return x, y, z, 0.0, 0.0
     c, s = q[col.COSINE], q[col.SINE]
     y, z = y * c - z * s, y * s + z * c
-    return (
-        x,
-        y,
-        centre + q[col.JOINT] + z,
-        -z * q[col.JOINT_NOW + 1],
-        q[col.JOINT_NOW] + y * q[col.JOINT_NOW + 1],
-    )
+    heave_rate, roll_rate = q[col.JOINT_NOW], q[col.JOINT_NOW + 1]
+    return x, y, centre + q[col.JOINT] + z, -z * roll_rate, heave_rate + y * roll_rate
 
 
 @allocation_free
@@ -208,8 +202,7 @@ def _press_strip(
     """Add the forces of the wall on a strip.
 
     Returns True if a point touches. origin: place along the wall from which stations count; mobility, of_axle: inverse
-    masses of the body at a point, and of the axle. The points are one loop: calls for each would take a third more
-    time.
+    masses of the body at a point, and of the axle.
     """
     ax, ay, az, auy, auz = _end(strip, col.START, side, centre, q)
     bx, by, bz, buy, buz = _end(strip, col.END, side, centre, q)
@@ -226,14 +219,7 @@ def _press_strip(
         for n in range(points):
             memories[n, col.ABOVE] = 1.0
         return False
-    part = strip[col.LENGTH] * spacing
-    crush = PointCrush(
-        strip[col.STIFFNESS] * part,
-        0.0,
-        strip[col.RETURNED],
-        strip[col.PLATEAU] * part,
-        strip[col.UNLOADING] * part,
-    )
+    crush = _crush_of(strip, strip[col.LENGTH] * spacing)
     stopping = STICKING / (h * points * (mobility + of_axle))
     touches, pressed, spread, work, lost = False, False, 0.0, 0.0, 0.0
     fsx, fsy, fsz, fex, fey, fez = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -242,34 +228,12 @@ def _press_strip(
         p = spacing * (n + 0.5)
         o = 1.0 - p
         y, z, memory = o * sy + p * ey, o * sz + p * ez, memories[n]
-        if y > toe:  # clear of the wall at any height
-            memory[col.ABOVE] = 0.0
-            continue
-        if z - half > top:
-            memory[col.ABOVE] = 1.0 if y < edge else 0.0
-            continue
-        if y > edge:
-            memory[col.ABOVE] = 0.0
-        ny, nz, weight, depth, column = 0.0, 1.0, 1.0, top - z, col.TOP
-        if memory[col.ABOVE] == 0.0:
-            column = col.FACE
-            face, k = point_of_face(wall, facets, z)
-            if face <= y:
-                continue
-            ny, nz, weight = _face(wall, facets, k, z - half, z + half)
-            depth = (face - y) * ny
+        depth, ny, nz, weight, column = _depth(memory, wall, facets, y, z, half)
         if depth <= 0.0:
             continue
         touches = True
-        if depth <= memory[column + col.FOOT]:
-            continue
-        if depth >= memory[column]:
-            memory[column], memory[column + col.SLOPE] = depth, 0.0
-            force = weight * loading_force(crush, depth)
-        else:
-            if memory[column + col.SLOPE] == 0.0:
-                _set_unloading(crush, memory, column, h * h * points * (mobility + nz * nz * of_axle))
-            force = weight * memory[column + col.SLOPE] * (depth - memory[column + col.FOOT])
+        inverse = h * h * points * (mobility + nz * nz * of_axle)
+        force = _point_force(crush, memory, column, depth, weight, inverse)
         if force <= 0.0:
             continue
         if not pressed:
@@ -278,16 +242,12 @@ def _press_strip(
             evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
             sx, ex = sx + b[col.AT] - origin, ex + b[col.AT] - origin
         vx, vy, vz = o * svx + p * evx, o * svy + p * evy, o * svz + p * evz
-        approach = vy * ny + vz * nz
-        ty, tz = vy - approach * ny, vz - approach * nz
-        sliding, limit = np.sqrt(vx * vx + ty * ty + tz * tz), coefficient * force
-        drag = limit / sliding if limit < stopping * sliding else stopping
-        fx, fy, fz = -drag * vx, force * ny - drag * ty, force * nz - drag * tz
+        fx, fy, fz, approach, loss = _wall_force(vx, vy, vz, ny, nz, force, coefficient * force, stopping)
         fsx, fsy, fsz = fsx + o * fx, fsy + o * fy, fsz + o * fz
         fex, fey, fez = fex + p * fx, fey + p * fy, fez + p * fz
         spread += fy * (o * sx + p * ex) ** 2
         work += force * approach
-        lost += drag * sliding * sliding
+        lost += loss
     if not pressed:
         return touches
     sums[col.LATERAL] += fsy + fey
@@ -306,6 +266,68 @@ def _press_strip(
         add_axle_force(b, q, centre, ax, ay, az, fsx, fsy, fsz)
         add_axle_force(b, q, centre, bx, by, bz, fex, fey, fez)
     return touches
+
+
+@inlined
+def _crush_of(strip, length):
+    """Return the crush law of this length of a strip [m]."""
+    stiffness, plateau = strip[col.STIFFNESS] * length, strip[col.PLATEAU] * length
+    return PointCrush(stiffness, 0.0, strip[col.RETURNED], plateau, strip[col.UNLOADING] * length)
+
+
+@inlined
+def _depth(memory, wall, facets, y, z, half):
+    """Return depth, normal, weight and column of a point in contact.
+
+    The depth is 0 for a point that is clear of the wall. The weight is the fraction of its length, twice `half`, below
+    the top of the wall.
+    """
+    toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
+    if y > toe:  # clear of the wall at any height
+        memory[col.ABOVE] = 0.0
+        return 0.0, 0.0, 0.0, 0.0, col.TOP
+    if z - half > top:
+        memory[col.ABOVE] = 1.0 if y < edge else 0.0
+        return 0.0, 0.0, 0.0, 0.0, col.TOP
+    if y > edge:
+        memory[col.ABOVE] = 0.0
+    if memory[col.ABOVE] != 0.0:
+        return top - z, 0.0, 1.0, 1.0, col.TOP
+    face, k = point_of_face(wall, facets, z)
+    if face <= y:
+        return 0.0, 0.0, 0.0, 0.0, col.FACE
+    ny, nz, weight = _face(wall, facets, k, z - half, z + half)
+    return (face - y) * ny, ny, nz, weight, col.FACE
+
+
+@inlined
+def _point_force(crush, memory, column, depth, weight, inverse):
+    """Return the force of the crush law on a point [N].
+
+    weight: fraction of its length that is in contact; inverse: square of the step over the effective mass [s^2/kg].
+    """
+    if depth <= memory[column + col.FOOT]:
+        return 0.0
+    if depth >= memory[column]:
+        memory[column], memory[column + col.SLOPE] = depth, 0.0
+        return weight * loading_force(crush, depth)
+    if memory[column + col.SLOPE] == 0.0:
+        _set_unloading(crush, memory, column, inverse)
+    return weight * memory[column + col.SLOPE] * (depth - memory[column + col.FOOT])
+
+
+@inlined
+def _wall_force(vx, vy, vz, ny, nz, force, limit, stopping):
+    """Return force of the wall on a point, approach and loss.
+
+    The force has the normal part `force` and friction of at most `limit` [N]. stopping: largest friction over sliding
+    velocity [N s/m]. The approach is the velocity along the normal [m/s], the loss the power of friction [W].
+    """
+    approach = vy * ny + vz * nz
+    ty, tz = vy - approach * ny, vz - approach * nz
+    sliding = np.sqrt(vx * vx + ty * ty + tz * tz)
+    drag = limit / sliding if limit < stopping * sliding else stopping
+    return -drag * vx, force * ny - drag * ty, force * nz - drag * tz, approach, drag * sliding * sliding
 
 
 @allocation_free

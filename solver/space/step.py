@@ -131,14 +131,20 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
         move(bodies, joints, h)
     if touching:
         _leave(units[0], bodies[0], answer)
+    _finish(answer, rolls, outcome, reached, touched, row)
+    _means(work.windows[:row], sums, clock.window, clock.interval, answer)
+
+
+@allocation_free
+def _finish(answer, rolls, outcome, reached, touched, row):
+    """Store outcome, end and last contact, and complete the angles."""
     answer[col.OUTCOME], answer[col.REACHED] = outcome, reached
     answer[col.TOUCHED], answer[col.ROWS_WRITTEN] = touched, row
     answer[col.PITCH] = np.arcsin(min(max(answer[col.PITCH], -1.0), 1.0))  # the sine up to here
     if outcome in (col.ON_ITS_SIDE, col.OVER):  # the end is on a row, a moment later than the roll of 90 deg
         answer[col.ROLL] = min(max(answer[col.ROLL], -0.5 * np.pi), 0.5 * np.pi)
-        for u in range(units.shape[0]):
+        for u in range(rolls.size):
             rolls[u] = min(max(rolls[u], -0.5 * np.pi), 0.5 * np.pi)
-    _means(work.windows[:row], sums, clock.window, clock.interval, answer)
 
 
 @allocation_free
@@ -313,21 +319,13 @@ def _record(units, axles, axle_unit, work, first, before, row):
             - body[col.I_XZ] * wx * wz
         )
         for j in range(3):
-            row[column + j], row[column + 6 + j] = (
-                body[col.MASS] * b[col.AT + j],
-                body[col.MASS] * b[col.NOW + j],
-            )
+            row[column + j] = body[col.MASS] * b[col.AT + j]
+            row[column + 6 + j] = body[col.MASS] * b[col.NOW + j]
         for a in range(axles.shape[0]):
             if axle_unit[a] == u:
                 kinetic += _record_axle(axles[a], b, work.joints[a], row, column)
         gravity += GRAVITY * row[column + 2]
-        for j in range(3):
-            row[column + j] /= body[col.WHOLE]
-            row[column + 6 + j] /= body[col.WHOLE]
-        row[column + 3] = np.arctan2(b[3], b[0])
-        row[column + 4] = -np.arcsin(min(max(b[6], -1.0), 1.0))
-        row[column + 5] = np.arctan2(b[7], b[8])
-        row[column + 9], row[column + 10], row[column + 11] = rotated(b, wx, wy, wz)
+        _record_pose(body, b, row, column)
         if u > 0:
             ahead = work.bodies[u - 1]
             sine = ahead[1] * b[2] + ahead[4] * b[5] + ahead[7] * b[8]
@@ -342,6 +340,22 @@ def _record(units, axles, axle_unit, work, first, before, row):
             row[column + side], row[column + 2 + side] = q[col.WHEEL + side], q[col.JOINT + side]
         column += 4
     row[10], row[11], row[12], row[13] = kinetic, gravity, spring, tyre
+
+
+@allocation_free
+def _record_pose(body, b, row, column):
+    """Fill a unit's position, velocity, angles and spin.
+
+    The row has the sums of mass times position and velocity.
+    """
+    for j in range(3):
+        row[column + j] /= body[col.WHOLE]
+        row[column + 6 + j] /= body[col.WHOLE]
+    row[column + 3] = np.arctan2(b[3], b[0])
+    row[column + 4] = -np.arcsin(min(max(b[6], -1.0), 1.0))
+    row[column + 5] = np.arctan2(b[7], b[8])
+    x, y, z = rotated(b, b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5])
+    row[column + 9], row[column + 10], row[column + 11] = x, y, z
 
 
 @allocation_free
