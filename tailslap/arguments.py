@@ -55,13 +55,13 @@ def picture_pixels(size: str | Sequence[int] | None) -> tuple[int, int] | None:
     if size is None:
         return None
     sides = re.split(r"\s*[xX×]\s*", size.strip()) if isinstance(size, str) else [*map(str, size)]
-    pair = [int(side) for side in sides if re.fullmatch(r"\d{1,5}", side)]
-    if len(sides) != 2 or len(pair) != 2 or min(pair) < SMALLEST_PICTURE or max(pair) > LARGEST_PICTURE:
+    pixels = [int(side) for side in sides if re.fullmatch(r"\d{1,5}", side)]
+    if len(sides) != 2 or len(pixels) != 2 or min(pixels) < SMALLEST_PICTURE or max(pixels) > LARGEST_PICTURE:
         allowed = (
             f"allowed is WIDTHxHEIGHT in pixels, like 1600x700, each {SMALLEST_PICTURE} to {LARGEST_PICTURE}"
         )
         raise InputError("--picture-size", size if isinstance(size, str) else Verbatim(size), allowed)
-    return pair[0], pair[1]
+    return pixels[0], pixels[1]
 
 
 def _demand_type(function: Callable[..., object], name: str, value: object) -> None:

@@ -100,14 +100,14 @@ def _run(arguments: list[str] | None) -> int:
 
     `commands.main` is not used: it ends with 1 where the reader of a pipe has ended.
     """
-    words = sys.argv[1:] if arguments is None else list(arguments)
+    typed = sys.argv[1:] if arguments is None else list(arguments)
     _prepare_environment()
     if COMPLETE in os.environ:
         from click.shell_completion import shell_complete
 
         return shell_complete(commands, {}, "tailslap", COMPLETE, os.environ[COMPLETE])
     try:
-        with warnings.catch_warnings(), commands.make_context("tailslap", words, obj=tuple(words)) as context:
+        with warnings.catch_warnings(), commands.make_context("tailslap", typed, obj=tuple(typed)) as context:
             warnings.simplefilter("always", UserWarning)
             warnings.showwarning = _remark
             status = commands.invoke(context)

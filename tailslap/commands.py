@@ -155,9 +155,9 @@ def run(
     from tailslap.campaign.records import program
     from tailslap.storage import checkpoints
 
-    place, of = out or place_of(case), Origin("run", case.scene.name)
+    place, origin = out or place_of(case), Origin("run", case.scene.name)
     definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}
-    with result_folder(place, force=force, origin=of) as folder:
+    with result_folder(place, force=force, origin=origin) as folder:
         with checkpoints.checkpointed(place, definition, resume):
             result = tailslap.run(
                 case,
@@ -168,7 +168,7 @@ def run(
             )
             assert result.fill is not None
             report = result.fill(folder, False, units)
-            commit(folder.parent, of)  # results are stored even if the pictures fail
+            commit(folder.parent, origin)  # results are stored even if the pictures fail
         if not no_pictures:
             report = result.fill(folder, True, units)
     return conclude(report, place, as_json)
@@ -218,9 +218,9 @@ def study_command(chosen: Study) -> click.Command:
 
         folder, allow_large, force = (settings.pop(key) for key in ("folder", "allow_large", "force"))
         case = case_with_remarks(name, changes)
-        place, of = prepared(chosen, case, folder, allow_large, settings)
+        place, origin = prepared(chosen, case, folder, allow_large, settings)
         compute = functools.partial(api.study_result, chosen, case, place, settings)
-        return deliver(compute, place, of, as_json, units, force=force)
+        return deliver(compute, place, origin, as_json, units, force=force)
 
     return click.Command(chosen.name, params=[*shared, *chosen.options], callback=run, help=chosen.summary)
 

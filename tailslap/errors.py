@@ -77,8 +77,8 @@ def nearest(name: str, names: Collection[str], form: str = "{}") -> str:
     first. form: of the name in the hint.
     """
     words = set(name.split("-"))
-    fuller = [other for other in names if words <= set(other.split("-"))] if len(words) > 1 else []
-    matches = difflib.get_close_matches(name, fuller or list(names), 1, 0.1 if fuller else 0.6)
+    candidates = [other for other in names if words <= set(other.split("-"))] if len(words) > 1 else []
+    matches = difflib.get_close_matches(name, candidates or list(names), 1, 0.1 if candidates else 0.6)
     return f"; did you mean {form.format(matches[0])}?" if matches else ""
 
 

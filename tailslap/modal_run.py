@@ -165,20 +165,20 @@ def _estimate(
 def _checks(motion: ModalMotion, estimate: ModalEstimate, tolerance: float) -> tuple[Check, ...]:
     """Return the checks of a run."""
     angle = 0.0 if motion.strike else float(motion.history["theta"][-1])
-    more = "relative change of the result with more modes", "a larger --modes"
+    more_modes = "relative change of the result with more modes", "a larger --modes"
     linear = (
         "relative error of the linear strain of modes",
         "`tailslap run`, for the plate is too soft for modes",
     )
-    half = "relative change of the result with half as many time steps", "a larger --steps"
-    stiff = "a stiffer plate, or `tailslap run`"
+    half_steps = "relative change of the result with half as many time steps", "a larger --steps"
+    remedy = "a stiffer plate, or `tailslap run`"
     return (
         Check(
-            "tail-slap reached", angle, 0.0, motion.strike is not None, f"{motion.end}; angle [rad]", stiff
+            "tail-slap reached", angle, 0.0, motion.strike is not None, f"{motion.end}; angle [rad]", remedy
         ),
-        Check.at_most("omitted modes", estimate.modes, tolerance, *more),
+        Check.at_most("omitted modes", estimate.modes, tolerance, *more_modes),
         Check.at_most("linear modes", estimate.linear, tolerance, *linear),
-        Check.at_most("time steps", estimate.steps, tolerance, *half),
+        Check.at_most("time steps", estimate.steps, tolerance, *half_steps),
     )
 
 

@@ -159,8 +159,8 @@ def grids_of(records: Iterable[Record], names: Sequence[str] = KEYS) -> dict[str
     if len(values) < 3:
         return {}
     coarse, medium, fine = values
-    three = {name: (fine[name], medium[name], coarse[name]) for name in names}
-    return {name: grid_convergence(values, (2.0, 2.0)) for name, values in three.items()}
+    by_name = {name: (fine[name], medium[name], coarse[name]) for name in names}
+    return {name: grid_convergence(values, (2.0, 2.0)) for name, values in by_name.items()}
 
 
 def limit_of(records: Iterable[Record], names: Sequence[str] = KEYS) -> Limit:

@@ -122,8 +122,8 @@ def read_calculix(path: Path) -> NodalHistory:
     if displacements.keys() != velocities.keys():
         t = max(displacements.keys() ^ velocities.keys())
         raise ValueError(f"it is cut short: displacements or velocities are missing at {t:g} s")
-    both = ((t, displacements[t], velocities[t]) for t in velocities)
-    return _stacked({t: {n: u.get(n, []) + v.get(n, []) for n in u | v} for t, u, v in both})
+    states = ((t, displacements[t], velocities[t]) for t in velocities)
+    return _stacked({t: {n: u.get(n, []) + v.get(n, []) for n in u | v} for t, u, v in states})
 
 
 def read_nodout(path: Path) -> NodalHistory:

@@ -110,8 +110,8 @@ def write_msh(path: Path, series: FieldSeries) -> Path:
     """
     import meshio
 
-    ones = [np.ones(len(series.cells), int)]
-    mesh = _mesh(series, cell_data={"gmsh:physical": ones, "gmsh:geometrical": ones})
+    tags = [np.ones(len(series.cells), int)]
+    mesh = _mesh(series, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags})
     meshio.gmsh.write(str(path), mesh, fmt_version="2.2", binary=False)
     with path.open("a", encoding="utf-8") as file:
         for number, (t, nodal, elemental) in enumerate(_instants(series)):

@@ -120,8 +120,8 @@ def draw_histories(fe: History, rigid: History, more: tuple[Panel, ...] = ()) ->
     instants "t" [s]; the rigid ones are interpolated. Columns that one of them does not have are omitted. more:
     further plots.
     """
-    both = {*fe} & {*rigid}
-    compared = [_draw_compared(panel, fe, rigid) for panel in COMPARED if panel.name in both]
+    shared = {*fe} & {*rigid}
+    compared = [_draw_compared(panel, fe, rigid) for panel in COMPARED if panel.name in shared]
     plots = [_draw_columns(panel, fe) for panel in (*ENERGIES, *more) if {*fe} & {*dict(panel.columns)}]
     return (*compared, *plots)
 

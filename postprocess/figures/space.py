@@ -122,8 +122,8 @@ def moved(
     centre = np.zeros_like(place) + np.array([-body.centre, 0.0, body.centre_height])
     for number, part in enumerate(vehicle.axles):
         if part.unit == unit:
-            rest = np.array([(-part.position, 0.0, part.radius)])
-            centre += part.mass / body.mass * (_with_axle(part, history, number, rest) - rest)
+            at_rest = np.array([(-part.position, 0.0, part.radius)])
+            centre += part.mass / body.mass * (_with_axle(part, history, number, at_rest) - at_rest)
     local = _with_axle(vehicle.axles[axle], history, axle, still) if axle >= 0 else still
     return np.asarray(place + np.einsum("rij,rpj->rpi", _rotation(history, unit), local - centre))
 
@@ -220,8 +220,8 @@ def draw_plan(vehicle: Vehicle, history: History, row: int) -> Chart:
             *_centre_mark(state, unit, ("x_g", "y_g")),
             *arrow(centre, centre + 0.3 * body.length * along, body.length),
         ]
-    every = np.concatenate(corners)
-    frame = np.array([every.min(axis=0) - EDGE, every.max(axis=0) + EDGE])
+    outline = np.concatenate(corners)
+    frame = np.array([outline.min(axis=0) - EDGE, outline.max(axis=0) + EDGE])
     frame[0, 1] = min(frame[0, 1], vehicle.face[-1, 0] - EDGE)
     marks.insert(0, Line("", frame[:, 0], np.full(2, vehicle.face[-1, 0]), "soft", 1.0))
     caption = (

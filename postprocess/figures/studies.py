@@ -143,8 +143,8 @@ def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]
     first = next(iter(panels[0].lines.values()))
     lines = [replace(line, x=np.zeros(0), y=np.zeros(0)) for line in _lines(panels[0].values, first)]
     keys = [*lines, key("the scene's own", "grey", 1.0, "2 2")]
-    words = "Key of the lines; impulse and duration are drawn as the first peak of their strike"
-    drawn = [chart.draw_legend("inputs-legend", words, keys)]
+    key_caption = "Key of the lines; impulse and duration are drawn as the first peak of their strike"
+    drawn = [chart.draw_legend("inputs-legend", key_caption, keys)]
     for panel in panels:
         scene_line = Span("", panel.nominal, panel.nominal, "grey")
         plots = [
@@ -186,13 +186,15 @@ def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:
     placed = list(zip(_heights(labels), bars, strict=True))
     for strike, (name, colour) in STRIKES.items():
         rows = np.array([row for row, bar in placed if bar.strike == strike])
-        of = [bar for bar in bars if bar.strike == strike]
+        chosen = [bar for bar in bars if bar.strike == strike]
         texts = [
             f"{measure(a, 'kN', '.0f', named=False)} to {measure(c, 'kN', '.0f')}, median {measure(b, 'kN', '.0f')}"
-            for a, b, c in (bar.ends for bar in of)
+            for a, b, c in (bar.ends for bar in chosen)
         ]
-        marks += _bands(name, colour, rows, [bar.ends for bar in of], texts, [bar.label for bar in of])
-        marks.append(Line("", np.array([bar.nominal for bar in of]), rows, colour, 0.0, dots=3.6))
+        marks += _bands(
+            name, colour, rows, [bar.ends for bar in chosen], texts, [bar.label for bar in chosen]
+        )
+        marks.append(Line("", np.array([bar.nominal for bar in chosen]), rows, colour, 0.0, dots=3.6))
     for projected, (name, colour) in ORIGINS.items():
         dots = [
             (force, row - 0.3, letter)
@@ -402,8 +404,8 @@ def draw_sweep(
     for number, (line, colour) in enumerate(zip(lines, cycle(COLOURS), strict=False)):
         marks += _sweep_marks(axis, line, colour, number)
     marks += [key("numerical error", "soft", 0.7, "4 2")] if any(line.errors for line in lines) else []
-    words = "first frequency of the plate [Hz], rigid to soft"
-    x = chart.Axis(words, frequencies[0] * 1.15, frequencies[-1] / 1.15, is_log=True)
+    heading = "first frequency of the plate [Hz], rigid to soft"
+    x = chart.Axis(heading, frequencies[0] * 1.15, frequencies[-1] / 1.15, is_log=True)
     plot = chart.Plot(tuple(marks), chart.Axis(f"{label} [%]", is_log=True), 260.0)
     return chart.Chart(name, caption, (plot,), x, "Sweeps", width)
 
@@ -447,8 +449,8 @@ def draw_plates(
             sizes, (name, colour) = np.array(values, dtype=float), STRIKES[strike]
             marks.append(Line(name, f, np.where(good, sizes, np.nan), colour, dots=2.6))
             marks.append(Line("", f, np.full(f.shape, rigid), colour, 1.0, "5 3"))
-            bad = Line("not to be relied on", f[~good], sizes[~good], "red", 0.0, dots=2.6)
-            marks += [] if good.all() else [bad]
+            unreliable = Line("unreliable", f[~good], sizes[~good], "red", 0.0, dots=2.6)
+            marks += [] if good.all() else [unreliable]
         plots.append(chart.Plot(tuple(marks), chart.Axis(label, low=0.0), 120.0))
     caption = "Both strikes against the plate's first frequency; dashed: the rigid vehicle"
     x = chart.Axis("first frequency of the plate [Hz]", is_log=True)

@@ -149,9 +149,9 @@ def _drawn_rows(rows: SweepRows, item: Varied) -> Values:
     Of very many those that failed a check, and others at even steps.
     """
     order = np.argsort(item.values, kind="stable")
-    every = -(-len(order) // MAX_DRAWN)
+    stride = -(-len(order) // MAX_DRAWN)
     failed = np.flatnonzero(rows.status[order] == "failed")[:MAX_DRAWN]
-    return order[np.union1d(np.arange(0, len(order), every), failed)]
+    return order[np.union1d(np.arange(0, len(order), stride), failed)]
 
 
 def _marks_against(rows: SweepRows, key: str, order: Values, x: Values) -> list[Line]:
@@ -271,9 +271,9 @@ def draw_parallels(rows: SweepRows) -> Chart:
     inputs = [scaled(item.label, item.values, item.logarithmic) for item in rows.varied]
     count, results, rigid = len(rows.status), [], []
     for key, quantity in rows.compared.quantities.items():
-        both = scaled(quantity.label, np.concatenate((rows.best[key], rows.rigid[key])), False)
-        results.append(both._replace(values=both.values[:count], heights=both.heights[:count]))
-        rigid.append(both.heights[count:])
+        combined = scaled(quantity.label, np.concatenate((rows.best[key], rows.rigid[key])), False)
+        results.append(combined._replace(values=combined.values[:count], heights=combined.heights[:count]))
+        rigid.append(combined.heights[count:])
     worst = scaled("difference", np.where(rows.worst > 0.0, rows.worst, np.nan), True)
     last = worst if rows.fe else results[list(rows.compared.quantities).index(rows.compared.mapped)]
     scales = [*inputs, *results, last]

@@ -38,13 +38,9 @@ def _column(name: str, values: ArrayLike) -> NDArray[np.float64]:
     column = np.asarray(values, dtype=np.float64)
     if column.ndim != 1:
         raise ValueError(f"history column {name!r} must have one dimension, it has {column.ndim}")
-    if not _is_name(name):
+    if re.search(r"[,\n]", name) or not name or name != name.strip():
         raise ValueError(f"history column name {name!r} does not fit a CSV header")
     return column
-
-
-def _is_name(text: str) -> bool:
-    return not re.search(r"[,\n]", text) and text == text.strip() != ""
 
 
 def write_summary(path: Path, summary: Mapping[str, Any]) -> Path:

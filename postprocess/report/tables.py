@@ -144,8 +144,8 @@ class Table:
     def in_units(self, units: Units) -> Table:
         """Return the table in other units."""
         below = [column.below and replace(column.below, units=units) for column in self.columns]
-        both = zip(self.columns, below, strict=True)
-        columns = tuple(replace(column, units=units, below=detail) for column, detail in both)
+        pairs = zip(self.columns, below, strict=True)
+        columns = tuple(replace(column, units=units, below=detail) for column, detail in pairs)
         notes = tuple(units.rendered(note) for note in self.notes)
         return replace(self, columns=columns, title=units.rendered(self.title), notes=notes)
 

@@ -104,8 +104,8 @@ def check_samples(values: Floats, interval: float, shortest: float, cutoff: floa
         raise ValueError(f"values of shape {values.shape}: must be finite numbers in one dimension")
     if not (0.0 < interval < math.inf and interval * SAMPLES_A_PERIOD * cutoff <= 1.0 + 1e-9):
         limit = 1.0 / (SAMPLES_A_PERIOD * cutoff) if cutoff else math.inf
-        most = f", at most {limit:.4g} s for a cut-off at {cutoff:.4g} Hz" if cutoff else ""
-        raise ValueError(f"sample interval {interval:g} s: must be positive{most}")
+        longest = f", at most {limit:.4g} s for a cut-off at {cutoff:.4g} Hz" if cutoff else ""
+        raise ValueError(f"sample interval {interval:g} s: must be positive{longest}")
     if values.size * interval < shortest * (1.0 - 1e-9):
         raise ValueError(f"history of {values.size * interval:.4g} s: must last at least {shortest:.4g} s")
 

@@ -181,8 +181,8 @@ def severity_indices(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
     Before first touch there is no acceleration.
     """
     interval = motion.interval
-    both = (motion.ax, 12.0), (motion.ay, 9.0)
-    axes = [np.concatenate(([0.0], a / (limit * GRAVITY))) for a, limit in both]
+    limits = (motion.ax, 12.0), (motion.ay, 9.0)
+    axes = [np.concatenate(([0.0], a / (limit * GRAVITY))) for a, limit in limits]
     means = [moving_mean(a, interval, 0.05) for a in axes]
     filtered = [low_pass(cfc_filter(a, interval, 180), interval, 13.0) for a in axes]
     return tuple(

@@ -386,6 +386,6 @@ def _x_axis(axis: Axis, frames: Sequence[Frame], units: Units) -> str:
         for row, line in enumerate(text.split("\n"))
     ]
     notches = "".join(f"M{place:.2f} {last.y.start:.2f}v3" for place, _ in ticks)
-    words = marks.words(label, 0.5 * (scale.start + scale.end), last.y.start + _foot(axis) - 5.0, "middle")
-    drawn = _stroked(f'<path d="{notches}"', "grey") + _ticks(texts) + marks.coloured(words, "ink")
+    title = marks.words(label, 0.5 * (scale.start + scale.end), last.y.start + _foot(axis) - 5.0, "middle")
+    drawn = _stroked(f'<path d="{notches}"', "grey") + _ticks(texts) + marks.coloured(title, "ink")
     return f'<g class="x-axis" {_ends(label, scale)}>{drawn}</g>'

@@ -112,10 +112,10 @@ def log_ticks(low: float, high: float, most: int) -> list[float]:
     without two of all these have ticks at round steps.
     """
     first, last = math.floor(math.log10(low) + 1e-9), math.ceil(math.log10(high) - 1e-9)
-    every = max(1, math.ceil((last - first) / most))
-    tens = [10.0**power for power in range(first // every * every, last + 1, every)]
-    more = [factor * ten for ten in tens for factor in (1.0, 2.0, 5.0)]
-    for candidates in [more] if 3 * (last - first) <= most else [tens, more]:
+    stride = max(1, math.ceil((last - first) / most))
+    powers = [10.0**power for power in range(first // stride * stride, last + 1, stride)]
+    multiples = [factor * ten for ten in powers for factor in (1.0, 2.0, 5.0)]
+    for candidates in [multiples] if 3 * (last - first) <= most else [powers, multiples]:
         inside = [value for value in candidates if low * (1.0 - 1e-9) <= value <= high * (1.0 + 1e-9)]
         if len(inside) > 1:
             return inside
@@ -156,11 +156,11 @@ def fitted(low: float, high: float, margin: float = 0.05, is_log: bool = False) 
     if not (math.isfinite(low) and math.isfinite(high)):
         return (0.1, 1.0) if is_log else (0.0, 1.0)
     if is_log:
-        more = max((high / low) ** margin, 1.1)
-        return low / more, high * more
+        added = max((high / low) ** margin, 1.1)
+        return low / added, high * added
     size = max(abs(low), abs(high))
-    more = margin * (high - low) if high - low > 1e-9 * size else 0.1 * size or 1.0
-    return low - more, high + more
+    added = margin * (high - low) if high - low > 1e-9 * size else 0.1 * size or 1.0
+    return low - added, high + added
 
 
 def viridis(count: int) -> Floats:
@@ -191,8 +191,8 @@ class Shades:
         low, high = extent(values)
         if is_log:
             return cls(low, high if high > low else 10.0 * low, True)
-        more = 0.5 * max(0.0, UNIFORM * max(abs(low), abs(high), 1e-300) - (high - low))
-        return cls(low - more, high + more)
+        added = 0.5 * max(0.0, UNIFORM * max(abs(low), abs(high), 1e-300) - (high - low))
+        return cls(low - added, high + added)
 
     def colours(self, values: Floats) -> list[str]:
         """Return the colours of finite values as "#rrggbb"."""

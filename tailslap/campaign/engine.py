@@ -201,18 +201,18 @@ class _Engine:
 
     def run(self, report: Callable[[int], None]) -> CampaignEffort:
         """Compute all parts and return the effort."""
-        began, most = time.perf_counter(), 0
+        began, threads = time.perf_counter(), 0
         try:
             while self._waiting or self._suspects or self._under_way:
                 self._threads = self._pool.threads()
-                most = max(most, self._threads)
+                threads = max(threads, self._threads)
                 report(self._threads)
                 self._fill()
                 self._collect(pools.POLL_S)
         except KeyboardInterrupt:
             self._collect(0.0)
             raise
-        return CampaignEffort(len(self._parts.keys), most, time.perf_counter() - began, self._own_s)
+        return CampaignEffort(len(self._parts.keys), threads, time.perf_counter() - began, self._own_s)
 
     def _fill(self) -> None:
         """Submit batches, and suspects one by one at the end."""

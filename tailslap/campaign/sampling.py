@@ -218,8 +218,8 @@ def sobol_indices(table: Array) -> Indices:
     low, high = ratios[:-1] + np.outer(
         (-1.0, 1.0), _quantile(0.5 + 0.5 * CONFIDENCE, count.size) * error[:-1]
     )
-    few, bound = _bounds(table, ratios[inputs:-1])
-    low, high = np.where(few, 0.0, low), np.where(few, np.maximum(bound, high), high)
+    is_undetermined, bound = _bounds(table, ratios[inputs:-1])
+    low, high = np.where(is_undetermined, 0.0, low), np.where(is_undetermined, np.maximum(bound, high), high)
     first, total, *ends = (
         part for row in (ratios[:-1], low, high) for part in np.split(np.clip(row, 0.0, 1.0), 2)
     )

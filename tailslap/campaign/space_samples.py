@@ -116,9 +116,9 @@ def space_ranges(case: ImpactCase, ranges: tuple[str, ...], fixed: tuple[str, ..
     )
     typed = dict(map(_typed_factor, filter(of_factor, ranges)))
     ends = {key: limits[key] for key in factors if key not in fixed} | typed
-    both = [key for key in typed if key in fixed]
-    if both:
-        raise InputError("--fix", both[0], "--range and --fix exclude each other; remove one of the two")
+    repeated = [key for key in typed if key in fixed]
+    if repeated:
+        raise InputError("--fix", repeated[0], "--range and --fix exclude each other; remove one of the two")
     return (
         *(replace(item, given=nominal[item.key]) for item in singles),
         *(Range(key, ends[key][0], ends[key][1], "", 1.0, ends[key][2]) for key in factors if key in ends),

@@ -188,12 +188,12 @@ def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) ->
         for run in runs[:MAX_LISTED]
     ]
     marks = {place: "failed" for place, item in enumerate(listed) if item["status"] != REFUSED}
-    more = (
+    notes = (
         (f"First {len(listed)} of {len(runs)}; sweep.parquet contains all.",)
         if len(runs) > len(listed)
         else ()
     )
-    return Table(NOT_PASSED, listed, notes=more, marks=marks)
+    return Table(NOT_PASSED, listed, notes=notes, marks=marks)
 
 
 def _rows(definition: Definition, table: Path, units: Units) -> SweepRows:
@@ -243,15 +243,16 @@ def headline(
     passed_forces = np.zeros(0) if forces is None else forces[passed & np.isfinite(forces)]
     if case and passed_forces.size:
         span = " to ".join(dict.fromkeys((force(passed_forces.min()), force(passed_forces.max()))))
-        of = "runs" if passed_forces.size == definition.runs else f"of {definition.runs} runs"
-        answer = f"{case.force_words}: {span} over {passed_forces.size} {of}."
+        counted = "runs" if passed_forces.size == definition.runs else f"of {definition.runs} runs"
+        answer = f"{case.force_words}: {span} over {passed_forces.size} {counted}."
     if sweep.failures:
         answer = f"Failed: {sweep.failures} of {definition.runs} runs. {answer}".rstrip()
-    good = rows.worst[passed & np.isfinite(rows.worst)]
-    if good.size:
-        certainty += f" Finite elements and rigid body differ by at most {percent_up(good.max())} in those that passed."
-    title = f"Sweep of {', '.join(item.key for item in definition.variations)}"
-    title += f": {case.subject if case else definition.scene}"
+    differences = rows.worst[passed & np.isfinite(rows.worst)]
+    if differences.size:
+        largest = percent_up(differences.max())
+        certainty += f" Finite elements and rigid body differ by at most {largest} in those that passed."
+    keys = ", ".join(item.key for item in definition.variations)
+    title = f"Sweep of {keys}: {case.subject if case else definition.scene}"
     return Headline(title, answer or certainty, set_up, certainty if answer else "")
 
 

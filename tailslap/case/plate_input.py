@@ -229,8 +229,8 @@ def refined(
     element: their kind, by default that of the plate; least: smallest number along a side; whole: rounds it.
     """
     along, across = (max(least, whole(factor * count)) for count in plate.counts)
-    other = {} if element is None else {"element": element}
-    return plate.model_copy(update={"elements": (along, across), **other})
+    changed = {} if element is None else {"element": element}
+    return plate.model_copy(update={"elements": (along, across), **changed})
 
 
 def comparable_plate(plate: Plate) -> Plate:

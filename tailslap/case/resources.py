@@ -247,11 +247,11 @@ def _free() -> float:
 
 
 def _container() -> float:
-    most, used = (float((CGROUP / name).read_text()) for name in ("memory.max", "memory.current"))
-    return most - used
+    limit, used = (float((CGROUP / name).read_text()) for name in ("memory.max", "memory.current"))
+    return limit - used
 
 
 def _own_limit() -> float:
-    most = resource.getrlimit(resource.RLIMIT_AS)[0]
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
     used = float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-    return math.inf if most == resource.RLIM_INFINITY else most - used
+    return math.inf if limit == resource.RLIM_INFINITY else limit - used

@@ -117,10 +117,10 @@ def _demand_one_unit_of_time(item: Item, reference: Item) -> None:
 
     Durations of the records then differ more than tenfold. Raises InputError.
     """
-    both = item, reference
-    spans = [float(record.columns[TIME][-1] - record.columns[TIME][0]) for record in both]
-    guessed = [record for record in both if record.unit_of_time == "assumed"]
-    if all(record.unit_of_time == "columns" for record in both):  # of which one may be in another unit
+    records = item, reference
+    spans = [float(record.columns[TIME][-1] - record.columns[TIME][0]) for record in records]
+    guessed = [record for record in records if record.unit_of_time == "assumed"]
+    if all(record.unit_of_time == "columns" for record in records):  # of which one may be in another unit
         guessed = [item]
     if guessed and max(spans) > MOST_RATIO * min(spans):
         allowed = (
@@ -161,8 +161,8 @@ def _remarks(
     for record in (item, reference):
         missing = {x.name: int(np.isnan(record.columns[x.name]).sum()) for x in compared}
         for names, rows in _by_value((name, rows) for name, rows in missing.items() if rows):
-            of = record.columns[TIME].size
-            yield f"{record.label}: {names} without a value in {rows} of {of} rows, interpolated or excluded."
+            count = record.columns[TIME].size
+            yield f"{record.label}: {names} without a value in {rows} of {count} rows, interpolated or excluded."
     for names, (begin, end) in _by_value((x.name, gap) for x in compared for gap in x.gaps):
         yield f"{item.label}: {names} not compared from {begin:.4g} to {end:.4g} s, a gap of one of both."
     t = reference.columns[TIME]
@@ -215,8 +215,8 @@ def compare_report(comparison: Comparison) -> Report:
 def headline(comparison: Comparison) -> Headline:
     """Return the verdict and the largest difference."""
     sizes = [abs(pair.largest[0]) for _, pair in comparison.pairs]
-    most = max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
-    label, worst = comparison.pairs[most]
+    position = max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
+    label, worst = comparison.pairs[position]
     outside = [f"{pair.name} of {label}" for label, pair in comparison.pairs if not pair.metrics.within]
     short = [f"{pair.name} of {label}" for label, pair in comparison.pairs if pair.covered < COVERED]
     part = f"compared for less than {100 * COVERED:.0f} % of the time of the reference"

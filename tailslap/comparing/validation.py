@@ -129,8 +129,8 @@ def phenomena(comparison: Comparison) -> list[Row]:
             continue
         title = WORDS.get(pair.name, ("", f"Column {pair.name}"))[1].partition(",")[0]
         extreme = pair.name.startswith(("force", "reaction"))
-        both = pair.reference, pair.value
-        reference, value = (float(np.abs(v).max() if extreme else v[-1]) for v in both)
+        histories = pair.reference, pair.value
+        reference, value = (float(np.abs(v).max() if extreme else v[-1]) for v in histories)
         rows.append(
             {
                 "item": label,

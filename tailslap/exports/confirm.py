@@ -203,9 +203,9 @@ def _headline(confirmation: Confirmation) -> Headline:
     """Return the verdict with the largest difference."""
     case, differences = confirmation.deck.case, confirmation.difference
     key = max(COMPARED, key=lambda key: abs(differences[key]))
-    words = "confirms" if confirmation.passed else "does not confirm"
+    verdict = "confirms" if confirmation.passed else "does not confirm"
     answer = (
-        f"CalculiX {words} the exact motion at the tail-slap: largest difference "
+        f"CalculiX {verdict} the exact motion at the tail-slap: largest difference "
         f"{percent(differences[key], 4)}, of {QUANTITIES[key].symbol} (limit {percent_up(confirmation.limit)})."
     )
     increments, seconds = len(confirmation.columns["t"]), confirmation.seconds

@@ -395,9 +395,9 @@ def _check_trailers(scene: schema.Scene) -> None:
         allowed = f"allowed are at most {MOST_TRAILERS}"
         raise InputError("trailer", Verbatim(f"{len(scene.trailer)} tables"), allowed)
     for number, (ahead, unit) in enumerate(zip(scene.units, scene.trailer, strict=False)):
-        most = 2.0 * ahead.length  # a tow ball or a drawbar of the unit ahead
-        if unit.hitch > most:
-            allowed = f"allowed is from 0 to twice the length of the unit ahead, {most:g} m"
+        longest = 2.0 * ahead.length  # a tow ball or a drawbar of the unit ahead
+        if unit.hitch > longest:
+            allowed = f"allowed is from 0 to twice the length of the unit ahead, {longest:g} m"
             raise InputError(f"trailer.{number}.hitch", unit.hitch, allowed)
         if not -unit.length <= unit.kingpin <= unit.length:
             ends = f"{-unit.length:g}, a drawbar, to the trailer's length, {unit.length:g} m"

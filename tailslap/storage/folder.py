@@ -94,9 +94,9 @@ def demand_result(place: Path, force: bool, origin: Origin) -> None:
     present = manifest.read_origin(place)
     if present != origin and not force:
         words = f"{present.command} {present.scene}".strip()
-        of = f"the result of `tailslap {words}`" if words else "the result of an earlier version"
+        content = f"the result of `tailslap {words}`" if words else "the result of an earlier version"
         raise errors.InputError(
-            "--out", str(place), f"the folder contains {of}; --force replaces it, or {ANOTHER}"
+            "--out", str(place), f"the folder contains {content}; --force replaces it, or {ANOTHER}"
         )
 
 

@@ -179,8 +179,8 @@ def _shown(row: Row) -> dict[str, object]:
     """Return the entries of a row of the table in its unit."""
     label, unit, factor = QUANTITIES[row.quantity]
     scaled = {name: factor * getattr(row, name) for name in ("predicted", "lower", "upper", "published")}
-    words = {"case": row.case, "label": label, "unit": unit, "verdict": "yes" if row.inside else "no"}
-    return {**words, **scaled, "ratio": row.ratio, "plateau": row.plateau, "source": row.source}
+    texts = {"case": row.case, "label": label, "unit": unit, "verdict": "yes" if row.inside else "no"}
+    return {**texts, **scaled, "ratio": row.ratio, "plateau": row.plateau, "source": row.source}
 
 
 def _bars(rows: Sequence[Row]) -> list[RatioBar]:

@@ -339,7 +339,7 @@ def test_inputs_have_a_chart_each_and_one_legend():
 def test_plates_that_are_not_to_be_relied_on_are_red():
     panels = {"peak [kN]": {1: ([9.0, 5.0, 4.0], 4.0)}}
     chart = studies.draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
-    assert shown(chart) == {"first strike": ["5", "4"], "not to be relied on": ["9"]}
+    assert shown(chart) == {"first strike": ["5", "4"], "unreliable": ["9"]}
 
 
 def test_a_mode_says_how_far_its_outline_moves():

@@ -95,8 +95,8 @@ def _finite(outcome: CornerOutcome) -> Evaluation:
     force = outcome.fe_plan.case.force
     theory = (*outcome.fe_plan.case.tail_slap.values(), force.impulse, force.peak_force)
     results = [*outcome.history.values(), np.array([*theory, *outcome.difference.values()], dtype=float)]
-    bad = sum(int(np.count_nonzero(~np.isfinite(column))) for column in results)
-    return Evaluation(bad, 0, "entries of the histories and results that are not finite numbers")
+    not_finite = sum(int(np.count_nonzero(~np.isfinite(column))) for column in results)
+    return Evaluation(not_finite, 0, "entries of the histories and results that are not finite numbers")
 
 
 CHECKS.add("time step", STEP, MECHANICS)(time_step)

@@ -11,7 +11,7 @@ from fem.plate.discretisation import nodal_spin
 from postprocess.fields import contours
 from postprocess.figures.histories import Panel, draw_histories
 from postprocess.figures.positions import draw_positions, vehicle_outlines
-from postprocess.report.page import Picture, Section
+from postprocess.report.page import Section
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
 from tailslap import progress
@@ -103,8 +103,3 @@ def draw_pictures(
         )
         pictures = contours.draw_contours(situation, fields, folder, units, size or contours.SIZE)
     return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)
-
-
-def shown_pictures(outcome: CornerOutcome) -> list[Picture]:
-    """Return the pictures with their captions."""
-    return [Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures]

@@ -17,12 +17,12 @@ from fem.plate import kinds
 from fem.start import start_kinds
 from postprocess.comparison import quantities
 from postprocess.fields.series import FieldSeries
-from postprocess.report.page import Headline, Section
+from postprocess.report.page import Headline, Picture, Section
 from postprocess.report.tables import Column, Table, pairs
 from postprocess.units import Units, measure, percent_up
 from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.corner import corner_checks, decisions, rigid_stages
-from tailslap.case.corner.corner_figures import curves, draw_pictures, shown_pictures
+from tailslap.case.corner.corner_figures import CAPTIONS, curves, draw_pictures
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.numerical_error import FLOOR
 from tailslap.case.corner.outcome import CornerOutcome
@@ -166,6 +166,7 @@ class CornerReport(FeReport):
     def sections(self) -> list[Section]:
         """Sections of the page, with empty ones, which are not shown."""
         outcome, rigid_body = self.outcome, self.outcome.fe_plan.case.rigid_numbers()
+        pictures = [Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures]
         metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
         compared = Table(METRICS, metrics, notes=(METRICS_NOTE,))
         titles = {"stage1": "Stage 1: impulse at the front corner", "stage3": "Stage 3: tail-slap"}
@@ -173,7 +174,7 @@ class CornerReport(FeReport):
         return [
             Section("Peak lateral force", tables=_forces(outcome)),
             Section("At the tail-slap", tables=[comparison(outcome)]),
-            Section("The plate at the tail-slap", figures=shown_pictures(outcome), layout="tall"),
+            Section("The plate at the tail-slap", figures=pictures, layout="tall"),
             *curves(outcome),
             Section("Model and interpretation", sentences=statements(outcome), is_folded=True),
             checks_section(outcome.checks, {name: kind.group for name, kind in corner_checks.CHECKS.items()}),

@@ -75,10 +75,10 @@ def with_companions(outcome: CornerOutcome) -> CornerOutcome:
     There is a second one where the first leaves an error above the allowed one.
     """
     for plate, refinement in companion_plates(outcome.fe_plan):
-        other = companion(outcome, plate, refinement)
-        if other is None or (refinement < 1.0 and not other.difference):  # too coarse
+        additional = companion(outcome, plate, refinement)
+        if additional is None or (refinement < 1.0 and not additional.difference):  # too coarse
             continue
-        outcome = replace(outcome, companions=(*outcome.companions, other))
+        outcome = replace(outcome, companions=(*outcome.companions, additional))
         if outcome.error.total <= outcome.error.allowed or len(outcome.companions) == MOST_COMPANIONS:
             break
     return outcome
@@ -94,9 +94,9 @@ def companion_plates(fe_plan: CornerPlan) -> Iterator[tuple[Plate, float]]:
     if higher and fe_plan.locks:
         yield from ((refined(plate, factor, higher), 2.0 * factor) for factor in (1.0, 2.0))
         return
-    large = 4 * math.prod(plate.counts) > MOST_ELEMENTS
-    few = math.prod(plate.counts) < math.prod(HALVED) or min(plate.counts) < min(HALVED)
-    factors = (2.0, 4.0) if few else (0.5, 0.25) if large else (0.5, 2.0)
+    is_large = 4 * math.prod(plate.counts) > MOST_ELEMENTS
+    is_coarse = math.prod(plate.counts) < math.prod(HALVED) or min(plate.counts) < min(HALVED)
+    factors = (2.0, 4.0) if is_coarse else (0.5, 0.25) if is_large else (0.5, 2.0)
     yield from ((refined(plate, factor), factor) for factor in factors)
 
 

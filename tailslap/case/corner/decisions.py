@@ -275,8 +275,8 @@ def _growth_by_coarser(modes: list[Flutter], harmless: float) -> Growth:
     fastest: Flutter | None = max(modes, key=lambda mode: mode.rate, default=None)
     if fastest is None:
         return Growth(math.nan, math.nan, harmless, by_coarser=True)
-    more = replace(fastest, rate=COARSER_FACTOR * fastest.rate, growth=COARSER_FACTOR * fastest.growth)
-    return replace(_growth(more, harmless), by_coarser=True)
+    finer = replace(fastest, rate=COARSER_FACTOR * fastest.rate, growth=COARSER_FACTOR * fastest.growth)
+    return replace(_growth(finer, harmless), by_coarser=True)
 
 
 def _growth(mode: Flutter, harmless: float) -> Growth:

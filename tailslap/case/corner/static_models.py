@@ -94,10 +94,10 @@ def friction_lost(case: RigidStages, rate: float) -> float:
     if FRICTION_LAWS[scene.corner.reaction].impulse != "normal_impulse_magnitude":
         return 0.0
     try:
-        more = case.varied({"corner.friction": (1.0 + ADDED_FRICTION) * scene.corner_friction})
+        rougher = case.varied({"corner.friction": (1.0 + ADDED_FRICTION) * scene.corner_friction})
     except InputError:  # the theory has no solution for that much friction
         return math.inf
-    changed = quantities.relative_difference(more.tail_slap, case.tail_slap)
+    changed = quantities.relative_difference(rougher.tail_slap, case.tail_slap)
     return quantities.largest(changed) * _decayed(case, rate)
 
 

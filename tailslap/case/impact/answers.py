@@ -219,8 +219,8 @@ def places(columns: Columns, vehicles: Sequence[ImpactVehicle]) -> list[tuple[An
 
 def strike_numbers(strike: Strike) -> dict[str, Any]:
     """Return the known quantities of a strike, SI."""
-    rest = {name: value for name, value in asdict(strike).items() if value == value}
-    return {name: getattr(strike, name) for name in STRIKE} | rest
+    numbers = {name: value for name, value in asdict(strike).items() if value == value}
+    return {name: getattr(strike, name) for name in STRIKE} | numbers
 
 
 def mean_peak(answer: ImpactAnswer, strike: Strike) -> float:

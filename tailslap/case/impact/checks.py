@@ -49,8 +49,8 @@ def _initial_energy(outcome: run.ImpactOutcome) -> float:
 @CHECKS.add("finite numbers", check.STEP)
 def _finite(outcome: run.ImpactOutcome) -> check.Evaluation:
     arrays = (*outcome.run.history.values(), outcome.run.normal)
-    bad = sum(int(np.count_nonzero(~np.isfinite(array))) for array in arrays)
-    return check.Evaluation(bad, 0, "entries of the histories that are not finite numbers")
+    not_finite = sum(int(np.count_nonzero(~np.isfinite(array))) for array in arrays)
+    return check.Evaluation(not_finite, 0, "entries of the histories that are not finite numbers")
 
 
 CHECKS.add("time step", check.STEP)(case.time_step)
@@ -107,9 +107,9 @@ def _pull(outcome: run.ImpactOutcome) -> check.Evaluation:
 def _strikes(outcome: run.ImpactOutcome) -> check.Evaluation:
     counted = outcome.rigid.counted
     missing = min(counted, len(outcome.rigid.strikes)) - len(outcome.fe.strikes[:counted])
-    words = "two" if counted == 2 else f"{counted}"
+    number = "two" if counted == 2 else f"{counted}"
     return check.Evaluation(
-        missing, 0, f"of the rigid vehicle's first {words} strikes, those absent from the FE run"
+        missing, 0, f"of the rigid vehicle's first {number} strikes, those absent from the FE run"
     )
 
 
@@ -157,12 +157,12 @@ def _stated(quantity: str, outcome: run.ImpactOutcome) -> check.Evaluation | Non
         return None
     hinged = bool(outcome.run.units)
     which = f"first two major strikes{' and the largest' if hinged else ''}"
-    what = (
+    measured = (
         f"{error.QUANTITIES[quantity]} of the {which}"
         if quantity in error.QUANTITIES
         else "largest 50 ms mean of a hinge"
     )
-    meaning = f"larger discretisation error of the {what}; limit: verify.mesh"
+    meaning = f"larger discretisation error of the {measured}; limit: verify.mesh"
     return check.Evaluation(errors[quantity], verify.mesh, meaning, HINGED if hinged else "")
 
 

@@ -165,8 +165,8 @@ def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, 
     errors: dict[str, float] = {}
     for k, strike in enumerate(assessed_strikes(base.strikes), 1):
         keys = [f"strike_{k}.{name}" for name in QUANTITIES]
-        most = max(steps[key] for key in keys)
-        errors |= {key: _judged(apart[key], math.sqrt(steps[key] * most)) for key in keys}
+        largest = max(steps[key] for key in keys)
+        errors |= {key: _judged(apart[key], math.sqrt(steps[key] * largest)) for key in keys}
         errors[f"strike_{k}.duration"] += 0.5 * base.interval / strike.duration  # of a row, in which it ends
     return errors
 

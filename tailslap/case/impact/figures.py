@@ -72,8 +72,8 @@ def position_strip(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicl
     rows = np.unique(np.linspace(0, t.size - 1, INSTANTS).astype(int))
     if answer.units > 1:
         rows = np.unique(np.searchsorted(t, [*(strike.start for strike in answer.strikes), t[-1]]))
-    every = outlines(answer, vehicles)
-    return draw_positions(every[rows], t[rows], marks(answer), motion=(t, every))
+    corners = outlines(answer, vehicles)
+    return draw_positions(corners[rows], t[rows], marks(answer), motion=(t, corners))
 
 
 def force_figure(outcome: ImpactOutcome, levels: dict[str, float]) -> Chart:

@@ -214,13 +214,13 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
     changes = {
         name: max(LEAST_CHANGE, _largest(heavy, name)) for name in ("impulse", "duration", "peak_force")
     }
-    of = f" of strikes above {100 * WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
+    which = f" of strikes above {100 * WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
     meshed_wall = outcome.fe_plan.case.scene.meshed_wall
-    what = "Flexibility of vehicle and wall" if meshed_wall else "Vehicle flexibility"
+    subject = "Flexibility of vehicle and wall" if meshed_wall else "Vehicle flexibility"
     mean = abs(outcome.fe.peaks["mean_50ms"] / outcome.rigid.peaks["mean_50ms"] - 1.0) if heavy else math.nan
     mean = max(LEAST_CHANGE, mean)
     text = (
-        f"{plane}{what} changes the impulses{of} by at most {percent_up(changes['impulse'])}, durations by "
+        f"{plane}{subject} changes the impulses{which} by at most {percent_up(changes['impulse'])}, durations by "
         f"{percent_up(changes['duration'])}, peak forces by {percent_up(changes['peak_force'])}, the largest 50 ms "
         f"mean by {percent_up(mean)}"
     )

@@ -239,11 +239,11 @@ class RigidImpact(Case):
                 for corner, *numbers in zip(*values, strict=True)
                 if corner >= 0
             ]
-            both = answers.first_strikes(strikes, len(self.scene.units))
+            first = answers.first_strikes(strikes, len(self.scene.units))
             last = int(np.ceil((max(strike.end for strike in strikes) + AFTER_SECOND) / INTERVAL))
             curves = answers.filtered(mean[:last], INTERVAL)
             largest = {answers.LARGEST: float(curves["mean_50ms"].max())}
-            rows.append(largest | answers.strike_columns(both, (curves, curves), INTERVAL))
+            rows.append(largest | answers.strike_columns(first, (curves, curves), INTERVAL))
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     def largest_means(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -260,10 +260,10 @@ def _on(outcome: ImpactOutcome, plate: Plate, computed: Computed) -> answers.Imp
     if answer is None or answer.history["t"][-1] + answer.interval < end:
         model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
         impact.compile_impact_loop(model, on_compile=compiling)
-        other = replace(fe_plan, model=model, plate=plate)
-        answer = _answer(other, simulated(other, end=end))
+        other_plan = replace(fe_plan, model=model, plate=plate)
+        answer = _answer(other_plan, simulated(other_plan, end=end))
         if cut_alone(answer, outcome.fe):
-            answer = _answer(other, simulated(other, end=BEYOND * end))
+            answer = _answer(other_plan, simulated(other_plan, end=BEYOND * end))
         computed[plate.element, plate.counts] = answer
     return answer
 

@@ -210,33 +210,33 @@ class SpaceAnswer:
         Forces are those on the wall, the vertical one downwards. Those beside the 50 ms mean of the lateral force are
         at the same instant.
         """
-        one, history = self.motion.answers, self.motion.history
+        result, history = self.motion.answers, self.motion.history
         peaks = {name: float(curve.max()) for name, curve in self.curves["lateral"].items()}
         works = ("wall_work", "friction_work", "tyre_work", "damping_work", "kinetic_energy")
         return {
             "outcome": self.motion.outcome,
-            "largest_roll": float(one.largest_roll),
-            "roll_time": float(one.roll_time),
-            "largest_pitch": float(one.largest_pitch),
-            "pitch_time": float(one.pitch_time),
-            "unit_rolls": one.unit_rolls.tolist(),
+            "largest_roll": float(result.largest_roll),
+            "roll_time": float(result.roll_time),
+            "largest_pitch": float(result.largest_pitch),
+            "pitch_time": float(result.pitch_time),
+            "unit_rolls": result.unit_rolls.tolist(),
             "lowest_wall": self.lowest_wall,
             "force": {
                 **peaks,
-                "mean_50ms": float(one.mean_50ms),
-                "t": float(one.mean_time),
-                "longitudinal": -float(one.longitudinal),
-                "vertical": float(one.vertical),
-                "height": float(one.height),
-                "length": float(one.length),
+                "mean_50ms": float(result.mean_50ms),
+                "t": float(result.mean_time),
+                "longitudinal": -float(result.longitudinal),
+                "vertical": float(result.vertical),
+                "height": float(result.height),
+                "length": float(result.length),
             },
             "exit": {
-                "t": float(one.last_contact),
-                "speed": float(one.exit_speed),
-                "direction": float(one.exit_direction),
-                "yaw": float(one.exit_yaw),
+                "t": float(result.last_contact),
+                "speed": float(result.exit_speed),
+                "direction": float(result.exit_direction),
+                "yaw": float(result.exit_yaw),
             },
-            "end": float(one.end),
+            "end": float(result.end),
             "lifted": self.lifted,
             "energy": {name: float(history[name][-1]) for name in works},
             "step": self.motion.step,
@@ -265,21 +265,25 @@ class SpaceAnswer:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Sentences on angles, wheels, force and exit."""
-        one = self.motion.answers
-        roll, pitch = (measure(float(angle), "rad", ".1f") for angle in (one.largest_roll, one.largest_pitch))
+        result = self.motion.answers
+        roll, pitch = (
+            measure(float(angle), "rad", ".1f") for angle in (result.largest_roll, result.largest_pitch)
+        )
         lifts = [
             f"{lift['side']} of axle {lift['axle']} from {lift['start']:.2f} s for {lift['duration']:.2f} s"
             for lift in self.lifted
             if lift["duration"] >= SHORTEST_LIFT
         ]
-        direction, yaw = (measure(float(angle), "rad", ".1f") for angle in (one.exit_direction, one.exit_yaw))
-        speed = measure(float(one.exit_speed), "m/s", ".1f")
+        direction, yaw = (
+            measure(float(angle), "rad", ".1f") for angle in (result.exit_direction, result.exit_yaw)
+        )
+        speed = measure(float(result.exit_speed), "m/s", ".1f")
         return (
             self.lowest,
-            f"Largest roll {roll} at {one.roll_time:.2f} s, positive towards the wall; largest pitch {pitch} at "
-            f"{one.pitch_time:.2f} s, positive nose down.",
+            f"Largest roll {roll} at {result.roll_time:.2f} s, positive towards the wall; largest pitch {pitch} at "
+            f"{result.pitch_time:.2f} s, positive nose down.",
             f"Wheels off the ground: {'; '.join(lifts) or 'none'}.",
-            f"Last contact at {one.last_contact:.2f} s: speed {speed}, direction {direction} and heading {yaw} away "
+            f"Last contact at {result.last_contact:.2f} s: speed {speed}, direction {direction} and heading {yaw} away "
             "from the wall.",
             f"Time step {self.motion.step:.1e} s; error of roll, force and height by the step at most "
             f"{percent_up(self.motion.error)}.",
@@ -323,11 +327,11 @@ def solve(inputs: SpaceInput) -> SpaceAnswer:
 
 def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:
     """Return the table of the motions in space and in the plane."""
-    one, interval = answer.motion.answers, float(answer.motion.history["t"][1])
+    result, interval = answer.motion.answers, float(answer.motion.history["t"][1])
     rows: list[dict[str, Any]] = [
         {
             "name": "largest 50 ms mean of the lateral force", "unit": "N",
-            "space": float(one.mean_50ms), "plane": plane.peaks["mean_50ms"],
+            "space": float(result.mean_50ms), "plane": plane.peaks["mean_50ms"],
         },
         {
             "name": "lateral impulse", "unit": "N s",
@@ -338,8 +342,8 @@ def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:
             "name": "speed at the end", "unit": "m/s",
             "space": _end_speed(answer.motion.history), "plane": _end_speed(plane.history),
         },
-        {"name": "largest roll", "unit": "deg", "space": float(np.degrees(one.largest_roll)), "plane": None},
-        {"name": "height of the resultant", "unit": "m", "space": float(one.height), "plane": None},
+        {"name": "largest roll", "unit": "deg", "space": float(np.degrees(result.largest_roll)), "plane": None},
+        {"name": "height of the resultant", "unit": "m", "space": float(result.height), "plane": None},
     ]  # fmt: skip
     notes = (
         "The planar vehicle touches the wall at its corners, that in space at its strips; in the plane there is no "

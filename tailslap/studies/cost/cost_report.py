@@ -163,7 +163,7 @@ def _impact(result: CostResult) -> tuple[str, str, str, tuple[Table, ...], list[
 def summary(result: CostResult) -> Record:
     """Return the summary of the study, in SI."""
     rows, limit = result.rows, result.limit
-    both = {"rigid": result.rows_of(soft=False), "flexible": result.rows_of(soft=True)}
+    groups = {"rigid": result.rows_of(soft=False), "flexible": result.rows_of(soft=True)}
     numbers: Record = {**study_summary("cost", result.case), "points": rows}
     if result.case.scene.contact:
         cheap = {level: key for level, key in _by_level(rows).items() if key}
@@ -172,8 +172,8 @@ def summary(result: CostResult) -> Record:
     else:
         choices = {"flexible": limit.uncertainty, "choices": result.mesh_limit.uncertainty}
         soft = {"changes": result.soft, "flexibility": result.flexibility, "limit": limit.values}
-        numbers["front"] = {name: [row["setting"] for row in front(group)] for name, group in both.items()}
-        numbers["cheapest"] = {name: _by_level(group) for name, group in both.items()}
+        numbers["front"] = {name: [row["setting"] for row in front(group)] for name, group in groups.items()}
+        numbers["cheapest"] = {name: _by_level(group) for name, group in groups.items()}
         numbers |= {"known": {"rigid": cost_study.ROUNDING, **choices}, "soft_plate": soft}
         numbers["convergence"] = result.convergence
     return numbers | {"cost": {"seconds": result.seconds}}
@@ -224,6 +224,6 @@ def _every(rows: list[Record]) -> Table:
     marks = {number: "marked" for number, row in enumerate(rows) if row["setting"] in best}
     table_rows = []
     for row in rows:
-        words = [f"{column}: {row[column]}" for column in ("refused", "failed") if row[column]]
-        table_rows.append({**row, "checks": (words or ["passed"])[0]})
+        faults = [f"{column}: {row[column]}" for column in ("refused", "failed") if row[column]]
+        table_rows.append({**row, "checks": (faults or ["passed"])[0]})
     return Table(tuple(heads), table_rows, notes=(NOTE,), marks=marks)

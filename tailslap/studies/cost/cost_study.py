@@ -183,8 +183,8 @@ def front(rows: Iterable[Record]) -> list[Record]:
 
 def cheapest(rows: Iterable[Record], level: float) -> Record | None:
     """Return the fastest valid row with at most this error."""
-    good = [row for row in rows if is_valid(row) and row["error"] <= level]
-    return min(good, key=lambda row: row["seconds"], default=None)
+    accurate = [row for row in rows if is_valid(row) and row["error"] <= level]
+    return min(accurate, key=lambda row: row["seconds"], default=None)
 
 
 def measure(source: Source, setting: Setting) -> Record:

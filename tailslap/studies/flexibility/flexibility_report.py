@@ -94,10 +94,10 @@ def report(result: Flexibility) -> Report:
 def corner_report(result: Flexibility) -> Report:
     """Return the report of a constrained corner."""
     starts, rows = {**result.levels, "all three starts": result.band}, [_shown(row) for row in result.rows]
-    good = [{"what": START_NAMES.get(name, name), "levels": reaches} for name, reaches in starts.items()]
+    bands = [{"what": START_NAMES.get(name, name), "levels": reaches} for name, reaches in starts.items()]
     marked = {len(STARTS): "marked"}
     v_gy = Table(
-        _good(LEVELS), good, "Lowest first frequency at which rigid-body v_GY is within", marks=marked
+        _good(LEVELS), bands, "Lowest first frequency at which rigid-body v_GY is within", marks=marked
     )
     more_levels = result.other_levels
     laws = [{"what": SYMBOLS[n], "levels": more_levels.get(n), "law": law} for n, law in result.laws.items()]
@@ -106,11 +106,11 @@ def corner_report(result: Flexibility) -> Report:
     tables = [Table((F1, *first[1]), rows, first[0], marks=failed)]
     tables += [Table((F1, *heads), rows, title) for title, heads in more]
     modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), rows)
-    three, five, reaction, stored, modes = figures(result)
+    by_start, differences, reaction, stored, modes = figures(result)
     modelled, resolution = _modelled(result), _resolution(result)
     sections = (
-        Section("Three starts", "", (three,), (v_gy,), (modelled, resolution, *READING)),
-        Section("With inertia relief", "", (five,), (Table(_good(LEVELS, *LAWS), laws),)),
+        Section("Three starts", "", (by_start,), (v_gy,), (modelled, resolution, *READING)),
+        Section("With inertia relief", "", (differences,), (Table(_good(LEVELS, *LAWS), laws),)),
         Section("Reaction and stored energy", "", (reaction, stored)),
         Section("Modal model against finite elements", "", (modes,), (modal,)),
         Section("All plates", tables=tables),
@@ -243,8 +243,8 @@ def figures(result: Flexibility) -> list[Chart]:
     def chart(
         name: str, caption: str, label: str, lines: Sequence[SweepLine], levels: Sequence[float] = ()
     ) -> Chart:
-        good = [*map(any, any_start)] if name == "starts" else passed
-        axis = SweepAxis(values["first_frequency"], good, result.own_frequency)
+        reliable = [*map(any, any_start)] if name == "starts" else passed
+        axis = SweepAxis(values["first_frequency"], reliable, result.own_frequency)
         width = FULL if name == "starts" else HALF
         return draw_sweep(f"flexibility-{name}", axis, lines, label, caption, levels, width)
 
@@ -254,23 +254,22 @@ def figures(result: Flexibility) -> list[Chart]:
         SweepLine("largest difference of both", values["modal_apart"], form=DOTS),
         SweepLine("estimated error, modal", values["modal_estimate"], form=DOTS),
     ]
-    five = "Time, velocities of the centre of mass, angular velocity and slide at the tail-slap"
-    three = "Largest difference of v_GY from the rigid body, by start"
+    by_start = "Largest difference of v_GY from the rigid body, by start"
+    differences = "Time, velocities of the centre of mass, angular velocity and slide at the tail-slap"
     energy = "Largest strain energy of the plate, relative to its initial kinetic energy"
-    both = "v_GY by finite elements and by the modal model"
     return [
-        chart("starts", three, relative, [start_line(start) for start in STARTS], LEVELS),
-        chart("difference", five, relative, [size(name) for name in KEYS], LEVELS),
+        chart("starts", by_start, relative, [start_line(start) for start in STARTS], LEVELS),
+        chart("difference", differences, relative, [size(name) for name in KEYS], LEVELS),
         chart("reaction", "Normal reaction of the wall", largest, [size("reaction")]),
         chart("stored", energy, "strain energy / kinetic energy", [size("stored")]),
-        chart("modal", both, relative, modal, LEVELS[:2]),
+        chart("modal", "v_GY by finite elements and by the modal model", relative, modal, LEVELS[:2]),
     ]
 
 
 def impact_report(result: Flexibility) -> Report:
     """Return the report of a whole impact."""
     rows = [{"what": WORDS[name], "levels": result.levels[name]} for name in NAMES]
-    good = Table(_good(IMPACT_LEVELS), rows, "Lowest first frequency at which the rigid vehicle is within")
+    bands = Table(_good(IMPACT_LEVELS), rows, "Lowest first frequency at which the rigid vehicle is within")
     marks = {i: "failed" for i, row in enumerate(result.rows) if row["failed"]}
     heads = (F1, *STRIKE_POINTS, Column("failed", "Checks failed"))
     points = Table(heads, result.rows, "Differences of the two strikes", marks=marks)
@@ -282,13 +281,15 @@ def impact_report(result: Flexibility) -> Report:
         f"{row['frequency']:g} Hz: {', '.join(row['failed'])}." for row in result.plates if row["failed"]
     ]
     sections = (
-        Section("Both strikes", "", (_strikes_figure(result),), (good,), (crush, resolution, IMPACT_READING)),
+        Section(
+            "Both strikes", "", (_strikes_figure(result),), (bands,), (crush, resolution, IMPACT_READING)
+        ),
         Section("From 2 Hz to rigid", PLATES, _plate_figures(result), (plates_table(result),), reasons),
         Section("All plates", tables=(points,)),
     )
     numbers = {"rigid": result.case.rigid_numbers(), "levels": result.levels, "plates": result.plates}
     plates = plates_table(result, "The plate from soft to rigid", short=True)
-    return _report(result, _impact_answer(result), sections, numbers, (good, resolution, crush, plates))
+    return _report(result, _impact_answer(result), sections, numbers, (bands, resolution, crush, plates))
 
 
 def _impact_answer(result: Flexibility) -> tuple[str, str]:

@@ -208,11 +208,11 @@ def _input_rows(result: TippingResult, name: str) -> list[Record]:
 
     Without indices where these are refused.
     """
-    words = {item.key: item.in_words()[0] for item in result.ranges}
+    spans = {item.key: item.in_words()[0] for item in result.ranges}
     rows = sorted(result.sources.get(name, ()), key=lambda row: -row["total"])
     if not rows:
-        return [{"key": item.key, "range": words[item.key], "origin": item.origin} for item in result.ranges]
-    return [row | {"range": words[row["key"]]} for row in rows]
+        return [{"key": item.key, "range": spans[item.key], "origin": item.origin} for item in result.ranges]
+    return [row | {"range": spans[row["key"]]} for row in rows]
 
 
 def _sensitivity(result: TippingResult, name: str) -> Section:

@@ -289,7 +289,7 @@ def _parts(
     """
     key, walls = heights["centre_key"], heights["walls"]
     first = {name: values[:count] for name, values in inputs.items()}
-    few = {name: values[:LINE_SAMPLES] for name, values in first.items() if name != key}
+    line_samples = {name: values[:LINE_SAMPLES] for name, values in first.items() if name != key}
 
     source, size = case.source, next(iter(inputs.values())).size
     blocks = np.array_split(np.arange(size), math.ceil(size / BLOCK))
@@ -307,7 +307,7 @@ def _parts(
             for c in heights["centres"]
         },
         "lines": {
-            f"line {c:.6f} {h:.6f}": at(few, LINE_SAMPLES, {key: c, "wall.height": h})
+            f"line {c:.6f} {h:.6f}": at(line_samples, LINE_SAMPLES, {key: c, "wall.height": h})
             for c, h in itertools.product(heights["line_centres"], walls[::LINE_WALLS])
         },
         "profiles": {

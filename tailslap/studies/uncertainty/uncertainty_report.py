@@ -135,14 +135,14 @@ def _input_rows(result: Spread) -> list[Record]:
 
 def corner_report(result: Spread) -> Report:
     """Return the report on the peak force of a tail-slap."""
-    words = {row["key"]: row for row in _input_rows(result)}
-    inputs = [words[row["key"]] | row for row in result.sources_of("peak_force")]
+    input_rows = {row["key"]: row for row in _input_rows(result)}
+    inputs = [input_rows[row["key"]] | row for row in result.sources_of("peak_force")]
     sentences, refusals = _corner_answer(result, inputs), _refusals(result)
     refused = result.refused_sources.get("peak_force", "")
     counts, edges = np.histogram(result.band("peak_force").values, BINS)
     nominal, used = result.nominal["peak_force"], used_keys(result.case.scene)
     keys = [row.key for row in scene_inputs(result.case.scene, result.case.source)]
-    fixed = tuple(key for key in keys if key in used and key not in words)
+    fixed = tuple(key for key in keys if key in used and key not in input_rows)
     percentiles = list(zip(PERCENTILES, result.band("peak_force").percentiles, strict=True))
     histogram = figures.draw_histogram(edges, counts, percentiles, nominal)
     table = Table(
@@ -150,7 +150,7 @@ def corner_report(result: Spread) -> Report:
     )
     index_charts = [figures.draw_sensitivity(inputs)]
     if refused:
-        table, index_charts = Table(INPUTS, list(words.values()), notes=(refused,)), []
+        table, index_charts = Table(INPUTS, list(input_rows.values()), notes=(refused,)), []
     method = _corner_sentences(result, refusals, fixed)
     sections = (
         Section("Distribution", figures=(histogram,), layout="half"),

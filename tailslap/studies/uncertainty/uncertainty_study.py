@@ -105,8 +105,8 @@ class Spread:
     @property
     def samples(self) -> dict[str, Array]:
         """Return samples and results, shape (2 rows,)."""
-        both = {name: table[:2].ravel() for name, table in self.tables.items()}
-        return {key: values[: 2 * self.rows] for key, values in self.inputs.items()} | both
+        results = {name: table[:2].ravel() for name, table in self.tables.items()}
+        return {key: values[: 2 * self.rows] for key, values in self.inputs.items()} | results
 
     def band(self, name: str) -> Band:
         """Return the distribution of a quantity."""
@@ -261,13 +261,13 @@ def _simulated(result: Spread, published: Mapping[str, float]) -> dict[str, tupl
     """
     case, samples = result.case.varied(published) if published else result.case, result.samples
     exact = nominal_columns(case)
-    many = solved(case, {"contact.stiffness": np.array([case.inputs["contact.stiffness"]])})
+    compiled = solved(case, {"contact.stiffness": np.array([case.inputs["contact.stiffness"]])})
     if published:
         inputs = {item.key: samples[item.key] for item in result.ranges}
         samples = solved(
             result.case, inputs | {key: np.full(2 * result.rows, x) for key, x in published.items()}
         )
-    u_num = {name: abs(float(many[name][0]) - exact[name]) for name in answers.COLUMNS}
+    u_num = {name: abs(float(compiled[name][0]) - exact[name]) for name in answers.COLUMNS}
     return {name: (exact[name], u_num[name], sampling.band_of(samples[name])) for name in answers.COLUMNS}
 
 
