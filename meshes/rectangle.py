@@ -91,9 +91,9 @@ def write_mesh(mesh: meshio.Mesh, path: Path) -> None:
     Parameters
     ----------
     mesh : meshio.Mesh
-        Of `plate_mesh` or `wall_mesh`.
+        Mesh of `plate_mesh` or `wall_mesh`.
     path : Path
-        Ending in .msh (Gmsh 4.1) or .vtu.
+        File with the ending .msh (Gmsh 4.1) or .vtu.
 
     Raises
     ------
@@ -262,7 +262,7 @@ def plate_mesh(
     Parameters
     ----------
     length, width : float
-        Of the plate [m]. Corner P, the one on the wall, is the origin; E lies at (-length, 0), H at
+        Length and width of the plate [m]. Corner P, the one on the wall, is the origin; E lies at (-length, 0), H at
         (-length, width), K at (0, width).
     elements : tuple of int
         Quadrilaterals along the length and across the width.
@@ -298,11 +298,11 @@ def wall_mesh(start: float, length: float, depth: float, elements: tuple[int, in
     Parameters
     ----------
     start : float
-        X of its near end [m].
+        Place X of its near end [m].
     length, depth : float
-        Along X and, behind the face, along Y [m].
+        Length along X, and depth behind the face along Y [m].
     elements : tuple of int
-        Along the length and across the depth.
+        Numbers of elements along the length and across the depth.
 
     Returns
     -------
@@ -330,18 +330,18 @@ def distorted(
     Parameters
     ----------
     mesh : meshio.Mesh
-        Of `plate_mesh`.
+        Mesh of `plate_mesh`.
     fraction : float
         Largest displacement of a node, as a fraction of an element's length and width [-].
     elements : tuple of int
-        Along and across the mesh.
+        Numbers of elements along and across the mesh.
     hinged : bool
-        Whether nodes on the middle line, or those nearest to it, are not displaced.
+        True if the nodes nearest to the middle line are not displaced.
 
     Returns
     -------
     meshio.Mesh
-        With the same cells and groups.
+        Mesh with the same cells and groups.
     """
     import meshio
 

@@ -19,11 +19,11 @@ class RectangularBody(Generic[V]):
     Parameters
     ----------
     length : float or ndarray
-        Of the side along the heading, L [m].
+        Length of the side along the heading, L [m].
     width : float or ndarray
-        B [m].
+        Width, B [m].
     mass : float or ndarray
-        m [kg].
+        Mass, m [kg].
 
     Raises
     ------
@@ -95,13 +95,13 @@ class MotionState(Generic[V]):
     slide : float or ndarray
         Displacement of the corner along the wall, s [m] (Eq 69).
     reaction_normal : float or ndarray
-        Of the wall on the vehicle along Y [N]; negative: it pulls, as it does throughout.
+        Reaction of the wall on the vehicle along Y [N]; it is negative, because the wall pulls.
     reaction_tangential : float or ndarray
-        The same along X [N].
+        Reaction of the wall on the vehicle along X [N].
     kinetic_energy : float or ndarray
-        Of translation and rotation [J].
+        Kinetic energy of translation and rotation [J].
     friction_work : float or ndarray
-        Done on the vehicle since the start [J]; kinetic_energy - friction_work is constant.
+        Work of friction on the vehicle since the start [J]; kinetic_energy - friction_work is constant.
 
     References
     ----------

@@ -53,13 +53,13 @@ def corner_impulse(
     body : RectangularBody
         The vehicle.
     speed : float or array_like
-        Of the vehicle, v_0 [m/s].
+        Speed of the vehicle, v_0 [m/s].
     angle : float or array_like
-        Between its side and the wall, theta [rad].
+        Angle between its side and the wall, theta [rad].
     friction : float or array_like
-        Coefficient mu [-].
+        Friction coefficient mu [-].
     restitution : float or array_like
-        Coefficient e [-].
+        Coefficient of restitution e [-].
     convention : {"paper", "newton"}
         "paper" (Eq 24 [1]_) lets the corner go on into the wall at e v_0 sin(theta), so that the impulse is
         proportional to 1 - e; "newton" lets it rebound: 1 + e.

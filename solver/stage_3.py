@@ -21,11 +21,11 @@ class StrikeForce(Generic[V]):
     Attributes
     ----------
     impulse : float or ndarray
-        F_imp2 [N s] (Eq 72 [1]_).
+        Impulse, F_imp2 [N s] (Eq 72 [1]_).
     duration : float or ndarray
-        Of the pulse [s].
+        Duration of the pulse [s].
     peak_force : float or ndarray
-        Of a triangular pulse [N] (Eq 73).
+        Peak of a triangular pulse [N] (Eq 73).
 
     References
     ----------
@@ -45,11 +45,11 @@ def strike_force(mass: Number, lateral_speed: Number, duration: Number) -> Strik
     Parameters
     ----------
     mass : float or array_like
-        Of the vehicle [kg].
+        Mass of the vehicle [kg].
     lateral_speed : float or array_like
         v_GY at the strike [m/s], of either sign: only its magnitude counts.
     duration : float or array_like
-        Of the triangular pulse [s].
+        Duration of the triangular pulse [s].
 
     Returns
     -------
@@ -80,7 +80,7 @@ def triangle_mean(peak_force: float, duration: float, window: float) -> float:
     Parameters
     ----------
     peak_force : float
-        Of the pulse [N].
+        Peak of the pulse [N].
     duration, window : float
         Both positive [s].
 
@@ -101,13 +101,13 @@ class OlsonForce(Generic[V]):
     Attributes
     ----------
     travel : float or ndarray
-        Of the centre of mass towards the wall until the vehicle is parallel to it [m].
+        Travel of the centre of mass towards the wall until the vehicle is parallel to it [m].
     time : float or ndarray
-        That this takes, t [s].
+        Time of this travel, t [s].
     deceleration : float or ndarray
-        Lateral, average, G_lat,avg [multiples of gravity] (Eq 1 [1]_).
+        Average lateral deceleration, G_lat,avg [multiples of gravity] (Eq 1 [1]_).
     average_force : float or ndarray
-        F_lat,avg [N] (Eq 2).
+        Average lateral force, F_lat,avg [N] (Eq 2).
 
     References
     ----------
@@ -127,11 +127,11 @@ class RitterForce(Generic[V]):
     Attributes
     ----------
     impulse : float or ndarray
-        J_lat [N s] (Eq 4 [1]_).
+        Lateral impulse, J_lat [N s] (Eq 4 [1]_).
     time : float or ndarray
-        Olson's, half the pulse [s].
+        Olson's time, half the pulse [s].
     peak_force : float or ndarray
-        F_lat,peak [N] (Eq 5).
+        Peak lateral force, F_lat,peak [N] (Eq 5).
 
     References
     ----------
@@ -159,17 +159,17 @@ def olson_force(
     Parameters
     ----------
     mass : float or array_like
-        Of the vehicle [kg].
+        Mass of the vehicle [kg].
     speed : float or array_like
-        V_I [m/s].
+        Speed of the vehicle, V_I [m/s].
     angle : float or array_like
-        theta, between vehicle and wall [rad].
+        Angle between vehicle and wall, theta [rad].
     front_distance : float or array_like
-        From the front to the centre of mass, A_L [m].
+        Distance from the front to the centre of mass, A_L [m].
     half_width : float or array_like
         Half the vehicle's width, Olson's B [m].
     deflection : float or array_like
-        Of the barrier, D [m].
+        Deflection of the barrier, D [m].
     gravity : float or array_like
         Unit of the deceleration [m/s^2]; the force does not depend on it.
 
@@ -218,7 +218,7 @@ def hirsch_force(average_force: Number) -> Any:
     Parameters
     ----------
     average_force : float or array_like
-        [N].
+        Average force [N].
 
     Returns
     -------
@@ -254,17 +254,17 @@ def ritter_force(
     Parameters
     ----------
     mass : float or array_like
-        Of the vehicle [kg].
+        Mass of the vehicle [kg].
     speed : float or array_like
-        V_I [m/s].
+        Speed of the vehicle, V_I [m/s].
     angle : float or array_like
-        theta, between vehicle and wall [rad].
+        Angle between vehicle and wall, theta [rad].
     front_distance : float or array_like
-        From the front to the centre of mass, A_L [m].
+        Distance from the front to the centre of mass, A_L [m].
     half_width : float or array_like
         Half the vehicle's width, Olson's B [m].
     deflection : float or array_like
-        Of the barrier, D [m].
+        Deflection of the barrier, D [m].
 
     Returns
     -------

@@ -87,7 +87,7 @@ class Measures(NamedTuple):
     slide, v_p : float
         Place [m] and speed [m/s] of the corner along the wall.
     reaction_normal, reaction_tangential : float
-        Of the wall on the plate [N].
+        Reaction of the wall on the plate [N].
     kinetic_energy, strain_energy, contact_energy, hourglass_energy : float
         Energies of the model [J].
     friction_work, damping_work : float
@@ -95,7 +95,8 @@ class Measures(NamedTuple):
     vibration_energy : float
         Kinetic energy of the deviation from rigid motion [J].
     normal_impulse, normal_impulse_magnitude : float
-        Of the normal reaction, and of its magnitude [N s]. They differ where the reaction oscillates through zero.
+        Impulse of the normal reaction, and of its magnitude [N s]. They differ where the reaction oscillates through
+        zero.
     gap : float
         Distance of the corner from the wall's line [m].
     """
@@ -134,7 +135,7 @@ class HistoryColumn:
         (measures, state, model) -> number; of a whole impact (history, model) -> array of shape (rows,). None for the
         record's own field of that name.
     symbol, caption : str
-        Of its plot; a column without a symbol has none of its own.
+        Symbol and caption of its plot; a column without a symbol has none of its own.
     meaning : str
         In words, for the reference.
     """

@@ -92,15 +92,15 @@ class ImpactMeasures(NamedTuple):
     vibration_energy : float
         Kinetic energy of the deviation from rigid motion [J].
     normal_impulse, tangential_impulse, moment_impulse : float
-        Of the wall on the plate since the start [N s], and about the wall's frame [N m s].
+        Impulse of the wall on the plate since the start [N s], and its moment about the wall's frame [N m s].
     angular_momentum : float
-        Of the plate about the wall's frame [kg m^2/s].
+        Angular momentum of the plate about the wall's frame [kg m^2/s].
     wall_energy : float
         Kinetic and elastic energy of the wall and its foundation [J]; 0 for a rigid wall, as are all below.
     wall_deflection, wall_deflection_place : float
         The largest deflection of the wall's face [m], and its place along the wall [m].
     foundation_impulse : float
-        Of the foundation on the wall since the start, towards the plate [N s].
+        Impulse of the foundation on the wall since the start, towards the plate [N s].
     """
 
     x_g: float

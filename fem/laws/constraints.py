@@ -38,15 +38,15 @@ class ConstraintInput:
     Attributes
     ----------
     youngs_modulus : float
-        Of the plate [Pa].
+        Young's modulus of the plate [Pa].
     thickness : float
-        Of the plate [m].
+        Thickness of the plate [m].
     mobility : float
         Sum of weight^2 / mass over the corner's nodes [1/kg].
     penalty_scale : float
         Multiple of the program's stiffness [-].
     damping_ratio : float
-        Of the dashpot, to critical [-].
+        Damping of the dashpot over critical damping [-].
     """
 
     youngs_modulus: float
@@ -107,21 +107,13 @@ def penalty(inputs: ConstraintInput) -> Penalty:
     return Penalty(stiffness, inputs.damping_ratio * 2.0 * math.sqrt(stiffness / inputs.mobility))
 
 
-def _spring_and_dashpot(constants: Penalty, gap: float, rate: float, closing: float) -> tuple[float, float]:
-    return -constants.stiffness * gap, -constants.damping * rate
-
-
-def _spring_energy(constants: Penalty, gap: float) -> float:
-    return 0.5 * constants.stiffness * gap * gap
-
-
 CONSTRAINTS.register(
     Constraint(
         name="penalty",
         constants=Penalty,
         make=penalty,
-        forces=_spring_and_dashpot,
-        energy=_spring_energy,
+        forces=lambda constants, gap, rate, closing: (-constants.stiffness * gap, -constants.damping * rate),
+        energy=lambda constants, gap: 0.5 * constants.stiffness * gap * gap,
         stiffness=lambda constants: constants.stiffness,
         damping=lambda constants: constants.damping,
         text="a penalty spring",
@@ -139,21 +131,13 @@ class Exact(NamedTuple):
     gap: float
 
 
-def _closing_force(constants: Exact, gap: float, rate: float, closing: float) -> tuple[float, float]:
-    return closing, 0.0
-
-
-def _no_energy(constants: Exact, gap: float) -> float:
-    return 0.0
-
-
 CONSTRAINTS.register(
     Constraint(
         name="exact",
         constants=Exact,
         make=lambda inputs: Exact(0.0),
-        forces=_closing_force,
-        energy=_no_energy,
+        forces=lambda constants, gap, rate, closing: (closing, 0.0),
+        energy=lambda constants, gap: 0.0,
         stiffness=lambda constants: math.inf,
         text="an exact constraint",
     )

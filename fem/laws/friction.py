@@ -74,20 +74,12 @@ class Drag(NamedTuple):
     coefficient: float
 
 
-def _drag_force(law: Drag, normal: float, stopping: float) -> float:
-    return coulomb_force(stopping, law.coefficient * abs(normal))
-
-
-def _drag_slope(law: Drag, normal: float, speed: float) -> float:
-    return -law.coefficient * np.sign(normal) * np.sign(speed)
-
-
 FRICTION_LAWS.register(
     FrictionLaw(
         name="drag",
         constants=Drag,
-        force=_drag_force,
-        slope=_drag_slope,
+        force=lambda law, normal, stopping: coulomb_force(stopping, law.coefficient * abs(normal)),
+        slope=lambda law, normal, speed: -law.coefficient * np.sign(normal) * np.sign(speed),
         text="Coulomb friction mu |N| against the sliding direction, for either sign of the reaction "
         "(Eqs 66-67)",
         rigid="drag",
@@ -96,16 +88,12 @@ FRICTION_LAWS.register(
 )
 
 
-def _no_force(law: None, normal: float, stopping: float) -> float:
-    return 0.0
-
-
 FRICTION_LAWS.register(
     FrictionLaw(
         name="none",
         constants=NoneType,
-        force=_no_force,
-        slope=_no_force,
+        force=lambda law, normal, stopping: 0.0,
+        slope=lambda law, normal, speed: 0.0,
         text="no friction",
         rigid="none",
         impulse="normal_impulse",
@@ -129,16 +117,12 @@ def _signed_force(law: Signed, normal: float, stopping: float) -> float:
     return limit if stopping > 0.0 else -limit
 
 
-def _signed_slope(law: Signed, normal: float, speed: float) -> float:
-    return -law.coefficient * np.sign(speed)
-
-
 FRICTION_LAWS.register(
     FrictionLaw(
         name="signed",
         constants=Signed,
         force=_signed_force,
-        slope=_signed_slope,
+        slope=lambda law, normal, speed: -law.coefficient * np.sign(speed),
         text="Coulomb friction mu N with the sign of N, which accelerates the corner while the wall pulls",
         rigid="signed",
         impulse="normal_impulse",

@@ -138,17 +138,13 @@ def _penalty_stored(
     return held + 0.5 * force * (depth - before)
 
 
-def _nothing_lost(law: object, i: int, deepest: float) -> float:
-    return 0.0
-
-
 CONTACT_LAWS.register(
     ContactLaw(
         name="penalty",
         constants=PenaltyContact,
         force=_penalty_force,
         stored=_penalty_stored,
-        lost=_nothing_lost,
+        lost=lambda law, i, deepest: 0.0,
         text="a penalty spring at each node of the boundary",
     )
 )
@@ -165,25 +161,13 @@ class ExactContact(NamedTuple):
     points: int
 
 
-def _exact_force(
-    law: ExactContact, i: int, before: float, free: float, deepest: float, inertia: float
-) -> float:
-    return inertia * max(free, 0.0)
-
-
-def _nothing_stored(
-    law: ExactContact, i: int, before: float, depth: float, deepest: float, force: float
-) -> float:
-    return 0.0
-
-
 CONTACT_LAWS.register(
     ContactLaw(
         name="exact",
         constants=ExactContact,
-        force=_exact_force,
-        stored=_nothing_stored,
-        lost=_nothing_lost,
+        force=lambda law, i, before, free, deepest, inertia: inertia * max(free, 0.0),
+        stored=lambda law, i, before, depth, deepest, force: 0.0,
+        lost=lambda law, i, deepest: 0.0,
         text="Signorini's condition at each node of the boundary, by forward-increment multipliers",
     )
 )

@@ -31,7 +31,7 @@ from fem.plate.elastic import ElasticSolver, Inverse
 from fem.plate.free_modes import lowest_frequency
 from fem.plate.nodal_masses import prescribed_inertia_masses
 from fem.plate.properties import CornerProperties, PlateProperties, StepProperties
-from fem.plate.spectrum import ScaledSpectrum, spectrum_of
+from fem.plate.spectrum import LARGE, ScaledSpectrum, spectrum_of
 from fem.plate.support import Support, corner_support
 
 if TYPE_CHECKING:
@@ -40,9 +40,6 @@ if TYPE_CHECKING:
 
     from fem.laws.hinges import Hinges
     from fem.plate.windows import WindowBound
-
-LARGE = 10_000
-"""Number of nodes from which on a plate is not cached."""
 
 WINDOWS_FROM = 100_000
 """Number of nodes from which on windows bound a uniform plate's highest frequency."""
@@ -57,11 +54,11 @@ class UnitPlate:
     discretisation : Discretisation
         Nodes and elements.
     masses : ndarray, shape (nodes,)
-        [kg].
+        Nodal masses [kg].
     hourglass : Hourglass or None
         Hourglass control, its stiffness over the modulus.
     inverse : Inverse
-        Of the stiffness over the modulus [m], which it contains.
+        Inverse of the stiffness over the modulus [m], which it contains.
     """
 
     discretisation: Discretisation
@@ -122,15 +119,15 @@ class PlateModel:
     discretisation : Discretisation
         Nodes and elements.
     highest_frequency : float
-        Including the corner's constraint [rad/s].
+        Highest frequency with the corner's constraint [rad/s].
     undamped_time_step, stable_time_step : float
         Largest stable step without damping of elastic velocities, and with it [s].
     parameters : LoopParameters or ImpactLoopParameters
         Parameters of the time loop.
     tangent_moduli : StVenantKirchhoff
-        At small strain [Pa].
+        Moduli at small strain [Pa].
     thickness : float
-        [m].
+        Thickness [m].
     elastic : ElasticSolver
         Inverse of the stiffness without rigid motion, computed on first use;
         plates that differ in modulus have it in common.
@@ -171,9 +168,9 @@ def build_model(
     Parameters
     ----------
     mesh : meshio.Mesh
-        With the groups "corner_p" and "side_pe".
+        Mesh with the groups "corner_p" and "side_pe".
     plate : PlateProperties
-        Of the plate.
+        Properties of the plate.
     corner : CornerProperties
         Constraint of the corner.
     step : StepProperties

@@ -93,11 +93,12 @@ def hinge_weights(positions: np.ndarray, place: float, length: float) -> tuple[n
     Parameters
     ----------
     positions : ndarray, shape (2, nodes)
-        In the plate's body frame [m].
+        Positions of the nodes in the plate's body frame [m].
     place : float
-        Of the hinge, behind the front [m]; outside the plate the nearest nodes are extrapolated.
+        Distance of the hinge behind the front [m]; outside the plate the nearest nodes are extrapolated.
     length : float
-        Of the middle line over which it is distributed, on both sides as far as the plate extends [m]; 0 for a point.
+        Length of the middle line over which it is distributed, on both sides as far as the plate extends [m]; 0
+        for a point.
 
     Returns
     -------

@@ -55,11 +55,11 @@ class Inverse:
     stiffness : sparse matrix, shape (2 nodes, 2 nodes)
         [N/m].
     masses : ndarray, shape (nodes,)
-        [kg].
+        Nodal masses [kg].
     positions : ndarray, shape (2, nodes)
-        [m].
+        Positions of the nodes [m].
     hinges : Hinges or None
-        Of a train; None for one plate.
+        Hinges of a train; None for one plate.
     """
 
     def __init__(

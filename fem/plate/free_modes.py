@@ -15,6 +15,7 @@ import numpy as np
 
 from fem.cache import cached
 from fem.plate.elastic import ElasticSolver, Inverse
+from fem.plate.lanczos import fixed_vector
 from fem.plate.multigrid import NotConvergedError
 
 
@@ -25,13 +26,13 @@ class FreeModes:
     Attributes
     ----------
     frequencies : ndarray, shape (modes,)
-        [rad/s].
+        Circular frequencies [rad/s].
     shapes : ndarray, shape (modes, 2, nodes)
-        Of unit modal mass, body frame [1/sqrt(kg)].
+        Shapes of unit modal mass, body frame [1/sqrt(kg)].
     rigid : ndarray, shape (3, 2, nodes)
         Two translations and the rotation, of unit modal mass [1/sqrt(kg)]; of a train a rotation more for each hinge.
     rigid_frequencies : ndarray, shape (3,)
-        By the stiffness, which is rounding [rad/s].
+        Frequencies of the rigid modes by the stiffness, which are rounding [rad/s].
     """
 
     frequencies: np.ndarray
@@ -139,6 +140,5 @@ def _lowest(plate: Inverse, root: np.ndarray, rigid: np.ndarray, count: int) -> 
         return root * solve(root * elastic_part(vector.ravel()))
 
     operator = LinearOperator((root.size, root.size), matvec=inverse, dtype=float)
-    first = np.cos(1.7 * np.arange(root.size)) + 0.1  # fixed, so that runs repeat to the bit
-    compliances, vectors = eigsh(operator, k=count, which="LA", v0=first)
+    compliances, vectors = eigsh(operator, k=count, which="LA", v0=fixed_vector(root.size))
     return 1.0 / np.sqrt(compliances[::-1]), vectors[:, ::-1]

@@ -22,6 +22,11 @@ MAX_RESTARTS = 1000
 """Largest number of restarts; the residual then states the accuracy."""
 
 
+def fixed_vector(size: int) -> np.ndarray:
+    """Return a vector with parts of all modes, equal in every run."""
+    return np.cos(1.7 * np.arange(size)) + 0.1
+
+
 def largest_eigenpair(
     product: Callable[[np.ndarray], np.ndarray], first: np.ndarray, tolerance: float, basis: int
 ) -> tuple[float, np.ndarray]:
@@ -43,7 +48,7 @@ def largest_eigenpair(
     value : float
         The eigenvalue.
     vector : ndarray, shape (n,)
-        Of unit length.
+        Eigenvector of unit length.
 
     Raises
     ------

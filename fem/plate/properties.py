@@ -40,11 +40,11 @@ class RigidStart:
     Attributes
     ----------
     angle : float
-        Of side PE to the wall [rad].
+        Angle of side PE to the wall [rad].
     omega : float
         Angular velocity [rad/s], positive as the rear rotates towards the wall.
     corner_speed : float
-        Of the corner along the wall [m/s].
+        Speed of the corner along the wall [m/s].
     """
 
     angle: float
@@ -59,9 +59,9 @@ class Inertia:
     Attributes
     ----------
     centre : float
-        Centre of mass behind the front, on the middle line [m].
+        Distance of the centre of mass behind the front, on the middle line [m].
     yaw_inertia : float
-        About that centre [kg m^2].
+        Inertia about that centre [kg m^2].
     """
 
     centre: float
@@ -75,13 +75,13 @@ class PlateProperties:
     Attributes
     ----------
     thickness : float
-        [m].
+        Thickness [m].
     density : float
-        [kg/m^3].
+        Density [kg/m^3].
     youngs_modulus : float
-        [Pa].
+        Young's modulus [Pa].
     poissons_ratio : float
-        [-].
+        Poisson's ratio [-].
     lumping : str
         A name of `LUMPINGS`.
     element : str
@@ -115,9 +115,9 @@ class CornerProperties:
     penalty_scale : float
         Multiple of the constraint's usual stiffness [-].
     patch_length : float
-        Of the support patch [m]; 0 for the corner node alone.
+        Length of the support patch [m]; 0 for the corner node alone.
     damping_ratio : float
-        Of the constraint's dashpot to critical damping [-].
+        Damping of the constraint's dashpot over critical damping [-].
     angles : tuple of float
         Angles of the plate during the run [rad] for which the stable time step is computed.
     """
@@ -141,18 +141,18 @@ class ContactProperties:
     law : str
         "crush" for a vehicle that crushes; "penalty" or "exact" for one that does not.
     stiffness, initial_force : float
-        Of the crush at each corner, k [N/m] and F0 [N].
+        Stiffness k [N/m] and initial force F0 [N] of the crush at each corner.
     restitution : float
-        Its square is the fraction of the energy that unloading returns [-].
+        Restitution, whose square is the fraction of the energy that unloading returns [-].
     side_stiffness : float
-        Of a crush layer along the sides [N/m per m]; with 0 only the corners are in contact. It has neither initial
-        force nor plateau, and unloads as the corners do.
+        Stiffness of a crush layer along the sides [N/m per m]; with 0 only the corners are in contact. It has neither
+        initial force nor plateau, and unloads as the corners do.
     penalty_scale : float
-        Of a penalty, multiple of Young's modulus times thickness [-].
+        Multiple of the stiffness of `unilateral.penalty_stiffness` [-].
     patch_length : float
-        Of the long side, over which a corner that crushes is distributed [m]; 0 for its node alone.
+        Length of the long side over which a corner that crushes is distributed [m]; 0 for its node alone.
     plateau_force : float
-        Fy of the crush at each corner [N]; infinite without a plateau.
+        Plateau Fy of the crush at each corner [N]; infinite without a plateau.
     unloading_stiffness : float
         Slope of unloading at each corner [N/m]; with 0 the restitution defines it.
     rear : PointCrush or None
@@ -203,16 +203,16 @@ class UnitProperties:
     Attributes
     ----------
     mesh : meshio.Mesh
-        Of its plate in its own body frame.
+        Mesh of its plate in its own body frame.
     plate : PlateProperties
         Thickness, modulus, material and element are those of the first unit; the density is its own.
     contact : ContactProperties
         The law and friction are those of the first unit; the crush is its own.
     hitch, kingpin : float
-        The hinge, behind the front of the unit ahead and behind its own front [m]; without meaning for the first
-        unit.
+        Distances of the hinge, behind the front of the unit ahead and behind its own front [m]; without meaning for the
+        first unit.
     hitch_length : float
-        Of the middle line of both plates, over which the hinge is distributed [m]; 0 for a point.
+        Length of the middle line of both plates over which the hinge is distributed [m]; 0 for a point.
     axles : tuple of AxleProperties
         Axles whose tyres resist sliding across.
     """
@@ -233,16 +233,16 @@ class WallProperties:
     Attributes
     ----------
     mesh : meshio.Mesh
-        Of quadrilaterals, with the group "wall_face": the wall in Y <= 0, its face Y = 0, X counted from the place of
-        the first touch. Its elements have nine nodes.
+        Mesh of quadrilaterals with the group "wall_face": the wall in Y <= 0, its face Y = 0, X counted from the place
+        of the first touch. Its elements have nine nodes.
     thickness : float
         Its height above the deck [m].
     density : float
-        [kg/m^3].
+        Density [kg/m^3].
     youngs_modulus : float
-        [Pa].
+        Young's modulus [Pa].
     poissons_ratio : float
-        [-].
+        Poisson's ratio [-].
     foundation_stiffness : float
         Force across the wall per length and displacement [N/m per m]. It is the same along the wall, so that friction
         does not displace the wall without limit, and is distributed over the depth in proportion to the mass.
@@ -267,9 +267,9 @@ class StepProperties:
     longest : float
         Upper bound of the time step [s].
     damping_ratio : float
-        Stiffness-proportional, to critical damping at the highest frequency [-].
+        Stiffness-proportional damping over critical damping at the highest frequency [-].
     bulk_viscosity : float
-        Linear: coefficient of density x wave speed x element size [-].
+        Linear viscosity: coefficient of density x wave speed x element size [-].
     elastic_rate : float
         Rate at which elastic velocities are damped [1/s].
     """

@@ -15,7 +15,7 @@ import numpy as np
 
 from fem.cache import cached
 from fem.plate.elastic import ElasticSolver, Inverse
-from fem.plate.lanczos import largest_eigenpair
+from fem.plate.lanczos import fixed_vector, largest_eigenpair
 from fem.plate.support import Support
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ BASIS = 12
 """Number of Lanczos vectors; more take fewer products and more time."""
 
 LARGE = 10_000
-"""Number of nodes from which on a spectrum is not cached."""
+"""Number of nodes from which on a plate and its spectrum are not cached."""
 
 STEP_SETTLED = 1e-6
 """Relative change of the damped time step at which Newton's method ends."""
@@ -63,11 +63,11 @@ class Spectrum:
     Parameters
     ----------
     stiffness : sparse matrix, shape (2 nodes, 2 nodes)
-        [N/m].
+        Stiffness [N/m].
     masses : ndarray, shape (nodes,)
-        [kg].
+        Nodal masses [kg].
     support : Support
-        Of the corner.
+        Support of the corner.
     """
 
     def __init__(self, stiffness: csr_matrix, masses: np.ndarray, support: Support = FREE) -> None:
@@ -75,7 +75,7 @@ class Spectrum:
         nodes = np.array(support.nodes, dtype=int)
         self._supported, self._across = np.concatenate([nodes, nodes + masses.size]), np.array(support.across)
         self._root = 1.0 / np.sqrt(np.tile(masses, 2))
-        self._first = np.cos(1.7 * np.arange(2 * masses.size)) + 0.1  # fixed, so that runs repeat to the bit
+        self._first = fixed_vector(2 * masses.size)
         self._peak = self._highest(stiffness, support.spring, self._first)
 
     @property

@@ -33,9 +33,9 @@ class StrikeState:
     Attributes
     ----------
     values : dict of float
-        By name: t [s] and `COLUMNS`.
+        Columns by name: t [s] and `COLUMNS`.
     positions, velocities : ndarray, shape (2, nodes)
-        In the wall's frame [m], [m/s].
+        Positions and velocities in the wall's frame [m], [m/s].
     """
 
     values: dict[str, float]
@@ -50,7 +50,7 @@ class Run:
     Attributes
     ----------
     history : dict of ndarray, shape (rows,)
-        By name: t [s] and `COLUMNS`.
+        Columns by name: t [s] and `COLUMNS`.
     strike : StrikeState or None
         None if the side did not reach the wall, or values became infinite or not a number.
     steps : int
@@ -220,7 +220,7 @@ def simulate(
     rows : int
         Approximate number in the history.
     threads : int
-        Of the time loop; numbers repeat to the bit for the same number.
+        Threads of the time loop; numbers repeat to the bit for the same number.
     progress : callable
         Called with the completed fraction at intervals.
     corrupted : callable

@@ -32,9 +32,9 @@ class FirstTouch:
     Attributes
     ----------
     angle : float
-        Between side and wall [rad].
+        Angle between side and wall [rad].
     v_x, v_y, omega : float
-        Of the corner [m/s], and the angular velocity [rad/s], positive as the rear rotates towards the wall.
+        Velocity of the corner [m/s], and angular velocity [rad/s], positive as the rear rotates towards the wall.
     """
 
     angle: float
@@ -50,8 +50,8 @@ class ImpactRun:
     Attributes
     ----------
     history : dict of ndarray, shape (rows,)
-        By name: t [s], the fields of `ImpactMeasures`, and force_normal and force_tangential [N], of the wall on the
-        plate, each the mean since the row before, and force_foundation, of the foundation on a deformable wall.
+        Columns by name: t [s], the fields of `ImpactMeasures`, and force_normal and force_tangential [N], of the wall
+        on the plate, each the mean since the row before, and force_foundation, of the foundation on a deformable wall.
     points : ndarray, shape (2, contact points)
         Places in the body frames of their plates [m]; a corner that crushes and has a layer is present twice.
     unit : ndarray, shape (contact points,)
@@ -210,7 +210,7 @@ def simulate_impact(
     Parameters
     ----------
     model : PlateModel
-        Of `build_impact_model`.
+        Model of `build_impact_model`.
     touch : FirstTouch
         Motion at t = 0.
     sample : float

@@ -12,7 +12,7 @@ from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.time_loop import LoopParameters
 from fem.laws.materials import deformation_gradient, energy_density, green_strain, stress
 from fem.model.plate_model import PlateModel
-from fem.plate.lanczos import largest_eigenpair
+from fem.plate.lanczos import fixed_vector, largest_eigenpair
 from fem.start.inertia_relief import to_global
 from machine_code.compiled import compiled
 
@@ -36,7 +36,7 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     model : PlateModel
         The plate.
     positions : ndarray, shape (2, nodes)
-        In the wall's frame [m].
+        Positions of the nodes in the wall's frame [m].
 
     Returns
     -------
@@ -83,7 +83,7 @@ def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
     It is the mode of the highest frequency of the plate at rest, rotated with the plate, with a small part of all
     other modes.
     """
-    some = np.cos(1.7 * np.arange(positions.size)) + 0.1  # fixed, so that runs repeat to the bit
+    some = fixed_vector(positions.size)
     if model.highest_mode is None:
         return some
     fraction, body = model.parameters.mass / model.mass, model.discretisation.positions
@@ -117,7 +117,7 @@ def element_stress(model: PlateModel, positions: np.ndarray) -> np.ndarray:
     model : PlateModel
         The plate.
     positions : ndarray, shape (2, nodes)
-        In the wall's frame [m].
+        Positions of the nodes in the wall's frame [m].
 
     Returns
     -------

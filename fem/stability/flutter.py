@@ -88,7 +88,7 @@ def predict_flutter(
     start : RigidStart
         Motion of the rigid body.
     duration : float
-        Of the run [s].
+        Duration of the run [s].
     viscous : float
         Rate that damping takes off a mode over its frequency squared [s], see `viscous_rate`.
     harmless : float

@@ -24,11 +24,11 @@ class RoundingNoise:
     Attributes
     ----------
     power : float
-        Of the energy [W].
+        Power by rounding [W].
     reaction : float
         Ripple of the reaction per root of energy [N/sqrt(J)].
     frequency : float
-        Highest of the model [rad/s].
+        Highest frequency of the model [rad/s].
     """
 
     power: float
@@ -41,7 +41,7 @@ class RoundingNoise:
         Parameters
         ----------
         duration : float
-            Of the run [s].
+            Duration of the run [s].
 
         Returns
         -------
@@ -56,7 +56,7 @@ class RoundingNoise:
         Parameters
         ----------
         ripple : float
-            [N].
+            Largest ripple of the reaction [N].
 
         Returns
         -------

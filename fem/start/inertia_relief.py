@@ -192,9 +192,9 @@ class Statics(NamedTuple):
     Attributes
     ----------
     deflection : float
-        Of the centre of mass towards the wall, by the plate's flexibility [m].
+        Deflection of the centre of mass towards the wall, by the plate's flexibility [m].
     gap : float
-        At the corner's constraint [m].
+        Gap at the corner's constraint [m].
     """
 
     deflection: float

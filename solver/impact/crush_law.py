@@ -108,15 +108,15 @@ class WallContact:
     Parameters
     ----------
     crush : CrushLaw
-        Of each corner.
+        Crush of each corner.
     friction : float
         Coulomb's coefficient mu [-].
     side : CrushLaw or None
-        Of a layer along the four sides, per metre of side; None: only the corners touch.
+        Crush of a layer along the four sides, per metre of side; None: only the corners touch.
     side_points : int
         Gauss points of the layer along each half of a side.
     rear : CrushLaw or None
-        Of the rear corners; None: as of the front corners.
+        Crush of the rear corners; None: that of the front corners.
 
     Raises
     ------

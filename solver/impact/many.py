@@ -38,18 +38,18 @@ class Impacts:
     corner : ndarray, shape (strikes, ...)
         Index of each strike into `CORNERS`, plus 4 for each unit ahead; -1 where there is no such strike [-].
     start, end : ndarray, shape (strikes, ...)
-        [s]; NaN where there is no such strike.
+        Start and end [s]; NaN where there is no such strike.
     peak_force : ndarray, shape (strikes, ...)
-        Of the normal force [N].
+        Peak of the normal force [N].
     impulse : ndarray, shape (strikes, ...)
-        Of the normal force [N s].
+        Impulse of the normal force [N s].
     mean_force : ndarray, shape (rows, ...)
         Total normal force [N], means since the previous instant, the first from first touch on; undefined after the
         end, and without rows if there is no interval.
     error : ndarray, shape (...)
         Largest relative change of peaks, impulses, durations and spin against twice the step [-].
     end_speed : ndarray, shape (...)
-        Of the first unit's centre of mass at the end [m/s].
+        Speed of the first unit's centre of mass at the end [m/s].
     """
 
     corner: NDArray[np.int64]
@@ -99,29 +99,29 @@ def solve_impacts(
     Parameters
     ----------
     length, width : float or ndarray
-        L, B [m].
+        Length L and width B [m].
     mass : float or ndarray
-        m [kg].
+        Mass m [kg].
     speed : float or ndarray
-        [m/s].
+        Speed before the impact [m/s].
     angle : float or ndarray
-        Between side and wall [rad].
+        Angle between side and wall [rad].
     stiffness : float or ndarray
-        k of the corners [N/m].
+        Stiffness k of the corners [N/m].
     restitution : float or ndarray
-        e [-]; 0 where the unloading stiffness is above 0.
+        Restitution e [-]; 0 where the unloading stiffness is above 0.
     friction : float or ndarray
-        mu [-].
+        Friction coefficient mu [-].
     initial_force, plateau_force : float or ndarray
-        F0, Fy [N]; Fy is infinite for none.
+        Initial force F0 and plateau Fy [N]; Fy is infinite for none.
     unloading_stiffness : float or ndarray
-        k_u [N/m]; 0: defined by the restitution.
+        Slope of unloading k_u [N/m]; 0: defined by the restitution.
     rear : dict
         Values that differ at the rear corners, by the names in `crush_law.LAW`; floats or ndarrays.
     centre_of_mass : float, ndarray or None
-        Behind the front [m]; None: L/2.
+        Distance behind the front [m]; None: L/2.
     yaw_inertia : float, ndarray or None
-        [kg m^2]; None: m (L^2 + B^2)/12.
+        Inertia about the centre of mass [kg m^2]; None: m (L^2 + B^2)/12.
     after_second : float
         Time from the second strike to the end of each [s]; a strike then in progress is completed.
     longest : float
@@ -131,12 +131,12 @@ def solve_impacts(
     step : float or None
         Time step of all [s]; None: chosen for each by the tolerance.
     tolerance : float
-        Of peaks, impulses, durations and spin, by which the step of each is chosen [-].
+        Tolerance of peaks, impulses, durations and spin, by which each step is chosen [-].
     strikes : int or None
         Number of strikes in the result, extended to all if it is above two; None: two, of trains all.
     trailers : sequence of dict
-        Of each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `HitchedVehicle`, and
-        optionally `centre_of_mass`, `yaw_inertia`, keys of `crush_law.LAW` and `rear`.
+        For each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `HitchedVehicle`,
+        and optionally `centre_of_mass`, `yaw_inertia`, keys of `crush_law.LAW` and `rear`.
     axles : sequence of dict
         Fields of `TyreAxle` for each axle, floats or ndarrays; the unit is a number.
 

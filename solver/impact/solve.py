@@ -50,7 +50,7 @@ class ImpactMotion:
     vehicle : ImpactVehicle
         The vehicle.
     contact : WallContact
-        Laws of its contact.
+        Laws of its contact with the wall.
     strikes : tuple of Strike
         In order of time.
     t_end : float
@@ -62,7 +62,7 @@ class ImpactMotion:
     error : float
         Largest relative change of the first two peaks and impulses, and of the spin, against twice the step [-].
     interval : float
-        Between rows [s].
+        Time between rows [s].
     rows : ndarray, shape (rows, columns)
         All steps, or as many as memory allows [SI]; columns as of `column_names`.
     trailers : tuple of HitchedVehicle
@@ -70,7 +70,7 @@ class ImpactMotion:
     axles : tuple of TyreAxle
         Axles with tyres.
     loads : tuple of float
-        Of each axle at rest [N].
+        Load of each axle at rest [N].
     """
 
     vehicle: ImpactVehicle
@@ -227,7 +227,7 @@ def solve_impact(
     step : float or None
         Time step [s]; None: chosen by the tolerance.
     tolerance : float
-        Of peaks, impulses and spin, by which the step is chosen [-].
+        Tolerance of peaks, impulses and spin, by which the step is chosen [-].
     on_compile : callable
         Called when code is compiled, see `machine_code.compiled.compile_once`.
     trailers : sequence of HitchedVehicle

@@ -23,21 +23,21 @@ class Strike:
     corner : str
         One of `CORNERS`; of a trailer with its name in front, as of `corner_name`.
     start, end : float
-        [s]; `end` is that of the motion where the contact lasts until then.
+        Start and end [s]; `end` is that of the motion where the contact lasts until then.
     peak_force : float
         Greatest normal force [N].
     impulse : float
-        Of the normal force [N s].
+        Impulse of the normal force [N s].
     impulse_tangential : float
-        Of the friction on the vehicle along +X [N s].
+        Impulse of the friction on the vehicle along +X [N s].
     point_of_attack : float
         Distance behind the front, along the side, mean weighted with the normal force [m].
     position : float
-        The same along the wall, X [m].
+        Mean place along the wall, X, weighted likewise [m].
     energy_absorbed : float
         Net work of the normal forces on the crush [J].
     friction_work : float
-        On the vehicle [J].
+        Work of friction on the vehicle [J].
     cut : bool
         The motion ends before the strike is over: duration, peak and impulse are at least these.
     """

@@ -91,13 +91,13 @@ def stiffness_of_duration(
     Parameters
     ----------
     duration : float or ndarray
-        dt [s].
+        Duration dt [s].
     restitution : float or ndarray
-        e.
+        Restitution e [-].
     mass, inertia : float or ndarray
-        m [kg], I [kg m^2]; None: of the uniform rectangle.
+        Mass m [kg] and inertia I [kg m^2]; None: that of the uniform rectangle.
     length, width, centre : float or ndarray
-        Of the vehicle, and of its centre of mass behind the front [m].
+        Length and width of the vehicle, and distance of its centre of mass behind the front [m].
 
     Returns
     -------
@@ -133,15 +133,16 @@ class ImpactVehicle:
     Parameters
     ----------
     length : float
-        Of the side along the heading, L [m].
+        Length of the side along the heading, L [m].
     width : float
-        B [m].
+        Width, B [m].
     mass : float
-        m [kg].
+        Mass, m [kg].
     centre_of_mass : float or None
-        Behind the front, a [m]; None: L/2.
+        Distance of the centre of mass behind the front, a [m]; None: L/2.
     yaw_inertia : float or None
-        About the centre of mass, I [kg m^2]; None: the uniform rectangle's, m (L^2 + B^2)/12, wherever the centre is.
+        Inertia about the centre of mass, I [kg m^2]; None: that of the uniform rectangle,
+        m (L^2 + B^2)/12, wherever the centre is.
 
     Raises
     ------
@@ -190,9 +191,9 @@ class ImpactState:
     Parameters
     ----------
     x_g, y_g : float
-        Centre of mass [m].
+        Position of the centre of mass [m].
     theta : float
-        Between the wall side and the wall [rad]; the heading is (cos theta, -sin theta).
+        Angle between the wall side and the wall [rad]; the heading is (cos theta, -sin theta).
     v_gx, v_gy : float
         Velocity of the centre of mass [m/s].
     omega : float
@@ -250,9 +251,9 @@ def first_touch(
     vehicle : ImpactVehicle
         Its size and centre of mass.
     angle : float
-        Between side and wall, theta [rad].
+        Angle between side and wall, theta [rad].
     speed : float
-        [m/s].
+        Speed before the impact [m/s].
     trailers : sequence of HitchedVehicle
         Trailers in line behind it. A trailer that is wider touches first, with the vehicle's corner off the wall.
 
@@ -387,9 +388,9 @@ def train_of(
     vehicles : sequence of ImpactVehicle
         From the first.
     contact : WallContact or sequence of WallContact
-        Of all of them, or of each.
+        Laws of contact of all of them, or of each.
     hinges : sequence of (float, float)
-        Between each vehicle and the next: distances behind the fronts of both [m].
+        Hinges between each vehicle and the next: distances behind the fronts of both [m].
 
     Returns
     -------

@@ -93,9 +93,9 @@ class Trajectories(NamedTuple):
         Columns as of `state.UNIT` of each unit and `state.SUMS`, with tyres as of `tyres.SUMS` of each unit, or the
         impulse alone; undefined after the end.
     interval : ndarray, shape (n,)
-        Between rows [s].
+        Time between rows [s].
     step : ndarray, shape (n,)
-        [s].
+        Time step [s].
     error : ndarray, shape (n,)
         Largest relative change, against twice the step, of the first two peaks, impulses and durations, with hinges or
         tyres of all heavy strikes, and of the spin at the end; that of durations times tolerance over
@@ -133,22 +133,22 @@ def solve_trains(
     train : Train
         n samples.
     state : ndarray, shape (n, units, 6)
-        At the start, in the order of `state.UNIT` [m, rad, m/s, rad/s]; hinges closed.
+        State at the start, in the order of `state.UNIT` [m, rad, m/s, rad/s]; hinges closed.
     tyres : Tyres or None
-        Of its axles, if any.
+        Tyres of its axles, if any.
     step : float or None
-        [s]; None: chosen by the tolerance.
+        Time step [s]; None: chosen by the tolerance.
     end : float or None
         End of the motion [s]. None: `after_second` after the first two strikes, without a second when contact is no
         longer possible, `after_second` at the earliest; and not before the end of a strike in progress.
     interval : float or None
-        Between rows [s]; 0: every step, or as `MOST_ROWS` allows; None: no rows.
+        Time between rows [s]; 0: every step, or as `MOST_ROWS` allows; None: no rows.
     impulse_alone : bool
         Rows have one column, the normal impulse of the wall; new memory for all would take longer than the motions.
     after_second, longest : float
         See `end`; latest end without `end` [s].
     tolerance : float
-        Of peaks, impulses and spin, by which the step is chosen [-].
+        Tolerance of peaks, impulses and spin, by which the step is chosen [-].
     strikes : int
         Initial capacity for strikes.
     on_compile : callable

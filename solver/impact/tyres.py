@@ -53,13 +53,13 @@ class TyreAxle:
     Parameters
     ----------
     position : float
-        Behind the front of its unit [m].
+        Distance behind the front of its unit [m].
     friction : float
-        mu of the tyres across, on the road [-]; 0: no side force.
+        Friction coefficient mu of the tyres across, on the road [-]; 0: no side force.
     cornering : float
-        C, side force over load and slip angle at small slip [-].
+        Cornering coefficient C, side force over load and slip angle at small slip [-].
     unit : int
-        Of a train, from 0.
+        Number of its unit in a train, from 0.
     """
 
     position: float
@@ -132,13 +132,13 @@ def axle_loads(mass: Array, hitch: Array, kingpin: Array, unit: NDArray[np.int64
     Parameters
     ----------
     mass : ndarray, shape (units, n)
-        [kg].
+        Mass of each unit [kg].
     hitch, kingpin : ndarray, shape (units - 1, n)
-        Of each hinge ahead of the centres of mass of the units that it joins [m].
+        Distance of each hinge ahead of the centres of mass of the units that it joins [m].
     unit : ndarray, shape (axles,)
-        Of each axle, from 0.
+        Number of the unit of each axle, from 0.
     along : ndarray, shape (axles, n)
-        Of the axles ahead of the centre of mass of their unit [m].
+        Distance of the axles ahead of the centre of mass of their unit [m].
     """
     load, pressed = np.zeros_like(along), np.zeros(along.shape[1])  # by the kingpin of the unit behind
     for u in reversed(range(len(mass))):

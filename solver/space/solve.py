@@ -59,13 +59,14 @@ class SpaceAnswers(NamedTuple):
         Largest 50 ms mean of the lateral force, its end [s], and the other components of the force on the vehicle then
         [N].
     height, length : ndarray
-        Of the resultant then, and length of the uniform force with the same standard deviation along the wall [m].
+        Height of the resultant then, and length of the uniform force with the same standard deviation along the wall
+        [m].
     raw : ndarray
         Largest mean of a row [N].
     exit_speed, exit_direction, exit_yaw : ndarray
-        Of the first unit at the last contact: speed [m/s], its direction and the heading away from the wall [rad].
+        Speed of the first unit at the last contact [m/s], its direction and the heading away from the wall [rad].
     end, last_contact : ndarray
-        [s].
+        End and last contact [s].
     rows : ndarray
         Number of rows up to the end.
     unit_rolls : ndarray, shape (n, units)
@@ -102,12 +103,12 @@ class SpaceMotion:
     outcome : str
         One of `OUTCOMES`.
     answers : SpaceAnswers
-        Of this motion, floats in place of arrays.
+        Answers of this motion, floats in place of arrays.
     history : dict of ndarray, shape (rows,)
-        By name: t and the columns of `state` [SI]; those of later units end with "_2" and so on, those of axles with
-        the number of the axle from 1.
+        Columns by name: t and the columns of `state` [SI]; those of later units end with "_2" and so on, those of axles
+        with the number of the axle from 1.
     step : float
-        [s].
+        Time step [s].
     error : float
         Twice the last change of `COMPARED` by half the step or a quarter of the change before it, whichever is larger,
         and at least `LEAST_ERROR`; with a prescribed step twice the change against twice that; infinite where the
@@ -149,25 +150,25 @@ def solve_space(
     vehicle, wall : SpaceVehicle, SpaceWall
         With floats.
     speed, angle : float
-        Before the impact [m/s], [rad].
+        Speed [m/s] and angle [rad] before the impact.
     interval : float
-        Between rows [s].
+        Time between rows [s].
     step : float or None
-        At most [s]; None: chosen, and halved while the error exceeds the tolerance.
+        Largest step [s]; None: chosen, and halved while the error exceeds the tolerance.
     end : float or None
-        [s]; None: see `step`.
+        End of the motion [s]; None: when the vehicle no longer leans on the wall or rolls.
     push : ndarray, shape (rows, 5)
         Force on the first unit in each interval: along, across and up [N], its place ahead of the centre of mass along
         the wall and its height [m], NaN for that of the centre.
     tolerance : float
-        By which the step is chosen [-].
+        Tolerance by which the step is chosen [-].
     on_compile : callable
         Called when code is compiled, see `machine_code.compiled.compile_once`.
 
     Returns
     -------
     SpaceMotion
-        With its error.
+        Motion with its error.
 
     Raises
     ------
@@ -209,14 +210,14 @@ def solve_spaces(
     wall : SpaceWall
         Wall that it strikes.
     speed, angle : float or ndarray
-        Before the impact [m/s], [rad].
+        Speed [m/s] and angle [rad] before the impact.
     refine : int
         Steps in place of each chosen one.
 
     Returns
     -------
     SpaceAnswers
-        Of each.
+        Answers of each motion.
 
     Raises
     ------
@@ -248,7 +249,7 @@ def lowest_walls(
     wall : SpaceWall
         Its height is not used.
     speed, angle : float or ndarray
-        Before the impact [m/s], [rad].
+        Speed [m/s] and angle [rad] before the impact.
     scan : float
         Step of the search before the bisection to 1 mm [m].
     on_compile : callable

@@ -48,19 +48,20 @@ class SpaceUnit:
     Parameters
     ----------
     length, width : float or ndarray
-        [m].
+        Length and width [m].
     mass : float or ndarray
-        With axles [kg].
+        Mass with axles [kg].
     centre_of_mass, centre_height : float or ndarray
-        Of the whole behind the front and above the ground [m].
+        Centre of the whole mass behind the front and above the ground [m].
     roll_inertia, pitch_inertia, yaw_inertia : float or ndarray
-        Of the whole about its centre of mass [kg m^2].
+        Inertias of the whole about its centre of mass [kg m^2].
     hitch, kingpin : float or ndarray
-        Of the hinge ahead: behind the front of the unit ahead, and behind the own front [m]; unused of the first unit.
+        Distances of the hinge ahead: behind the front of the unit ahead, and behind the own front [m];
+        without meaning for the first unit.
     hitch_height : float or ndarray
-        Of the hinge ahead [m].
+        Height of the hinge ahead [m].
     roll_stiffness : float or ndarray
-        Of the hinge ahead [N m/rad].
+        Stiffness in roll of the hinge ahead [N m/rad].
     """
 
     length: Number
@@ -84,21 +85,21 @@ class SpaceAxle:
     Parameters
     ----------
     position : float or ndarray
-        Behind the front of its unit [m].
+        Distance behind the front of its unit [m].
     track, radius : float or ndarray
-        Between the tyres of both sides, height of the axle at rest [m].
+        Distance between the tyres of both sides, and height of the axle at rest [m].
     mass : float or ndarray
-        Of axle and wheels [kg].
+        Mass of axle and wheels [kg].
     spring, tyre : float or ndarray
         Vertical stiffness of one side [N/m].
     spacing : float or ndarray
-        Between the springs [m].
+        Distance between the springs [m].
     damping_ratio : float or ndarray
-        Of a spring, to critical for the mass that it carries [-].
+        Damping of a spring over the critical damping of the mass that it carries [-].
     roll_centre : float or ndarray
         Height at which side force enters the body [m].
     friction, cornering : float or ndarray
-        Of the tyres, see `fem.laws.contact_forces.side_force` [-].
+        Coefficients of the tyres, see `fem.laws.contact_forces.side_force` [-].
     unit : int
         Number of its unit, from 0.
     """
@@ -126,17 +127,17 @@ class Strip:
     Parameters
     ----------
     at : tuple of two floats or ndarrays
-        Both ends behind the front of its unit [m]; equal for an upright strip.
+        Places of both ends behind the front of its unit [m]; equal for an upright strip.
     height : tuple of two floats or ndarrays
-        Of both ends at rest [m].
+        Heights of both ends at rest [m].
     inset : float or ndarray
-        Inwards from the side of the unit [m].
+        Distance inwards from the side of the unit [m].
     stiffness, plateau : float or ndarray
-        Of the crush law per metre of length [N/m^2], [N/m].
+        Stiffness and plateau of the crush law per metre of length [N/m^2], [N/m].
     restitution : float or ndarray
         Unloading returns its square of the energy [-].
     unloading : float or ndarray
-        Slope of unloading per metre in its place [N/m^2], or 0.
+        Slope of unloading per metre in place of the restitution [N/m^2], or 0.
     axle : int
         Number of the axle to which it belongs, or -1 for the body.
     unit : int
@@ -161,11 +162,11 @@ class SpaceWall:
     Parameters
     ----------
     height : float or ndarray
-        Of its top [m].
+        Height of its top [m].
     profile : str or sequence of pairs
         See `profile_points`.
     friction : float or ndarray
-        Between vehicle and wall [-].
+        Friction coefficient between vehicle and wall [-].
     """
 
     height: Number
@@ -180,11 +181,11 @@ class SpaceVehicle:
     Parameters
     ----------
     units : tuple of SpaceUnit
-        Front to rear.
+        Units from front to rear.
     axles : tuple of SpaceAxle
-        At least two of the first unit, and one of each other.
+        Axles, at least two of the first unit, and one of each other.
     strips : tuple of Strip
-        At least one.
+        Strips, at least one.
     """
 
     units: tuple[SpaceUnit, ...]
