@@ -76,10 +76,9 @@ def private_words(text: str, words: Mapping[str, str] = PRIVATE | RETIRED) -> li
 def docstrings(tree: ast.AST) -> Iterator[ast.Constant]:
     """Yield docstrings of modules, classes and functions, and the strings below constants."""
     for node in ast.walk(tree):
-        for child in ast.iter_child_nodes(node):
-            value = child.value if isinstance(child, ast.Expr) else None
-            if isinstance(value, ast.Constant) and isinstance(value.value, str):
-                yield value
+        value = node.value if isinstance(node, ast.Expr) else None
+        if isinstance(value, ast.Constant) and isinstance(value.value, str):
+            yield value
 
 
 def comments(text: str) -> Iterator[tuple[int, str]]:

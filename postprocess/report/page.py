@@ -7,6 +7,7 @@ script, and without scripts its content is complete.
 from __future__ import annotations
 
 import base64
+import functools
 import hashlib
 import io
 from collections.abc import Sequence
@@ -19,6 +20,7 @@ from postprocess.report.tables import Table
 from postprocess.units import SI, US, Units
 
 if TYPE_CHECKING:
+    from jinja2 import Template
     from markupsafe import Markup
 
     from postprocess.svg.chart import Chart
@@ -167,6 +169,19 @@ def page_text(page: Page) -> str:
 
     All its pictures must exist.
     """
+    script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
+    template, original = _template(), page.original or page
+    texts = [
+        template.render(page=original.in_units(units), shown=page.units.name, script=script, digest=digest)
+        for units in (SI, US)
+    ]
+    return in_both_units(texts if page.units is SI else texts[::-1], page.units)
+
+
+@functools.cache
+def _template() -> Template:
+    """Return the template of pages, which is compiled once in a process."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -178,14 +193,7 @@ def page_text(page: Page) -> str:
     )
     environment.filters |= {"words": prose, "prose": lambda text: between(prose(text))}
     environment.filters["data_uri"] = data_uri
-    script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
-    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
-    template, original = environment.get_template("page.html.j2"), page.original or page
-    texts = [
-        template.render(page=original.in_units(units), shown=page.units.name, script=script, digest=digest)
-        for units in (SI, US)
-    ]
-    return in_both_units(texts if page.units is SI else texts[::-1], page.units)
+    return environment.get_template("page.html.j2")
 
 
 def between(html: str) -> Markup:

@@ -214,7 +214,7 @@ def test_only_what_there_is_is_promised(tmp_path, at_once):
             command(act)
 
 
-RUN = ["run", "paper-abaqus", "--no-pictures", "--quiet", "--out", "out"]
+RUN = ["run", "paper-abaqus", "--set", "plate.elements=[6,2]", "--no-pictures", "--quiet", "--out", "out"]
 
 
 @pytest.mark.parametrize("change", [

@@ -288,15 +288,15 @@ x, y = np.meshgrid(np.linspace(0, 10, 21), np.linspace(1, 3.4, 7))
 points = np.column_stack([x.ravel(), y.ravel()])
 first = (np.arange(20) + 21 * np.arange(6)[:, None]).ravel()
 cells = np.column_stack([first, first + 1, first + 22, first + 21])
-t = np.arange(5.0)
-nodal = {name: np.random.default_rng(1).random((5, 147, 2)) for name in NODES}
-series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((5, 120)) for name in ELEMENTS})
+t = np.arange(2.0)
+nodal = {name: np.random.default_rng(1).random((2, 147, 2)) for name in NODES}
+series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((2, 120)) for name in ELEMENTS})
 """
 
 
 @pytest.mark.parametrize(("setup", "count"), [
-    pytest.param(FIELDS, 4, id="25 fields"),
-    pytest.param(FIELDS, 20, marks=pytest.mark.long, id="105 fields"),
+    pytest.param(FIELDS, 4, id="8 fields"),
+    pytest.param(FIELDS, 50, marks=pytest.mark.long, id="100 fields"),
     pytest.param(CONTOURS, 8, id="9 contours"),
     pytest.param(CONTOURS, 100, marks=pytest.mark.long, id="101 contours"),
 ])  # fmt: skip

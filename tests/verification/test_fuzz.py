@@ -151,7 +151,7 @@ def compiled_before():
 fuzz = settings(deadline=None, derandomize=True, suppress_health_check=list(HealthCheck), database=None)
 
 
-@settings(fuzz, max_examples=250)
+@settings(fuzz, max_examples=100)
 @given(command_lines())
 def test_command_lines(arguments):
     demand_good_end(arguments)

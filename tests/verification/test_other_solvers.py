@@ -39,7 +39,7 @@ reaction = "none"
 thickness = "40 mm"
 youngs_modulus = "200 GPa"
 poissons_ratio = 0.3
-elements = [10, 4]
+elements = [6, 2]
 """
 COACH = """
 name = "coach"
@@ -60,7 +60,7 @@ patch_length = "2 m"
 thickness = "60 mm"
 youngs_modulus = "210 GPa"
 poissons_ratio = 0.28
-elements = [12, 3]
+elements = [8, 2]
 distortion = 0.1
 """
 
@@ -189,7 +189,7 @@ def test_calculix_confirms_own_vehicles(text, elsewhere, capsys):
 @needs_ccx
 def test_soft_plate_is_confirmed_within_its_oscillation(elsewhere, capsys):
     """The limit follows the oscillation of the start, below 0.2 %."""
-    changes = (FRICTIONLESS, "plate.elements=[10,4]", "plate.youngs_modulus=20 GPa")
+    changes = (FRICTIONLESS, "plate.elements=[6,2]", "plate.youngs_modulus=20 GPa")
     options = [part for change in changes for part in ("--set", change)]
     summary = confirmed(capsys, "paper-table-3", *options)
     assert summary["passed"]
@@ -429,7 +429,7 @@ def export_abaqus(folder, *changes):
 @needs_ccx
 def test_plate_of_the_abaqus_deck_moves_in_calculix_as_the_rigid_body(elsewhere):
     """Shells of the ABAQUS deck become a layer of bricks."""
-    export_abaqus("deck", FRICTIONLESS, "plate.elements=[10,4]")
+    export_abaqus("deck", FRICTIONLESS, "plate.elements=[6,2]")
     folder = elsewhere / "deck"
     places, cells, velocities, text = plate_of(folder)
     deck = (folder / "slide-plane.inp").read_text()

@@ -68,7 +68,6 @@ class Parsed(HTMLParser):
             self.elements[i][3].append(data)
 
     def named(self, *tags):
-        return [(t, a, above, "".join(said).strip()) for t, a, above, said in self.elements if t in tags]
         return [(t, a, above, "".join(text).strip()) for t, a, above, text in self.elements if t in tags]
 
     def inside(self, tag):

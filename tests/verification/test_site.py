@@ -73,7 +73,13 @@ SHORTENED = {
 }
 """What is added to commands that take long; `--random 100` becomes 2."""
 
-SHORT = re.compile("confirm|uncertainty")
+SHORT = re.compile("confirm|uncertainty|flexibility")
+FIELDS = "output.fields=20"
+"""Option of a page whose pictures are of fewer instants here."""
+
+PICTURED = "tailslap run mash-tl4-sut"
+"""The run whose pictures are drawn here; those of other scenes: test_contours.py."""
+
 LONG = re.compile(r"study (?!uncertainty)|--vary \S+ --vary")
 ELSEWHERE = ("dask scheduler\n", "python3 bootstrap.py --dev && ")
 """Beginnings of blocks that other tests run, and of the installation."""
@@ -341,8 +347,8 @@ def folder(tmp_path_factory):
 def test_a_page_runs(page, folder, monkeypatch):
     """Commands of a page run, without the large campaigns.
 
-    Long studies compute one part, large sweeps the corners, `validate` a few samples. Random cells compile loops of
-    their own and are tested in `test_a_long_command_runs`.
+    Long studies compute one part, large sweeps the corners, `validate` a few samples. One run draws pictures. Random
+    cells compile loops of their own and are tested in `test_a_long_command_runs`.
     """
     place, commands_run = folder
     monkeypatch.chdir(place)
@@ -352,7 +358,9 @@ def test_a_page_runs(page, folder, monkeypatch):
     namespace = {"__name__": "__main__"}
     for step in SHOWN[page]:
         text = re.sub(r":\d+(?= |$)", ":2", step.text) if LONG.search(step.text) else step.text
-        text = shortened(text) if SHORT.search(text) else text
+        text = shortened(text) if SHORT.search(text) else text.replace(FIELDS, "output.fields=4")
+        if text.startswith("tailslap run ") and "--no-pictures" not in text and text != PICTURED:
+            text += " --no-pictures"
         if step.kind != "command" or (text not in commands_run and "--random" not in text):
             do(replace(step, text=text), namespace)
             commands_run.add(text)

@@ -12,18 +12,18 @@ ROOT = Path(__file__).parents[2]
 ASSERTING = re.compile(r"assert|raises$|warns$|fail$")
 
 
-def called_names(function):
-    """Return the names of the functions that a function calls."""
-    for node in ast.walk(function):
-        if isinstance(node, ast.Call):
-            yield node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+def called_names(nodes):
+    """Return the names of the functions that are called."""
+    functions = [node.func for node in nodes if isinstance(node, ast.Call)]
+    return {f.attr if isinstance(f, ast.Attribute) else getattr(f, "id", "") for f in functions}
 
 
 def without_assertion(trees):
     """Test functions without an assertion, of their own or called."""
     functions = [f for tree in trees for f in ast.walk(tree) if isinstance(f, ast.FunctionDef)]
-    calls = {id(f): set(called_names(f)) for f in functions}
-    asserting = {f.name for f in functions if any(isinstance(node, ast.Assert) for node in ast.walk(f))}
+    nodes = {id(f): [*ast.walk(f)] for f in functions}
+    calls = {id(f): called_names(nodes[id(f)]) for f in functions}
+    asserting = {f.name for f in functions if any(isinstance(node, ast.Assert) for node in nodes[id(f)])}
     asserting |= {f.name for f in functions if any(map(ASSERTING.search, calls[id(f)]))}
     silent = [f for f in functions if f.name.startswith("test_") and f.name not in asserting]
     return [f.name for f in silent if not calls[id(f)] & asserting]

@@ -99,7 +99,7 @@ def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
     assert 1e-3 < hinge < 0.05
     assert report.ImpactReport(outcome).summary(pictures=False)["numerical_error"]["hinges"] == [hinge]
     assert [(row["model"], row["error"]) for row in table.rows] == [("FE", hinge), ("rigid", None)]
-    quadratic = {"plate__elements": (24, 8), "plate__element": "quad9"}
+    quadratic = {"plate__elements": (12, 4), "plate__element": "quad9"}
     finer = case(**quadratic, time__end=1.0, verify__companion=False).run()
     mean, other = (result.fe.hinges[0]["mean_50ms"] for result in (outcome, finer))
     assert abs(other / mean - 1.0) < hinge
@@ -260,7 +260,7 @@ def test_a_result_of_a_train_is_exported_and_compared(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("changes", [
-    {"contact.stiffness": 1e4}, pytest.param({"contact.stiffness": 1e9}, marks=pytest.mark.long),
+    {"contact.stiffness": 1e5}, pytest.param({"contact.stiffness": 1e9}, marks=pytest.mark.long),
 ])  # fmt: skip
 def test_no_cell_of_the_study_of_stability_is_wrong(changes):
     """Soft crush is right, and 1 GN/m is caught by the mesh."""
