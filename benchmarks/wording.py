@@ -73,9 +73,9 @@ def private_words(text: str, words: Mapping[str, str] = PRIVATE | RETIRED) -> li
     return [f"{text[max(0, m.start() - 30) : m.end() + 30]!r}: {standard}" for m, standard in matches]
 
 
-def docstrings(tree: ast.AST) -> Iterator[ast.Constant]:
+def docstrings(nodes: list[ast.AST]) -> Iterator[ast.Constant]:
     """Yield docstrings of modules, classes and functions, and the strings below constants."""
-    for node in ast.walk(tree):
+    for node in nodes:
         value = node.value if isinstance(node, ast.Expr) else None
         if isinstance(value, ast.Constant) and isinstance(value.value, str):
             yield value
@@ -88,28 +88,23 @@ def comments(text: str) -> Iterator[tuple[int, str]]:
             yield token.start[0], token.string.lstrip("#: ")
 
 
-def descriptions(text: str) -> list[tuple[int, str]]:
-    """List line numbers and texts of docstrings and comments."""
-    return [*((node.lineno, str(node.value)) for node in docstrings(ast.parse(text))), *comments(text)]
-
-
-def summaries(tree: ast.AST) -> Iterator[tuple[int, str]]:
+def summaries(nodes: list[ast.AST]) -> Iterator[tuple[int, str]]:
     """Yield line numbers and first paragraphs of docstrings."""
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
             text = ast.get_docstring(node)
             if text:
                 yield getattr(node, "lineno", 1), " ".join(text.split("\n\n")[0].split())
 
 
-def assigned_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
+def assigned_names(nodes: list[ast.AST]) -> Iterator[tuple[int, str]]:
     """Yield line numbers and names of arguments and assigned variables.
 
     Fields of records are not among them: files and the interface have their names.
     """
-    bodies = [node.body for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    bodies = [node.body for node in nodes if isinstance(node, ast.ClassDef)]
     fields = {id(item.target) for body in bodies for item in body if isinstance(item, ast.AnnAssign)}
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and id(node) not in fields:
             yield node.lineno, node.id
         elif isinstance(node, ast.arg):
@@ -144,12 +139,14 @@ def occurrences(path: Path) -> dict[str, list[str]]:
     """List the places of a file by what is wrong with them."""
     text = path.read_text(encoding="utf-8")
     tree = ast.parse(text)
+    nodes = [*ast.walk(tree)]
+    descriptions = [*((node.lineno, str(node.value)) for node in docstrings(nodes)), *comments(text)]
     lines = {
-        "private words": [(n, word) for n, words in descriptions(text) for word in private_words(words)],
-        "long first lines": [(n, summary) for n, summary in summaries(tree) if is_long(summary)],
-        "vague names": [(n, name) for n, name in assigned_names(tree) if name in VAGUE_NAMES],
+        "private words": [(n, word) for n, words in descriptions for word in private_words(words)],
+        "long first lines": [(n, summary) for n, summary in summaries(nodes) if is_long(summary)],
+        "vague names": [(n, name) for n, name in assigned_names(nodes) if name in VAGUE_NAMES],
         "late constants": list(late_constants(tree)),
-        "Any": [(n.lineno, "") for n in ast.walk(tree) if isinstance(n, ast.Name) and n.id == "Any"],
+        "Any": [(n.lineno, "") for n in nodes if isinstance(n, ast.Name) and n.id == "Any"],
     }
     place = path.relative_to(ROOT)
     return {kind: [f"{place}:{n}: {words}" for n, words in entries] for kind, entries in lines.items()}
@@ -157,10 +154,10 @@ def occurrences(path: Path) -> dict[str, list[str]]:
 
 def print_figures(name: str, paths: list[Path], is_listed: bool) -> None:
     """Print the figures of some files, and on request every occurrence."""
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in paths]
-    lines = [summary for tree in trees for _, summary in summaries(tree)]
+    trees = [[*ast.walk(ast.parse(path.read_text(encoding="utf-8")))] for path in paths]
+    lines = [summary for nodes in trees for _, summary in summaries(nodes)]
     lengths = sorted(len(summary.split()) for summary in lines) or [0]
-    names = sum(1 for tree in trees for _ in assigned_names(tree))
+    names = sum(1 for nodes in trees for _ in assigned_names(nodes))
     places = [occurrences(path) for path in paths]
     counts = {kind: sum(len(entries[kind]) for entries in places) for kind in places[0]}
     late_files = sum(bool(entries["late constants"]) for entries in places)
@@ -188,7 +185,7 @@ def main() -> None:
     lines = [
         (f"{path.relative_to(ROOT)}:{n}", summary)
         for path in files
-        for n, summary in summaries(ast.parse(path.read_text(encoding="utf-8")))
+        for n, summary in summaries([*ast.walk(ast.parse(path.read_text(encoding="utf-8")))])
     ]
     for source, summary in random.Random(options.seed).sample(lines, min(options.random, len(lines))):
         print(f"{source}: {summary}")

@@ -38,18 +38,16 @@ def retired_in(text):
 def package_faults(path):
     """List private words of messages, retired words, and openings of docstrings."""
     text = path.read_text(encoding="utf-8")
-    tree = ast.parse(text)
-    nodes = (node for node in ast.walk(tree) if isinstance(node, ast.Constant))
-    sentences = [
-        (id(node), node.value) for node in nodes if isinstance(node.value, str) and " " in node.value
-    ]
-    described = {id(node) for node in docstrings(tree)}
+    nodes = [*ast.walk(ast.parse(text))]
+    constants = [(id(node), node.value) for node in nodes if isinstance(node, ast.Constant)]
+    sentences = [(key, value) for key, value in constants if isinstance(value, str) and " " in value]
+    described = {id(node) for node in docstrings(nodes)}
     faults = [
         word for key, value in sentences if key not in described for word in private_words(value, PRIVATE)
     ]
     lines = [*(value for _, value in sentences), *re.findall(r"#\s(.*)$", text, re.MULTILINE)]
     faults += [word for line in lines for word in retired_in(line)]
-    return faults + [str(node.value) for node in docstrings(tree) if OPENINGS.match(str(node.value))]
+    return faults + [str(node.value) for node in docstrings(nodes) if OPENINGS.match(str(node.value))]
 
 
 @pytest.mark.parametrize("folder", [*PACKAGES, "tests", "benchmarks"])
