@@ -120,6 +120,14 @@ class Gate:
         return type(record)(*(np.where(self.ok, value, np.nan)[()] for value in values))
 
 
+def demand(rule: Rule, key: str, met: Any, value: Any, **details: Any) -> None:
+    """Require that a condition holds for the value of this key.
+
+    Raises RigidBodyError by the rule.
+    """
+    Gate().demand(rule._replace(key=key), met, value, **details)
+
+
 def refusal(rule: Rule, values: Number, met: Met = False, **details: Number | str) -> RigidBodyError:
     """Return the error of a rule.
 

@@ -16,7 +16,7 @@ from fem.laws.contact_forces import side_force
 from machine_code.compiled import allocation_free
 from solver import rules
 from solver.body import GRAVITY
-from solver.conditions import Array, Gate
+from solver.conditions import Array, Gate, demand
 from solver.impact.train import Train
 
 CORNERING = 6.0
@@ -100,16 +100,15 @@ def tyres_of(train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, l
         for name in names
     )
     for a, u in enumerate(unit):
-        gate = Gate()
-        gate.demand(_rule(rules.AXLE_UNIT, a, "unit"), bool(0 <= u < count), u, most=count - 1)
+        demand(rules.AXLE_UNIT, f"axle.{a}.unit", bool(0 <= u < count), u, most=count - 1)
         inside = (position[a] >= 0.0) & (position[a] <= lengths[u])
-        gate.demand(_rule(rules.AXLE, a, "position"), inside, position[a], length=lengths[u])
+        demand(rules.AXLE, f"axle.{a}.position", inside, position[a], length=lengths[u])
         for name, values in (("friction", friction), ("cornering", cornering)):
-            gate.not_negative(_rule(rules.TYRE, a, name), values[a])
+            Gate().not_negative(rules.TYRE._replace(key=f"axle.{a}.{name}"), values[a])
     along = centres[unit] - position
     load = axle_loads(train.mass, train.hitch, train.kingpin, unit, along)
     for a in range(len(unit)):
-        Gate().demand(_rule(rules.AXLE_LOAD, a, "position"), load[a] >= 0.0, position[a], load=load[a])
+        demand(rules.AXLE_LOAD, f"axle.{a}.position", load[a] >= 0.0, position[a], load=load[a])
     if not friction.any():
         return no_tyres(train)
     workspace = np.zeros(len(unit)), np.zeros(3 * count), np.zeros(count * len(SUMS))
@@ -120,10 +119,6 @@ def no_tyres(train: Train) -> Tyres:
     """Return tyres without axles."""
     nothing = np.zeros((0, train.mass.shape[1]))
     return Tyres(np.zeros(0, dtype=np.int64), *4 * (nothing,), np.zeros(0), np.zeros(0), np.zeros(0))
-
-
-def _rule(rule: rules.Rule, axle: int, name: str) -> rules.Rule:
-    return rule._replace(key=f"axle.{axle}.{name}")
 
 
 def axle_loads(mass: Array, hitch: Array, kingpin: Array, unit: NDArray[np.int64], along: Array) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 
 from solver import rules
 from solver.body import GRAVITY
-from solver.conditions import Array, Gate, Number, RigidBodyError, number
+from solver.conditions import Array, Gate, Number, RigidBodyError, demand, number
 from solver.impact.tyres import CORNERING, axle_loads
 from solver.space.state import Fleet
 from solver.space.wall import profile_points
@@ -232,11 +232,8 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
             [_points_of(strip) for strip in vehicle.strips],
         )
     )
-    heights, friction, speeds, angles = (  # copies: read-only arrays are of another type to Numba
-        np.array(np.broadcast_to(value, n), dtype=np.float64) for value in of_sample
-    )
     return Fleet(
-        units, axles, strips, of_axles, of_strips, carriers, points, profile, heights, friction, speeds, angles
+        units, axles, strips, of_axles, of_strips, carriers, points, profile, *_rows(of_sample, n)
     )  # fmt: skip
 
 
@@ -255,10 +252,14 @@ def _sample_count(vehicle: SpaceVehicle, further: Sequence[Number]) -> int:
     return sizes.pop() if sizes else 1
 
 
+def _rows(values: Sequence[Number], n: int) -> Array:
+    """Return values of n samples, shape (values, n)."""
+    return np.array([np.broadcast_to(value, n) for value in values], dtype=np.float64)
+
+
 def _columns(entries: Sequence[Sequence[Number]], n: int) -> Array:
     """Return columns of entries, shape (n, entries, columns)."""
-    table = np.array([[np.broadcast_to(value, n) for value in entry] for entry in entries], dtype=np.float64)
-    return np.ascontiguousarray(np.moveaxis(table, -1, 0))
+    return np.ascontiguousarray(np.moveaxis(np.array([_rows(entry, n) for entry in entries]), -1, 0))
 
 
 def _demand_counts(vehicle: SpaceVehicle) -> None:
@@ -289,7 +290,7 @@ def _demand_values(table: str, index: int, record: object) -> None:
             checked = number(key, part)
             finite = True if name == "plateau" else np.isfinite(checked)
             positive = checked > 0.0 if name in rules.SPACE_POSITIVE else checked >= 0.0
-            Gate().demand(rule._replace(key=key), positive & finite, checked)
+            demand(rule, key, positive & finite, checked)
 
 
 def _unit_key(index: int, name: str) -> str:
@@ -302,24 +303,17 @@ def _unit_key(index: int, name: str) -> str:
 def _loads(vehicle: SpaceVehicle, n: int) -> Array:
     """Return the loads of the axles at rest [N], shape (axles, n)."""
     units, unit = vehicle.units, np.array([axle.unit for axle in vehicle.axles])
-    mass = np.array([np.broadcast_to(u.mass, n) for u in units], dtype=np.float64)
-    pairs = list(pairwise(units))
-    hitch = np.array([np.broadcast_to(ahead.centre_of_mass - behind.hitch, n) for ahead, behind in pairs])
-    kingpin = np.array([np.broadcast_to(behind.centre_of_mass - behind.kingpin, n) for _, behind in pairs])
-    along = np.array(
-        [np.broadcast_to(units[a.unit].centre_of_mass - a.position, n) for a in vehicle.axles],
-        dtype=np.float64,
-    )
+    mass = _rows([u.mass for u in units], n)
+    hitch = _rows([ahead.centre_of_mass - behind.hitch for ahead, behind in pairwise(units)], n)
+    kingpin = _rows([behind.centre_of_mass - behind.kingpin for behind in units[1:]], n)
+    along = _rows([units[a.unit].centre_of_mass - a.position for a in vehicle.axles], n)
     loads = axle_loads(mass, hitch, kingpin, unit, along)
     for index, axle in enumerate(vehicle.axles):
-        key, gate = f"axle.{index}.position", Gate()
-        length = units[axle.unit].length
-        inside = (np.asarray(axle.position) >= 0.0) & (np.asarray(axle.position) <= length)
-        gate.demand(
-            rules.AXLE._replace(key=key), bool(np.all(inside)), float(np.max(axle.position)), length=length
-        )
+        key, length, place = f"axle.{index}.position", units[axle.unit].length, np.asarray(axle.position)
+        inside = bool(np.all((place >= 0.0) & (place <= length)))
+        demand(rules.AXLE, key, inside, float(np.max(place)), length=length)
         carried = loads[index] - GRAVITY * np.asarray(axle.mass)
-        gate.demand(rules.AXLE_LOAD._replace(key=key), carried >= 0.0, axle.position, load=carried)
+        demand(rules.AXLE_LOAD, key, carried >= 0.0, axle.position, load=carried)
     return loads
 
 
@@ -332,16 +326,12 @@ def _sprung(vehicle: SpaceVehicle, index: int) -> tuple[Number, Number, Number]:
     add = math.fsum if all(isinstance(axle.mass, float) for axle in axles) else sum
     unsprung = add([axle.mass for axle in axles])
     mass = unit.mass - unsprung
-    Gate().demand(
-        rules.SPRUNG._replace(key=_unit_key(index, "mass")), np.asarray(mass > 0.0), unit.mass, axles=unsprung
-    )
+    demand(rules.SPRUNG, _unit_key(index, "mass"), mass > 0.0, unit.mass, axles=unsprung)
     place = (sum(axle.mass * axle.position for axle in axles) - unit.mass * unit.centre_of_mass) / mass
     height = (unit.mass * unit.centre_height - sum(axle.mass * axle.radius for axle in axles)) / mass
+    key, centre = _unit_key(index, "centre_height"), unit.centre_height
     for axle in axles:
-        rule = rules.CENTRE_ABOVE._replace(key=_unit_key(index, "centre_height"))
-        Gate().demand(
-            rule, np.asarray(unit.centre_height > axle.radius), unit.centre_height, radius=axle.radius
-        )
+        demand(rules.CENTRE_ABOVE, key, centre > axle.radius, centre, radius=axle.radius)
     return mass, place, height
 
 
@@ -365,8 +355,8 @@ def _unit(vehicle: SpaceVehicle, index: int) -> list[Number]:
         "yaw_inertia": sum(m * dx**2 + inertia for dx, _, m, inertia in parts),
     }
     for name, least in removed.items():
-        rule, value = rules.SPRUNG_INERTIA._replace(key=_unit_key(index, name)), getattr(unit, name)
-        Gate().demand(rule, np.asarray(value > least), value, least=least)
+        value = getattr(unit, name)
+        demand(rules.SPRUNG_INERTIA, _unit_key(index, name), value > least, value, least=least)
     inertias = [getattr(unit, name) - least for name, least in removed.items()]
     product = -sum(m * dx * dz for dx, dz, m, _ in parts)
     behind = vehicle.units[index + 1] if index + 1 < len(vehicle.units) else unit
@@ -381,9 +371,7 @@ def _reach(vehicle: SpaceVehicle, index: int, place: Number, height: Number) -> 
     unit = vehicle.units[index]
     along = np.maximum(np.abs(place), np.abs(unit.length + place))
     levels = [level for strip in vehicle.strips if strip.unit == index for level in strip.height]
-    up: Number = 0.0
-    for level in levels:
-        up = np.maximum(up, np.abs(level - height))
+    up = np.max(np.broadcast_arrays(0.0, *(np.abs(level - height) for level in levels)), axis=0)
     result: Number = SLACK + np.sqrt(along**2 + up**2 + 0.25 * np.square(unit.width))
     return result
 
@@ -420,19 +408,14 @@ def _strip(vehicle: SpaceVehicle, index: int) -> list[Number]:
 def _demand_strip(vehicle: SpaceVehicle, index: int, unit: SpaceUnit) -> None:
     """Require a strip within its unit. Raises RigidBodyError."""
     strip, key = vehicle.strips[index], f"strip.{index}"
-    gate, ends = Gate(), np.array(np.broadcast_arrays(*strip.at, unit.length))
+    ends = np.array(np.broadcast_arrays(*strip.at, unit.length))
     inside = (ends[:2] >= 0.0) & (ends[:2] <= ends[2])
-    gate.demand(rules.STRIP_AT._replace(key=f"{key}.at"), inside, ends[:2], length=ends[2])
+    demand(rules.STRIP_AT, f"{key}.at", inside, ends[:2], length=ends[2])
     low, high, most = np.broadcast_arrays(*strip.height, 3.0 * np.asarray(unit.centre_height))
-    gate.demand(
-        rules.STRIP_HEIGHT._replace(key=f"{key}.height"), (high <= most) & (low <= most), high, most=most
-    )
-    upwards = (high > low) | (ends[1] > ends[0])
-    gate.demand(rules.STRIP_LENGTH._replace(key=f"{key}.height"), upwards, high)
+    demand(rules.STRIP_HEIGHT, f"{key}.height", (high <= most) & (low <= most), high, most=most)
+    demand(rules.STRIP_LENGTH, f"{key}.height", (high > low) | (ends[1] > ends[0]), high)
     half = 0.5 * np.asarray(unit.width)
-    gate.demand(
-        rules.INSET._replace(key=f"{key}.inset"), np.asarray(strip.inset < half), strip.inset, most=half
-    )
+    demand(rules.INSET, f"{key}.inset", strip.inset < half, strip.inset, most=half)
     if strip.axle >= len(vehicle.axles) or (strip.axle >= 0 and vehicle.axles[strip.axle].unit != strip.unit):
         allowed = ", ".join(str(a) for a, axle in enumerate(vehicle.axles) if axle.unit == strip.unit)
         why = "the strip's unit has no axle of this number"
