@@ -76,16 +76,16 @@ def _solve_point(point, effect, v, j, w, kick, h):
     inertia = 1.0 / (kick * h * (effect[1, j + 1] + x * effect[1, j + 2]))
     ahead = point[col.DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
     normal = _normal_force(point, ahead + point[col.NORMAL] / inertia, inertia)
-    more = normal - point[col.NORMAL]
-    _push(0.0, kick * more, effect, v)
+    normal_change = normal - point[col.NORMAL]
+    _push(0.0, kick * normal_change, effect, v)
     slip = v[j] - v[j + 2] * y - 0.5 * h * w * w * x
     stopping = point[col.TANGENTIAL] - slip / (kick * (effect[0, j] - y * effect[0, j + 2]))
     tangential = coulomb_force(stopping, point[col.FRICTION] * normal)
-    turned = tangential - point[col.TANGENTIAL]
-    _push(kick * turned, 0.0, effect, v)
+    tangential_change = tangential - point[col.TANGENTIAL]
+    _push(kick * tangential_change, 0.0, effect, v)
     point[col.NORMAL], point[col.TANGENTIAL] = normal, tangential
     point[col.AHEAD] = point[col.DEPTH] + h * (0.5 * h * w * w * y - v[j + 1] - v[j + 2] * x)
-    return abs(more) + abs(turned) <= SETTLED * (normal + abs(tangential))
+    return abs(normal_change) + abs(tangential_change) <= SETTLED * (normal + abs(tangential))
 
 
 @allocation_free
@@ -133,7 +133,7 @@ def _part(point, ahead):
 
 @allocation_free
 def deepest_mean(point):
-    """Return the deepest mean up to this step."""
+    """Return the greatest mean depth of a point up to this step."""
     mean = 0.5 * (point[col.EARLIER] + point[col.AHEAD]) if point[col.NORMAL] > 0.0 else 0.0
     return max(point[col.DEEPEST], mean)
 

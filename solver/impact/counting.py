@@ -45,19 +45,19 @@ def count_strikes(points, point_owner, motion, active, groups, strikes, number, 
         group = groups[point_owner[p, 1]]
         first, until = _pressed_during(points[p], last, h, t)
         if group[col.STAMP] < k:
-            comes = group[col.STAMP] < k - 1
-            if group[col.SLOT] < 0.0 or (comes and first >= over_from(group[col.FIRST], group[col.LAST])):
+            is_new = group[col.STAMP] < k - 1
+            if group[col.SLOT] < 0.0 or (is_new and first >= over_from(group[col.FIRST], group[col.LAST])):
                 group[col.SLOT], group[col.FIRST], group[col.LAST] = number, first, until
                 group[col.WHOLE] = group[col.AFTER] = 0.0
                 if number < strikes.shape[0]:
                     strikes[number, :] = 0.0
                 number += 1
             if group[col.AFTER] >= LIGHT * group[col.WHOLE]:
-                if comes:
+                if is_new:
                     group[col.AFTER] = 0.0
                 else:
                     group[col.LAST] = until
-            group[col.BEFORE] = 0.0 if comes else group[col.FORCE]
+            group[col.BEFORE] = 0.0 if is_new else group[col.FORCE]
             group[col.FORCE], group[col.STAMP] = 0.0, k
         group[col.FORCE] += points[p, col.NORMAL]
         group[col.AFTER] += kick * points[p, col.NORMAL]
@@ -171,7 +171,7 @@ def _pressing(groups, k, recent):
 def _all_over(groups, k, pressed):
     """Return the instant from which all strikes are over [s].
 
-    pressed: that of strikes with corners in contact.
+    pressed: end of strikes with a corner in contact.
     """
     latest = 0.0
     for g in range(groups.shape[0]):

@@ -154,14 +154,15 @@ class ImpactMotion:
         ndarray
             Along X and Y [N], shape (hinges, 2, n - 1).
         """
-        at, changes = self.at(np.minimum(times, self.t_end)), []
+        motion, changes = self.at(np.minimum(times, self.t_end)), []
         for unit, trailer in enumerate(self.trailers, 2):
-            momenta = (trailer.vehicle.mass * getattr(at, f"v_g{axis}_{unit}") for axis in "xy")
-            pushes = [getattr(at, f"impulse_{force}_{unit}") for force in ("tangential", "normal")]
+            momenta = (trailer.vehicle.mass * getattr(motion, f"v_g{axis}_{unit}") for axis in "xy")
+            impulses = [getattr(motion, f"impulse_{force}_{unit}") for force in ("tangential", "normal")]
             if self.axles:
-                steering = (getattr(at, f"tyre_impulse_{force}_{unit}") for force in ("tangential", "normal"))
-                pushes = [wall + road for wall, road in zip(pushes, steering, strict=True)]
-            changes.append([np.diff(wall - momentum) for momentum, wall in zip(momenta, pushes, strict=True)])
+                names = (f"tyre_impulse_{force}_{unit}" for force in ("tangential", "normal"))
+                impulses = [wall + getattr(motion, name) for wall, name in zip(impulses, names, strict=True)]
+            pairs = zip(impulses, momenta, strict=True)
+            changes.append([np.diff(impulse - momentum) for impulse, momentum in pairs])
         increments = np.reshape(changes, (-1, 2, times.size - 1)) / np.diff(times)
         return np.cumsum(increments[::-1], axis=0)[::-1]
 

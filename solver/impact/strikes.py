@@ -100,9 +100,9 @@ def strikes_of(
     tangential, station = tangential_by_corner or {}, station_by_corner or {}
     strikes = []
     for corner, force in force_by_corner.items():
-        beside = [values.get(corner) for values in (tangential, station, position_by_corner or {})]
+        further = [values.get(corner) for values in (tangential, station, position_by_corner or {})]
         touches = _touches(np.asarray(t), np.asarray(force))
-        strikes += [_sampled(corner, np.asarray(t), np.asarray(force), touch, beside) for touch in touches]
+        strikes += [_sampled(corner, np.asarray(t), np.asarray(force), touch, further) for touch in touches]
     return tuple(sorted(strikes, key=lambda strike: strike.start))
 
 
@@ -125,21 +125,20 @@ def _touches(t: Array, force: Array) -> list[tuple[int, int, int]]:
 
 
 def _sampled(
-    corner: str, t: Array, force: Array, touches: tuple[int, int, int], beside: list[Array | None]
+    corner: str, t: Array, force: Array, touches: tuple[int, int, int], further: list[Array | None]
 ) -> Strike:
     first, last, until = touches
     part, step = slice(first, until), np.diff(t[first : until + 1])
-    push, pressed = force[part] * step, force[first:last]
+    impulse, pressed = force[part] * step, force[first:last]
     start = t[first + 1] - _pressed_fraction(pressed) * step[0]
     end = t[last - 1] + _pressed_fraction(pressed[::-1]) * (t[last] - t[last - 1])
-    tangential, station, position = (None if v is None else np.asarray(v)[part] for v in beside)
+    tangential, station, position = (None if v is None else np.asarray(v)[part] for v in further)
     along = math.nan if tangential is None else float(tangential @ step)
-    means = [math.nan if v is None else float(v @ push) / float(push.sum()) for v in (station, position)]
+    total = float(impulse.sum())
+    means = [math.nan if v is None else float(v @ impulse) / total for v in (station, position)]
     peak = _parabola_peak(t, force, (first, until))
     cut = bool(until == force.size or over_from.py_func(t[first], t[last]) > t[-1])
-    return Strike(
-        corner, float(start), float(end), peak, float(push.sum()), along, means[0], means[1], cut=cut
-    )
+    return Strike(corner, float(start), float(end), peak, total, along, means[0], means[1], cut=cut)
 
 
 def _pressed_fraction(force: Array) -> float:

@@ -183,16 +183,16 @@ def solve_trains(
         parts <<= np.log2(np.clip(most * h / latest, 1, PARTS)).astype(np.int64)
 
     def run(chosen: NDArray[np.int64], h: Array, interval: float | None, room: int = strikes) -> Trajectories:
-        few = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[..., chosen]) for v in train))
+        samples = Train(*(v if v.ndim == 1 else np.ascontiguousarray(v[..., chosen]) for v in train))
         out, n = np.array(state[chosen]), len(chosen)
         stride, count = parts[chosen], 0
         if interval is not None:
             rows_apart = interval / h if interval else np.ceil(latest / h / MOST_ROWS)
             stride = np.rint(rows_apart * stride).astype(np.int64)
             count = math.ceil(min(float((latest / h * parts[chosen] / stride).max()), most)) + 2
-        road = chosen_tyres(tyres, chosen)
-        wide = columns(out.shape[1]) + road.sums.size
-        rows = np.empty((n, count, 1 if impulse_alone else wide))
+        samples_tyres = chosen_tyres(tyres, chosen)
+        width = columns(out.shape[1]) + samples_tyres.sums.size
+        rows = np.empty((n, count, 1 if impulse_alone else width))
         strike_rows = np.full((n, room, len(STRIKE)), np.nan)
         ends = np.full(n, math.inf if end is None else end)
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
@@ -200,23 +200,23 @@ def solve_trains(
             h, parts[chosen], stride, phase * math.sqrt(tolerance), floor, h / aimed_step[chosen], rate[chosen], ends,
             after_second, latest, most, reached, counted,
         )  # fmt: skip
-        space = workspace(out.shape[1], len(few.hitch), few.unit.size)
-        arguments = few, road, out, clock, space, rows, strike_rows
+        work = workspace(out.shape[1], len(samples.hitch), samples.unit.size)
+        arguments = samples, samples_tyres, out, clock, work, rows, strike_rows
         compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
         if counted.max() > room > 2:
             return run(chosen, h, interval, int(counted.max()))
         return Trajectories(reached, out, strike_rows, rows, h / parts[chosen] * stride, h, np.zeros(n))
 
-    everyone = np.arange(len(state))
+    all_samples = np.arange(len(state))
     upright = (train.restitution == 0.0) & (train.unloading_stiffness == 0.0)
-    more = np.where(upright.any(axis=0) & varies, UPRIGHT_FACTOR, 1.0)
+    error_factor = np.where(upright.any(axis=0) & varies, UPRIGHT_FACTOR, 1.0)
     weight = tolerance / max(tolerance, DURATION_TOLERANCE)
 
     def change(fine: Trajectories, coarse: Trajectories, chosen: NDArray[np.int64]) -> Array:
-        return more[chosen] * _difference(fine, coarse, turning[chosen], weight, many_strikes)
+        return error_factor[chosen] * _difference(fine, coarse, turning[chosen], weight, many_strikes)
 
-    motions = run(everyone, h.copy(), interval)
-    error = change(motions, run(everyone, 2.0 * h, None), everyone)
+    motions = run(all_samples, h.copy(), interval)
+    error = change(motions, run(all_samples, 2.0 * h, None), all_samples)
     if step is None:
         motions = _refined(partial(run, interval=interval), change, motions, error, tolerance * h, most)
         _demand_small(error, motions.step, max(LARGEST_ERROR, 10.0 * tolerance))
@@ -344,9 +344,9 @@ def _changes(fine: Array, coarse: Array) -> Array:
 
     Columns as of `_measures`.
     """
-    one, two = fine[:, :2], coarse[:, :2]
-    same = (one[..., 0] == two[..., 0]) | (np.isnan(one[..., 0]) & np.isnan(two[..., 0]))
-    changes = np.nan_to_num(np.abs(two[..., 2:] / one[..., 2:] - 1.0), nan=0.0).max(axis=(1, 2))
+    fine, coarse = fine[:, :2], coarse[:, :2]
+    same = (fine[..., 0] == coarse[..., 0]) | (np.isnan(fine[..., 0]) & np.isnan(coarse[..., 0]))
+    changes = np.nan_to_num(np.abs(coarse[..., 2:] / fine[..., 2:] - 1.0), nan=0.0).max(axis=(1, 2))
     return np.where(same.all(axis=1), changes, math.inf)
 
 
@@ -357,14 +357,14 @@ def _changes_of_all(fine: Array, coarse: Array, goes_on: NDArray[np.bool_]) -> A
     differ. goes_on, shape (n, strikes): strikes in progress at ends that differ, of which the peak alone counts, if
     the vehicle did more than lean on the wall.
     """
-    apart = np.abs(fine[:, :, None, 1] - coarse[:, None, :, 1])
-    apart = np.where(fine[:, :, None, 0] == coarse[:, None, :, 0], apart, math.inf)
-    beside = np.take_along_axis(coarse, apart.argmin(axis=2)[..., None], axis=1)
-    changes = np.abs(beside[..., 2:] / fine[..., 2:] - 1.0)
+    distance = np.abs(fine[:, :, None, 1] - coarse[:, None, :, 1])
+    distance = np.where(fine[:, :, None, 0] == coarse[:, None, :, 0], distance, math.inf)
+    matched = np.take_along_axis(coarse, distance.argmin(axis=2)[..., None], axis=1)
+    changes = np.abs(matched[..., 2:] / fine[..., 2:] - 1.0)
     changes[..., ::2] = np.where(goes_on[..., None], 0.0, changes[..., ::2])  # impulse and duration
     changes = changes.max(axis=2)
-    changes = np.where(np.isfinite(apart.min(axis=2)), changes, math.inf)
-    weighs = fine[..., 2] >= WEIGHT * np.nanmax(fine[..., 2], axis=1, initial=0.0)[:, None]
-    leans = fine[..., 3] < LEANING * np.nanmax(fine[..., 3], axis=1, initial=0.0)[:, None]
-    weighs &= ~(goes_on & leans)
-    return np.where(weighs, changes, 0.0).max(axis=1)
+    changes = np.where(np.isfinite(distance.min(axis=2)), changes, math.inf)
+    is_heavy = fine[..., 2] >= WEIGHT * np.nanmax(fine[..., 2], axis=1, initial=0.0)[:, None]
+    is_leaning = fine[..., 3] < LEANING * np.nanmax(fine[..., 3], axis=1, initial=0.0)[:, None]
+    is_heavy &= ~(goes_on & is_leaning)
+    return np.where(is_heavy, changes, 0.0).max(axis=1)

@@ -149,9 +149,9 @@ def axle_loads(mass: Array, hitch: Array, kingpin: Array, unit: NDArray[np.int64
             force, moment = weight + pressed, pressed * ahead
             first, second = x.sum(axis=0), (x * x).sum(axis=0)
             spread = count * second - first**2
-            apart = spread > 1e-9 * np.maximum(second, 1e-300)
-            safe = np.where(apart, spread, 1.0)
-            slope = np.where(apart, (count * moment - first * force) / safe, 0.0)
+            are_apart = spread > 1e-9 * np.maximum(second, 1e-300)
+            safe = np.where(are_apart, spread, 1.0)
+            slope = np.where(are_apart, (count * moment - first * force) / safe, 0.0)
             load[on_unit] = (force - slope * first) / count + slope * x
         else:
             pressed = np.zeros_like(pressed)

@@ -181,15 +181,15 @@ def solve_space(
     def run(parts: NDArray[np.int64]) -> tuple[SpaceAnswers, Array]:
         return _run(fleet, interval, parts, end, push, on_compile, with_rows=True)
 
-    former, before = (run(parts // 2)[0] if parts[0] > 1 else None), math.inf
+    coarse, last_change = (run(parts // 2)[0] if parts[0] > 1 else None), math.inf
     for _ in range(1 if step else HALVINGS + 1):
         answers, rows = run(parts)
-        change = math.inf if former is None else _change(former, answers)
-        error = SAFETY * max(change, FORMER * before if before < UNRESOLVED else 0.0)
+        change = math.inf if coarse is None else _change(coarse, answers)
+        error = SAFETY * max(change, FORMER * last_change if last_change < UNRESOLVED else 0.0)
         error = error if step else max(error, LEAST_ERROR)
         if error <= tolerance:
             break
-        former, before, parts = answers, change, 2 * parts
+        coarse, last_change, parts = answers, change, 2 * parts
     one = SpaceAnswers(*(values[0] for values in answers))
     Gate().demand(rules.NO_CONTACT, bool(one.rows), float(fleet.height[0]))
     table = rows[: int(one.rows)]
@@ -332,8 +332,8 @@ def _parts(fleet: Fleet, interval: float, phase: float, step: float | None) -> N
     parts = np.ceil(
         interval * rate / phase if step is None else np.full_like(rate, interval / step) * (1.0 - 1e-12)
     )
-    few = parts <= MOST_PARTS
-    Gate().demand(rules.SPACE_STEPS, few, rate)
+    is_possible = parts <= MOST_PARTS
+    Gate().demand(rules.SPACE_STEPS, is_possible, rate)
     return np.maximum(parts, 1.0).astype(np.int64)
 
 

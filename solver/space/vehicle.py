@@ -223,7 +223,7 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
     loads = _loads(vehicle, n)
     axles = _columns([_axle(vehicle, a, loads[a]) for a in range(len(vehicle.axles))], n)
     strips = _columns([_strip(vehicle, k) for k in range(len(vehicle.strips))], n)
-    of_axles, of_strips, carriers, points = (
+    axle_units, strip_units, strip_axles, points = (
         np.array(values, dtype=np.int64)
         for values in (
             [axle.unit for axle in vehicle.axles],
@@ -233,7 +233,7 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
         )
     )
     return Fleet(
-        units, axles, strips, of_axles, of_strips, carriers, points, profile, *_rows(of_sample, n)
+        units, axles, strips, axle_units, strip_units, strip_axles, points, profile, *_rows(of_sample, n)
     )  # fmt: skip
 
 
