@@ -1,6 +1,7 @@
 """Fixtures of all tests, as scenes run once and small models."""
 
 import functools
+import gc
 import os
 import re
 import signal
@@ -26,8 +27,11 @@ from tailslap.scene.read import read_scene
 
 STEEL = {"thickness": 0.053, "density": 7800.0, "youngs_modulus": 200e9, "poissons_ratio": 0.3}
 LAWS = {"drag": Drag(0.47), "none": None, "signed": Signed(0.47)}
-FIRST = ("test_style.py", "test_mash_scenes.py", "test_impact_run.py")
-"""Files that take longest and are begun first, so that no process is alone at the end."""
+FIRST = ("test_result_folder.py", "test_style.py", "test_mash_scenes.py", "test_impact_run.py")
+"""Files that are begun first: one that forks its process while it is small, and those that take longest."""
+
+COLLECTION = (100_000, 20, 50)
+"""Thresholds of Python's garbage collector, which otherwise takes a tenth of the time of compilation."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -37,6 +41,7 @@ def pytest_configure(config: pytest.Config) -> None:
     not by their number of tests.
     """
     config.option.loadscopereorder = False
+    gc.set_threshold(*COLLECTION)
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -48,7 +53,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark a test by its folder, verification, validation or regression."""
     for item in items:
         item.add_marker(item.path.parent.name)
-    items.sort(key=lambda item: item.path.name not in FIRST)
+    order = {name: place for place, name in enumerate(FIRST)}
+    items.sort(key=lambda item: order.get(item.path.name, len(FIRST)))
 
 
 @functools.cache

@@ -157,20 +157,21 @@ def test_what_is_left_out_is_said(tmp_path):
     assert (summary["cost"]["pictures_s"], {path.name for path in out.iterdir()}) == (0.0, FILES)
 
 
-def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path):
-    process = run("run", "paper-table-3", *FLUTTER, "--no-pictures", "--out", "bad", cwd=tmp_path)
-    assert process.returncode == 1
+def test_a_failed_check_ends_with_one_and_keeps_the_files(tmp_path, capsys):
+    words = ["run", "paper-table-3", *FLUTTER, "--no-pictures", "--out", str(tmp_path / "bad")]
+    assert _status(words) == 1
+    said = capsys.readouterr().out
     for word in ("Failed", "damping"):
-        assert word in process.stdout
+        assert word in said
     summary = json.loads((tmp_path / "bad" / "summary.json").read_text())
     assert summary["passed"] is False
     assert "Failed" in (tmp_path / "bad" / "report.html").read_text()
 
 
-def test_a_run_that_diverges_is_reported_too(tmp_path, besides_compiling):
-    stiff = ("--set", "plate.youngs_modulus=20 TPa")
-    process = run("run", "paper-table-3", *FLUTTER, *stiff, "--out", "bad", cwd=tmp_path)
-    assert (process.returncode, besides_compiling(process.stderr)) == (1, "")
+def test_a_run_that_diverges_is_reported_too(tmp_path, capsys, besides_compiling):
+    words = ["run", "paper-table-3", *FLUTTER, "--set", "plate.youngs_modulus=20 TPa"]
+    assert _status([*words, "--out", str(tmp_path / "bad")]) == 1
+    assert besides_compiling(capsys.readouterr().err) == ""
     summary = json.loads((tmp_path / "bad" / "summary.json").read_text())
     assert summary["fe"]["t"] is None
     assert {path.name for path in (tmp_path / "bad").iterdir()} == FILES

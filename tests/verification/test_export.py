@@ -297,7 +297,6 @@ series = FieldSeries("quad", points, cells, t, nodal, {name: np.ones((2, 120)) f
 @pytest.mark.parametrize(("setup", "count"), [
     pytest.param(FIELDS, 4, id="8 fields"),
     pytest.param(FIELDS, 50, marks=pytest.mark.long, id="100 fields"),
-    pytest.param(CONTOURS, 8, id="9 contours"),
     pytest.param(CONTOURS, 100, marks=pytest.mark.long, id="101 contours"),
 ])  # fmt: skip
 def test_memory_of_many_pictures_is_flat(setup, count, tmp_path, python, proc):
