@@ -63,29 +63,79 @@ def compile_for(dispatcher: "Dispatcher", arguments: tuple[object, ...]) -> Obje
     types = tuple(map(numba.typeof, arguments))
     with _short_compilation():
         dispatcher.compile(types)
-    specialised, convention = dispatcher.overloads[types], dispatcher.targetctx.call_conv
+        specialised, convention = dispatcher.overloads[types], dispatcher.targetctx.call_conv
+        machine_code = specialised.library.machine_code()
     description = specialised.fndesc
     layout = convention.get_function_type(description.restype, description.argtypes)
     codes = "".join(map(_code, layout.args[2:]))  # behind the addresses of the result and of an error
-    machine_code = specialised.library._get_compiled_object()
     return ObjectCode(description.llvm_func_name, codes, _result(description.restype), machine_code)
 
 
 @contextmanager
 def _short_compilation() -> Iterator[None]:
-    """Find the types of each operation once, and collect no garbage."""
+    """Determine types and optimise functions once, without collecting garbage."""
+    from numba.core.registry import cpu_target
     from numba.core.types import Function
 
     with numba.core.compiler_lock.global_compiler_lock:
-        get_call_type, collects = Function.get_call_type, gc.isenabled()
+        cpu_target.target_context.refresh()  # compiles Numba's own functions, which need their addresses
+        codegen = cpu_target.target_context.codegen()
+        get_call_type, set_env, collects = Function.get_call_type, codegen.set_env, gc.isenabled()
+
+        def set_env_of_code(name: str, environment: object) -> None:
+            if codegen._engine.get_global_value_address(name):
+                set_env(name, environment)
+
         gc.disable()
         Function.get_call_type = _known_call_type(get_call_type)  # type: ignore[method-assign]
+        codegen._library_class, codegen.set_env = _linked_library(), set_env_of_code
         try:
             yield
         finally:
             Function.get_call_type = get_call_type  # type: ignore[method-assign]
+            del codegen._library_class, codegen.set_env
             if collects:
                 gc.enable()
+
+
+@functools.cache
+def _linked_library() -> type:
+    """Return the class of libraries that are optimised within their callers.
+
+    Numba optimises and translates every function, also those that only other compiled functions call, and that takes
+    most of the time.
+    """
+    from numba.core.codegen import JITCodeLibrary
+
+    class LinkedLibrary(JITCodeLibrary):
+        """A function with those that it calls."""
+
+        def machine_code(self) -> bytes:
+            """Return the object code of the optimised functions."""
+            if not self._compiled_object:
+                self._get_module_for_linking()  # a copy, so that callers do not depend on the order of compiling
+                for _ in range(2):  # loops of triangles take a tenth more time after one pass
+                    super()._optimize_final_module()
+                super()._finalize_final_module()
+            return self._get_compiled_object()
+
+        def _optimize_final_module(self) -> None:
+            if self._called_from_python():
+                super()._optimize_final_module()
+
+        def _finalize_final_module(self) -> None:
+            self._finalized = True
+            if self._called_from_python():
+                super()._finalize_final_module()
+
+        def _called_from_python(self) -> bool:
+            """Return True if Python can call the function, as a user's."""
+            return any(
+                function.name.startswith("_ZN7cpython") and not function.is_declaration
+                for function in self._final_module.functions
+            )
+
+    return LinkedLibrary
 
 
 def _known_call_type(get_call_type: Callable[..., object]) -> Callable[..., object]:

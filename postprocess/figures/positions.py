@@ -143,7 +143,7 @@ def _strike(strike: StrikeMark, height: float, end: float) -> list[Mark]:
     return [bar, Words(text, place, height, (shift, 3.5), anchor, colour)]
 
 
-class Rectangle(NamedTuple):
+class Unit(NamedTuple):
     """Rigid rectangle at both instants.
 
     x_g, y_g [m] and theta [rad], shape (2,); length, width and distance of the centre of mass behind the front [m].
@@ -157,12 +157,12 @@ class Rectangle(NamedTuple):
     centre: float
 
 
-def draw_set_up(units: Sequence[Rectangle], words: Mapping[str, str], caption: str) -> Chart:
+def draw_set_up(units: Sequence[Unit], words: Mapping[str, str], caption: str) -> Chart:
     """Draw the wall Y = 0 and the units of a vehicle.
 
     Parameters
     ----------
-    units : sequence of Rectangle
+    units : sequence of Unit
         Of a vehicle one, of a train several, the foremost first.
     words : mapping of str
         Texts by the keys of `SYMBOLS`: dimensions of the foremost unit, angle, speed, names of both positions, and
@@ -229,7 +229,7 @@ def _dimensions(place: Floats, size: float, words: Mapping[str, str]) -> list[Ma
     ]
 
 
-def _speed(unit: Rectangle, size: float, text: str) -> list[Mark]:
+def _speed(unit: Unit, size: float, text: str) -> list[Mark]:
     """Return the arrow of the speed at first touch."""
     start, theta = np.array([unit.x_g[0], unit.y_g[0]]), float(unit.theta[0])
     end = start + 0.3 * size * np.array([np.cos(theta), -np.sin(theta)])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tailslap
-from postprocess.figures.positions import SCHEME, SYMBOLS, Rectangle, draw_set_up
+from postprocess.figures.positions import SCHEME, SYMBOLS, Unit, draw_set_up
 from postprocess.report.terminal import opened
 from postprocess.svg.areas import Outline
 from postprocess.svg.marks import Words
@@ -196,7 +196,7 @@ def test_the_drawing_is_to_scale():
 
 def test_the_drawing_takes_symbols_and_several_units():
     at = np.zeros(2), np.ones(2), np.array([0.2, 0.0])
-    truck, trailer = Rectangle(*at, 6.0, 2.0, 3.0), Rectangle(at[0] - 7.0, at[1] + 1.0, at[2], 6.0, 2.0, 3.0)
+    truck, trailer = Unit(*at, 6.0, 2.0, 3.0), Unit(at[0] - 7.0, at[1] + 1.0, at[2], 6.0, 2.0, 3.0)
     one, both = (draw_set_up(units, SYMBOLS, SCHEME) for units in ([truck], [truck, trailer]))
     assert both.svg.count('fill-opacity="0.12"') == 2 * one.svg.count('fill-opacity="0.12"') == 4
     for text in ("θ", "L", "B", "P", "E", "G", "wall", "first touch", "tail-slap"):

@@ -32,7 +32,7 @@ from tailslap.scene import schema, vary
 from tailslap.scene.units import value_line
 
 if TYPE_CHECKING:
-    from postprocess.figures.positions import Rectangle
+    from postprocess.figures.positions import Unit
 
 ROWS = 401
 """Number of instants of a history of the rigid motion."""
@@ -275,14 +275,14 @@ class RigidStages(case.Case):
         return f" With {convention} {force(peak)} ({percent(peak / self.force.peak_force - 1.0, 0)})."
 
     @property
-    def unit(self) -> Rectangle:
+    def unit(self) -> Unit:
         """The vehicle at the start of Stage 2 and at the tail-slap."""
-        from postprocess.figures.positions import Rectangle
+        from postprocess.figures.positions import Unit
 
         body, at = self.body, self.motion.at(np.array([0.0, self.duration]))
         phi, radius = at.theta + body.corner_angle, body.corner_radius
         place = at.slide - radius * np.cos(phi), radius * np.sin(phi)
-        return Rectangle(*place, at.theta, body.length, body.width, 0.5 * body.length)
+        return Unit(*place, at.theta, body.length, body.width, 0.5 * body.length)
 
     def drawing(self) -> Chart:
         """Draw the vehicle at first touch and at the tail-slap."""

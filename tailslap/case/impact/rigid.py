@@ -339,7 +339,7 @@ class RigidImpact(Case):
         strike = answers.last_awaited(motion.strikes, len(motion.vehicles))
         last = strike.start if strike else motion.t_end
         at = motion.at([0.0, last])
-        units = [positions.Rectangle(*place) for place in answers.places(vars(at), motion.vehicles)]
+        units = [positions.Unit(*place) for place in answers.places(vars(at), motion.vehicles)]
         which = "strike" if self.trailers else "second strike"
         event = f"{which} ({strike.corner} corner)" if strike else "end"
         words = self.drawing_words(float(at.theta[0]))
