@@ -118,6 +118,19 @@ def test_numba_of_users_compiles_as_before(kernel):
     assert gc.isenabled()
 
 
+def test_python_calls_functions_of_users_that_kernels_call(keeping):
+    """A function of a user has machine code of its own, although its caller contains it."""
+    import numba
+
+    tripled = numba.njit(lambda value: 3.0 * value)
+
+    def tripled_and_one(value):
+        return tripled(value) + 1.0
+
+    assert compiled(tripled_and_one)(2.0) == 7.0
+    assert tripled(4.0) == 12.0
+
+
 def subtract(outer, rows, counts, fixed, flags, factor):
     """Function of the arguments of `add` with another result."""
     return Sums(-outer.pair[0], -counts.size, not flags[0], (0.0, 0.0))
