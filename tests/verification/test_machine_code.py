@@ -119,7 +119,7 @@ def test_numba_of_users_compiles_as_before(kernel):
 
 
 def test_python_calls_functions_of_users_that_kernels_call(keeping):
-    """A function of a user has machine code of its own, although its caller contains it."""
+    """Functions of users have machine code of their own too."""
     import numba
 
     tripled = numba.njit(lambda value: 3.0 * value)
