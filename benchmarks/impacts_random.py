@@ -260,8 +260,9 @@ def reference(seed: int, number: int, mesh: str, end: float) -> Record:
 def made(
     file: Path | None, seed: int, numbers: Sequence[int], meshes: list[str], references: Callable[..., Any]
 ) -> dict[tuple[int, str], Record]:
-    """Return the records of all runs, read or computed."""
-    records_of_runs = {(record["number"], record["mesh"]): record for record in read_records(file)}
+    """Return the records of these runs, read or computed."""
+    stored = (record for record in read_records(file) if record["number"] in numbers)
+    records_of_runs = {(record["number"], record["mesh"]): record for record in stored}
 
     def add(number: int, name: str, make: Callable[[int, int, str], Record], mesh: str) -> Record:
         if (number, name) not in records_of_runs:
