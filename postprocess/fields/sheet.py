@@ -20,6 +20,7 @@ from postprocess.svg.marks import SUBSCRIPT
 from postprocess.svg.scales import round_step, round_ticks, tick_texts, viridis
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from PIL import Image
 
@@ -200,7 +201,7 @@ def draw_field(
     size = (np.array(sheet.size) + 0.01) / (72.0 * dot)  # whole pixels in spite of rounding
     with histories.style():
         figure = Figure((float(size[0]), float(size[1])), dpi=72.0 * dot)
-        axes: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
         across, up = view.place([(0.0, 0.0), sheet.size]).T
         axes.set(xlim=across, ylim=up, axisbelow=False)
         axes.grid(visible=False)
@@ -209,14 +210,14 @@ def draw_field(
         _draw_scale(figure, scale, dot / sheet.size[1])
         for place, text in (marks or {}).items():
             axes.plot(*place, "o", ms=13, mfc="white", mec=INK, mew=3, zorder=5)
-            _write(axes, text, place, (18, 14), xycoords="data", ground=0.8)
+            _write(axes, text, (place[0], place[1]), (18, 14), xycoords="data", ground=0.8)
         _write(axes, f"{field.title} [{field.unit}]", (0, 1), (24, -50), TITLE, weight="bold")
         _write(axes, range_note(field, scale), (0, 1), (24, -88), NOTE)
         _write(axes, note, (1, 1), (-24, -50), ha="right")
     return figure
 
 
-def _draw_wall(axes: Any, sheet: Sheet, point: float) -> None:
+def _draw_wall(axes: Axes, sheet: Sheet, point: float) -> None:
     """Draw the hatched wall or line, with rulers.
 
     One ruler is along the wall, one beside the plate. point: its length in the drawing.
@@ -250,9 +251,10 @@ def _round_between(low: float, high: float, most: int) -> list[float]:
     return round_ticks(low, high, most) if low < high else []
 
 
-def _draw_values(axes: Any, plate: Mesh, field: ContourField, scale: ColourScale) -> None:
+def _draw_values(axes: Axes, plate: Mesh, field: ContourField, scale: ColourScale) -> None:
     """Draw nodal or element values with mesh lines."""
     from matplotlib.collections import PolyCollection
+    from matplotlib.tri import Triangulation
 
     (points, cells), colours = plate, viridis(scale.bands)
     filled: Any = "none"
@@ -261,11 +263,11 @@ def _draw_values(axes: Any, plate: Mesh, field: ContourField, scale: ColourScale
         raise ValueError(f"{len(field.values)} values for {expected} {field.where} values of the plate")
     if field.where == "nodal":
         triangles = np.concatenate([cells[:, [0, k - 1, k]] for k in range(2, cells.shape[1])])
-        axes.tricontourf(*points.T, triangles, field.values, levels=scale.edges, colors=colours)
+        net = Triangulation(points[:, 0], points[:, 1], triangles)
+        axes.tricontourf(net, field.values, levels=scale.edges, colors=colours)
     else:
         filled = colours[np.clip(np.searchsorted(scale.edges, field.values) - 1, 0, scale.bands - 1)]
-    mesh: Any = points[cells]
-    lines = PolyCollection(mesh, facecolors=filled, edgecolors=EDGE, linewidths=1.0)
+    lines = PolyCollection(list(points[cells]), facecolors=filled, edgecolors=EDGE, linewidths=1.0)
     axes.add_collection(lines, autolim=False)
 
 
@@ -275,7 +277,7 @@ def _draw_scale(figure: Figure, scale: ColourScale, point: float) -> None:
     point: its fraction of the height.
     """
     start, end, down = BAR
-    bar: Any = figure.add_axes((start, 1.0 - down * point, end - start, THICK * point), frameon=False)
+    bar = figure.add_axes((start, 1.0 - down * point, end - start, THICK * point), frameon=False)
     bar.imshow(viridis(scale.bands)[None], aspect="auto", extent=(0, 1, 0, 1), interpolation="nearest")
     bar.set_xticks(np.linspace(0.0, 1.0, len(scale.labels)), scale.labels)
     bar.set_yticks([])
@@ -284,9 +286,9 @@ def _draw_scale(figure: Figure, scale: ColourScale, point: float) -> None:
 
 
 def _write(
-    axes: Any,
+    axes: Axes,
     text: str,
-    place: tuple[float, ...],
+    place: tuple[float, float],
     shift: Size,
     size: int = TEXT,
     ground: float = 0.0,
@@ -296,7 +298,13 @@ def _write(
 
     ground: opacity of the white behind it.
     """
-    where = {"xycoords": "figure fraction", "textcoords": "offset points", "color": INK, "zorder": 6, **style}
+    where: dict[str, Any] = {
+        "xycoords": "figure fraction",
+        "textcoords": "offset points",
+        "color": INK,
+        "zorder": 6,
+        **style,
+    }
     axes.annotate(typeset(text), place, shift, fontsize=size, bbox=_ground(ground, 5.0), **where)
 
 
