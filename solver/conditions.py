@@ -120,7 +120,7 @@ class Gate:
         return type(record)(*(np.where(self.ok, value, np.nan)[()] for value in values))
 
 
-def demand(rule: Rule, key: str, met: Any, value: Any, **details: Any) -> None:
+def demand(rule: Rule, key: str, met: Met, value: Number, **details: Number | str) -> None:
     """Require that a condition holds for the value of this key.
 
     Raises RigidBodyError by the rule.

@@ -257,7 +257,7 @@ def _draw_values(axes: Axes, plate: Mesh, field: ContourField, scale: ColourScal
     from matplotlib.tri import Triangulation
 
     (points, cells), colours = plate, viridis(scale.bands)
-    filled: Any = "none"
+    filled: str | Floats = "none"
     expected = len(points if field.where == "nodal" else cells)
     if len(field.values) != expected:
         raise ValueError(f"{len(field.values)} values for {expected} {field.where} values of the plate")

@@ -41,7 +41,7 @@ DASHES: tuple[str | tuple[int, tuple[float, ...]], ...] = ("-", (0, (5, 2)), (0,
 WIDTH, HEIGHT = 6.4, 2.5
 """Size of a panel that matplotlib draws [inches]."""
 
-STYLE: dict[Any, Any] = {
+STYLE: dict[Any, object] = {
     "svg.fonttype": "none",
     "font.family": ["DejaVu Sans"],
     "font.size": 9.0,
