@@ -80,7 +80,8 @@ def _short_compilation() -> Iterator[None]:
     with numba.core.compiler_lock.global_compiler_lock:
         cpu_target.target_context.refresh()  # compiles Numba's own functions, which need their addresses
         codegen = cpu_target.target_context.codegen()
-        get_call_type, set_env, collects = Function.get_call_type, codegen.set_env, gc.isenabled()
+        library, set_env = _linked_library(), codegen.set_env
+        get_call_type, collects = Function.get_call_type, gc.isenabled()
 
         def set_env_of_code(name: str, environment: object) -> None:
             if codegen._engine.get_global_value_address(name):
@@ -88,7 +89,7 @@ def _short_compilation() -> Iterator[None]:
 
         gc.disable()
         Function.get_call_type = _known_call_type(get_call_type)  # type: ignore[method-assign]
-        codegen._library_class, codegen.set_env = _linked_library(), set_env_of_code
+        codegen._library_class, codegen.set_env = library, set_env_of_code
         try:
             yield
         finally:

@@ -92,9 +92,9 @@ def test_limit_without_convergence_is_the_finest_and_little_known():
 def test_settings_have_names_of_their_own():
     assert len({setting.key for setting in TODO}) == len(TODO)
     both = {"modal model", "time step", "penalty", "damping"}
-    wanted = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "exact constraint", "unstressed start"}
-    wanted |= {"row-sum masses", "single precision"}
-    assert wanted | both <= {setting.group for setting in TODO if not setting.soft}
+    groups = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "exact constraint", "unstressed start"}
+    groups |= {"row-sum masses", "single precision"}
+    assert groups | both <= {setting.group for setting in TODO if not setting.soft}
     elements = {"quad4", "quad9", "tri3", "tri6", "quad4-reduced"}
     assert elements | both <= {setting.group for setting in TODO if setting.soft}
 
@@ -252,8 +252,8 @@ def test_meshes_of_the_soft_plate_converge_and_a_spring_adds_in_proportion():
     """Meshes of quad9 converge, and a spring adds in proportion."""
     soft = vary(STUDIED.source, cost_settings.soft_changes(STUDIED))[1]
     by_key = {setting.key.removeprefix("soft plate, "): setting for setting in TODO if setting.soft}
-    wanted = ("quad9: 10 x 3", "quad9: 20 x 6", "quad9: 40 x 12", "penalty: scale 3", "penalty: scale 30")
-    coarse, medium, fine, loose, stiff = [measure(soft, by_key[key])["values"] for key in wanted]
+    keys = ("quad9: 10 x 3", "quad9: 20 x 6", "quad9: 40 x 12", "penalty: scale 3", "penalty: scale 30")
+    coarse, medium, fine, loose, stiff = [measure(soft, by_key[key])["values"] for key in keys]
     assert largest_relative(medium, fine) < 0.5 * largest_relative(coarse, medium)
     assert largest_relative(loose, medium) == pytest.approx(10.0 * largest_relative(stiff, medium), rel=0.05)
 

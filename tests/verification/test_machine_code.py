@@ -131,6 +131,17 @@ def test_python_calls_functions_of_users_that_kernels_call(keeping):
     assert tripled(4.0) == 12.0
 
 
+def test_a_numba_without_this_library_class_compiles_by_itself(kernel, monkeypatch):
+    """The state of Numba and of the garbage collector is unchanged."""
+    from machine_code import numba_code
+
+    numba_code._linked_library.cache_clear()
+    monkeypatch.delattr("numba.core.codegen.JITCodeLibrary")
+    assert kernel(*arguments(0.25, 1)) == add(*arguments(0.25, 1))
+    assert numba_code.numba.types.functions.Function.get_call_type.__module__ == "numba.core.types.functions"
+    assert gc.isenabled()
+
+
 def subtract(outer, rows, counts, fixed, flags, factor):
     """Function of the arguments of `add` with another result."""
     return Sums(-outer.pair[0], -counts.size, not flags[0], (0.0, 0.0))

@@ -200,9 +200,9 @@ def peak_table(outcome: CornerOutcome) -> Table:
         {"what": f"Peak of a triangle of {1e3 * case.scene.strike.duration:g} ms", **peaks},
         {"what": "50 ms mean", **means},
     ]
-    if other := case.other_convention():
-        label = f"Peak with {rigid_stages.CONVENTIONS[other[0]]}"
-        rows.append({"what": label, "fe": None, "rigid": other[1].force.peak_force})
+    if convention := case.other_convention():
+        label = f"Peak with {rigid_stages.CONVENTIONS[convention[0]]}"
+        rows.append({"what": label, "fe": None, "rigid": convention[1].force.peak_force})
     return Table(PEAKS, rows, notes=(STAGE_3,))
 
 
@@ -401,12 +401,12 @@ def _error(outcome: CornerOutcome) -> str:
 
 def _convention(case: RigidStages) -> str:
     """Return the convention of restitution and the effect of the other one."""
-    other, impact = case.other_convention(), case.scene.impact
+    convention, impact = case.other_convention(), case.scene.impact
     if impact is None:
         return ""
-    if other is None:
+    if convention is None:
         return f'Stage 1, for reference, follows the convention "{impact.convention}"; [start] overrides it.'
-    name, other_case = other
+    name, other_case = convention
     return (
         f'Restitution follows the convention "{impact.convention}". With "{name}" the angular velocity after the '
         f"impact would be {other_case.start.omega:.4f} instead of {case.start.omega:.4f} rad/s and the peak force "

@@ -109,17 +109,17 @@ def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> Compan
     fe_plan = outcome.fe_plan
     case = on_plate(fe_plan, plate)
     try:
-        other = attempt(with_damping_of(fe_plan, case))
-        if (decisions.damping_is_open(fe_plan.original.scene) or plate.relieved) and rings(other):
-            other = damped_run(with_open_damping(case))
+        companion = attempt(with_damping_of(fe_plan, case))
+        if (decisions.damping_is_open(fe_plan.original.scene) or plate.relieved) and rings(companion):
+            companion = damped_run(with_open_damping(case))
     except InputError:
         return None
     mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"
-    if not other.fe:
+    if not companion.fe:
         return Companion(mesh, refinement, {})
-    motions = (outcome.run.history, outcome.rigid_history), (other.run.history, other.rigid_history)
+    motions = (outcome.run.history, outcome.rigid_history), (companion.run.history, companion.rigid_history)
     apart = distance_in_motion(*motions, outcome.rigid, not fe_plan.plate.relieved)
-    return Companion(mesh, refinement, other.difference, apart)
+    return Companion(mesh, refinement, companion.difference, apart)
 
 
 def on_plate(fe_plan: CornerPlan, plate: Plate) -> RigidStages:

@@ -172,9 +172,9 @@ def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
     scene, travel, start = case.scene, centre_travel(case), case.start
     mesh = fe_mesh(scene, plate)
     plate = resolved_plate(scene, plate, mesh)
-    other = comparable_plate(plate)
-    meshes = (mesh, mesh if same_mesh(plate, other) else fe_mesh(scene, other))
-    model, comparable = static_models(case, (plate, other), meshes)
+    reference_plate = comparable_plate(plate)
+    meshes = (mesh, mesh if same_mesh(plate, reference_plate) else fe_mesh(scene, reference_plate))
+    model, comparable = static_models(case, (plate, reference_plate), meshes)
     statics, reference = inertia_relief.statics(model, start), inertia_relief.statics(comparable, start)
     ratios = (abs(statics.deflection) / travel, abs(reference.deflection) / travel)
     return Mesh(plate, model, model.mass, *ratios, abs(statics.gap) / travel)
