@@ -32,7 +32,7 @@ from postprocess.units import SI, Units
 if TYPE_CHECKING:
     from PIL import Image
 
-FRAME_MS, GIF_SIZE, GIF_COLOURS = 120, (960, 420), 64
+FRAME_MS, GIF_SIZE, COLOURS = 120, (960, 420), 64
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def animate(
     """
     pictures = []
     for frame in frames(series, name, magnify, range(len(series.t)), units, size):
-        pictures.append(frame.quantize(GIF_COLOURS))
+        pictures.append(frame.quantize(COLOURS))
         follow()
     first, *further = pictures
     first.save(path, save_all=True, append_images=further, duration=FRAME_MS, loop=0)
@@ -164,11 +164,11 @@ def frames(
 
 
 def save(image: Image.Image, path: Path) -> None:
-    """Write a PNG of 256 colours, which halves its size.
+    """Write a PNG of a few colours, which halves its size.
 
     The colours of bands are exact.
     """
-    image.quantize(256).save(path, optimize=True)
+    image.quantize(COLOURS).save(path, optimize=True)
 
 
 def value_at(points: Floats, values: Floats, place: ArrayLike) -> float:

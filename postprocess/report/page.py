@@ -13,7 +13,7 @@ import io
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from postprocess.report.prose import prose
 from postprocess.report.tables import Table
@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
 SEPARATOR = "\x1e"
 """Mark of the page's template: end of a part that units change."""
-
-COLOURS = 64
-"""Colours of a picture within a page."""
 
 
 @dataclass(frozen=True)
@@ -172,10 +169,9 @@ def page_text(page: Page) -> str:
     script = (Path(__file__).parents[1] / "templates" / "page.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode("ascii")
     template, original = _template(), page.original or page
-    texts = [
-        template.render(page=original.in_units(units), shown=page.units.name, script=script, digest=digest)
-        for units in (SI, US)
-    ]
+    common: dict[str, Any] = {"shown": page.units.name, "script": script, "digest": digest}
+    common["data_uri"] = functools.cache(data_uri)  # for both units
+    texts = [template.render(common, page=original.in_units(units)) for units in (SI, US)]
     return in_both_units(texts if page.units is SI else texts[::-1], page.units)
 
 
@@ -192,7 +188,6 @@ def _template() -> Template:
         lstrip_blocks=True,
     )
     environment.filters |= {"words": prose, "prose": lambda text: between(prose(text))}
-    environment.filters["data_uri"] = data_uri
     return environment.get_template("page.html.j2")
 
 
@@ -224,13 +219,13 @@ def in_both_units(texts: Sequence[str], units: Units) -> str:
 def data_uri(path: Path) -> str:
     """Return a PNG or GIF file as a data URI.
 
-    A PNG becomes a smaller WebP, which contains fewer shades.
+    A PNG becomes a smaller WebP.
     """
     content, kind = path.read_bytes(), path.suffix.removeprefix(".")
     if kind == "png":
         from PIL import Image
 
         file, kind = io.BytesIO(), "webp"
-        Image.open(path).convert("RGB").quantize(COLOURS).convert("RGB").save(file, kind, lossless=True)
+        Image.open(path).convert("RGB").save(file, kind, lossless=True)
         content = file.getvalue()
     return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"
