@@ -30,10 +30,16 @@ PHASE_OF_PARTS, TURN_OF_PARTS, PARTS = 0.32, 0.1, 1024
 """Phase of a part of a step of a train, rotation in its whole step, as above; largest number of parts of a step."""
 
 COARSE_PHASE, COARSE_TURN, COARSE_FLOOR = 1.0, 0.4, 0.5
-"""Both for many vehicles with tyres, and their least step near a jump of stiffness over the step beyond it."""
+"""Both for many vehicles, and their least step near a jump of stiffness over the step beyond it."""
+
+LOOSE = 1e-3
+"""Tolerance from which steps of many vehicles are coarse."""
 
 UPRIGHT_FACTOR = 4.0
 """Factor on the error of a train with a vertical line of unloading, whose steps are of first order."""
+
+STEEP = 0.03
+"""Restitution up to which the error with coarse steps is at least the tolerance: two steps may agree by accident."""
 
 DURATION_TOLERANCE = 4e-3
 """Allowed change of durations where the tolerance is smaller: they are of first order where unloading is abrupt."""
@@ -170,8 +176,8 @@ def solve_trains(
     tyres = no_tyres(train) if tyres is None else tyres
     steered = tyres.unit.size > 0
     many_strikes = len(train.hitch) > 0 or steered
-    varies = step is None and many_strikes
-    is_coarse = varies and steered and impulse_alone
+    is_coarse = step is None and impulse_alone and tolerance >= LOOSE
+    varies = step is None and (many_strikes or is_coarse)
     phase, floor = (COARSE_PHASE, COARSE_FLOOR) if is_coarse else (PHASE_OF_PARTS, 0.0)
     h = _whole_steps(rate, turning, tolerance, step, varies, is_coarse)
     h = np.maximum(h, latest / most)  # first coarser, then finer as far as the computed end allows
@@ -208,12 +214,14 @@ def solve_trains(
         return Trajectories(reached, out, strike_rows, rows, h / parts[chosen] * stride, h, np.zeros(n))
 
     all_samples = np.arange(len(state))
-    upright = (train.restitution == 0.0) & (train.unloading_stiffness == 0.0)
-    error_factor = np.where(upright.any(axis=0) & varies, UPRIGHT_FACTOR, 1.0)
+    steepest = np.where(train.unloading_stiffness == 0.0, train.restitution, 1.0).min(axis=0)
+    error_factor = np.where((steepest == 0.0) & (varies and not is_coarse), UPRIGHT_FACTOR, 1.0)
+    least_error = np.where((steepest <= STEEP) & is_coarse, tolerance, 0.0)
     weight = tolerance / max(tolerance, DURATION_TOLERANCE)
 
     def change(fine: Trajectories, coarse: Trajectories, chosen: NDArray[np.int64]) -> Array:
-        return error_factor[chosen] * _difference(fine, coarse, turning[chosen], weight, many_strikes)
+        difference = _difference(fine, coarse, turning[chosen], weight, many_strikes)
+        return np.maximum(error_factor[chosen] * difference, least_error[chosen])
 
     motions = run(all_samples, h.copy(), interval)
     error = change(motions, run(all_samples, 2.0 * h, None), all_samples)

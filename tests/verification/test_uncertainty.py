@@ -543,12 +543,13 @@ def test_peak_is_in_proportion_to_speed_and_root_of_stiffness_and_mass():
     faster, heavier = np.array([1.0, 1.3, 1.0]), np.array([1.0, 1.0, 1.7])
     inputs = {"impact.speed": 20.0 * faster, "vehicle.mass": 9000.0 * heavier}
     inputs["contact.stiffness"] = 1e6 * ones * faster**2 * heavier
-    columns = uncertainty_study.solved(plan, inputs)
+    columns, fine = uncertainty_study.solved(plan, inputs), plan.impacts(inputs, tolerance=1e-4)
     force = faster * np.sqrt(faster**2 * heavier * heavier)
     for strike in (1, 2):
-        names = (f"strike_{strike}.{name}" for name in ("raw", "impulse", "duration"))
-        raw, impulse, duration = (columns[name] for name in names)
-        assert raw / raw[0] == pytest.approx(force, rel=1e-4)
+        peak, impulse, duration = (
+            values[strike - 1] for values in (fine.peak_force, fine.impulse, fine.duration)
+        )
+        assert peak / peak[0] == pytest.approx(force, rel=1e-4)
         assert impulse / impulse[0] == pytest.approx(force / faster, rel=1e-4)
         assert duration / duration[0] == pytest.approx(1.0 / faster, rel=1e-4)
         for name in ("mean_50ms", "cfc60"):  # the filters' windows do not scale with the time

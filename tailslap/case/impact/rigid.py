@@ -233,11 +233,10 @@ class RigidImpact(Case):
         impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
         columns = impacts.corner, impacts.start, impacts.end, impacts.peak_force, impacts.impulse
         rows = []
-        for mean, *values in zip(impacts.mean_force.T, *(column.T for column in columns), strict=True):
+        for mean, table in zip(impacts.mean_force.T, np.stack(columns, axis=-1).swapaxes(0, 1), strict=True):
             strikes = [
-                impact.Strike(impact.corner_name(*divmod(int(corner), 4)), *map(float, numbers))
-                for corner, *numbers in zip(*values, strict=True)
-                if corner >= 0
+                impact.Strike(impact.corner_name(*divmod(int(corner), 4)), *numbers)
+                for corner, *numbers in table[table[:, 0] >= 0].tolist()
             ]
             first = answers.first_strikes(strikes, len(self.scene.units))
             last = int(np.ceil((max(strike.end for strike in strikes) + AFTER_SECOND) / INTERVAL))
