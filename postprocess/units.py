@@ -47,7 +47,7 @@ class Units:
     conversions: Mapping[str, tuple[float, str]]
 
     def of(self, unit: str) -> tuple[float, str]:
-        """Return factor and unit in which a value is shown.
+        """Return the factor and unit of displayed values.
 
         A power of ten before the unit is kept, and replaces "k".
         """

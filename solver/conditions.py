@@ -105,7 +105,7 @@ class Gate:
         self.demand(rule, (value > 0.0) & (value < math.inf), value)
 
     def not_negative(self, rule: Rule, value: Number) -> None:
-        """Require that a value is 0 or more, and finite."""
+        """Require a finite value of 0 or more."""
         self.demand(rule, (value >= 0.0) & (value < math.inf), value)
 
     def safe(self, *values: Any) -> tuple[Any, ...]:

@@ -159,7 +159,7 @@ def rigid(
 
 
 def _force_band(case: Case, is_requested: bool) -> ForceBand:
-    """Return the band of a case's force if requested."""
+    """Return a case's force band if requested."""
     from tailslap.campaign import band_samples
 
     return band_samples.force_band(case) if is_requested else ForceBand(refusal="not requested")

@@ -6,7 +6,7 @@ They are numbers in ASCII digits within bounds, names of folders and non-empty t
 import math
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stdout
 from functools import partial
 from pathlib import Path
@@ -52,7 +52,9 @@ class Folder(click.Path):
     def __init__(self) -> None:
         super().__init__(readable=False, path_type=Path)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: str | os.PathLike[str], param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
         """Return the path, or fail for an empty one."""
         if isinstance(value, str) and not value.strip():
             self.fail("the path is empty; allowed is the path of a folder.", param, ctx)
@@ -64,7 +66,7 @@ class Text(click.ParamType):
 
     name = "text"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """Return the text without surrounding blanks, or fail for an empty one."""
         if not (text := str(value).strip()):
             self.fail("the text is empty.", param, ctx)
@@ -77,7 +79,7 @@ class PictureSize(click.ParamType):
     name = "widthxheight"
 
     def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+        self, value: str | Sequence[int] | None, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[int, int] | None:
         """Return the pair. Raises InputError for other values."""
         return picture_pixels(value)

@@ -221,7 +221,7 @@ def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
-    """Yield the lines of a text file with their numbers.
+    """Yield the numbered lines of a text file.
 
     Blanks at their ends are removed.
     """

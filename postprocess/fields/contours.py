@@ -88,7 +88,7 @@ def field_title(name: str) -> str:
 
 
 def shown_unit(field: ContourField, units: Units) -> tuple[float, str]:
-    """Return factor and unit in which a field is shown.
+    """Return the factor and unit for a field.
 
     Stresses have the prefix that suits the largest.
     """

@@ -163,7 +163,7 @@ def _draw_views(figure: Any, views: Sequence[View], units: Units) -> list[tuple[
 
 
 def frame_of(view: View) -> tuple[Floats, Floats]:
-    """Return the lower and upper corner of a view [m]."""
+    """Return the lower and upper corners [m]."""
     points = np.concatenate([outline.reshape(-1, 2) for outline in view.outlines])
     low, high = points.min(axis=0), points.max(axis=0)
     if len(view.face) > 1:

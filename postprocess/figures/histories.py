@@ -210,7 +210,7 @@ class Curve(NamedTuple):
 
 
 def draw_overlay(name: str, heading: str, curves: Sequence[Curve], caption: str, width: float) -> chart.Chart:
-    """Draw curves over one another as SVG for a page.
+    """Draw overlaid curves as SVG for a page.
 
     name: of its file, heading: of their axis, with unit; width: of the chart [pixels].
     """
@@ -264,7 +264,7 @@ class HistoryPlot:
 
 
 def plot_overlays(panels: Mapping[str, Sequence[Curve]], over: str = TIME.label) -> HistoryPlot:
-    """Plot panels one below the other over a common axis.
+    """Plot stacked panels over a common axis.
 
     panels: curves by heading, with unit; over: label of the axis; over anything but time the rows are points in any
     order.

@@ -52,7 +52,7 @@ class MapAxis:
 
     @property
     def places(self) -> Floats:
-        """Places of the values on the scale of the axis.
+        """Places of the values on the axis scale.
 
         On a logarithmic one 0 lies one ratio below the next value.
         """
@@ -139,7 +139,7 @@ def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Lin
 
 
 def mesh_edges(cells: Integers) -> tuple[Integers, Integers]:
-    """Return the edges inside a mesh and on its outline.
+    """Return interior and boundary edges of a mesh.
 
     Pairs of nodes, shape (edges, 2) each.
     """

@@ -210,7 +210,7 @@ def _words(text: str, at: Floats, shift: tuple[float, float], anchor: str = "sta
 
 
 def _angle(place: Floats, theta: float, size: float, text: str) -> list[Mark]:
-    """Return the arc of the angle at the corner P."""
+    """Return the arc of the angle at P."""
     turned = np.linspace(0.0, theta, 20)
     arc = place[0] + 0.45 * size * np.stack([-np.cos(turned), np.sin(turned)], axis=1)
     return [_line(arc), _words(text, arc[10], (-5.0, 4.0), "end")]
@@ -230,7 +230,7 @@ def _dimensions(place: Floats, size: float, words: Mapping[str, str]) -> list[Ma
 
 
 def _speed(unit: Unit, size: float, text: str) -> list[Mark]:
-    """Return the arrow of the speed at first touch."""
+    """Return the speed arrow at first touch."""
     start, theta = np.array([unit.x_g[0], unit.y_g[0]]), float(unit.theta[0])
     end = start + 0.3 * size * np.array([np.cos(theta), -np.sin(theta)])
     return [*arrow(start, end, size), _words(text, end, (0.0, -8.0), "middle")]

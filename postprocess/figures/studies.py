@@ -437,7 +437,7 @@ def draw_plates(
     passed: Sequence[bool],
     panels: Mapping[str, Mapping[int, tuple[Sequence[float], float]]],
 ) -> chart.Chart:
-    """Draw one plot for each quantity over the first frequency.
+    """Plot each quantity over the first frequency.
 
     Dashed lines are the rigid vehicle, red points are plates whose results are unreliable. panels: by label of the
     axis, values of each strike over the frequencies, and the value of the rigid vehicle.

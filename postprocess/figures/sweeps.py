@@ -144,7 +144,7 @@ def draw_against(rows: SweepRows, item: Varied) -> list[Chart]:
 
 
 def _drawn_rows(rows: SweepRows, item: Varied) -> Values:
-    """Return the rows to draw in order of the key.
+    """Return the drawn rows, sorted by the key.
 
     Of very many those that failed a check, and others at even steps.
     """

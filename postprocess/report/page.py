@@ -217,7 +217,7 @@ def in_both_units(texts: Sequence[str], units: Units) -> str:
 
 
 def data_uri(path: Path) -> str:
-    """Return a PNG or GIF file as a data URI.
+    """Return a picture file as a data URI.
 
     A PNG becomes a smaller WebP.
     """

@@ -19,7 +19,7 @@ MANY, LONG = 9, 105
 
 @dataclass(frozen=True)
 class Column:
-    """Column of a table with the form of its entries.
+    """Table column with the form of its entries.
 
     Parameters
     ----------

@@ -166,5 +166,5 @@ def force_curves(force: Floats, interval: float, names: Iterable[str] = tuple(FI
 
 
 def force_peaks(curves: Mapping[str, Floats]) -> dict[str, float]:
-    """Return the largest value of each curve by its name."""
+    """Return the maxima of the curves by name."""
     return {name: float(values.max()) for name, values in curves.items()}

@@ -135,7 +135,7 @@ def _first_contact(t: Floats, displacements: list[Floats], speeds: list[Floats])
 
 
 def _cubic(start: float, end: float, rate: float, last_rate: float) -> Polynomial:
-    """Return the cubic of values and derivatives at the ends."""
+    """Return the cubic Hermite polynomial of an interval."""
     rise = end - start
     return Polynomial([start, rate, 3.0 * rise - 2.0 * rate - last_rate, rate + last_rate - 2.0 * rise])
 

@@ -115,7 +115,7 @@ class Frame:
 
 
 def framed(plots: Sequence[Plot], x: Axis, width: float, top: float) -> list[Frame]:
-    """Place plots one below the other over one x axis.
+    """Stack plots over a common x axis.
 
     top: of the first one.
     """
@@ -355,7 +355,7 @@ def _foot(x: Axis) -> float:
 
 
 def _legend(plot: Plot, width: float) -> tuple[str, float]:
-    """Return the keys above the first plot, and their height."""
+    """Return the legend of a plot and its height."""
     labelled_marks = {mark.label: mark for mark in plot.marks if mark.label and mark.key()}
     if not (labelled_marks and plot.has_legend):
         return "", 0.0

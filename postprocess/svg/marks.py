@@ -131,7 +131,7 @@ class Name(NamedTuple):
         return start, start + wide
 
     def overlaps(self, other: Name) -> bool:
-        """Return True if it covers another name or touches it."""
+        """Return True if it overlaps another name."""
         (start, end), (other_start, other_end) = self.ends, other.ends
         is_beside = start > other_end + BESIDE or other_start > end + BESIDE
         return not is_beside and abs(self.y - other.y) < SMALL

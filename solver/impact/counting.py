@@ -169,7 +169,7 @@ def _pressing(groups, k, recent):
 
 @allocation_free
 def _all_over(groups, k, pressed):
-    """Return the instant from which all strikes are over [s].
+    """Return the end of all strikes [s].
 
     pressed: end of strikes with a corner in contact.
     """

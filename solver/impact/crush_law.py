@@ -1,4 +1,4 @@
-"""Laws of the contact of a vehicle with the wall.
+"""Contact laws of a vehicle and the wall.
 
 SI units.
 """

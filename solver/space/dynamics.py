@@ -52,7 +52,7 @@ from solver.space.state import (
 
 @allocation_free
 def set_rotation(b):
-    """Set the rotation matrix of a body by its quaternion."""
+    """Set a body's rotation matrix by its quaternion."""
     w, x, y, z = b[TURN], b[TURN + 1], b[TURN + 2], b[TURN + 3]
     b[0], b[1], b[2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
     b[3], b[4], b[5] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
@@ -61,13 +61,13 @@ def set_rotation(b):
 
 @allocation_free
 def rotated(b, x, y, z):
-    """Return a vector of the body's axes in space."""
+    """Rotate a vector from body axes to space."""
     return b[0] * x + b[1] * y + b[2] * z, b[3] * x + b[4] * y + b[5] * z, b[6] * x + b[7] * y + b[8] * z
 
 
 @allocation_free
 def turned_back(b, x, y, z):
-    """Return a vector of space in the body's axes."""
+    """Rotate a vector from space to body axes."""
     return b[0] * x + b[3] * y + b[6] * z, b[1] * x + b[4] * y + b[7] * z, b[2] * x + b[5] * y + b[8] * z
 
 

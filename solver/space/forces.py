@@ -158,7 +158,7 @@ def twist_hinges(units, bodies):
 
 @allocation_free
 def press_strips(fleet, i, units, axles, strips, facets, work, h):
-    """Add the forces of the wall on all strips.
+    """Add the wall forces on all strips.
 
     h: the step [s]. Returns True if a point is behind the face, or has come down on the top.
     """
@@ -199,7 +199,7 @@ def _end(strip, at, side, centre, q):
 def _press_strip(
     strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h
 ):  # fmt: skip
-    """Add the forces of the wall on a strip.
+    """Add the wall forces on a strip.
 
     Returns True if a point touches. origin: place along the wall from which stations count; mobility, of_axle: inverse
     masses of the body at a point, and of the axle.

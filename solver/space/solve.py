@@ -1,4 +1,4 @@
-"""Motions of vehicles in space that strike a wall."""
+"""Motions in space of vehicles striking a wall."""
 
 import math
 from dataclasses import dataclass
@@ -123,7 +123,7 @@ class SpaceMotion:
 
 
 def column_names(units: int, axles: int) -> tuple[str, ...]:
-    """Return the names of the columns of a row."""
+    """Return the column names of a row."""
     ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
     poses = [f"{name}{end}" for end in ends for name in state.POSE]
     wheels = [f"{name}_{axle}" for axle in range(1, axles + 1) for name in state.WHEELS]

@@ -298,7 +298,7 @@ def _means(windows, sums, window, interval, answer):
 
 @allocation_free
 def _record(units, axles, axle_unit, work, first, before, row):
-    """Fill the row of this instant, besides the forces.
+    """Fill this instant's row except for the forces.
 
     before: works before this step, half of which they have at the instant.
     """

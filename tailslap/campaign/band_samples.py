@@ -1,4 +1,4 @@
-"""Compute the band of the force of a scene.
+"""Compute the force band of a scene.
 
 It is that of few rigid vehicles with varied inputs.
 """
@@ -26,7 +26,7 @@ Columns = Mapping[str, Array]
 
 
 def force_band(case: Case) -> ForceBand:
-    """Return the band of the force over the default ranges.
+    """Return the force band over the default ranges.
 
     The force is that of the headline: the peak of a constrained corner, otherwise the largest 50 ms mean. An input with
     a value outside its range is not varied, as the vehicle would not belong to the band. A band that cannot be computed
@@ -51,7 +51,7 @@ def force_band(case: Case) -> ForceBand:
 
 
 def _contains_own(item: Range) -> bool:
-    """Return whether a range contains the value of the scene."""
+    """Return whether a range contains the scene's value."""
     margin = 1e-9 * (item.upper - item.lower)
     return item.given is None or item.lower - margin <= item.given <= item.upper + margin
 
@@ -94,7 +94,7 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
 
 
 def variance_fractions(inputs: Columns, output: Array) -> dict[str, float]:
-    """Return the fraction of the variance due to each input.
+    """Return each input's fraction of the variance.
 
     The largest is first. The output is approximated by a linear function of independent inputs (Saltelli et al., Global
     Sensitivity Analysis, 2008, section 1.2.5, squared standardised regression coefficients).

@@ -107,7 +107,7 @@ def run_parts(
     workers: int | None = None,
     expected: Mapping[str, float] = MappingProxyType({}),
 ) -> None:
-    """Compute the parts that are missing in a journal.
+    """Compute the missing parts of a journal.
 
     An error of a part is raised.
 

@@ -47,7 +47,7 @@ def log_uniform(random: Random, low: float, high: float) -> float:
 
 
 def stiffness(scene: Scene, factor: float) -> Changes:
-    """Return the changes that multiply the stiffness of the plate.
+    """Return the changes that multiply the plate's stiffness.
 
     They multiply Young's modulus, or scale the first frequency accordingly.
     """

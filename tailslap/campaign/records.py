@@ -209,7 +209,7 @@ class Records(Mapping[Key, Any]):
         return _value(row[0])
 
     def __contains__(self, key: object) -> bool:
-        """Return True if there is a record of the key."""
+        """Return True if the key has a record."""
         return self._file.execute("SELECT 1 FROM record WHERE key = ?", (key,)).fetchone() is not None
 
     def __iter__(self) -> Iterator[Key]:
@@ -320,7 +320,7 @@ def _file_system(path: Path) -> str:
 
 
 def _seal(*parts: bytes | None) -> str:
-    """Return the digest of the parts of a line."""
+    """Return the digest of a line's parts."""
     return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 

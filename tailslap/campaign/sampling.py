@@ -170,7 +170,7 @@ class Band:
 
 
 def band_of(values: Array) -> Band:
-    """Return the distribution of the finite values of a sample.
+    """Return the distribution of a sample's finite values.
 
     Of a table, these are its first two rows.
     """
@@ -277,7 +277,7 @@ def _quantile(probability: float, groups: int) -> float:
 
 
 def _refusal(ratios: Array, error: Array, quantile: float) -> str:
-    """Return the reason why indices are refused, or "".
+    """Return the reason for refused indices, or "".
 
     The sum of the total indices is below 1 by more than its error, or the error is unknown.
     """

@@ -1,4 +1,4 @@
-"""Definition of a sweep of a scene over varied keys.
+"""Definition of a sweep over varied keys.
 
 VALUES of --vary are a range or a list. Each value is read as in the scene, with its units, bounds and messages. The
 definition determines number and order of the runs.
@@ -78,7 +78,7 @@ class Variation:
 
 
 def plain(value: Setting) -> float | int | str:
-    """Convert a value to a number or a word.
+    """Convert a value to a number or word.
 
     Of a tuple, it joins the members.
     """
@@ -126,7 +126,7 @@ class Definition:
         return self.sample or math.prod(len(item.settings) for item in self.variations)
 
     def changes_of(self, run: int) -> dict[str, Setting]:
-        """Return the changes of a run in the scene.
+        """Return the scene changes of a run.
 
         In a grid, the value of the last key changes from run to run.
         """
@@ -319,7 +319,7 @@ def _variation(
 
 
 def _ends(key: str, typed: TypedRange, read_value: ValueReader) -> tuple[float, float, str]:
-    """Return both ends of a range and their unit."""
+    """Return the limits of a range with unit."""
     (lower, unit), (upper, _) = read_value(typed.lower), read_value(typed.upper)
     ends = f"{typed.lower}:{typed.upper}"
     if not (isinstance(lower, int | float) and isinstance(upper, int | float)):

@@ -149,7 +149,7 @@ def summary(sweep: FinishedSweep, rows: SweepRows) -> Record:
 
 
 def spreads(rows: SweepRows) -> list[Record]:
-    """Return the range of each quantity in rows that passed.
+    """Return each quantity's range in rows that passed.
 
     The values are those of finite elements where there are any, with the largest difference and its run.
     """
@@ -173,7 +173,7 @@ def _spread(rows: SweepRows, quantity: ComparedQuantity) -> Record:
 
 
 def _not_passed(definition: Definition, rows: SweepRows, reasons: np.ndarray) -> Table:
-    """Return the table of rows that did not pass."""
+    """Return the table of failed and refused rows."""
     runs = sorted(np.flatnonzero(rows.status != PASSED), key=lambda run: (rows.status[run] == REFUSED, run))
     units = {item.key: item.unit for item in definition.variations}
     listed = [

@@ -20,7 +20,7 @@ from postprocess.signals.design_forces import REPORT_350, design_forces
 from postprocess.units import force, measure
 from tailslap.case import plate_input, resources
 from tailslap.case.check import Check, Evaluation
-from tailslap.case.force_band import NO_BAND, ForceBand
+from tailslap.case.force_band import ForceBand
 from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError
 from tailslap.scene import write
@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 
 CaseT = TypeVar("CaseT", bound="Case")
 OutcomeT = TypeVar("OutcomeT", bound="Outcome")
+
+NO_BAND = ForceBand()
+"""Record of a force without a band."""
 
 MOST_ELEMENTS = 20_000
 """Largest number of elements of a mesh that is refined to meet a tolerance."""
@@ -185,7 +188,7 @@ class Case(ABC):
 
     @property
     def subject(self) -> str:
-        """Vehicle, speed and angle in the units of the scene."""
+        """Vehicle, speed and angle in the scene's units."""
         keys = (
             ("start.corner_speed", "start.angle")
             if self.scene.starts_later
@@ -200,7 +203,7 @@ class Case(ABC):
 
     @property
     def set_up(self) -> str:
-        """Subject, dimensions and details in the units of the scene."""
+        """Subject, dimensions and details in the scene's units."""
         units = ["vehicle", *(f"trailer.{k}" for k in range(len(self.scene.trailer)))]
         sides = [
             f"{name} {' and '.join(dict.fromkeys(self.quantity(f'{unit}.{name}') for unit in units))}"

@@ -127,7 +127,7 @@ def evaluated(kinds: Iterable[CheckKind[OutcomeT]], outcome: OutcomeT) -> tuple[
 
 
 def energy_surplus(history: Mapping[str, NDArray[np.float64]], stored: Iterable[str]) -> NDArray[np.float64]:
-    """Return the error of the energy balance [J], shape (rows,).
+    """Return the energy error [J], shape (rows,).
 
     stored: names of the columns of stored energy.
     """

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from postprocess.units import measure
 
@@ -73,7 +72,7 @@ class ForceBand:
         ]
         return f"{'; '.join(filter(None, parts))}."
 
-    def numbers(self) -> dict[str, Any]:
+    def numbers(self) -> dict[str, object]:
         """Return the part `force_band` of results, SI."""
         names = ("percentile_5", "percentile_50", "percentile_95")
         return {
@@ -85,7 +84,3 @@ class ForceBand:
             "fixed": list(self.fixed),
             "refusal": self.refusal,
         }
-
-
-NO_BAND = ForceBand()
-"""Record of a force without a band."""

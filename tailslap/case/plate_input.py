@@ -143,7 +143,7 @@ def same_mesh(plate: Plate, other: Plate) -> bool:
 
 
 def refusal(scene: Scene, plate: Plate, error: ModelError) -> InputError:
-    """Return the error that names the key of the scene."""
+    """Return the error that names the scene's key."""
     contact, wall = scene.contact, scene.meshed_wall
     patch = contact.patch_length if contact else scene.corner.patch_length
     causes: dict[str, tuple[str, object]] = {

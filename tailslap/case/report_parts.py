@@ -90,13 +90,13 @@ def study_page(
     return Page(kicker, headline, sections, footer(files), scene_text(case.source), passed)
 
 
-def study_summary(study: str, case: Case) -> dict[str, Any]:
-    """Return the first entries of the summary of a study."""
+def study_summary(study: str, case: Case) -> dict[str, object]:
+    """Return the first entries of a study's summary."""
     return {"study": study, "scene": case.scene.name, "version": tailslap.__version__}
 
 
 def design_forces_of(level: str | None) -> dict[str, DesignForce]:
-    """Return the design forces of a test level by name.
+    """Return a test level's design forces by name.
 
     A tractor with trailer has those of both of its levels.
     """
@@ -104,7 +104,7 @@ def design_forces_of(level: str | None) -> dict[str, DesignForce]:
     return {f"{force.name}, {name}": force for name in levels for force in design_forces(name)}
 
 
-def design_ratios(case: Case, lateral: float) -> list[dict[str, Any]]:
+def design_ratios(case: Case, lateral: float) -> list[dict[str, object]]:
     """Return a lateral force [N] over design forces."""
     impact = case.scene.impact
     return [
@@ -149,7 +149,7 @@ def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
 
     strikes: by name of the model, as in the summary.
     """
-    rows: list[dict[str, Any]] = [
+    rows: list[dict[str, object]] = [
         {"point_of_attack": None, **strike, "model": model, "number": n}
         | {"title": f"{n} {strike['corner']}{CUT if strike.get('cut') else ''}"}
         for model, of_model in strikes.items()
@@ -172,7 +172,7 @@ def failed_section(checks: Sequence[Check], diagnosis: Sequence[str]) -> Section
 
 
 def passed_text(checks: Sequence[Check]) -> str:
-    """Return the number of checks that passed as a sentence."""
+    """State the number of checks that passed."""
     return f"Checks: {sum(check.passed for check in checks)} of {len(checks)} passed"
 
 

@@ -23,8 +23,8 @@ from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, pairs
 from postprocess.units import SI, Units, duration, number
 from tailslap.case import resources
-from tailslap.case.case import FePlan, Outcome
-from tailslap.case.force_band import NO_BAND, ForceBand
+from tailslap.case.case import NO_BAND, FePlan, Outcome
+from tailslap.case.force_band import ForceBand
 from tailslap.case.report_parts import design_ratios, failed_section, footer, passed_text
 from tailslap.case.run_fields import field_series
 from tailslap.scene import write

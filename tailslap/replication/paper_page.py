@@ -101,7 +101,7 @@ def summary(numbers: Numbers) -> Numbers:
 
 
 def sections(numbers: Numbers, courses: Mapping[str, History]) -> tuple[Section, ...]:
-    """Return the sections in the order of the paper.
+    """Return the sections in the paper's order.
 
     Earlier methods and assumptions are last.
     """

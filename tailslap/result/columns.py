@@ -73,7 +73,7 @@ class Columns(dict[str, np.ndarray]):
         return f"<Columns: {self.rows} rows of {', '.join(self)}>"
 
     def heading(self, name: str) -> str:
-        """Return the name of a column with its unit.
+        """Return a column's name with its unit.
 
         Parameters
         ----------
@@ -134,7 +134,7 @@ class Columns(dict[str, np.ndarray]):
 
 
 def html_cells(texts: Iterable[str], tag: str = "td") -> str:
-    """Return the cells of a row of an HTML table."""
+    """Return the cells of an HTML table row."""
     return "".join(f"<{tag}>{escape(text)}</{tag}>" for text in texts)
 
 
@@ -198,12 +198,12 @@ def column_units(names: Iterable[str]) -> dict[str, str]:
 
 
 def history(columns: Mapping[str, np.ndarray]) -> Columns:
-    """Return the columns of a history with their units."""
+    """Return a history's columns with their units."""
     return Columns(columns, column_units(columns))
 
 
 def table(columns: Mapping[str, np.ndarray]) -> Columns:
-    """Return the columns of a sweep with their units."""
+    """Return a sweep's columns with their units."""
     from postprocess.comparison.quantities import STRIKES, TAIL_SLAP
     from tailslap.scene import schema, write
 

@@ -167,7 +167,7 @@ def read_history(content: bytes) -> dict[str, NDArray[np.float64]]:
 
 
 def _loaded(stored: Stored) -> result.Result:
-    """Return the result of the files of a folder."""
+    """Return the result of a folder's files."""
     from postprocess.fields import series
 
     tables = {

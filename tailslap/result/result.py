@@ -61,7 +61,7 @@ FIRST = (
 
 
 def filled_by(make: Callable[[Path, bool, str], Report], page: str = PAGE) -> Fill:
-    """Return a function that writes the files of a report.
+    """Return a function that writes a report's files.
 
     page: file name of the page.
     """

@@ -287,6 +287,6 @@ def unit_at(key: str) -> str:
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Return the SI unit of a key, "" without one."""
+    """Return a key's SI unit, "" without one."""
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
     return next((mark.unit for mark in marks if isinstance(mark, units.Quantity)), "")

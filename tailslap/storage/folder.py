@@ -293,7 +293,7 @@ def recover(place: Path) -> None:
 
 
 def path_in(place: Path, name: str) -> Path:
-    """Return the path of a file of the result.
+    """Return the path of a result file.
 
     Where a log could not be finished it may be among the new files.
     """

@@ -1,4 +1,4 @@
-"""List the files that the program wrote in a folder.
+"""List the program's files in a folder.
 
 The manifest has the size and digest of each. Listed files that are unchanged may be replaced or removed. Everything
 else belongs to the user: added files, and files of the program that were changed since.

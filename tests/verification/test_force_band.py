@@ -13,7 +13,7 @@ from postprocess.signals.filters import moving_mean
 from postprocess.units import SI
 from tailslap.campaign import band_samples, planar_ranges, sampling
 from tailslap.case import case_of
-from tailslap.case.force_band import NO_BAND
+from tailslap.case.case import NO_BAND
 from tailslap.case.impact import answers
 from tailslap.scene.read import read_scene
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison import quantities
 from tailslap.case import check
-from tailslap.case.case import within_tolerance
+from tailslap.case.case import NO_BAND, within_tolerance
 from tailslap.case.corner.rigid_stages import RigidStages
-from tailslap.case.force_band import NO_BAND, ForceBand
+from tailslap.case.force_band import ForceBand
 from tailslap.scene.schema import Scene
 
 if TYPE_CHECKING:

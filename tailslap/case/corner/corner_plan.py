@@ -76,7 +76,7 @@ class CornerPlan(FePlan):
 
     @cached_property
     def elastic_energy(self) -> float:
-        """Energy of the static elastic state at the start [J].
+        """Static elastic energy at the start [J].
 
         It includes that of the corner's spring.
         """

@@ -225,7 +225,7 @@ def _forces(outcome: CornerOutcome) -> list[Table]:
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
-    """Return the omitted parts of a scene, with reasons."""
+    """Return a scene's omitted parts with reasons."""
     corner, plate = scene.corner, scene.plate
     fault = plate and kinds.LUMPINGS[plate.lumping].fault
     start, lumping = (plate.start, plate.lumping) if plate else ("", "")
@@ -384,7 +384,7 @@ def _plate_mass(plate: float, vehicle: float) -> str:
 
 
 def _error(outcome: CornerOutcome) -> str:
-    """Return the terms of the numerical error as a sentence."""
+    """Describe the terms of the numerical error."""
     error = outcome.error
     if not outcome.companions:
         wanted = outcome.fe_plan.case.scene.verify.companion

@@ -132,5 +132,5 @@ class CornerOutcome(Outcome):
 
 
 def energy_error(history: Columns) -> NDArray[np.float64]:
-    """Return the error of the energy balance [J], shape (rows,)."""
+    """Return the energy error [J], shape (rows,)."""
     return energy_surplus(history, STORED_ENERGIES)

@@ -25,7 +25,7 @@ from postprocess.report.page import Headline
 from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent
 from tailslap.case import case
-from tailslap.case.force_band import NO_BAND, ForceBand
+from tailslap.case.force_band import ForceBand
 from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, vary
@@ -233,7 +233,7 @@ class RigidStages(case.Case):
             )
         return parts
 
-    def force_sentence(self, peak: float, reliable: bool = True, band: ForceBand = NO_BAND) -> str:
+    def force_sentence(self, peak: float, reliable: bool = True, band: ForceBand = case.NO_BAND) -> str:
         """Return the sentence on a peak force and its 50 ms mean.
 
         peak: of the tail-slap [N].
@@ -246,7 +246,7 @@ class RigidStages(case.Case):
             f"{name}: {force(peak)} ({interval}{pulse}); 50 ms mean {force(mean)}{self.design_ratio(mean)}."
         )
 
-    def headline(self, band: ForceBand = NO_BAND) -> Headline:
+    def headline(self, band: ForceBand = case.NO_BAND) -> Headline:
         """Return the peak force of the tail-slap with the set-up."""
         sentence = self.force_sentence(self.force.peak_force, band=band)
         certainty = f"Exact solution of the rigid-body equations.{self.other_force()}{self.pull()}"

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from postprocess.signals.filters import LABELS
-from tailslap.case.case import within_tolerance
+from tailslap.case.case import NO_BAND, within_tolerance
 from tailslap.case.check import check_columns
-from tailslap.case.force_band import NO_BAND, ForceBand
+from tailslap.case.force_band import ForceBand
 from tailslap.case.impact import answers, rigid
 from tailslap.scene.schema import Scene
 
@@ -108,7 +108,7 @@ class ImpactCase(rigid.RigidImpact):
             **{f"cost.{name}": value for name, value in run_cost(outcome).items()},
         }
 
-    def _space_columns(self) -> dict[str, Any]:
+    def _space_columns(self) -> dict[str, object]:
         """Return the columns of the vehicle in space, if any."""
         if self.space is None:
             return {}
@@ -127,12 +127,15 @@ def _run(case: ImpactCase) -> ImpactOutcome:
     return replace(outcome, checks=checks.impact_checks(outcome))
 
 
-def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, Any]:
+def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, object]:
     """Return the columns of one model with its compared strikes.
 
     Columns of strikes that do not occur are missing.
     """
-    row: dict[str, Any] = {f"{model}.strikes": len(answer.strikes), f"{model}.strikes_cut": len(answer.cut)}
+    row: dict[str, object] = {
+        f"{model}.strikes": len(answer.strikes),
+        f"{model}.strikes_cut": len(answer.cut),
+    }
     for k, strike in enumerate(answer.strikes[: answer.counted], 1):
         row[f"{model}.strike_{k}.corner"] = strike.corner
         values = {"mean_50ms": answers.mean_peak(answer, strike), **answers.strike_numbers(strike)}

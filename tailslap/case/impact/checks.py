@@ -36,7 +36,7 @@ CHECKS: check.CheckRegistry[run.ImpactOutcome] = check.CheckRegistry("check")
 
 
 def energy_error(outcome: run.ImpactOutcome) -> np.ndarray:
-    """Return the surplus of the energy balance [J], shape (rows,)."""
+    """Return the energy surplus [J], shape (rows,)."""
     history = outcome.run.history
     return check.energy_surplus(history, STORED) - history.get("tyre_work", 0.0)
 

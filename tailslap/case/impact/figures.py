@@ -48,7 +48,7 @@ def marks(answer: answers.ImpactAnswer) -> list[StrikeMark]:
 
 
 def outlines(answer: answers.ImpactAnswer, vehicles: Sequence[ImpactVehicle]) -> np.ndarray:
-    """Return the corners of the vehicle at every row [m].
+    """Return the vehicle's corners at every row [m].
 
     Shape (rows, 4, 2); for a train one line about all its units.
     """

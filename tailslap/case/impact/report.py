@@ -239,7 +239,7 @@ def _largest(differences: Mapping[str, float], name: str) -> float:
 
 
 def _uncertain(outcome: run.ImpactOutcome) -> str:
-    """Return a sentence on the errors above the scene's limit."""
+    """Describe the errors above the scene's limit."""
     limit = outcome.fe_plan.case.scene.verify.mesh
     errors = {f"{error.STATED[name]}s": value for name, value in outcome.stated_errors.items()}
     parts = [

@@ -18,8 +18,8 @@ from postprocess.units import force, measure, percent_up
 from solver import impact
 from solver.impact import crush_law
 from tailslap import progress
-from tailslap.case.case import WHOLE_IMPACT, Case
-from tailslap.case.force_band import NO_BAND, ForceBand
+from tailslap.case.case import NO_BAND, WHOLE_IMPACT, Case
+from tailslap.case.force_band import ForceBand
 from tailslap.case.impact import answers
 from tailslap.case.impact.paper_method import DIGITS, paper_lines, paper_method
 from tailslap.case.impact.rigid_input import ARGUMENTS, at_table, refusals, rigid_vehicle, wall_contact
@@ -318,7 +318,7 @@ class RigidImpact(Case):
         return f"{self.force_words}: {in_space}. {self.space.verdict}"
 
     def headline(self, band: ForceBand = NO_BAND) -> Headline:
-        """Return the largest 50 ms mean of the rigid vehicle."""
+        """Return the rigid vehicle's largest 50 ms mean."""
         return Headline(
             f"Impact force: {self.subject}",
             self.force_sentence(self.answer, band=band),

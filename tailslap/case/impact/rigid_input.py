@@ -23,7 +23,7 @@ KEYS = {key.split(".")[1]: key for key in (*ARGUMENTS, *OF_LAW, "vehicle.yaw_ine
 
 
 def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:
-    """Return the rigid body of a unit of the scene.
+    """Return the rigid body of a unit.
 
     Raises RigidBodyError.
     """

@@ -115,7 +115,7 @@ def _unit(scene: Scene, number: int, value: Any, values: Mapping[str, Number]) -
         return default if result is None else result if key in values else result * scale
 
     yaw = inertia(f"{table}.yaw_inertia", mass * (length**2 + width**2) / 12.0)
-    hinge: dict[str, Any] = {}
+    hinge: dict[str, Number] = {}
     if number:
         hinge = {name: value(f"{table}.{name}") for name in ("hitch", "kingpin", "hitch_height")}
         hinge["roll_stiffness"] = value(f"{table}.roll_stiffness", ROLL_STIFFNESS)
@@ -328,7 +328,7 @@ def solve(inputs: SpaceInput) -> SpaceAnswer:
 def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:
     """Return the table of the motions in space and in the plane."""
     result, interval = answer.motion.answers, float(answer.motion.history["t"][1])
-    rows: list[dict[str, Any]] = [
+    rows: list[dict[str, object]] = [
         {
             "name": "largest 50 ms mean of the lateral force", "unit": "N",
             "space": float(result.mean_50ms), "plane": plane.peaks["mean_50ms"],

@@ -201,7 +201,7 @@ def measure(source: Source, setting: Setting) -> Record:
 
 
 def _clocked(function: Callable[..., T], *arguments: object) -> tuple[float, T]:
-    """Return the time of a call [s] and its result."""
+    """Return a call's time [s] and result."""
     began = time.perf_counter()
     result = function(*arguments)
     return time.perf_counter() - began, result

@@ -230,7 +230,7 @@ def samples_of(rows: Sequence[Record], name: str) -> list[Sample]:
 
 
 def start_samples(rows: Sequence[Record], start: str) -> list[Sample]:
-    """Return the largest differences of v_GY of a start.
+    """Return a start's largest differences of v_GY.
 
     A difference is not less than that of a stiffer plate, since it is small only locally where its sign changes.
     """
@@ -282,7 +282,7 @@ def thickness_changes(changes: Changes, modulus: float, section: Section) -> Cha
 
 
 def fe_record(case: CornerCase) -> Record:
-    """Return the record of a run of finite elements.
+    """Return the record of a finite-element run.
 
     Its numerical error is compared with the levels and is no failure.
     """

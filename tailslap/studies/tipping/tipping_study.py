@@ -216,7 +216,7 @@ def wall_height(case: ImpactCase) -> float:
 
 
 def wall_heights(case: ImpactCase) -> Array:
-    """Return the heights of the walls of the samples [m].
+    """Return the samples' wall heights [m].
 
     The scene's and common ones are among them.
     """

@@ -229,7 +229,7 @@ def _corner_sentences(result: Spread, refusals: str, held: tuple[str, ...]) -> l
 
 
 def _forces_table(result: Spread) -> Table:
-    """Return the table of the distribution of the peak force."""
+    """Return the table of the peak force's distribution."""
     band = result.band("peak_force")
     forces = {"mean": band.mean, "standard deviation": band.standard_deviation}
     forces |= {f"{p} % percentile": x for p, x in zip(PERCENTILES, band.percentiles, strict=True)}
