@@ -27,7 +27,7 @@ import command_line
 import numpy as np
 from command_line import add_record, on_all_cores, read_records, row
 
-from solver.space import PROFILES, SpaceAxle, SpaceMotion, SpaceUnit, SpaceVehicle, SpaceWall, Strip
+from solver.space import PROFILES, SpaceAxle, SpaceMotion, SpaceStrip, SpaceUnit, SpaceVehicle, SpaceWall
 from solver.space.solve import COMPARED, TOLERANCE, solve_space
 
 Record = dict[str, Any]
@@ -82,7 +82,9 @@ def axles_of(
     )
 
 
-def strips_of(random: np.random.Generator, unit: SpaceUnit, rear: Any, crushes: bool) -> tuple[Strip, ...]:
+def strips_of(
+    random: np.random.Generator, unit: SpaceUnit, rear: Any, crushes: bool
+) -> tuple[SpaceStrip, ...]:
     """Draw the strips, with or without a plateau.
 
     The front corner has 200 to 500 kN, other strips in proportion.
@@ -101,7 +103,7 @@ def strips_of(random: np.random.Generator, unit: SpaceUnit, rear: Any, crushes: 
         (length, length, bed, top, 1.5e6, plateau * factors_of_plateau[2] / 1.6, -1),
     )
     return tuple(
-        Strip(
+        SpaceStrip(
             (start, end), (low, high), slope * factor, plateau=most if crushes else math.inf,
             restitution=restitution, axle=axle,
         )

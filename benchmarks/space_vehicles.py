@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from solver.space import SpaceAxle, SpaceUnit, SpaceVehicle, Strip
+from solver.space import SpaceAxle, SpaceStrip, SpaceUnit, SpaceVehicle
 
 MASS, LENGTH, WIDTH = 9979.0, 10.0, 2.438
 SPEED, ANGLE = 56 * 0.44704, math.radians(15.0)
@@ -27,7 +27,7 @@ def axle(
     return SpaceAxle(position, mass=mass, spring=spring, tyre=tyre, **values)
 
 
-FAR = (Strip((0.0, 0.0), (0.5, 0.6), 4e6),)
+FAR = (SpaceStrip((0.0, 0.0), (0.5, 0.6), 4e6),)
 """A strip that does not touch a wall of the tests without contact."""
 
 
@@ -41,11 +41,11 @@ def truck(
     """Return the truck of the shipped scene."""
     most = 1.0 if plateau else math.inf
     strips = (
-        Strip((0.0, 0.0), (0.45, 0.9), 4e6, plateau=780e3 * most, restitution=restitution),
-        Strip((7.2, 7.2), (0.05, 1.0), 2.1e6, plateau=395e3 * most, restitution=restitution, axle=1),
-        Strip((2.6, 10.0), (1.2446, 1.2446), 1e6, plateau=40e3 * most, restitution=restitution),
+        SpaceStrip((0.0, 0.0), (0.45, 0.9), 4e6, plateau=780e3 * most, restitution=restitution),
+        SpaceStrip((7.2, 7.2), (0.05, 1.0), 2.1e6, plateau=395e3 * most, restitution=restitution, axle=1),
+        SpaceStrip((2.6, 10.0), (1.2446, 1.2446), 1e6, plateau=40e3 * most, restitution=restitution),
         *(
-            Strip((at, at), (1.2446, 2.6), 1.5e6, plateau=220e3 * most, restitution=restitution)
+            SpaceStrip((at, at), (1.2446, 2.6), 1.5e6, plateau=220e3 * most, restitution=restitution)
             for at in (2.6, 10.0)
         ),
     )
@@ -57,7 +57,7 @@ def truck(
 
 
 def train(
-    strips: tuple[Strip, ...], friction: float = 0.65, roll_centre: float = 0.6, **changes: Any
+    strips: tuple[SpaceStrip, ...], friction: float = 0.65, roll_centre: float = 0.6, **changes: Any
 ) -> SpaceVehicle:
     """Return a tractor and semitrailer, with changes of both units."""
     ahead: dict[str, Any] = {

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from solver import rules, stage_2
 from solver.body import MotionState, RectangularBody
 from solver.conditions import Array, Gate, Number, number
-from solver.stage_2 import Clock, Path, Start
+from solver.stage_2 import Path, Start, TimeOfAngle
 
 OVERRUN = 0.01  # extension of a motion after the strike, relative to the time of the strike
 
@@ -178,7 +178,7 @@ class PlaneMotion:
         return states
 
     @cached_property
-    def _clock(self) -> Clock:
+    def _clock(self) -> TimeOfAngle:
         """Clock down to an angle that is not reached before `latest`.
 
         It ends at 0 if the equations do not hold below.

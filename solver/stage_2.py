@@ -196,7 +196,7 @@ def _bisected(path: Path, scale: Array) -> Array:
     return total
 
 
-class Clock(NamedTuple):
+class TimeOfAngle(NamedTuple):
     """tau(theta) of one motion as Legendre series, and its inverse."""
 
     path: Path
@@ -237,7 +237,7 @@ def _projection() -> tuple[Array, Array]:
     return x, (np.arange(POINTS) + 0.5)[:, None] * (values * w[:, None]).T
 
 
-def clock(path: Path, lowest: float) -> Clock:
+def clock(path: Path, lowest: float) -> TimeOfAngle:
     """Return the clock of one motion from theta_0 down to an angle.
 
     lowest: that angle [rad]. The panels are doubled until the last coefficients of each are rounding errors; raises
@@ -251,7 +251,7 @@ def clock(path: Path, lowest: float) -> Clock:
         if np.max(abs(series[-2:])) <= TAIL * np.max(abs(series[0])):
             integral = half * np.polynomial.legendre.legint(-series, lbnd=1.0)
             across = 2.0 * half * series[0]
-            return Clock(path, edges, np.append(np.cumsum(across[::-1])[::-1], 0.0), integral)
+            return TimeOfAngle(path, edges, np.append(np.cumsum(across[::-1])[::-1], 0.0), integral)
         panels *= 2
     raise refusal(rules.GROWTH, abs(path.mu))
 

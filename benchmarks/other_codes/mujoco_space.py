@@ -31,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import command_line
 
 from solver.body import GRAVITY
-from solver.space import SpaceAxle, SpaceVehicle, SpaceWall, Strip, solve_space
+from solver.space import SpaceAxle, SpaceStrip, SpaceVehicle, SpaceWall, solve_space
 from solver.space.vehicle import AXLE_GYRATION
 from tailslap.case.impact.space import space_input
 from tailslap.scene.read import read_scene
@@ -55,7 +55,7 @@ SCENES = {
 PART, LASTING, LONG = 0.5, 0.6, 2.0
 """Part of the force of an impact that is applied, and for how long [s]: the whole force without the wall overturns the
 vehicles; duration of the motions [s]."""
-UNTOUCHED = (Strip((0.0, 0.0), (2.2, 2.4), 1e5),)
+UNTOUCHED = (SpaceStrip((0.0, 0.0), (2.2, 2.4), 1e5),)
 """Strip that touches no wall, because a vehicle has one."""
 SOFT = 0.08, 0.5
 """Time constant [s] and damping ratio of the engine's contact."""
@@ -288,7 +288,7 @@ def engine() -> None:
     rows = round(1.5 / INTERVAL)
     theirs, contacts = truck.follow(rows, np.zeros((0, 5)))
     levels = LEVEL - 0.5 * THICK, LEVEL + 0.5 * THICK
-    corners = tuple(Strip((at, at), levels, slope, restitution=RETURNED) for at in (0.0, unit.length))
+    corners = tuple(SpaceStrip((at, at), levels, slope, restitution=RETURNED) for at in (0.0, unit.length))
     end = INTERVAL * (rows - 1)
     strips_motion = solve_space(
         replace(vehicle, strips=corners), SpaceWall(2.0), speed, angle, interval=INTERVAL, end=end

@@ -73,7 +73,7 @@ class ContourField:
     of_centre: float | None = None
 
 
-class View(NamedTuple):
+class PixelMap(NamedTuple):
     """Transformation from places to pixels.
 
     origin: pixel of X = Y = 0, from the lower left corner; length: of a pixel.
@@ -96,7 +96,7 @@ def proportion(size: Size) -> float:
     return min(size[0] / SIZE[0], size[1] / SIZE[1])
 
 
-def view_of_plate(points: Floats, size: Size = SIZE) -> View:
+def view_of_plate(points: Floats, size: Size = SIZE) -> PixelMap:
     """Return the view that fits plate and wall line into the picture.
 
     points: shape (n, 2).
@@ -107,7 +107,7 @@ def view_of_plate(points: Floats, size: Size = SIZE) -> View:
     room = np.array(size) - margins.sum(axis=0)
     length = float(((high - low) / room).max())
     origin = margins[0] + 0.5 * room - 0.5 * (low + high) / length
-    return View((float(origin[0]), float(origin[1])), length)
+    return PixelMap((float(origin[0]), float(origin[1])), length)
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ SIDES = ("right", "left")
 """Sides of an axle by -1 and 1 times its y."""
 
 
-class Unit(NamedTuple):
+class DrawnUnit(NamedTuple):
     """Body of a unit.
 
     Mass with axles [kg]; its centre behind the front and above the ground; lower and upper edge of the drawn box [m].
@@ -55,7 +55,7 @@ class Unit(NamedTuple):
     top: float
 
 
-class Axle(NamedTuple):
+class DrawnAxle(NamedTuple):
     """Axle of a unit.
 
     Place behind the front, track, height of the axle and of its roll centre at rest [m]; mass [kg].
@@ -69,7 +69,7 @@ class Axle(NamedTuple):
     mass: float
 
 
-class Strip(NamedTuple):
+class DrawnStrip(NamedTuple):
     """Line that can touch the wall.
 
     Both ends behind the front of its unit and above the ground, and inwards from its side [m]; axle: -1 for the body.
@@ -82,15 +82,15 @@ class Strip(NamedTuple):
     inset: float
 
 
-class Vehicle(NamedTuple):
+class DrawnVehicle(NamedTuple):
     """Vehicle and the face of the wall.
 
     face: line from [0, 0] to the upper edge, points (y, z) [m].
     """
 
-    units: tuple[Unit, ...]
-    axles: tuple[Axle, ...]
-    strips: tuple[Strip, ...]
+    units: tuple[DrawnUnit, ...]
+    axles: tuple[DrawnAxle, ...]
+    strips: tuple[DrawnStrip, ...]
     face: Floats
 
 
@@ -110,7 +110,7 @@ def column(history: History, name: str, unit: int) -> Floats:
 
 
 def moved(
-    vehicle: Vehicle, history: History, unit: int, points: Sequence[Sequence[float]], axle: int = -1
+    vehicle: DrawnVehicle, history: History, unit: int, points: Sequence[Sequence[float]], axle: int = -1
 ) -> Floats:
     """Return positions of points of a unit at every row.
 
@@ -128,7 +128,7 @@ def moved(
     return np.asarray(place + np.einsum("rij,rpj->rpi", _rotation(history, unit), local - centre))
 
 
-def _with_axle(axle: Axle, history: History, number: int, points: Floats) -> Floats:
+def _with_axle(axle: DrawnAxle, history: History, number: int, points: Floats) -> Floats:
     """Return points of an axle in the axes of its unit."""
     heave, roll = (history[f"{name}_{number + 1}"][:, None] for name in ("heave", "axle_roll"))
     x, y, z = points.T - np.array([[0.0], [0.0], [axle.roll_centre]])
@@ -151,7 +151,7 @@ def _rotation(history: History, unit: int) -> Floats:
     return np.moveaxis(np.array(rows), -1, 0)
 
 
-def box(vehicle: Vehicle, history: History, unit: int) -> Floats:
+def box(vehicle: DrawnVehicle, history: History, unit: int) -> Floats:
     """Return the corners of a body, shape (rows, 8, 3) [m].
 
     Those of the rear face come first: lower right, lower left, upper left, upper right.
@@ -161,7 +161,7 @@ def box(vehicle: Vehicle, history: History, unit: int) -> Floats:
     return moved(vehicle, history, unit, [(x, *corner) for x in (-body.length, 0.0) for corner in face])
 
 
-def wheel(vehicle: Vehicle, history: History, number: int, side: int, above: bool = False) -> Floats:
+def wheel(vehicle: DrawnVehicle, history: History, number: int, side: int, above: bool = False) -> Floats:
     """Return the outline of a wheel from behind or from above.
 
     side: -1 for the right one, 1 for the left one. Returns shape (rows, 4, 3) [m].
@@ -174,7 +174,7 @@ def wheel(vehicle: Vehicle, history: History, number: int, side: int, above: boo
     return moved(vehicle, history, axle.unit, points, number)
 
 
-def draw_elevation(vehicle: Vehicle, history: History, row: int, resultant: Resultant) -> Chart:
+def draw_elevation(vehicle: DrawnVehicle, history: History, row: int, resultant: Resultant) -> Chart:
     """Draw the unit with the largest roll in a row, from behind."""
     state = {name: values[row : row + 1] for name, values in history.items()}
     unit = leaning_unit(vehicle, state)
@@ -202,7 +202,7 @@ def draw_elevation(vehicle: Vehicle, history: History, row: int, resultant: Resu
     return chart.Chart("space_elevation", caption, (plot,), Axis("Y [m]", high[0], low[0]), GROUP, WIDTH)
 
 
-def draw_plan(vehicle: Vehicle, history: History, row: int) -> Chart:
+def draw_plan(vehicle: DrawnVehicle, history: History, row: int) -> Chart:
     """Draw all units in a row from above."""
     state = {name: values[row : row + 1] for name, values in history.items()}
     marks = list[Mark]()
@@ -231,7 +231,7 @@ def draw_plan(vehicle: Vehicle, history: History, row: int) -> Chart:
     return plan_view("space_plan", caption, marks, frame, GROUP, ("X along the wall [m]", "Y [m]"), WIDTH)
 
 
-def leaning_unit(vehicle: Vehicle, history: History) -> int:
+def leaning_unit(vehicle: DrawnVehicle, history: History) -> int:
     """Return the unit with the largest roll."""
     rolls = [float(np.abs(column(history, "roll", unit)).max()) for unit in range(len(vehicle.units))]
     return int(np.argmax(rolls))
@@ -243,7 +243,7 @@ def _far_marks(far: Floats, near: Floats) -> list[Mark]:
     return [Outline(far[:, 0], far[:, 1], "fe", 0.5, 0.03), Line("", edges[:, 0], edges[:, 1], "steel", 0.6)]
 
 
-def _axle_marks(vehicle: Vehicle, state: History, unit: int, plane: tuple[int, int]) -> list[Mark]:
+def _axle_marks(vehicle: DrawnVehicle, state: History, unit: int, plane: tuple[int, int]) -> list[Mark]:
     """Return beams and wheels of a unit.
 
     Wheels off the ground are red.
@@ -262,7 +262,7 @@ def _axle_marks(vehicle: Vehicle, state: History, unit: int, plane: tuple[int, i
     return [*marks, Swatch("wheel on the ground", "soft"), Swatch("off the ground", "red")]
 
 
-def _strip_marks(vehicle: Vehicle, state: History, unit: int) -> list[Mark]:
+def _strip_marks(vehicle: DrawnVehicle, state: History, unit: int) -> list[Mark]:
     """Return the strips on the wall side of a unit, from behind."""
     marks = list[Mark]()
     for strip in vehicle.strips:
@@ -333,7 +333,7 @@ class Lift(NamedTuple):
     end: float
 
 
-def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Chart:
+def draw_angles(vehicle: DrawnVehicle, history: History, lifts: Sequence[Lift]) -> Chart:
     """Draw roll, pitch and lifted wheels of each unit over time."""
     count, wheels = len(vehicle.units), [(axle, side) for axle in range(len(vehicle.axles)) for side in SIDES]
     plots = []
@@ -361,7 +361,7 @@ def draw_angles(vehicle: Vehicle, history: History, lifts: Sequence[Lift]) -> Ch
     return chart.Chart("space_angles", caption, plots, histories.TIME, GROUP, chart.HALF)
 
 
-def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
+def film_views(vehicle: DrawnVehicle, history: History) -> tuple[View, View]:
     """Return the views of an animation from behind and from above.
 
     The latter is centred on the first unit.
@@ -383,7 +383,7 @@ def film_views(vehicle: Vehicle, history: History) -> tuple[View, View]:
     )
 
 
-def draw_films(vehicle: Vehicle, history: History) -> list[Chart]:
+def draw_films(vehicle: DrawnVehicle, history: History) -> list[Chart]:
     """Animate the motion from behind and above."""
     names = {
         "space_behind": "Vehicle from behind, animated, ten times slower",

@@ -8,10 +8,21 @@ from solver.space.solve import (
     solve_space,
     solve_spaces,
 )
-from solver.space.vehicle import SpaceAxle, SpaceUnit, SpaceVehicle, SpaceWall, Strip
+from solver.space.vehicle import SpaceAxle, SpaceStrip, SpaceUnit, SpaceVehicle, SpaceWall
 from solver.space.wall import PROFILES, profile_points
 
 __all__ = [
-    "OUTCOMES", "PROFILES", "SpaceAnswers", "SpaceAxle", "SpaceMotion", "SpaceUnit", "SpaceVehicle",
-    "SpaceWall", "Strip", "lowest_walls", "profile_points", "solve_space", "solve_spaces",
+    "OUTCOMES",
+    "PROFILES",
+    "SpaceAnswers",
+    "SpaceAxle",
+    "SpaceMotion",
+    "SpaceStrip",
+    "SpaceUnit",
+    "SpaceVehicle",
+    "SpaceWall",
+    "lowest_walls",
+    "profile_points",
+    "solve_space",
+    "solve_spaces",
 ]  # fmt: skip

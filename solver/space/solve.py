@@ -11,7 +11,7 @@ from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, Number
 from solver.space import state
-from solver.space.state import Clock, Fleet, Work, row_columns, workspace
+from solver.space.state import Clock, Fleet, SpaceWork, row_columns, workspace
 from solver.space.step import advance
 from solver.space.step import lowest_walls as find_lowest_walls
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
@@ -281,7 +281,7 @@ def _clock(interval: float, parts: NDArray[np.int64], end: float | None, push: A
     )
 
 
-def _workspace(fleet: Fleet, clock: Clock) -> Work:
+def _workspace(fleet: Fleet, clock: Clock) -> SpaceWork:
     """Return the workspace for one sample of a fleet."""
     points, rows = int(fleet.strip_points.sum()), math.ceil(clock.longest / clock.interval) + 2
     return workspace(fleet.units.shape[1], fleet.axles.shape[1], points, len(fleet.profile), rows)

@@ -138,7 +138,7 @@ class Clock(NamedTuple):
     push: np.ndarray
 
 
-class Work(NamedTuple):
+class SpaceWork(NamedTuple):
     """Workspace of one sample.
 
     bodies, shape (units, 76); joints, shape (axles, 29); wall, (facets, 7): from y, z to y, z, normal and dy/dz;
@@ -160,10 +160,10 @@ class Work(NamedTuple):
     rolls: np.ndarray
 
 
-def workspace(units: int, axles: int, points: int, facets: int, rows: int) -> Work:
+def workspace(units: int, axles: int, points: int, facets: int, rows: int) -> SpaceWork:
     """Return a workspace for one sample."""
     hinges = units - 1
-    return Work(
+    return SpaceWork(
         np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 7)),
         np.zeros((2 * points, 7)), np.zeros(10), np.zeros((6 * hinges, 6)),
         np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 6)), np.zeros(10), np.zeros(ANSWERS), np.zeros(units),

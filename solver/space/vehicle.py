@@ -119,7 +119,7 @@ class SpaceAxle:
 
 
 @dataclass(frozen=True)
-class Strip:
+class SpaceStrip:
     """Line of a body or axle that can touch the wall.
 
     There is one on each side.
@@ -184,13 +184,13 @@ class SpaceVehicle:
         Units from front to rear.
     axles : tuple of SpaceAxle
         Axles, at least two of the first unit, and one of each other.
-    strips : tuple of Strip
+    strips : tuple of SpaceStrip
         Strips, at least one.
     """
 
     units: tuple[SpaceUnit, ...]
     axles: tuple[SpaceAxle, ...]
-    strips: tuple[Strip, ...]
+    strips: tuple[SpaceStrip, ...]
 
 
 def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number) -> Fleet:
@@ -422,7 +422,7 @@ def _demand_strip(vehicle: SpaceVehicle, index: int, unit: SpaceUnit) -> None:
         raise RigidBodyError(f"{key}.axle", str(strip.axle), why, allowed)
 
 
-def _points_of(strip: Strip) -> int:
+def _points_of(strip: SpaceStrip) -> int:
     """Return the number of points of a strip, of the first sample."""
     (x0, x1), (z0, z1) = ([float(np.ravel(value)[0]) for value in ends] for ends in (strip.at, strip.height))
     along = abs(x1 - x0) > abs(z1 - z0)

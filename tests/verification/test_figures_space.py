@@ -11,19 +11,19 @@ from postprocess.svg.marks import Level, Line, Words
 from postprocess.svg.motion import Moving
 from postprocess.units import SI
 
-UNIT = space.Unit(length=10.0, width=2.4, mass=10000.0, centre=4.0, centre_height=1.5, low=0.5, top=2.7)
+UNIT = space.DrawnUnit(length=10.0, width=2.4, mass=10000.0, centre=4.0, centre_height=1.5, low=0.5, top=2.7)
 AXLES = (
-    space.Axle(0, position=1.0, track=2.0, radius=0.5, roll_centre=0.6, mass=500.0),
-    space.Axle(0, position=7.0, track=2.0, radius=0.5, roll_centre=0.6, mass=1000.0),
+    space.DrawnAxle(0, position=1.0, track=2.0, radius=0.5, roll_centre=0.6, mass=500.0),
+    space.DrawnAxle(0, position=7.0, track=2.0, radius=0.5, roll_centre=0.6, mass=1000.0),
 )
 STRIPS = (
-    space.Strip(0, -1, (10.0, 10.0), (1.2, 2.6), 0.1),
-    space.Strip(0, 1, (7.0, 7.0), (0.1, 1.0), 0.0),
+    space.DrawnStrip(0, -1, (10.0, 10.0), (1.2, 2.6), 0.1),
+    space.DrawnStrip(0, 1, (7.0, 7.0), (0.1, 1.0), 0.0),
 )
 FACE = np.array([(0.0, 0.0), (0.0, 0.1), (-0.2, 0.4), (-0.3, 0.9)])
-VEHICLE = space.Vehicle((UNIT,), AXLES, STRIPS, FACE)
-BEHIND = space.Axle(1, 8.0, 2.0, 0.5, 0.6, 1000.0), space.Strip(1, -1, (0.0, 10.0), (1.2, 1.2), 0.0)
-TRAIN = space.Vehicle((UNIT, UNIT), (*AXLES, BEHIND[0]), (*STRIPS, BEHIND[1]), FACE)
+VEHICLE = space.DrawnVehicle((UNIT,), AXLES, STRIPS, FACE)
+BEHIND = space.DrawnAxle(1, 8.0, 2.0, 0.5, 0.6, 1000.0), space.DrawnStrip(1, -1, (0.0, 10.0), (1.2, 1.2), 0.0)
+TRAIN = space.DrawnVehicle((UNIT, UNIT), (*AXLES, BEHIND[0]), (*STRIPS, BEHIND[1]), FACE)
 ROLL = np.arctan2(3.0, 4.0)
 """Roll with sine 0.6 and cosine 0.8."""
 

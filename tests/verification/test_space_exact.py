@@ -14,7 +14,7 @@ from machine_code.compiled import compiled
 from machine_code.object_code import flattened
 from solver.body import GRAVITY
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact
-from solver.space import SpaceVehicle, SpaceWall, Strip, solve_space
+from solver.space import SpaceStrip, SpaceVehicle, SpaceWall, solve_space
 from solver.space import state as columns
 from solver.space.dynamics import assemble, begin_step, kick, move
 from solver.space.vehicle import AXLE_GYRATION, fleet_of
@@ -381,7 +381,7 @@ def test_wheels_lift_at_the_force_of_equilibrium(lifting):
 
 def corners(x, y):
     """Return two corners as strips of 0.1 m and 2 MN/m."""
-    return tuple(Strip((at, at), (0.5, 0.6), 2e7, plateau=3.5e6, restitution=0.225) for at in (x, y))
+    return tuple(SpaceStrip((at, at), (0.5, 0.6), 2e7, plateau=3.5e6, restitution=0.225) for at in (x, y))
 
 
 HELD = 1e14

@@ -7,14 +7,14 @@ import pytest
 from space_vehicles import ANGLE, SPEED, train
 
 from solver.impact import CrushLaw, HitchedVehicle, ImpactVehicle, WallContact, first_touch, solve_impact
-from solver.space import SpaceWall, Strip, solve_space
+from solver.space import SpaceStrip, SpaceWall, solve_space
 
 STRIPS = (
-    Strip((0.0, 0.0), (0.45, 1.0), 4e6, plateau=7e5, restitution=0.225),
-    Strip((5.4, 5.4), (0.05, 1.0), 2e6, plateau=4e5, restitution=0.225, axle=1),
-    Strip((1.0, 14.6), (1.2, 1.2), 1e6, plateau=6e4, restitution=0.225, unit=1),
-    Strip((13.0, 13.0), (0.05, 1.0), 4e6, plateau=8e5, restitution=0.225, axle=4, unit=1),
-    Strip((14.6, 14.6), (1.2, 3.5), 2e6, plateau=3e5, restitution=0.225, unit=1),
+    SpaceStrip((0.0, 0.0), (0.45, 1.0), 4e6, plateau=7e5, restitution=0.225),
+    SpaceStrip((5.4, 5.4), (0.05, 1.0), 2e6, plateau=4e5, restitution=0.225, axle=1),
+    SpaceStrip((1.0, 14.6), (1.2, 1.2), 1e6, plateau=6e4, restitution=0.225, unit=1),
+    SpaceStrip((13.0, 13.0), (0.05, 1.0), 4e6, plateau=8e5, restitution=0.225, axle=4, unit=1),
+    SpaceStrip((14.6, 14.6), (1.2, 3.5), 2e6, plateau=3e5, restitution=0.225, unit=1),
 )
 WALL = SpaceWall(1.0668, friction=0.35)
 
@@ -64,7 +64,7 @@ def test_held_train_is_the_planar_one():
     """With roll and pitch fixed, impulses are those of the planar train."""
     corners = ((0.0, 0, 3.5e6), (6.4, 0, 3.5e6), (0.0, 1, 8.75e6), (14.6, 1, 8.75e6))
     strips = tuple(
-        Strip((at, at), (0.5, 0.6), 2e7, plateau=most, restitution=0.225, unit=unit)
+        SpaceStrip((at, at), (0.5, 0.6), 2e7, plateau=most, restitution=0.225, unit=unit)
         for at, unit, most in corners
     )
     held = train(strips, friction=0.0, roll_centre=0.5, roll_inertia=1e14, pitch_inertia=1e14)

@@ -7,7 +7,7 @@ import pytest
 from space_vehicles import ANGLE, MASS, SPEED, axle, truck, truck_unit
 
 from solver.body import GRAVITY
-from solver.space import SpaceVehicle, SpaceWall, Strip, solve_space
+from solver.space import SpaceStrip, SpaceVehicle, SpaceWall, solve_space
 from solver.space.solve import COMPARED, LEAST_ERROR
 
 
@@ -28,7 +28,7 @@ def on_wall(strips, wall, speed=SPEED, angle=ANGLE, **options):
 )
 def test_force_without_friction_is_normal_to_the_face(profile, heights, slope):
     """The upward force is the slope times the lateral one."""
-    h = on_wall((Strip((0.0, 0.0), heights, 4e6),), SpaceWall(2.0, profile), end=0.03, step=1e-4)
+    h = on_wall((SpaceStrip((0.0, 0.0), heights, 4e6),), SpaceWall(2.0, profile), end=0.03, step=1e-4)
     assert h["force_normal"].max() > 1e4
     assert np.abs(h["force_vertical"] - slope * h["force_normal"]).max() < 1e-9 * h["force_normal"].max()
     assert np.abs(h["force_tangential"]).max() == 0.0
@@ -37,7 +37,7 @@ def test_force_without_friction_is_normal_to_the_face(profile, heights, slope):
 
 def test_depth_is_normal_to_the_face():
     """At one height depth and lateral force are smaller by the cosine."""
-    point = (Strip((0.0, 0.0), (0.5, 0.55), 4e6),)
+    point = (SpaceStrip((0.0, 0.0), (0.5, 0.55), 4e6),)
     force = {
         profile: on_wall(point, SpaceWall(2.0, profile), end=5e-3, step=1e-5)["force_normal"][2]
         for profile in ("vertical", "single-slope")
@@ -49,7 +49,7 @@ def test_depth_is_normal_to_the_face():
 
 def test_friction_along_a_vertical_wall():
     """It opposes sliding with friction times the normal force."""
-    h = on_wall((Strip((0.0, 0.0), (0.5, 0.9), 4e6),), SpaceWall(2.0, friction=0.3), end=0.03, step=1e-4)
+    h = on_wall((SpaceStrip((0.0, 0.0), (0.5, 0.9), 4e6),), SpaceWall(2.0, friction=0.3), end=0.03, step=1e-4)
     ratio = -h["force_tangential"][2:] / h["force_normal"][2:]
     assert ratio == pytest.approx(0.3, rel=1e-3)
 
@@ -57,8 +57,8 @@ def test_friction_along_a_vertical_wall():
 @pytest.mark.parametrize(("top", "part"), [(0.5, 0.0), (0.75, 0.5), (0.6, 0.2), (1.0, 1.0)])
 def test_part_of_a_strip_below_the_top_crushes(top, part):
     """The force is in proportion to the length below the top."""
-    low = Strip((0.0, 0.0), (0.05, 0.1), 1.0)
-    strips = low, Strip((0.0, 0.0), (0.5, 1.0), 4e6)
+    low = SpaceStrip((0.0, 0.0), (0.05, 0.1), 1.0)
+    strips = low, SpaceStrip((0.0, 0.0), (0.5, 1.0), 4e6)
     force = on_wall(strips, SpaceWall(top), end=5e-3, step=1e-5)["force_normal"][2]
     complete = on_wall(strips, SpaceWall(2.0), end=5e-3, step=1e-5)["force_normal"][2]
     assert force == pytest.approx(part * complete, rel=2e-3, abs=1.0)
@@ -67,9 +67,9 @@ def test_part_of_a_strip_below_the_top_crushes(top, part):
 def test_box_lands_on_the_top():
     """Wheels and wall carry weight and push."""
     strips = (
-        Strip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3),
-        Strip((10.0, 10.0), (0.05, 0.4), 4e6, inset=0.3),
-        Strip((0.0, 10.0), (0.95, 0.95), 1e6),
+        SpaceStrip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3),
+        SpaceStrip((10.0, 10.0), (0.05, 0.4), 4e6, inset=0.3),
+        SpaceStrip((0.0, 10.0), (0.95, 0.95), 1e6),
     )
     end, load = 6.0, 1.5e5
     grown = np.clip((np.arange(300) + 0.5) / 150.0, 0.0, 1.0)
@@ -88,7 +88,7 @@ def test_box_lands_on_the_top():
 
 def test_landing_crushes_in_proportion_to_the_depth():
     """The force is stiffness times length times the greatest depth."""
-    strips = Strip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3), Strip((0.0, 10.0), (0.95, 0.95), 1e5)
+    strips = SpaceStrip((0.0, 0.0), (0.05, 0.4), 4e6, inset=0.3), SpaceStrip((0.0, 10.0), (0.95, 0.95), 1e5)
     grown = np.clip((np.arange(400) + 0.5) / 400.0, 0.0, 1.0)
     push = np.zeros((400, 5))
     push[:, 2], push[:, 4] = -2e5 * grown**2, np.nan
@@ -106,7 +106,7 @@ def test_landing_crushes_in_proportion_to_the_depth():
 
 def test_strip_in_front_of_the_face_does_not_land():
     """The box beside the wall sinks along the face without a force."""
-    strips = Strip((0.0, 0.0), (0.05, 0.4), 4e6), Strip((0.0, 10.0), (0.95, 0.95), 1e6, inset=0.1)
+    strips = SpaceStrip((0.0, 0.0), (0.05, 0.4), 4e6), SpaceStrip((0.0, 10.0), (0.95, 0.95), 1e6, inset=0.1)
     push = np.zeros((100, 5))
     push[:, 2], push[:, 4] = -1.5e5, np.nan
     vehicle = SpaceVehicle((truck_unit(),), truck(friction=0.0).axles, strips)

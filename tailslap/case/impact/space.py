@@ -136,11 +136,11 @@ def _axle(scene: Scene, number: int, value: Any) -> space.SpaceAxle:
     return space.SpaceAxle(**keys, unit=scene.axle[number].unit - 1)
 
 
-def _strip(scene: Scene, number: int, value: Any) -> space.Strip:
+def _strip(scene: Scene, number: int, value: Any) -> space.SpaceStrip:
     """Return a strip, which unloads as [contact]."""
     strip, stiffness = scene.strip[number], value(f"strip.{number}.stiffness")
     slope, law = value("contact.unloading_stiffness"), value("contact.stiffness")
-    return space.Strip(
+    return space.SpaceStrip(
         (value(f"strip.{number}.at.0"), value(f"strip.{number}.at.1")),
         (value(f"strip.{number}.height.0"), value(f"strip.{number}.height.1")),
         stiffness, value(f"strip.{number}.inset"), value(f"strip.{number}.plateau", np.inf),

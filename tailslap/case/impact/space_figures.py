@@ -24,25 +24,26 @@ OVER_CENTRE = 1.6
 """Assumed top of a body over the height of its centre of mass, where no strip is higher."""
 
 
-def geometry(vehicle: SpaceVehicle, wall: SpaceWall) -> drawings.Vehicle:
+def geometry(vehicle: SpaceVehicle, wall: SpaceWall) -> drawings.DrawnVehicle:
     """Return vehicle and wall for drawings."""
     strips = tuple(
-        drawings.Strip(strip.unit, strip.axle, _pair(strip.at), _pair(strip.height), float(strip.inset))
+        drawings.DrawnStrip(strip.unit, strip.axle, _pair(strip.at), _pair(strip.height), float(strip.inset))
         for strip in vehicle.strips
     )
     units = tuple(
         _unit(unit, [strip for strip in strips if strip.unit == k]) for k, unit in enumerate(vehicle.units)
     )
-    names = drawings.Axle._fields[1:]
+    names = drawings.DrawnAxle._fields[1:]
     axles = tuple(
-        drawings.Axle(axle.unit, *(float(getattr(axle, name)) for name in names)) for axle in vehicle.axles
+        drawings.DrawnAxle(axle.unit, *(float(getattr(axle, name)) for name in names))
+        for axle in vehicle.axles
     )
     points, top = profile_points(wall.profile), float(wall.height)
     face = np.array([*points[points[:, 1] < top], (float(face_at(points, top)), top)])
-    return drawings.Vehicle(units, axles, strips, face)
+    return drawings.DrawnVehicle(units, axles, strips, face)
 
 
-def _unit(unit: SpaceUnit, strips: Sequence[drawings.Strip]) -> drawings.Unit:
+def _unit(unit: SpaceUnit, strips: Sequence[drawings.DrawnStrip]) -> drawings.DrawnUnit:
     """Return a unit to draw, with body edges by its strips."""
     centre = float(unit.centre_height)
     low = min((min(strip.height) for strip in strips if strip.axle < 0), default=0.5 * centre)
@@ -50,7 +51,7 @@ def _unit(unit: SpaceUnit, strips: Sequence[drawings.Strip]) -> drawings.Unit:
     length, width, mass, behind = (
         float(v) for v in (unit.length, unit.width, unit.mass, unit.centre_of_mass)
     )
-    return drawings.Unit(length, width, mass, behind, centre, low, top)
+    return drawings.DrawnUnit(length, width, mass, behind, centre, low, top)
 
 
 def _pair(ends: tuple[object, ...]) -> tuple[float, float]:
