@@ -158,26 +158,9 @@ def solve_impacts(
     laws = crush_law.unit_laws([first | law, *trailers])
     bodies = ({key: unit.get(key) for key in BODY} for unit in (first, *trailers))
     roads = [{key: axle[key] for key in AXLE} for axle in axles]
-    tables: list[dict[str, Any]] = [
-        {key: number(key, value) for key, value in table.items() if value is not None}
-        for table in (shared, *bodies, *(law for both in laws for law in both), *roads)
-    ]
-    shape = np.broadcast_shapes(*(np.shape(value) for table in tables for value in table.values()))
-    common, *flat = (
-        {key: np.broadcast_to(quantity, shape).ravel() for key, quantity in table.items()} for table in tables
-    )
+    shape, (common, *flat) = _broadcast((shared, *bodies, *(law for both in laws for law in both), *roads))
     units, crush, tyres = flat[: len(laws)], flat[len(laws) : 3 * len(laws)], flat[3 * len(laws) :]
-    for index, unit in enumerate(units):
-        table = f"trailer.{index - 1}." if index else ""
-        with _naming(table):
-            _complete(unit)
-            crush_law.demand_law(*(crush[2 * index][key] for key in crush_law.LAW))
-        with _naming(f"{table or 'contact.'}rear."):
-            crush_law.demand_law(*(crush[2 * index + 1][key] for key in crush_law.LAW))
-    gate, theta = Gate(), common["angle"]
-    gate.positive(rules.SPEED, common["speed"])
-    gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
-    gate.not_negative(rules.FRICTION, common["friction"])
+    _demand_inputs(common, units, crush)
     train, state = _trains(units, crush, common)
     sizes = (np.array([unit[key] for unit in units]) for key in ("centre_of_mass", "length"))
     numbered = [{**road, "unit": axle.get("unit", 0)} for road, axle in zip(tyres, axles, strict=True)]
@@ -193,6 +176,42 @@ def solve_impacts(
     force = _mean_forces(trajectories, interval).reshape(-1, *shape)
     speed = np.asarray(np.hypot(*trajectories.state[:, 0, 3:5].T)).reshape(shape)
     return Impacts(corners, start, end, peak, impulse, force, trajectories.error.reshape(shape), speed)
+
+
+def _broadcast(tables: Sequence[Mapping[str, Any]]) -> tuple[tuple[int, ...], list[dict[str, Array]]]:
+    """Return the common shape and all quantities, of shape (n,).
+
+    Quantities that are None are omitted.
+    """
+    numbers = [
+        {key: number(key, value) for key, value in table.items() if value is not None} for table in tables
+    ]
+    shape = np.broadcast_shapes(*(np.shape(value) for table in numbers for value in table.values()))
+    flat = [
+        {key: np.broadcast_to(quantity, shape).ravel() for key, quantity in table.items()}
+        for table in numbers
+    ]
+    return shape, flat
+
+
+def _demand_inputs(
+    common: Mapping[str, Array], units: Sequence[dict[str, Array]], crush: Sequence[Mapping[str, Array]]
+) -> None:
+    """Complete the units and validate all inputs.
+
+    common, units, crush: as of `_trains`. Raises RigidBodyError.
+    """
+    for index, unit in enumerate(units):
+        table = f"trailer.{index - 1}." if index else ""
+        with _naming(table):
+            _complete(unit)
+            crush_law.demand_law(*(crush[2 * index][key] for key in crush_law.LAW))
+        with _naming(f"{table or 'contact.'}rear."):
+            crush_law.demand_law(*(crush[2 * index + 1][key] for key in crush_law.LAW))
+    gate, theta = Gate(), common["angle"]
+    gate.positive(rules.SPEED, common["speed"])
+    gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
+    gate.not_negative(rules.FRICTION, common["friction"])
 
 
 @contextmanager
