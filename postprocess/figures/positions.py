@@ -158,22 +158,11 @@ class Unit(NamedTuple):
 
 
 def draw_set_up(units: Sequence[Unit], words: Mapping[str, str], caption: str) -> Chart:
-    """Draw the wall Y = 0 and the units of a vehicle.
+    """Draw the wall Y = 0 and a vehicle's units to scale.
 
-    Parameters
-    ----------
-    units : sequence of Unit
-        Of a vehicle one, of a train several, the foremost first.
-    words : mapping of str
-        Texts by the keys of `SYMBOLS`: dimensions of the foremost unit, angle, speed, names of both positions, and
-        the distance between them along the wall, which is measured if it has no text.
-    caption : str
-        Also the alternative text of the drawing.
-
-    Returns
-    -------
-    Chart
-        With equal scales.
+    units: the foremost first; words: texts by the keys of `SYMBOLS`, which are dimensions of the foremost unit, angle,
+    speed, names of both positions, and the distance between them along the wall, which is measured if it has no text;
+    caption: also the alternative text of the drawing.
     """
     outlines = [vehicle_outlines(*unit) for unit in units]
     front, size = outlines[0], units[0].length

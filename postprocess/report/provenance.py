@@ -42,23 +42,8 @@ def _files(folder: Path) -> list[Path]:
 def write_crate(folder: Path, page: str, headline: Headline, origin: str, version: str) -> Path:
     """Describe the files of a folder in `ro-crate-metadata.json`.
 
-    Parameters
-    ----------
-    folder : Path
-        With all files of the result.
-    page : str
-        File name of the page.
-    headline : Headline
-        Title and answer of the page.
-    origin : str
-        Description of how the result was computed.
-    version : str
-        Of the program.
-
-    Returns
-    -------
-    Path
-        The file.
+    folder: with all files of the result; page: file name of the page, and headline: its title and answer; origin:
+    description of how the result was computed; version: of the program. Returns the path of the file.
     """
     paths, headline = [path for path in _files(folder) if path.name != CRATE], headline.in_units(SI)
     about = {"@id": CRATE, "@type": "CreativeWork", "conformsTo": {"@id": CONTEXT}, "about": {"@id": "./"}}

@@ -345,23 +345,11 @@ def corner_places(front: Number, length: Number, width: Number) -> Array:
 
 
 def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return the contact points of a vehicle.
+    """Return places, corners and lengths of the contact points.
 
-    Parameters
-    ----------
-    vehicle : ImpactVehicle
-        Its size and centre of mass.
-    contact : WallContact
-        Its laws.
-
-    Returns
-    -------
-    places : ndarray, shape (points, 2)
-        From the centre of mass along the heading and to its left [m]: the four corners, then the layer.
-    corner : ndarray, shape (points,)
-        Index into `CORNERS` [-].
-    length : ndarray, shape (points,)
-        Length of side that a point of the layer represents [m]; 1 for a corner.
+    places, shape (points, 2): from the centre of mass along the heading and to its left [m], the four corners, then the
+    layer; corner, shape (points,): index into `CORNERS`; length, shape (points,): of the side that a point of the layer
+    represents [m], 1 for a corner.
     """
     corners = corner_places(vehicle.front_distance, vehicle.length, vehicle.width)
     if contact.side is None:

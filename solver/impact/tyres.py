@@ -69,26 +69,11 @@ class TyreAxle:
 
 
 def tyres_of(train: Train, axles: Sequence[Mapping[str, Any]], centres: Array, lengths: Array) -> Tyres:
-    """Return the tyres of n trains.
+    """Return the tyres of n trains, with loads in equilibrium.
 
-    Parameters
-    ----------
-    train : Train
-        Its masses and hinges.
-    axles : sequence of dict
-        Fields of `TyreAxle` for each axle, floats or of shape (n,).
-    centres, lengths : ndarray, shape (units, n)
-        Centre of mass behind the front, and length of each unit [m].
-
-    Returns
-    -------
-    Tyres
-        With loads in equilibrium; without axles where none has friction.
-
-    Raises
-    ------
-    RigidBodyError
-        For an axle outside its unit, negative values, and axles that cannot carry a unit.
+    There are no axles where none has friction. axles: fields of `TyreAxle` for each axle, floats or of shape (n,);
+    centres: of mass, behind the front, and lengths of the units [m], shape (units, n). Raises RigidBodyError for an
+    axle outside its unit, negative values, and axles that cannot carry a unit.
     """
     if not axles:
         return no_tyres(train)
@@ -124,16 +109,9 @@ def no_tyres(train: Train) -> Tyres:
 def axle_loads(mass: Array, hitch: Array, kingpin: Array, unit: NDArray[np.int64], along: Array) -> Array:
     """Return the loads of the axles at rest [N], shape (axles, n).
 
-    Parameters
-    ----------
-    mass : ndarray, shape (units, n)
-        Mass of each unit [kg].
-    hitch, kingpin : ndarray, shape (units - 1, n)
-        Distance of each hinge ahead of the centres of mass of the units that it joins [m].
-    unit : ndarray, shape (axles,)
-        Number of the unit of each axle, from 0.
-    along : ndarray, shape (axles, n)
-        Distance of the axles ahead of the centre of mass of their unit [m].
+    mass: of each unit [kg], shape (units, n); hitch, kingpin: distance of each hinge ahead of the centres of mass of
+    the units that it joins [m], shape (units - 1, n); unit: number of each axle's unit, from 0; along: distance of the
+    axles ahead of the centre of mass of their unit [m], shape (axles, n).
     """
     load, pressed = np.zeros_like(along), np.zeros(along.shape[1])  # by the kingpin of the unit behind
     for u in reversed(range(len(mass))):

@@ -196,19 +196,8 @@ class SpaceVehicle:
 def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number) -> Fleet:
     """Return the arrays of n vehicles for compiled code.
 
-    Parameters
-    ----------
-    vehicle : SpaceVehicle
-        Its values broadcast with all others.
-    wall : SpaceWall
-        Wall that it strikes.
-    speed, angle : float or ndarray
-        Before the impact [m/s], of the vehicle to the wall [rad].
-
-    Raises
-    ------
-    RigidBodyError
-        For values that are impossible, with the key of the scene.
+    All values broadcast. speed [m/s] and angle of the vehicle to the wall [rad] are those before the impact. Raises
+    RigidBodyError for impossible values, with the key of the scene.
     """
     profile = profile_points(wall.profile)
     Gate().positive(rules.WALL_HEIGHT, number("height", wall.height))

@@ -83,18 +83,8 @@ def perform(
 ) -> CampaignEffort:
     """Compute and record all parts.
 
-    The first error of a part is raised. After an interruption, finished parts are still recorded.
-
-    Parameters
-    ----------
-    parts : Parts
-        Function and keys.
-    records : Records
-        Records, which receive the results.
-    pool : Pool
-        Workers.
-    report : callable
-        Takes the number of workers, about every second and after each batch.
+    The first error of a part is raised. After an interruption, finished parts are still recorded. report: takes the
+    number of workers, about every second and after each batch.
     """
     return _Engine(parts, records, pool).run(report)
 
@@ -109,22 +99,9 @@ def run_parts(
 ) -> None:
     """Compute the missing parts of a journal.
 
-    An error of a part is raised.
-
-    Parameters
-    ----------
-    function : callable
-        Takes the arguments of a part.
-    parts : dict of tuple
-        Arguments by key.
-    journal : Journal
-        Open journal, which receives the results.
-    label : str
-        Name on the progress bar.
-    workers : int, optional
-        Number of processes, by default one per core; a single one is this process.
-    expected : dict of float
-        Processor time of each part [s] where it is known. The longest parts come first, and the sum is announced.
+    An error of a part is raised. parts: arguments of the function by key; journal: open, receives the results; label:
+    on the progress bar; workers: number of processes, by default one per core, a single one is this process; expected:
+    processor time of each part [s] where it is known. The longest parts come first, and the sum is announced.
     """
     records = journal.records
     costs = {key: expected.get(key, 1.0) for key in parts if key not in records}

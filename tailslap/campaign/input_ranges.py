@@ -106,21 +106,8 @@ def ranges_of(
 ) -> tuple[Range, ...]:
     """Return the ranges of a case.
 
-    Parameters
-    ----------
-    case : Case
-        Case whose scene defines units and values of the keys.
-    used : tuple of str
-        Keys that may vary.
-    limits : dict
-        Default ranges.
-    ranges, fixed : tuple of str
-        Options --range (KEY=LOWER:UPPER) and --fix (KEY).
-
-    Raises
-    ------
-    InputError
-        For an invalid range or key.
+    used: keys that may vary; limits: default ranges; ranges, fixed: options --range (KEY=LOWER:UPPER) and --fix (KEY).
+    The scene defines units and values of the keys. Raises InputError for an invalid range or key.
     """
     ends: dict[str, Limits | TypedLimits] = {key: ends for key, ends in limits.items() if key in used}
     for text in ranges:

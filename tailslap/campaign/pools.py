@@ -75,16 +75,8 @@ def run_batch(
 ) -> BatchResult:
     """Call the function with the arguments of each part.
 
-    Raises OtherProgramError if this program is not the sender's.
-
-    Parameters
-    ----------
-    sender : str
-        Program that sends the batch, see `program`.
-    function : callable
-        Takes the arguments of a part.
-    parts : list of tuple
-        Key and arguments of each part.
+    sender: program that sends the batch, see `program`; parts: key and arguments of each part. Raises OtherProgramError
+    if this program is not the sender's.
     """
     if sender != program():
         raise OtherProgramError(program())

@@ -156,12 +156,7 @@ class Records(Mapping[Key, Any]):
     def add(self, records: Mapping[K, object], seconds: Mapping[K, float] | None = None) -> None:
         """Write the records of new keys, all or none.
 
-        Parameters
-        ----------
-        records : dict
-            Records by key; keys that exist are ignored.
-        seconds : dict, optional
-            Times of the parts by key [s].
+        records: by key, those of existing keys are ignored; seconds: times of the parts by key [s].
         """
         new = {key: record for key, record in records.items() if key not in self}
         values = {key: record if isinstance(record, Mapping) else {} for key, record in new.items()}

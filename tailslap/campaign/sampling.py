@@ -240,10 +240,7 @@ def _terms(table: Array) -> Array:
 def _ratios(means: Array) -> Array:
     """Return both indices and the sum of the totals.
 
-    Parameters
-    ----------
-    means : ndarray
-        Means of `_terms` along the first axis.
+    means: of `_terms`, along the first axis.
     """
     inputs = (len(means) - 3) // 2
     mixed, changes, (both, square, mean) = means[:inputs], means[inputs:-3], means[-3:]

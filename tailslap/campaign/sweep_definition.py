@@ -163,23 +163,9 @@ def make_definition(
 ) -> Definition:
     """Define the sweep of a scene.
 
-    Each value is checked alone. Combinations are checked when they are run.
-
-    Parameters
-    ----------
-    scene : str, path or mapping
-        Name, path or tables of the scene.
-    changes, varied : tuple of str
-        Options --set (KEY=VALUE) and --vary (KEY=VALUES).
-    sample : int, optional
-        Number of samples, None for a grid.
-    seed : int
-        Seed of the samples.
-
-    Raises
-    ------
-    InputError
-        Where a key or value is invalid in every scene.
+    Each value is checked alone. Combinations are checked when they are run. scene: name, path or tables; changes,
+    varied: options --set (KEY=VALUE) and --vary (KEY=VALUES); sample: number of samples, None for a grid; seed: of the
+    samples. Raises InputError where a key or value is invalid in every scene.
     """
     scene_source = read.read_source(scene)
     typed = [parse_varied(text, bool(sample)) for text in varied]

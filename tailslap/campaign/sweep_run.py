@@ -81,29 +81,10 @@ def perform(
 ) -> sweep_table.FinishedSweep:
     """Compute the missing runs and write the result.
 
-    Parameters
-    ----------
-    definition : Definition
-        The sweep.
-    place : Path
-        Its folder.
-    cluster : str, optional
-        Address of a Dask scheduler; without one, `workers` processes of this machine.
-    workers : int, optional
-        Number of processes, by default one per core.
-    compute : callable
-        Function that computes the row of a run.
-    units : str
-        Units of the page, "si" or "us".
-    force : bool
-        Replace the result of another command.
-
-    Raises
-    ------
-    InputError
-        Where the folder cannot be used.
-    StoppedError
-        After an interruption, the loss of the scheduler, or on a full disk. Finished rows are saved.
+    place: folder of the sweep; cluster: address of a Dask scheduler, without one `workers` processes of this machine,
+    by default one per core; compute: returns the row of a run; units: of the page; force: replaces the result of
+    another command. Raises InputError where the folder cannot be used, and StoppedError after an interruption, the loss
+    of the scheduler, or on a full disk. Finished rows are saved.
     """
     origin = manifest.Origin("sweep", definition.scene)
     with sweep_folder(place, definition, force) as place:

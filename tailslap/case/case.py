@@ -327,21 +327,9 @@ def within_tolerance(case: CaseT, run: Callable[[CaseT], OutcomeT], tolerance: f
     """Run a case on finer meshes until its error meets a tolerance.
 
     Each mesh has twice as many elements along both sides. The last one meets the tolerance, or the next would be too
-    large; a check states which. Without a tolerance the case is run once.
-
-    Parameters
-    ----------
-    case : Case
-        Case of the first mesh.
-    run : callable
-        Returns the outcome of a case.
-    tolerance : float or None
-        Largest relative error [-].
-
-    Raises
-    ------
-    InputError
-        For a tolerance that cannot be judged, and keys that make no model.
+    large; a check states which. Without a tolerance the case is run once. case: of the first mesh; run: returns the
+    outcome of a case; tolerance: largest relative error [-]. Raises InputError for a tolerance that cannot be judged,
+    and keys that make no model.
     """
     if tolerance is None:
         return run(case)

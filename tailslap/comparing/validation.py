@@ -162,17 +162,8 @@ def with_validation(report: Report, comparison: Comparison, author: str) -> Repo
 def validation_page(comparison: Comparison, author: str = "") -> Page:
     """Return the page of the validation.
 
-    Parameters
-    ----------
-    comparison : Comparison
-        Results, of which the first is the reference.
-    author : str
-        Name on the page; by default a blank to be filled in.
-
-    Returns
-    -------
-    Page
-        `passed`: solution verification and single channels are within the limits.
+    The first result of the comparison is the reference. author: name on the page, by default a blank to be filled in.
+    `passed`: solution verification and single channels are within the limits.
     """
     verified, weighted = solution_verification(comparison), multi_channel(comparison)
     passed = comparison.within and all(row["passed"] for row in verified)

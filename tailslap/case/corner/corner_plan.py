@@ -98,22 +98,8 @@ class CornerPlan(FePlan):
 def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan:
     """Decide open keys, and make the model of a run.
 
-    Parameters
-    ----------
-    case : RigidStages
-        Case of a scene with [plate].
-    more_damping : float
-        Factor on the predicted damping [-]; above 1 after a run that oscillated, see `decisions.open_damping`.
-
-    Returns
-    -------
-    CornerPlan
-        Ready to be integrated.
-
-    Raises
-    ------
-    InputError
-        For keys that make no model.
+    case: with [plate]; more_damping: factor on the predicted damping, above 1 after a run that oscillated, see
+    `decisions.open_damping`. Raises InputError for keys that make no model.
     """
     from fem.model import plate_model
 

@@ -339,18 +339,8 @@ def open_damping(
     """Choose the damping against a growth where the scene leaves it open.
 
     The prediction is an upper bound. A plate whose result damping would change is first run without, and its checks
-    detect oscillations.
-
-    Parameters
-    ----------
-    case : RigidStages
-        Case of a scene with open damping; otherwise nothing is chosen.
-    growth : Growth
-        Predicted growth.
-    factor : float
-        Factor on the predicted rate of damping; above 1 after a run that oscillated.
-    harmful : bool
-        Whether damping would change the result, see `harms`.
+    detect oscillations. growth: predicted; factor: on the predicted rate of damping, above 1 after a run that
+    oscillated; harmful: whether damping would change the result, see `harms`.
     """
     if not damping_is_open(case.scene):
         return ()

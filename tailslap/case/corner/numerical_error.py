@@ -123,16 +123,8 @@ def numerical_error(
 def mesh_error(difference: Mapping[str, float], companions: Sequence[Companion], order: float) -> float:
     """Bound the distance of a run to the limit of fine meshes.
 
-    It is infinite where a companion has no result. Neighbouring meshes differ by a factor of two.
-
-    Parameters
-    ----------
-    difference : dict of str to float
-        Relative differences of the run from the rigid motion.
-    companions : sequence of Companion
-        One or two.
-    order : float
-        Order of convergence that is assumed of two meshes.
+    It is infinite where a companion has no result. Neighbouring meshes differ by a factor of two. difference: relative,
+    of the run from the rigid motion; companions: one or two; order: of convergence, assumed of two meshes.
     """
     if not difference or not all(other.difference for other in companions):
         return math.inf

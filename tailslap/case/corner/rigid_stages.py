@@ -138,15 +138,8 @@ class RigidStages(case.Case):
     def many(self, inputs: Mapping[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
         """Return the peak force of n combinations of inputs [N].
 
-        Parameters
-        ----------
-        inputs : dict of ndarray, shape (n,)
-            Values by key of the scene [SI], which are not validated; other keys are those of the scene.
-
-        Returns
-        -------
-        dict of ndarray, shape (n,)
-            "peak_force"; NaN where the theory has no solution.
+        inputs: by key of the scene, shape (n,) [SI], which are not validated; other keys are those of the scene. The
+        force is in column "peak_force", NaN where the theory has no solution.
         """
         scene: Any = self.scene
         for key, value in inputs.items():

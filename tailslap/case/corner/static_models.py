@@ -67,18 +67,8 @@ def static_models(
 def oscillation_lost(case: RigidStages, energy: float, mass: float, rate: float) -> float:
     """Estimate how much damping reduces the oscillation of an unstressed plate.
 
-    As a fraction of the speed of its centre, up to the tail-slap.
-
-    Parameters
-    ----------
-    case : RigidStages
-        Case with the motion of the rigid body.
-    energy : float
-        Energy of the oscillation [J], that of the elastic state which the plate starts without.
-    mass : float
-        Mass of the plate [kg].
-    rate : float
-        Rate of the damping [1/s].
+    As a fraction of the speed of its centre, up to the tail-slap. energy: of the oscillation [J], that of the elastic
+    state which the plate starts without; mass: of the plate [kg]; rate: of the damping [1/s].
     """
     speed = math.sqrt(2.0 * energy / mass) / abs(case.motion.strike.v_gy)
     return CHANGE_BY_OSCILLATION * speed * _decayed(case, rate)

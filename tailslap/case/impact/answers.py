@@ -291,19 +291,9 @@ def train_columns(
 ) -> dict[str, np.ndarray]:
     """Return the columns of a train by name.
 
-    Parameters
-    ----------
-    motions : sequence of dict of ndarray, shape (rows,)
-        `MOTION` of each unit; the first one's have no number.
-    forces : ndarray, shape (2, units, rows)
-        Normal and tangential force on each [N].
-    hinges : ndarray, shape (hinges, 2, rows)
-        Force of each hinge along X and Y on the unit ahead [N].
-
-    Returns
-    -------
-    dict of ndarray, shape (rows,)
-        By name with the number of the unit, or hinge, from 1.
+    motions: `MOTION` of each unit, shape (rows,); forces, shape (2, units, rows): normal and tangential force on each
+    [N]; hinges, shape (hinges, 2, rows): force of each hinge along X and Y on the unit ahead [N]. Names end with the
+    number of the unit, or hinge, from 1; those of the first unit's motion have no number.
     """
     columns = {f"{name}_{k}": motion[name] for k, motion in enumerate(motions[1:], 2) for name in MOTION}
     for name, by_unit in zip(("normal", "tangential"), forces, strict=True):
@@ -344,21 +334,10 @@ def sampled_answer(
 ) -> ImpactAnswer:
     """Return an impact from sampled contact forces.
 
-    Parameters
-    ----------
-    history : dict of ndarray, shape (rows,)
-        As of `ImpactAnswer`.
-    points : ndarray, shape (2, points)
-        Places in the body frame of their unit, the front corner on the wall's side at the origin [m].
-    normal, tangential, place : ndarray, shape (rows, points)
-        Mean forces since the row before [N]; place along the wall [m].
-    corner : ndarray, shape (points,)
-        Number of the corner that each belongs to, in `CORNERS`, of a trailer 4 more for each unit.
-
-    Returns
-    -------
-    ImpactAnswer
-        Its strikes by corner.
+    history: as of `ImpactAnswer`; points, shape (2, points): places in the body frame of their unit, the front corner
+    on the wall's side at the origin [m]; normal, tangential, shape (rows, points): mean forces since the row before
+    [N]; place: along the wall [m]; corner: number of each point's corner in `CORNERS`, of a trailer 4 more for each
+    unit.
     """
     pushes, drags, stations, places = {}, {}, {}, {}
     for i in np.unique(corner):

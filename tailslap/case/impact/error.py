@@ -146,18 +146,9 @@ def value(answer: ImpactAnswer, strike: Strike, name: str) -> float:
 def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, float]:
     """Estimate the error of each quantity of the assessed strikes.
 
-    Parameters
-    ----------
-    base : ImpactAnswer
-        Impact whose error is estimated.
-    sequence : sequence of ImpactAnswer
-        Of two or three meshes, each twice as fine as the one before.
-
-    Returns
-    -------
-    dict of float
-        By `strike_1.impulse` and so on, relative: the distance from the finest mesh, plus the error of that. A step
-        between meshes counts as the geometric mean with the largest step of its strike, as it may be small by chance.
+    base: impact whose error is estimated; sequence: of two or three meshes, each twice as fine as the one before.
+    Errors are by `strike_1.impulse` and so on, relative: the distance from the finest mesh, plus the error of that. A
+    step between meshes counts as the geometric mean with the largest step of its strike, as it may be small by chance.
     """
     moved = [changes(base, answer) for answer in sequence]
     apart = {key: [distances[key] for distances in moved] for key in moved[0]}

@@ -22,22 +22,11 @@ DIGITS = 4
 def paper_method(scene: Scene, answer: ImpactAnswer) -> dict[str, Any] | None:
     """Return the results of the paper's method for the same impact.
 
-    It is that of the uniform rectangle.
-
-    Parameters
-    ----------
-    scene : Scene
-        With [contact].
-    answer : ImpactAnswer
-        The rigid vehicle's impact.
-
-    Returns
-    -------
-    dict or None
-        omega after Stage 1 [rad/s]; t and impulse of the tail-slap [s], [N s], the whole mass stopped; duration that
-        the paper reads off crash tests [s], and peak_force with it [N]; computed_duration, computed_peak_force: with
-        the duration of the second strike as the paper would read it off the computed 50 ms mean, or None. None where
-        [impact] has no friction or restitution, where the method has no answer, and of trains.
+    It is that of the uniform rectangle. scene: with [contact]; answer: of the rigid vehicle. Returns omega after Stage
+    1 [rad/s]; t and impulse of the tail-slap [s], [N s], the whole mass stopped; duration that the paper reads off
+    crash tests [s], and peak_force with it [N]; computed_duration, computed_peak_force: with the duration of the second
+    strike as the paper would read it off the computed 50 ms mean, or None. Returns None where [impact] has no friction
+    or restitution, where the method has no answer, and of trains.
     """
     table = scene.impact
     if table is None or table.friction is None or table.restitution is None or scene.trailer:

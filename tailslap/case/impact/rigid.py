@@ -214,21 +214,9 @@ class RigidImpact(Case):
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Return both strikes of n impacts, by the corners alone.
 
-        Parameters
-        ----------
-        inputs : dict of ndarray, shape (n,)
-            By key of `arguments`, or of the crush of contact, of a trailer, or of "rear" of either [SI]; the others are
-            those of the scene. The yaw inertia is in proportion to the mass.
-
-        Returns
-        -------
-        dict of ndarray, shape (n,)
-            As of `both_strikes` [SI]; NaN where there is no such strike.
-
-        Raises
-        ------
-        InputError
-            Where the theory refuses one of them.
+        inputs: shape (n,), by key of `arguments`, or of the crush of contact, of a trailer, or of "rear" of either
+        [SI]; the others are those of the scene. The yaw inertia is in proportion to the mass. Returns columns as of
+        `both_strikes` [SI], NaN where there is no such strike. Raises InputError where the theory refuses one of them.
         """
         impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
         columns = impacts.corner, impacts.start, impacts.end, impacts.peak_force, impacts.impulse

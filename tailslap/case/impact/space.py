@@ -66,25 +66,10 @@ class SpaceInput:
 
 
 def space_input(scene: Scene, values: Mapping[str, Number] | None = None) -> SpaceInput:
-    """Return the vehicle in space of a scene.
+    """Return the vehicle in space of a scene with [body].
 
-    Parameters
-    ----------
-    scene : Scene
-        With [body].
-    values : dict
-        Values in place of the scene's by dotted key, floats or of shape (n,) [SI]. Inertias of the scene are in
-        proportion to the mass.
-
-    Returns
-    -------
-    SpaceInput
-        For `solver.space`.
-
-    Raises
-    ------
-    RigidBodyError
-        For impossible values.
+    values: replace those of the scene by dotted key, floats or of shape (n,) [SI]; inertias of the scene are in
+    proportion to the mass. Raises RigidBodyError for impossible values.
     """
     values = values or {}
 

@@ -245,18 +245,9 @@ def start_samples(rows: Sequence[Record], start: str) -> list[Sample]:
 def measure(base: Source, starts: Record, modal: Changes, section: Section | None, half: bool) -> Record:
     """Return the record of a plate.
 
-    Parameters
-    ----------
-    base : Source
-        Source of the scene.
-    starts : dict
-        Changes of each start from coarse to fine, None for an omitted run.
-    modal : dict
-        Changes of the modal model.
-    section : tuple of float, optional
-        Section of the scene's plate. The first start is then repeated on the middle mesh with another thickness.
-    half : bool
-        True to repeat the finest mesh with half the supported length.
+    base: source of the scene; starts: changes of each start from coarse to fine, None for an omitted run; modal:
+    changes of the modal model; section: of the scene's plate, with which the first start is repeated on the middle mesh
+    with another thickness; half: True to repeat the finest mesh with half the supported length.
     """
     runs = {name: [one_run(base, run, fe_record) for run in meshes] for name, meshes in starts.items()}
     record: Record = {"starts": runs, "modal": one_run(base, modal, modal_record)}
@@ -332,16 +323,8 @@ def modal_record(case: CornerCase) -> Record:
 def plate_row(frequency: float, record: Record, rigid: Mapping[str, float]) -> Record:
     """Return a plate as in `points.csv` and the summary.
 
-    Numbers are of the finest mesh of the first start, NaN where unknown and None where not run.
-
-    Parameters
-    ----------
-    frequency : float
-        First frequency [Hz].
-    record : dict
-        Record of `measure`.
-    rigid : dict of float
-        The five quantities of the rigid body.
+    Numbers are of the finest mesh of the first start, NaN where unknown and None where not run. frequency: first one
+    [Hz]; record: of `measure`; rigid: the five quantities of the rigid body.
     """
     meshes, modal, nan = record["starts"][STARTS[0]], record["modal"], math.nan
     fine, half, thick = meshes[-1], record.get("half_patch", {}), record.get("thickness", {})

@@ -29,16 +29,8 @@ class Scan(NamedTuple):
 def scanned(series: Series, levels: Sequence[float], period: float, measure: Measure) -> Scan:
     """Scan where the samples cross the levels.
 
-    Parameters
-    ----------
-    series : dict of list of Sample
-        Plates from stiff to soft by quantity.
-    levels : sequence of float
-        Levels of the difference.
-    period : float
-        Shortest period of the oscillation over the first frequency [Hz].
-    measure : callable
-        Runs plates of further first frequencies, see `Measure`.
+    series: plates from stiff to soft by quantity; levels: of the difference; period: shortest period of the oscillation
+    over the first frequency [Hz]; measure: runs plates of further first frequencies, see `Measure`.
     """
     step = period / STEPS_A_PERIOD
     sought = {

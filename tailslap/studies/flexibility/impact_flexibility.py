@@ -135,16 +135,8 @@ def strike_record(case: ImpactCase) -> Record:
 def measure_plate(source: Source, frequency: float, coarse: Changes, fine: Changes) -> Record:
     """Return both strikes of a plate on two meshes.
 
-    `values` are by `COLUMNS`, `errors` are the ratios of finer and coarser mesh minus one.
-
-    Parameters
-    ----------
-    source : Source
-        Source of the scene.
-    frequency : float
-        First frequency [Hz].
-    coarse, fine : dict
-        Changes of both meshes.
+    frequency: first one [Hz]; coarse, fine: changes of both meshes. `values` are by `COLUMNS`, `errors` are the ratios
+    of finer and coarser mesh minus one.
     """
     coarse_record, fine_record = (one_run(source, changes, both_record) for changes in (coarse, fine))
     if refused := coarse_record.get("refused") or fine_record.get("refused"):

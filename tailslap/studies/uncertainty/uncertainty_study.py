@@ -174,24 +174,10 @@ def solved(
 ) -> dict[str, Array]:
     """Return peak force or both strikes of each sample.
 
-    Parameters
-    ----------
-    case : CornerCase or ImpactCase
-        Case with all other inputs. A yaw inertia of the scene is in proportion to the mass.
-    inputs : dict of ndarray, shape (n,)
-        Inputs by key of the scene [SI].
-    show : callable
-        Takes the fraction of finished samples.
-
-    Returns
-    -------
-    dict of ndarray, shape (n,)
-        "peak_force" [N] or the columns of `COLUMNS` [SI], NaN without a solution or strike.
-
-    Raises
-    ------
-    InputError
-        Where the theory has no solution for an impact.
+    case: corner or whole impact with all other inputs, whose yaw inertia is in proportion to the mass; inputs: by key
+    of the scene, shape (n,) [SI]; show: takes the fraction of finished samples. Returns "peak_force" [N] or the columns
+    of `COLUMNS` [SI], shape (n,), NaN without a solution or strike. Raises InputError where the theory has no solution
+    for an impact.
     """
     block = CORNER_BLOCK if case.scene.contact is None else IMPACT_BLOCK
     return sampling.solved_in_blocks(case.many, inputs, block, show)
