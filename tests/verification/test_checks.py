@@ -208,7 +208,7 @@ LAWS = {"drag": Drag(0.47), "signed": Signed(0.47), "none": None}
 
 @pytest.mark.parametrize(("named", "run"), [*itertools.permutations(LAWS, 2)])
 def test_another_law_than_the_scene_s_in_compiled_code(named, run, monkeypatch):
-    """Compile another law than the scene names."""
+    """Compile another law than the scene names, by the loops without damping of other tests."""
 
     def swapped(case, plate):
         properties, corner, step = fe_input(case, plate)
@@ -216,7 +216,8 @@ def test_another_law_than_the_scene_s_in_compiled_code(named, run, monkeypatch):
 
     fe_input = static_models.fe_input
     monkeypatch.setattr(static_models, "fe_input", swapped)
-    changes = (f"corner.reaction={named}", "plate.elements=[6,2]", "damping.kind=none")
+    alone = ("plate.elements=[6,2]", "damping.kind=none", "verify.companion=false")
+    changes = (f"corner.reaction={named}", *alone)
     result = CornerCase(*read_scene("paper-table-3", changes)).run()
     assert {check.name for check in result.checks if not check.passed} >= {"friction law", "friction work"}
 

@@ -18,14 +18,7 @@ from fem.plate.properties import ContactProperties, PlateProperties, StepPropert
 from fem.run.impact import FirstTouch, simulate_impact
 from meshes import plate_mesh
 from solver import RigidBodyError
-from solver.impact import (
-    CrushLaw,
-    ImpactState,
-    ImpactVehicle,
-    WallContact,
-    solve_impact,
-    solve_impacts,
-)
+from solver.impact import CrushLaw, ImpactState, ImpactVehicle, WallContact, solve_impact, solve_impacts
 from solver.impact.crush_law import unit_laws
 from tailslap import cli
 from tailslap.case.impact import run

@@ -12,12 +12,7 @@ from fem.explicit import simd_blocks
 from fem.explicit.internal_force import Viscosity, scratch_for, subtract_internal_forces
 from fem.explicit.measures import energy_of_hourglass, energy_of_strain
 from fem.laws.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
-from fem.plate.discretisation import (
-    discretise,
-    hourglass_control,
-    hourglass_matrix,
-    stiffness_matrix,
-)
+from fem.plate.discretisation import discretise, hourglass_control, hourglass_matrix, stiffness_matrix
 from fem.plate.kinds import ELEMENT_KINDS
 from fem.stability.deformed import deformed_frequency
 from fem.start.inertia_relief import to_global

@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from fem.plate.discretisation import (
-    corner_weights,
-    discretise,
-)
+from fem.plate.discretisation import corner_weights, discretise
 from fem.run.corner import simulate
 from fem.start.inertia_relief import RigidStart
 from meshes import plate_mesh

@@ -293,7 +293,7 @@ def earlier_methods(review):
     olson, hirsch, ritter = (f"{earlier[name] / 1e3:.0f} kN" for name in methods)
     return [
         f"A_L = {earlier['front_distance']:g} m, B = {earlier['half_width']:g} m and D = 0 assumed: "
-        f"Olson {olson} (average), Hirsch {hirsch}, Ritter {ritter}",
+        f"Olson {olson} (average), Hirsch {hirsch}, Ritter {ritter}"
     ]
 
 

@@ -11,14 +11,7 @@ import pytest
 from postprocess.signals import filters
 from postprocess.signals import occupant as risk
 from postprocess.signals.design_forces import LRFD, design_forces
-from postprocess.signals.filters import (
-    CLASSES,
-    cfc_filter,
-    force_curves,
-    force_peaks,
-    low_pass,
-    moving_mean,
-)
+from postprocess.signals.filters import CLASSES, cfc_filter, force_curves, force_peaks, low_pass, moving_mean
 from postprocess.signals.strike_duration import second_strike
 
 FILTERS: dict[str, Callable[..., Any]] = {

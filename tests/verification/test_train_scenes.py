@@ -129,11 +129,7 @@ def test_files_of_a_train(tmp_path, capsys):
     assert result.rigid is not None
     assert trajectory is not None
     units = tailslap.rigid(SCENE).histories["rigid"].units
-    assert (units["hinge_force_x_1"], units["articulation_1"], units["v_gx_2"]) == (
-        "N",
-        "rad",
-        "m/s",
-    )
+    assert (units["hinge_force_x_1"], units["articulation_1"], units["v_gx_2"]) == ("N", "rad", "m/s")
 
 
 def write(folder):
