@@ -208,7 +208,10 @@ LAWS = {"drag": Drag(0.47), "signed": Signed(0.47), "none": None}
 
 @pytest.mark.parametrize(("named", "run"), [*itertools.permutations(LAWS, 2)])
 def test_another_law_than_the_scene_s_in_compiled_code(named, run, monkeypatch):
-    """Compile another law than the scene names, by the loops without damping of other tests."""
+    """Compile another law than the scene names.
+
+    The loops without damping are compiled for other tests too.
+    """
 
     def swapped(case, plate):
         properties, corner, step = fe_input(case, plate)

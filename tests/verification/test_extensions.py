@@ -51,6 +51,7 @@ ADDED: dict[str, tuple[Registry[Any], str]] = {
 
 SCENE = ("corner.reaction=smoothed", "corner.constraint=cubic", "material.law=hardening")
 PLATE = ("plate.element=quad8", "plate.lumping=diagonal", "plate.start=pressed", "plate.elements=[10,3]")
+PLATE += ("verify.companion=false",)
 
 
 def load(name):

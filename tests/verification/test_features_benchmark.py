@@ -168,10 +168,13 @@ def test_a_noisy_machine_widens_the_limit():
 @pytest.mark.parametrize(
     ("plain", "apart", "status"), [(1.0, 0.0, 0), (1.2, 0.0, 1), (1.0, 2e-9, 1), (1.0, np.nan, 1)]
 )
-def test_it_prints_a_line_a_loop_and_fails_where_the_proof_does(monkeypatch, capsys, plain, apart, status):
-    """On made-up assembly, times and positions."""
-    twenty = 20.0 * np.ones(10)
+def test_it_prints_a_line_a_loop_and_fails_where_the_proof_does(
+    models, monkeypatch, capsys, plain, apart, status
+):
+    """On made-up assembly, times and positions, with the arrays of one loop for all."""
+    arrays, twenty = benchmark.workspace(models[benchmark.PLAIN]), 20.0 * np.ones(10)
     made_up = dict.fromkeys(("plain", "plain again"), plain * twenty) | {"bare loop": twenty}
+    monkeypatch.setattr(benchmark, "workspace", lambda fe_plan: arrays)
     monkeypatch.setattr(benchmark, "_assembly", lambda loop, *arguments: ASSEMBLY)
     timed = lambda models, turns: dict.fromkeys(models, 1.5 * twenty) | made_up  # noqa: E731
     monkeypatch.setattr(benchmark, "time_loops", timed)
