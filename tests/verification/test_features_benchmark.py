@@ -171,7 +171,7 @@ def test_a_noisy_machine_widens_the_limit():
 def test_it_prints_a_line_a_loop_and_fails_where_the_proof_does(
     models, monkeypatch, capsys, plain, apart, status
 ):
-    """On made-up assembly, times and positions, with the arrays of one loop for all."""
+    """On made-up assembly, times and positions, and arrays of one loop."""
     arrays, twenty = benchmark.workspace(models[benchmark.PLAIN]), 20.0 * np.ones(10)
     made_up = dict.fromkeys(("plain", "plain again"), plain * twenty) | {"bare loop": twenty}
     monkeypatch.setattr(benchmark, "workspace", lambda fe_plan: arrays)
