@@ -155,9 +155,9 @@ def typed_command(*more: str) -> str:
     return shlex.join(["tailslap", *context.find_root().obj, *more]) if context else ""
 
 
-def shortened(text: str, most: int = MAX_SHOWN) -> str:
-    """Return text of at most `most` characters on one line, escaped."""
-    text = text if len(text) <= most else text[: most - 3] + "..."
+def shortened(text: str) -> str:
+    """Return text of at most MAX_SHOWN characters on one line, escaped."""
+    text = text if len(text) <= MAX_SHOWN else text[: MAX_SHOWN - 3] + "..."
     return escaped(text).replace("\n", "\\n")
 
 

@@ -168,9 +168,9 @@ def columns(
     )
 
 
-def listed(rows: Sequence[Mapping[str, object]], title: str = "") -> Table:
+def listed(rows: Sequence[Mapping[str, object]]) -> Table:
     """Return a table of flat mappings with the same keys, for files."""
-    return Table(tuple(Column(key, key) for key in rows[0]), rows, title)
+    return Table(tuple(Column(key, key) for key in rows[0]), rows)
 
 
 def text_table(

@@ -340,12 +340,10 @@ def _with_measures(svg: str, systems: Systems) -> str:
     return MEASURE.sub(spans, svg)
 
 
-def draw_legend(
-    name: str, caption: str, marks: Sequence[Mark], group: str = "", width: float = PART
-) -> Chart:
+def draw_legend(name: str, caption: str, marks: Sequence[Mark], group: str = "") -> Chart:
     """Draw the keys of marks as one legend of several charts."""
     bare = Axis(named=())
-    return Chart(name, caption, (Plot(tuple(marks), bare, 0.0, has_grid=False),), bare, group, width)
+    return Chart(name, caption, (Plot(tuple(marks), bare, 0.0, has_grid=False),), bare, group, PART)
 
 
 def _foot(x: Axis) -> float:

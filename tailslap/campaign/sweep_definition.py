@@ -305,7 +305,7 @@ def _variation(
 
 
 def _ends(key: str, typed: TypedRange, read_value: ValueReader) -> tuple[float, float, str]:
-    """Return the limits of a range with unit."""
+    """Return a range's limits with their unit."""
     (lower, unit), (upper, _) = read_value(typed.lower), read_value(typed.upper)
     ends = f"{typed.lower}:{typed.upper}"
     if not (isinstance(lower, int | float) and isinstance(upper, int | float)):

@@ -75,12 +75,5 @@ class ForceBand:
     def numbers(self) -> dict[str, object]:
         """Return the part `force_band` of results, SI."""
         names = ("percentile_5", "percentile_50", "percentile_95")
-        return {
-            **dict(zip(names, self.percentiles, strict=False)),
-            "samples": self.samples,
-            "variance_fractions": dict(self.variance_fractions),
-            "ranges": {key: list(ends) for key, ends in self.ranges.items()},
-            "outcomes": dict(self.outcomes),
-            "fixed": list(self.fixed),
-            "refusal": self.refusal,
-        }
+        further = {name: value for name, value in vars(self).items() if name != "percentiles"}
+        return dict(zip(names, self.percentiles, strict=False)) | further

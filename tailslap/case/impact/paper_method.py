@@ -39,9 +39,7 @@ def paper_method(scene: Scene, answer: ImpactAnswer) -> dict[str, Any] | None:
     return {
         "omega": float(case.start.omega),
         "t": float(case.motion.strike.t),
-        "impulse": float(force.impulse),
-        "duration": float(force.duration),
-        "peak_force": float(force.peak_force),
+        **{name: float(getattr(force, name)) for name in ("impulse", "duration", "peak_force")},
         "computed_duration": read,
         "computed_peak_force": 2.0 * float(force.impulse) / read if read else None,
     }
