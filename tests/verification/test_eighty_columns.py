@@ -1,7 +1,6 @@
 """Verify that output fits 80 columns and equals the JSON."""
 
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -275,14 +274,16 @@ def test_further_columns_stand_beside_all_words_that_name_a_row():
     assert [line.split()[:2] for line in lines if "first" in line] == [["first", "v_gy"]] * 2
 
 
-def test_a_shell_completes_scenes_and_keys(tmp_path):
-    def completed(*words):
-        line = " ".join(("tailslap", *words))
-        variables = {"_TAILSLAP_COMPLETE": "bash_complete", "COMP_WORDS": line, "COMP_CWORD": str(len(words))}
-        settings = {"capture_output": True, "text": True, "cwd": tmp_path, "check": True}
-        process = subprocess.run([sys.executable, "-m", "tailslap"], env=os.environ | variables, **settings)
-        return [row.partition(",")[2] for row in process.stdout.splitlines()]
+def test_a_shell_completes_scenes_and_keys(monkeypatch, capfd):
+    def completed(*words, call=cli._status):
+        monkeypatch.setenv("COMP_WORDS", " ".join(("tailslap", *words)))
+        monkeypatch.setenv("COMP_CWORD", str(len(words)))
+        assert not call([])
+        return [row.partition(",")[2] for row in capfd.readouterr().out.splitlines()]
 
+    monkeypatch.setenv("_TAILSLAP_COMPLETE", "bash_complete")
+    by_process = completed("ru", call=lambda _: subprocess.check_call([sys.executable, "-m", "tailslap"]))
+    assert by_process == completed("ru")
     assert "run" in completed("ru")
     assert completed("run", "paper-t") == ["paper-table-3"]
     assert "plate.thickness=" in completed("run", "paper-table-3", "--set", "plate.th")
