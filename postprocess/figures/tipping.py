@@ -136,34 +136,29 @@ def _band(walls: Floats, band: Floats) -> Sequence[Mark]:
     return Layer("5 to 95 %", walls, low, high, "steel", 0.4), Line("median", walls, middle, "fe", 2.2)
 
 
-class OutcomeBar(NamedTuple):
-    """Probabilities of the outcomes of a test.
+def draw_outcomes(
+    labels: Sequence[str], parts: Sequence[Sequence[float]], published: Sequence[Sequence[bool]]
+) -> Chart:
+    """Draw the probabilities of outcomes with the published one marked.
 
-    parts: upright, on its side, over the wall; published: whether each one is the published outcome.
+    parts: probabilities of each test, upright, on its side, over the wall; published: whether each one is the
+    published outcome.
     """
-
-    label: str
-    parts: tuple[float, ...]
-    published: Sequence[bool]
-
-
-def draw_outcomes(bars: Sequence[OutcomeBar]) -> Chart:
-    """Draw the probabilities of outcomes with the published one marked."""
-    rows = np.arange(len(bars), dtype=float)[::-1]
-    ends = np.concatenate([np.zeros((len(bars), 1)), np.cumsum([bar.parts for bar in bars], axis=1)], axis=1)
-    labels, marks = [bar.label for bar in bars], list[Mark]()
+    rows = np.arange(len(labels), dtype=float)[::-1]
+    ends = np.concatenate([np.zeros((len(labels), 1)), np.cumsum(parts, axis=1)], axis=1)
+    marks = list[Mark]()
     across = rows[:, None] + 0.2 * np.array([-1.0, 1.0])
     for number, (name, colour, strength) in enumerate((("upright", "green", 0.45), *OUTCOMES)):
-        texts = [f"{bar.parts[number]:.2f}" for bar in bars]
+        texts = [f"{probabilities[number]:.2f}" for probabilities in parts]
         marks.append(Boxes(name, ends[:, number : number + 2], across, colour, texts, labels, strength))
     x, y = list[float](), list[float]()
-    for bar, row, edges in zip(bars, rows.tolist(), ends.tolist(), strict=True):
-        parts = [number for number, published in enumerate(bar.published) if published]
-        x += [edges[parts[0]], edges[parts[-1] + 1], np.nan]
+    for row, edges, is_published in zip(rows.tolist(), ends.tolist(), published, strict=True):
+        numbers = np.flatnonzero(is_published)
+        x += [edges[numbers[0]], edges[numbers[-1] + 1], np.nan]
         y += [row - 0.33, row - 0.33, np.nan]
     marks.append(Line("published outcome", np.array(x), np.array(y), "ink", 2.4, dots=3.4))
     named = tuple(zip(rows.tolist(), labels, strict=True))
-    axis = chart.Axis("", -0.6, len(bars) - 0.4, named=named)
-    plot = chart.Plot(tuple(marks), axis, 34.0 * len(bars) + 8.0, "y", False)
+    axis = chart.Axis("", -0.6, len(labels) - 0.4, named=named)
+    plot = chart.Plot(tuple(marks), axis, 34.0 * len(labels) + 8.0, "y", False)
     caption = "Probabilities of the outcomes of crash tests, and the published outcome (line below)"
     return chart.Chart("outcomes", caption, (plot,), chart.Axis("probability", 0.0, 1.0), width=chart.FULL)

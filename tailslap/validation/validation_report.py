@@ -5,7 +5,7 @@ from typing import Any
 
 import tailslap
 from postprocess.figures.studies import RatioBar, draw_ratios
-from postprocess.figures.tipping import OutcomeBar, draw_outcomes
+from postprocess.figures.tipping import draw_outcomes
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
@@ -159,20 +159,15 @@ def _outcome_sections(validation: Validation, scored: Sequence[Score]) -> list[S
     """Return picture and tables of the outcomes, none without any."""
     if not scored:
         return []
-    bars = [
-        OutcomeBar(
-            row.case,
-            tuple(row.probabilities.values()),
-            [name in STATED[row.published] for name in row.probabilities],
-        )
-        for row in validation.outcomes
-    ]
+    cases = [row.case for row in validation.outcomes]
+    parts = [[*row.probabilities.values()] for row in validation.outcomes]
+    stated = [[name in STATED[row.published] for name in row.probabilities] for row in validation.outcomes]
     tables = (
         Table(OUTCOMES, validation.outcomes),
         Table(SCORES, scored, notes=SCORED),
         Table(SKIPPED, validation.skipped),
     )
-    return [Section("Outcomes of crash tests", "", [draw_outcomes(bars)], tables)]
+    return [Section("Outcomes of crash tests", "", [draw_outcomes(cases, parts, stated)], tables)]
 
 
 def _shown(row: Row) -> dict[str, object]:
