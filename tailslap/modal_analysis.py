@@ -164,7 +164,7 @@ def _family(mode: Mode) -> str:
 
 
 def _modes_headline(case: Case, modes: list[Mode], what: str) -> Headline:
-    """Return the first natural frequency, that of a beam, and errors."""
+    """Return the headline with the first natural frequency and its error."""
     first = modes[0]
     answer = f"First natural frequency of the free {what} in its plane: {first['frequency']:.4g} Hz ({_name(first)})."
     worst = max(mode["error"] for mode in modes)

@@ -54,7 +54,7 @@ class Axis:
     named: tuple[tuple[float, str], ...] | None = None
 
     def scale(self, data: tuple[float, float]) -> scales.Scale:
-        """Return the scale of a range, without place."""
+        """Return the scale that covers the data."""
         low, high = scales.fitted(*data, self.margin, self.is_log)
         low = low if self.low is None else self.low
         high = high if self.high is None else self.high

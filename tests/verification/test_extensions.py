@@ -50,8 +50,10 @@ ADDED: dict[str, tuple[Registry[Any], str]] = {
 """File, with the registry and name of its object."""
 
 SCENE = ("corner.reaction=smoothed", "corner.constraint=cubic", "material.law=hardening")
-PLATE = ("plate.element=quad8", "plate.lumping=diagonal", "plate.start=pressed", "plate.elements=[10,3]")
-PLATE += ("verify.companion=false",)
+PLATE = (
+    "plate.element=quad8", "plate.lumping=diagonal", "plate.start=pressed", "plate.elements=[10,3]",
+    "verify.companion=false",
+)  # fmt: skip
 
 
 def load(name):

@@ -255,7 +255,7 @@ def _sentences(result: TippingResult) -> list[str]:
 
 
 def _decrease(result: TippingResult) -> str:
-    """Return a sentence on fractions that decrease with the height."""
+    """Return a sentence if the upright fraction decreases with height."""
     highest = np.maximum.accumulate(result.upright)
     lower = int(np.argmax(highest - result.upright))
     if highest[lower] == result.upright[lower]:
