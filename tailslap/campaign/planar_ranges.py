@@ -1,8 +1,11 @@
 """Ranges of uncertain inputs of both kinds of case."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from tailslap.campaign.input_ranges import (
     ASSUMED,
@@ -15,10 +18,12 @@ from tailslap.campaign.input_ranges import (
     impact_limits,
     ranges_of,
 )
-from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Missing
 from tailslap.scene.schema import Scene
+
+if TYPE_CHECKING:
+    from tailslap.case.corner.corner_case import CornerCase
+    from tailslap.case.impact.case import ImpactCase
 
 STAGE_ONE = ("impact.speed", "impact.angle", "impact.friction", "impact.restitution")
 """Keys of Stage 1, of the start and of the vehicle."""
