@@ -28,10 +28,8 @@ from solver.body import REACTIONS, MotionState, RectangularBody
 from solver.conditions import Array, Gate, Number, RigidBodyError, choose, functions, holds, number, refusal
 
 MU_SIGN = {"drag": 1.0, "none": 0.0, "signed": -1.0}  # of the coefficient in Eqs 66-67
-COARSE, FINE = (
-    12,
-    20,
-)  # Gauss points; the result is the fine rule's, its distance from the coarse one the check
+# Gauss points of two rules; the finer rule is the result, the difference of both is checked
+COARSE, FINE = 12, 20
 TOLERANCE = 1e-13  # of that distance, relative; the error of the fine rule is far smaller
 BISECTIONS = 24
 POINTS = 32  # of a panel of the clock
@@ -40,9 +38,8 @@ PANELS = 1024
 CLOSE = 1e-14  # residual of Newton's method before its last step, which squares it
 CRITICAL_FRICTION = 4.0 / 3.0  # smallest friction at which 1 + 3 C^2 - 3 mu S C can vanish
 FASTEST = 1e100  # growth of omega up to which every product stays within double precision
-SMALLEST_D = (
-    1e-4  # at an end of the path; D has rounding errors of a few 1e-16, and omega equal relative ones
-)
+# At an end of the path; D has rounding errors of a few 1e-16, and omega equal relative ones
+SMALLEST_D = 1e-4
 
 
 class Path(NamedTuple):

@@ -256,8 +256,8 @@ def tell(name: str, ours: Angles, theirs: Angles, required: str = "1 %") -> None
     """Print the largest angles of both with their difference."""
     command_line.row(name, "", "")
     for angle, largest in ours.largest.items():
-        other = theirs.largest[angle]
-        both = f"{math.degrees(largest):8.4f} {math.degrees(other):8.4f} deg  {other / largest - 1.0:+.1e}"
+        in_mujoco = theirs.largest[angle]
+        both = f"{math.degrees(largest):8.4f} {math.degrees(in_mujoco):8.4f} deg  {in_mujoco / largest - 1.0:+.1e}"
         command_line.row(f"  largest {angle}: solver.space, MuJoCo, difference", required, both)
 
 

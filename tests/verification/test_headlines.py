@@ -107,8 +107,8 @@ def test_a_run_answers_with_the_force_of_the_plate(outcome):
     )
     changed = percent_up(max(map(abs, result.difference.values())))
     assert headline.certainty.startswith(f"Vehicle flexibility changes the motion by at most {changed}; ")
-    other = result.fe_plan.case.other_convention()[1].force.peak_force
-    words = f"{other / 1e3:.0f} kN ({100 * (other / rigid - 1):+.0f} %)"
+    newton = result.fe_plan.case.other_convention()[1].force.peak_force
+    words = f"{newton / 1e3:.0f} kN ({100 * (newton / rigid - 1):+.0f} %)"
     assert (
         f" With Newton's convention (1 + e) {words}. The constraint makes the wall pull" in headline.certainty
     )
@@ -233,10 +233,10 @@ def test_ratios_and_the_other_restitution_are_named(outcome):
         computed, first, *_ = shared.design_table(result.fe_plan.case, result.mean_force).rows
         assert computed["force"] == result.mean_force
         assert first["ratio"] == pytest.approx(result.mean_force / (80.0 * KIP))
-    peak, mean, other = corner.peak_table(truck).rows
+    peak, mean, newton = corner.peak_table(truck).rows
     assert (mean["fe"], mean["rigid"]) == pytest.approx((0.75 * peak["fe"], 0.75 * peak["rigid"]))
-    assert other["what"] == "Peak with Newton's convention (1 + e)"
-    assert other["rigid"] == truck.fe_plan.case.other_convention()[1].force.peak_force
+    assert newton["what"] == "Peak with Newton's convention (1 + e)"
+    assert newton["rigid"] == truck.fe_plan.case.other_convention()[1].force.peak_force
 
 
 def test_headings_name_what_is_drawn(outcome, tmp_path):

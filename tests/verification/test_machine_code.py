@@ -205,8 +205,8 @@ def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel):
 
 def test_code_copied_over_another_s_is_compiled_anew(kernel):
     """Code of another kernel, or for other types, is compiled again."""
-    inputs, other = arguments(None, 1), compiled(subtract)
-    for wrong in ((other, inputs), (kernel, arguments(0.25, 1))):
+    inputs, another_kernel = arguments(None, 1), compiled(subtract)
+    for wrong in ((another_kernel, inputs), (kernel, arguments(0.25, 1))):
         assert wrong[0](*wrong[1])
         shutil.copy(wrong[0].path(*wrong[1]), kernel.path(*inputs))
         again = compiled(add)
@@ -413,13 +413,13 @@ def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path,
         return thread
 
     with one_process_compiles(code, waited.set):
-        other, third = compile_there(code, entered), threading.Event()
+        second, third = compile_there(code, entered), threading.Event()
         assert waited.wait(60.0)
         assert not entered.is_set()
         compile_there(code.with_name("other.code"), third).join(60.0)
         assert third.is_set()
     assert entered.wait(60.0)
-    other.join()
+    second.join()
     with open(tmp_path / "code" / "kind.lock") as file:  # it is free again
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 

@@ -106,11 +106,11 @@ def numerical_error(
     difference: its five quantities from the rigid motion, empty without a result.
     """
     deflection, steps = fe_plan.deflection_ratio, fe_plan.expected_steps
-    changes = (largest(other.difference) for other in companions if other.difference)
+    changes = (largest(companion.difference) for companion in companions if companion.difference)
     flexibility = max(deflection, *changes, 0.0)
     along, corner = fe_plan.plate.counts[0], fe_plan.case.scene.corner
     patch = (corner.patch_length or 0.0) * along / fe_plan.case.scene.vehicle.length
-    order = ORDERS[any(patch * other.refinement >= RESOLVED for other in companions)]
+    order = ORDERS[any(patch * companion.refinement >= RESOLVED for companion in companions)]
     return NumericalError(
         mesh=mesh_error(difference, companions, order) if companions else math.nan,
         contact_spring=SAFETY * flexibility * fe_plan.spring_ratio / deflection,
@@ -126,10 +126,10 @@ def mesh_error(difference: Mapping[str, float], companions: Sequence[Companion],
     It is infinite where a companion has no result. Neighbouring meshes differ by a factor of two. difference: relative,
     of the run from the rigid motion; companions: one or two; order: of convergence, assumed of two meshes.
     """
-    if not difference or not all(other.difference for other in companions):
+    if not difference or not all(companion.difference for companion in companions):
         return math.inf
     run = Companion("", 1.0, difference)
-    runs = sorted((run, *companions), key=lambda other: other.refinement)
+    runs = sorted((run, *companions), key=lambda companion: companion.refinement)
     steps = [_distance(*pair) for pair in itertools.pairwise(runs)]
     to_finest = _distance(run, runs[-1])
     if len(steps) == 1:
@@ -168,7 +168,7 @@ def _oscillation_lost(fe_plan: corner_plan.CornerPlan) -> float:
 
 
 def distance_in_motion(
-    run: Histories, other: Histories, rigid: Mapping[str, float], oscillates: bool
+    run: Histories, companion: Histories, rigid: Mapping[str, float], oscillates: bool
 ) -> float:
     """Return the distance between two runs' velocities.
 
@@ -177,7 +177,7 @@ def distance_in_motion(
 
     Parameters
     ----------
-    run, other : Histories
+    run, companion : Histories
         Histories of both runs; NaN where the rigid motion has ended.
     rigid : dict of str to float
         Velocities of the rigid body at the tail-slap.
@@ -185,14 +185,14 @@ def distance_in_motion(
         False: the tenth is the last one. True: any, as far as the oscillation lasts, since two oscillations that drift
         out of phase may be in phase again at the end.
     """
-    end = min(float(fe["t"][_rigid_rows(body)][-1]) for fe, body in (run, other))
+    end = min(float(fe["t"][_rigid_rows(body)][-1]) for fe, body in (run, companion))
     rows = run[0]["t"]
     t = np.append(rows[rows < end], end)
     tenths = np.minimum((t / (PART * end)).astype(int), LAST_PART)
     compared = np.unique(tenths) if oscillates else np.array([LAST_PART])
     distances = []
     for name in (name for name in VELOCITIES if rigid[name]):
-        first, second = _deviation(run, name, t), _deviation(other, name, t)
+        first, second = _deviation(run, name, t), _deviation(companion, name, t)
         apart = np.array([np.sqrt(np.mean((first - second)[tenths == tenth] ** 2)) for tenth in compared])
         amplitude = np.array([np.std(first[tenths == tenth]) for tenth in compared])
         ratio = np.divide(amplitude[-1], amplitude, out=np.ones_like(amplitude), where=amplitude > 0.0)

@@ -205,9 +205,9 @@ class RigidStages(case.Case):
         impact, start = self.scene.impact, self.scene.start
         if impact is None or (start and start.omega is not None):
             return None
-        (other,) = (name for name in solver.CONVENTIONS if name != impact.convention)
+        (convention,) = (name for name in solver.CONVENTIONS if name != impact.convention)
         try:
-            return other, replace(self, scene=vary.varied(self.scene, {"impact.convention": other}))
+            return convention, replace(self, scene=vary.varied(self.scene, {"impact.convention": convention}))
         except InputError:
             return None
 
@@ -261,10 +261,10 @@ class RigidStages(case.Case):
 
         Empty where Stage 1 does not compute the start.
         """
-        other = self.other_convention()
-        if other is None:
+        alternative = self.other_convention()
+        if alternative is None:
             return ""
-        convention, peak = CONVENTIONS[other[0]], other[1].force.peak_force
+        convention, peak = CONVENTIONS[alternative[0]], alternative[1].force.peak_force
         return f" With {convention} {force(peak)} ({percent(peak / self.force.peak_force - 1.0, 0)})."
 
     @property
@@ -299,16 +299,16 @@ class RigidStages(case.Case):
 
     def rigid_numbers(self) -> dict[str, Any]:
         """Return the results by both conventions of restitution, SI."""
-        other = self.other_convention()
+        alternative = self.other_convention()
         return {
             "scene": self.scene.name,
             "stage1": self.stage1 and _numbers(self.stage1, "omega", "corner_speed", "impulse"),
             "start": vars(self.start) | _numbers(self.start, "omega", "corner_speed"),
             "stage2": self.tail_slap,
             "stage3": _numbers(self.force, *STAGE_3),
-            "other_convention": other
-            and {"convention": other[0], **_numbers(other[1].start, "omega")}
-            | {"stage3": _numbers(other[1].force, *STAGE_3)},
+            "other_convention": alternative
+            and {"convention": alternative[0], **_numbers(alternative[1].start, "omega")}
+            | {"stage3": _numbers(alternative[1].force, *STAGE_3)},
         }
 
     def rigid_text(self, units: str = "si") -> list[str]:

@@ -244,18 +244,18 @@ def matched_strikes(strikes: Sequence[Strike], other_strikes: Sequence[Strike]) 
     """
     matched = {}
     for first, second in ((strikes, other_strikes), (heavy(strikes), heavy(other_strikes))):
-        for one, other in zip(first, second, strict=False):
-            if one.corner != other.corner:
+        for strike, counterpart in zip(first, second, strict=False):
+            if strike.corner != counterpart.corner:
                 break
-            matched[1 + strikes.index(one)] = other
+            matched[1 + strikes.index(strike)] = counterpart
     return matched
 
 
 def differences(fe: ImpactAnswer, rigid: ImpactAnswer) -> dict[str, float]:
     """Return FE/rigid - 1 of the matched strikes that are compared."""
     return {
-        f"strike_{k}.{name}": getattr(fe.strikes[k - 1], name) / getattr(other, name) - 1.0
-        for k, other in sorted(matched_strikes(fe.strikes, rigid.strikes).items())
+        f"strike_{k}.{name}": getattr(fe.strikes[k - 1], name) / getattr(counterpart, name) - 1.0
+        for k, counterpart in sorted(matched_strikes(fe.strikes, rigid.strikes).items())
         for name in COMPARED
         if k <= fe.counted
     }
