@@ -7,6 +7,7 @@ of a constrained corner is compared with a refined model of the same plate.
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 from fem.plate.kinds import ELEMENT_KINDS
@@ -275,9 +276,10 @@ def against_reference(outcome: CornerOutcome) -> Record:
     if first is None:
         return grade(outcome.difference, failed, None, math.nan)
     oscillates = not fe_plan.plate.relieved
-    motion: Record = {"other": first.histories, "rigid": outcome.rigid, "oscillates": oscillates}
-    histories = outcome.fe_history, outcome.rigid_history
-    row = grade(outcome.difference, failed, first, distance_in_motion(histories, **motion))
+    from_first = partial(
+        distance_in_motion, companion=first.histories, rigid=outcome.rigid, oscillates=oscillates
+    )
+    row = grade(outcome.difference, failed, first, from_first((outcome.fe_history, outcome.rigid_history)))
     if row["kind"] != GOOD:
         return row
     more_references = references(fe_plan, SECOND)
@@ -285,7 +287,7 @@ def against_reference(outcome: CornerOutcome) -> Record:
     apart = math.inf
     if second:
         apart = distance(second.difference, first.difference)
-        apart = max(distance_in_motion(second.histories, **motion), apart)
+        apart = max(from_first(second.histories), apart)
     return row if apart <= _limit(GOOD_TO, largest(first.difference)) else row | {"kind": CAUGHT}
 
 
