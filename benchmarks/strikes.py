@@ -17,7 +17,7 @@ import numpy as np
 
 from postprocess.report.tables import pairs
 from postprocess.report.terminal import printed
-from tailslap.case.impact import answers, error
+from tailslap.case.impact import answers, error, strike_columns
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
 
@@ -68,9 +68,9 @@ def measured(scene: str, angle: float) -> Angle:
         for one, other in zip(case.motion.strikes, longer, strict=False)
         for name in answers.COMPARED
     ]
-    strikes = answers.both_strikes(case.answer)
+    strikes = strike_columns.both_strikes(case.answer)
     sampled = case.many({"impact.angle": np.array([np.radians(angle)])})
-    names = [name for name in answers.COLUMNS if strikes[name] == strikes[name]]
+    names = [name for name in strike_columns.COLUMNS if strikes[name] == strikes[name]]
     many = [abs(float(sampled[name][0]) / strikes[name] - 1.0) for name in names]
     mean = case.row(None)["rigid.peaks.mean_50ms"]
     soft, hard = (error.changes(result.rigid, result.fe) for result in (outcome, stiff))

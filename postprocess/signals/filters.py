@@ -5,7 +5,8 @@ forward and backward, so nothing is delayed. With w_a the tangent at the corner 
 (tan(pi f T) / w_a)^4). Both ends are padded with the end values, for 10 ms and at least three periods of the cut-off
 frequency, in which the filter settles: the result is that of a signal with constant continuation, and constants
 remain unchanged. The mean is centred, and does not extend beyond the end. Values are uniform samples, each the mean
-over its interval T; sample i belongs to the instant (i + 1/2) T.
+over its interval T; sample i belongs to the instant (i + 1/2) T. They have the shape (n,), or (histories, n) for
+several histories at once.
 
 Sources: SAE J211-1, Instrumentation for impact test; its class CFC is 3 dB down at CFC / 0.6. Sample rate of at least
 ten times the class, six times the cut-off frequency: documentation of the CFC filter of FlexPro.
@@ -25,6 +26,9 @@ PAD = 0.01
 
 PERIODS = 3.0
 SAMPLES_A_PERIOD = 6.0
+
+BLOCK = 32
+"""Samples that a filter computes at once."""
 
 
 FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
@@ -57,8 +61,8 @@ CUTOFFS = {"cfc60": 100.0, "cfc180": 300.0, "cutoff_60hz": 60.0}
 def cfc_filter(values: Floats, interval: float, frequency_class: int) -> Floats:
     """Filter values by a channel frequency class.
 
-    The filter is 3 dB down at class / 0.6. values: shape (n,), any unit; interval: T [s]; class: 60, 180, 600 or
-    1000. ValueError for another class, too long an interval or too short a history.
+    The filter is 3 dB down at class / 0.6. values: any unit; interval: T [s]; class: 60, 180, 600 or 1000. ValueError
+    for another class, too long an interval or too short a history.
     """
     if frequency_class not in CLASSES:
         raise ValueError(f"frequency class {frequency_class}: must be one of {', '.join(map(str, CLASSES))}")
@@ -70,8 +74,8 @@ def cfc_filter(values: Floats, interval: float, frequency_class: int) -> Floats:
 def low_pass(values: Floats, interval: float, cutoff: float) -> Floats:
     """Filter values by a cut-off frequency [Hz].
 
-    The gain of both passes together is there 1 / sqrt 2. values: shape (n,), any unit; interval: T [s]. ValueError as
-    for `cfc_filter`.
+    The gain of both passes together is there 1 / sqrt 2. values: any unit; interval: T [s]. ValueError as for
+    `cfc_filter`.
     """
     check_samples(values, interval, 1.0 / cutoff, cutoff)
     corner = math.tan(math.pi * cutoff * interval) / (math.sqrt(2.0) - 1.0) ** 0.25
@@ -82,17 +86,31 @@ def moving_mean(values: Floats, interval: float, width: float) -> Floats:
     """Return the centred mean over `width` [s] at each sample.
 
     Before the start the first value is continued, and near the end the last mean that does not extend beyond it.
-    values: shape (n,), any unit; interval: T [s]. The cumulated integral is interpolated, so any width is possible.
-    ValueError if the history is shorter than the width.
+    values: any unit; interval: T [s]. The cumulated integral is interpolated, so any width is possible. ValueError if
+    the history is shorter than the width.
     """
     check_samples(values, interval, width)
-    added = math.ceil(0.5 * width / interval) + 1
-    held = _extended(values, added)
-    edges = interval * (np.arange(held.size + 1) - added)
-    integral = np.concatenate(([0.0], np.cumsum(held))) * interval
-    centres = interval * np.minimum(np.arange(values.size) + 0.5, values.size - 0.5 * width / interval)
-    after, before = (np.interp(centres + side, edges, integral) for side in (0.5 * width, -0.5 * width))
-    return np.asarray((after - before) / width)
+    half, size = 0.5 * width / interval, values.shape[-1]
+    added = math.ceil(half) + 1
+    integral = np.cumsum(_extended(values, added), axis=-1, dtype=np.float64)  # item i: up to edge i + 1
+
+    def means(centre: float, count: int) -> Floats:
+        after, before = (_at_edges(integral, added + centre + side, count) for side in (half, -half))
+        return (after - before) / (2.0 * half)
+
+    inside = max(0, math.floor(size - half + 0.5))  # samples at which the mean does not extend beyond the end
+    last = np.repeat(means(size - half, 1), size - inside, axis=-1)
+    return np.concatenate((means(0.5, inside), last), axis=-1)
+
+
+def _at_edges(integral: Floats, place: float, count: int) -> Floats:
+    """Return the integral at places between edges.
+
+    integral: item i is that up to edge i + 1. place: the first of `count` places, one edge apart.
+    """
+    edge = math.floor(place)
+    lower, upper = (integral[..., first : first + count] for first in (edge - 1, edge))
+    return np.asarray(lower + (place - edge) * (upper - lower))
 
 
 def check_samples(values: Floats, interval: float, shortest: float, cutoff: float = 0.0) -> None:
@@ -100,17 +118,17 @@ def check_samples(values: Floats, interval: float, shortest: float, cutoff: floa
 
     They must be finite, last `shortest` [s], and be frequent enough for the cut-off frequency [Hz].
     """
-    if values.ndim != 1 or not np.isfinite(values).all():
-        raise ValueError(f"values of shape {values.shape}: must be finite numbers in one dimension")
+    if values.ndim not in (1, 2) or not np.isfinite(values).all():
+        raise ValueError(f"values of shape {values.shape}: must be finite numbers in one or two dimensions")
     if not (0.0 < interval < math.inf and interval * SAMPLES_A_PERIOD * cutoff <= 1.0 + 1e-9):
         limit = 1.0 / (SAMPLES_A_PERIOD * cutoff) if cutoff else math.inf
         longest = f", at most {limit:.4g} s for a cut-off at {cutoff:.4g} Hz" if cutoff else ""
         raise ValueError(f"sample interval {interval:g} s: must be positive{longest}")
-    if values.size * interval < shortest * (1.0 - 1e-9):
-        raise ValueError(f"history of {values.size * interval:.4g} s: must last at least {shortest:.4g} s")
+    if (duration := values.shape[-1] * interval) < shortest * (1.0 - 1e-9):
+        raise ValueError(f"history of {duration:.4g} s: must last at least {shortest:.4g} s")
 
 
-def settling_rows(cutoff: float, interval: float) -> int:
+def settling_samples(cutoff: float, interval: float) -> int:
     """Return the samples in which a filter of this cut-off [Hz] settles."""
     return math.ceil(max(PAD, PERIODS / cutoff) / interval)
 
@@ -120,48 +138,69 @@ def _extended(values: Floats, added: int) -> Floats:
 
     added: number of copies at each end.
     """
-    return np.concatenate((np.full(added, values[0]), values, np.full(added, values[-1])))
+    first, last = (np.repeat(end, added, axis=-1) for end in (values[..., :1], values[..., -1:]))
+    return np.concatenate((first, values, last), axis=-1)
 
 
 def _both_ways(values: Floats, interval: float, cutoff: float, corner: float) -> Floats:
     """Filter forward and backward with this w_a, from steady states."""
-    from scipy.linalg.blas import dtbsv  # scipy.signal takes longer to import than a run to compute
-
-    added = settling_rows(cutoff, interval)
+    added, matrices = settling_samples(cutoff, interval), _matrices(corner)
     held = _extended(values, added)
-    entering, leaving = _coefficients(corner)
-    band = np.empty((leaving.size, held.size), order="F")
-    band[:] = leaving[:, None]
     for _ in ("forward", "backward"):
-        change = np.convolve(held - held[0], entering)[: held.size]
-        held = (held[0] + dtbsv(leaving.size - 1, band, change, lower=1))[::-1]
-    return np.asarray(held[added:-added])
+        held = _one_way(held, *matrices)[..., ::-1]
+    return held[..., added:-added]
 
 
-def _coefficients(corner: float) -> tuple[Floats, Floats]:
-    """Return the coefficients of input and output in the difference equation.
+def _one_way(values: Floats, response: Floats, memory: Floats) -> Floats:
+    """Filter values in blocks from a steady state.
 
-    SAE's a0 to a2 and 1, -b1, -b2.
+    The state is that of the first value. response, memory: see `_matrices`.
+    """
+    rise = np.zeros((*values.shape[:-1], values.shape[-1] + 2))  # two samples ahead are the steady state
+    np.subtract(values, values[..., :1], out=rise[..., 2:])
+    filtered = np.zeros_like(rise)
+    for begin in range(2, rise.shape[-1], BLOCK):
+        block, earlier = rise[..., begin : begin + BLOCK], slice(begin - 2, begin)
+        size = block.shape[-1]
+        before = np.concatenate((rise[..., earlier], filtered[..., earlier]), axis=-1)
+        filtered[..., begin : begin + BLOCK] = block @ response[:size, :size] + before @ memory[:, :size]
+    return filtered[..., 2:] + values[..., :1]
+
+
+def _matrices(corner: float) -> tuple[Floats, Floats]:
+    """Return the matrices of a block of samples of one pass.
+
+    They are the effect of the block's values, shape (BLOCK, BLOCK), and that of the two values and the two results
+    before it, shape (4, BLOCK), earliest first. The difference equation is SAE's, with a0 to a2 and 1, -b1, -b2.
     """
     scale = 1.0 + math.sqrt(2.0) * corner + corner**2
-    entering = corner**2 / scale * np.array([1.0, 2.0, 1.0])
-    leaving = np.array([scale, 2.0 * (corner**2 - 1.0), 1.0 - math.sqrt(2.0) * corner + corner**2]) / scale
-    return entering, leaving
+    a_0 = corner**2 / scale
+    b_1, b_2 = 2.0 * (1.0 - corner**2) / scale, (math.sqrt(2.0) * corner - 1.0 - corner**2) / scale
+    results = np.zeros(
+        (BLOCK + 4, BLOCK + 2)
+    )  # by two values before, those of the block, and two results before
+    results[-2, 0] = results[-1, 1] = 1.0
+    for i in range(BLOCK):
+        results[:, i + 2] = b_1 * results[:, i + 1] + b_2 * results[:, i]
+        results[i : i + 3, i + 2] += a_0, 2.0 * a_0, a_0
+    return results[2:-2, 2:], results[[0, 1, -2, -1], 2:]
 
 
 def force_curves(force: Floats, interval: float, names: Iterable[str] = tuple(FILTERS)) -> dict[str, Floats]:
-    """Return the force [N] filtered by each filter, shape (n,) each.
+    """Return the force [N] after each filter.
 
-    force: shape (n,), each sample the mean over its interval [s]. It starts at first touch, and is zero before. If it
+    force: each sample the mean over its interval [s]. It starts at first touch, and is zero before. If it
     ends during a strike, the part of a filtered curve that later forces would change repeats its last valid value.
     names: of `FILTERS`, which are those of `summary.json`. ValueError for samples too rare for CFC 180 (1800 Hz), and
     for a history shorter than 50 ms.
     """
-    touched = np.concatenate(([0.0], force))
-    curves = {name: FILTERS[name](touched, interval)[1:] for name in names}
-    for name in CUTOFFS.keys() & curves.keys() if touched[-1] != 0.0 else ():
-        last = max(0, force.size - 1 - settling_rows(CUTOFFS[name], interval))
-        curves[name][last:] = curves[name][last]
+    touched = np.concatenate((np.zeros_like(force[..., :1]), force), axis=-1)
+    curves = {name: FILTERS[name](touched, interval)[..., 1:] for name in names}
+    is_cut = force[..., -1:] != 0.0
+    for name in CUTOFFS.keys() & curves.keys() if is_cut.any() else ():
+        last = max(0, force.shape[-1] - 1 - settling_samples(CUTOFFS[name], interval))
+        curve = curves[name][..., last:]
+        curve[...] = np.where(is_cut, curve[..., :1], curve)
     return curves
 
 

@@ -22,8 +22,8 @@ from solver.impact import CrushLaw, ImpactState, ImpactVehicle, WallContact, sol
 from solver.impact.crush_law import unit_laws
 from tailslap import cli
 from tailslap.case.impact import run
-from tailslap.case.impact.answers import both_strikes
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.strike_columns import both_strikes
 from tailslap.errors import InputError
 from tailslap.scene.read import read_source
 from tailslap.scene.vary import vary

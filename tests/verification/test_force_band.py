@@ -14,7 +14,7 @@ from postprocess.units import SI
 from tailslap.campaign import band_samples, planar_ranges, sampling
 from tailslap.case import case_of
 from tailslap.case.case import NO_BAND
-from tailslap.case.impact import answers
+from tailslap.case.impact import strike_columns
 from tailslap.scene.read import read_scene
 
 TRUCK, IMPACT, SPACE = "mash-tl4-sut", "impact-mash-tl4-sut", "impact-tipping-tl4-sut"
@@ -63,8 +63,8 @@ def test_largest_means_are_those_of_all_columns():
         item.key: item.lower + (item.upper - item.lower) * random.random(16)
         for item in planar_ranges.impact_ranges(impact_case)
     }
-    means = impact_case.largest_means(inputs)[answers.LARGEST]
-    assert means == pytest.approx(impact_case.many(inputs)[answers.LARGEST], rel=2e-3)
+    means = impact_case.largest_means(inputs)[strike_columns.LARGEST]
+    assert means == pytest.approx(impact_case.many(inputs)[strike_columns.LARGEST], rel=2e-3)
 
 
 def test_percentiles_are_those_of_single_solutions(bands):

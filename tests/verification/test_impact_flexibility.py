@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from test_flexibility_study import said
 
-from solver.impact import Strike
+from solver.impact import Impacts
 from tailslap.campaign import levels
-from tailslap.case.impact.answers import COLUMNS, both_strikes, first_strike
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.strike_columns import COLUMNS, LARGEST, both_strikes, columns_of_many
 from tailslap.scene.read import read_scene
 from tailslap.studies.flexibility import impact_flexibility, plate_runs
 from tailslap.studies.flexibility.flexibility_report import WORDS, plates_table
@@ -117,9 +117,22 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
 
 
 def test_contacts_of_a_corner_that_are_close_are_one_strike():
-    times = ((0.0, 0.1), (0.14, 0.2), (0.26, 0.3))
-    contacts = [Strike("front", *interval, 1.0, 1.0) for interval in times]
-    assert (first_strike(contacts), first_strike([])) == (contacts[:2], [])
+    corner = np.array([[0, 0], [1, 0], [0, 0], [0, 1]])
+    start, end = (
+        np.array([[0.0, 0.2], [0.05, 0.3], [0.14, 0.51], [0.26, 0.6]]),
+        np.array([[0.1, 0.26], [0.12, 0.5], [0.2, 0.55], [0.3, 0.7]]),
+    )
+    nothing, force = np.zeros(2), np.zeros((2000, 2))
+    impacts = Impacts(corner, start, end, np.ones_like(start), np.ones_like(start), force, nothing, nothing)
+    columns = columns_of_many(impacts, 5e-4, 1)
+    expected = {"duration": ((0.2, 0.35), (0.07, 0.1)), "impulse": ((2.0, 3.0), (1.0, 1.0))}
+    for name, strikes in expected.items():
+        for number, values in enumerate(strikes, 1):
+            assert columns[f"strike_{number}.{name}"] == pytest.approx(values), (name, number)
+    none = Impacts(-np.ones_like(corner), *4 * (np.full_like(start, np.nan),), force, nothing, nothing)
+    assert np.isnan(
+        [column for name, column in columns_of_many(none, 5e-4, 1).items() if name != LARGEST]
+    ).all()
 
 
 @pytest.mark.long

@@ -17,7 +17,7 @@ from postprocess.units import SI, percent_up
 from solver.impact import Strike
 from tailslap import cli, errors
 from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.impact import answers, checks, error, paper_method, plan, report, run
+from tailslap.case.impact import answers, checks, error, paper_method, plan, report, run, strike_columns
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
@@ -239,8 +239,8 @@ def test_a_run_ends_between_strikes_of_plate_and_rigid_vehicle(angle):
         assert answer.peaks["mean_50ms"] == pytest.approx(alone.peaks["mean_50ms"], rel=5e-3)
         assert answer.strikes[2].impulse == pytest.approx(alone.strikes[2].impulse, rel=0.01)
     sampled = outcome.fe_plan.case.many({"impact.angle": np.array([math.radians(angle)])})
-    single = answers.both_strikes(alone)
-    for name in answers.COLUMNS:
+    single = strike_columns.both_strikes(alone)
+    for name in strike_columns.COLUMNS:
         assert sampled[name][0] == pytest.approx(single[name], rel=2e-3), name
 
 

@@ -92,9 +92,18 @@ def test_a_force_that_is_cut_is_filtered_as_far_as_later_values_do_not_count(nam
     complete = force_curves(pulse, 1e-4)[name]
     for rows in (1200, 1300, 1450):
         filtered = force_curves(pulse[:rows], 1e-4)[name]
-        settled = rows - filters.settling_rows(filters.CUTOFFS[name], 1e-4)
+        settled = rows - filters.settling_samples(filters.CUTOFFS[name], 1e-4)
         assert filtered[:settled] == pytest.approx(complete[:settled], abs=2e-3)
         assert np.ptp(filtered[settled:]) == 0.0
+
+
+def test_several_histories_are_filtered_as_each_alone():
+    forces = np.random.default_rng(3).uniform(0.0, 1e5, (3, 777))
+    forces[0, -40:] = 0.0  # the other two are cut
+    together = force_curves(forces, 1e-4)
+    for number, force in enumerate(forces):
+        for name, curve in force_curves(force, 1e-4).items():
+            np.testing.assert_allclose(together[name][number], curve, rtol=1e-11, err_msg=name)
 
 
 @pytest.mark.parametrize("name", FILTERS)
@@ -135,7 +144,7 @@ def test_a_mean_over_odd_samples_is_their_mean():
         (lambda x: moving_mean(x, -1e-4, 0.05), "interval -0.0001 s: must be positive"),
         (lambda x: moving_mean(x[:400], 1e-4, 0.05), "history of 0.04 s: must last at least 0.05 s"),
         (lambda x: cfc_filter(x[:50], 1e-4, 60), "history of 0.005 s: must last at least 0.01 s"),
-        (lambda x: moving_mean(x[:, None], 1e-4, 0.05), r"shape \(1000, 1\): must be finite numbers in one"),
+        (lambda x: moving_mean(x[0], 1e-4, 0.05), r"shape \(\): must be finite numbers in one or two"),
         (lambda x: cfc_filter(x / 0.0, 1e-4, 60), "must be finite"),
     ],
 )

@@ -10,8 +10,9 @@ import pytest
 import tailslap
 from postprocess.units import SI
 from tailslap.case import case_of
-from tailslap.case.impact.answers import LARGEST, ImpactAnswer, both_strikes
+from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.strike_columns import LARGEST, both_strikes
 from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene

@@ -20,7 +20,7 @@ from scipy import stats
 from postprocess.report.command_report import write_report
 from postprocess.report.provenance import CRATE
 from postprocess.report.terminal import printed
-from postprocess.signals.filters import moving_mean
+from postprocess.signals.filters import force_curves, moving_mean
 from postprocess.units import SI
 from solver.impact import CrushLaw, ImpactVehicle, WallContact, first_touch, solve_impact, solve_impacts
 from tailslap import cli, errors, studies
@@ -28,7 +28,7 @@ from tailslap.campaign import planar_ranges, sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import band_of, sampled, sobol_indices, sobol_points
 from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.impact import answers, case
+from tailslap.case.impact import case, strike_columns
 from tailslap.replication.paper_values import ForceRow
 from tailslap.scene.read import read_scene
 from tailslap.storage.manifest import NAME as MANIFEST
@@ -561,10 +561,10 @@ def test_many_impacts_are_the_single_one():
     """Many impacts at a coarser step, with other inertia, match one."""
     vehicle = ("vehicle.centre_of_mass=4.6 m", "vehicle.yaw_inertia=80000 kg m^2")
     plan = impact_of(*vehicle, "contact.initial_force=20 kN")
-    exact = answers.both_strikes(plan.answer)
+    exact = strike_columns.both_strikes(plan.answer)
     many = uncertainty_study.solved(plan, {"impact.speed": np.array([25.034, 25.034])})
     assert plan.scene.impact.speed == pytest.approx(25.034, rel=1e-4)
-    for name in answers.COLUMNS:
+    for name in strike_columns.COLUMNS:
         assert many[name] == pytest.approx(exact[name], rel=1e-3), name
 
 
@@ -591,10 +591,12 @@ def test_filtered_peaks_are_those_in_the_strike():
     """Rectangles of 1 N and 2 N follow each other."""
     force = np.zeros(400)
     force[100:180], force[190:300] = 1.0, 2.0
-    curves = answers.filtered(force, 1e-3)
-    assert answers.peaks_within(curves, 1e-3, 0.1, 0.18)["mean_50ms"] == pytest.approx(1.0, rel=1e-12)
-    assert answers.peaks_within(curves, 1e-3, 0.19, 0.3)["mean_50ms"] == pytest.approx(2.0, rel=1e-12)
-    assert all(map(math.isnan, answers.peaks_within(curves, 1e-3, math.nan, math.nan).values()))
+    curves = force_curves(np.tile(force, (3, 1)), 1e-3, strike_columns.FORCES)
+    start, end = np.array([[0.1, 0.19, math.nan], [0.18, 0.3, math.nan]])
+    peaks = strike_columns.peaks_within(curves, 1e-3, start, end)
+    assert peaks["mean_50ms"][:2] == pytest.approx([1.0, 2.0], rel=1e-12)
+    assert peaks["raw"].tolist() == pytest.approx([1.0, 2.0, math.nan], nan_ok=True)
+    assert np.isnan([values[2] for values in peaks.values()]).all()
 
 
 def test_the_shipped_truck_varies_what_is_not_known_of_it():
@@ -621,10 +623,13 @@ def test_raw_and_filtered_forces_are_of_the_same_total():
     strikes = {strike.corner: strike for strike in truck.motion.strikes[:2]}
     assert strikes["rear"].peak_force == pytest.approx(350e3, rel=1e-6)
     many = truck.many({"contact.restitution": np.array([0.1])})
-    for values in (answers.both_strikes(truck.answer), {name: column[0] for name, column in many.items()}):
+    for values in (
+        strike_columns.both_strikes(truck.answer),
+        {name: column[0] for name, column in many.items()},
+    ):
         assert values["strike_2.raw"] > 600e3
         assert values["strike_2.raw"] >= values["strike_2.mean_50ms"]
-        assert values[answers.LARGEST] >= values["strike_2.mean_50ms"] * (1.0 - 1e-12)
+        assert values[strike_columns.LARGEST] >= values["strike_2.mean_50ms"] * (1.0 - 1e-12)
 
 
 def test_stiffness_alone_has_all_of_the_variance():
@@ -647,7 +652,7 @@ def test_indices_of_both_strikes_and_order_of_the_bands(impacts):
                 assert 0.0 <= low <= row[kind] <= high <= 1.0
     assert impacts.sources_of("strike_2.raw")[0]["key"] == "contact.rear.stiffness"
     assert impacts.sources_of("strike_1.raw")[0]["key"] == "contact.stiffness"
-    for name in answers.COLUMNS:
+    for name in strike_columns.COLUMNS:
         low, middle, high = impacts.band(name).percentiles
         assert low < middle < high
         assert low < impacts.nominal[name] < high

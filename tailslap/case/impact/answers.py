@@ -35,24 +35,8 @@ MOTION = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
 JACK_KNIFE = 0.5 * math.pi
 """Articulation angle beyond which units that touch would hinder each other [rad]."""
 
-QUANTITIES = {
-    "raw": ("raw", "kN", 1e3),
-    "mean_50ms": ("50 ms mean", "kN", 1e3),
-    "cfc60": ("CFC 60", "kN", 1e3),
-    "impulse": ("impulse", "kN s", 1e3),
-    "duration": ("duration", "ms", 1e-3),
-}
-"""Quantities of both strikes: label, displayed unit, and its size in SI. The first three are peaks of the total force
-in the strike, raw and filtered."""
-FORCES = ("raw", "mean_50ms", "cfc60")
-
-COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANTITIES)
-
-LARGEST = "peaks.mean_50ms"
-"""Column of the largest 50 ms mean of an impact."""
-
-SAME_STRIKE, MEAN_WINDOW = 0.05, 0.05
-"""Gap [s] below which contacts of a corner are one strike: a mean over 50 ms does not separate them."""
+MEAN_WINDOW = 0.05
+"""Width of a mean [s] by which forces on barriers are compared."""
 
 Columns = Mapping[str, np.ndarray]
 
@@ -362,79 +346,3 @@ def nearest_corner(points: np.ndarray, length: float) -> np.ndarray:
     rear = points[0] < -0.5 * length
     far = points[1] > 0.5 * points[1].max()
     return np.asarray(rear + 2 * far)
-
-
-def filtered(force: np.ndarray, interval: float) -> dict[str, np.ndarray]:
-    """Return the force after each filter of `QUANTITIES`."""
-    return filters.force_curves(force, interval, FORCES)
-
-
-def peaks_within(
-    curves: Mapping[str, np.ndarray], interval: float, start: float, end: float
-) -> dict[str, float]:
-    """Return peaks of filtered curves in a strike.
-
-    start, end [s]: without such instants peaks are NaN. A 50 ms mean counts if its window lies in the strike, or about
-    the middle of a shorter one, because the next strike may follow at once.
-    """
-    if not np.isfinite(start + end):
-        return dict.fromkeys(curves, float("nan"))
-    half, peaks = min(0.5 * MEAN_WINDOW, 0.5 * (end - start)), {}
-    for name, values in curves.items():
-        inset = half if name == "mean_50ms" else 0.0
-        first, last = int((start + inset) / interval), int(np.ceil((end - inset) / interval))
-        peaks[name] = float(values[first : max(first + 1, last)].max())
-    return peaks
-
-
-def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[str, float]:
-    """Return the `COLUMNS` of both first strikes [SI].
-
-    They are those of the front and rear corner, and `LARGEST`. The rear corner of a train is that of its last unit. A
-    missing strike is NaN. forces: of each corner, shape (rows,) [N], where several touch at once;
-    otherwise the total force is filtered.
-    """
-    total = filtered(answer.history["force_normal"][1:], answer.interval)
-    contacts = first_strikes(answer.strikes, answer.units)
-    curves = [
-        filtered(forces[group[0].corner][1:], answer.interval) if forces and group else total
-        for group in contacts
-    ]
-    return {LARGEST: float(total["mean_50ms"].max())} | strike_columns(contacts, curves, answer.interval)
-
-
-def strike_columns(
-    contacts: Sequence[Sequence[Strike]], curves: Sequence[Mapping[str, np.ndarray]], interval: float
-) -> dict[str, float]:
-    """Return the `COLUMNS` of two strikes [SI].
-
-    contacts: of each strike; curves: filtered, of its force.
-    """
-    values: dict[str, float] = {}
-    for number, (group, filtered_force) in enumerate(zip(contacts, curves, strict=True), 1):
-        start, end = (group[0].start, group[-1].end) if group else (math.nan, math.nan)
-        measures = peaks_within(filtered_force, interval, start, end) | {
-            "impulse": math.fsum(contact.impulse for contact in group) if group else math.nan,
-            "duration": end - start,
-        }
-        values |= {f"strike_{number}.{name}": measures[name] for name in QUANTITIES}
-    return values
-
-
-def first_strikes(strikes: Sequence[Strike], units: int) -> list[list[Strike]]:
-    """Return the contacts of the first front and last unit's rear strike."""
-    corners = "front", corner_name(units - 1, 1)
-    return [first_strike([strike for strike in strikes if strike.corner == corner]) for corner in corners]
-
-
-def first_strike(contacts: Sequence[Strike]) -> list[Strike]:
-    """Return the contacts of a corner's first strike.
-
-    contacts: of the corner, in order of time.
-    """
-    group = list(contacts[:1])
-    for contact in contacts[1:]:
-        if contact.start - group[-1].end > SAME_STRIKE:
-            break
-        group.append(contact)
-    return group

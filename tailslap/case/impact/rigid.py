@@ -20,7 +20,7 @@ from solver.impact import crush_law
 from tailslap import progress
 from tailslap.case.case import NO_BAND, WHOLE_IMPACT, Case
 from tailslap.case.force_band import ForceBand
-from tailslap.case.impact import answers
+from tailslap.case.impact import answers, strike_columns
 from tailslap.case.impact.paper_method import DIGITS, paper_lines, paper_method
 from tailslap.case.impact.rigid_input import ARGUMENTS, at_table, refusals, rigid_vehicle, wall_contact
 from tailslap.errors import InputError, Missing
@@ -219,26 +219,14 @@ class RigidImpact(Case):
         `both_strikes` [SI], NaN where there is no such strike. Raises InputError where the theory refuses one of them.
         """
         impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
-        columns = impacts.corner, impacts.start, impacts.end, impacts.peak_force, impacts.impulse
-        rows = []
-        for mean, table in zip(impacts.mean_force.T, np.stack(columns, axis=-1).swapaxes(0, 1), strict=True):
-            strikes = [
-                impact.Strike(impact.corner_name(*divmod(int(corner), 4)), *numbers)
-                for corner, *numbers in table[table[:, 0] >= 0].tolist()
-            ]
-            first = answers.first_strikes(strikes, len(self.scene.units))
-            last = int(np.ceil((max(strike.end for strike in strikes) + AFTER_SECOND) / INTERVAL))
-            curves = answers.filtered(mean[:last], INTERVAL)
-            largest = {answers.LARGEST: float(curves["mean_50ms"].max())}
-            rows.append(largest | answers.strike_columns(first, (curves, curves), INTERVAL))
-        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        return strike_columns.columns_of_many(impacts, INTERVAL, len(self.scene.units))
 
     def largest_means(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Return the largest 50 ms means of n impacts [N], see `many`."""
         impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
         rows = round(answers.MEAN_WINDOW / INTERVAL)
         total = np.cumsum(np.pad(impacts.mean_force, ((rows, rows), (0, 0))), axis=0)
-        return {answers.LARGEST: (total[rows:] - total[:-rows]).max(axis=0) / rows}
+        return {strike_columns.LARGEST: (total[rows:] - total[:-rows]).max(axis=0) / rows}
 
     def details(self) -> list[str]:
         """List the properties of the contact."""

@@ -13,8 +13,9 @@ from postprocess.svg.chart import FULL, HALF, Chart
 from postprocess.units import known, measure, percent
 from tailslap.campaign.levels import hertz
 from tailslap.campaign.records import Record
-from tailslap.case.impact.answers import COLUMNS, COMPARED
-from tailslap.case.impact.answers import QUANTITIES as STRIKE_QUANTITIES
+from tailslap.case.impact.answers import COMPARED
+from tailslap.case.impact.strike_columns import COLUMNS
+from tailslap.case.impact.strike_columns import QUANTITIES as STRIKE_QUANTITIES
 from tailslap.case.report_parts import study_page, study_summary
 from tailslap.studies.flexibility.corner_flexibility import CONSERVED, LEVELS, MEASURED, STARTS
 from tailslap.studies.flexibility.impact_flexibility import IMPACT_LEVELS, NAMES

@@ -16,10 +16,11 @@ from solver.impact import corner_name
 from tailslap.campaign import engine, levels
 from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
-from tailslap.case.impact.answers import COLUMNS, COMPARED, both_strikes
+from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.case.impact.run import attempt, corners_of
+from tailslap.case.impact.strike_columns import COLUMNS, both_strikes
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.flexibility import plate_runs
 from tailslap.studies.flexibility.flexibility_scan import scanned

@@ -15,7 +15,7 @@ from postprocess.units import force, grouped
 from tailslap.campaign.planar_ranges import used_keys
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import PERCENTILES, SEED, Array, points_in_words
-from tailslap.case.impact.answers import COLUMNS, LARGEST, QUANTITIES
+from tailslap.case.impact.strike_columns import COLUMNS, LARGEST, QUANTITIES
 from tailslap.case.report_parts import design_forces_of, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
 from tailslap.studies.sobol_tables import (

@@ -24,7 +24,7 @@ from tailslap.campaign.planar_ranges import corner_ranges, demand_corners, impac
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array, Band
 from tailslap.case.case import Case
-from tailslap.case.impact import answers
+from tailslap.case.impact import strike_columns
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Verbatim
 from tailslap.replication import paper_values
@@ -166,7 +166,7 @@ def nominal_columns(case: Any) -> dict[str, float]:
     """Return the results of the scene's values [SI]."""
     if case.scene.contact is None:
         return {"peak_force": float(case.force.peak_force)}
-    return answers.both_strikes(case.answer)
+    return strike_columns.both_strikes(case.answer)
 
 
 def solved(
@@ -253,8 +253,10 @@ def _simulated(result: Spread, published: Mapping[str, float]) -> dict[str, tupl
         samples = solved(
             result.case, inputs | {key: np.full(2 * result.rows, x) for key, x in published.items()}
         )
-    u_num = {name: abs(float(compiled[name][0]) - exact[name]) for name in answers.COLUMNS}
-    return {name: (exact[name], u_num[name], sampling.band_of(samples[name])) for name in answers.COLUMNS}
+    u_num = {name: abs(float(compiled[name][0]) - exact[name]) for name in strike_columns.COLUMNS}
+    return {
+        name: (exact[name], u_num[name], sampling.band_of(samples[name])) for name in strike_columns.COLUMNS
+    }
 
 
 def paper_row(
