@@ -58,11 +58,8 @@ def differences(scene: str, plate: tuple[str, float]) -> dict[str, float]:
         run = plate_runs.one_run(case.source, of_start, corner_flexibility.fe_record)
         return corner_flexibility.scan_row(run, case.tail_slap)
     assert isinstance(case, ImpactCase)
-    changes: dict[str, Any] = {
-        "plate.youngs_modulus": None, "plate.elements": case.plan().plate.counts,
-        "plate.first_frequency": frequency, "contact.patch_length": impact_flexibility.patch_length(case),
-        "verify.companion": False,
-    }  # fmt: skip
+    mesh = impact_flexibility.mesh_changes(case.plan())
+    changes = {**mesh, "plate.first_frequency": frequency, "verify.companion": False}
     record = plate_runs.one_run(case.source, changes, impact_flexibility.strike_record)
     return impact_flexibility.strike_differences(record)
 

@@ -27,6 +27,19 @@ def impact():
     return ImpactCase(*read_scene("impact-mash-tl4-sut"))
 
 
+@pytest.mark.parametrize("name", ["impact-mash-tl4-sut", "impact-mash-tl5-tractor-van"])
+def test_plates_of_the_study_have_the_automatic_mesh(name):
+    """Corners push over a tenth of the length of the vehicle."""
+    case = ImpactCase(*read_scene(name, ("plate.elements=",)))
+    chosen = case.plan()
+    changes = {**impact_flexibility.mesh_changes(chosen), "plate.youngs_modulus": chosen.plate.modulus}
+    plan = case.varied(changes).plan()
+    assert (plan.plate.element, plan.plate.counts) == ("quad9", chosen.plate.counts)
+    lengths = [unit.hitch_length for unit in plan.case.scene.trailer]
+    assert lengths == [pytest.approx(0.5 * case.scene.vehicle.width)] * len(case.scene.trailer)
+    assert plan.case.scene.needed_contact.patch_length == 0.1 * case.scene.vehicle.length
+
+
 def impact_plate(frequency, why="", size=None):
     """A plate with strike differences of 10/f^2, f in Hz.
 

@@ -163,6 +163,18 @@ def test_axes_of_a_whole_impact_make_a_thousand_cells_and_each_changes_the_scene
     assert {axis.name for axis in axes_of(stiff, 6)}.isdisjoint(absent)
 
 
+def test_refined_models_of_an_automatic_mesh_have_its_elements_and_lengths():
+    case = case_of(*read_scene(TRAIN, ("plate.elements=",)))
+    plan = case.plan()
+    (changes,) = cell_verdicts.refinements(case.scene, plan.plate)
+    refined = case.varied(changes).plan()
+    along, across = plan.plate.counts
+    assert (refined.plate.element, refined.plate.counts) == ("quad9", (2 * along, 2 * across))
+    scene, half_width = refined.case.scene, pytest.approx(0.5 * case.scene.vehicle.width)
+    lengths = scene.needed_contact.patch_length, scene.trailer[0].hitch_length
+    assert (scene.time.safety_factor, *lengths) == (0.35, half_width, half_width)
+
+
 @pytest.mark.long
 def test_a_stiff_plate_s_impact_is_right_and_what_cannot_be_is_refused():
     scene = read_scene(TRUCK)[0]
@@ -371,6 +383,7 @@ def test_every_cell_has_an_estimate_and_those_of_many_steps_the_longest():
 @pytest.mark.parametrize(("name", "changes"), [
     ("paper-table-3", {"vehicle.width": 0.0834}), ("paper-table-3", {"plate.youngs_modulus": 2e13}),
     ("paper-table-3", {"corner.penalty_scale": 1e3}), (TRUCK, {}), (TRUCK, {"impact.speed": 5.0}),
+    (TRUCK, {"plate.elements": None}), (TRUCK, {"plate.elements": (20, 6)}),
 ])  # fmt: skip
 def test_the_estimate_of_a_loop_is_that_of_its_plan_within_a_factor(name, changes):
     case = case_of(*read_scene(name))

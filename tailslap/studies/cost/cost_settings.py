@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from tailslap.campaign.records import Record
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
+from tailslap.case.impact.plan import chosen_lengths
 from tailslap.case.plate_input import resolved_plate
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes
@@ -136,6 +137,7 @@ def impact_settings(case: ImpactCase) -> tuple[list[Setting], Changes, float]:
     along = min(s.changes["plate.elements"][0] for s in chosen if s.kind == FE)
     patch = contact.patch_length or max(patch_length(case), case.vehicle.length / along)
     changes = {"plate.youngs_modulus": plate.youngs_modulus, "plate.first_frequency": None}
+    changes |= chosen_lengths(case.scene)
     return chosen, changes | ({"contact.patch_length": patch} if contact.crushes else {}), patch
 
 

@@ -19,6 +19,8 @@ from tailslap.campaign.records import Record
 from tailslap.case.impact.answers import COMPARED
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import failed_but_mesh
+from tailslap.case.impact.plan import ImpactPlan, chosen_lengths
+from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.impact.run import attempt, corners_of
 from tailslap.case.impact.strike_columns import COLUMNS, both_strikes
 from tailslap.scene.vary import Changes, Source
@@ -40,13 +42,12 @@ def impact_flexibility(
     case: ImpactCase, frequencies: Sequence[float], place: Path, workers: int | None
 ) -> Flexibility:
     """Run plates of these first frequencies, falling [Hz]."""
-    began, fe_plan, patch = time.perf_counter(), case.plan(), patch_length(case)
-    along, across = fe_plan.plate.counts
-    fixed: Changes = {"plate.youngs_modulus": None, "contact.patch_length": patch}
+    began, fe_plan = time.perf_counter(), case.plan()
+    (along, across), mesh = fe_plan.plate.counts, mesh_changes(fe_plan)
 
     def plate(frequency: float, finer: int = 1, **more: Any) -> Changes:
         elements = (finer * along, finer * across)
-        return {**fixed, "plate.elements": elements, "plate.first_frequency": frequency, **more}
+        return {**mesh, "plate.elements": elements, "plate.first_frequency": frequency, **more}
 
     end = {"time.end": LONGER * case.duration}
     sweep = {f"{f!r} Hz": (case.source, plate(f), strike_record) for f in frequencies}
@@ -69,12 +70,22 @@ def impact_flexibility(
         scan = scanned(series, IMPACT_LEVELS, 1.0 / second_end(case), differences)
     reaches = {name: levels.reaches(samples, IMPACT_LEVELS) for name, samples in scan.samples.items()}
     rigid, seconds = plate_record(math.inf, both_strikes(case.answer), {}, ()), time.perf_counter() - began
-    setup, measured = {"patch_length": patch}, [*soft.values(), rigid]
+    setup, measured = {"patch_length": patch_length(case)}, [*soft.values(), rigid]
     return Flexibility(
         *(case, rows, reaches, fe_plan.first_frequency, setup, seconds, {}, {}, measured),
         scan=plate_runs.listed_scan(scan, scan.samples),
         step=scan.step,
     )
+
+
+def mesh_changes(fe_plan: ImpactPlan) -> Changes:
+    """Return the mesh of a plan as changes, without a modulus.
+
+    Forces of corners are spread over `patch_length`, those of hinges as on this mesh.
+    """
+    plate, case = fe_plan.plate, fe_plan.case
+    changes = {"plate.elements": plate.counts, "plate.element": plate.element, "plate.youngs_modulus": None}
+    return {**changes, **chosen_lengths(case.scene), "contact.patch_length": patch_length(case)}
 
 
 def second_end(case: ImpactCase) -> float:
@@ -94,7 +105,7 @@ def strike_differences(record: Record) -> Record:
     return {name: differences.get(name, math.nan) for name in NAMES}
 
 
-def patch_length(case: ImpactCase) -> float:
+def patch_length(case: RigidImpact) -> float:
     """Return the length of the crushed side [m].
 
     It is that of the scene, or of the study.

@@ -24,6 +24,7 @@ from tailslap.case.impact import run as whole_impact
 from tailslap.case.impact.answers import ImpactAnswer, differences
 from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.case.impact.error import assessed_strikes
+from tailslap.case.impact.plan import chosen_lengths, safety_factor
 from tailslap.case.impact.rigid import RigidImpact
 from tailslap.case.impact.run import ImpactOutcome
 from tailslap.case.resources import expected_effort
@@ -215,13 +216,13 @@ def refined_impact(case: RigidImpact, changes: Changes) -> ImpactOutcome | None:
 def refinements(scene: Scene, plate: Plate) -> list[Changes]:
     """Return the changes to refined models of a whole impact.
 
-    They have half the time step and quadratic instead of linear elements, or twice the elements per direction. `plate`
-    is the plate of the run.
+    They have half the time step and quadratic instead of linear elements, or twice the elements per direction, with
+    forces over the lengths of the run. `plate` is the plate of the run.
     """
     (along, across), higher_order = plate.counts, ELEMENT_KINDS[plate.element].higher_order
-    step = {"time.safety_factor": 0.5 * scene.time.safety_factor}
-    quadratic = {"plate.elements": plate.counts, "plate.element": higher_order, **step}
-    finer = {"plate.elements": (2 * along, 2 * across), **step}
+    fixed = {"time.safety_factor": 0.5 * safety_factor(scene, plate), **chosen_lengths(scene)}
+    quadratic = {"plate.elements": plate.counts, "plate.element": higher_order, **fixed}
+    finer = {"plate.elements": (2 * along, 2 * across), "plate.element": plate.element, **fixed}
     return [quadratic, finer] if higher_order else [finer]
 
 

@@ -130,7 +130,8 @@ def _loop_seconds(usual: Case, base: Source, changes: Changes) -> float:
         return 0.0
     if "element" not in plate.model_fields_set:
         slender = scene.vehicle.width < SLENDER * scene.vehicle.length
-        plate = plate.model_copy(update={"element": "quad9" if slender else "quad4"})
+        quadratic = plate.elements is None if scene.contact else slender
+        plate = plate.model_copy(update={"element": "quad9" if quadratic else "quad4"})
     effort = expected_effort(scene.model_copy(update={"plate": plate}), duration)
     penalty = (scene.contact or scene.corner).penalty_scale or 0.0
     seconds = effort.seconds * max(1.0, PENALTY_STEPS * math.sqrt(penalty))
