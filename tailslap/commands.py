@@ -14,10 +14,11 @@ import tailslap
 from postprocess.fields import FORMATS
 from tailslap import errors, options, studies
 from tailslap.arguments import UnitSystem
-from tailslap.case import case_of
+from tailslap.case import case_of, compiled_beside
 from tailslap.case.case import Case
 from tailslap.exports import PROGRAMS, SOLVERS
 from tailslap.scene import read
+from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Source, changes_of
 from tailslap.storage.folder import commit, default_place, result_folder
 from tailslap.storage.manifest import Origin
@@ -46,7 +47,7 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
 
     @functools.wraps(function)
     def command(name: str, changes: tuple[str, ...], **arguments: object) -> int:
-        return function(case_with_remarks(name, changes), **arguments)
+        return function(case_of(*scene_with_remarks(name, changes)), **arguments)
 
     return options.with_options(options.SCENE, options.SET)(command)
 
@@ -56,11 +57,11 @@ def place_of(case: Case, ending: str = "") -> Path:
     return default_place(case.scene.name, changes_of(case.source), ending)
 
 
-def case_with_remarks(name: str, changes: tuple[str, ...]) -> Case:
-    """Return the case of a scene, with printed remarks on unusual numbers."""
+def scene_with_remarks(name: str, changes: tuple[str, ...]) -> tuple[Scene, Source]:
+    """Return a scene with its source, and print remarks on unusual numbers."""
     scene, source = read.read_scene(name, changes)
     remark_on(source)
-    return case_of(scene, source)
+    return scene, source
 
 
 def remark_on(source: Source) -> None:
@@ -122,8 +123,7 @@ def commands() -> None:
 
 
 @commands.command()
-@takes_a_case
-@options.with_options(options.ALLOW_LARGE)
+@options.with_options(options.SCENE, options.SET, options.ALLOW_LARGE)
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES]")
 @click.option("--picture-size", type=options.PictureSize(), metavar="WIDTHxHEIGHT", help=PICTURES_HELP)
 @click.option("--no-pictures", is_flag=True, help="Omit the contour images.")
@@ -135,7 +135,8 @@ def commands() -> None:
 @click.option("--resume", is_flag=True, help="Resume from the checkpoint of an interrupted run.")
 @options.with_options(options.NO_BAND, options.FORCE, *options.WATCHED)
 def run(
-    case: Case,
+    name: str,
+    changes: tuple[str, ...],
     allow_large: bool,
     out: Path | None,
     picture_size: tuple[int, int] | None,
@@ -155,6 +156,9 @@ def run(
     from tailslap.campaign.records import program
     from tailslap.storage import checkpoints
 
+    scene, source = scene_with_remarks(name, changes)
+    click.get_current_context().with_resource(compiled_beside(scene, source))
+    case = case_of(scene, source)
     place, origin = out or place_of(case), Origin("run", case.scene.name)
     definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}
     with result_folder(place, force=force, origin=origin) as folder:
@@ -217,7 +221,7 @@ def study_command(chosen: Study) -> click.Command:
         from tailslap import api
 
         folder, allow_large, force = (settings.pop(key) for key in ("folder", "allow_large", "force"))
-        case = case_with_remarks(name, changes)
+        case = case_of(*scene_with_remarks(name, changes))
         place, origin = prepared(chosen, case, folder, allow_large, settings)
         compute = functools.partial(api.study_result, chosen, case, place, settings)
         return deliver(compute, place, origin, as_json, units, force=force)

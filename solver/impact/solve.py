@@ -12,13 +12,13 @@ from machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, number, positive
 from solver.impact import train as vehicles
-from solver.impact.crush_law import WallContact
+from solver.impact.crush_law import CrushLaw, WallContact
 from solver.impact.state import SUMS, UNIT
 from solver.impact.strikes import Strike, corner_name, strikes_of_rows
-from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, train_of
-from solver.impact.trajectories import TOLERANCE, solve_trains
+from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, Train, train_of
+from solver.impact.trajectories import TOLERANCE, is_compiled, solve_trains
 from solver.impact.tyres import SUMS as TYRE_SUMS
-from solver.impact.tyres import TyreAxle, tyres_of
+from solver.impact.tyres import TyreAxle, Tyres, tyres_of
 
 MOST_STRIKES = 64
 """Initial capacity for strikes of one impact."""
@@ -69,8 +69,6 @@ class ImpactMotion:
         Trailers behind the vehicle.
     axles : tuple of TyreAxle
         Axles with tyres.
-    loads : tuple of float
-        Load of each axle at rest [N].
     """
 
     vehicle: ImpactVehicle
@@ -84,7 +82,6 @@ class ImpactMotion:
     rows: Array
     trailers: tuple[HitchedVehicle, ...] = ()
     axles: tuple[TyreAxle, ...] = ()
-    loads: tuple[float, ...] = ()
 
     @property
     def vehicles(self) -> tuple[ImpactVehicle, ...]:
@@ -194,6 +191,38 @@ def _rates(units: int) -> list[tuple[str, str]]:
     return integrals if units > 1 else [*integrals, *FORCES.items()]
 
 
+def has_machine_code() -> bool:
+    """Return True if the motion of rigid vehicles is compiled."""
+    train, _ = _on_tyres(ImpactVehicle(1.0, 1.0, 1.0), WallContact(CrushLaw(1.0), 0.0))
+    return is_compiled(train, np.zeros((1, 1, len(UNIT))))
+
+
+def loads_at_rest(
+    vehicle: ImpactVehicle,
+    contact: WallContact,
+    trailers: Sequence[HitchedVehicle] = (),
+    axles: Sequence[TyreAxle] = (),
+) -> tuple[float, ...]:
+    """Return the load of each axle at rest [N].
+
+    Arguments as of `solve_impact`. Raises RigidBodyError for axles that cannot carry their unit.
+    """
+    return tuple(_on_tyres(vehicle, contact, trailers, axles)[1].load[:, 0].tolist())
+
+
+def _on_tyres(
+    vehicle: ImpactVehicle,
+    contact: WallContact,
+    trailers: Sequence[HitchedVehicle] = (),
+    axles: Sequence[TyreAxle] = (),
+) -> tuple[Train, Tyres]:
+    """Return the arrays of a train and of its tyres."""
+    units, contacts = [vehicle, *(t.vehicle for t in trailers)], [contact, *(t.contact for t in trailers)]
+    train = train_of(units, contacts, [(trailer.hitch, trailer.kingpin) for trailer in trailers])
+    bodies = np.array([[unit.front_distance, unit.length] for unit in units]).T[..., None]
+    return train, tyres_of(train, [asdict(axle) for axle in axles], *bodies)
+
+
 def solve_impact(
     vehicle: ImpactVehicle,
     contact: WallContact,
@@ -249,16 +278,14 @@ def solve_impact(
     for value in (end, after_second, longest, step):
         if value is not None:
             positive(rules.END, value)
-    units, contacts = [vehicle, *(t.vehicle for t in trailers)], [contact, *(t.contact for t in trailers)]
-    train = train_of(units, contacts, [(trailer.hitch, trailer.kingpin) for trailer in trailers])
+    units = vehicle, *(trailer.vehicle for trailer in trailers)
+    train, tyres = _on_tyres(vehicle, contact, trailers, axles)
     start = vehicles.lined_up(astuple(state), vehicles.distances(vehicle, trailers))
     for index, (unit, placed) in enumerate(zip(units, start, strict=True)):
         places = vehicles.corner_places(unit.front_distance, unit.length, unit.width)
         for corner, value in enumerate(vehicles.corner_depths(places, placed[1], placed[2])):
             met, name = value <= 1e-9 * vehicle.length, corner_name(index, corner)
             Gate().demand(rules.INSIDE, met, value, name=name, depth=value)
-    bodies = np.array([[unit.front_distance, unit.length] for unit in units]).T[..., None]
-    tyres = tyres_of(train, [asdict(axle) for axle in axles], *bodies)
     trajectories = solve_trains(
         train, start[None], tyres=tyres, step=step, end=end, interval=0.0, after_second=after_second,
         longest=longest, tolerance=tolerance, strikes=MOST_STRIKES, on_compile=on_compile,
@@ -272,5 +299,4 @@ def solve_impact(
     return ImpactMotion(
         vehicle, contact, strikes, reached, last, float(trajectories.step[0]), float(trajectories.error[0]),
         float(trajectories.interval[0]), rows, tuple(trailers), tuple(axles),
-        tuple(tyres.load[:, 0].tolist()),
     )  # fmt: skip

@@ -43,7 +43,7 @@ def energy_error(outcome: run.ImpactOutcome) -> np.ndarray:
 
 def _initial_energy(outcome: run.ImpactOutcome) -> float:
     plan = outcome.fe_plan.case
-    return 0.5 * sum(unit.mass for unit in plan.motion.vehicles) * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
+    return 0.5 * sum(unit.mass for unit in plan.vehicles) * (plan.touch.v_gx**2 + plan.touch.v_gy**2)
 
 
 @CHECKS.add("finite numbers", check.STEP)

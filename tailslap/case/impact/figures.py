@@ -160,7 +160,7 @@ def animation(
         return write_animation(
             folder / "impact.gif",
             h["t"],
-            (from_above(outlines(outcome.fe, outcome.fe_plan.case.motion.vehicles)),),
+            (from_above(outlines(outcome.fe, outcome.fe_plan.case.vehicles)),),
             h["force_normal"],
             units=units,
             size=size or SIZE,

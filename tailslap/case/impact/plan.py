@@ -167,7 +167,7 @@ def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[
 
 def _inertia(case: RigidImpact, number: int) -> Inertia | None:
     """Return the inertia of a unit, None for the uniform rectangle."""
-    unit, vehicle = case.scene.units[number], case.motion.vehicles[number]
+    unit, vehicle = case.scene.units[number], case.vehicles[number]
     uniform = unit.centre_of_mass is None and unit.yaw_inertia is None
     return None if uniform else Inertia(vehicle.front_distance, vehicle.inertia)
 
@@ -181,7 +181,7 @@ def _unit(case: RigidImpact, plate: Plate, number: int) -> UnitProperties:
     contact = replace(contact, patch_length=chosen.get("contact.patch_length", contact.patch_length))
     axles = tuple(
         AxleProperties(axle.position, load, axle.friction, axle.cornering)
-        for axle, load in zip(case.axles, case.motion.loads, strict=True)
+        for axle, load in zip(case.axles, case.loads, strict=True)
         if axle.unit == number
     )
     if number == 0:

@@ -136,7 +136,7 @@ class ImpactReport(FeReport):
         design = _design_table(outcome)
         levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
         loops, along = figures.contact_figures(outcome)
-        positions = figures.position_strip(outcome.fe, case.motion.vehicles)
+        positions = figures.position_strip(outcome.fe, case.vehicles)
         return [
             Section("Force on the wall", tables=[force_table(outcome), design]),
             Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),

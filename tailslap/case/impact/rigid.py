@@ -17,6 +17,7 @@ from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent_up
 from solver import impact
 from solver.impact import crush_law
+from solver.impact.solve import loads_at_rest
 from tailslap import progress
 from tailslap.case.case import NO_BAND, WHOLE_IMPACT, Case
 from tailslap.case.force_band import ForceBand
@@ -102,6 +103,11 @@ class RigidImpact(Case):
                 trailers.append(impact.HitchedVehicle(rigid_vehicle(unit), laws, unit.hitch, unit.kingpin))
         return tuple(trailers)
 
+    @property
+    def vehicles(self) -> tuple[impact.ImpactVehicle, ...]:
+        """Vehicle and trailers."""
+        return self.vehicle, *(trailer.vehicle for trailer in self.trailers)
+
     @cached_property
     def contact(self) -> impact.WallContact:
         """Laws of the vehicle's contact."""
@@ -115,6 +121,12 @@ class RigidImpact(Case):
         return tuple(
             impact.TyreAxle(axle.position, axle.friction, axle.cornering, axle.unit - 1) for axle in axles
         )
+
+    @property
+    def loads(self) -> tuple[float, ...]:
+        """Load of each of the `axles` at rest [N]."""
+        with refusals(self.scene):
+            return loads_at_rest(self.vehicle, self.contact, self.trailers, self.axles)
 
     @cached_property
     def touch(self) -> impact.ImpactState:
@@ -151,7 +163,7 @@ class RigidImpact(Case):
     def sample(self) -> float:
         """Time between rows [s] that resolves both strikes."""
         motion = self.motion
-        counted = motion.strikes[: answers.counted(len(motion.vehicles))]
+        counted = motion.strikes[: answers.counted(len(self.vehicles))]
         shortest = min((strike.duration for strike in counted), default=SAMPLE * ROWS_A_STRIKE)
         return min(SAMPLE, max(shortest / ROWS_A_STRIKE, motion.t_end / MOST_ROWS))
 
@@ -311,10 +323,10 @@ class RigidImpact(Case):
         from postprocess.figures import positions
 
         motion = self.motion
-        strike = answers.last_awaited(motion.strikes, len(motion.vehicles))
+        strike = answers.last_awaited(motion.strikes, len(self.vehicles))
         last = strike.start if strike else motion.t_end
         at = motion.at([0.0, last])
-        units = [positions.Unit(*place) for place in answers.places(vars(at), motion.vehicles)]
+        units = [positions.Unit(*place) for place in answers.places(vars(at), self.vehicles)]
         which = "strike" if self.trailers else "second strike"
         event = f"{which} ({strike.corner} corner)" if strike else "end"
         words = self.drawing_words(float(at.theta[0]))
@@ -372,7 +384,7 @@ class RigidImpact(Case):
             lines += ["", "Tyres"]
             lines += [
                 value_line(f"load of axle {number}", load, "N", units, DIGITS)
-                for number, load in enumerate(self.motion.loads, 1)
+                for number, load in enumerate(self.loads, 1)
             ]
             lines.append(value_line("work", float(answer.history["tyre_work"][-1]), "J", units, DIGITS))
         if self.space:

@@ -174,7 +174,7 @@ def corners_of(fe_plan: plan.ImpactPlan, run: ImpactRun) -> np.ndarray:
     Shape (points,), as of `answers.sampled_answer`.
     """
     corner = np.empty_like(run.unit)
-    for number, vehicle in enumerate(fe_plan.case.motion.vehicles):
+    for number, vehicle in enumerate(fe_plan.case.vehicles):
         members = run.unit == number
         corner[members] = 4 * number + answers.nearest_corner(run.points[:, members], vehicle.length)
     return corner
