@@ -13,7 +13,7 @@ from fem.explicit import internal_force
 from fem.laws.materials import StVenantKirchhoff
 from fem.model.plate_model import PlateModel
 from fem.plate.discretisation import hourglass_matrix
-from fem.plate.elastic import elastic_solver
+from fem.plate.elastic import Solve, elastic_solver
 
 MAX_STEPS, TOLERANCE, STAGNATION = 15, 1e-10, 1e-3
 """Newton steps, final residual over the largest load, and residual at which stagnation is accepted.
@@ -21,25 +21,33 @@ MAX_STEPS, TOLERANCE, STAGNATION = 15, 1e-10, 1e-3
 From the last one on the steps end where rounding prevents a further decrease.
 """
 
+REUSED = 0.1
+"""Decrease of the residual up to which a step has the tangent stiffness of an earlier one."""
+
 
 def equilibrium(
-    model: PlateModel, place: np.ndarray, load_at: Callable[[np.ndarray], np.ndarray]
-) -> np.ndarray:
+    model: PlateModel,
+    place: np.ndarray,
+    load_at: Callable[[np.ndarray], np.ndarray],
+    solve: Solve | None = None,
+) -> tuple[np.ndarray, Solve | None]:
     """Return positions [m] in equilibrium with the load, shape (2, nodes).
 
-    place: positions near to them. load_at: load [N] for positions, in equilibrium there, shape (2, nodes). The rigid
-    part of each step is removed. Raises ValueError if the steps do not converge.
+    Besides, the last solver by the tangent stiffness. place: positions near to them. load_at: load [N] for positions,
+    in equilibrium there, shape (2, nodes). solve: solver of a similar state, if any. The rigid part of each step is
+    removed. Raises ValueError if the steps do not converge.
     """
-    before = np.inf
+    before, is_own = np.inf, False
     for _ in range(MAX_STEPS):
         load = load_at(place)
         residual = load - internal_forces(model, place)
         size = float(np.abs(residual).max() / np.abs(load).max())
-        if size <= TOLERANCE or (before < STAGNATION and size > 0.5 * before):
-            return place
+        if size <= TOLERANCE or (is_own and before < STAGNATION and size > 0.5 * before):
+            return place, solve
         if not np.isfinite(size):
             break
-        solve = elastic_solver(tangent_matrix(model, place), model.parameters.mass, place)
+        if is_own := solve is None or size > REUSED * before:
+            solve = elastic_solver(tangent_matrix(model, place), model.parameters.mass, place)
         place, before = place + solve(residual.ravel()).reshape(2, -1), size
     raise ValueError(
         "the plate is too soft for a start by inertia relief: no equilibrium exists under the reaction"

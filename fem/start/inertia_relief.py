@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.laws import friction
 from fem.model.plate_model import PlateModel
-from fem.plate.elastic import without_rigid_motion
+from fem.plate.elastic import Solve, without_rigid_motion
 from fem.plate.properties import RigidStart
 from fem.start.equilibrium import equilibrium
 
@@ -77,9 +77,12 @@ def relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> ElasticF
     They are in equilibrium on the deformed shape where the displacement is not small.
     """
     fields = linear = relieved_fields(model, start)
+    solve: Solve | None = None
 
     def at(now: RigidStart) -> tuple[np.ndarray, float]:
-        return _in_equilibrium(model, body, linear, now)
+        nonlocal solve
+        elastic, gap, solve = _in_equilibrium(model, body, linear, now, solve)
+        return elastic, gap
 
     if np.abs(linear.elastic).max() >= LINEAR_LIMIT * np.ptp(body):
         (elastic, gap), (rate, gap_rate) = _and_rate(model, start, body, at)
@@ -156,22 +159,23 @@ def _displaced(model: PlateModel, load: np.ndarray) -> np.ndarray:
 
 
 def _in_equilibrium(
-    model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart
-) -> tuple[np.ndarray, float]:
+    model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart, solve: Solve | None
+) -> tuple[np.ndarray, float, Solve | None]:
     """Return elastic displacement and gap in equilibrium on the deformed shape.
 
-    The best rigid rotation is removed. Raises TooSoftError.
+    The best rigid rotation is removed. solve: see `equilibrium`, which returns it for the next state. Raises
+    TooSoftError.
     """
 
     def load_at(place: np.ndarray) -> np.ndarray:
         return inertia_load(model, place - at_corner(model, place), start)[0]
 
     try:
-        place = equilibrium(model, body + linear.elastic, load_at)
+        place, solve = equilibrium(model, body + linear.elastic, load_at, solve)
     except ValueError as error:  # Newton's method fails, or the reaction becomes compressive
         raise TooSoftError(str(error)) from None
     place = _unturned(model, body, place - at_corner(model, place))
-    return place - body, corner_gap(model, inertia_load(model, place, start)[1])
+    return place - body, corner_gap(model, inertia_load(model, place, start)[1]), solve
 
 
 def _unturned(model: PlateModel, body: np.ndarray, place: np.ndarray) -> np.ndarray:

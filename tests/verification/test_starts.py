@@ -16,8 +16,8 @@ from fem.laws.constraints import Exact
 from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
 from fem.stability.rounding import RoundingNoise, rounding_noise
-from fem.start.equilibrium import internal_forces
-from fem.start.inertia_relief import RigidStart, TooSoftError, to_global
+from fem.start.equilibrium import equilibrium, internal_forces, tangent_matrix
+from fem.start.inertia_relief import RigidStart, TooSoftError, inertia_load, to_global
 from fem.start.start_kinds import START_KINDS, start_fields
 from meshes import plate_mesh
 from tailslap.case.corner import corner_case, corner_run
@@ -182,6 +182,33 @@ def test_a_strip_is_in_equilibrium_too(plate_model, kind):
         np.testing.assert_allclose(velocities @ strip.parameters.mass, expected, rtol=1e-12)
     with pytest.raises(TooSoftError):
         start_fields(strip, START, kind)
+
+
+@pytest.mark.parametrize(("factor", "most"), [(None, 3), (1.0, 1), (0.0, 4), (0.5, 4)], ids=str)
+def test_a_solver_of_another_state_serves_as_far_as_it_converges(plate_model, monkeypatch, factor, most):
+    """A solver that converges slowly or not at all is replaced."""
+    soft = plate_model(plate=SOFT, corner={"constraint": "exact"})
+    body = soft.discretisation.positions - at_corner(soft, soft.discretisation.positions)[:, None]
+    assembled: list[int] = []
+
+    def counted(*arguments: Any) -> Any:
+        assembled.append(1)
+        return tangent_matrix(*arguments)
+
+    monkeypatch.setattr("fem.start.equilibrium.tangent_matrix", counted)
+
+    def load_at(place: np.ndarray) -> np.ndarray:
+        return inertia_load(soft, place - at_corner(soft, place)[:, None], START)[0]
+
+    good, solve = equilibrium(soft, body, load_at)
+    assert solve is not None
+    assembled.clear()
+    poor = None if factor is None else lambda load: factor * solve(load)
+    place, _ = equilibrium(soft, body, load_at, poor)
+    assert 1 - (factor == 1.0) <= len(assembled) <= most
+    assert place - at_corner(soft, place)[:, None] == pytest.approx(
+        good - at_corner(soft, good)[:, None], abs=1e-7
+    )
 
 
 def test_a_plate_too_soft_for_its_start_is_refused(capsys):
