@@ -64,7 +64,7 @@ def test_largest_means_are_those_of_all_columns():
         for item in planar_ranges.impact_ranges(impact_case)
     }
     means = impact_case.largest_means(inputs)[strike_columns.LARGEST]
-    assert means == pytest.approx(impact_case.many(inputs)[strike_columns.LARGEST], rel=2e-3)
+    assert means == pytest.approx(impact_case.many(inputs)[strike_columns.LARGEST], rel=1e-12)
 
 
 def test_percentiles_are_those_of_single_solutions(bands):

@@ -12,7 +12,7 @@ import numpy as np
 
 from postprocess.comparison import quantities
 from postprocess.report.page import Headline
-from postprocess.signals.filters import LABELS
+from postprocess.signals.filters import LABELS, force_curves
 from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent_up
 from solver import impact
@@ -236,9 +236,8 @@ class RigidImpact(Case):
     def largest_means(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Return the largest 50 ms means of n impacts [N], see `many`."""
         impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
-        rows = round(answers.MEAN_WINDOW / INTERVAL)
-        total = np.cumsum(np.pad(impacts.mean_force, ((rows, rows), (0, 0))), axis=0)
-        return {strike_columns.LARGEST: (total[rows:] - total[:-rows]).max(axis=0) / rows}
+        means = force_curves(impacts.mean_force.T, INTERVAL, ("mean_50ms",))["mean_50ms"]
+        return {strike_columns.LARGEST: means.max(axis=-1)}
 
     def details(self) -> list[str]:
         """List the properties of the contact."""
