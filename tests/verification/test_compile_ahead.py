@@ -71,7 +71,7 @@ def test_the_process_receives_the_scene_and_ends_with_the_block(first_use):
     scene, source = read_scene("impact-mash-tl4-sut", ("impact.speed=60mph",))
     with compile_ahead.plate_compiled_beside(scene, source):
         words, tables = received(first_use)
-    assert words == f"-m {compile_ahead.__name__}"
+    assert words == f"-P -m {compile_ahead.__name__}"
     assert tables == source.given
     assert not Path(f"{first_use}.ended").exists()
 

@@ -31,7 +31,8 @@ def plate_compiled_beside(scene: Scene, source: Source) -> Iterator[None]:
     if not is_small or scene.meshed_wall or resources.available_cores() < 2 or has_machine_code():
         yield
         return
-    command, silent = [sys.executable, "-m", __name__], subprocess.DEVNULL
+    command = [sys.executable, "-P", "-m", __name__]  # -P: nothing is imported from the working directory
+    silent = subprocess.DEVNULL
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=silent, stderr=silent) as process:
         try:
             assert process.stdin is not None
