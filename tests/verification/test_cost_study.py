@@ -103,7 +103,7 @@ def test_the_limit_s_meshes_are_halves_of_each_other():
     case = ImpactCase(*read_scene("impact-mash-tl4-sut"))
     todo, *_ = cost_settings.impact_settings(case)
     meshes = [s.changes["plate.elements"] for s in todo if s.group == "quad9"]
-    assert meshes == [(10, 3), (20, 6), (40, 12)]
+    assert meshes == [(8, 2), (16, 4), (32, 8)]
 
 
 def test_rigid_methods_are_as_good_as_they_say():

@@ -30,7 +30,7 @@ def impact():
 @pytest.mark.parametrize("name", ["impact-mash-tl4-sut", "impact-mash-tl5-tractor-van"])
 def test_plates_of_the_study_have_the_automatic_mesh(name):
     """Corners push over a tenth of the length of the vehicle."""
-    case = ImpactCase(*read_scene(name, ("plate.elements=",)))
+    case = ImpactCase(*read_scene(name))
     chosen = case.plan()
     changes = {**impact_flexibility.mesh_changes(chosen), "plate.youngs_modulus": chosen.plate.modulus}
     plan = case.varied(changes).plan()

@@ -305,7 +305,7 @@ def frequencies(scene, *changes, count=6):
 
 
 @pytest.mark.parametrize(
-    ("scene", "open_mesh"), [("mash-tl4-sut", ("plate.elements=", "wall=")), (LINEAR, ("plate.elements=",))]
+    ("scene", "open_mesh"), [("mash-tl4-sut", ("plate.elements=", "wall=")), (LINEAR, ())]
 )
 def test_frequencies_on_an_automatic_mesh_are_those_of_a_slender_beam(scene, open_mesh):
     """Timoshenko's, and n c/(2 L) except lateral inertia of 1e-4."""

@@ -17,6 +17,7 @@ from tailslap.campaign.random_scenes import draw
 from tailslap.campaign.records import Record
 from tailslap.case import case_of
 from tailslap.case.case import Case
+from tailslap.case.impact.plan import chosen_plate
 from tailslap.case.resources import expected_effort
 from tailslap.scene.schema import Scene
 from tailslap.scene.vary import Changes, Source, changed_tables, vary
@@ -124,14 +125,13 @@ def _loop_seconds(usual: Case, base: Source, changes: Changes) -> float:
     """
     try:
         scene, source = vary(base, changes)
-        plate = scene.needed_plate
+        plate = chosen_plate(scene, 0)[0] if scene.contact else scene.needed_plate
         duration = _impact_duration(usual, scene) if scene.contact else case_of(scene, source).duration
     except Exception:  # reported with the verdict of the cell
         return 0.0
     if "element" not in plate.model_fields_set:
-        slender = scene.vehicle.width < SLENDER * scene.vehicle.length
-        quadratic = plate.elements is None if scene.contact else slender
-        plate = plate.model_copy(update={"element": "quad9" if quadratic else "quad4"})
+        slender = not scene.contact and scene.vehicle.width < SLENDER * scene.vehicle.length
+        plate = plate.model_copy(update={"element": "quad9" if slender else "quad4"})
     effort = expected_effort(scene.model_copy(update={"plate": plate}), duration)
     penalty = (scene.contact or scene.corner).penalty_scale or 0.0
     seconds = effort.seconds * max(1.0, PENALTY_STEPS * math.sqrt(penalty))
