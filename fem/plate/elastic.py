@@ -7,7 +7,7 @@ by a factorisation.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -98,7 +98,8 @@ class Inverse:
     def factorised(self) -> Solve:
         """Solver by a factorisation, for many loads."""
         if self.hinges is not None:
-            return hinged_solver(self.stiffness, np.tile(self.masses, 2)[:, None] * self.rigid, self.hinges)
+            momenta = np.tile(self.masses, 2)[:, None] * self.rigid
+            return hinged_solver(self.stiffness, momenta, self.positions, self.unit_motions, self.hinges)
         return elastic_solver(self.stiffness, self.masses, self.positions)
 
     @cached_property
@@ -107,14 +108,23 @@ class Inverse:
 
         Their shape is (2 nodes, 3 + hinges). Those of a train are the motions of its units that close the hinges.
         """
+        if self.hinges is None:
+            return self.unit_motions
+        from scipy.linalg import null_space
+
+        return np.asarray(self.unit_motions @ null_space(gap_matrix(self.hinges) @ self.unit_motions))
+
+    @cached_property
+    def unit_motions(self) -> np.ndarray:
+        """Rigid motions of each unit about the centre of mass of all.
+
+        Their shape is (2 nodes, 3 units).
+        """
         motions = rigid_motions(self.positions - (self.positions @ self.masses / self.masses.sum())[:, None])
         if self.hinges is None:
             return motions
-        from scipy.linalg import null_space
-
         units = np.tile(self.hinges.unit, 2)[:, None] == np.arange(self.hinges.unit.max() + 1)
-        by_unit = (units[:, :, None] * motions[:, None, :]).reshape(len(motions), -1)
-        return np.asarray(by_unit @ null_space(gap_matrix(self.hinges) @ by_unit))
+        return (units[:, :, None] * motions[:, None, :]).reshape(len(motions), -1)
 
     @cached_property
     def multigrid(self) -> Multigrid:
@@ -152,24 +162,34 @@ def elastic_solver(stiffness: sp.csr_matrix, masses: np.ndarray, body: np.ndarra
     """Return a solver of K u = f by a factorisation.
 
     stiffness [N/m], shape (2 nodes, 2 nodes); masses [kg], shape (nodes,); body: positions [m], shape (2, nodes). The
-    load f must be in equilibrium, and u has no mass-weighted rigid motion. Three unknowns are fixed, both of one node
-    and one of the node farthest from it. They carry no force then, and the remaining matrix is sparse and definite.
-    The rigid motion is removed afterwards.
+    load f must be in equilibrium, and u has no mass-weighted rigid motion, which is removed afterwards.
+    """
+    supported = _supported_solver(stiffness, body, [np.arange(body.shape[1])])
+    return lambda load: without_rigid_motion(supported(load), masses, body)
+
+
+def _supported_solver(stiffness: sp.csr_matrix, body: np.ndarray, units: Sequence[np.ndarray]) -> Solve:
+    """Return a solver of K u = f on statically determinate supports.
+
+    units: nodes of each plate. Three unknowns of each are fixed, both of one node and one of the node farthest from it.
+    They carry no force under a load in equilibrium, and the remaining matrix is sparse and definite.
     """
     from scipy.sparse.linalg import splu
 
-    nodes = body.shape[1]
-    from_first = np.abs(body - body[:, :1])
-    far = int((from_first**2).sum(axis=0).argmax())
-    across = int(from_first[:, far].argmin())
-    free = np.delete(np.arange(2 * nodes), [0, nodes, across * nodes + far])
+    nodes, fixed = body.shape[1], list[int]()
+    for unit in units:
+        from_first = np.abs(body[:, unit] - body[:, unit[:1]])
+        far = int((from_first**2).sum(axis=0).argmax())
+        across = int(from_first[:, far].argmin())
+        fixed += [unit[0], nodes + unit[0], across * nodes + unit[far]]
+    free = np.delete(np.arange(2 * nodes), fixed)
     reduced = sp.csc_matrix(stiffness)[free][:, free]
     factor = splu(reduced, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
     def solve(load: np.ndarray) -> np.ndarray:
         displacement = np.zeros(2 * nodes)
         displacement[free] = factor.solve(load[free])
-        return without_rigid_motion(displacement, masses, body)
+        return displacement
 
     return solve
 
@@ -184,17 +204,22 @@ def gap_matrix(hinges: Hinges) -> sp.csr_matrix:
     return sp.block_diag([gaps, gaps], format="csr")
 
 
-def hinged_solver(stiffness: sp.csr_matrix, momenta: np.ndarray, hinges: Hinges) -> Solve:
+def hinged_solver(
+    stiffness: sp.csr_matrix, momenta: np.ndarray, body: np.ndarray, motions: np.ndarray, hinges: Hinges
+) -> Solve:
     """Return a solver like `elastic_solver` for a train.
 
-    Multipliers close the hinges and make the momenta of rigid motion, shape (2 nodes, motions), zero.
+    Forces in the hinges and forces in proportion to the momenta of rigid motion, shape (2 nodes, motions), hold each
+    unit in equilibrium. Rigid motions of the units, shape (2 nodes, 3 units), then close the hinges and make these
+    momenta zero: there are as many of them as forces. body: positions [m], shape (2, nodes).
     """
-    from scipy.sparse.linalg import splu
-
-    ties = sp.vstack([gap_matrix(hinges), momenta.T])
-    factor = splu(sp.csc_matrix(sp.bmat([[stiffness, ties.T], [ties, None]])))
+    units = [np.flatnonzero(hinges.unit == unit) for unit in range(hinges.unit.max() + 1)]
+    supported = _supported_solver(stiffness, body, units)
+    forces = np.hstack([gap_matrix(hinges).toarray().T, momenta])
+    work = motions.T @ forces
 
     def solve(load: np.ndarray) -> np.ndarray:
-        return np.asarray(factor.solve(np.append(load, np.zeros(ties.shape[0])))[: load.size])
+        displacement = supported(load - forces @ np.linalg.solve(work, motions.T @ load))
+        return np.asarray(displacement - motions @ np.linalg.solve(work.T, forces.T @ displacement))
 
     return solve

@@ -243,7 +243,7 @@ def test_arrays_of_other_shapes_never_reach_compiled_code(tmp_path, monkeypatch,
     assert ("is damaged; the run starts" in capsys.readouterr().err) == bool(change(saved[-1]))
 
 
-LONG = ("--set", "plate.youngs_modulus=1e17", "--set", "corner.reaction=none", "--no-pictures")
+LONG = ("--set", "plate.youngs_modulus=1e8 GPa", "--set", "corner.reaction=none", "--no-pictures")
 OFTEN = """
 import sys
 from tailslap.cli import main
@@ -255,7 +255,17 @@ main(sys.argv[1:])
 
 
 def started(folder, *more):
-    command = [sys.executable, "-c", OFTEN, "run", "paper-table-3", *LONG, *more]
+    command = [
+        sys.executable,
+        "-c",
+        OFTEN,
+        "run",
+        "paper-table-3",
+        *LONG,
+        "--out",
+        "results/paper-table-3",
+        *more,
+    ]
     return subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
 
 

@@ -322,6 +322,24 @@ def test_a_hinge_at_the_trailers_centre_makes_it_a_point_mass():
         assert np.abs(run.units[1]["omega"]).max() < 1e-3 * np.abs(run.units[0]["omega"]).max()
 
 
+@pytest.mark.parametrize("vehicles", [(TRACTOR, TRAILER), (TRACTOR, TRAILER, TRAILER)], ids=len)
+def test_hinges_and_inertia_hold_each_unit_under_any_load(vehicles):
+    """Hinges are closed, and no other force acts."""
+    model, _ = train(vehicles, (HINGE,) * (len(vehicles) - 1), (*COUNTS, COUNTS[1])[: len(vehicles)])
+    inverse, ties = model.elastic.inverse, gap_matrix(model.parameters.hinges).toarray()
+    load = np.random.default_rng(4).normal(size=2 * model.parameters.mass.size)
+    displacement = inverse(load)
+    momenta = np.tile(inverse.masses, 2)[:, None] * inverse.rigid
+    forces = np.hstack([ties.T, momenta])
+    rest = load - inverse.stiffness @ displacement
+    assert rest - forces @ np.linalg.lstsq(forces, rest, rcond=None)[0] == pytest.approx(
+        0.0 * load, abs=1e-10
+    )
+    assert np.abs(ties @ displacement).max() < 1e-11 * np.abs(displacement).max()
+    assert np.abs(momenta.T @ displacement).max() < 1e-9 * np.abs(momenta.T @ np.abs(displacement)).max()
+    assert inverse.rigid.shape[1] == 2 + len(vehicles)
+
+
 @pytest.mark.parametrize("hitch_length", [0.0, 2.0])
 def test_free_modes_of_a_train_are_those_of_its_matrices_with_closed_hinges(hitch_length):
     """Compare with a dense solution in the null space of the hinges.
