@@ -27,6 +27,9 @@ COLUMNS = tuple(f"strike_{strike}.{name}" for strike in (1, 2) for name in QUANT
 LARGEST = "peaks.mean_50ms"
 """Column of the largest 50 ms mean of an impact."""
 
+AT_ONCE = 128
+"""Impacts of which forces are filtered at once: more exceed the processor's cache, and memory where they last long."""
+
 SAME_STRIKE = 0.05
 """Gap [s] below which contacts of a corner are one strike: a mean over 50 ms does not separate them."""
 
@@ -36,13 +39,17 @@ def columns_of_many(impacts: Impacts, interval: float, units: int) -> dict[str, 
 
     A missing strike is NaN. interval: between the rows of their forces [s].
     """
-    curves = filters.force_curves(impacts.mean_force.T, interval, FORCES)
-    curves = {name: np.ascontiguousarray(curve) for name, curve in curves.items()}
-    strikes = [
-        _first_strike(impacts.corner == number, impacts.start, impacts.end, impacts.impulse)
-        for number in (0, 4 * (units - 1) + 1)
-    ]
-    return {LARGEST: curves["mean_50ms"].max(axis=-1)} | _columns(strikes, (curves, curves), interval)
+    contacts = impacts.corner, impacts.start, impacts.end, impacts.impulse
+    tables = []
+    for first in range(0, impacts.error.size, AT_ONCE):
+        part = slice(first, first + AT_ONCE)
+        corner, *values = (column[:, part] for column in contacts)
+        curves = filters.force_curves(impacts.mean_force[:, part].T, interval, FORCES)
+        curves = {name: np.ascontiguousarray(curve) for name, curve in curves.items()}
+        strikes = [_first_strike(corner == number, *values) for number in (0, 4 * (units - 1) + 1)]
+        largest = {LARGEST: curves["mean_50ms"].max(axis=-1)}
+        tables.append(largest | _columns(strikes, (curves, curves), interval))
+    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
 def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[str, float]:
