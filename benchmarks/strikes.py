@@ -64,8 +64,8 @@ def measured(scene: str, angle: float) -> Angle:
     stiff = ImpactCase(*read_scene(scene, (change, modulus))).run()
     longer = case.motion_until(case.motion.t_end + LONGER).strikes
     apart = [
-        abs(getattr(one, name) / getattr(other, name) - 1.0)
-        for one, other in zip(case.motion.strikes, longer, strict=False)
+        abs(getattr(strike, name) / getattr(longer_strike, name) - 1.0)
+        for strike, longer_strike in zip(case.motion.strikes, longer, strict=False)
         for name in answers.COMPARED
     ]
     strikes = strike_columns.both_strikes(case.answer)

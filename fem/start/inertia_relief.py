@@ -138,12 +138,12 @@ def _and_rate(
 
     The rates are those along the motion of the rigid body.
     """
-    now = rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
+    acceleration = rigid_accelerations(model, body, start.angle, start.omega, start.corner_speed)
     span = 1e-3 * start.angle / start.omega  # a thousandth of the motion, over which its change is linear
 
     def after(time: float) -> tuple[np.ndarray, float]:
-        angle = start.angle - start.omega * time - 0.5 * now.angular * time**2
-        return at(RigidStart(angle, start.omega + now.angular * time, start.corner_speed))
+        angle = start.angle - start.omega * time - 0.5 * acceleration.angular * time**2
+        return at(RigidStart(angle, start.omega + acceleration.angular * time, start.corner_speed))
 
     first, (late, later), (early, earlier) = after(0.0), after(span), after(-span)
     return first, ((late - early) / (2.0 * span), (later - earlier) / (2.0 * span))

@@ -30,7 +30,6 @@ SAMPLES_A_PERIOD = 6.0
 BLOCK = 32
 """Samples that a filter computes at once."""
 
-
 FILTERS: Mapping[str, Callable[[Floats, float], Floats]] = {
     "raw": lambda force, interval: force,
     "mean_10ms": lambda force, interval: moving_mean(force, interval, 0.01),
@@ -176,9 +175,8 @@ def _matrices(corner: float) -> tuple[Floats, Floats]:
     scale = 1.0 + math.sqrt(2.0) * corner + corner**2
     a_0 = corner**2 / scale
     b_1, b_2 = 2.0 * (1.0 - corner**2) / scale, (math.sqrt(2.0) * corner - 1.0 - corner**2) / scale
-    results = np.zeros(
-        (BLOCK + 4, BLOCK + 2)
-    )  # by two values before, those of the block, and two results before
+    # Rows: two values before the block, its values, two results before it. Columns: two results before it, its results.
+    results = np.zeros((BLOCK + 4, BLOCK + 2))
     results[-2, 0] = results[-1, 1] = 1.0
     for i in range(BLOCK):
         results[:, i + 2] = b_1 * results[:, i + 1] + b_2 * results[:, i]
@@ -189,10 +187,10 @@ def _matrices(corner: float) -> tuple[Floats, Floats]:
 def force_curves(force: Floats, interval: float, names: Iterable[str] = tuple(FILTERS)) -> dict[str, Floats]:
     """Return the force [N] after each filter.
 
-    force: each sample the mean over its interval [s]. It starts at first touch, and is zero before. If it
-    ends during a strike, the part of a filtered curve that later forces would change repeats its last valid value.
-    names: of `FILTERS`, which are those of `summary.json`. ValueError for samples too rare for CFC 180 (1800 Hz), and
-    for a history shorter than 50 ms.
+    force: each sample the mean over its interval [s]. It starts at first touch, and is zero before. If it ends during a
+    strike, the part of a filtered curve that later forces would change repeats its last valid value. names: of
+    `FILTERS`, which are those of `summary.json`. ValueError for samples too rare for CFC 180 (1800 Hz), and for a
+    history shorter than 50 ms.
     """
     touched = np.concatenate((np.zeros_like(force[..., :1]), force), axis=-1)
     curves = {name: FILTERS[name](touched, interval)[..., 1:] for name in names}

@@ -47,7 +47,9 @@ def first_use(tmp_path, monkeypatch):
 
 def received(program: Path) -> tuple[str, dict[str, object]]:
     """Arguments and scene that the process received."""
+    end = time.monotonic() + 60.0
     while not Path(f"{program}.done").exists():
+        assert time.monotonic() < end, "no process began"
         time.sleep(0.01)
     words, tables = Path(f"{program}.txt").read_text().split("\n", 1)
     return words, json.loads(tables)
