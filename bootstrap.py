@@ -14,8 +14,6 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 # At module level, before any annotation is evaluated: an older Python must get as far as this line.
@@ -38,8 +36,6 @@ plotter = pyvista.Plotter(off_screen=True, window_size=[64, 64])
 plotter.add_mesh(pyvista.Sphere())
 assert plotter.screenshot(return_img=True).std() > 0, "the picture is empty"
 """
-SCENES = ("impact-mash-tl4-sut", "paper-table-3", "impact-tipping-tl4-sut", "impact-tl5cmb-2")
-"""Scenes whose time loops are compiled: a whole impact, a corner, a vehicle in space, a train."""
 
 
 def say(message: str) -> None:
@@ -150,17 +146,6 @@ def check_libraries(no_system: bool) -> None:
         sys.exit(f"bootstrap: {reason}\nbootstrap: {line_to_paste(APT_PACKAGES, DNF_PACKAGES)}")
 
 
-def compile_ahead() -> None:
-    """Compile the time loops of shipped scenes, two at a time.
-
-    A failure is not an error here: the first run compiles, or explains.
-    """
-    say("compiling time loops, once for this version (one to two minutes)")
-    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(2) as pool:
-        run = [PYTHON, "-m", "tailslap", "run", "--no-pictures", "--out"]
-        list(pool.map(call, ([*run, f"{folder}/{scene}", scene] for scene in SCENES)))
-
-
 def digest(version: str, target: str) -> str:
     """Return a hash of all that determines an installation of `target`."""
     # The path too: when the checkout is moved, the scripts in `.venv` point to where it was.
@@ -183,16 +168,6 @@ def update_venv(target: str, no_system: bool) -> None:
     if not libraries.is_file() or libraries.read_text() != packages.read_text():
         check_libraries(no_system)
         libraries.write_text(packages.read_text())
-    sources = [
-        path.read_bytes()
-        for name in ("machine_code", "fem", "solver")
-        for path in (ROOT / name).rglob("*.py")
-    ]
-    loops = hashlib.sha256(b"".join([version.encode(), *sorted(sources)])).hexdigest()
-    compiled = VENV / "tailslap-loops.stamp"
-    if not compiled.is_file() or compiled.read_text() != loops:
-        compile_ahead()
-        compiled.write_text(loops)
 
 
 def main() -> None:

@@ -5,20 +5,19 @@ from __future__ import annotations
 import re
 import threading
 import time
-from typing import Any
 
-import numba
 import numpy as np
 
 from fem.explicit.internal_force import subtract_internal_forces
 from fem.run.corner import Stepper
+from machine_code.compiled import compiled
 
 CHAIN = 16
 """Consecutive multiply-adds of a number, few enough that the processor overlaps those of several vectors."""
 MULTIPLY_ADD = re.compile(r"^\s+vfn?m(?:add|sub)\d+([ps])d\s(.*)$", re.MULTILINE)
 
 
-@numba.njit(fastmath={"contract"}, error_model="numpy", nogil=True)
+@compiled
 def _chains(values: np.ndarray, repeats: int, factor: float, term: float) -> None:
     for _ in range(repeats):
         for i in range(values.size):
@@ -44,14 +43,11 @@ def multiply_add_rate(threads: int = 1) -> float:
 def multiply_adds(stepper: Stepper) -> tuple[int, int]:
     """Count packed and scalar multiply-adds in the internal forces.
 
-    The kernel is compiled again, since code from the cache on disk cannot be read. Every packed loop has its
-    scalar twin, for arrays that overlap; the twin is never executed.
+    Every packed loop has its scalar twin, for arrays that overlap; the twin is never executed.
     """
-    dispatcher = subtract_internal_forces.dispatcher
     loop, positions = stepper.parameters, stepper.model.discretisation.positions
-    parts: tuple[Any, ...] = (loop.viscosity, loop.hourglass, np.zeros_like(positions))
+    parts = (loop.viscosity, loop.hourglass, np.zeros_like(positions))
     arguments = (positions, np.zeros_like(positions), *parts, loop.table, loop.material, stepper._scratch)
-    dispatcher.compile(tuple(map(numba.typeof, arguments)))
-    matches = MULTIPLY_ADD.findall("\n".join(dispatcher.inspect_asm().values()))
+    matches = MULTIPLY_ADD.findall(subtract_internal_forces.assembly(*arguments))
     packed = sum(kind == "p" and ("ymm" in operands or "zmm" in operands) for kind, operands in matches)
     return packed, sum(kind == "s" for kind, _ in matches)

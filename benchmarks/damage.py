@@ -110,7 +110,7 @@ def caches(count: int, seed: int) -> Judged:
     """Damage stored code of small kernels."""
     from machine_code.compiled import compiled
 
-    os.environ["NUMBA_CACHE_DIR"] = tempfile.mkdtemp()
+    os.environ["TAILSLAP_CACHE_DIR"] = tempfile.mkdtemp()
     files = [compiled(function).path(*arguments) for function, arguments in CALLS]
     for function, arguments in CALLS:
         compiled(function)(*arguments)

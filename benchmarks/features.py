@@ -41,8 +41,7 @@ from fem.laws.materials import stress
 from fem.plate.discretisation import ElementTable
 from fem.run.corner import Stepper
 from fem.run.runner import copy_state
-from machine_code.compiled import Kernel, compiled, inlined
-from machine_code.numba_code import compile_for, make_dispatcher
+from machine_code.compiled import compiled, inlined
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.errors import InputError
@@ -208,7 +207,7 @@ def workspace(fe_plan: CornerPlan) -> tuple[State, Floats, Any]:
 def run_program(fe_plan: CornerPlan, steps: int) -> tuple[float, Floats]:
     """Return the seconds of the program's loop and the final positions."""
     (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.parameters
-    arguments = (state, steps, loop, loop.viscosity, loop.hourglass, force, scratch)
+    arguments = (state, steps, loop, force, scratch)
     spent = seconds(lambda: advance(*arguments))
     return spent, state.positions + np.array([[state.origin[0]], [0.0]])
 
@@ -272,39 +271,22 @@ class MachineCode(NamedTuple):
 
 
 def count(assembly: str) -> MachineCode:
-    """Count instructions in LLVM's assembly, without wrappers."""
-    instructions = vector = 0
-    in_loop = False
-    for line in assembly.splitlines():
-        if line[:1].isalnum() or line[:1] in '_"':
-            name = line.strip('"')
-            in_loop = name.startswith("_Z") and not name.startswith(("_ZN7cpython", "_ZN08NumbaEnv"))
-        elif in_loop and line.startswith("\t") and not line.startswith(("\t.", "\t#")):
-            instructions += 1
-            vector += bool(VECTOR.search(line))
-    return MachineCode(instructions, vector)
+    """Count instructions in LLVM's assembly."""
+    lines = [line for line in assembly.splitlines() if line.startswith("\t") and line[1:2] not in ".#"]
+    return MachineCode(len(lines), sum(bool(VECTOR.search(line)) for line in lines))
 
 
 def program_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the program's loop for this model."""
     (state, force, scratch), loop = workspace(fe_plan), fe_plan.model.parameters
-    return count(_assembly(advance, state, 0, loop, loop.viscosity, loop.hourglass, force, scratch))
+    return count(advance.assembly(state, 0, loop, force, scratch))
 
 
 def bare_code(fe_plan: CornerPlan) -> MachineCode:
     """Of the bare loop for this model."""
     (state, force, _), loop = workspace(fe_plan), fe_plan.model.parameters
     arguments = (0, bare_parameters(loop), force, bare_scratch(loop))
-    return count(_assembly(advance_bare, state.positions, state.velocities, *arguments))
-
-
-def _assembly(loop: Kernel, *arguments: Any) -> str:
-    """Compile the loop and return its assembly."""
-    _ = loop.dispatcher  # Numba gets to know the functions that it calls
-    fresh = make_dispatcher(loop.py_func, loop.targetoptions)
-    compile_for(fresh, arguments)
-    (assembly,) = fresh.inspect_asm().values()
-    return str(assembly)
+    return count(advance_bare.assembly(state.positions, state.velocities, *arguments))
 
 
 class Process(NamedTuple):

@@ -72,7 +72,8 @@ def environment(checkout: Path, cache: str = "") -> dict[str, str]:
     """Return an environment with one thread of BLAS."""
     variables = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     variables |= {"PYTHONPYCACHEPREFIX": str(BYTECODE), "OPENBLAS_NUM_THREADS": "1"}
-    variables |= {"NUMBA_CACHE_DIR": cache} if cache else {}
+    names = ("TAILSLAP_CACHE_DIR", "NUMBA_CACHE_DIR")  # the second in earlier versions
+    variables |= dict.fromkeys(names, cache) if cache else {}
     return variables | {"PYTHONPATH": str(checkout)}
 
 

@@ -4,7 +4,7 @@ The package depends neither on the rigid-body solution with which it is compared
 from a mesh and three records of properties (`build_model`), and runs from a `RigidStart` to the tail-slap
 (`simulate`). Extensions are registered as one object each: `FRICTION_LAWS` and `CONSTRAINTS` of the corner,
 `MATERIALS`, `ELEMENT_KINDS`, `LUMPINGS` of the mass, `START_KINDS`, `COLUMNS` of the history and `IMPACT_COLUMNS` of
-that of a whole impact. Neither these registries nor the packages import Numba or SciPy before a name needs them.
+that of a whole impact. Neither these registries nor the packages import SciPy before a name needs them.
 """
 
 from fem.lazy import lazy_names

@@ -1,7 +1,7 @@
 """Registries of objects that a scene may name.
 
-An extension is one frozen object, registered once, in the file that defines it. Numba is not needed here: the kernels
-of a law are plain functions, and `machine_code.compiled` compiles them when a loop with that law is built.
+An extension is one frozen object, registered once, in the file that defines it. The kernels of a law are plain
+functions, and `machine_code.compiled` compiles them when a loop with that law is built.
 """
 
 from collections.abc import Callable, Iterator

@@ -1,5 +1,6 @@
-"""Compiled kernels, stored on disk as machine code.
+"""Kernels in Python, compiled by LLVM and stored as machine code.
 
-Importing Numba takes longer than most runs, and is needed only to compile. Object code is stored with the layout of
-its arguments. llvmlite, Numba's own loader, loads it, and ctypes calls it.
+A kernel is translated from its syntax tree to LLVM's language (`translate`, `statements`, `expressions`), optimised
+(`llvm_code`), and kept with the layout of its arguments (`object_code`, `folder`). llvmlite loads it, and ctypes
+calls it.
 """

@@ -1,8 +1,7 @@
 """Compiled functions, with the decorators that make them and their call.
 
-A call uses machine code on disk. Where there is none, Numba compiles first. Where another version of Numba does not
-have a name that this needs and Numba does not guarantee, a call goes through Numba itself. It is slower, because
-Numba is imported and compiles in every process, and has the same results.
+A call uses machine code on disk. Where there is none, the function is translated (`translate`) and compiled by LLVM
+first.
 """
 
 import functools
@@ -13,32 +12,18 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType
 from typing import Any, Protocol
 
 from machine_code import folder, object_code
 from machine_code.object_code import (
     Call,
     Kinds,
-    Prepared,
-    UnknownTypeError,
     flattened,
     type_text,
     value_codes,
 )
-
-FAST_MATH = {"contract", "nsz", "reassoc"}
-"""Optimisations that are allowed: fused multiply-add and regrouping.
-
-NaN and infinity keep their meaning, which the checks need.
-"""
-
-OPTIONS: dict[str, object] = {
-    "fastmath": FAST_MATH,
-    "error_model": "numpy",
-    "no_cpython_wrapper": True,  # ctypes calls the code
-    "no_cfunc_wrapper": True,
-}
+from machine_code.values import Implementation, Nothing, Record, Value
 
 Function = Callable[..., Any]
 
@@ -49,18 +34,11 @@ LOOP = "the time loop of this type of model"
 
 _LOCK = threading.RLock()
 
-_PENDING: list[tuple[Function, Function, str]] = []
-"""Functions that are not yet registered with Numba.
+Choose = Callable[..., Function | None]
+"""Function of the arguments' values that returns an implementation, or None if it has none for them."""
 
-Each is a generic function; a function of Numba's types of its arguments, which returns the implementation in compiled
-code; and "always" or "never", whether that is merged into its caller.
-"""
-
-CALLABLE = {"no_cpython_wrapper": False, "inline": "never"}
-"""Options by which Python can call a function of Numba."""
-
-MISSING_NAME_ERRORS = (AttributeError, ImportError, LookupError, TypeError)
-"""Errors of a name that another version of Numba does not have, or has with another meaning."""
+_IMPLEMENTATIONS: dict[Function, list[tuple[Choose, bool]]] = {}
+"""Choices of the implementations of generic functions, and whether their code is merged into the caller."""
 
 
 class Laws(Protocol):
@@ -69,31 +47,22 @@ class Laws(Protocol):
     def by_type(self, kind: type | None) -> Any:
         """Return the law with constants of this type, or None.
 
-        `inlined` has the names of fields whose kernels are merged into their caller, `helpers` the functions that
-        they call.
+        `inlined` has the names of fields whose kernels are merged into their caller.
         """
-
-
-def _numba_code() -> ModuleType:
-    """Return the module that compiles, with all functions registered."""
-    from machine_code import numba_code
-
-    numba_code.register_kernel_type(Kernel)
-    while _PENDING:
-        numba_code.replace_generic(*_PENDING.pop(0))
-    return numba_code
 
 
 class Kernel:
     """A function that is compiled on first call for its argument types.
 
-    function: in the part of Python that Numba compiles. options: of `numba.njit`. A call raises UnknownTypeError for
-    arguments and results other than numbers, arrays, None and tuples of these.
+    function: in the part of Python of `translate`. is_merged: True to merge the code into compiled callers.
+    is_compact: see
+    `compact`. A call raises UnknownTypeError for arguments and results other
+    than numbers, arrays, None and tuples of these.
     """
 
-    def __init__(self, function: Function, options: dict[str, object]) -> None:
+    def __init__(self, function: Function, is_merged: bool = False, is_compact: bool = False) -> None:
         functools.update_wrapper(self, function)
-        self.py_func, self.targetoptions = function, options
+        self.py_func, self.is_merged, self.is_compact = function, is_merged, is_compact
         self._calls: dict[Kinds, Call] = {}
 
     def __reduce__(self) -> str:
@@ -108,9 +77,7 @@ class Kernel:
         Arrays among them must keep their memory.
         """
         kinds, values = flattened(arguments)
-        call = self._calls.get(kinds) or self._call_for(kinds, arguments)
-        if call is None:
-            return functools.partial(self._through_numba, *_plain(arguments))
+        call = self._calls.get(kinds) or self._call_for(kinds)
         return lambda alive=arguments: call(values)  # type: ignore[misc]  # keeps the arrays whose addresses are in values
 
     def has_code(self, *arguments: object) -> bool:
@@ -118,16 +85,18 @@ class Kernel:
 
         It may be in this process or on disk, from which it is then loaded.
         """
-        return self._call_for(flattened(arguments)[0]) is not None
+        return self._stored_call(flattened(arguments)[0]) is not None
 
     def path(self, *arguments: object) -> Path:
         """Return the file of the machine code for arguments of these types."""
         return self._file(flattened(arguments)[0])[0]
 
-    @functools.cached_property
-    def dispatcher(self) -> Any:
-        """Numba's dispatcher of the function, for calls from other compiled code."""
-        return _numba_code().make_dispatcher(self.py_func, self.targetoptions)
+    def assembly(self, *arguments: object) -> str:
+        """Return the text of the machine code for arguments of these types."""
+        from machine_code import llvm_code
+
+        kinds = flattened(arguments)[0]
+        return llvm_code.assembly(self.py_func, kinds, implementation_of, self.is_compact)
 
     def _file(self, kinds: Kinds) -> tuple[Path, dict[str, object]]:
         """Return the file of the code for these types, and its identity.
@@ -144,47 +113,50 @@ class Kernel:
         digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:20]
         return folder.cache_folder() / f"{function.__name__}-{digest}.code", identity
 
-    @functools.cached_property
-    def _through_numba(self) -> Any:
-        """Function that calls through Numba itself."""
-        return _numba_code().make_dispatcher(self.py_func, {"nogil": True} | self.targetoptions | CALLABLE)
+    def _stored_call(self, kinds: Kinds) -> Call | None:
+        """Return the call of machine code that exists, or None.
 
-    def _call_for(self, kinds: Kinds, arguments: tuple[object, ...] | None = None) -> Call | None:
-        """Return the call of the machine code, compiled where arguments are present.
-
-        The result is None without arguments where there is no code, and where Numba does not have a name that this
-        needs.
+        It is in this process or on disk.
         """
         with _LOCK:
-            try:
-                if kinds not in self._calls and "_through_numba" not in vars(self):
-                    self._load(kinds, arguments)
-            except UnknownTypeError:
-                raise
-            except MISSING_NAME_ERRORS:
-                self._through_numba  # noqa: B018  # from this call on
+            if kinds not in self._calls:
+                path, identity = self._file(kinds)
+                code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
+                with suppress(LookupError):  # of another kernel
+                    self._calls |= {kinds: object_code.load_code(code)} if code else {}
             return self._calls.get(kinds)
 
-    def _load(self, kinds: Kinds, arguments: tuple[object, ...] | None) -> None:
-        """Load the machine code for these types, compiled if necessary."""
+    def _call_for(self, kinds: Kinds) -> Call:
+        """Return the call of the machine code, compiled if necessary."""
+        with _LOCK:
+            call = self._stored_call(kinds)
+            if call is None:
+                call = self._calls[kinds] = object_code.load_code(self._compiled(kinds))
+            return call
+
+    def _compiled(self, kinds: Kinds) -> object_code.ObjectCode:
+        """Compile the code for these types, and store it."""
+        from machine_code.llvm_code import compile_kernel
+
         path, identity = self._file(kinds)
-        code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
-        if code is None:
-            if arguments is None:
-                return
-            code = _numba_code().compile_for(self.dispatcher, _plain(arguments))
-            if code.arguments != identity["values"]:
-                raise UnknownTypeError(f"{self.py_func.__name__} takes {code.arguments}")
-            with suppress(OSError):  # the code is valid, and `compile_once` reports it
-                folder.write(path, object_code.encoded(code, identity))
-        if object_code.helpers_of(code):  # a law calls functions of Numba
-            _numba_code().register_numba_symbols()
-        self._calls[kinds] = object_code.load_code(code)
+        code = compile_kernel(self.py_func, kinds, implementation_of, self.is_compact)
+        with suppress(OSError):  # the code is valid, and `compile_once` reports it
+            folder.write(path, object_code.encoded(code, identity))
+        return code
 
 
-def _plain(arguments: tuple[object, ...]) -> tuple[object, ...]:
-    """Return the arguments with prepared ones replaced by their values."""
-    return tuple(argument.value if isinstance(argument, Prepared) else argument for argument in arguments)
+def implementation_of(callee: object, arguments: tuple[Value, ...]) -> Implementation | None:
+    """Return the Python function that compiled code calls, or None."""
+    if isinstance(callee, Kernel):
+        return Implementation(callee.py_func, callee.is_merged, callee.is_compact)
+    if not isinstance(callee, FunctionType):
+        return None
+    for choose, is_merged in _IMPLEMENTATIONS.get(callee, ()):
+        implementation = choose(*arguments)
+        if implementation is not None:
+            function = getattr(implementation, "py_func", implementation)
+            return Implementation(function, is_merged, getattr(implementation, "is_compact", False))
+    return None if callee in _IMPLEMENTATIONS else Implementation(callee, False, False)
 
 
 def inlined(function: Function) -> Kernel:
@@ -192,7 +164,7 @@ def inlined(function: Function) -> Kernel:
 
     Only then are its SIMD blocks vectorised.
     """
-    return Kernel(function, OPTIONS | {"inline": "always"})
+    return Kernel(function, is_merged=True)
 
 
 def compiled(function: Function) -> Kernel:
@@ -200,15 +172,16 @@ def compiled(function: Function) -> Kernel:
 
     The compiled code runs without the lock of the interpreter, in parallel with other Python threads.
     """
-    return Kernel(function, OPTIONS | {"nogil": True})
+    return Kernel(function)
 
 
-def allocation_free(function: Function) -> Kernel:
-    """Decorate a function as `compiled` does, if it creates no array.
+def compact(function: Function) -> Kernel:
+    """Decorate a compiled function whose loops are short or rarely run.
 
-    Numba then counts no references to arrays, which takes a quarter of the time of a loop over many views.
+    The loops are neither vectorised nor unrolled, with which a kernel compiles in two thirds of the time. Called from
+    Python, it holds for all functions that this one calls.
     """
-    return Kernel(function, OPTIONS | {"nogil": True, "_nrt": False})
+    return Kernel(function, is_compact=True)
 
 
 def compile_once(
@@ -253,21 +226,15 @@ def by_law(laws: Laws, kernel: str) -> Function:
     def generic(constants: object, *rest: object) -> object:
         raise NotImplementedError(type(constants))
 
-    def chooser(merged: bool) -> Function:
-        def choose(first: object, *rest: object) -> object:
-            from machine_code.numba_code import make_callable, python_type
-
-            law = laws.by_type(python_type(first))
-            if law is None or (kernel in law.inlined) != merged:
-                return None
-            for helper in law.helpers:
-                make_callable(helper)
-            return getattr(law, kernel)
+    def chooser(is_merged: bool) -> Choose:
+        def choose(first: Value, *rest: Value) -> Function | None:
+            law = laws.by_type(_type_of(first))
+            return None if law is None or (kernel in law.inlined) != is_merged else getattr(law, kernel)
 
         return choose
 
-    for merged, inline in ((True, "always"), (False, "never")):
-        _PENDING.append((generic, chooser(merged), inline))
+    for is_merged in (True, False):
+        _add_choice(generic, chooser(is_merged), is_merged)
     return generic
 
 
@@ -292,12 +259,10 @@ def implements(generic: Function, kind: type, merged: bool = False) -> Function:
     """
 
     def register(implementation: Function) -> Function:
-        def choose(first: object, *rest: object) -> object:
-            from machine_code.numba_code import python_type
+        def choose(first: Value, *rest: Value) -> Function | None:
+            return implementation if _type_of(first) is kind else None
 
-            return implementation if python_type(first) is kind else None
-
-        _PENDING.append((generic, choose, "always" if merged else "never"))
+        _add_choice(generic, choose, merged)
         return implementation
 
     return register
@@ -306,11 +271,22 @@ def implements(generic: Function, kind: type, merged: bool = False) -> Function:
 def chosen(generic: Function) -> Function:
     """Decorate a function that returns the implementation of `generic`.
 
-    It receives Numba's types of the arguments.
+    It receives the values of the arguments (`machine_code.values`).
     """
 
-    def register(choose: Function) -> Function:
-        _PENDING.append((generic, choose, "always"))
+    def register(choose: Choose) -> Choose:
+        _add_choice(generic, choose, True)
         return choose
 
     return register
+
+
+def _add_choice(generic: Function, choose: Choose, is_merged: bool) -> None:
+    _IMPLEMENTATIONS.setdefault(generic, []).append((choose, is_merged))
+
+
+def _type_of(value: Value) -> type | None:
+    """Return the type of a NamedTuple or None, and None for others."""
+    if isinstance(value, Nothing):
+        return type(None)
+    return value.kind if isinstance(value, Record) else None

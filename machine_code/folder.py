@@ -1,8 +1,7 @@
 """Folder of the compiled code, named by a digest of sources.
 
-Numba itself compares only the file of the function that it loads, and would continue to use a loop whose inlined
-callee has changed. The content of the folder is executed. Therefore folder and files must belong to this user and be
-closed to others, and only plain files are opened.
+A loop contains the functions that it calls, of any file. The content of the folder is executed. Therefore folder and
+files must belong to this user and be closed to others, and only plain files are opened.
 """
 
 import fcntl
@@ -26,7 +25,7 @@ PACKAGES = ("machine_code", "fem")
 REGISTERED: list[Callable[[], Iterable[object]]] = []
 """Functions that return the values of registered laws, plain functions among them."""
 
-USUAL_S, LONGEST_S, TIME_FILE = 10.0, 3600.0, "seconds"
+USUAL_S, LONGEST_S, TIME_FILE = 2.0, 3600.0, "seconds"
 """Usual and longest time [s] in which a loop is compiled, and the file of the last time.
 
 The usual time is expected where the file is missing.
@@ -42,9 +41,9 @@ ROOT = Path(__file__).resolve().parents[1]
 def cache_folder() -> Path:
     """Return the folder of the compiled code.
 
-    It is below $NUMBA_CACHE_DIR, else below the user's cache folder.
+    It is below $TAILSLAP_CACHE_DIR, else below the user's cache folder.
     """
-    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_path("tailslap", appauthor=False)
+    base = os.environ.get("TAILSLAP_CACHE_DIR") or platformdirs.user_cache_path("tailslap", appauthor=False)
     return Path(base) / sources()[:16]
 
 

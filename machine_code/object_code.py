@@ -1,29 +1,29 @@
 """Object code on disk, loaded by llvmlite and called by ctypes.
 
-It is stored with the layout of its arguments, which is Numba's own: numbers and addresses in a row. An array is two
-addresses of its owner, which are not needed here, its size, the size of an item, the address of the data, then shape
-and strides. Tuples and NamedTuples are their items in turn.
+It is stored with the layout of its arguments: numbers and addresses in a row. An array is the address of its data,
+then shape and strides; tuples and NamedTuples are their items in turn, and None is nothing. A kernel writes the
+numbers of its result behind one another.
 """
 
 import ctypes
 import functools
 import hashlib
-import importlib.util
 import json
 import os
-import re
+import struct
 import sys
-from collections.abc import Callable
-from importlib.machinery import PathFinder
+from collections.abc import Callable, Iterator
 from importlib.metadata import version
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from machine_code import values as translated
+from machine_code.values import ITEMS
+
 if TYPE_CHECKING:
-    from llvmlite.binding import ExecutionEngine
+    from llvmlite.binding import ExecutionEngine, TargetMachine
 
 FLOAT, INTEGER, LOGICAL, ADDRESS = "d", "q", "b", "P"
 """Codes of the `struct` module for arguments and results of a kernel."""
@@ -49,26 +49,19 @@ Result = str | None | list["Result"]
 Call = Callable[[list[object]], object]
 """Call of machine code with the values of its arguments in a row."""
 
-C_TYPES = {FLOAT: ctypes.c_double, INTEGER: ctypes.c_int64, LOGICAL: ctypes.c_int8, ADDRESS: ctypes.c_void_p}
+C_TYPES: dict[str, Any] = {
+    FLOAT: ctypes.c_double,
+    INTEGER: ctypes.c_int64,
+    LOGICAL: ctypes.c_int8,
+    ADDRESS: ctypes.c_void_p,
+}
 """C types by the code of a value."""
 
-UNUSED = ("unpickle", "do_raise", "gil_ensure", "gil_release", "runtime_build_excinfo_struct")
-"""Functions of Numba that only its errors call, with a Python object.
+CODES = {FLOAT: translated.FLOAT, INTEGER: translated.INTEGER, LOGICAL: translated.LOGICAL}
+"""LLVM's types of numbers by their codes."""
 
-No kernel raises such errors.
-"""
-
-HELPER = re.compile(rb"\bnumba_(\w+)")
-"""Names of Numba's own functions in object code.
-
-Without their addresses LLVM would end the process.
-"""
-
-SETTING = re.compile("NUMBA_(?!CACHE|NUM_THREADS)")
-"""Environment variables that change the code.
-
-Workers of a sweep have one thread and run the code of other commands.
-"""
+CHECK_INDICES = "TAILSLAP_CHECK_INDICES"
+"""Environment variable; with it, kernels end the process at an index outside an array."""
 
 LARGEST, LONGEST_HEADER = 2**26, 2**16
 """Largest numbers of bytes of a file of object code, and of its first line."""
@@ -112,7 +105,6 @@ def _add(value: Any, kinds: list[object], values: list[object]) -> None:
         values.append(value)
     elif value is None:
         kinds.append(None)
-        values.append(None)
     elif kind is Prepared:
         kinds += value.kinds
         values += value.values
@@ -127,23 +119,19 @@ def _add(value: Any, kinds: list[object], values: list[object]) -> None:
 def _add_array(array: np.ndarray, kinds: list[object], values: list[object]) -> None:
     """Append type and values of an array."""
     flags, dtype = array.flags, array.dtype
-    if dtype.kind not in "fciub" or not dtype.isnative or not flags.aligned:
+    if dtype.char not in ITEMS or not dtype.isnative or not flags.aligned:
         raise UnknownTypeError(dtype)
     layout = "C" if flags.c_contiguous else "F" if flags.f_contiguous else "A"
     kinds.append((dtype.char, array.ndim, layout, flags.writeable))
     address = array.__array_interface__["data"][0]
-    values += (None, None, array.size, dtype.itemsize, address, *array.shape, *array.strides)
+    values += (address, *array.shape, *array.strides)
 
 
 def value_codes(kind: Any) -> str:
     """Return the codes of the values of an argument of this type."""
-    if kind is None:
-        return ADDRESS
     if isinstance(kind, str):
         return kind
-    if len(kind) == 2:
-        return ""
-    return 2 * ADDRESS + 2 * INTEGER + ADDRESS + 2 * kind[1] * INTEGER
+    return "" if kind is None or len(kind) == 2 else ADDRESS + 2 * kind[1] * INTEGER
 
 
 def type_text(kind: object) -> str:
@@ -163,10 +151,6 @@ class ObjectCode(NamedTuple):
     arguments: str
     result: Result
     code: bytes
-
-
-class KernelError(RuntimeError):
-    """Error within a kernel or a registered law."""
 
 
 def encoded(code: ObjectCode, identity: dict[str, object]) -> bytes:
@@ -191,7 +175,7 @@ def decoded(content: bytes, identity: dict[str, object]) -> ObjectCode | None:
     try:
         fields = json.loads(header)
         decoded_code = ObjectCode(fields.pop("symbol"), str(identity["values"]), fields.pop("result"), code)
-        _layout(decoded_code.result), _reader(decoded_code.result)
+        list(_codes(decoded_code.result)), _reader(decoded_code.result)
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return None
     return decoded_code if fields == identity else None
@@ -200,68 +184,67 @@ def decoded(content: bytes, identity: dict[str, object]) -> ObjectCode | None:
 @functools.cache
 def machine() -> dict[str, object]:
     """Return processor, versions and settings on which machine code depends."""
-    llvm = _llvm()
-    programs = {name: version(name) for name in ("numba", "llvmlite")}
+    llvm = llvm_library()
     return {
         "processor": [llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()],
-        "versions": {"python": sys.version, "numpy": np.__version__, **programs},
-        "settings": sorted(f"{k}={v}" for k, v in os.environ.items() if SETTING.match(k)),
+        "versions": {"llvmlite": version("llvmlite"), "python": sys.version},
+        "settings": [CHECK_INDICES] if checks_indices() else [],
     }
 
 
-def helpers_of(code: ObjectCode) -> set[str]:
-    """Return the functions of Numba that the code needs."""
-    return {name.decode() for name in HELPER.findall(code.code)} - set(UNUSED)
+def checks_indices() -> bool:
+    """Return True if kernels are to check indices."""
+    return bool(os.environ.get(CHECK_INDICES))
 
 
 def load_code(code: ObjectCode) -> Call:
-    """Load object code and return its call.
-
-    The call raises KernelError if the kernel ends with an error.
-    """
-    llvm, engine = _llvm(), _engine()
+    """Load object code and return its call."""
+    llvm, engine = llvm_library(), _engine()
     engine.add_object_file(llvm.ObjectFileRef.from_data(code.code))
     engine.finalize_object()
-    kinds: list[Any] = [C_TYPES[code] for code in 2 * ADDRESS + code.arguments]
     if not (address := engine.get_function_address(code.symbol)):
         raise LookupError(code.symbol)
-    function = ctypes.CFUNCTYPE(ctypes.c_int32, *kinds)(address)
-    layout, read = _layout(code.result), _reader(code.result)
+    function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, *(C_TYPES[code] for code in code.arguments))(address)
+    layout, read = struct.Struct("".join(_codes(code.result)).replace(LOGICAL, INTEGER)), _reader(code.result)
 
     def call(values: list[object]) -> object:
-        result, error = layout(), ctypes.c_void_p()
-        if status := function(ctypes.addressof(result), ctypes.addressof(error), *values):
-            raise KernelError(f"{code.symbol[:60]} ended with status {status}")
-        return read(result)
+        result = ctypes.create_string_buffer(layout.size)
+        function(ctypes.addressof(result), *values)
+        return read(iter(layout.unpack_from(result)))
 
     return call
 
 
-def _layout(result: Result) -> Any:
-    """Return the C type of a result."""
+def _codes(result: Result) -> Iterator[str]:
+    """Yield the codes of the numbers of a result.
+
+    Raises LookupError for others.
+    """
     if isinstance(result, list):
-        fields = [(f"f{i}", _layout(item)) for i, item in enumerate(result[2:])]
-        return type("Result", (ctypes.Structure,), {"_fields_": fields})
-    return C_TYPES[ADDRESS if result is None else result]
+        for item in result[2:]:
+            yield from _codes(item)
+    elif result is not None:
+        CODES[result]
+        yield result
 
 
-def _reader(result: Result) -> Callable[[object], object]:
-    """Return the conversion of C values of a type to Python."""
+def _reader(result: Result) -> Callable[[Iterator[Any]], object]:
+    """Return the function that makes a result of its numbers."""
     if result is None:
-        return lambda value: None
+        return lambda numbers: None
     if result == LOGICAL:
-        return lambda value: bool(getattr(value, "value", value))
+        return lambda numbers: bool(next(numbers))
     if not isinstance(result, list):
-        return lambda value: getattr(value, "value", value)
-    items = [(f"f{i}", _reader(item)) for i, item in enumerate(result[2:])]
+        return next
+    items = [_reader(item) for item in result[2:]]
     names, module = str(result[1]).split("."), sys.modules[str(result[0])]  # nothing is imported for a name
     kind: Any = functools.reduce(lambda owner, name: vars(owner)[name], names, module)
     make = kind if kind is tuple else kind._make
-    return lambda value: make([read(getattr(value, name)) for name, read in items])
+    return lambda numbers: make([read(numbers) for read in items])
 
 
 @functools.cache
-def _llvm() -> ModuleType:
+def llvm_library() -> ModuleType:
     """Return llvmlite's interface to LLVM, initialised."""
     from llvmlite import binding
 
@@ -270,50 +253,26 @@ def _llvm() -> ModuleType:
     return binding
 
 
+def new_target(speed: int) -> "TargetMachine":
+    """Return LLVM's description of this machine.
+
+    speed: level of optimisation from 0 to 3.
+    """
+    llvm = llvm_library()
+    triple = llvm.get_process_triple()
+    return llvm.Target.from_triple(triple).create_target_machine(
+        cpu=llvm.get_host_cpu_name(),
+        features=llvm.get_host_cpu_features().flatten(),
+        opt=speed,
+        reloc="static" if triple.startswith(("x86", "i686")) else "default",
+        codemodel="jitdefault",
+        jit=True,
+    )
+
+
 @functools.cache
 def _engine() -> "ExecutionEngine":
-    """Return LLVM's memory for machine code, with the layout that Numba needs."""
-    llvm = _llvm()
-    _register_symbols(llvm, {f"numba_{name}": _address(_stand_in) for name in UNUSED})
-    _register_symbols(llvm, {f"NRT_{name}": address for name, address in _allocation().items()})
-    triple = llvm.get_process_triple()
-    x86 = triple.startswith(("x86", "i686"))
-    target = llvm.Target.from_triple(triple).create_target_machine(
-        cpu=llvm.get_host_cpu_name(), reloc="static" if x86 else "default", codemodel="jitdefault", jit=True
-    )
-    return llvm.create_mcjit_compiler(llvm.parse_assembly(f'target triple = "{triple}"'), target)
-
-
-def _register_symbols(llvm: ModuleType, symbols: dict[str, int]) -> None:
-    """Register the addresses of functions with LLVM.
-
-    Numba registers its own once it is imported.
-    """
-    for name, address in symbols.items():
-        if not llvm.address_of_symbol(name):
-            llvm.add_symbol(name, address)
-
-
-@ctypes.CFUNCTYPE(ctypes.c_void_p)
-def _stand_in() -> None:
-    """Stand in for functions that are not called."""
-    return None
-
-
-def _address(function: Any) -> int:
-    """Return the address of a C function."""
-    return ctypes.cast(function, ctypes.c_void_p).value or 0
-
-
-def _allocation() -> dict[str, int]:
-    """Return the addresses of Numba's functions for memory.
-
-    They are in an extension module, which does not import Numba.
-    """
-    numba = importlib.util.find_spec("numba")
-    folders = numba.submodule_search_locations if numba else None
-    spec = PathFinder.find_spec("_nrt_python", [str(Path(path, "core", "runtime")) for path in folders or ()])
-    if spec is None:
-        raise ImportError("numba.core.runtime._nrt_python")
-    helpers: dict[str, int] = importlib.util.module_from_spec(spec).c_helpers
-    return helpers
+    """Return LLVM's memory for machine code."""
+    llvm = llvm_library()
+    module = llvm.parse_assembly(f'target triple = "{llvm.get_process_triple()}"')
+    return llvm.create_mcjit_compiler(module, new_target(0))

@@ -33,7 +33,6 @@ WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 2, 3, 130
 STDERR = 2
 
 ENVIRONMENT = {
-    "NUMBA_NUM_THREADS": ("0*[1-9][0-9]{0,8}", "a whole number of at least 1"),
     "SOURCE_DATE_EPOCH": ("[0-9]{1,11}", "a whole number of seconds since 1970"),
 }
 """Environment variables with which libraries fail on import: pattern of their values, and its description."""
@@ -133,7 +132,7 @@ def _prepare_environment() -> None:
 
 def _remark(message: Warning | str, *_: object, **__: object) -> None:
     """Print the first line of a warning."""
-    first = str(message).strip().partition("\n")[0]  # Numba's warnings continue with a traceback
+    first = str(message).strip().partition("\n")[0]  # some continue with a traceback
     click.echo(f"tailslap: remark: {errors.escaped(first)}", err=True)
 
 

@@ -14,7 +14,7 @@ import tailslap
 from postprocess.fields import FORMATS
 from tailslap import errors, options, studies
 from tailslap.arguments import UnitSystem
-from tailslap.case import case_of, compiled_beside
+from tailslap.case import case_of
 from tailslap.case.case import Case
 from tailslap.exports import PROGRAMS, SOLVERS
 from tailslap.scene import read
@@ -157,7 +157,6 @@ def run(
     from tailslap.storage import checkpoints
 
     scene, source = scene_with_remarks(name, changes)
-    click.get_current_context().with_resource(compiled_beside(scene, source))
     case = case_of(scene, source)
     place, origin = out or place_of(case), Origin("run", case.scene.name)
     definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}

@@ -150,7 +150,7 @@ def _add_contact_reaction(parameters, state, damping_power, force):
     hinges, mass, time_step = parameters.hinges, parameters.mass, parameters.time_step
     axles, axle_state = parameters.axles, state.axles
     steer(axles, axle_state, state.positions, state.velocities, mass, time_step, force)
-    add_contact(parameters, state, state.contact, state.wall, force)
+    add_contact(parameters, state, force)
     join(hinges, state.hinges, state.positions, state.velocities, mass, time_step, force)
     end_tyre_step(axles, axle_state, state, mass, time_step, force)
     add_impulses(hinges, state.hinges, time_step)
@@ -159,33 +159,33 @@ def _add_contact_reaction(parameters, state, damping_power, force):
 
 
 @compiled
-def advance_and_record(state, stride, parameters, viscosity, hourglass, reference, force, scratch, rows):
+def advance_and_record(state, stride, parameters, reference, force, scratch, rows):
     """Advance the state in place and record each row.
 
     stride: steps between rows.
     """
     for row in range(rows.values.shape[0]):
-        advance(state, stride, parameters, viscosity, hourglass, force, scratch)
-        measures = record(state, parameters, viscosity, hourglass, reference, force, scratch, rows, row)
+        advance(state, stride, parameters, force, scratch)
+        measures = record(state, parameters, reference, force, scratch, rows, row)
         for k in range(len(measures)):
             rows.values[row, k] = measures[k]
 
 
 @compiled
-def record(state, parameters, viscosity, hourglass, reference, force, scratch, rows, row):
+def record(state, parameters, reference, force, scratch, rows, row):
     """Return the `ImpactMeasures` of a state, which is left unchanged.
 
     Fills the given row of all arrays of `rows`.
     """
     positions, velocities, half_step = state.positions, state.velocities, 0.5 * parameters.time_step
-    damping_power = plate_forces(state, parameters, viscosity, hourglass, force, scratch)
+    damping_power = plate_forces(state, parameters, force, scratch)
     contact, contact_state, wall, wall_motion = parameters.contact, state.contact, parameters.wall, state.wall
     origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]
     normals = tangentials = stored = crushed = 0.0
     mass, time_step = parameters.mass, parameters.time_step
     axles, axle_state = parameters.axles, state.axles
     steer(axles, axle_state, positions, velocities, mass, time_step, force)
-    push_back(parameters, state, contact_state, wall_motion, force)
+    push_back(parameters, state, force)
     hinges, hinge_state = parameters.hinges, state.hinges
     join(hinges, hinge_state, positions, velocities, mass, time_step, force)
     units = rows.units[row]
@@ -211,7 +211,7 @@ def record(state, parameters, viscosity, hourglass, reference, force, scratch, r
         positions, velocities, force, mass, time_step, reference
     )
     wall_energy, deflection, place, foundation = describe_wall(wall, wall_motion, half_step)
-    strain_energy, hourglass_energy = elastic_energies(positions, parameters, hourglass)
+    strain_energy, hourglass_energy = elastic_energies(positions, parameters)
     return ImpactMeasures(
         x_g=origin + c_x,
         y_g=c_y,

@@ -177,9 +177,8 @@ def _begin_mapping(reference, place, connectivity, lattice, first, count, viscos
 @compiled
 def _end_mapping(reference, place, rows):
     """Change forces on the modes of bilinear elements to nodal forces."""
-    if reference is not None:  # noqa: SIM102  Numba drops a branch by each condition alone
-        if len(place) == 2:
-            from_modes(10, rows)
+    if reference is not None and len(place) == 2:
+        from_modes(10, rows)
 
 
 @compiled

@@ -17,7 +17,7 @@ from machine_code.compiled import compiled
 
 
 @compiled
-def plate_forces(state, parameters, viscosity, hourglass, force, scratch):
+def plate_forces(state, parameters, force, scratch):
     """Put the forces of the plate [N], without reactions, into `force`.
 
     Returns the power [W] of the elastic damping.
@@ -26,19 +26,26 @@ def plate_forces(state, parameters, viscosity, hourglass, force, scratch):
     damping, mass, time_step = parameters.elastic_damping, parameters.mass, parameters.time_step
     force[:] = 0.0
     subtract_internal_forces(
-        positions, velocities, viscosity, hourglass, force, table, parameters.material, scratch
+        positions,
+        velocities,
+        parameters.viscosity,
+        parameters.hourglass,
+        force,
+        table,
+        parameters.material,
+        scratch,
     )
     return damp(damping, positions, velocities, mass, time_step, scratch.motion, force)
 
 
 @compiled
-def all_forces(state, parameters, viscosity, hourglass, force, scratch):
+def all_forces(state, parameters, force, scratch):
     """Put all forces [N] into `force` and return the reactions.
 
     Returns the normal and the tangential reaction [N], the slip speed of the corner half a step back and ahead [m/s],
     and the power [W] of the elastic damping at the velocities half a step back.
     """
-    power = plate_forces(state, parameters, viscosity, hourglass, force, scratch)
+    power = plate_forces(state, parameters, force, scratch)
     corner, friction, mass, time_step = (
         parameters.corner,
         parameters.friction,
@@ -52,7 +59,7 @@ def all_forces(state, parameters, viscosity, hourglass, force, scratch):
 
 
 @compiled
-def measure(state, parameters, viscosity, hourglass, reference, force, scratch):
+def measure(state, parameters, reference, force, scratch):
     """Return the `Measures` of a state, which is left unchanged.
 
     reference: positions in the body frame [m], shape (2, nodes). The plate's angle is that of the rigid rotation that
@@ -60,14 +67,12 @@ def measure(state, parameters, viscosity, hourglass, reference, force, scratch):
     """
     positions, velocities, sums, origin = state
     half = 0.5 * parameters.time_step
-    normal, tangential, slip, later_slip, damping_power = all_forces(
-        state, parameters, viscosity, hourglass, force, scratch
-    )
+    normal, tangential, slip, later_slip, damping_power = all_forces(state, parameters, force, scratch)
     theta, omega, v_x, v_y, kinetic, vibration, _, _ = motion(
         positions, velocities, force, parameters.mass, parameters.time_step, reference
     )
     gap = weighted(positions[1], parameters.corner)
-    strain_energy, hourglass_energy = elastic_energies(positions, parameters, hourglass)
+    strain_energy, hourglass_energy = elastic_energies(positions, parameters)
     return Measures(
         theta=theta,
         omega=omega,
@@ -131,11 +136,11 @@ def motion(positions, velocities, force, mass, time_step, reference):
 
 
 @compiled
-def elastic_energies(positions, parameters, hourglass):
+def elastic_energies(positions, parameters):
     """Return the energies [J] of strain and of hourglass control."""
     control = 0.0
-    if hourglass is not None:
-        control = energy_of_hourglass(positions, parameters.table, hourglass)
+    if parameters.hourglass is not None:
+        control = energy_of_hourglass(positions, parameters.table, parameters.hourglass)
     return energy_of_strain(positions, parameters.table, parameters.material), control
 
 
@@ -172,9 +177,7 @@ def energy_of_hourglass(positions, table, hourglass):
 
 
 @compiled
-def advance_and_measure(
-    state, before, stride, parameters, viscosity, hourglass, reference, force, scratch, rows
-):
+def advance_and_measure(state, before, stride, parameters, reference, force, scratch, rows):
     """Advance the state in place and write its `Measures` row by row.
 
     stride: steps between rows. Ends after a row with an angle that is not positive, or with a number that is not
@@ -182,8 +185,8 @@ def advance_and_measure(
     """
     for row in range(rows.shape[0]):
         _copy_state(state, before)
-        advance(state, stride, parameters, viscosity, hourglass, force, scratch)
-        measures = measure(state, parameters, viscosity, hourglass, reference, force, scratch)
+        advance(state, stride, parameters, force, scratch)
+        measures = measure(state, parameters, reference, force, scratch)
         finite = True
         for column in range(rows.shape[1]):
             rows[row, column] = measures[column]
@@ -195,10 +198,7 @@ def advance_and_measure(
 
 @compiled
 def _copy_state(state, target):
-    """Copy the arrays of a state into another.
-
-    Loops compile in a tenth of the time of slices, to which Numba adds error messages about shapes.
-    """
+    """Copy the arrays of a state into another."""
     for i in range(state.positions.shape[0]):
         for node in range(state.positions.shape[1]):
             target.positions[i, node] = state.positions[i, node]

@@ -11,15 +11,13 @@ import threading
 from typing import NamedTuple
 
 import numpy as np
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
 
 from fem.explicit.elastic_damping import SUMS, add_damping_force, power_correction, sum_motion
 from fem.explicit.internal_force import Scratch, subtract_forces_of
 from fem.explicit.simd_blocks import BLOCK_SIZE, aligned, slot_count
 from fem.explicit.time_loop import LoopParameters, State, add_reaction, drift, follow
 from machine_code.compiled import Kernel, compiled
+from machine_code.intrinsics import atomic_add, atomic_load, atomic_store, library_function
 
 WORD = 8
 """Distance between the two numbers of a barrier, a cache line."""
@@ -33,10 +31,10 @@ SPINS = 20_000
 OBJECT_BYTES = 128
 """Bytes that hold a mutex or a condition variable of any C library."""
 
-_lock = types.ExternalFunction("pthread_mutex_lock", types.int32(types.uintp))
-_unlock = types.ExternalFunction("pthread_mutex_unlock", types.int32(types.uintp))
-_sleep = types.ExternalFunction("pthread_cond_wait", types.int32(types.uintp, types.uintp))
-_wake_all = types.ExternalFunction("pthread_cond_broadcast", types.int32(types.uintp))
+_lock = library_function("pthread_mutex_lock", 1)
+_unlock = library_function("pthread_mutex_unlock", 1)
+_sleep = library_function("pthread_cond_wait", 2)
+_wake_all = library_function("pthread_cond_broadcast", 1)
 
 
 class Barrier(NamedTuple):
@@ -88,14 +86,11 @@ class Team:
     def _parts(self, state: State, steps: int) -> tuple[object, ...]:
         shared = (self._powers, self._motions, self._shift)
         workspaces = (self._forces, self._scratch, self._rows, *shared, new_barrier())
-        parameters = self._parameters
-        return state, steps, parameters, parameters.viscosity, parameters.hourglass, *workspaces
+        return state, steps, self._parameters, *workspaces
 
 
 @compiled
-def advance_thread(
-    t, state, steps, parameters, viscosity, hourglass, forces, shared, rows, powers, motions, shift, barrier
-):
+def advance_thread(t, state, steps, parameters, forces, shared, rows, powers, motions, shift, barrier):
     """Advance the part of thread t.
 
     The step is that of `fem.explicit.time_loop.advance`.
@@ -103,6 +98,7 @@ def advance_thread(
     positions, velocities, own_forces = state.positions, state.velocities, forces[t]
     table, material = parameters.table, parameters.material
     mass, time_step = parameters.mass, parameters.time_step
+    viscosity, hourglass = parameters.viscosity, parameters.hourglass
     damping, threads, nodes = parameters.elastic_damping, forces.shape[0], parameters.mass.size
     slots = slot_count(table.connectivity, shared.lattice)
     blocks = (slots + BLOCK_SIZE - 1) // BLOCK_SIZE
@@ -125,7 +121,7 @@ def advance_thread(
             damping, motion, positions, velocities, mass, time_step, begin, end, forces[0]
         )
         if _arrive(barrier, threads, 3 * step + 2):
-            place = add_reaction(parameters, state, powers[0].sum(), forces[0])
+            place = add_reaction(parameters, state, _sum(powers[0]), forces[0])
             shift[0] = follow(place, parameters.span, state.origin)
             _release(barrier, 3 * step + 2)
         else:
@@ -133,10 +129,19 @@ def advance_thread(
         powers[1, t] = power_correction(damping, motion, state, time_step, begin, end, forces[0])
         drift(positions, velocities, forces[0], mass, time_step, shift[0], begin, end)
         if _arrive(barrier, threads, 3 * step + 3):
-            state.sums[1] += time_step * powers[1].sum()
+            state.sums[1] += time_step * _sum(powers[1])
             _release(barrier, 3 * step + 3)
         else:
             _wait_for_release(barrier, 3 * step + 3)
+
+
+@compiled
+def _sum(values):
+    """Return the sum of the values of all threads."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total
 
 
 @compiled
@@ -170,7 +175,7 @@ def _wait_for_all(barrier, threads, generation):
 @compiled
 def _arrive(barrier, threads, generation):
     """Arrive at a barrier, and return True in the last thread."""
-    return _add(barrier.numbers, ARRIVED, 1) == threads * generation - 1
+    return atomic_add(barrier.numbers, ARRIVED, 1) == threads * generation - 1
 
 
 @compiled
@@ -179,7 +184,7 @@ def _release(barrier, generation):
 
     A thread that reads under the mutex that the barrier is not released is asleep before the mutex is locked here.
     """
-    _store(barrier.numbers, GENERATION, generation)
+    atomic_store(barrier.numbers, GENERATION, generation)
     _lock(barrier.mutex)
     _wake_all(barrier.condition)
     _unlock(barrier.mutex)
@@ -189,55 +194,9 @@ def _release(barrier, generation):
 def _wait_for_release(barrier, generation):
     """Spin, then sleep, until the barrier is released."""
     for _ in range(SPINS):
-        if _load(barrier.numbers, GENERATION) >= generation:
+        if atomic_load(barrier.numbers, GENERATION) >= generation:
             return
     _lock(barrier.mutex)
-    while _load(barrier.numbers, GENERATION) < generation:
+    while atomic_load(barrier.numbers, GENERATION) < generation:
         _sleep(barrier.condition, barrier.mutex)
     _unlock(barrier.mutex)
-
-
-@intrinsic
-def _load(context, array, index):
-    """Read a number atomically, which the compiler must not reorder."""
-
-    def code(context, builder, signature, arguments):
-        return builder.load_atomic(_pointer(context, builder, signature, arguments), "acquire", 8)
-
-    return array.dtype(array, types.intp), code
-
-
-@intrinsic
-def _store(context, array, index, value):
-    """Write a number atomically.
-
-    A thread that reads it sees all that this thread wrote before.
-    """
-
-    def code(context, builder, signature, arguments):
-        builder.store_atomic(arguments[2], _pointer(context, builder, signature, arguments), "release", 8)
-        return context.get_dummy_value()
-
-    return types.void(array, types.intp, array.dtype), code
-
-
-@intrinsic
-def _add(context, array, index, value):
-    """Add to a number atomically and return its value before.
-
-    The next thread sees all that this one wrote before.
-    """
-
-    def code(context, builder, signature, arguments):
-        place = _pointer(context, builder, signature, arguments)
-        return builder.atomic_rmw("add", place, arguments[2], "acq_rel")
-
-    return array.dtype(array, types.intp, array.dtype), code
-
-
-def _pointer(context, builder, signature, arguments):
-    """Return the address of an array's element."""
-    array = context.make_array(signature.args[0])(context, builder, arguments[0])
-    return cgutils.get_item_pointer(
-        context, builder, signature.args[0], array, [arguments[1]], wraparound=False
-    )

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from machine_code.compiled import chosen, compiled
+from machine_code.values import Number, Record
 
 BLOCK_SIZE = 64
 """Elements per block; the rows of a block stay in the first-level cache."""
@@ -169,9 +170,7 @@ def point_of(values: np.ndarray | tuple[object, ...], block: int, point: int, ro
 
 @chosen(point_of)
 def _point_of(values, block, point, rows):
-    from numba import types
-
-    if isinstance(values, types.BaseTuple):
+    if isinstance(values, Record):
 
         def numbers(values, block, point, rows):
             return values[point]
@@ -193,13 +192,11 @@ def at_slot(values: np.ndarray | tuple[float, ...] | float, row: int, slot: int)
 
 @chosen(at_slot)
 def _at_slot(values, row, slot):
-    from numba import types
-
-    if isinstance(values, types.Float):
+    if isinstance(values, Number):
 
         def number(values, row, slot):
             return values
-    elif isinstance(values, types.BaseTuple):
+    elif isinstance(values, Record):
 
         def number(values, row, slot):
             return values[row]

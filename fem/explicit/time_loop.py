@@ -71,15 +71,15 @@ def follow(x, span, origin):
 
 
 @compiled
-def advance(state, steps, parameters, viscosity, hourglass, force, scratch):
+def advance(state, steps, parameters, force, scratch):
     """Advance the state in place by this many steps.
 
-    force, scratch: workspace. viscosity, hourglass: the fields of `parameters`. They are arguments too because Numba
-    removes a branch on `is None` for an argument, by its type, but not for the field of a record.
+    force, scratch: workspace.
     """
     positions, velocities, mass = state.positions, state.velocities, parameters.mass
     table, material, time_step = parameters.table, parameters.material, parameters.time_step
-    damping, motion, nodes = parameters.elastic_damping, scratch.motion, mass.size
+    viscosity, hourglass, damping = parameters.viscosity, parameters.hourglass, parameters.elastic_damping
+    motion, nodes = scratch.motion, mass.size
     slots = slot_count(table.connectivity, scratch.lattice)
     for _ in range(steps):
         force[:] = 0.0

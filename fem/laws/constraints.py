@@ -25,7 +25,7 @@ import numpy as np
 
 from fem.laws.friction import FRICTION_LAWS
 from fem.registry import Law, LawRegistry
-from machine_code.compiled import by_law, compiled
+from machine_code.compiled import by_law, compact
 
 CONSTRAINTS: "LawRegistry[Constraint]" = LawRegistry("constraint")
 """Constraints by their names in a scene."""
@@ -187,7 +187,7 @@ constraint_energy = by_law(CONSTRAINTS, "energy")
 friction_force = by_law(FRICTION_LAWS, "force")
 
 
-@compiled
+@compact
 def weighted(values, corner):
     """Return the weighted mean of nodal values over the corner's nodes."""
     total = 0.0
@@ -196,7 +196,7 @@ def weighted(values, corner):
     return total
 
 
-@compiled
+@compact
 def add_corner_reaction(positions, velocities, mass, time_step, corner, friction, force):
     """Add the wall's reaction to `force`.
 

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from machine_code.compiled import chosen, compiled
+from machine_code.values import Array, Nothing
 
 LEAST_SPEED = 1.0
 """Speed ahead v0 [m/s] below which the slip angle no longer grows as the vehicle slows down."""
@@ -51,7 +52,7 @@ def _plateau_excess(plateau: object, force: object, stiffness: object) -> Callab
         above = max(force - plateau, 0.0)
         return above, 0.5 * above * above / stiffness if above > 0.0 else 0.0
 
-    return none if _is_none(plateau) else beyond
+    return none if isinstance(plateau, Nothing) else beyond
 
 
 def returned_part(
@@ -76,7 +77,7 @@ def _returned_part(
             return returned
         return 0.5 * peak * min(peak / unloading, deepest) / energy if energy > 0.0 else 0.0
 
-    return given if _is_none(unloading) else by_slope
+    return given if isinstance(unloading, Nothing) else by_slope
 
 
 def item(values: Any, i: int) -> Any:
@@ -89,16 +90,7 @@ def item(values: Any, i: int) -> Any:
 
 @chosen(item)
 def _item(values: object, i: object) -> Callable[..., object]:
-    from numba import types
-
-    return (lambda values, i: values[i]) if isinstance(values, types.Array) else (lambda values, i: values)
-
-
-def _is_none(kind: object) -> bool:
-    """Return True for Numba's type of None."""
-    from numba import types
-
-    return isinstance(kind, types.NoneType)
+    return (lambda values, i: values[i]) if isinstance(values, Array) else (lambda values, i: values)
 
 
 @compiled

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from machine_code.compiled import implements, optional
+from machine_code.compiled import compact, implements, optional
 
 UNIT = ("x_g", "y_g", "theta", "omega", "v_gx", "v_gy")
 """Columns of the rigid motion of a plate, as those of `ImpactMeasures`."""
@@ -83,6 +83,7 @@ def unloaded(hinges: Any) -> HingeState | None:
 
 
 @implements(join, Hinges, merged=True)
+@compact
 def _join(hinges, hinge_state, positions, velocities, mass, time_step, force):
     count = hinges.inertia.shape[0]
     for axis in range(2):
@@ -103,6 +104,7 @@ def _join(hinges, hinge_state, positions, velocities, mass, time_step, force):
 
 
 @implements(add_impulses, Hinges, merged=True)
+@compact
 def _add_impulses(hinges, hinge_state, time_step):
     for axis in range(2):
         for h in range(hinges.inertia.shape[0]):
@@ -129,7 +131,9 @@ def _describe_units(hinges, hinge_state, state, force, mass, time_step, referenc
         total[9] += m * (x[i] * v - y[i] * u)
         total[10] += m * (x[i] * x[i] + y[i] * y[i])
     for number in range(sums.shape[0]):
-        m, s = sums[number, 0], sums[number] / sums[number, 0]
+        s = sums[number]
+        for k in range(1, s.size):
+            s[k] /= s[0]
         cosine = s[7] - s[5] * s[1] - s[6] * s[2]
         sine = s[8] - s[5] * s[2] + s[6] * s[1]
         unit = row[len(UNIT) * number :]

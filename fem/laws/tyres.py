@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.laws.contact_forces import side_force
 from fem.laws.wall_contact import acceleration
-from machine_code.compiled import compiled, implements, optional
+from machine_code.compiled import compact, implements, optional
 
 SUMS = ("tyre_work", "tyre_impulse_tangential", "tyre_impulse_normal", "tyre_impulse_angular")
 """Work of the tyres on the plates [J], their impulses along and across the wall [N s], and that of their moment about
@@ -77,7 +77,7 @@ def record_tyres(axles, axle_state, state, mass, time_step, force, row):
     """Fill the row of an instant with the columns `SUMS`."""
 
 
-@compiled
+@compact
 def _mean(values, axles, a, weights):
     """Return the weighted sum of values at an axle's nodes."""
     total = 0.0
@@ -87,6 +87,7 @@ def _mean(values, axles, a, weights):
 
 
 @implements(steer, Axles)
+@compact
 def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
     half = 0.5 * time_step
     for a in range(axles.load.size):
@@ -106,6 +107,7 @@ def _steer(axles, axle_state, positions, velocities, mass, time_step, force):
 
 
 @implements(add_tyre_work, Axles)
+@compact
 def _add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums):
     half, positions, velocities = 0.5 * time_step, state.positions, state.velocities
     for a in range(axles.load.size):
@@ -121,11 +123,13 @@ def _add_tyre_work(axles, axle_state, state, mass, time_step, force, span, sums)
 
 
 @implements(end_tyre_step, Axles)
+@compact
 def _end_tyre_step(axles, axle_state, state, mass, time_step, force):
     add_tyre_work(axles, axle_state, state, mass, time_step, force, time_step, axle_state.sums)
 
 
 @implements(record_tyres, Axles)
+@compact
 def _record_tyres(axles, axle_state, state, mass, time_step, force, row):
     for k in range(row.size):
         row[k] = axle_state.sums[k]

@@ -28,7 +28,7 @@ import numpy as np
 
 from fem.laws.constraints import friction_force
 from fem.laws.unilateral import CONTACT_LAWS
-from machine_code.compiled import by_law, compiled, implements, inlined, optional
+from machine_code.compiled import by_law, compact, compiled, implements, inlined, optional
 
 
 class Surface(NamedTuple):
@@ -129,7 +129,7 @@ stored_energy = by_law(CONTACT_LAWS, "stored")
 lost_energy = by_law(CONTACT_LAWS, "lost")
 
 
-@compiled
+@compact
 def point_mean(values, contact, i):
     """Return the weighted mean of nodal values at point i."""
     total = 0.0
@@ -138,7 +138,7 @@ def point_mean(values, contact, i):
     return total
 
 
-@compiled
+@compact
 def acceleration(force, mass, contact, i):
     """Return the acceleration of point i [m/s^2] by nodal forces."""
     total = 0.0
@@ -162,16 +162,14 @@ def approach(parameters, state, i):
     return face, face.sink - point_mean(positions[1], contact, i), opening, slip
 
 
-@compiled
-def push_back(parameters, state, contact_state, wall_motion, force):
+@compact
+def push_back(parameters, state, force):
     """Add the wall's forces on points to `force`.
 
-    `force` must hold the other forces. They are stored in `contact_state`. contact_state, wall_motion: the fields
-    `contact` and `wall` of the state; they are arguments because Numba, where it inlines, drops writes to an array in a
-    tuple within a tuple. The inertia is that of a point and of the wall's nodes beside it together, which keeps light
-    nodes stable.
+    `force` must hold the other forces. They are stored in the state. The inertia is that of a point and of the wall's
+    nodes beside it together, which keeps light nodes stable.
     """
-    contact, wall = parameters.contact, parameters.wall
+    contact, wall, contact_state, wall_motion = parameters.contact, parameters.wall, state.contact, state.wall
     mass, time_step = parameters.mass, parameters.time_step
     set_wall_forces(wall, wall_motion)
     for i in range(contact.mobility.size):
@@ -193,15 +191,15 @@ def push_back(parameters, state, contact_state, wall_motion, force):
             force[1, contact.nodes[k]] += contact.weights[k] * normal
 
 
-@compiled
-def add_contact(parameters, state, contact_state, wall_motion, force):
+@compact
+def add_contact(parameters, state, force):
     """Add the wall's forces, and advance state and wall.
 
     Arguments as of `push_back`.
     """
-    contact, wall, time_step = parameters.contact, parameters.wall, parameters.time_step
-    positions, sums = state.positions, state.sums
-    push_back(parameters, state, contact_state, wall_motion, force)
+    contact, wall, contact_state, wall_motion = parameters.contact, parameters.wall, state.contact, state.wall
+    positions, sums, time_step = state.positions, state.sums, parameters.time_step
+    push_back(parameters, state, force)
     for i in range(contact.mobility.size):
         contact_state.deepest[i] = max(contact_state.deepest[i], contact_state.mean[i])
         normal, tangential = contact_state.pushing[i], contact_state.sliding[i]

@@ -196,9 +196,6 @@ def run_to_strike(step, model, table, workspace, vector):
 
 @compiled
 def _copy(values, target):
-    """Copy a vector.
-
-    A loop compiles in a tenth of the time of a slice, to which Numba adds error messages about shapes.
-    """
+    """Copy a vector."""
     for i in range(target.size):
         target[i] = values[i]

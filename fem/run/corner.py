@@ -138,7 +138,7 @@ class Stepper(runner.PlateStepper[State]):
         if self._team:
             self._team.advance(later, steps)
         else:
-            time_loop.advance(later, steps, self._fixed, *self._parts, self._force, self._workspace)
+            time_loop.advance(later, steps, self._fixed, self._force, self._workspace)
         return later
 
     def measure(self, state: State) -> columns.Measures:

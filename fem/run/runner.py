@@ -96,7 +96,6 @@ class PlateStepper(Generic[S]):
     def __init__(self, model: PlateModel) -> None:
         self.model, self.parameters = model, model.parameters
         self._reference = model.discretisation.positions
-        self._parts = (self.parameters.viscosity, self.parameters.hourglass)
         self._force = np.zeros_like(self._reference)
         self._scratch = internal_force.scratch_for(self.parameters.table, self.parameters.hourglass)
         self._workspace, self._prepared = Prepared(self._scratch), Prepared(self.parameters)
@@ -111,7 +110,7 @@ class PlateStepper(Generic[S]):
     @property
     def _all_parts(self) -> tuple[object, ...]:
         """Arguments of the compiled functions behind state and steps."""
-        return self._fixed, *self._parts, self._reference, self._force, self._workspace
+        return self._fixed, self._reference, self._force, self._workspace
 
     def nodal(self, state: S) -> tuple[np.ndarray, np.ndarray]:
         """Return positions [m] and velocities [m/s] at the state's instant.

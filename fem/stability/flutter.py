@@ -180,16 +180,19 @@ def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
     """
     exact = not np.isfinite(stiffness)
     step, frequency, turned, above = 2.0 * rate, 0.0, 0.0, 0
-    before = _response(squares, residues, stiffness, dashpot, exact, rate, 0.0)
+    before_real, before_imaginary = _response(squares, residues, stiffness, dashpot, exact, rate, 0.0)
     while frequency < top:
         later = frequency + step
         ahead = rate + viscous * later * later
-        value = _response(squares, residues, stiffness, dashpot, exact, ahead, later)
-        turn = np.angle(value * before.conjugate())
+        f_real, f_imaginary = _response(squares, residues, stiffness, dashpot, exact, ahead, later)
+        turn = math.atan2(
+            f_imaginary * before_real - f_real * before_imaginary,
+            f_real * before_real + f_imaginary * before_imaginary,
+        )
         if abs(turn) > 1.0 and step > 0.01 * rate:
             step *= 0.5
             continue
-        turned, frequency, before = turned + turn, later, value
+        turned, frequency, before_real, before_imaginary = turned + turn, later, f_real, f_imaginary
         while above < squares.size and squares[above] <= frequency * frequency:
             above += 1
         gap = frequency - math.sqrt(squares[above - 1])
@@ -197,13 +200,13 @@ def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
             gap = min(gap, math.sqrt(squares[above]) - frequency)
         step = min(max(2.0 * ahead, 0.5 * gap), 1.5 * step)
     # Far out f is real and positive, or where the constraint is exact s^2 f is.
-    turned -= np.angle(before)
+    turned -= math.atan2(before_imaginary, before_real)
     return round(abs(turned) / math.pi)
 
 
 @compiled
 def _response(squares, residues, stiffness, dashpot, exact, real, imaginary):
-    """Return f(s) at s = real + i imaginary.
+    """Return both parts of f(s) at s = real + i imaginary.
 
     For an exact constraint it is s^2 f(s).
     """
@@ -214,7 +217,8 @@ def _response(squares, residues, stiffness, dashpot, exact, real, imaginary):
         fraction = residues[mode] / (distance * distance + q * q)
         f_real += distance * fraction
         f_imaginary -= q * fraction
-    value = complex(f_real, f_imaginary)
     if exact:
-        return value * complex(p, q)
-    return value + 1.0 / complex(stiffness + dashpot * real, dashpot * imaginary)
+        return f_real * p - f_imaginary * q, f_real * q + f_imaginary * p
+    c, d = stiffness + dashpot * real, dashpot * imaginary
+    size = c * c + d * d
+    return f_real + c / size, f_imaginary - d / size

@@ -11,7 +11,7 @@ from fem.laws.contact_forces import (
     loading_depth,
     loading_force,
 )
-from machine_code.compiled import allocation_free
+from machine_code.compiled import compiled
 from solver.impact import state as col
 
 SWEEPS = 200
@@ -19,7 +19,7 @@ SETTLED = 1e-13
 """Relative change of a force at which Gauss-Seidel ends; SWEEPS: largest number of sweeps."""
 
 
-@allocation_free
+@compiled
 def press(points, point_owner, motion, masses, ties, effect, active, kick, h):
     """Solve for the wall's forces and the velocities.
 
@@ -60,13 +60,13 @@ def press(points, point_owner, motion, masses, ties, effect, active, kick, h):
     return touching
 
 
-@allocation_free
+@compiled
 def _push(along, across, effect, v):
     for j in range(v.size):
         v[j] += along * effect[0, j] + across * effect[1, j]
 
 
-@allocation_free
+@compiled
 def _solve_point(point, effect, v, j, w, kick, h):
     """Solve for the forces of one point.
 
@@ -88,7 +88,7 @@ def _solve_point(point, effect, v, j, w, kick, h):
     return abs(normal_change) + abs(tangential_change) <= SETTLED * (normal + abs(tangential))
 
 
-@allocation_free
+@compiled
 def crush_of(point):
     """Return the crush law of a point."""
     returned = point[col.RESTITUTION] ** 2
@@ -97,14 +97,14 @@ def crush_of(point):
     )
 
 
-@allocation_free
+@compiled
 def unloading_length(point):
     """Return the length of the unloading line [m]."""
     _, _, length, _ = crush_line(crush_of(point), point[col.DEEPEST])
     return length
 
 
-@allocation_free
+@compiled
 def _normal_force(point, free, inertia):
     """Return the normal force of a point.
 
@@ -119,7 +119,7 @@ def _normal_force(point, free, inertia):
     return crush_force(crush, deepest, mean, compliance, depth)
 
 
-@allocation_free
+@compiled
 def _part(point, ahead):
     """Return the part of the step after the touch of a point.
 
@@ -131,14 +131,14 @@ def _part(point, ahead):
     return min(max(0.5 + (point[col.DEPTH] - point[col.DEEPEST]) / closing, 0.0), 1.0)
 
 
-@allocation_free
+@compiled
 def deepest_mean(point):
     """Return the greatest mean depth of a point up to this step."""
     mean = 0.5 * (point[col.EARLIER] + point[col.AHEAD]) if point[col.NORMAL] > 0.0 else 0.0
     return max(point[col.DEEPEST], mean)
 
 
-@allocation_free
+@compiled
 def mean_speeds(point, motion, j):
     """Return mean speeds of a point along and across the wall.
 

@@ -6,7 +6,7 @@ Contacts of a corner are strikes by their duration and separation; the motion en
 import numpy as np
 
 from fem.laws.contact_forces import crush_line
-from machine_code.compiled import allocation_free
+from machine_code.compiled import compiled
 from solver.impact import state as col
 from solver.impact.contact import crush_of, mean_speeds
 
@@ -21,7 +21,7 @@ LIGHT = 5e-3
 touches occur depends on micrometres, and therefore on the step."""
 
 
-@allocation_free
+@compiled
 def over_from(start, end):
     """Return the instant [s] from which a strike is over.
 
@@ -31,7 +31,7 @@ def over_from(start, end):
     return end + max(SHORTEST, end - start)
 
 
-@allocation_free
+@compiled
 def count_strikes(points, point_owner, motion, active, groups, strikes, number, last, h, t, k, steps_left):
     """Add this step's forces to the strikes, and return their number.
 
@@ -82,7 +82,7 @@ def count_strikes(points, point_owner, motion, active, groups, strikes, number, 
     return number
 
 
-@allocation_free
+@compiled
 def _pressed_during(point, last, h, t):
     """Return start and end of a point's contact in this step [s].
 
@@ -101,7 +101,7 @@ def _pressed_during(point, last, h, t):
     return first, until
 
 
-@allocation_free
+@compiled
 def end_of_motion(t, k, number, touching, loaded, largest, motion, work, strikes, clock, steered):
     """Return the end of the motion [s], and updated `loaded`, `largest`.
 
@@ -124,7 +124,7 @@ def end_of_motion(t, k, number, touching, loaded, largest, motion, work, strikes
     return finish, loaded, largest
 
 
-@allocation_free
+@compiled
 def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, after, steered):
     """Return the end of the motion [s], infinite while it is unknown.
 
@@ -153,7 +153,7 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
     return end
 
 
-@allocation_free
+@compiled
 def _pressing(groups, k, recent):
     """Return the normal force of the wall in this step [N].
 
@@ -167,7 +167,7 @@ def _pressing(groups, k, recent):
     return force, is_young
 
 
-@allocation_free
+@compiled
 def _all_over(groups, k, pressed):
     """Return the end of all strikes [s].
 
@@ -181,7 +181,7 @@ def _all_over(groups, k, pressed):
     return latest
 
 
-@allocation_free
+@compiled
 def mark_cut(groups, k, finish, strikes):
     """Mark the strikes that are not over when the motion ends."""
     for g in range(groups.shape[0]):

@@ -12,11 +12,11 @@ from machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, number, positive
 from solver.impact import train as vehicles
-from solver.impact.crush_law import CrushLaw, WallContact
+from solver.impact.crush_law import WallContact
 from solver.impact.state import SUMS, UNIT
 from solver.impact.strikes import Strike, corner_name, strikes_of_rows
 from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, Train, train_of
-from solver.impact.trajectories import TOLERANCE, is_compiled, solve_trains
+from solver.impact.trajectories import TOLERANCE, solve_trains
 from solver.impact.tyres import SUMS as TYRE_SUMS
 from solver.impact.tyres import TyreAxle, Tyres, tyres_of
 
@@ -189,12 +189,6 @@ def _rates(units: int) -> list[tuple[str, str]]:
     ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
     integrals = [(f"{name}{end}", f"{rate}{end}") for end in ends for name, rate in RATES.items()]
     return integrals if units > 1 else [*integrals, *FORCES.items()]
-
-
-def has_machine_code() -> bool:
-    """Return True if the motion of rigid vehicles is compiled."""
-    train, _ = _on_tyres(ImpactVehicle(1.0, 1.0, 1.0), WallContact(CrushLaw(1.0), 0.0))
-    return is_compiled(train, np.zeros((1, 1, len(UNIT))))
 
 
 def loads_at_rest(

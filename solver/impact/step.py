@@ -17,7 +17,7 @@ Steps of a train are divided into parts, because its unloading lasts a milliseco
 import numpy as np
 
 from fem.laws.contact_forces import crush_line
-from machine_code.compiled import allocation_free, inlined
+from machine_code.compiled import compact, compiled, inlined
 from solver.impact import state as col
 from solver.impact.contact import crush_of, deepest_mean, mean_speeds, press, unloading_length
 from solver.impact.counting import count_strikes, end_of_motion, mark_cut
@@ -31,7 +31,7 @@ LOADING, UPRIGHT = 2.0, 0.25
 jumps."""
 
 
-@allocation_free
+@compact
 def advance(train, tyres, states, clock, work, rows, strikes):
     """Integrate every sample to its end.
 
@@ -43,7 +43,7 @@ def advance(train, tyres, states, clock, work, rows, strikes):
         clock.reached[i], clock.counted[i] = _follow(states[i], clock, tyres, i, work, rows[i], strikes[i])
 
 
-@allocation_free
+@compiled
 def _begin(train, i, state, work):
     """Set the workspace to the start of sample i, without contact."""
     points, reach = work.points, work.reach
@@ -69,7 +69,7 @@ def _begin(train, i, state, work):
         reach[u] = max(reach[u], np.hypot(train.along[p, i], train.across[p, i]))
 
 
-@allocation_free
+@compiled
 def _follow(state, clock, tyres, i, work, rows, strikes):
     """Integrate sample i, and return its end [s] and number of strikes.
 
@@ -79,7 +79,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
     active, sums = work.active, work.sums
     whole, parts, stride, end = clock.step[i], clock.parts[i], clock.stride[i], clock.end[i]
     finish, reached, parts_taken, h = min(end, clock.longest), np.nan, parts, whole
-    number = row = part = np.int64(0)  # for the literal 0 the functions below would be compiled once more
+    number = row = part = 0
     loaded, largest = 0.0, 0.0
     for m in range(motion.shape[1]):
         motion[2, m] -= 0.5 * h * work.load[m]
@@ -146,7 +146,7 @@ def _write_rows(tyres, i, work, pressed, early, kick, rows, row, stride, part):
     return _fill(rows, row, stride, part, impulse)
 
 
-@allocation_free
+@compiled
 def _parts_of_step(points, clock, i, part, parts_taken, last):
     """Choose the next step in parts of a whole step.
 
@@ -195,7 +195,7 @@ def _parts_of_step(points, clock, i, part, parts_taken, last):
     return parts_taken
 
 
-@allocation_free
+@compiled
 def _look_back(points, last, h):
     """Set the earlier depth where the step changes.
 
@@ -206,7 +206,7 @@ def _look_back(points, last, h):
             points[p, col.EARLIER] = points[p, col.DEPTH] - 0.5 * (last + h) * points[p, col.RATE]
 
 
-@allocation_free
+@compiled
 def _place(points, point_owner, motion, headings, h, start):
     """Update arms and depths of all points at the new instant."""
     for j in range(motion.shape[1]):
@@ -225,7 +225,7 @@ def _place(points, point_owner, motion, headings, h, start):
         points[p, col.X], points[p, col.Y], points[p, col.DEPTH] = x, y, depth
 
 
-@allocation_free
+@compiled
 def _tie(motion, masses, joints, headings, ties, h):
     """Correct velocities so that hinges are closed at the step's end.
 
@@ -264,7 +264,7 @@ def _tie(motion, masses, joints, headings, ties, h):
             motion[2, j] -= row[j] * row[-1]
 
 
-@allocation_free
+@compiled
 def _leave(kick, h, ahead, motion, state):
     """Write the state `ahead` seconds after this instant into `state`."""
     for m in range(motion.shape[1]):
@@ -273,7 +273,7 @@ def _leave(kick, h, ahead, motion, state):
         state[m // 3, 3 + m % 3] = v + (ahead / kick - 0.5 * h / kick) * gain
 
 
-@allocation_free
+@compiled
 def _early(points, active, before):
     """Return the part of this step's impulse before its instant."""
     total, early = 0.0, 0.0
@@ -286,7 +286,7 @@ def _early(points, active, before):
     return early / total if total > 0.0 else 0.5
 
 
-@allocation_free
+@compiled
 def _record(points, point_owner, motion, active, sums, early, h, row):
     """Fill the row of this instant."""
     base = 2 * motion.shape[1]
@@ -310,7 +310,7 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
                 row[base + 2] += returned * absorbed * min(length_left / length, 1.0) ** 2
 
 
-@allocation_free
+@compiled
 def _fill(rows, row, stride, part, impulse):
     """Write the impulse at rows since the last one.
 
@@ -324,7 +324,7 @@ def _fill(rows, row, stride, part, impulse):
     return min(row + count, rows.shape[0])
 
 
-@allocation_free
+@compiled
 def _add(points, point_owner, motion, active, h, sums):
     """Add impulses and works of the wall's forces over h."""
     for p in active:
@@ -341,7 +341,7 @@ def _add(points, point_owner, motion, active, h, sums):
             sums[6 + 2 * point_owner[p, 0]] += along
 
 
-@allocation_free
+@compiled
 def _move(points, motion, active, h):
     """Advance points and units to the end of the step."""
     for p in active:

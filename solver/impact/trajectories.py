@@ -231,17 +231,6 @@ def solve_trains(
     return motions._replace(error=error)
 
 
-def is_compiled(train: Train, state: Array) -> bool:
-    """Return True if there is machine code of these motions.
-
-    train, state: as of `solve_trains`.
-    """
-    one, whole, rows = np.zeros(1), np.zeros(1, dtype=np.int64), np.zeros((1, 1, 1))
-    clock = Timing(one, whole, whole, 0.0, 0.0, one, one, one, 0.0, 0.0, 0, one, whole)
-    work = workspace(state.shape[1], len(train.hitch), train.unit.size)
-    return advance.has_code(train, no_tyres(train), state, clock, work, rows, rows)
-
-
 def _refined(
     run: Callable[..., Trajectories],
     change: Callable[..., Array],

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.laws.contact_forces import side_force
-from machine_code.compiled import allocation_free
+from machine_code.compiled import compiled
 from solver import rules
 from solver.body import GRAVITY
 from solver.conditions import Array, Gate, demand
@@ -142,7 +142,7 @@ def chosen_tyres(tyres: Tyres, chosen: NDArray[np.int64]) -> Tyres:
     return Tyres(tyres.unit, *columns, *(np.zeros_like(values) for values in tyres[5:]))
 
 
-@allocation_free
+@compiled
 def start_tyres(tyres, i, masses, headings, load, motion, h):
     """Begin sample i.
 
@@ -159,7 +159,7 @@ def start_tyres(tyres, i, masses, headings, load, motion, h):
         tyres.rate[m] = (motion[1, m] - motion[2, m]) / (0.5 * h)
 
 
-@allocation_free
+@compiled
 def steer(tyres, i, masses, headings, motion, last, kick):
     """Add the side forces of this instant to the velocities ahead."""
     for a in range(tyres.unit.size):
@@ -176,7 +176,7 @@ def steer(tyres, i, masses, headings, motion, last, kick):
         motion[2, j + 2] += kick * masses[j + 2] * force * arm
 
 
-@allocation_free
+@compiled
 def _add_tyres(tyres, i, headings, motion, h, sums):
     """Add impulses and works of the tyres over h to the sums.
 
@@ -193,7 +193,7 @@ def _add_tyres(tyres, i, headings, motion, h, sums):
         sums[first + 3] += impulse * ((motion[0, j] + arm * c) * c - (motion[0, j + 1] - arm * s) * s)
 
 
-@allocation_free
+@compiled
 def end_tyre_step(tyres, i, headings, motion, kick):
     """Add impulses and works of the tyres over a step.
 
@@ -204,7 +204,7 @@ def end_tyre_step(tyres, i, headings, motion, kick):
         tyres.rate[m] = (motion[2, m] - motion[1, m]) / kick
 
 
-@allocation_free
+@compiled
 def record_tyres(tyres, i, headings, motion, h, row):
     """Fill the columns of the tyres in the row of this instant.
 

@@ -14,7 +14,7 @@ Hinge               moment in proportion to the sine of the angle between the la
 import numpy as np
 
 from fem.laws.contact_forces import PointCrush, crush_line, loading_force, side_force
-from machine_code.compiled import allocation_free, inlined
+from machine_code.compiled import compiled, inlined
 from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
 
@@ -29,7 +29,7 @@ STEEPEST, STICKING = 0.25, 0.25
 a point: the force of a step does not reverse the motion that causes it."""
 
 
-@allocation_free
+@compiled
 def wall_facets(profile, height, wall):
     """Set the facets of a wall of a height.
 
@@ -51,7 +51,7 @@ def wall_facets(profile, height, wall):
     return count
 
 
-@allocation_free
+@compiled
 def point_of_face(wall, facets, z):
     """Return the face's position y and its facet at a height.
 
@@ -63,7 +63,7 @@ def point_of_face(wall, facets, z):
     return wall[k, 0] + max(level - wall[k, 1], 0.0) * wall[k, 6], k
 
 
-@allocation_free
+@compiled
 def add_force(b, x, y, z, fx, fy, fz):
     """Add a force at a point of a body.
 
@@ -80,7 +80,7 @@ def add_force(b, x, y, z, fx, fy, fz):
     return py, pz
 
 
-@allocation_free
+@compiled
 def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
     """Add a force at a point of an axle.
 
@@ -91,7 +91,7 @@ def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
     q[col.JOINT_LOAD + 1] += y * up - (z - centre) * across
 
 
-@allocation_free
+@compiled
 def point_velocity(b, x, y, z, uy, uz):
     """Return the velocity in space of a point of a body.
 
@@ -102,20 +102,20 @@ def point_velocity(b, x, y, z, uy, uz):
     return b[col.NOW] + vx, b[col.NOW + 1] + vy, b[col.NOW + 2] + vz
 
 
-@allocation_free
+@compiled
 def press_axles(axles, axle_unit, bodies, joints, sums, h):
     """Add forces of springs, dampers and tyres, and works over h."""
     for a in range(axles.shape[0]):
         _press_axle(axles[a], bodies[axle_unit[a]], joints[a], sums, h)
 
 
-@allocation_free
+@compiled
 def _press_axle(axle, b, q, sums, h):
     """Add the forces on one axle."""
     heave, c, s = q[col.JOINT], q[col.COSINE], q[col.SINE]
     heave_rate, roll_rate = q[col.JOINT_NOW], q[col.JOINT_NOW + 1]
-    for side in (-1.0, 1.0):
-        arm = side * axle[col.HALF_SPACING]
+    for sign in (-1.0, 1.0):
+        arm = sign * axle[col.HALF_SPACING]
         rate = heave_rate + arm * c * roll_rate
         damping = axle[col.DAMPER] * rate
         force = -axle[col.PRELOAD] - axle[col.SPRING] * (heave + arm * s) - damping
@@ -141,7 +141,7 @@ def _press_axle(axle, b, q, sums, h):
             sums[col.TYRE_WORK] += h * force * across
 
 
-@allocation_free
+@compiled
 def twist_hinges(units, bodies):
     """Add the moments of the hinges in roll."""
     for u in range(1, units.shape[0]):
@@ -156,7 +156,7 @@ def twist_hinges(units, bodies):
             b[col.LOAD + 5] += pz
 
 
-@allocation_free
+@compiled
 def press_strips(fleet, i, units, axles, strips, facets, work, h):
     """Add the wall forces on all strips.
 
@@ -180,7 +180,7 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h):
     return touching
 
 
-@allocation_free
+@compiled
 def _end(strip, at, side, centre, q):
     """Return position and velocity of an end of a strip.
 
@@ -195,7 +195,7 @@ def _end(strip, at, side, centre, q):
     return x, y, centre + q[col.JOINT] + z, -z * roll_rate, heave_rate + y * roll_rate
 
 
-@allocation_free
+@compiled
 def _press_strip(
     strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h
 ):  # fmt: skip
@@ -330,7 +330,7 @@ def _wall_force(vx, vy, vz, ny, nz, force, limit, stopping):
     return -drag * vx, force * ny - drag * ty, force * nz - drag * tz, approach, drag * sliding * sliding
 
 
-@allocation_free
+@compiled
 def _face(wall, facets, k, low, high):
     """Return the mean normal of the face between two heights.
 
@@ -348,7 +348,7 @@ def _face(wall, facets, k, low, high):
     return (ny / size, nz / size, weight) if size > 0.0 else (1.0, 0.0, 0.0)
 
 
-@allocation_free
+@compiled
 def _set_unloading(crush, memory, column, inverse):
     """Set the line of unloading of a point from its deepest position.
 

@@ -13,7 +13,6 @@ from solver.conditions import Array, Gate, Number
 from solver.space import state
 from solver.space.state import Clock, Fleet, SpaceWork, row_columns, workspace
 from solver.space.step import advance
-from solver.space.step import lowest_walls as find_lowest_walls
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 
 OUTCOMES = ("upright", "on its side", "over the wall")
@@ -267,9 +266,9 @@ def lowest_walls(
     """
     fleet = fleet_of(vehicle, wall, speed, angle)
     clock = _clock(MANY_INTERVAL, _parts(fleet, MANY_INTERVAL, MANY_PHASE, None), None, NO_PUSH)
-    lowest = np.empty(len(fleet.units))
-    arguments = fleet, clock, _workspace(fleet, clock), scan, lowest
-    compile_once(lambda: find_lowest_walls(*arguments), find_lowest_walls, *arguments, on_compile=on_compile)
+    lowest, none = np.empty(len(fleet.units)), np.empty((0, 0))
+    arguments = fleet, clock, _workspace(fleet, clock), np.empty((0, 0, 0)), none, none, scan, lowest
+    compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
     return lowest
 
 
@@ -301,7 +300,7 @@ def _run(
     work = _workspace(fleet, clock)
     rows = np.zeros((1, len(work.windows) if with_rows else 0, row_columns(units, fleet.axles.shape[1])))
     answers, rolls = np.zeros((n, state.ANSWERS)), np.zeros((n, units))
-    arguments = fleet, clock, work, rows, answers, rolls
+    arguments = fleet, clock, work, rows, answers, rolls, 0.0, np.empty(0)
     compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
     Gate().demand(rules.SPACE_LOST, answers[:, state.OUTCOME] != state.LOST, _fastest(fleet))
     columns: dict[str, Any] = dict(zip(SpaceAnswers._fields[:-1], answers.T, strict=True))

@@ -10,7 +10,7 @@ of its largest force, all wheels are loaded and all units roll back; or at the l
 
 import numpy as np
 
-from machine_code.compiled import allocation_free
+from machine_code.compiled import compact, compiled
 from solver.body import GRAVITY
 from solver.space import state as col
 from solver.space.dynamics import assemble, begin_step, close_hinges, cross, kick, move, rotated, turned_back
@@ -36,52 +36,55 @@ RESOLUTION, LOWEST_WALL = 1e-3, 0.1
 """Resolution and lowest height of the search for a wall [m]."""
 
 
-@allocation_free
-def advance(fleet, clock, work, rows, answers, rolls):
-    """Follow every sample to its end.
+@compact
+def advance(fleet, clock, work, rows, answers, rolls, scan, lowest):
+    """Follow every sample to its end, or search for the lowest wall.
 
     rows, shape (1 or n, rows, columns): as many as fit; answers, shape (n, columns); rolls, shape (n, units): largest
-    of each unit [rad].
+    of each unit [rad]. lowest: empty, or of shape (n,) for the lowest wall above which each sample remains upright,
+    NaN where a wall as high as its highest centre of mass does not suffice; scan: steps downwards from there, before
+    the bisection [m].
     """
     for i in range(fleet.units.shape[0]):
-        _follow(fleet, clock, i, fleet.height[i], work, rows[min(i, rows.shape[0] - 1)], answers[i], rolls[i])
+        if lowest.size > 0:
+            lowest[i] = _lowest_wall(fleet, clock, i, work, scan)
+        else:
+            row = rows[min(i, rows.shape[0] - 1)]
+            _follow(fleet, clock, i, fleet.height[i], work, row, answers[i], rolls[i])
 
 
-@allocation_free
-def lowest_walls(fleet, clock, work, scan, lowest):
-    """Find for every sample the lowest wall above which it remains upright.
-
-    scan: steps downwards from the height of the highest centre of mass, before the bisection [m]; lowest, shape (n,):
-    NaN where a wall of that height does not suffice.
-    """
-    rows, answer, rolls = work.windows[:0], work.answer, work.rolls
-    for i in range(fleet.units.shape[0]):
-        holds, fails = np.nan, LOWEST_WALL
-        for u in range(fleet.units.shape[1]):
-            centre = fleet.units[i, u, col.HEIGHT] + fleet.units[i, u, col.WHOLE_Z]
-            holds = centre if u == 0 else max(holds, centre)
-        _follow(fleet, clock, i, holds, work, rows, answer, rolls)
-        if answer[col.OUTCOME] != col.UPRIGHT:
-            lowest[i] = np.nan
-            continue
-        height = holds - scan
-        while height > LOWEST_WALL:
-            _follow(fleet, clock, i, height, work, rows, answer, rolls)
-            if answer[col.OUTCOME] != col.UPRIGHT:
-                fails = height
-                break
-            holds, height = height, height - scan
-        while holds - fails > RESOLUTION:
-            height = 0.5 * (holds + fails)
-            _follow(fleet, clock, i, height, work, rows, answer, rolls)
-            if answer[col.OUTCOME] == col.UPRIGHT:
-                holds = height
-            else:
-                fails = height
-        lowest[i] = holds
+@compiled
+def _lowest_wall(fleet, clock, i, work, scan):
+    """Return the lowest wall above which sample i remains upright."""
+    holds, fails = np.nan, LOWEST_WALL
+    for u in range(fleet.units.shape[1]):
+        centre = fleet.units[i, u, col.HEIGHT] + fleet.units[i, u, col.WHOLE_Z]
+        holds = centre if u == 0 else max(holds, centre)
+    if not _is_upright(fleet, clock, i, holds, work):
+        return np.nan
+    height = holds - scan
+    while height > LOWEST_WALL:
+        if not _is_upright(fleet, clock, i, height, work):
+            fails = height
+            break
+        holds, height = height, height - scan
+    while holds - fails > RESOLUTION:
+        height = 0.5 * (holds + fails)
+        if _is_upright(fleet, clock, i, height, work):
+            holds = height
+        else:
+            fails = height
+    return holds
 
 
-@allocation_free
+@compiled
+def _is_upright(fleet, clock, i, height, work):
+    """Return True if sample i remains upright on this wall."""
+    _follow(fleet, clock, i, height, work, work.windows[:0], work.answer, work.rolls)
+    return work.answer[col.OUTCOME] == col.UPRIGHT
+
+
+@compiled
 def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     """Follow sample i on a wall of this height to its end."""
     units, axles, strips, parts = fleet.units[i], fleet.axles[i], fleet.strips[i], clock.parts[i]
@@ -135,7 +138,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     _means(work.windows[:row], sums, clock.window, clock.interval, answer)
 
 
-@allocation_free
+@compiled
 def _finish(answer, rolls, outcome, reached, touched, row):
     """Store outcome, end and last contact, and complete the angles."""
     answer[col.OUTCOME], answer[col.REACHED] = outcome, reached
@@ -147,7 +150,7 @@ def _finish(answer, rolls, outcome, reached, touched, row):
             rolls[u] = min(max(rolls[u], -0.5 * np.pi), 0.5 * np.pi)
 
 
-@allocation_free
+@compiled
 def _push_at(pushes, k, parts, unit, b):
     """Add the force of a history at a step.
 
@@ -159,7 +162,7 @@ def _push_at(pushes, k, parts, unit, b):
             _push(pushes[row], 0.5 if border else 1.0, unit, b)
 
 
-@allocation_free
+@compiled
 def _end_row(sums, before, first, parts, means):
     """Set the mean forces of a row that ends with this step.
 
@@ -171,7 +174,7 @@ def _end_row(sums, before, first, parts, means):
         sums[j] = 0.5 * change
 
 
-@allocation_free
+@compiled
 def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
     """Set sample i to the instant of first contact.
 
@@ -213,7 +216,7 @@ def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
     return True
 
 
-@allocation_free
+@compiled
 def _push(push, share, unit, b):
     """Add a fraction of a force of a history to a unit.
 
@@ -226,7 +229,7 @@ def _push(push, share, unit, b):
     add_force(b, x, y, z, share * push[0], share * push[1], share * push[2])
 
 
-@allocation_free
+@compiled
 def _leave(unit, b, answer):
     """Store speed and directions of the first unit at a contact.
 
@@ -239,7 +242,7 @@ def _leave(unit, b, answer):
     answer[col.EXIT_YAW] = np.arctan2(b[3], b[0])
 
 
-@allocation_free
+@compiled
 def _verdict(units, bodies, joints, edge, t, answer, rolls):
     """Update the largest angles.
 
@@ -270,7 +273,7 @@ def _verdict(units, bodies, joints, edge, t, answer, rolls):
     return outcome, rising
 
 
-@allocation_free
+@compiled
 def _means(windows, sums, window, interval, answer):
     """Set the largest mean of the lateral force over a window.
 
@@ -296,7 +299,7 @@ def _means(windows, sums, window, interval, answer):
         )
 
 
-@allocation_free
+@compiled
 def _record(units, axles, axle_unit, work, first, before, row):
     """Fill this instant's row except for the forces.
 
@@ -305,7 +308,7 @@ def _record(units, axles, axle_unit, work, first, before, row):
     for j in range(6, 10):
         row[j] = before[j] + (0.0 if first else 0.5 * (work.sums[j] - before[j]))
     kinetic, gravity, spring, tyre = 0.0, 0.0, 0.0, 0.0
-    column = np.int64(14)  # for the literal 14 `_record_axle` would be compiled once more
+    column = 14
     for u in range(units.shape[0]):
         body, b = units[u], work.bodies[u]
         wx, wy, wz = b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5]
@@ -342,7 +345,7 @@ def _record(units, axles, axle_unit, work, first, before, row):
     row[10], row[11], row[12], row[13] = kinetic, gravity, spring, tyre
 
 
-@allocation_free
+@compiled
 def _record_pose(body, b, row, column):
     """Fill a unit's position, velocity, angles and spin.
 
@@ -358,7 +361,7 @@ def _record_pose(body, b, row, column):
     row[column + 9], row[column + 10], row[column + 11] = x, y, z
 
 
-@allocation_free
+@compiled
 def _record_axle(axle, b, q, row, column):
     """Add an axle to position and velocity of its unit's row.
 

@@ -35,9 +35,7 @@ NEEDED = ("fem.run.corner", "tailslap.case.corner.corner_plan", "tailslap.case.c
 LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
 """Libraries that these modules import when they are called."""
 
-ONE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 DESCRIPTORS = Path("/proc/self/fd")
 """Open files of this process, which a worker opens again for itself."""
 ENDING = {signal.SIGTERM, signal.SIGHUP}

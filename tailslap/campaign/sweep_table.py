@@ -86,7 +86,7 @@ def compute_row(run: int, source: vary.Source, changes: vary.Changes) -> Record:
 @functools.cache
 def versions() -> Mapping[str, str]:
     """Return the columns of program and library versions."""
-    libraries = {name: version(name) for name in ("numba", "numpy", "scipy")}
+    libraries = {name: version(name) for name in ("llvmlite", "numpy", "scipy")}
     numbers = {"tailslap": tailslap.__version__, **libraries}
     return {f"version.{name}": number for name, number in numbers.items()}
 

@@ -5,12 +5,9 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
-
     from tailslap.case.case import Case
     from tailslap.scene.schema import Scene
     from tailslap.scene.vary import Source
@@ -37,15 +34,3 @@ def kind_of(scene: Scene) -> type[Case]:
     from tailslap.case.impact.case import ImpactCase
 
     return ImpactCase
-
-
-def compiled_beside(scene: Scene, source: Source) -> AbstractContextManager[None]:
-    """Compile beside a block what its run of the scene needs later.
-
-    Only whole impacts on their first use need it: the loops of the plate and of the rigid vehicle are independent.
-    """
-    if scene.contact is None:
-        return nullcontext()
-    from tailslap.case.impact.compile_ahead import plate_compiled_beside
-
-    return plate_compiled_beside(scene, source)

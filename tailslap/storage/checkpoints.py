@@ -170,6 +170,6 @@ def _digest(definition: Mapping[str, object]) -> str:
     """Return the digest of a definition, the libraries and the compiled code."""
     from machine_code.folder import cache_folder
 
-    programs = {name: version(name) for name in ("numpy", "numba", "scipy", "scikit-fem")}
+    programs = {name: version(name) for name in ("numpy", "llvmlite", "scipy", "scikit-fem")}
     all_of_it = {**definition, **programs, "fem": cache_folder().name}
     return hashlib.sha256(json.dumps(all_of_it, sort_keys=True, default=str).encode()).hexdigest()

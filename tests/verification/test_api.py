@@ -1,6 +1,7 @@
 """Verify that functions of `import tailslap` return the bits of commands."""
 
 import json
+import linecache
 import subprocess
 import sys
 import tempfile
@@ -271,7 +272,9 @@ def law(rounding, name="own"):
     module: dict[str, Any] = {"__name__": f"own_{rounding:g}"}
     text = (EXTENSIONS / "smoothed_friction.py").read_text().replace("FRICTION_LAWS.register(LAW)", "")
     text = text.replace('name="smoothed"', f'name="{name}"').replace("= 1.0", f"= {rounding}")
-    exec(compile(text, f"<cell {rounding}>", "exec"), module)
+    cell = f"<cell {rounding} {name}>"
+    linecache.cache[cell] = (len(text), None, text.splitlines(keepends=True), cell)  # as of a notebook
+    exec(compile(text, cell, "exec"), module)
     return module["LAW"]
 
 

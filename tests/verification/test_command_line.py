@@ -242,7 +242,6 @@ def test_every_command_has_help(command):
 
 
 @pytest.mark.parametrize(("name", "value"), [
-    ("NUMBA_NUM_THREADS", "0"), ("NUMBA_NUM_THREADS", "-1"), ("NUMBA_NUM_THREADS", "two"),
     ("SOURCE_DATE_EPOCH", "abc"), ("SOURCE_DATE_EPOCH", ""), ("SOURCE_DATE_EPOCH", "1e9"),
 ])  # fmt: skip
 def test_environment_variables_that_end_a_library_are_refused(monkeypatch, capsys, name, value):
@@ -257,7 +256,7 @@ def test_environment_variables_that_end_a_library_are_refused(monkeypatch, capsy
 def test_other_environment_variables_change_nothing(monkeypatch, tmp_path):
     """Relative folders are no folders (XDG), a command opens no windows."""
     settings = {"XDG_CACHE_HOME": "cache", "XDG_CONFIG_HOME": "../config", "MPLBACKEND": "none"}
-    settings |= {"NUMBA_NUM_THREADS": "1", "SOURCE_DATE_EPOCH": "0", "XDG_DATA_HOME": str(tmp_path)}
+    settings |= {"SOURCE_DATE_EPOCH": "0", "XDG_DATA_HOME": str(tmp_path)}
     monkeypatch.setattr(os, "environ", os.environ | settings)
     assert _status(["scenes", "--quiet"]) == 0
     assert os.environ["MPLBACKEND"] == "agg"

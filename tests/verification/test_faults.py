@@ -52,7 +52,7 @@ def test_a_full_disk_leaves_nothing_and_an_earlier_result_whole(tmp_path):
 def test_without_home_and_with_a_cache_that_cannot_be_written(tmp_path, besides_compiling):
     """The loop is then compiled, and kept nowhere."""
     (tmp_path / "file").write_text("")
-    nowhere = {"HOME": "/nonexistent", "NUMBA_CACHE_DIR": str(tmp_path / "file" / "code")}
+    nowhere = {"HOME": "/nonexistent", "TAILSLAP_CACHE_DIR": str(tmp_path / "file" / "code")}
     process = command(tmp_path, *RUN, "a", **nowhere)
     assert (process.returncode, besides_compiling(process.stderr)) == (0, "")
     assert f"not kept for the next run: {tmp_path}/file/code/" in process.stderr

@@ -1,4 +1,4 @@
-"""Verify that stored compiled code is called without Numba."""
+"""Verify how compiled code is stored, loaded and called."""
 
 import fcntl
 import gc
@@ -14,7 +14,6 @@ import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,10 +22,10 @@ import pytest
 from fem.explicit.parallel import _wait_for_all, new_barrier
 from fem.explicit.time_loop import advance
 from fem.run.corner import Stepper
-from machine_code import folder, object_code
+from machine_code import folder, llvm_code
 from machine_code.compiled import compile_once, compiled
 from machine_code.folder import USUAL_S, one_process_compiles
-from machine_code.object_code import Prepared, UnknownTypeError, flattened
+from machine_code.object_code import UnknownTypeError, flattened
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
 from tailslap.scene.read import read_scene
@@ -58,17 +57,18 @@ class Sums(NamedTuple):
 
 
 def add(outer, rows, counts, fixed, flags, factor):
-    """Sum of all arguments with different weights, by memory of its own."""
-    sums = np.zeros(3)
-    sums[0] = outer.inner.values.sum() + 10.0 * outer.pair[0] + 100.0 * outer.pair[1]
+    """Sum of all arguments with different weights."""
+    first, second, third = 10.0 * outer.pair[0] + 100.0 * outer.pair[1], 0.0, 0.0
+    for value in outer.inner.values:
+        first += value
     if factor is not None:
-        sums[1] = 7.0 * factor
+        second = 7.0 * factor
     for i in range(rows.shape[0]):
         for j in range(rows.shape[1]):
-            sums[2] += (1 + i + 5 * j) * rows[i, j]
+            third += (1 + i + 5 * j) * rows[i, j]
     some = outer.some and flags[0]
     counts[0] += 1
-    return Sums(sums.sum(), counts.size + fixed.size, some, (sums[1], sums[2]))
+    return Sums(first + second + third, counts.size + fixed.size, some, (second, third))
 
 
 def double(value):
@@ -105,41 +105,6 @@ def test_the_same_as_in_python(kernel, factor, step):
     assert type(result) is Sums
     assert in_code[2].tolist() == [1, 0]
     assert kernel.has_code(*in_code)
-
-
-def test_numba_of_users_compiles_as_before(kernel):
-    """Code of users has types by the values of literals."""
-    import numba
-
-    kernel(*arguments(None, 1))
-    squared = numba.njit(lambda values: values[1] ** 2 + (1, 2.0)[0])
-    assert squared(np.full(2, 3.0)) == 10.0
-    assert numba.types.functions.Function.get_call_type.__module__ == "numba.core.types.functions"
-    assert gc.isenabled()
-
-
-def test_python_calls_functions_of_users_that_kernels_call(keeping):
-    """Functions of users have machine code of their own too."""
-    import numba
-
-    tripled = numba.njit(lambda value: 3.0 * value)
-
-    def tripled_and_one(value):
-        return tripled(value) + 1.0
-
-    assert compiled(tripled_and_one)(2.0) == 7.0
-    assert tripled(4.0) == 12.0
-
-
-def test_a_numba_without_this_library_class_compiles_by_itself(kernel, monkeypatch):
-    """The state of Numba and of the garbage collector is unchanged."""
-    from machine_code import numba_code
-
-    numba_code._linked_library.cache_clear()
-    monkeypatch.delattr("numba.core.codegen.JITCodeLibrary")
-    assert kernel(*arguments(0.25, 1)) == add(*arguments(0.25, 1))
-    assert numba_code.numba.types.functions.Function.get_call_type.__module__ == "numba.core.types.functions"
-    assert gc.isenabled()
 
 
 def subtract(outer, rows, counts, fixed, flags, factor):
@@ -187,8 +152,8 @@ DAMAGE: dict[str, Callable[[bytes], bytes]] = {
 """Contents of a file, made from the right one."""
 
 
-def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel):
-    """Corrupted code is compiled again, intact code loaded without Numba."""
+def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel, monkeypatch):
+    """Corrupted code is compiled again, intact code loaded."""
     inputs, path = arguments(None, 1), kernel.path(*arguments(None, 1))
     assert not path.exists()
     result, modules = kernel(*inputs), set(sys.modules)
@@ -198,9 +163,8 @@ def test_kept_code_is_loaded_and_corrupted_code_is_not(kernel):
         assert not compiled(add).has_code(*inputs), how
     assert "antigravity" not in sys.modules.keys() - modules
     assert compiled(add)(*inputs) == result
-    loaded = compiled(add)
-    loaded.dispatcher = None  # Numba is not asked
-    assert loaded(*inputs) == result
+    monkeypatch.setattr(llvm_code, "compile_kernel", pytest.fail)
+    assert compiled(add)(*inputs) == result
 
 
 def test_code_copied_over_another_s_is_compiled_anew(kernel):
@@ -288,7 +252,6 @@ def test_the_folder_is_made_for_this_user_alone(keeping):
 
 def test_below_a_folder_that_may_not_be_searched_code_is_not_kept(keeping, tmp_path, monkeypatch):
     """As below the home of another user."""
-    assert compiled(double)(2) == 4.0  # Numba is there
     messages: list[str] = []
     closed = tmp_path / "home"
     closed.mkdir(0o000)
@@ -302,26 +265,6 @@ def test_below_a_folder_that_may_not_be_searched_code_is_not_kept(keeping, tmp_p
         closed.chmod(0o700)
     assert again(1.5) == 3.0
     assert messages[1].endswith(f"not kept for the next run: {closed / 'cache' / 'code'}: Permission denied")
-
-
-@pytest.mark.parametrize("missing", ["to compile", "to load"])
-def test_without_a_name_of_numbas_own_it_goes_through_numba(kernel, missing, monkeypatch):
-    """As in another version of Numba, which promises neither of these names."""
-    from numba.core.codegen import CodeLibrary
-
-    if missing == "to compile":
-        monkeypatch.delattr(CodeLibrary, "_get_compiled_object")
-    else:
-        nowhere = SimpleNamespace(find_spec=lambda *arguments: None)
-        monkeypatch.setattr(object_code, "PathFinder", nowhere)  # its functions for memory are not found
-        monkeypatch.setattr(object_code, "_engine", object_code._engine.__wrapped__)
-    in_python, in_code = arguments(0.25, 2), arguments(0.25, 2)
-    prepared = (Prepared(in_code[0]), *in_code[1:])
-    result = kernel(*prepared)
-    assert result == add(*in_python)
-    assert type(result) is Sums
-    assert (in_code[2].tolist(), kernel.bound(*prepared)()) == ([1, 0], result)
-    assert not kernel.has_code(*prepared)
 
 
 def test_a_bound_call_reads_its_arrays_anew(kernel):
@@ -341,12 +284,12 @@ def test_other_types_are_refused():
             flattened((value,))
 
 
-def test_a_second_run_does_without_numba(tmp_path, python):
+def test_a_second_run_does_without_the_compiler(tmp_path, python):
     """A sliding run and an impact are covered."""
     script = (
         "import sys, tailslap\n"
         "for scene in ('paper-table-3', 'impact-mash-tl4-sut'): assert tailslap.run(scene).passed\n"
-        "print('numba' in sys.modules)"
+        "print('machine_code.llvm_code' in sys.modules)"
     )
     processes = [python(script, cwd=tmp_path, check=True) for _ in range(2)]
     assert processes[1].stdout.split()[-1] == "False"
@@ -358,7 +301,7 @@ HEADER = "from machine_code.compiled import compiled\n"
 @pytest.fixture
 def printed(tmp_path, python):
     """Words that a script prints in a new process."""
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    environment = os.environ | {"TAILSLAP_CACHE_DIR": str(tmp_path / "code")}
 
     def run(script, **variables):
         process = python(script, "-B", cwd=tmp_path, env=environment | variables)
@@ -382,20 +325,13 @@ def test_code_depends_on_the_functions_that_it_calls(caller, tmp_path, printed):
     assert len(list(tmp_path.glob("code/*/twice-*.code"))) == 2
 
 
-def test_a_function_of_numba_is_loaded_in_a_second_process(tmp_path, printed):
+def test_a_function_of_the_c_library_is_loaded_in_a_second_process(tmp_path, printed):
     """A law from outside may call one, with any number of threads."""
     body = "@compiled\ndef gamma(x):\n    return math.gamma(x)\n"
     (tmp_path / "outside.py").write_text(f"import math\n{HEADER}\n\n{body}")
     for threads in ("1", "2"):
-        assert printed("import outside; print(outside.gamma(5.0))", NUMBA_NUM_THREADS=threads) == ["24.0"]
+        assert printed("import outside; print(outside.gamma(5.0))", OMP_NUM_THREADS=threads) == ["24.0"]
     assert len(list(tmp_path.glob("code/*/gamma-*.code"))) == 1
-
-
-def test_compilation_disabled_for_numba_is_not_disabled_here(tmp_path, printed):
-    """NUMBA_DISABLE_JIT is for the functions of a user."""
-    (tmp_path / "outside.py").write_text(f"{HEADER}\n\n@compiled\ndef double(x):\n    return 2.0 * x\n")
-    script = "from outside import double; print(double(1.5), double.path(1.5).is_file())"
-    assert printed(script, NUMBA_DISABLE_JIT="1") == ["3.0", "True"]
 
 
 def test_who_comes_second_waits_and_who_compiles_another_kind_does_not(tmp_path, monkeypatch):
@@ -446,7 +382,7 @@ def test_compiling_is_told_once_a_kind_with_the_time_of_the_last(keeping):
         compile_once(lambda: function(value), function, value, on_compile=messages.append)
 
     use(1.0)
-    assert re.fullmatch(r"compiling the time loop .*: about 10 s\ncompiled in \d s", "\n".join(messages))
+    assert re.fullmatch(r"compiling the time loop .*: about 2 s\ncompiled in \d s", "\n".join(messages))
     use(2.0)
     assert len(messages) == 2
     folder.save_time(1234.0)
@@ -465,7 +401,7 @@ def test_a_time_that_no_compiling_takes_is_not_believed(text, keeping):
 def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path):
     """Standard error is no terminal here."""
     command = [sys.executable, "-m", "tailslap.cli", "run", "paper-table-3", "--no-pictures"]
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "code")}
+    environment = os.environ | {"TAILSLAP_CACHE_DIR": str(tmp_path / "code")}
 
     def standard_error():
         process = subprocess.run(
@@ -474,7 +410,7 @@ def test_first_run_says_that_it_compiles_and_the_second_does_not(tmp_path):
         return process.stderr
 
     assert re.search(
-        r"compiling the time loop .*: about 10 s\n.*compiled in \d+ s", standard_error(), re.DOTALL
+        r"compiling the time loop .*: about 2 s\n.*compiled in \d+ s", standard_error(), re.DOTALL
     )
     assert "compil" not in standard_error()
 

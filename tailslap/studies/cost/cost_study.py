@@ -309,8 +309,8 @@ def _simulated(fe_plan: CornerPlan, setting: Setting, rows: int = 0, part: float
 class SingleStepper(Stepper):
     """Time loop with arrays stored in single precision.
 
-    Sums of work remain double. The kernels are generic in the type of their arrays, but not of their constants, so that
-    Numba computes in double precision between load and store. The effect is that of storage alone, a lower bound.
+    Sums of work remain double. Kernels compute in double precision between load and store. The effect is that of
+    storage alone, a lower bound.
     """
 
     def __init__(self, model: PlateModel, threads: int = 1) -> None:

@@ -1,0 +1,149 @@
+"""Machine code of a kernel, made by LLVM."""
+
+import functools
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from machine_code import arithmetic
+from machine_code.expressions import Arguments
+from machine_code.llvm_text import FunctionText
+from machine_code.object_code import (
+    CODES,
+    Kinds,
+    ObjectCode,
+    Result,
+    UnknownTypeError,
+    checks_indices,
+    llvm_library,
+    new_target,
+    value_codes,
+)
+from machine_code.statements import METADATA
+from machine_code.translate import Resolve, Translation
+from machine_code.values import (
+    ITEMS,
+    LOGICAL,
+    NOTHING,
+    Array,
+    Nothing,
+    Number,
+    PythonFunction,
+    Record,
+    Value,
+)
+
+if TYPE_CHECKING:
+    from llvmlite.binding import ModuleRef, TargetMachine
+
+SPEED = 3
+"""LLVM's level of optimisation."""
+
+TYPES = {"d": "double", "q": "i64", "b": "i8", "P": "ptr"}
+"""LLVM's types by the codes of arguments."""
+
+ATTRIBUTES = (
+    "attributes #0 = { nounwind }",
+    "attributes #1 = { nounwind willreturn memory(none) }",
+)
+"""Properties of the program's functions, and of those of the mathematics library."""
+
+
+def compile_kernel(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compact: bool) -> ObjectCode:
+    """Return the machine code of a function for arguments of these types.
+
+    resolve, is_compact: see `machine_code.translate.Translation`. Raises TranslationError, and UnknownTypeError for a
+    result that is not of numbers.
+    """
+    translation, result = _translated(function, kinds, resolve, is_compact)
+    codes, machine_code = "".join(map(value_codes, kinds)), target().emit_object(_optimised(translation))
+    return ObjectCode(_symbol(function), codes, _result_of(result), machine_code)
+
+
+def assembly(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compact: bool) -> str:
+    """Return the text of the machine code.
+
+    Arguments as of `compile_kernel`.
+    """
+    text: str = target().emit_assembly(_optimised(_translated(function, kinds, resolve, is_compact)[0]))
+    return text
+
+
+def _symbol(function: PythonFunction) -> str:
+    return f"kernel_{function.__name__}"
+
+
+def _translated(
+    function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compact: bool
+) -> tuple[Translation, Value]:
+    """Return a kernel in LLVM's language, and its result."""
+    codes = "".join(map(value_codes, kinds))
+    parameters = "".join(f", {TYPES[code]} %a{i}" for i, code in enumerate(codes))
+    translation = Translation(resolve, is_compact, checks_indices())
+
+    def read(code: FunctionText) -> Arguments:
+        return _arguments(iter(kinds), (f"%a{i}" for i in range(len(codes))), code)
+
+    return translation, translation.kernel(function, _symbol(function), parameters, read)
+
+
+def _arguments(kinds: Iterator[Any], operands: Iterator[str], code: FunctionText) -> Arguments:
+    """Return the arguments of a kernel, all that remain."""
+    return tuple(_argument(kind, kinds, operands, code) for kind in kinds)
+
+
+def _argument(kind: Any, kinds: Iterator[Any], operands: Iterator[str], code: FunctionText) -> Value:
+    if kind is None:
+        return NOTHING
+    if isinstance(kind, str):
+        operand = next(operands)
+        number = CODES[kind]
+        return Number(number, code.value(f"trunc i8 {operand} to i1") if number == LOGICAL else operand)
+    if len(kind) == 2:
+        return Record(kind[0], tuple(_argument(next(kinds), kinds, operands, code) for _ in range(kind[1])))
+    item, dimensions, layout, _ = kind
+    data, *sizes = (next(operands) for _ in range(1 + 2 * dimensions))
+    shape = tuple(sizes[:dimensions])
+    strides: list[str] = []
+    for axis in reversed(range(dimensions)):
+        if layout == "C":
+            strides.append(code.product(shape[axis + 1], strides[-1]) if strides else "1")
+        else:
+            strides.append(code.value(f"sdiv exact i64 {sizes[dimensions + axis]}, {_bytes_of(item)}"))
+    return Array(item, data, shape, tuple(reversed(strides)))
+
+
+def _bytes_of(item: str) -> int:
+    """Return the size of an item of an array."""
+    return {"double": 8, "i64": 8, "float": 4, "i32": 4, "i16": 2, "i8": 1, "{double, double}": 16}[
+        ITEMS[item]
+    ]
+
+
+def _result_of(value: Value) -> Result:
+    """Return the type of a result."""
+    if isinstance(value, Nothing):
+        return None
+    if isinstance(value, Number):
+        return next(code for code, kind in CODES.items() if kind == value.kind)
+    if isinstance(value, Record):
+        return [value.kind.__module__, value.kind.__qualname__, *map(_result_of, value.items)]
+    raise UnknownTypeError(f"a kernel cannot return {value}")
+
+
+def _optimised(translation: Translation) -> "ModuleRef":
+    """Return LLVM's module of a kernel, optimised."""
+    llvm = llvm_library()
+    declarations = [*arithmetic.DECLARATIONS, "declare void @llvm.trap()", *sorted(translation.declarations)]
+    module = llvm.parse_assembly("\n".join([*declarations, *translation.texts, METADATA, *ATTRIBUTES]))
+    module.triple, module.data_layout = llvm.get_process_triple(), str(target().target_data)
+    options = llvm.create_pipeline_tuning_options(speed_level=SPEED)
+    options.loop_vectorization, options.slp_vectorization = True, False
+    builder = llvm.create_pass_builder(target(), options)
+    builder.getModulePassManager().run(module, builder)
+    return module
+
+
+@functools.cache
+def target() -> "TargetMachine":
+    """Return the machine for which code is made."""
+    return new_target(SPEED)

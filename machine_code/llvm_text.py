@@ -1,0 +1,135 @@
+"""Text of a function in LLVM's language, block by block."""
+
+from machine_code.values import FLOAT, INTEGER, LOGICAL, RANKS, Number, integer, real, refuse
+
+FAST_MATH = "contract nsz reassoc"
+"""Optimisations that are allowed: fused multiply-add and regrouping.
+
+NaN and infinity keep their meaning, which the checks need.
+"""
+
+
+class Block:
+    """Instructions without a jump but at their end."""
+
+    def __init__(self, label: str) -> None:
+        self.label, self.lines, self.is_closed = label, [f"{label}:"], False
+
+
+class FunctionText:
+    """Function of LLVM that is being written, at the end of `block`.
+
+    has_checks: True to end the process where a check fails.
+    """
+
+    def __init__(self, has_checks: bool) -> None:
+        self._has_checks = has_checks
+        self._count, self._slots = 0, ["entry:"]
+        self._blocks: list[Block] = []
+        self.block = self.begin(self.new_block())
+
+    def text(self, header: str) -> str:
+        """Return the text of the function."""
+        lines = [line for block in self._blocks for line in block.lines]
+        return "\n".join([f"{header} {{", *self._slots, f"br label %{self._blocks[0].label}", *lines, "}"])
+
+    def new_block(self) -> Block:
+        """Return a block that is not yet part of the text."""
+        self._count += 1
+        return Block(f"b{self._count}")
+
+    def begin(self, block: Block) -> Block:
+        """Continue the text in this block."""
+        self._blocks.append(block)
+        self.block = block
+        return block
+
+    def add(self, line: str) -> None:
+        """Add an instruction without a result."""
+        self.block.lines.append(line)
+
+    def value(self, instruction: str) -> str:
+        """Add an instruction and return the operand of its result."""
+        self._count += 1
+        operand = f"%v{self._count}"
+        self.block.lines.append(f"{operand} = {instruction}")
+        return operand
+
+    def number(self, kind: str, instruction: str) -> Number:
+        """Add an instruction and return its result of this type."""
+        return Number(kind, self.value(instruction))
+
+    def slot(self, kind: str) -> str:
+        """Return the address of memory for a variable."""
+        self._count += 1
+        self._slots.append(f"%s{self._count} = alloca {kind}")
+        return f"%s{self._count}"
+
+    def jump(self, block: Block) -> None:
+        """End the block, if it has no end, with a jump."""
+        self._end(f"br label %{block.label}")
+
+    def branch(self, condition: str, true: Block, false: Block) -> None:
+        """End the block with a jump to one of two blocks."""
+        self._end(f"br i1 {condition}, label %{true.label}, label %{false.label}")
+
+    def leave(self, result: str) -> None:
+        """End the block with the function's result."""
+        self._end(f"ret {result}")
+
+    def _end(self, line: str) -> None:
+        if not self.block.is_closed:
+            self.add(line)
+            self.block.is_closed = True
+
+    def check(self, condition: str) -> None:
+        """End the process where a condition fails, if that is checked."""
+        if self._has_checks:
+            holds, fails = self.new_block(), self.new_block()
+            self.branch(self.value(condition), holds, fails)
+            self.begin(fails)
+            self.add("call void @llvm.trap()")
+            self._end("unreachable")
+            self.begin(holds)
+
+    def item(self, address: str, kind: str, index: str) -> str:
+        """Return the address of an item of an array."""
+        return self.value(f"getelementptr inbounds {kind}, ptr {address}, i64 {index}")
+
+    def product(self, a: str, b: str) -> str:
+        """Return the product of two indices."""
+        if "1" in (a, b):
+            return b if a == "1" else a
+        return self.whole("mul", a, b)
+
+    def sum(self, a: str, b: str) -> str:
+        """Return the sum of two indices."""
+        if "0" in (a, b):
+            return b if a == "0" else a
+        return self.whole("add", a, b)
+
+    def whole(self, operation: str, a: str, b: str) -> str:
+        """Return the result of an operation on indices, which cannot overflow."""
+        if a.lstrip("-").isdigit() and b.lstrip("-").isdigit():
+            values = {"add": int(a) + int(b), "sub": int(a) - int(b), "mul": int(a) * int(b)}
+            return str(values[operation])
+        return self.value(f"{operation} nsw i64 {a}, {b}")
+
+    def converted(self, number: Number, kind: str) -> Number:
+        """Return a number in this type, which is not narrower."""
+        if number.kind == kind:
+            return number
+        if RANKS[number.kind] > RANKS[kind]:
+            refuse(f"{number.kind} does not fit into {kind}")
+        if number.constant is not None:
+            return real(float(number.constant)) if kind == FLOAT else integer(int(number.constant))
+        operation = "sitofp" if number.kind == INTEGER else "uitofp" if kind == FLOAT else "zext"
+        return self.number(kind, f"{operation} {number.kind} {number.operand} to {kind}")
+
+    def truth(self, number: Number) -> Number:
+        """Return True where a number is not zero."""
+        if number.kind == LOGICAL:
+            return number
+        if number.kind == INTEGER:
+            return self.number(LOGICAL, f"icmp ne i64 {number.operand}, 0")
+        return self.number(LOGICAL, f"fcmp une double {number.operand}, {real(0.0).operand}")

@@ -1,0 +1,133 @@
+"""Translation of kernels from Python to LLVM's language.
+
+A kernel has numbers, arrays of them, tuples, NamedTuples and None; loops, branches and calls. Each expression is
+translated where it stands, from the types of the arguments on, so that a branch on `is None`, on the length of a tuple
+or on another constant is decided here. A function becomes one of LLVM for each structure of its arguments, or is
+merged into its caller. Nothing is allocated, and nothing raises: indices are those of an array, or negative constants.
+"""
+
+from collections.abc import Callable
+
+from machine_code.expressions import Arguments, WiderTypeError
+from machine_code.llvm_text import FunctionText
+from machine_code.statements import Body
+from machine_code.values import (
+    INTEGER,
+    LOGICAL,
+    Implementation,
+    PythonFunction,
+    Value,
+    leaves,
+    rebuilt,
+    structure,
+)
+
+Resolve = Callable[[object, Arguments], Implementation | None]
+"""Function that returns the implementation of a callee, or None."""
+
+
+class Translation:
+    """Text of a kernel with the functions that it calls.
+
+    resolve: see `Resolve`. is_compact: True where no loop is unrolled or vectorised. check_indices: True to end the
+    process at an index outside an array.
+    """
+
+    def __init__(self, resolve: Resolve, is_compact: bool, check_indices: bool) -> None:
+        self.resolve, self.is_compact, self.check_indices = resolve, is_compact, check_indices
+        self.texts: list[str] = []
+        self.declarations: set[str] = set()
+        self.wider: dict[tuple[PythonFunction, object], str] = {}
+        self._functions: dict[object, tuple[str, Value]] = {}
+
+    def kernel(
+        self,
+        function: PythonFunction,
+        symbol: str,
+        parameters: str,
+        read: Callable[[FunctionText], Arguments],
+    ) -> Value:
+        """Translate a kernel.
+
+        It writes the numbers of its result behind one another. parameters: in LLVM's language; read: makes arguments
+        of them. Returns the result, whose operands have no meaning outside.
+        """
+        code, result = self._translated(Implementation(function, False, self.is_compact), read, _store_result)
+        self.texts.append(code.text(f"define void @{symbol}(ptr %result{parameters}) #0"))
+        return result
+
+    def call(self, code: FunctionText, called: Implementation, arguments: Arguments) -> Value:
+        """Call a function, which is translated once for each structure of arguments."""
+        key = called.function, *map(structure, arguments)
+        if key not in self._functions:
+            self._functions[key] = self._new_function(called, arguments)
+        symbol, result = self._functions[key]
+        operands = ", ".join(f"{kind} {operand}" for value in arguments for kind, operand in leaves(value))
+        kinds = [kind for kind, _ in leaves(result)]
+        if not kinds:
+            code.add(f"call void @{symbol}({operands})")
+            return result
+        returned = f"{{{', '.join(kinds)}}}"
+        whole = code.value(f"call {returned} @{symbol}({operands})")
+        return rebuilt(
+            result, (code.value(f"extractvalue {returned} {whole}, {i}") for i in range(len(kinds)))
+        )
+
+    def merged(self, code: FunctionText, called: Implementation, arguments: Arguments) -> Value:
+        """Add the code of a function to its caller's."""
+        return Body(self, code, called).run(arguments)
+
+    def _new_function(self, called: Implementation, arguments: Arguments) -> tuple[str, Value]:
+        names = (f"%a{i}" for i in range(sum(1 for value in arguments for _ in leaves(value))))
+        parameters = tuple(rebuilt(value, names) for value in arguments)
+        code, result = self._translated(called, lambda code: parameters, _return_result)
+        kinds = [kind for kind, _ in leaves(result)]
+        symbol = f"f{len(self._functions)}_{''.join(c for c in called.function.__name__ if c.isalnum() or c == '_')}"
+        header = ", ".join(f"{kind} {operand}" for kind, operand in _parameters(parameters))
+        returned = f"{{{', '.join(kinds)}}}" if kinds else "void"
+        self.texts.append(code.text(f"define internal {returned} @{symbol}({header}) #0"))
+        return symbol, result
+
+    def _translated(
+        self,
+        called: Implementation,
+        read: Callable[[FunctionText], Arguments],
+        finish: Callable[[FunctionText, Value], None],
+    ) -> tuple[FunctionText, Value]:
+        """Return the text of a function.
+
+        It is written again where a variable turns out wider.
+        """
+        while True:
+            code = FunctionText(self.check_indices)
+            try:
+                result = Body(self, code, called).run(read(code))
+            except WiderTypeError:
+                continue
+            finish(code, result)
+            return code, result
+
+
+def _store_result(code: FunctionText, result: Value) -> None:
+    for place, (kind, operand) in enumerate(leaves(result)):
+        if kind == LOGICAL:
+            kind, operand = INTEGER, code.value(f"zext i1 {operand} to i64")
+        code.add(f"store {kind} {operand}, ptr {code.item('%result', INTEGER, str(place))}")
+    code.leave("void")
+
+
+def _parameters(arguments: Arguments) -> list[tuple[str, str]]:
+    """Return types and operands of a function's parameters."""
+    return [number for value in arguments for number in leaves(value)]
+
+
+def _return_result(code: FunctionText, result: Value) -> None:
+    numbers = list(leaves(result))
+    if not numbers:
+        code.leave("void")
+        return
+    kinds = f"{{{', '.join(kind for kind, _ in numbers)}}}"
+    whole = "poison"
+    for place, (kind, operand) in enumerate(numbers):
+        whole = code.value(f"insertvalue {kinds} {whole}, {kind} {operand}, {place}")
+    code.leave(f"{kinds} {whole}")

@@ -1,0 +1,407 @@
+"""Verify that compiled functions have the results of Python.
+
+Exact: integers, truth values, and arithmetic without rounding are equal; functions of floats agree to rounding.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from machine_code import folder
+from machine_code.compiled import Kernel, by_law, chosen, compact, compiled, implements, inlined, optional
+from machine_code.values import Array, TranslationError
+
+WEIGHTS = np.array([[0.25, -0.5], [0.75, 2.0]])
+ROTATION = 0.6 + 0.8j
+
+
+@pytest.fixture(autouse=True)
+def keeping(tmp_path, monkeypatch):
+    """Code is kept in a folder of the test's own."""
+    monkeypatch.setattr(folder, "cache_folder", lambda: tmp_path / "code")
+
+
+class Spring(NamedTuple):
+    """Constants of a linear spring."""
+
+    stiffness: float
+    force: float = 2.0
+
+
+class Dashpot(NamedTuple):
+    """Constants of a dashpot."""
+
+    damping: float
+
+
+class Part(NamedTuple):
+    """Constants, an optional part and a row."""
+
+    spring: Spring
+    extra: Any
+    row: np.ndarray
+
+
+def integers(a, b):
+    """Operators of integers, whose division rounds down."""
+    shifted = (a & 12) >> 1
+    return a // b, a % b, a + b, a - b, a * b, -a, abs(b), min(a, b, 3), max(a, b, -2), shifted, a**3
+
+
+def floats(x, y):
+    """Operators of floats."""
+    return (
+        x + y,
+        x - y,
+        x * y,
+        x / y,
+        x % y,
+        x // y,
+        -x,
+        abs(x),
+        min(x, y),
+        max(x, y),
+        x**2,
+        1.0 / x**3,
+        x**-1,
+    )
+
+
+def mixed(i, x):
+    """Integers become floats beside floats, and truth values integers."""
+    total, flag = 0, i > 2
+    for k in range(i):
+        total += k * x
+    return (
+        total,
+        i / 2,
+        i + x,
+        flag + 1,
+        flag * x,
+        (i, x)[1],
+        i if x > 0.0 else x,
+        not flag,
+        int(-x),
+        float(i),
+    )
+
+
+def conditions(i, x):
+    """Later conditions are not evaluated where an earlier one decides."""
+    row, count = (1.0, 2.0, 4.0), 0
+    while count < 3 and row[count] <= x:
+        count += 1
+    outside = i < 0 or i > 2 or row[i] > 3.0
+    between = 0.0 <= x < 3.0
+    return count, outside, between, not (between and outside), i in (1, 2), 5 if between and i == 1 else 6
+
+
+def loops(n, values):
+    """Loops with jumps, over ranges, arrays and tuples."""
+    total = 0.0
+    for i in range(n, -1, -2):
+        if i == 3:
+            continue
+        for value in values:
+            if value > 2.0:
+                break
+            total += i * value
+    for sign, power in ((-1.0, 2), (1.0, 3)):
+        total += sign * power
+    for row in WEIGHTS:
+        for weight in row:
+            total += weight
+    while True:
+        total *= 2.0
+        if total > 1000.0 or total <= 0.0:
+            return total
+
+
+def renamed(values):
+    """A name has values of several types, one after the other."""
+    total = 0.0
+    for j in range(3):
+        total += j
+    i, j = 1.5, 2.5  # type: ignore[assignment]
+    for k in range(2):
+        w, j = 2 * k, j + k
+        j, w = w, j
+        total += 10.0 * j + w
+    for j in values:
+        total += j
+    return total, i
+
+
+def late(n):
+    """A variable keeps the value from before a loop without turns."""
+    k, total = 7, 0
+    for k in range(n):
+        total += k
+    first = -1
+    for i in range(5):
+        if i * i > n:
+            first = i
+            break
+    return k, total, first
+
+
+def carried(values):
+    """A value of one turn is used in the next."""
+    total, last = 0.0, -1.0
+    for i in range(4):
+        if i % 2 == 0:
+            first = 10.0 * i
+        total += first
+        first = values[i]
+        last = 2.0 * last
+        for last in values[:i]:
+            total += last
+        if i == 2:
+            last = 5.0
+        total += 100.0 * last
+    return total
+
+
+def returns(i, x):
+    """Results of several types from several places."""
+    if i == 0:
+        return 1, True, 2
+    for k in range(i):
+        if k == 2:
+            return k * x, False, k
+    return x, x > 0.0, i
+
+
+def functions(x, y):
+    """Functions of the mathematics library."""
+    return (
+        math.sqrt(x), math.sin(x), math.cos(x), math.exp(y), math.log(x), math.atan(y), math.atan2(y, x),
+        math.hypot(x, y), math.tanh(y), math.expm1(y), math.log1p(x), math.floor(y), math.ceil(y), round(10.0 * y),
+        math.isfinite(x), math.isnan(y), math.copysign(x, y), math.gamma(x), math.erf(y), math.pi, x**y,
+        float(np.sqrt(x)), float(np.arctan2(y, x)), float(np.hypot(x, y)), bool(np.isnan(x)), float(np.sign(y)),
+        float(np.floor(y)), float(np.arcsin(y / 10.0)),
+    )  # fmt: skip
+
+
+def numbers(x, y):
+    """Complex numbers."""
+    z = ROTATION * x
+    z = z + y - z / (z * z + 2.0)
+    z *= 1.0 + 0.5j
+    return abs(z), z.real, (-z).imag
+
+
+def records(part):
+    """Fields, items, slices and lengths of tuples."""
+    spring, first = part.spring, Spring(3.0)
+    moved = Spring(force=1.0, stiffness=spring.stiffness)
+    tail = (1, 2.0, 3)[1:]
+    total = 0.0
+    for i in range(len(tail)):
+        total += tail[i] * part.row[-1]
+    extra = 0.0 if part.extra is None else part.extra.damping
+    return total, first.force + moved.force + moved.stiffness, extra, len(part), (4.0, 5.0)[-2], moved
+
+
+CASES: dict[Callable[..., Any], list[tuple[Any, ...]]] = {
+    integers: [(7, 3), (-7, 3), (7, -3), (-7, -3), (0, 5)],
+    floats: [(7.5, 2.0), (-7.5, 2.0), (7.5, -2.0), (-0.5, -2.0)],
+    mixed: [(0, 2.0), (5, -2.5), (3, 0.0)],
+    conditions: [(i, x) for i in (-1, 0, 1, 2, 3) for x in (-1.0, 2.5, 9.0)],
+    loops: [(5, np.array([1.0, 2.0, 3.0, 4.0])), (4, np.zeros(0))],
+    renamed: [(np.array([0.5, 0.25]),)],
+    late: [(0,), (3,), (100,)],
+    carried: [(np.array([1.0, 2.0, 4.0, 8.0]),)],
+    returns: [(0, 2.5), (5, 2.5), (1, -2.5)],
+    functions: [(2.5, -0.75), (0.5, 1.5)],
+    numbers: [(1.5, -2.0)],
+    records: [(Part(Spring(4.0), extra, np.arange(3.0)),) for extra in (None, Dashpot(0.5))],
+}
+
+
+@pytest.mark.parametrize("function", CASES, ids=lambda function: function.__name__)
+def test_results_are_those_of_python(function):
+    for arguments in CASES[function]:
+        result, expected = compiled(function)(*arguments), function(*arguments)
+        same(result, expected)
+
+
+def same(result, expected):
+    """Types are equal, and numbers to rounding."""
+    if isinstance(expected, tuple):
+        assert type(result) is type(expected)
+        for one, other in zip(result, expected, strict=True):
+            same(one, other)
+    elif isinstance(expected, float) and isinstance(result, float):
+        assert result == pytest.approx(expected, rel=4e-16, abs=1e-300)
+    else:
+        assert float(result) == float(expected)
+
+
+def write(target, source, index):
+    """Parts of arrays are views."""
+    rows, row = target[1:, 1:], target[0]
+    rows[0, 0] = source[index, -1]
+    rows[-1, :] = 2.0
+    row[index:] = source[0, 1]
+    part = target[:, 2]
+    part[2] += 0.5 * source[1, 0]
+    first, second, third = part
+    target[2, 0] = first + 10.0 * second + 100.0 * third + target.size + source.shape[1]
+    for line in source[:2]:
+        target[1, 3] += line[0]
+
+
+@pytest.mark.parametrize("dtype", ["f8", "f4", "i8", "i4", "i2", "u1"])
+@pytest.mark.parametrize("order", ["C", "F", "sliced"])
+def test_arrays_are_those_of_python(dtype, order):
+    """Of any type and layout, as source and as target."""
+    source = np.arange(12).reshape(3, 4).astype(dtype)
+    source = np.repeat(source, 2, axis=1)[:, ::2] if order == "sliced" else np.array(source, order=order)
+    targets = [np.array(np.zeros((3, 4)), order="F" if order == "F" else "C") for _ in range(2)]
+    compiled(write)(targets[0], source, 2)
+    write(targets[1], source, 2)
+    np.testing.assert_array_equal(targets[0], targets[1])
+
+
+@pytest.mark.parametrize("dtype", ["f4", "i8", "i4", "i2", "u1", "?", "c16"])
+def test_stored_numbers_have_the_type_of_the_array(dtype):
+    def store(target, numbers):
+        for i in range(target.size):
+            target[i] = numbers[i]
+
+    values = np.array([1.0, 0.0, 5.0]) if np.dtype(dtype).kind in "fc" else np.array([1, 0, 5])
+    target = np.zeros(3, dtype=dtype)
+    compiled(store)(target, values)
+    np.testing.assert_array_equal(target, values.astype(dtype))
+
+
+def test_functions_are_chosen_by_the_types_of_arguments():
+    """By constants of a law, an optional part, and the values."""
+
+    class Laws:
+        def by_type(self, kind):
+            return {Spring: SpringLaw, Dashpot: DashpotLaw}.get(kind)
+
+    class SpringLaw:
+        inlined = ()
+        force = staticmethod(lambda law, x: -law.stiffness * x)
+
+    class DashpotLaw:
+        inlined = ("force",)
+        force = staticmethod(lambda law, x: law.damping * x)
+
+    force = by_law(Laws(), "force")
+
+    @optional()
+    def energy(law, x):
+        return 0.0
+
+    @implements(energy, Spring, merged=True)
+    def _(law, x):
+        return 0.5 * law.stiffness * x * x
+
+    def item(values, i):
+        raise NotImplementedError
+
+    @chosen(item)
+    def _item(values, i):
+        return (lambda values, i: values[i]) if isinstance(values, Array) else (lambda values, i: values)
+
+    def use(law, extra, values, x):
+        return force(law, x), energy(extra, x), item(values, 1) + item(x, 1)
+
+    kernel = compiled(use)
+    assert kernel(Spring(3.0), None, np.array([1.0, 5.0]), 2.0) == (-6.0, 0.0, 7.0)
+    assert kernel(Dashpot(3.0), Spring(4.0), np.array([1.0, 5.0]), 2.0) == (6.0, 8.0, 7.0)
+    with pytest.raises(TranslationError, match="a call of force"):
+        kernel(Part(Spring(1.0), None, np.zeros(1)), None, np.zeros(2), 2.0)
+
+
+@pytest.mark.parametrize("decorate", [compiled, compact, inlined])
+def test_compiled_functions_call_each_other(decorate):
+    """Merged or not, a function has its own variables."""
+
+    @decorate
+    def add(values, x):
+        total = x
+        for value in values:
+            total += value
+        return total
+
+    def twice(values, x):
+        total = 100.0
+        x = add(values, x) + add(values, total)
+        return x, total
+
+    values = np.arange(4.0)
+    assert compiled(twice)(values, 1.0) == (113.0, 100.0)
+
+
+REFUSED: dict[str, tuple[Callable[..., Any], str]] = {
+    "list": (lambda x: [x], r"\[x\]"),
+    "allocation": (lambda x: np.zeros(3), r"a call of np.zeros"),
+    "name": (lambda x: x + nowhere, "the name nowhere"),  # type: ignore[name-defined]  # noqa: F821
+    "attribute": (lambda x: x.total, "the attribute total"),
+    "index": (lambda x: WEIGHTS[x], "a float as an index: x"),
+    "structure": (lambda x: (1.0, 2.0) if x > 0.0 else 1.0, "branches of different structure"),
+    "text": (lambda x: x == "text", "Known where a number is needed"),
+    "arguments": (lambda x: math.hypot(x), "1 arguments where 2 are needed"),
+    "item": (lambda x: (1.0, 2.0)[2], "item 2 of 2"),  # type: ignore[misc]
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_a_kernel_cannot_have_is_named_with_its_line(what):
+    function, message = REFUSED[what]
+    place = rf"{__file__}:{function.__code__.co_firstlineno}: a kernel cannot have "
+    with pytest.raises(TranslationError, match=f"^{place}.*{message}"):
+        Kernel(function)(1.5)
+
+
+def test_statements_that_a_kernel_cannot_have_are_named():
+    def with_assertion(x):
+        y = x
+        assert y > 0.0
+        return y
+
+    line = with_assertion.__code__.co_firstlineno + 2
+    with pytest.raises(TranslationError, match=rf":{line}: a kernel cannot have Assert statement"):
+        compiled(with_assertion)(1.0)
+
+
+def test_a_function_without_source_is_refused():
+    names: dict[str, Any] = {"__name__": "unknown"}
+    exec("def unknown(x):\n    return x\n", names)
+    with pytest.raises(TranslationError, match="the source of unknown is not available"):
+        compiled(names["unknown"])(1.0)
+
+
+INDEXED = """
+import numpy as np
+from machine_code.compiled import compiled
+
+@compiled
+def read(values, i, end):
+    total = values[i]
+    for value in values[i:end]:
+        total += value
+    return total
+
+print(read(np.arange(5.0), {i}, {end}))
+"""
+
+
+@pytest.mark.parametrize(("i", "end", "checks", "status"), [
+    (2, 5, "1", 0), (5, 5, "1", -4), (-1, 5, "1", -4), (3, 6, "1", -4), (3, 2, "1", -4), (2, 5, "", 0),
+])  # fmt: skip
+def test_an_index_outside_an_array_ends_the_process_if_checked(tmp_path, python, i, end, checks, status):
+    """SIGILL or SIGTRAP, by processor."""
+    (tmp_path / "indexed.py").write_text(INDEXED.format(i=i, end=end))
+    process = python("import indexed", cwd=tmp_path, env={"PATH": "", "TAILSLAP_CHECK_INDICES": checks})
+    assert (process.returncode == 0) == (status == 0)
+    assert process.returncode >= 0 or process.returncode in (status, -5)
+    assert process.stdout.strip() == ("11.0" if status == 0 else "")
