@@ -19,7 +19,7 @@ from machine_code.object_code import (
     value_codes,
 )
 from machine_code.statements import METADATA
-from machine_code.translate import Resolve, Translation
+from machine_code.translate import Resolve, Translation, symbol_of
 from machine_code.values import (
     ITEMS,
     LOGICAL,
@@ -56,7 +56,7 @@ def compile_kernel(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_
     """
     translation, result = _translated(function, kinds, resolve, is_compact)
     codes, machine_code = "".join(map(value_codes, kinds)), target().emit_object(_optimised(translation))
-    return ObjectCode(_symbol(function), codes, _result_of(result), machine_code)
+    return ObjectCode(symbol_of("kernel", function), codes, _result_of(result), machine_code)
 
 
 def assembly(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compact: bool) -> str:
@@ -66,10 +66,6 @@ def assembly(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compac
     """
     text: str = target().emit_assembly(_optimised(_translated(function, kinds, resolve, is_compact)[0]))
     return text
-
-
-def _symbol(function: PythonFunction) -> str:
-    return f"kernel_{function.__name__}"
 
 
 def _translated(
@@ -83,7 +79,7 @@ def _translated(
     def read(code: FunctionText) -> Arguments:
         return _arguments(iter(kinds), (f"%a{i}" for i in range(len(codes))), code)
 
-    return translation, translation.kernel(function, _symbol(function), parameters, read)
+    return translation, translation.kernel(function, parameters, read)
 
 
 def _arguments(kinds: Iterator[Any], operands: Iterator[str], code: FunctionText) -> Arguments:

@@ -23,7 +23,7 @@ def tree_of(function: FunctionType) -> Function:
         (code.co_firstlineno, code.co_name), []
     )
     if len(nodes) > 1:  # several lambdas in a line
-        nodes = [node for node in nodes if _is_code_of(node, code)][:1]
+        nodes = [node for node in nodes if _contains(node, code)]
     if not nodes:
         raise TranslationError(f"the source of {function.__qualname__} is not available: {code.co_filename}")
     node = nodes[0]
@@ -48,13 +48,14 @@ def _functions(text: str) -> dict[tuple[int, str], list[Function]]:
     return functions
 
 
-def _is_code_of(node: Function, code: CodeType) -> bool:
-    """Return True if Python compiles the tree to this code."""
-    body = compile(ast.Expression(node), "", "eval")  # type: ignore[arg-type]  # a lambda
-    other = next(value for value in body.co_consts if isinstance(value, CodeType))
-    return (other.co_code, other.co_consts, other.co_names, other.co_varnames) == (
-        code.co_code, code.co_consts, code.co_names, code.co_varnames,
-    )  # fmt: skip
+def _contains(node: Function, code: CodeType) -> bool:
+    """Return True if the instructions of the code lie within the node."""
+    begin, end = (node.lineno, node.col_offset), (node.end_lineno or 0, node.end_col_offset or 0)
+    return all(
+        begin <= (line, column) and (last_line or line, last_column or column) <= end
+        for line, last_line, column, last_column in code.co_positions()
+        if line and column
+    )
 
 
 Names = dict[str, list[ast.Name]]

@@ -6,6 +6,7 @@ or on another constant is decided here. A function becomes one of LLVM for each 
 merged into its caller. Nothing is allocated, and nothing raises: indices are those of an array, or negative constants.
 """
 
+import re
 from collections.abc import Callable
 
 from machine_code.expressions import Arguments, WiderTypeError
@@ -43,7 +44,6 @@ class Translation:
     def kernel(
         self,
         function: PythonFunction,
-        symbol: str,
         parameters: str,
         read: Callable[[FunctionText], Arguments],
     ) -> Value:
@@ -53,7 +53,9 @@ class Translation:
         of them. Returns the result, whose operands have no meaning outside.
         """
         code, result = self._translated(Implementation(function, False, self.is_compact), read, _store_result)
-        self.texts.append(code.text(f"define void @{symbol}(ptr %result{parameters}) #0"))
+        self.texts.append(
+            code.text(f"define void @{symbol_of('kernel', function)}(ptr %result{parameters}) #0")
+        )
         return result
 
     def call(self, code: FunctionText, called: Implementation, arguments: Arguments) -> Value:
@@ -82,7 +84,7 @@ class Translation:
         parameters = tuple(rebuilt(value, names) for value in arguments)
         code, result = self._translated(called, lambda code: parameters, _return_result)
         kinds = [kind for kind, _ in leaves(result)]
-        symbol = f"f{len(self._functions)}_{''.join(c for c in called.function.__name__ if c.isalnum() or c == '_')}"
+        symbol = symbol_of(f"f{len(self._functions)}", called.function)
         header = ", ".join(f"{kind} {operand}" for kind, operand in _parameters(parameters))
         returned = f"{{{', '.join(kinds)}}}" if kinds else "void"
         self.texts.append(code.text(f"define internal {returned} @{symbol}({header}) #0"))
@@ -106,6 +108,11 @@ class Translation:
                 continue
             finish(code, result)
             return code, result
+
+
+def symbol_of(prefix: str, function: PythonFunction) -> str:
+    """Return LLVM's name of a function."""
+    return f"{prefix}_{re.sub('[^0-9A-Za-z_]', '_', function.__name__)}"
 
 
 def _store_result(code: FunctionText, result: Value) -> None:

@@ -380,6 +380,13 @@ def test_a_function_without_source_is_refused():
         compiled(names["unknown"])(1.0)
 
 
+def test_lambdas_in_a_line_are_told_apart():
+    """Also those with variables of their surroundings."""
+    factor = 3.0
+    twice, thrice = (lambda x: 2.0 * x), (lambda x: factor * x)
+    assert (compiled(twice)(5.0), compiled(thrice)(5.0)) == (10.0, 15.0)
+
+
 INDEXED = """
 import numpy as np
 from machine_code.compiled import compiled
