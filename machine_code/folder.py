@@ -7,7 +7,6 @@ files must belong to this user and be closed to others, and only plain files are
 import fcntl
 import functools
 import hashlib
-import marshal
 import os
 import stat
 import tempfile
@@ -76,11 +75,16 @@ def _outside_sources() -> list[bytes]:
 
 
 def _source_of(function: FunctionType) -> bytes:
-    """Return the source file of a function, else its bytecode."""
-    try:
-        return Path(function.__code__.co_filename).read_bytes()
-    except OSError:
-        return marshal.dumps(function.__code__)
+    """Return the source file of a function, if any, and its code.
+
+    The numbers of its closure belong to it.
+    """
+    code, cells = function.__code__, [cell.cell_contents for cell in function.__closure__ or ()]
+    numbers = [value for value in cells if isinstance(value, int | float)]
+    description = repr((code.co_code, code.co_consts, code.co_names, numbers)).encode()
+    with suppress(OSError):
+        return Path(code.co_filename).read_bytes() + description
+    return description
 
 
 @functools.cache
