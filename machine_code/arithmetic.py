@@ -9,6 +9,8 @@ import numpy as np
 from machine_code.llvm_text import FAST_MATH, FunctionText
 from machine_code.values import FLOAT, INTEGER, LOGICAL, RANKS, Number, integer, logical, real, refuse
 
+Function = Callable[..., Number]
+
 FLOAT_OPERATIONS: dict[type[ast.operator], str] = {
     ast.Add: "fadd", ast.Sub: "fsub", ast.Mult: "fmul", ast.Div: "fdiv",
 }  # fmt: skip
@@ -25,6 +27,45 @@ COMPARISONS: dict[type[ast.cmpop], tuple[str, str, Callable[[float, float], bool
     ast.Eq: ("eq", "oeq", lambda a, b: a == b), ast.NotEq: ("ne", "une", lambda a, b: a != b),
 }  # fmt: skip
 """Names of comparisons of integers and of floats, and the same in Python."""
+
+INTRINSICS = {
+    "sqrt": 1,
+    "sin": 1,
+    "cos": 1,
+    "exp": 1,
+    "log": 1,
+    "pow": 2,
+    "fabs": 1,
+    "floor": 1,
+    "ceil": 1,
+    "rint": 1,
+}
+"""Functions that LLVM has, with their numbers of arguments."""
+
+LIBRARY = {
+    "tan": 1, "asin": 1, "acos": 1, "atan": 1, "sinh": 1, "cosh": 1, "tanh": 1, "asinh": 1, "acosh": 1, "atanh": 1,
+    "expm1": 1, "log1p": 1, "log2": 1, "log10": 1, "cbrt": 1, "erf": 1, "erfc": 1, "gamma": 1, "lgamma": 1,
+    "atan2": 2, "hypot": 2, "copysign": 2, "fmod": 2,
+}  # fmt: skip
+"""Functions of the mathematics library of C."""
+
+C_NAMES = {"gamma": "tgamma"}
+"""Names of these functions in C where they differ."""
+
+NUMPY_NAMES = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "pow": "power"} | {
+    f"a{name}": f"arc{name}" for name in ("sinh", "cosh", "tanh")
+}
+
+DECLARATIONS = [
+    *(
+        f"declare double @llvm.{name}.f64({', '.join(['double'] * count)})"
+        for name, count in INTRINSICS.items()
+    ),
+    *(
+        f"declare double @{C_NAMES.get(name, name)}({', '.join(['double'] * count)}) #1"
+        for name, count in LIBRARY.items()
+    ),
+]
 
 HIGHEST_POWER = 64
 """Largest constant exponent for which a power is a row of products."""
@@ -140,7 +181,7 @@ def _call(code: FunctionText, function: str, arguments: tuple[Number, ...]) -> N
     return code.number(FLOAT, f"call {function}({operands})")
 
 
-def _extreme(operator: ast.cmpop) -> "Function":
+def _extreme(operator: ast.cmpop) -> Function:
     """Return a function for the least or greatest of numbers.
 
     As in Python, a later number replaces an earlier one where the comparison holds.
@@ -188,8 +229,6 @@ def _sign(code: FunctionText, a: Number) -> Number:
     return code.converted(sign, a.kind)
 
 
-Function = Callable[..., Number]
-
 FUNCTIONS: dict[object, Function] = {
     min: _extreme(ast.Lt()),
     max: _extreme(ast.Gt()),
@@ -208,45 +247,6 @@ FUNCTIONS: dict[object, Function] = {
     math.isfinite: _is_finite,
 }
 """Functions of numbers, by the function of Python or NumPy."""
-
-INTRINSICS = {
-    "sqrt": 1,
-    "sin": 1,
-    "cos": 1,
-    "exp": 1,
-    "log": 1,
-    "pow": 2,
-    "fabs": 1,
-    "floor": 1,
-    "ceil": 1,
-    "rint": 1,
-}
-"""Functions that LLVM has, with their numbers of arguments."""
-
-LIBRARY = {
-    "tan": 1, "asin": 1, "acos": 1, "atan": 1, "sinh": 1, "cosh": 1, "tanh": 1, "asinh": 1, "acosh": 1, "atanh": 1,
-    "expm1": 1, "log1p": 1, "log2": 1, "log10": 1, "cbrt": 1, "erf": 1, "erfc": 1, "gamma": 1, "lgamma": 1,
-    "atan2": 2, "hypot": 2, "copysign": 2, "fmod": 2,
-}  # fmt: skip
-"""Functions of the mathematics library of C."""
-
-C_NAMES = {"gamma": "tgamma"}
-"""Names of these functions in C where they differ."""
-
-NUMPY_NAMES = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "atan2": "arctan2", "pow": "power"} | {
-    f"a{name}": f"arc{name}" for name in ("sinh", "cosh", "tanh")
-}
-
-DECLARATIONS = [
-    *(
-        f"declare double @llvm.{name}.f64({', '.join(['double'] * count)})"
-        for name, count in INTRINSICS.items()
-    ),
-    *(
-        f"declare double @{C_NAMES.get(name, name)}({', '.join(['double'] * count)}) #1"
-        for name, count in LIBRARY.items()
-    ),
-]
 
 
 def _register() -> None:

@@ -11,6 +11,12 @@ from machine_code.values import TranslationError
 
 Function = ast.FunctionDef | ast.Lambda
 
+Names = dict[str, list[ast.Name]]
+"""Occurrences of each name."""
+
+Place = tuple[tuple[int, int], ...]
+"""Blocks around a statement, each with the number of the statement in it."""
+
 
 def tree_of(function: FunctionType) -> Function:
     """Return the syntax tree of a function or lambda.
@@ -56,10 +62,6 @@ def _contains(node: Function, code: CodeType) -> bool:
         for line, last_line, column, last_column in code.co_positions()
         if line and column
     )
-
-
-Names = dict[str, list[ast.Name]]
-"""Occurrences of each name."""
 
 
 class _Part:
@@ -199,10 +201,6 @@ def bound_once(node: Function) -> set[str]:
     _visit(body_of(node), (), places, uses)
     late = {name for name, place in uses if name in places and not _is_before(places[name][0], place)}
     return {name for name, assigned in places.items() if len(assigned) == 1} - late
-
-
-Place = tuple[tuple[int, int], ...]
-"""Blocks around a statement, each with the number of the statement in it."""
 
 
 def _visit(

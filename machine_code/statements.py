@@ -34,8 +34,8 @@ UNROLLED = 32
 """Longest loop over the items of a tuple that is written out."""
 
 
-class Body(Expressions):
-    """Statements of a function, translated at the end of `code`."""
+class Statements(Expressions):
+    """A function, translated at the end of `code`."""
 
     def __init__(self, kernel: Caller, code: FunctionText, called: Implementation) -> None:
         super().__init__(kernel, code, called)

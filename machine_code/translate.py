@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 from machine_code.expressions import Arguments, WiderTypeError
 from machine_code.llvm_text import FunctionText
-from machine_code.statements import Body
+from machine_code.statements import Statements
 from machine_code.values import (
     INTEGER,
     LOGICAL,
@@ -77,7 +77,7 @@ class Translation:
 
     def merged(self, code: FunctionText, called: Implementation, arguments: Arguments) -> Value:
         """Add the code of a function to its caller's."""
-        return Body(self, code, called).run(arguments)
+        return Statements(self, code, called).run(arguments)
 
     def _new_function(self, called: Implementation, arguments: Arguments) -> tuple[str, Value]:
         names = (f"%a{i}" for i in range(sum(1 for value in arguments for _ in leaves(value))))
@@ -103,7 +103,7 @@ class Translation:
         while True:
             code = FunctionText(self.check_indices)
             try:
-                result = Body(self, code, called).run(read(code))
+                result = Statements(self, code, called).run(read(code))
             except WiderTypeError:
                 continue
             finish(code, result)
