@@ -4,6 +4,7 @@ import ast
 import functools
 import itertools
 import linecache
+import os
 from collections.abc import Iterable, Iterator
 from types import CodeType, FunctionType
 
@@ -24,7 +25,8 @@ def tree_of(function: FunctionType) -> Function:
     Raises TranslationError where its source is not available.
     """
     code = function.__code__
-    linecache.checkcache(code.co_filename)
+    if os.path.isfile(code.co_filename):  # a file that is gone keeps the text that was read
+        linecache.checkcache(code.co_filename)
     nodes = _functions("".join(linecache.getlines(code.co_filename))).get(
         (code.co_firstlineno, code.co_name), []
     )

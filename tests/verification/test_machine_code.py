@@ -252,6 +252,7 @@ def test_the_folder_is_made_for_this_user_alone(keeping):
 
 def test_below_a_folder_that_may_not_be_searched_code_is_not_kept(keeping, tmp_path, monkeypatch):
     """As below the home of another user."""
+    assert compiled(double)(2) == 4.0  # its source is read
     messages: list[str] = []
     closed = tmp_path / "home"
     closed.mkdir(0o000)
