@@ -55,9 +55,8 @@ class Kernel:
     """A function that is compiled on first call for its argument types.
 
     function: in the part of Python of `translate`. is_merged: True to merge the code into compiled callers.
-    is_compact: see
-    `compact`. A call raises UnknownTypeError for arguments and results other
-    than numbers, arrays, None and tuples of these.
+    is_compact: see `compact`. A call raises UnknownTypeError for arguments and results other than numbers, arrays,
+    None and tuples of these.
     """
 
     def __init__(self, function: Function, is_merged: bool = False, is_compact: bool = False) -> None:

@@ -1,6 +1,7 @@
 """Machine code of a kernel, made by LLVM."""
 
 import functools
+import hashlib
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from machine_code.object_code import (
     checks_indices,
     llvm_library,
     new_target,
+    type_text,
     value_codes,
 )
 from machine_code.statements import METADATA
@@ -56,7 +58,7 @@ def compile_kernel(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_
     """
     translation, result = _translated(function, kinds, resolve, is_compact)
     codes, machine_code = "".join(map(value_codes, kinds)), target().emit_object(_optimised(translation))
-    return ObjectCode(symbol_of("kernel", function), codes, _result_of(result), machine_code)
+    return ObjectCode(_symbol(function, kinds), codes, _result_of(result), machine_code)
 
 
 def assembly(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compact: bool) -> str:
@@ -66,6 +68,12 @@ def assembly(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compac
     """
     text: str = target().emit_assembly(_optimised(_translated(function, kinds, resolve, is_compact)[0]))
     return text
+
+
+def _symbol(function: PythonFunction, kinds: Kinds) -> str:
+    """Return the name of a kernel, unique in the process."""
+    text = f"{function.__module__}.{function.__qualname__} {' '.join(map(type_text, kinds))}"
+    return f"{symbol_of('kernel', function)}_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
 
 
 def _translated(
@@ -79,7 +87,7 @@ def _translated(
     def read(code: FunctionText) -> Arguments:
         return _arguments(iter(kinds), (f"%a{i}" for i in range(len(codes))), code)
 
-    return translation, translation.kernel(function, parameters, read)
+    return translation, translation.kernel(function, _symbol(function, kinds), parameters, read)
 
 
 def _arguments(kinds: Iterator[Any], operands: Iterator[str], code: FunctionText) -> Arguments:

@@ -44,6 +44,7 @@ class Translation:
     def kernel(
         self,
         function: PythonFunction,
+        symbol: str,
         parameters: str,
         read: Callable[[FunctionText], Arguments],
     ) -> Value:
@@ -53,9 +54,7 @@ class Translation:
         of them. Returns the result, whose operands have no meaning outside.
         """
         code, result = self._translated(Implementation(function, False, self.is_compact), read, _store_result)
-        self.texts.append(
-            code.text(f"define void @{symbol_of('kernel', function)}(ptr %result{parameters}) #0")
-        )
+        self.texts.append(code.text(f"define void @{symbol}(ptr %result{parameters}) #0"))
         return result
 
     def call(self, code: FunctionText, called: Implementation, arguments: Arguments) -> Value:
