@@ -93,9 +93,9 @@ def shifted(values: Any, factor: float) -> Sums:
     return Sums(total, -values.size)
 
 
-def greatest(value: float, other: float) -> float:
+def greatest(first: float, second: float) -> float:
     """A kernel of numbers alone."""
-    return value if value > other else other
+    return first if first > second else second
 
 
 ARRAY = np.array([1.0, 2.0, 4.0])
@@ -131,7 +131,7 @@ def caches(count: int, seed: int) -> Judged:
         files[which].write_bytes(contents[which])
 
 
-def damaged(content: bytes, how: str, other: bytes, chance: random.Random) -> bytes:
+def damaged(content: bytes, how: str, replacement: bytes, chance: random.Random) -> bytes:
     """The content with a damage, or other content."""
     result = bytearray(content)
     if how == "flipped":
@@ -142,16 +142,16 @@ def damaged(content: bytes, how: str, other: bytes, chance: random.Random) -> by
     elif how == "grown":
         result += b"\0\n"
     else:
-        result = bytearray(other if how == "swapped" else chance.choice(WRONG).encode())
+        result = bytearray(replacement if how == "swapped" else chance.choice(WRONG).encode())
     return bytes(result)
 
 
-def damage(path: Path, how: str, other: Path, chance: random.Random) -> None:
+def damage(path: Path, how: str, replacement: Path, chance: random.Random) -> None:
     """Damage a file."""
     content = path.read_bytes()
     path.unlink()
     if how != "missing":
-        path.write_bytes(damaged(content, how, other.read_bytes(), chance))
+        path.write_bytes(damaged(content, how, replacement.read_bytes(), chance))
 
 
 def judged(status: int, messages: str, is_right: Callable[[], bool], forced: bool = False) -> str:
@@ -266,8 +266,8 @@ def results(count: int, seed: int) -> Judged:
     read = store.files()
     for _ in range(count):
         name, how, forced = chance.choice(read), chance.choice(HOWS), chance.random() < 0.3
-        kind, other = name.parts[0], store.whole / chance.choice([n for n in read if n != name])
-        damage(store.folder / name, how, other, chance)
+        kind, replacement = name.parts[0], store.whole / chance.choice([n for n in read if n != name])
+        damage(store.folder / name, how, replacement, chance)
         readers = store.readers(kind, forced)
         reader = chance.choice([*readers, *["go on"] * (2 * (kind == "sweep"))])
         by_force = " by force" * (forced and reader in readers)
@@ -317,9 +317,9 @@ def checkpoints(count: int, seed: int) -> Judged:
     chance = random.Random(seed)
     for _ in range(count):
         path, how = chance.choice([*files]), chance.choice((*HOWS, "left whole"))
-        other = chance.choice([entry for entry in files if entry != path])
+        replacement = chance.choice([entry for entry in files if entry != path])
         if how != "left whole":
-            damage(path, how, other, chance)
+            damage(path, how, replacement, chance)
         kind = path.name[1:].partition(".")[0]
         yield f"{kind}, {how}", in_child(lambda kind=kind: resumed(kind))  # type: ignore[misc]
         shutil.rmtree(folder / kind, ignore_errors=True)

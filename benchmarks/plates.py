@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 LENGTH, WIDTH = 10.0, 2.438
 DISTORTION = 0.2
 """Largest displacement of an inner node of a distorted mesh over the element's size."""
-ONE_THREAD = {
-    f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "NUMBA", "VECLIB_MAXIMUM")
-}
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")}
 
 
 def interpreter_path(name: str | None) -> str | None:

@@ -144,12 +144,12 @@ class Expressions:
         if shape_of(value) != shape_of(slot.value):
             refuse(f"{name} has values of different structure")
         numbers = zip(leaves(slot.value), leaves(value), slot.addresses, strict=True)
-        for i, ((kind, _), (other, operand), address) in enumerate(numbers):
-            if kind != other:
-                if RANKS[other] > RANKS[kind]:
-                    self.kernel.wider[self.function, (name, i)] = other
+        for i, ((kind, _), (value_kind, operand), address) in enumerate(numbers):
+            if kind != value_kind:
+                if RANKS[value_kind] > RANKS[kind]:
+                    self.kernel.wider[self.function, (name, i)] = value_kind
                     raise WiderTypeError
-                operand = self.code.converted(Number(other, operand), kind).operand
+                operand = self.code.converted(Number(value_kind, operand), kind).operand
             self.code.add(f"store {kind} {operand}, ptr {address}")
 
     def _load(self, slot: Slot) -> Value:
@@ -285,9 +285,11 @@ class Expressions:
         pairs = zip(leaves(a), leaves(b), strict=True)
         kinds: list[str] = []
         operands: list[str] = []
-        for (kind, first), (other, second) in pairs:
+        for (kind, first), (second_kind, second) in pairs:
             if kind in RANKS:
-                number = arithmetic.select(self.code, condition, Number(kind, first), Number(other, second))
+                number = arithmetic.select(
+                    self.code, condition, Number(kind, first), Number(second_kind, second)
+                )
                 kinds.append(number.kind)
                 operands.append(number.operand)
             else:

@@ -6,6 +6,7 @@ or on another constant is decided here. A function becomes one of LLVM for each 
 merged into its caller. Nothing is allocated, and nothing raises: indices are those of an array, or negative constants.
 """
 
+import itertools
 import re
 from collections.abc import Callable
 
@@ -63,7 +64,7 @@ class Translation:
         if key not in self._functions:
             self._functions[key] = self._new_function(called, arguments)
         symbol, result = self._functions[key]
-        operands = ", ".join(f"{kind} {operand}" for value in arguments for kind, operand in leaves(value))
+        operands = _listed(arguments)
         kinds = [kind for kind, _ in leaves(result)]
         if not kinds:
             code.add(f"call void @{symbol}({operands})")
@@ -79,14 +80,13 @@ class Translation:
         return Statements(self, code, called).run(arguments)
 
     def _new_function(self, called: Implementation, arguments: Arguments) -> tuple[str, Value]:
-        names = (f"%a{i}" for i in range(sum(1 for value in arguments for _ in leaves(value))))
+        names = (f"%a{i}" for i in itertools.count())
         parameters = tuple(rebuilt(value, names) for value in arguments)
         code, result = self._translated(called, lambda code: parameters, _return_result)
         kinds = [kind for kind, _ in leaves(result)]
         symbol = symbol_of(f"f{len(self._functions)}", called.function)
-        header = ", ".join(f"{kind} {operand}" for kind, operand in _parameters(parameters))
         returned = f"{{{', '.join(kinds)}}}" if kinds else "void"
-        self.texts.append(code.text(f"define internal {returned} @{symbol}({header}) #0"))
+        self.texts.append(code.text(f"define internal {returned} @{symbol}({_listed(parameters)}) #0"))
         return symbol, result
 
     def _translated(
@@ -122,9 +122,9 @@ def _store_result(code: FunctionText, result: Value) -> None:
     code.leave("void")
 
 
-def _parameters(arguments: Arguments) -> list[tuple[str, str]]:
-    """Return types and operands of a function's parameters."""
-    return [number for value in arguments for number in leaves(value)]
+def _listed(arguments: Arguments) -> str:
+    """Return types and operands of arguments."""
+    return ", ".join(f"{kind} {operand}" for value in arguments for kind, operand in leaves(value))
 
 
 def _return_result(code: FunctionText, result: Value) -> None:

@@ -62,8 +62,7 @@ class Scratch(NamedTuple):
     tuple of gradients and a weight per point, constants of the loop over the slots; otherwise arrays with one row per
     block. hourglass: vectors in the same form, then the three stiffnesses; None without control. reference: reference
     positions [m] of the nodes of mapped elements, shape (2, nodes); `gradients` and `weights` are then those of the
-    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). Compiled code allocates nothing, because a third of
-    the code would then be checks for failed allocations.
+    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). Compiled code cannot allocate.
     """
 
     rows: np.ndarray

@@ -175,7 +175,7 @@ def _point_of(values, block, point, rows):
         def numbers(values, block, point, rows):
             return values[point]
     else:
-        # A view, because an index that may be negative prevents vectorisation.
+
         def numbers(values, block, point, rows):
             return values[block, rows * BLOCK_SIZE * point :]
 

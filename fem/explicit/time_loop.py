@@ -19,7 +19,7 @@ from machine_code.compiled import compiled, implements
 class LoopParameters(NamedTuple):
     """Constants of a run of the plate with its corner constrained.
 
-    A part that is None is compiled out of the loop by its type, see `advance`. span: distance [m] in which the origin
+    There is no code for a part that is None. span: distance [m] in which the origin
     follows the corner along the wall.
     """
 

@@ -46,8 +46,8 @@ def same(a, b):
     for name in set(vars(a)) - {"setup_s", "time_loop_s", "strike", "snapshots"}:
         first, second = getattr(a, name), getattr(b, name)
         for key in first if isinstance(first, dict) else [()]:
-            one, other = (np.asarray(value[key] if key else value) for value in (first, second))
-            assert_array_equal(one, other)
+            before, after = (np.asarray(value[key] if key else value) for value in (first, second))
+            assert_array_equal(before, after)
 
 
 @pytest.mark.parametrize(("at", "snapshots"), [(1, 6), (20, 6), (45, 6), (20, 1), (30, 400)])
@@ -129,11 +129,11 @@ def test_a_run_into_a_folder_that_is_not_there_yet(tmp_path, monkeypatch, at_onc
 
 def test_files_belong_to_one_definition(tmp_path, at_once, capsys):
     """Each run has a file, and those of other scenes remain."""
-    place, one, other = tmp_path / "out", {"scene": 1}, {"scene": 2}
-    files = [write_checkpoint(place, one, 3), write_checkpoint(place, one, 4, run=2)]
-    theirs = write_checkpoint(place, other, 5)
-    assert [loaded_rows(place, one, run=run) for run in (1, 2, 3)] == [3, 4, None]
-    assert (loaded_rows(place, other), loaded_rows(place, one, resume=False)) == (5, None)
+    place, scene, second_scene = tmp_path / "out", {"scene": 1}, {"scene": 2}
+    files = [write_checkpoint(place, scene, 3), write_checkpoint(place, scene, 4, run=2)]
+    theirs = write_checkpoint(place, second_scene, 5)
+    assert [loaded_rows(place, scene, run=run) for run in (1, 2, 3)] == [3, 4, None]
+    assert (loaded_rows(place, second_scene), loaded_rows(place, scene, resume=False)) == (5, None)
     assert capsys.readouterr().err == ""
     before = theirs.read_bytes()
     with checkpointed(place, {"scene": 3}, True):
@@ -142,11 +142,11 @@ def test_files_belong_to_one_definition(tmp_path, at_once, capsys):
         assert checkpoint.load(lambda length: {}) is None
     stay = ", ".join(sorted(path.name for path in (*files, theirs)))
     assert f"checkpoints of other scenes or versions are kept: {stay}; the run" in capsys.readouterr().err
-    with checkpointed(place, one, True):
+    with checkpointed(place, scene, True):
         assert set(tmp_path.iterdir()) == {*files, theirs}
     assert (list(tmp_path.iterdir()), theirs.read_bytes(), capsys.readouterr().err) == ([theirs], before, "")
     theirs.unlink()
-    with checkpointed(place, one, True):
+    with checkpointed(place, scene, True):
         pass
     assert capsys.readouterr().err.endswith("this run has no checkpoint; the run starts from the beginning\n")
 

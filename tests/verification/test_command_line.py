@@ -26,7 +26,7 @@ from tailslap.studies import study as study_record
 from tailslap.studies import study_names
 
 HEAVY = (
-    *("gmsh", "skfem", "numba", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
+    *("gmsh", "skfem", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
     *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pyarrow"),
 )
 FILES = {

@@ -42,7 +42,7 @@ def public() -> dict[str, Any]:
     for module in modules():
         for name in getattr(module, "__all__", ()):
             value = getattr(module, name)
-            value = getattr(value, "py_func", value)  # what Numba has compiled
+            value = getattr(value, "py_func", value)  # of a kernel
             if inspect.isclass(value) or inspect.isroutine(value):
                 objects[f"{value.__module__}.{name}"] = value
     return objects

@@ -309,9 +309,9 @@ def test_another_mesh_is_run_until_its_strikes_are_over(monkeypatch):
     outcome, plate = ran(), ran().fe_plan.plate.model_copy(update={"elements": (10, 3)})
     rear = outcome.fe.strikes[1]
     monkeypatch.setattr(error, "judged_until", lambda answer: rear.end - 0.01)
-    other = run._on(outcome, plate, {})
-    assert not other.strikes[1].cut
-    assert other.strikes[1].impulse == pytest.approx(rear.impulse, rel=0.02)
+    repeated = run._on(outcome, plate, {})
+    assert not repeated.strikes[1].cut
+    assert repeated.strikes[1].impulse == pytest.approx(rear.impulse, rel=0.02)
     short = dataclasses.replace(outcome, fe=ran("time.end=0.34").fe)
     assert run._on(short, plate, {}).strikes[1].cut
 
@@ -353,7 +353,7 @@ def answer(impulse=1.0, duration=0.02, corner="rear", blip=0.0, force=0.0):
 
 def stated(impulse, *sequence):
     """Stated error of the second impulse [N s], without its constant part."""
-    error_of_impulse = error.estimate(answer(impulse), [answer(other) for other in sequence])[
+    error_of_impulse = error.estimate(answer(impulse), [answer(companion) for companion in sequence])[
         "strike_2.impulse"
     ]
     return impulse * (error_of_impulse - error.RESOLVED)
@@ -425,9 +425,9 @@ def test_a_strike_without_weight_is_none():
     }
 
 
-@pytest.mark.parametrize("other", [answer(corner="rear left"), answer(force=math.nan)])
-def test_other_corners_or_a_run_that_diverged_bound_nothing(other):
-    errors = error.estimate(answer(), [answer(), other])
+@pytest.mark.parametrize("companion", [answer(corner="rear left"), answer(force=math.nan)])
+def test_other_corners_or_a_run_that_diverged_bound_nothing(companion):
+    errors = error.estimate(answer(), [answer(), companion])
     assert set(errors.values()) == {math.inf}
     assert percent_up(math.inf) == "unknown"
 

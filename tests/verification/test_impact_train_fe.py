@@ -158,14 +158,14 @@ def test_the_hinge_is_a_node_that_carries_both_masses():
     """Against central differences with one unknown for both nodes, written out."""
     model, _ = train(counts=((4, 2), (16, 2)))
     stepper, state = spinning(model, (0.4, -0.3))
-    one, other = model.parameters.hinges.nodes
+    front, rear = model.parameters.hinges.nodes
     mass, dt = model.parameters.mass.copy(), model.parameters.time_step
-    mass[[one, other]] = mass[one] + mass[other]
+    mass[[front, rear]] = mass[front] + mass[rear]
     x, v = state.positions.copy(), state.velocities.copy()
-    v[:, other] = v[:, one]
+    v[:, rear] = v[:, front]
     for _ in range(200):
         force = -internal_forces(model, x)
-        force[:, [one, other]] = (force[:, one] + force[:, other])[:, None]
+        force[:, [front, rear]] = (force[:, front] + force[:, rear])[:, None]
         v += dt * force / mass
         x += dt * v
     later = stepper.record(state, 200, 1).state
@@ -380,6 +380,8 @@ def test_a_soft_train_converges_where_its_corners_and_its_hinge_are_spread():
             [np.hypot(*run.hinges[0]).max()] * 5,
         ])  # fmt: skip
     coarse, middle, fine = np.array(results)
-    steps = [np.abs(one / other - 1.0).max(axis=1) for one, other in ((coarse, middle), (middle, fine))]
+    steps = [
+        np.abs(coarser / finer - 1.0).max(axis=1) for coarser, finer in ((coarse, middle), (middle, fine))
+    ]
     assert (np.log2(steps[0] / steps[1]) > 1.1).all()
     assert (steps[1] < (1e-3, 3e-3, 3e-4, 5e-3)).all()

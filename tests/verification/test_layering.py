@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = {"solver", "meshes", "machine_code", "fem", "postprocess", "tailslap"}
 MOST = 15
 MAX_CLIMBS = 4
-HEAVY = {"pyvista", "vtk", "vtkmodules", "matplotlib", "jinja2", "meshio", "scipy", "numba"}
+HEAVY = {"pyvista", "vtk", "vtkmodules", "matplotlib", "jinja2", "meshio", "scipy", "llvmlite"}
 
 
 @functools.cache

@@ -281,8 +281,8 @@ def test_journal_is_taken_up_after_an_interrupt_and_removed_at_the_end(journal, 
 def test_journal_of_another_definition_is_begun_anew(journal):
     with pytest.raises(Interrupted):
         interrupt(journal(a=1), {"x": 1})
-    with journal(a=2) as other:
-        assert other.records == {}
+    with journal(a=2) as changed:
+        assert changed.records == {}
 
 
 @pytest.mark.parametrize("foreign", [b"", b"diary\n", b"\xff\xfe\n", b"SQLite format 3\0" + bytes(4080)])
@@ -310,8 +310,8 @@ def test_a_journal_is_not_lost_if_it_cannot_be_begun_anew(journal, monkeypatch):
     with pytest.raises(Interrupted):
         interrupt(journal(a=1), {"x": 1})
     monkeypatch.setattr("tailslap.campaign.records.PATIENCE_S", 0.1)
-    with contextlib.closing(sqlite3.connect(journal(a=1).path)) as other:
-        other.execute("BEGIN IMMEDIATE")
+    with contextlib.closing(sqlite3.connect(journal(a=1).path)) as connection:
+        connection.execute("BEGIN IMMEDIATE")
         with pytest.raises((InputError, OSError), match="locked"), journal(a=2):
             pass
     with journal(a=1) as again:
@@ -633,14 +633,20 @@ def test_what_is_right_by_chance_is_not_right_beyond_doubt():
     assert cell_verdicts.grade(five(0.1), (), reference, 0.5)["kind"] == "right"
 
 
-@pytest.mark.parametrize(("other", "kind"), [(0.1, "good but failed"), (0.12, "caught"), (None, "caught")])
-def test_two_references_say_what_is_beyond_doubt(other, kind, monkeypatch, soft):
+@pytest.mark.parametrize(
+    ("second_value", "kind"), [(0.1, "good but failed"), (0.12, "caught"), (None, "caught")]
+)
+def test_two_references_say_what_is_beyond_doubt(second_value, kind, monkeypatch, soft):
     """One reference may agree by chance, and a single one is insufficient."""
     histories = soft.fe_history, soft.rigid_history
     mesh = Check.at_most("mesh", 1.0, 0.0, "made to fail")
     failed = replace(soft, difference=five(0.1), checks=(mesh,))
     first = cell_verdicts.Reference(five(0.1), "quad9 15 x 5", 1.0, histories)
-    second = None if other is None else cell_verdicts.Reference(five(other), "quad9 20 x 6", 1.0, histories)
+    second = (
+        None
+        if second_value is None
+        else cell_verdicts.Reference(five(second_value), "quad9 20 x 6", 1.0, histories)
+    )
     kinds = {
         cell_verdicts.FIRST: iter([first]),
         cell_verdicts.SECOND: iter([first, second] if second else [first]),
