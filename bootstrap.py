@@ -4,8 +4,7 @@
     python3 bootstrap.py          all that `tailslap` needs
     python3 bootstrap.py --dev    and all that its tests need
 
-The last step compiles the time loops of shipped scenes, so that their first runs need not. A second call does only what
-has changed since the first. Uses the standard library only.
+A second call does only what has changed since the first. Uses the standard library only.
 """
 
 import argparse

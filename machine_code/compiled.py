@@ -17,7 +17,7 @@ from typing import Any, Protocol
 
 from machine_code import folder, object_code
 from machine_code.object_code import (
-    Call,
+    Bind,
     Kinds,
     flattened,
     type_text,
@@ -62,7 +62,7 @@ class Kernel:
     def __init__(self, function: Function, is_merged: bool = False, is_compact: bool = False) -> None:
         functools.update_wrapper(self, function)
         self.py_func, self.is_merged, self.is_compact = function, is_merged, is_compact
-        self._calls: dict[Kinds, Call] = {}
+        self._binds: dict[Kinds, Bind] = {}
 
     def __reduce__(self) -> str:
         return self.py_func.__qualname__
@@ -76,15 +76,16 @@ class Kernel:
         Arrays among them must keep their memory.
         """
         kinds, values = flattened(arguments)
-        call = self._calls.get(kinds) or self._call_for(kinds)
-        return lambda alive=arguments: call(values)  # type: ignore[misc]  # keeps the arrays whose addresses are in values
+        bind = self._binds.get(kinds) or self._bind_for(kinds)
+        call = bind(values)
+        return lambda alive=arguments: call()  # type: ignore[misc]  # keeps the arrays whose addresses are in values
 
     def has_code(self, *arguments: object) -> bool:
         """Return True if there is machine code for arguments of these types.
 
         It may be in this process or on disk, from which it is then loaded.
         """
-        return self._stored_call(flattened(arguments)[0]) is not None
+        return self._stored_bind(flattened(arguments)[0]) is not None
 
     def path(self, *arguments: object) -> Path:
         """Return the file of the machine code for arguments of these types."""
@@ -112,26 +113,26 @@ class Kernel:
         digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:20]
         return folder.cache_folder() / f"{function.__name__}-{digest}.code", identity
 
-    def _stored_call(self, kinds: Kinds) -> Call | None:
-        """Return the call of machine code that exists, or None.
+    def _stored_bind(self, kinds: Kinds) -> Bind | None:
+        """Return the binding of machine code that exists, or None.
 
         It is in this process or on disk.
         """
         with _LOCK:
-            if kinds not in self._calls:
+            if kinds not in self._binds:
                 path, identity = self._file(kinds)
                 code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
                 with suppress(LookupError):  # of another kernel
-                    self._calls |= {kinds: object_code.load_code(code)} if code else {}
-            return self._calls.get(kinds)
+                    self._binds |= {kinds: object_code.load_code(code)} if code else {}
+            return self._binds.get(kinds)
 
-    def _call_for(self, kinds: Kinds) -> Call:
-        """Return the call of the machine code, compiled if necessary."""
+    def _bind_for(self, kinds: Kinds) -> Bind:
+        """Return the binding of the machine code, compiled if necessary."""
         with _LOCK:
-            call = self._stored_call(kinds)
-            if call is None:
-                call = self._calls[kinds] = object_code.load_code(self._compiled(kinds))
-            return call
+            bind = self._stored_bind(kinds)
+            if bind is None:
+                bind = self._binds[kinds] = object_code.load_code(self._compiled(kinds))
+            return bind
 
     def _compiled(self, kinds: Kinds) -> object_code.ObjectCode:
         """Compile the code for these types, and store it."""

@@ -176,7 +176,7 @@ def save_time(seconds: float) -> None:
 
     Raises OSError where nothing can be stored.
     """
-    write(cache_folder() / TIME_FILE, f"{seconds:.2f}".encode())
+    write(cache_folder() / TIME_FILE, f"{seconds:.4g}".encode())
 
 
 @contextmanager

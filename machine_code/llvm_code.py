@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 SPEED = 3
 """LLVM's level of optimisation."""
 
-TYPES = {"d": "double", "q": "i64", "b": "i8", "P": "ptr"}
+TYPES = {"d": "double", "q": "i64", "b": "i64", "P": "ptr"}
 """LLVM's types by the codes of arguments."""
 
 ATTRIBUTES = (
@@ -81,13 +81,17 @@ def _translated(
 ) -> tuple[Translation, Value]:
     """Return a kernel in LLVM's language, and its result."""
     codes = "".join(map(value_codes, kinds))
-    parameters = "".join(f", {TYPES[code]} %a{i}" for i, code in enumerate(codes))
     translation = Translation(resolve, is_compact, checks_indices())
 
     def read(code: FunctionText) -> Arguments:
-        return _arguments(iter(kinds), (f"%a{i}" for i in range(len(codes))), code)
+        places = [code.item("%arguments", "i64", str(n)) for n in range(len(codes))]
+        loads = zip(codes, places, strict=True)
+        operands = [
+            code.value(f"load {TYPES[value]}, ptr {place}, !invariant.load !{{}}") for value, place in loads
+        ]
+        return _arguments(iter(kinds), iter(operands), code)
 
-    return translation, translation.kernel(function, _symbol(function, kinds), parameters, read)
+    return translation, translation.kernel(function, _symbol(function, kinds), read)
 
 
 def _arguments(kinds: Iterator[Any], operands: Iterator[str], code: FunctionText) -> Arguments:
@@ -101,7 +105,7 @@ def _argument(kind: Any, kinds: Iterator[Any], operands: Iterator[str], code: Fu
     if isinstance(kind, str):
         operand = next(operands)
         number = CODES[kind]
-        return Number(number, code.value(f"trunc i8 {operand} to i1") if number == LOGICAL else operand)
+        return Number(number, code.value(f"trunc i64 {operand} to i1") if number == LOGICAL else operand)
     if len(kind) == 2:
         return Record(kind[0], tuple(_argument(next(kinds), kinds, operands, code) for _ in range(kind[1])))
     item, dimensions, layout, _ = kind

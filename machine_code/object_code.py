@@ -1,8 +1,8 @@
 """Object code on disk, loaded by llvmlite and called by ctypes.
 
-It is stored with the layout of its arguments: numbers and addresses in a row. An array is the address of its data,
-then shape and strides; tuples and NamedTuples are their items in turn, and None is nothing. A kernel writes the
-numbers of its result behind one another.
+It is stored with the layout of its arguments: numbers and addresses of eight bytes each in a row. An array is the
+address of its data, then shape and strides; tuples and NamedTuples are their items in turn, and None is nothing. A
+kernel reads them from there, and writes the numbers of its result behind one another.
 """
 
 import ctypes
@@ -46,16 +46,8 @@ Kinds = tuple[object, ...]
 Result = str | None | list["Result"]
 """Type of a result: a code, None, or module and name of a tuple's class before the types of its items."""
 
-Call = Callable[[list[object]], object]
-"""Call of machine code with the values of its arguments in a row."""
-
-C_TYPES: dict[str, Any] = {
-    FLOAT: ctypes.c_double,
-    INTEGER: ctypes.c_int64,
-    LOGICAL: ctypes.c_int8,
-    ADDRESS: ctypes.c_void_p,
-}
-"""C types by the code of a value."""
+Bind = Callable[[list[object]], Callable[[], object]]
+"""Function from the values of arguments in a row to the call of machine code with them."""
 
 CODES = {FLOAT: translated.FLOAT, INTEGER: translated.INTEGER, LOGICAL: translated.LOGICAL}
 """LLVM's types of numbers by their codes."""
@@ -197,22 +189,35 @@ def checks_indices() -> bool:
     return bool(os.environ.get(CHECK_INDICES))
 
 
-def load_code(code: ObjectCode) -> Call:
-    """Load object code and return its call."""
+def load_code(code: ObjectCode) -> Bind:
+    """Load object code and return the function that binds its arguments."""
     llvm, engine = llvm_library(), _engine()
     engine.add_object_file(llvm.ObjectFileRef.from_data(code.code))
     engine.finalize_object()
     if not (address := engine.get_function_address(code.symbol)):
         raise LookupError(code.symbol)
-    function = ctypes.CFUNCTYPE(None, ctypes.c_void_p, *(C_TYPES[code] for code in code.arguments))(address)
-    layout, read = struct.Struct("".join(_codes(code.result)).replace(LOGICAL, INTEGER)), _reader(code.result)
+    function = ctypes.CFUNCTYPE(None, ctypes.c_char_p, ctypes.c_char_p)(address)
+    numbers, read = _layout("".join(_codes(code.result))), _reader(code.result)
+    arguments = _layout(code.arguments)
 
-    def call(values: list[object]) -> object:
-        result = ctypes.create_string_buffer(layout.size)
-        function(ctypes.addressof(result), *values)
-        return read(iter(layout.unpack_from(result)))
+    def bind(values: list[object]) -> Callable[[], object]:
+        packed = arguments.pack(*values)
 
-    return call
+        def call() -> object:
+            result = ctypes.create_string_buffer(
+                numbers.size
+            )  # of this call alone, as other threads may call too
+            function(result, packed)
+            return read(iter(numbers.unpack_from(result)))
+
+        return call
+
+    return bind
+
+
+def _layout(codes: str) -> struct.Struct:
+    """Return the layout of values, each of eight bytes."""
+    return struct.Struct(codes.replace(LOGICAL, INTEGER))
 
 
 def _codes(result: Result) -> Iterator[str]:

@@ -46,16 +46,15 @@ class Translation:
         self,
         function: PythonFunction,
         symbol: str,
-        parameters: str,
         read: Callable[[FunctionText], Arguments],
     ) -> Value:
         """Translate a kernel.
 
-        It writes the numbers of its result behind one another. parameters: in LLVM's language; read: makes arguments
-        of them. Returns the result, whose operands have no meaning outside.
+        It writes the numbers of its result behind one another. read: reads its arguments from the memory at
+        `%arguments`. Returns the result, whose operands have no meaning outside.
         """
         code, result = self._translated(Implementation(function, False, self.is_compact), read, _store_result)
-        self.texts.append(code.text(f"define void @{symbol}(ptr %result{parameters}) #0"))
+        self.texts.append(code.text(f"define void @{symbol}(ptr %result, ptr %arguments) #0"))
         return result
 
     def call(self, code: FunctionText, called: Implementation, arguments: Arguments) -> Value:

@@ -13,7 +13,8 @@ mapped from the reference element at each step: reading their nodes takes a sixt
 gradients.
 """
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -93,6 +94,25 @@ def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scra
     return Scratch(
         rows, rows_of_gradients, in_blocks(table.weights, lattice), lattice, motion, control_blocks
     )
+
+
+def elastic_forces(parameters: Any) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the function of positions [m] that returns the internal forces [N].
+
+    parameters: of a loop. Both arrays have the shape (2, nodes).
+    """
+    table, hourglass, place = parameters.table, parameters.hourglass, np.zeros((2, parameters.mass.size))
+    force, scratch = np.zeros_like(place), scratch_for(table, hourglass)
+    subtract = subtract_internal_forces.bound(
+        place, np.zeros_like(place), None, hourglass, force, table, parameters.material, scratch
+    )
+
+    def forces(positions: np.ndarray) -> np.ndarray:
+        place[:], force[:] = positions, 0.0
+        subtract()
+        return -force
+
+    return forces
 
 
 @compiled

@@ -19,7 +19,7 @@ from machine_code.compiled import Kernel, OnCompile, compile_once, ignore_compil
 
 T = TypeVar("T")
 
-CORRUPTION_CHECKS = 50
+CORRUPTION_CHECKS = 20
 """Instants of a run at which the check for corruption is made."""
 
 OVERTIME = 1.5

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.explicit.internal_force import scratch_for, subtract_internal_forces
+from fem.explicit.internal_force import elastic_forces
 from fem.explicit.time_loop import LoopParameters
 from fem.laws.materials import deformation_gradient, energy_density, green_strain, stress
 from fem.model.plate_model import PlateModel
@@ -44,26 +44,15 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
         Frequency [rad/s]; infinite where the forces are not finite.
     """
     parameters = model.parameters
-    table, hourglass = parameters.table, parameters.hourglass
     root, shape = 1.0 / np.sqrt(parameters.mass), positions.shape
-    add_springs = _springs(parameters)
+    add_springs, forces = _springs(parameters), elastic_forces(parameters)
     size = RELATIVE_DISPLACEMENT * math.sqrt(float(model.discretisation.scalar.dx.sum(axis=1).min()))
-    place, force = positions.copy(), np.zeros(shape)
-    parts = (hourglass, force, table, parameters.material, scratch_for(table, hourglass))
-    subtract = subtract_internal_forces.bound(place, np.zeros(shape), None, *parts)
-
-    def forces() -> np.ndarray:
-        force[:] = 0.0
-        subtract()
-        return force
-
-    before = forces().copy()
+    before = forces(positions)
 
     def product(vector: np.ndarray) -> np.ndarray:
         displacement = root * vector.reshape(shape)
         scale = size / max(np.abs(displacement).max(), np.finfo(float).tiny)
-        np.add(positions, scale * displacement, out=place)
-        difference = (before - forces()) / scale
+        difference = (forces(positions + scale * displacement) - before) / scale
         add_springs(displacement, difference)
         return np.asarray((root * difference).ravel())
 

@@ -1,7 +1,9 @@
-"""Equilibrium of the plate on its deformed shape by Newton's method.
+"""Equilibrium of the deformed plate by Newton's method with Anderson acceleration.
 
 The forces are those of the time loop itself. The tangent stiffness is that of the St. Venant-Kirchhoff material, with
-which all materials agree at small strain.
+which all materials agree at small strain. It does not contain the change of the load with the position, so that steps
+alone converge slowly: each is combined with the last ones such that their combined length is least (Anderson, J. ACM
+12, 1965). A tangent stiffness then serves many steps.
 """
 
 from collections.abc import Callable
@@ -9,60 +11,80 @@ from collections.abc import Callable
 import numpy as np
 import scipy.sparse as sp
 
-from fem.explicit import internal_force
+from fem.explicit.internal_force import elastic_forces
 from fem.laws.materials import StVenantKirchhoff
 from fem.model.plate_model import PlateModel
 from fem.plate.discretisation import hourglass_matrix
 from fem.plate.elastic import Solve, elastic_solver
 
-MAX_STEPS, TOLERANCE, STAGNATION = 15, 1e-10, 1e-3
-"""Newton steps, final residual over the largest load, and residual at which stagnation is accepted.
+MAX_STEPS, TOLERANCE, COMBINED = 40, 1e-10, 6
+"""Most steps, final residual over the largest load, and number of steps that are combined."""
 
-From the last one on the steps end where rounding prevents a further decrease.
+SLOW = 0.5
+"""Decrease of the residual above which a step is too short, and the tangent stiffness is computed again."""
+
+STAGNATION = {True: 1e-3, False: 1e-8}
+"""Residual below which such a step is attributed to rounding, and accepted.
+
+By whether the step has the tangent stiffness of its own state; any other one may converge slowly.
 """
-
-REUSED = 0.1
-"""Decrease of the residual up to which a step has the tangent stiffness of an earlier one."""
 
 
 def equilibrium(
     model: PlateModel,
     place: np.ndarray,
-    load_at: Callable[[np.ndarray], np.ndarray],
-    solve: Solve | None = None,
-) -> tuple[np.ndarray, Solve | None]:
+    load_at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+    solve: Solve,
+) -> tuple[np.ndarray, Solve]:
     """Return positions [m] in equilibrium with the load, shape (2, nodes).
 
-    Besides, the last solver by the tangent stiffness. place: positions near to them. load_at: load [N] for positions,
-    in equilibrium there, shape (2, nodes). solve: solver of a similar state, if any. The rigid part of each step is
-    removed. Raises ValueError if the steps do not converge.
+    Besides, the last solver. place: positions near to them. load_at: returns the positions without rigid rotation,
+    and the load [N] in equilibrium there, shape (2, nodes) each. solve: solver of a
+    similar state, replaced where it converges slowly. Raises ValueError if the steps do not converge.
     """
-    before, is_own = np.inf, False
+    before, is_own = 1.0, False
+    places, steps, forces = list[np.ndarray](), list[np.ndarray](), elastic_forces(model.parameters)
     for _ in range(MAX_STEPS):
-        load = load_at(place)
-        residual = load - internal_forces(model, place)
+        place, load = load_at(place)
+        residual = load - forces(place)
         size = float(np.abs(residual).max() / np.abs(load).max())
-        if size <= TOLERANCE or (is_own and before < STAGNATION and size > 0.5 * before):
+        is_slow = size > SLOW * before
+        if size <= TOLERANCE or (is_slow and before < STAGNATION[is_own]):
             return place, solve
         if not np.isfinite(size):
             break
-        if is_own := solve is None or size > REUSED * before:
+        if is_slow:
             solve = elastic_solver(tangent_matrix(model, place), model.parameters.mass, place)
-        place, before = place + solve(residual.ravel()).reshape(2, -1), size
+            places, steps = [], []
+        places, steps = [*places[1 - COMBINED :], place], [*steps[1 - COMBINED :], solve(residual.ravel())]
+        place, before, is_own = _combined(places, steps), size, is_slow
     raise ValueError(
         "the plate is too soft for a start by inertia relief: no equilibrium exists under the reaction"
     )
 
 
-def internal_forces(model: PlateModel, place: np.ndarray) -> np.ndarray:
-    """Return the nodal forces [N] of the deformed plate, shape (2, nodes)."""
-    parameters, force, place = model.parameters, np.zeros(place.shape), np.ascontiguousarray(place)
-    table, hourglass = parameters.table, parameters.hourglass
-    scratch = internal_force.scratch_for(table, hourglass)
-    internal_force.subtract_internal_forces(
-        place, np.zeros(place.shape), None, hourglass, force, table, parameters.material, scratch
+def _combined(places: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:
+    """Return the next place by Anderson acceleration.
+
+    places: shape (2, nodes) each; steps: from each of them, shape (2 nodes,).
+    """
+    moved = [place.ravel() + step for place, step in zip(places, steps, strict=True)]
+    place = moved[-1]
+    if len(steps) > 1:
+        weights = np.linalg.lstsq(np.diff(steps, axis=0).T, steps[-1], rcond=None)[0]
+        place = place - weights @ np.diff(moved, axis=0)
+    return np.asarray(place.reshape(2, -1))
+
+
+def has_inverted_elements(model: PlateModel, place: np.ndarray) -> bool:
+    """Return True if the determinant of a deformation gradient is not positive.
+
+    The material has equilibria beyond that, which no plate can reach.
+    """
+    (f_11, f_12), (f_21, f_22) = (
+        model.discretisation.scalar.interpolate(component).grad for component in place
     )
-    return -force
+    return bool((f_11 * f_22 - f_12 * f_21).min() <= 0.0)
 
 
 def tangent_matrix(model: PlateModel, place: np.ndarray) -> sp.csr_matrix:

@@ -6,7 +6,7 @@ the deformed plate (`equilibrium`), starting from the linear state.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -14,10 +14,10 @@ from fem.laws import friction
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Solve, without_rigid_motion
 from fem.plate.properties import RigidStart
-from fem.start.equilibrium import equilibrium
+from fem.start.equilibrium import equilibrium, has_inverted_elements
 
-LINEAR_LIMIT = 1e-5
-"""Elastic displacement over the plate's length below which nonlinear terms are rounding."""
+LINEAR_LIMIT, LARGE = 1e-5, 0.01
+"""Elastic displacements over the plate's length below which nonlinear terms are rounding, and no element inverts."""
 
 LARGEST_LAG = 0.1
 """Lag by damping over the elastic displacement up to which the lag is applied.
@@ -76,17 +76,20 @@ def relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> ElasticF
 
     They are in equilibrium on the deformed shape where the displacement is not small.
     """
-    fields = linear = relieved_fields(model, start)
-    solve: Solve | None = None
+    fields = relieved_fields(model, start)
+    elastic, solve = fields.elastic, cast(Solve, model.elastic)
 
     def at(now: RigidStart) -> tuple[np.ndarray, float]:
-        nonlocal solve
-        elastic, gap, solve = _in_equilibrium(model, body, linear, now, solve)
+        nonlocal elastic, solve
+        elastic, gap, solve = _in_equilibrium(model, body, elastic, now, solve)
         return elastic, gap
 
-    if np.abs(linear.elastic).max() >= LINEAR_LIMIT * np.ptp(body):
-        (elastic, gap), (rate, gap_rate) = _and_rate(model, start, body, at)
-        fields = ElasticFields(elastic, rate, gap, gap_rate)
+    if np.abs(elastic).max() >= LINEAR_LIMIT * np.ptp(body):
+        (displacement, gap), (rate, gap_rate) = _and_rate(model, start, body, at)
+        is_large = np.abs(displacement).max() > LARGE * np.ptp(body)
+        if is_large and has_inverted_elements(model, body + displacement):
+            raise TooSoftError("elements are turned inside out")
+        fields = ElasticFields(displacement, rate, gap, gap_rate)
     lag = lag_by_damping(model, fields.rate)
     lag = lag - at_corner(model, lag)
     if np.abs(lag).max() > LARGEST_LAG * np.abs(fields.elastic).max():
@@ -159,22 +162,22 @@ def _displaced(model: PlateModel, load: np.ndarray) -> np.ndarray:
 
 
 def _in_equilibrium(
-    model: PlateModel, body: np.ndarray, linear: ElasticFields, start: RigidStart, solve: Solve | None
-) -> tuple[np.ndarray, float, Solve | None]:
+    model: PlateModel, body: np.ndarray, elastic: np.ndarray, start: RigidStart, solve: Solve
+) -> tuple[np.ndarray, float, Solve]:
     """Return elastic displacement and gap in equilibrium on the deformed shape.
 
-    The best rigid rotation is removed. solve: see `equilibrium`, which returns it for the next state. Raises
-    TooSoftError.
+    The best rigid rotation is removed. elastic, solve: displacement [m] of a similar state and a solver, see
+    `equilibrium`. Both serve the next state. Raises TooSoftError.
     """
 
-    def load_at(place: np.ndarray) -> np.ndarray:
-        return inertia_load(model, place - at_corner(model, place), start)[0]
+    def load_at(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        place = _unturned(model, body, place - at_corner(model, place))
+        return place, inertia_load(model, place, start)[0]
 
     try:
-        place, solve = equilibrium(model, body + linear.elastic, load_at, solve)
-    except ValueError as error:  # Newton's method fails, or the reaction becomes compressive
+        place, solve = equilibrium(model, body + elastic, load_at, solve)
+    except ValueError as error:  # the steps diverge, or the reaction becomes compressive
         raise TooSoftError(str(error)) from None
-    place = _unturned(model, body, place - at_corner(model, place))
     return place - body, corner_gap(model, inertia_load(model, place, start)[1]), solve
 
 

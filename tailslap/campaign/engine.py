@@ -6,6 +6,7 @@ the end, so that a part that kills its worker is identified with certainty.
 """
 
 import contextlib
+import functools
 import math
 import queue
 import time
@@ -96,12 +97,14 @@ def run_parts(
     label: str,
     workers: int | None = None,
     expected: Mapping[str, float] = MappingProxyType({}),
+    pool_of: Callable[[int], pools.Pool] | None = None,
 ) -> None:
     """Compute the missing parts of a journal.
 
     An error of a part is raised. parts: arguments of the function by key; journal: open, receives the results; label:
     on the progress bar; workers: number of processes, by default one per core, a single one is this process; expected:
-    processor time of each part [s] where it is known. The longest parts come first, and the sum is announced.
+    processor time of each part [s] where it is known, such that the longest parts come first, and the sum is announced;
+    pool_of: returns a pool of this number of workers that outlasts the call, by default one is started.
     """
     records = journal.records
     costs = {key: expected.get(key, 1.0) for key in parts if key not in records}
@@ -115,7 +118,8 @@ def run_parts(
         wall = max(work[-1] / count, costs[str(missing[0])])
         progress.estimated(f"{label}: expected time {progress.clock(wall)} on {cores}")
     with contextlib.ExitStack() as stack:
-        pool = stack.enter_context(pools.local(count if count > 1 else 0))
+        size = count if count > 1 else 0
+        pool = pool_of(size) if pool_of else stack.enter_context(pools.local(size))
         total, before = len(parts), len(parts) - len(missing)
         work_left = lambda complete: work[round(total - complete)]  # noqa: E731
         show = stack.enter_context(progress.counted(label, total, before, work_left=work_left))
@@ -132,15 +136,16 @@ def study(
 ) -> Iterator[Callable[[Group], Results]]:
     """Yield a function that computes groups of parts.
 
-    An interrupted study resumes from its journal.
+    All groups have the same workers. An interrupted study resumes from its journal.
     """
     scene = definition["scene"]
     assert isinstance(scene, Mapping)
-    with Journal(place, definition) as journal:
+    with Journal(place, definition) as journal, contextlib.ExitStack() as stack:
+        pool_of = functools.cache(lambda size: stack.enter_context(pools.local(size)))
 
         def results(group: Group) -> Results:
             function, parts, label = group
-            run_parts(function, parts, journal, f"{scene['name']}: {label}", workers, expected)
+            run_parts(function, parts, journal, f"{scene['name']}: {label}", workers, expected, pool_of)
             return {key: journal.records[key] for key in parts}
 
         yield results

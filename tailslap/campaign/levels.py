@@ -45,8 +45,8 @@ class Reach:
     """Lowest frequency of a level.
 
     The frequency [Hz] is that of the crossing, where the difference plus its error equals the level. It is that of the
-    softest plate that passed where the level is not reached, of the stiffest where all exceed it, and of the stiffest
-    plate with too large an error where it is unknown; NaN if none passed.
+    softest plate that passed where the level is not reached, and of the stiffest where all exceed it. Where it is
+    unknown, it is that of the softest plate known to be below the level; NaN without one.
     """
 
     level: float
@@ -124,13 +124,18 @@ def lowest_frequency(samples: Sequence[Sample], level: float) -> Reach:
         if not sample.passed:
             continue
         if not math.isfinite(sample.error):
-            return Reach(level, UNKNOWN, sample.frequency)
+            return _unknown(samples, last, level)
         if sample.bound > level:
             return _crossing(samples, last, number, level)
         last = number
     if last is None:
-        return Reach(level, UNKNOWN, math.nan)
+        return _unknown(samples, last, level)
     return Reach(level, NOT_REACHED, samples[last].frequency)
+
+
+def _unknown(samples: Sequence[Sample], last: int | None, level: float) -> Reach:
+    """Return an unknown level below the last point below it, if any."""
+    return Reach(level, UNKNOWN, math.nan if last is None else samples[last].frequency)
 
 
 def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: float) -> Reach:
@@ -141,25 +146,27 @@ def _crossing(samples: Sequence[Sample], last: int | None, number: int, level: f
     soft, floor = samples[number], float(np.finfo(float).eps)
     if last is None:
         is_known = soft.error < KNOWN_FRACTION * soft.difference
-        return Reach(level, ABOVE_ALL if is_known else UNKNOWN, soft.frequency)
+        return Reach(level, ABOVE_ALL, soft.frequency) if is_known else _unknown(samples, last, level)
     stiff = samples[last]
     low = max(stiff.bound, floor)  # a positive number for the logarithm
     part = math.log(level / low) / math.log(soft.bound / low)
     error = max(stiff.error, floor) ** (1.0 - part) * max(soft.error, floor) ** part
     if number != last + 1 or not error < KNOWN_FRACTION * level:
-        return Reach(level, UNKNOWN, soft.frequency)
+        return _unknown(samples, last, level)
     return Reach(level, CROSSED, stiff.frequency * (soft.frequency / stiff.frequency) ** part)
 
 
 def jointly(levels: Sequence[Reach]) -> Reach:
-    """Return the level that holds for several series."""
-    for kind in (ABOVE_ALL, UNKNOWN):
-        frequencies_of_kind = [level.frequency for level in levels if level.kind == kind]
-        if frequencies_of_kind:
-            return Reach(
-                levels[0].level, kind, max(filter(math.isfinite, frequencies_of_kind), default=math.nan)
-            )
-    return max(levels, key=lambda level: (level.frequency, level.kind == CROSSED))
+    """Return the level that holds for several series.
+
+    It is unknown only where no other series has a crossing at a higher frequency.
+    """
+
+    def priority(level: Reach) -> tuple[bool, float, bool]:
+        frequency = math.inf if math.isnan(level.frequency) else level.frequency
+        return level.kind == ABOVE_ALL, frequency, level.kind == CROSSED
+
+    return max(levels, key=priority)
 
 
 def power_law(samples: Sequence[Sample]) -> PowerLaw | None:

@@ -114,12 +114,21 @@ def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> Compan
             companion = damped_run(with_open_damping(case))
     except InputError:
         return None
+    return compared(outcome, companion, refinement)
+
+
+def compared(outcome: CornerOutcome, other: CornerOutcome, refinement: float) -> Companion:
+    """Compare a run with another one as its companion.
+
+    refinement: of the mesh of the other.
+    """
+    plate = other.fe_plan.plate
     mesh = f"{plate.element}, {plate.counts[0]} x {plate.counts[1]}"
-    if not companion.fe:
+    if not other.fe:
         return Companion(mesh, refinement, {})
-    motions = (outcome.run.history, outcome.rigid_history), (companion.run.history, companion.rigid_history)
-    apart = distance_in_motion(*motions, outcome.rigid, not fe_plan.plate.relieved)
-    return Companion(mesh, refinement, companion.difference, apart)
+    motions = (outcome.run.history, outcome.rigid_history), (other.run.history, other.rigid_history)
+    apart = distance_in_motion(*motions, outcome.rigid, not outcome.relieved)
+    return Companion(mesh, refinement, other.difference, apart)
 
 
 def on_plate(fe_plan: CornerPlan, plate: Plate) -> RigidStages:

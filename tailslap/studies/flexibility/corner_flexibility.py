@@ -23,6 +23,7 @@ from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
 from tailslap.case import plate_input, resources
 from tailslap.case.check import failed_names
+from tailslap.case.corner import corner_run
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.outcome import CornerOutcome
@@ -60,8 +61,8 @@ TOO_LONG = 120.0
 THICKNESSES = (1 / 6, 1 / 2, 5 / 6)
 """Positions from the stiffest (0) to the softest plate (1) with varied thickness."""
 
-ROWS_A_PERIOD, MAX_ROWS = 12, 20_000
-"""Rows of history per period of the first frequency, which resolve the largest oscillation, and most rows."""
+ROWS, ROWS_A_PERIOD, MAX_ROWS = 200, 12, 20_000
+"""Least rows of history, rows per period of the first frequency of an oscillation, and most rows."""
 
 
 Section = tuple[float, float, float]
@@ -120,10 +121,8 @@ def run_changes(sweep: Sweep, frequency: float, elements: tuple[int, int], start
     changes |= {"wall": None, "verify": None, "corner.patch_length": sweep.support["patch"]}
     if not sweep.support["own_constraint"]:
         changes["corner.constraint"] = sweep.support["constraint"]
-    if not START_KINDS[start].relieved:  # rows that resolve the oscillation
-        rows = math.ceil(ROWS_A_PERIOD * frequency * sweep.case.motion.strike.t)
-        changes["time.rows"] = max(sweep.case.scene.time.rows, min(MAX_ROWS, rows))
-    return changes
+    periods = 0.0 if START_KINDS[start].relieved else frequency * sweep.case.motion.strike.t
+    return changes | {"time.rows": max(ROWS, min(MAX_ROWS, math.ceil(ROWS_A_PERIOD * periods)))}
 
 
 def mesh_changes(sweep: Sweep, frequency: float, start: str) -> list[Changes | None]:
@@ -249,7 +248,7 @@ def measure(base: Source, starts: Record, modal: Changes, section: Section | Non
     changes of the modal model; section: of the scene's plate, with which the first start is repeated on the middle mesh
     with another thickness; half: True to repeat the finest mesh with half the supported length.
     """
-    runs = {name: [one_run(base, run, fe_record) for run in meshes] for name, meshes in starts.items()}
+    runs = {name: mesh_records(base, meshes) for name, meshes in starts.items()}
     record: Record = {"starts": runs, "modal": one_run(base, modal, modal_record)}
     _, middle, finest = starts[STARTS[0]]
     if half and finest is not None:
@@ -259,6 +258,26 @@ def measure(base: Source, starts: Record, modal: Changes, section: Section | Non
     if section and middle and modulus:
         record["thickness"] = one_run(base, thickness_changes(middle, modulus, section), fe_record)
     return record
+
+
+def mesh_records(base: Source, meshes: Sequence[Changes | None]) -> list[Record]:
+    """Return the records of runs on meshes, each twice as fine.
+
+    The other meshes are the companions of each run.
+    """
+    runs = [one_run(base, changes, corner_run.damped_run) for changes in meshes]
+    records = []
+    for n, run in enumerate(runs):
+        if isinstance(run, CornerOutcome):
+            companions = tuple(
+                corner_run.compared(run, other, 2.0 ** (m - n))
+                for m, other in enumerate(runs)
+                if m != n and isinstance(other, CornerOutcome)
+            )
+            records.append(outcome_record(corner_run.checked(replace(run, companions=companions))))
+        else:
+            records.append(run)
+    return records
 
 
 def thickness_changes(changes: Changes, modulus: float, section: Section) -> Changes:
@@ -273,12 +292,16 @@ def thickness_changes(changes: Changes, modulus: float, section: Section) -> Cha
 
 
 def fe_record(case: CornerCase) -> Record:
-    """Return the record of a finite-element run.
+    """Return the record of a finite-element run."""
+    return outcome_record(case.run())
+
+
+def outcome_record(outcome: CornerOutcome) -> Record:
+    """Return the record of an outcome.
 
     Its numerical error is compared with the levels and is no failure.
     """
-    outcome = case.run()
-    fe_plan, error, fe, rigid = outcome.fe_plan, outcome.error, outcome.fe_history, outcome.rigid_history
+    fe_plan, fe, rigid = outcome.fe_plan, outcome.fe_history, outcome.rigid_history
     finite = np.isfinite(rigid["reaction_normal"])
     fe_reaction, rigid_reaction = (history["reaction_normal"][finite] for history in (fe, rigid))
     with np.errstate(all="ignore"):
@@ -294,8 +317,7 @@ def fe_record(case: CornerCase) -> Record:
         "reaction": reaction,
         "stored": float(fe["strain_energy"].max() / fe["kinetic_energy"][0]),
         "deflection_ratio": fe_plan.deflection_ratio,
-        "error": error.total,
-        "unresolved": error.damping + outcome.ringing,
+        "unresolved": outcome.error.damping + outcome.ringing,
         "steps": outcome.run.steps,
     }
 
@@ -351,7 +373,7 @@ def _start_row(runs: list[Record], rigid: Mapping[str, float]) -> Record:
     """Return the differences of v_GY and velocities of a start."""
     fine = runs[-1]
     departure = fine.get("departure", dict.fromkeys(CONSERVED, math.nan))
-    error = mesh_error(runs, "largest") if len(runs) > 1 else fine.get("error", math.nan)
+    error = mesh_error(runs, "largest")
     row = {"v_gy": _differences(fine, rigid)["v_gy"], "v_gy_largest": fine.get("largest", math.nan)}
     row |= {"v_gy_error": error, **{f"{name}_at_start": departure[name] for name in CONSERVED}}
     row |= {"damping_rate": fine.get("damping", 0.0), "passed": plate_runs.run_passed(fine)}

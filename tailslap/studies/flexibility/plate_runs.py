@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from tailslap.campaign import engine, levels
 from tailslap.campaign.levels import PowerLaw, Reach
@@ -12,6 +12,8 @@ from tailslap.case import case_of
 from tailslap.errors import InputError
 from tailslap.scene.vary import Changes, Source, vary
 from tailslap.studies.flexibility.flexibility_scan import Scan
+
+T = TypeVar("T")
 
 PATCH = 0.1
 """Length of the supported or crushed side over that of the vehicle, where the scene has none.
@@ -75,10 +77,10 @@ def listed_scan(scan: Scan, names: Iterable[str], **head: str) -> list[Record]:
     ]
 
 
-def one_run(base: Source, changes: Changes | None, measure: Callable[[Any], Record]) -> Record:
-    """Return the measured record of the changed case.
+def one_run(base: Source, changes: Changes | None, measure: Callable[[Any], T]) -> T | Record:
+    """Return the measured result of the changed case.
 
-    `refused` is the reason if there is no result.
+    If there is none, it is a record with the reason, `refused`.
     """
     if changes is None:
         return {"refused": "omitted: the estimated time exceeds the limit"}
