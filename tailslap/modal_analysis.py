@@ -186,7 +186,7 @@ def _modes(fe_plan: FePlan, free: FreeModes, beam: beams.Beam) -> Iterator[Mode]
     rotary inertia, n c / (2 L) for longitudinal modes, None for transverse modes; difference: frequency/theory - 1.
     """
     count = free.frequencies.size
-    kinds, fractions = mode_kinds(fe_plan.model, free, fe_plan.plate.thickness)
+    kinds, fractions = mode_kinds(fe_plan.model, free)
     bent = (beams.timoshenko_frequencies, beams.euler_bernoulli_frequencies)
     theories: dict[str, Iterator[tuple[float | None, float | None]]] = {
         "beam": zip(*(of(beam, count).tolist() for of in bent), strict=True),

@@ -15,13 +15,11 @@ from fem.plate.discretisation import stiffness_matrix
 from fem.plate.free_modes import FreeModes
 
 
-def mode_kinds(
-    model: PlateModel, modes: FreeModes, thickness: float
-) -> tuple[tuple[str, ...], dict[str, np.ndarray]]:
+def mode_kinds(model: PlateModel, modes: FreeModes) -> tuple[tuple[str, ...], dict[str, np.ndarray]]:
     """Return the kinds of a model's modes.
 
-    thickness: [m]. Also returns the fractions that define the kinds, shape (modes,): kinetic energy of the symmetric
-    part and along the length, strain energy of shear.
+    Also returns the fractions that define the kinds, shape (modes,): kinetic energy of the symmetric part and along the
+    length, strain energy of shear.
     """
     masses, shapes, hinges = model.parameters.mass, modes.shapes, getattr(model.parameters, "hinges", None)
     unit = np.zeros(masses.size) if hinges is None else hinges.unit
@@ -29,7 +27,7 @@ def mode_kinds(
     symmetric = 0.5 * (1.0 + (shapes[:, 0] * mirrored[:, 0] - shapes[:, 1] * mirrored[:, 1]) @ masses)
     along = shapes[:, 0] ** 2 @ masses
     moduli = model.tangent_moduli._replace(c_11=0.0, c_12=0.0)  # shear alone
-    stiffness = stiffness_matrix(model.discretisation.scalar, thickness, moduli)
+    stiffness = stiffness_matrix(model.discretisation.table, moduli)
     flat = shapes.reshape(len(shapes), -1)
     shear = ((stiffness @ flat.T).T * flat).sum(axis=1) / modes.frequencies**2
     fractions = {"symmetric": symmetric, "along": along, "shear": shear}

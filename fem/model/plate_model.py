@@ -102,7 +102,7 @@ def assembled(
     hinges: of a train.
     """
     moduli = materials.st_venant_kirchhoff(1.0, plate.poissons_ratio)
-    stiffness = stiffness_matrix(d.scalar, plate.thickness, moduli)
+    stiffness = stiffness_matrix(d.table, moduli)
     hourglass = None
     if kinds.ELEMENT_KINDS[plate.element].hourglass:
         hourglass = hourglass_control(d, plate.thickness, moduli)
@@ -206,7 +206,7 @@ def with_time_step(
     """Return the model with frequency, viscosity and time step for this support."""
     d, spectrum = model.discretisation, _spectrum(model, support, step)
     viscosity = plate_viscosity(d, plate, step, spectrum.frequency)
-    damping = None if viscosity is None else stiffness_matrix(d.scalar, plate.thickness, viscosity)
+    damping = None if viscosity is None else stiffness_matrix(d.table, viscosity)
     model = replace(
         model,
         highest_frequency=spectrum.frequency,

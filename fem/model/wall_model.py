@@ -11,7 +11,7 @@ import numpy as np
 from fem.laws import materials
 from fem.laws.wall_contact import ElasticWall
 from fem.model.plate_model import PlateModel
-from fem.plate.discretisation import stiffness_matrix
+from fem.plate.discretisation import element_table, stiffness_matrix
 from fem.plate.nodal_masses import row_sum_masses
 from fem.plate.properties import ModelError, StepProperties, WallProperties
 
@@ -82,7 +82,7 @@ def _free_modes(scalar: CellBasis, masses: np.ndarray, wall: WallProperties) -> 
 
     moduli = materials.st_venant_kirchhoff(wall.youngs_modulus, wall.poissons_ratio)
     root = 1.0 / np.sqrt(np.tile(masses, 2))
-    scaled = root[:, None] * stiffness_matrix(scalar, wall.thickness, moduli).toarray() * root
+    scaled = root[:, None] * stiffness_matrix(element_table(scalar, wall.thickness), moduli).toarray() * root
     squares, vectors = eigh(scaled)
     return np.sqrt(np.maximum(squares, 0.0)), (root[:, None] * vectors).reshape(2, masses.size, -1)
 

@@ -108,16 +108,21 @@ def discretise(mesh: meshio.Mesh, thickness: float, kind: str = "quad4") -> Disc
     Corner P and side PE are groups of the mesh. thickness: [m].
     """
     import skfem
-    from skfem.io.meshio import from_meshio
 
     element_kind = ELEMENT_KINDS[kind]
     rule: dict[str, object] = (
         {"intorder": element_kind.order} if element_kind.order else {"quadrature": MIDDLE}
     )
-    scalar = skfem.CellBasis(from_meshio(mesh), getattr(skfem, element_kind.element)(), **rule)
+    mesh_class = {"quad": skfem.MeshQuad, "triangle": skfem.MeshTri}[element_kind.cells]
+    # Without the groups of the mesh scikit-fem needs no edges of linear elements.
+    elements = mesh_class(
+        np.ascontiguousarray(mesh.points[:, :2].T),
+        np.ascontiguousarray(mesh.cells_dict[element_kind.cells].T),
+    )
+    scalar = skfem.CellBasis(elements, getattr(skfem, element_kind.element)(), **rule)
     positions = np.ascontiguousarray(scalar.doflocs)
-    side = scalar.get_dofs("side_pe").flatten()
-    return Discretisation(scalar, positions, _corner(mesh, positions), side, _table(scalar, thickness))
+    corner, side = _corner(mesh, positions), _side(mesh, positions)
+    return Discretisation(scalar, positions, corner, side, element_table(scalar, thickness))
 
 
 def hourglass_control(
@@ -166,7 +171,20 @@ def _corner(mesh: meshio.Mesh, positions: np.ndarray) -> int:
     return int(distance.argmin())
 
 
-def _table(scalar: CellBasis, thickness: float) -> ElementTable:
+def _side(mesh: meshio.Mesh, positions: np.ndarray) -> np.ndarray:
+    """Return the nodes of the straight side PE of the mesh."""
+    lines = mesh.cells_dict["line"][mesh.cell_sets_dict["side_pe"]["line"]]
+    points = mesh.points[np.unique(lines), :2]
+    first, last = points[points[:, 0].argmin()], points[points[:, 0].argmax()]
+    along, across = (last - first) / np.linalg.norm(last - first), positions - first[:, None]
+    place = along @ across
+    distance = along[0] * across[1] - along[1] * across[0]
+    tolerance = 1e-9 * np.linalg.norm(last - first)
+    is_on_it = (np.abs(distance) < tolerance) & (place > -tolerance)
+    return np.flatnonzero(is_on_it & (place < np.linalg.norm(last - first) + tolerance))
+
+
+def element_table(scalar: CellBasis, thickness: float) -> ElementTable:
     """Return the element table, of one column where elements are congruent."""
     gradients = np.array([field[0].grad for field in scalar.basis])  # node, direction, element, point
     gradients = gradients.transpose(3, 0, 1, 2)
@@ -204,24 +222,34 @@ def _congruent(rows: np.ndarray) -> bool:
     return bool(np.ptp(rows, axis=1).max() <= UNIFORM_TOLERANCE * np.abs(rows).max())
 
 
-def stiffness_matrix(scalar: CellBasis, thickness: float, moduli: Any) -> csr_matrix:
+def stiffness_matrix(table: ElementTable, moduli: Any) -> csr_matrix:
     """Assemble the plane-stress stiffness [N/m] in the body frame.
 
     Its shape is (2 nodes, 2 nodes), all x unknowns, then all y. moduli: c_11, c_12, c_33, of a `StVenantKirchhoff`
     [Pa], or of a `Viscosity` [Pa s] for a damping matrix.
     """
-    import skfem
     from scipy import sparse
-    from skfem.helpers import grad
 
-    def assemble(k: int, m: int) -> csr_matrix:
-        return skfem.BilinearForm(lambda u, v, w: grad(v)[k] * grad(u)[m]).assemble(scalar)
+    (points, columns), (nodes, elements) = table.weights.shape, table.connectivity.shape
+    gradients = table.gradients.reshape(points, nodes, 2, columns)
+    shape = (nodes, nodes, elements)
+    place = [np.broadcast_to(c, shape).ravel() for c in (table.connectivity[:, None], table.connectivity)]
 
-    xx, yy, xy = assemble(0, 0), assemble(1, 1), assemble(0, 1)
-    coupling = moduli.c_12 * xy + moduli.c_33 * xy.T
-    normal = moduli.c_11 * xx + moduli.c_33 * yy, moduli.c_11 * yy + moduli.c_33 * xx
-    blocks = [[normal[0], coupling], [coupling.T, normal[1]]]
-    return sparse.csr_matrix(thickness * sparse.bmat(blocks))
+    def assemble(first: float, second: float, i: int, j: int) -> csr_matrix:
+        """Assemble first v,i u,j + second v,1-i u,1-j."""
+        terms = zip((first, second), (i, 1 - i), (j, 1 - j), strict=True)
+        weights = table.weights[:, None]
+        values = sum(
+            np.einsum("pae,pbe->abe", c * weights * gradients[:, :, k], gradients[:, :, m])
+            for c, k, m in terms
+        )
+        matrix = sparse.csr_matrix((np.broadcast_to(values, shape).ravel(), place))
+        matrix.eliminate_zeros()
+        return matrix
+
+    xx, yy = assemble(moduli.c_11, moduli.c_33, 0, 0), assemble(moduli.c_11, moduli.c_33, 1, 1)
+    xy = assemble(moduli.c_12, moduli.c_33, 0, 1)
+    return sparse.bmat([[xx, xy], [xy.T, yy]], format="csr")
 
 
 def hourglass_matrix(table: ElementTable, hourglass: Hourglass, nodes: int) -> csr_matrix:

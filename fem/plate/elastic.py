@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.sparse as sp
 
-from fem.plate.multigrid import Multigrid, NotConvergedError
+from fem.plate.multigrid import TOLERANCE, Multigrid, NotConvergedError
 
 if TYPE_CHECKING:
     from fem.laws.hinges import Hinges
@@ -72,20 +72,23 @@ class Inverse:
         self.stiffness, self.masses, self.positions, self.hinges = stiffness, masses, positions, hinges
         self._solutions: dict[bytes, np.ndarray] = {}
 
-    def __call__(self, load: np.ndarray) -> np.ndarray:
-        """Return the displacement [m], shape (2 nodes,), under the load [N]."""
-        key = hashlib.blake2b(load.tobytes()).digest()
+    def __call__(self, load: np.ndarray, tolerance: float = TOLERANCE) -> np.ndarray:
+        """Return the displacement [m], shape (2 nodes,), under the load [N].
+
+        tolerance: residual over the load at which multigrid ends.
+        """
+        key = hashlib.blake2b(load.tobytes() + repr(tolerance).encode()).digest()
         if key not in self._solutions:
             if len(self._solutions) == CACHED:
                 self._solutions.pop(next(iter(self._solutions)))
-            self._solutions[key] = self._solved(load)
+            self._solutions[key] = self._solved(load, tolerance)
         return self._solutions[key].copy()
 
-    def _solved(self, load: np.ndarray) -> np.ndarray:
+    def _solved(self, load: np.ndarray, tolerance: float) -> np.ndarray:
         if not self.is_large:
             return self.factorised(load)
         try:
-            return without_rigid_motion(self.multigrid.solve(load), self.masses, self.positions)
+            return without_rigid_motion(self.multigrid.solve(load, tolerance), self.masses, self.positions)
         except NotConvergedError:
             return self.factorised(load)
 
@@ -142,9 +145,12 @@ class ElasticSolver:
     inverse: Inverse
     modulus: float
 
-    def __call__(self, load: np.ndarray) -> np.ndarray:
-        """Return the displacement [m], shape (2 nodes,), under the load [N]."""
-        return self.inverse(load) / self.modulus
+    def __call__(self, load: np.ndarray, tolerance: float = TOLERANCE) -> np.ndarray:
+        """Return the displacement [m], shape (2 nodes,), under the load [N].
+
+        tolerance: see `Inverse`.
+        """
+        return self.inverse(load, tolerance) / self.modulus
 
 
 def without_rigid_motion(displacement: np.ndarray, masses: np.ndarray, body: np.ndarray) -> np.ndarray:

@@ -50,24 +50,22 @@ class Multigrid:
 
         unknowns = rigid.shape[0]
         self._order = np.arange(unknowns).reshape(2, -1).T.ravel()  # both unknowns of a node side by side
-        blocks = sp.csr_matrix(stiffness)[self._order][:, self._order].tobsr((2, 2))
-        self._rigid, _ = np.linalg.qr(rigid[self._order])
+        blocks, rows = _by_nodes(stiffness, self._order)
+        self._rigid = np.asfortranarray(np.linalg.qr(rigid[self._order])[0])
         self._levels = pyamg.smoothed_aggregation_solver(
             blocks,
             B=self._rigid,
             improve_candidates=None,
             smooth=PROLONGATION,
             max_coarse=COARSEST,
-            presmoother=("gauss_seidel", {"sweep": "forward"}),  # symmetric together with the postsmoother
-            postsmoother=("gauss_seidel", {"sweep": "backward"}),
         )
-        *finer, coarsest = self._levels.levels
-        for level in finer:  # without blocks SciPy multiplies a third faster
-            level.A, level.P, level.R = (matrix.tocsr() for matrix in (level.A, level.P, level.R))
-        coarsest.A = coarsest.A.tocsr()
-        self._cycle = self._levels.aspreconditioner()
+        # Without blocks SciPy multiplies a third faster.
+        for number, level in enumerate(self._levels.levels):
+            level.A = level.A.tocsr() if number else rows
+            for name in {"P", "R"} & set(vars(level)):
+                setattr(level, name, getattr(level, name).tocsr())
 
-    def solve(self, load: np.ndarray) -> np.ndarray:
+    def solve(self, load: np.ndarray, tolerance: float = TOLERANCE) -> np.ndarray:
         """Return displacements [m] under loads [N] in equilibrium.
 
         They are determined up to a rigid motion. Raises NotConvergedError.
@@ -76,10 +74,10 @@ class Multigrid:
 
         stiffness = self._levels.levels[0].A
         cycle = LinearOperator(stiffness.shape, matvec=self._improved, dtype=float)
-        ordered, status = cg(stiffness, load[self._order], rtol=TOLERANCE, maxiter=MAX_ITERATIONS, M=cycle)
+        ordered, status = cg(stiffness, load[self._order], rtol=tolerance, maxiter=MAX_ITERATIONS, M=cycle)
         if status != 0 or not np.isfinite(ordered).all():
             raise NotConvergedError(
-                f"{MAX_ITERATIONS} iterations end with a residual above {TOLERANCE:g} of the load"
+                f"{MAX_ITERATIONS} iterations end with a residual above {tolerance:g} of the load"
             )
         placed = np.empty_like(ordered)
         placed[self._order] = ordered
@@ -90,7 +88,20 @@ class Multigrid:
 
         The rigid part that the coarsest level returns is rounding, divided by a stiffness that is rounding too.
         """
-        return self._elastic(self._cycle.matvec(self._elastic(residual)))
+        return self._elastic(self._cycle(0, self._elastic(residual)))
+
+    def _cycle(self, number: int, load: np.ndarray) -> np.ndarray:
+        """Return one cycle from level `number` on, symmetric in the load."""
+        from pyamg.relaxation.relaxation import gauss_seidel
+
+        level = self._levels.levels[number]
+        if level is self._levels.levels[-1]:
+            return np.asarray(self._levels.coarse_solver(level.A, load))
+        solution = np.zeros_like(load)
+        gauss_seidel(level.A, solution, load, sweep="forward")
+        solution += level.P @ self._cycle(number + 1, level.R @ (load - level.A @ solution))
+        gauss_seidel(level.A, solution, load, sweep="backward")
+        return solution
 
     def _elastic(self, values: np.ndarray) -> np.ndarray:
         """Remove the rigid motion from the unknowns."""
@@ -122,3 +133,14 @@ class Multigrid:
         if np.linalg.norm(stiffness @ mode - square * weights * mode) > 10.0 * tolerance:
             raise NotConvergedError(f"{MAX_MODE_STEPS} steps do not find the lowest mode")
         return float(square)
+
+
+def _by_nodes(stiffness: sp.csr_matrix, order: np.ndarray) -> tuple[sp.bsr_matrix, sp.csr_matrix]:
+    """Return the stiffness in nodal order, with and without blocks."""
+    rows, nodes = sp.csr_matrix(stiffness)[order], order.size // 2
+    column = rows.indices
+    is_y = column >= nodes
+    column *= 2
+    column -= (2 * nodes - 1) * is_y.astype(column.dtype)
+    rows.has_sorted_indices = False
+    return rows.tobsr((2, 2)), rows

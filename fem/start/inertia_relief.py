@@ -13,6 +13,7 @@ import numpy as np
 from fem.laws import friction
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Solve, without_rigid_motion
+from fem.plate.multigrid import TOLERANCE
 from fem.plate.properties import RigidStart
 from fem.start.equilibrium import equilibrium, has_inverted_elements
 
@@ -23,6 +24,13 @@ LARGEST_LAG = 0.1
 """Lag by damping over the elastic displacement up to which the lag is applied.
 
 With a larger one the plate cannot follow its loads.
+"""
+
+RATE_TOLERANCE = 1e-7
+"""Residual over the load of rate and lag in multigrid.
+
+Both are corrections: the oscillation by an error of the rate is smaller by the ratio of the oscillation's period and
+the motion, that by an error of the lag by at least ten.
 """
 
 CORRECTIONS = 2
@@ -60,7 +68,7 @@ def relieved_fields(model: PlateModel, start: RigidStart) -> ElasticFields:
         return inertia_load(model, body, now)
 
     (load, normal), (rate, normal_rate) = _and_rate(model, start, body, load_at)
-    elastic, elastic_rate = (_displaced(model, forces) for forces in (load, rate))
+    elastic, elastic_rate = _displaced(model, load), _displaced(model, rate, RATE_TOLERANCE)
     return ElasticFields(elastic, elastic_rate, corner_gap(model, normal), corner_gap(model, normal_rate))
 
 
@@ -128,7 +136,8 @@ def lag_by_damping(model: PlateModel, rate: np.ndarray) -> np.ndarray:
         return np.zeros_like(rate)
     masses, positions = model.parameters.mass, model.discretisation.positions
     elastic = without_rigid_motion(rate.ravel(), masses, positions)
-    return model.elastic(-damping.rate * np.tile(masses, 2) * elastic).reshape(2, -1)
+    load = -damping.rate * np.tile(masses, 2) * elastic
+    return model.elastic(load, RATE_TOLERANCE).reshape(2, -1)
 
 
 def _and_rate(
@@ -152,12 +161,12 @@ def _and_rate(
     return first, ((late - early) / (2.0 * span), (later - earlier) / (2.0 * span))
 
 
-def _displaced(model: PlateModel, load: np.ndarray) -> np.ndarray:
+def _displaced(model: PlateModel, load: np.ndarray, tolerance: float = TOLERANCE) -> np.ndarray:
     """Return the linear elastic displacement [m] relative to the corner.
 
     load: [N], body frame. Shape (2, nodes).
     """
-    displacement = model.elastic(load.ravel()).reshape(2, -1)
+    displacement = model.elastic(load.ravel(), tolerance).reshape(2, -1)
     return np.asarray(displacement - at_corner(model, displacement))
 
 

@@ -154,7 +154,7 @@ def growth_rates(model, angle, ratio=0.0):
         stiffness += corner.stiffness * np.outer(push, gap)
     damping = np.outer(push, gap) * getattr(corner.constraint, "damping", 0.0)
     if ratio:
-        viscous = stiffness_matrix(model.discretisation.scalar, model.thickness, model.parameters.viscosity)
+        viscous = stiffness_matrix(model.discretisation.table, model.parameters.viscosity)
         damping += root[:, None] * viscous.toarray() * root
     size = 2 * nodes
     system = np.block([[np.zeros((size, size)), np.eye(size)], [-stiffness, -damping]])

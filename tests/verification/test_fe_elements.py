@@ -239,7 +239,7 @@ MODULI = st_venant_kirchhoff(E, NU)
 
 
 def stiffness(d, kind):
-    matrix = stiffness_matrix(d.scalar, T, MODULI)
+    matrix = stiffness_matrix(d.table, MODULI)
     if kind == "quad4-reduced":
         matrix = matrix + hourglass_matrix(d.table, hourglass_control(d, T, MODULI), d.positions.shape[1])
     return matrix
