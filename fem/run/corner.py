@@ -16,6 +16,7 @@ from fem.model.plate_model import PlateModel
 from fem.run import observers, runner
 from fem.start import inertia_relief, start_kinds
 from machine_code.compiled import Kernel, OnCompile, compile_once, ignore_compiling
+from machine_code.object_code import Prepared
 
 T = TypeVar("T")
 
@@ -88,6 +89,7 @@ class Stepper(runner.PlateStepper[State]):
 
     def __init__(self, model: PlateModel, threads: int = 1) -> None:
         super().__init__(model)
+        self._later, self._before = (Prepared(runner.copy_state(self.template)) for _ in range(2))
         self._team = None
         if threads > 1:
             from fem.explicit.parallel import Team
@@ -138,7 +140,7 @@ class Stepper(runner.PlateStepper[State]):
         if self._team:
             self._team.advance(later, steps)
         else:
-            time_loop.advance(later, steps, self._fixed, self._force, self._workspace)
+            time_loop.advance(later, steps, self._fixed, *self._workspace[1:])
         return later
 
     def measure(self, state: State) -> columns.Measures:
@@ -153,9 +155,10 @@ class Stepper(runner.PlateStepper[State]):
         """
         if self._team or any(column.value for column in columns.COLUMNS.values()):
             return self._record_singly(state, stride, count)
-        later, before = runner.copy_state(state), runner.copy_state(state)
+        runner.assign_state(self._later.value, state)
         rows = np.empty((count, len(columns.Measures._fields)))
-        filled = advance_and_measure(later, before, stride, *self._all_parts, rows)
+        filled = advance_and_measure(self._later, self._before, stride, *self._all_parts, rows)
+        before, later = (runner.copy_state(part.value) for part in (self._before, self._later))
         return runner.Recorded(rows[:filled], before, later)
 
     def _record_singly(self, state: State, stride: int, count: int) -> runner.Recorded[State]:

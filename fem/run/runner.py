@@ -98,7 +98,8 @@ class PlateStepper(Generic[S]):
         self._reference = model.discretisation.positions
         self._force = np.zeros_like(self._reference)
         self._scratch = internal_force.scratch_for(self.parameters.table, self.parameters.hourglass)
-        self._workspace, self._prepared = Prepared(self._scratch), Prepared(self.parameters)
+        self._workspace = [Prepared(part) for part in (self._reference, self._force, self._scratch)]
+        self._prepared = Prepared(self.parameters)
 
     @property
     def _fixed(self) -> Prepared:
@@ -110,7 +111,7 @@ class PlateStepper(Generic[S]):
     @property
     def _all_parts(self) -> tuple[object, ...]:
         """Arguments of the compiled functions behind state and steps."""
-        return self._fixed, self._reference, self._force, self._workspace
+        return self._fixed, *self._workspace
 
     def nodal(self, state: S) -> tuple[np.ndarray, np.ndarray]:
         """Return positions [m] and velocities [m/s] at the state's instant.
@@ -193,6 +194,12 @@ def _call_observers(
     """
     called = [observer for observer, wait in zip(observers, waits, strict=True) if wait <= count]
     return any(observer.look(rows, state) for observer in called)
+
+
+def assign_state(target: Any, state: Any) -> None:
+    """Copy the arrays of a state into those of another."""
+    for old, new in zip(target, state, strict=True):
+        np.copyto(old, new)
 
 
 def copy_state(state: Any) -> Any:
