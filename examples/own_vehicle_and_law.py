@@ -65,7 +65,6 @@ FADING = FrictionLaw(
     text="friction mu N / (1 + N/N0)",
     rigid="drag",
     impulse="normal_impulse_magnitude",
-    helpers=(limit,),
 )
 
 # %% [markdown]

@@ -4,7 +4,6 @@ An extension is one frozen object, registered once, in the file that defines it.
 functions, and `machine_code.compiled` compiles them when a loop with that law is built.
 """
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -38,14 +37,11 @@ class Law:
         code.
     inlined : tuple of str
         Fields whose kernels must be merged into the loop that calls them.
-    helpers : tuple of callable
-        Plain functions that the kernels call.
     """
 
     name: str
     constants: type
     inlined: tuple[str, ...] = ()
-    helpers: tuple[Callable[..., object], ...] = ()
 
 
 class Registry(dict[str, T]):
@@ -77,7 +73,7 @@ class LawRegistry(Registry[L]):
 
     def __init__(self, what: str) -> None:
         super().__init__(what)
-        REGISTERED.append(self._values)
+        REGISTERED.append(self.values)
 
     def register(self, entry: L) -> L:
         """Add a law and return it.
@@ -97,11 +93,6 @@ class LawRegistry(Registry[L]):
         if law is None:
             raise TypeError(f"no {self.what} has constants of {type(constants).__name__}")
         return law
-
-    def _values(self) -> Iterator[object]:
-        """Yield the values of the fields of all laws, and their helpers."""
-        for law in self.values():
-            yield from (*vars(law).values(), *law.helpers)
 
     def by_type(self, kind: type | None) -> L | None:
         """Return the law with constants of this type, or None."""

@@ -103,12 +103,12 @@ class Kernel:
 
         The identity is all on which the code depends, and the file must have the same.
         """
-        function = self.py_func
+        function, constants = self.py_func, {kind[0] for kind in kinds if isinstance(kind, tuple)}
         identity = object_code.machine() | {
             "kernel": f"{function.__module__}.{function.__qualname__}",
             "arguments": " ".join(map(type_text, kinds)),
             "values": "".join(map(value_codes, kinds)),
-            "sources": folder.sources() + folder.own_sources(function),
+            "sources": [folder.own_sources(), folder.sources_of(function), folder.sources_of_laws(constants)],
         }
         digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:20]
         return folder.cache_folder() / f"{function.__name__}-{digest}.code", identity

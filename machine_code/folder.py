@@ -1,4 +1,4 @@
-"""Folder of the compiled code, named by a digest of sources.
+"""Folder of compiled code, and digests of sources.
 
 A loop contains the functions that it calls, of any file. The content of the folder is executed. Therefore folder and
 files must belong to this user and be closed to others, and only plain files are opened.
@@ -14,15 +14,16 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, ModuleType
+from typing import Any
 
 import platformdirs
 
 PACKAGES = ("machine_code", "fem")
 """Packages whose sources are in every digest, because compiled code anywhere may contain theirs."""
 
-REGISTERED: list[Callable[[], Iterable[object]]] = []
-"""Functions that return the values of registered laws, plain functions among them."""
+REGISTERED: list[Callable[[], Iterable[Any]]] = []
+"""Functions that return registered laws, whose fields are kernels and the type of their constants."""
 
 USUAL_S, LONGEST_S, TIME_FILE = 2.0, 3600.0, "seconds"
 """Usual and longest time [s] in which a loop is compiled, and the file of the last time.
@@ -43,35 +44,46 @@ def cache_folder() -> Path:
     It is below $TAILSLAP_CACHE_DIR, else below the user's cache folder.
     """
     base = os.environ.get("TAILSLAP_CACHE_DIR") or platformdirs.user_cache_path("tailslap", appauthor=False)
-    return Path(base) / sources()[:16]
-
-
-def sources() -> str:
-    """Return the digest of PACKAGES and of registered laws."""
-    digest = hashlib.sha256(_own_sources())
-    for source in _outside_sources():
-        digest.update(source)
-    return digest.hexdigest()
+    return Path(base) / own_sources()[:16]
 
 
 @functools.cache
-def _own_sources() -> bytes:
+def own_sources() -> str:
     """Return the digest of the sources of PACKAGES."""
     digest = hashlib.sha256()
     for source in (path for name in PACKAGES for path in sorted((ROOT / name).rglob("*.py"))):
         digest.update(source.read_bytes())
-    return digest.digest()
+    return digest.hexdigest()
 
 
-def _outside_sources() -> list[bytes]:
-    """Return the sources of registered functions outside the packages.
+def sources_of_laws(kinds: Iterable[type] | None = None) -> str:
+    """Return the digest of the sources of registered laws outside PACKAGES.
 
-    They are kernels and helpers of laws, which are merged into compiled code.
+    kinds: types of their constants; None for all laws.
     """
-    values = (value for values_of_laws in REGISTERED for value in values_of_laws())
-    functions = (value for value in values if isinstance(value, FunctionType))
-    outside = (f for f in functions if f.__module__.partition(".")[0] not in PACKAGES)
-    return sorted({_source_of(function) for function in outside})
+    laws = (law for registered in REGISTERED for law in registered())
+    chosen = (law for law in laws if kinds is None or law.constants in kinds)
+    functions = {value for law in chosen for value in vars(law).values() if isinstance(value, FunctionType)}
+    return "".join(sorted(filter(None, map(sources_of, functions))))
+
+
+@functools.cache
+def sources_of(function: FunctionType) -> str:
+    """Return the digest of the sources of a function outside PACKAGES.
+
+    They are its file, or all files of its package, and those of functions of other packages that it names.
+    """
+    path, depth = Path(function.__code__.co_filename).resolve(), function.__module__.count(".")
+    if any(ROOT / name in path.parents for name in PACKAGES):
+        return ""  # among `own_sources`
+    digest = hashlib.sha256(_source_of(function))
+    with suppress(OSError):
+        for source in sorted(path.parents[depth - 1].rglob("*.py")) if depth else []:
+            digest.update(source.read_bytes())
+    for value in _named(function):
+        kernel = getattr(value, "py_func", None)
+        digest.update(sources_of(kernel).encode() if kernel else _source_of(value))
+    return digest.hexdigest()
 
 
 def _source_of(function: FunctionType) -> bytes:
@@ -87,29 +99,17 @@ def _source_of(function: FunctionType) -> bytes:
     return description
 
 
-@functools.cache
-def own_sources(function: FunctionType) -> str:
-    """Return the digest of the sources of a function outside PACKAGES.
-
-    They are its file, or all files of its package, and those of functions of other packages that it names.
-    """
-    path, depth = Path(function.__code__.co_filename).resolve(), function.__module__.count(".")
-    if any(ROOT / name in path.parents for name in PACKAGES):
-        return ""  # among `sources`
-    digest = hashlib.sha256(_source_of(function))
-    with suppress(OSError):
-        for source in sorted(path.parents[depth - 1].rglob("*.py")) if depth else []:
-            digest.update(source.read_bytes())
-    for other in _named(function):
-        if other.__module__.partition(".")[0] != function.__module__.partition(".")[0]:
-            digest.update(own_sources(other).encode())
-    return digest.hexdigest()
-
-
-def _named(function: FunctionType) -> list[FunctionType]:
-    """Return the compiled functions that a function names."""
-    values = (getattr(function.__globals__.get(name), "py_func", None) for name in function.__code__.co_names)
-    return [value for value in values if isinstance(value, FunctionType)]
+def _named(function: FunctionType) -> list[Any]:
+    """Return the functions of other packages that a function names."""
+    names, package = function.__code__.co_names, function.__module__.partition(".")[0]
+    values = [function.__globals__.get(name) for name in names]
+    values += [
+        vars(module).get(name) for module in values if isinstance(module, ModuleType) for name in names
+    ]
+    functions = (value for value in values if isinstance(getattr(value, "py_func", value), FunctionType))
+    return [
+        value for value in functions if str(value.__module__).partition(".")[0] not in (package, *PACKAGES)
+    ]
 
 
 def read(path: Path, most: int) -> bytes:

@@ -117,7 +117,6 @@ MATERIALS.register(
         energy_density=_quadratic_energy,
         text="St. Venant-Kirchhoff, linear between Green strain and second Piola-Kirchhoff stress",
         inlined=("stress",),
-        helpers=(_linear_stress,),
     )
 )
 
@@ -190,7 +189,6 @@ MATERIALS.register(
         stress=_neo_hookean_stress,
         energy_density=_neo_hookean_energy,
         text="neo-Hookean, plane stress",
-        helpers=(_logarithms,),
         nanoseconds=95.0,
     )
 )

@@ -88,7 +88,6 @@ CONTACT_LAWS.register(
         force=_crush_force,
         stored=_crush_stored,
         lost=_crush_lost,
-        helpers=(crush_of,),
         text="crush with permanent set: F0 + k d up to the plateau on loading, linear unloading",
     )
 )

@@ -44,6 +44,5 @@ MATERIAL = Material(
     stress=stress,
     energy_density=energy_density,
     text="a plate that hardens",
-    helpers=(linear,),
 )
 MATERIALS.register(MATERIAL)

@@ -37,6 +37,5 @@ LAW = FrictionLaw(
     text="smoothed Coulomb friction",
     rigid="drag",
     impulse="normal_impulse_magnitude",
-    helpers=(limit,),
 )
 FRICTION_LAWS.register(LAW)

@@ -22,9 +22,11 @@ from fem import (
     START_KINDS,
     ElementKind,
 )
+from fem.explicit.measures import all_forces
+from fem.laws.friction import Drag
 from fem.registry import Registry
 from fem.start.inertia_relief import statics
-from machine_code.folder import cache_folder
+from machine_code.folder import sources_of_laws
 from postprocess.report.command_report import write_report
 from solver import REACTIONS
 from tailslap.campaign.random_scenes import choices_of
@@ -176,16 +178,35 @@ def test_a_check_from_outside_can_fail(result):
     assert [(check.name, check.advice) for check in failed] == [("rise", "less of everything")]
 
 
+def other_force(law: Any, normal: float, stopping: float) -> float:
+    return stopping
+
+
 def test_a_law_that_is_taken_out_is_unknown(registered):
-    """Scenes and compiled code of other laws do not know it."""
-    with_it, law = cache_folder(), FRICTION_LAWS.pop("smoothed")
+    law = FRICTION_LAWS.pop("smoothed")
     try:
-        assert cache_folder() != with_it
         with pytest.raises(InputError, match=r"'drag', 'none' or 'signed'$"):
             read_scene("paper-table-3", ("corner.reaction=smoothed",))
     finally:
         FRICTION_LAWS.register(law)
-    assert cache_folder() == with_it
+
+
+def test_a_law_from_outside_belongs_to_the_code_of_its_loops_alone(registered):
+    """All laws belong to the identity of checkpoints."""
+    law = FRICTION_LAWS["smoothed"]
+
+    def files():
+        return [all_forces.path(constants) for constants in (Drag(0.3), law.constants(0.3))]
+
+    (drag, smoothed), laws = files(), sources_of_laws()
+    FRICTION_LAWS["smoothed"] = replace(law, force=other_force)
+    try:
+        assert files()[0] == drag
+        assert files()[1] != smoothed
+        assert sources_of_laws() != laws
+    finally:
+        FRICTION_LAWS["smoothed"] = law
+    assert (files(), sources_of_laws()) == ([drag, smoothed], laws)
 
 
 @pytest.mark.parametrize("name", ADDED)
