@@ -19,7 +19,7 @@ from postprocess.comparison.records import Compared
 from postprocess.signals.design_forces import REPORT_350, design_forces
 from postprocess.units import force, measure
 from tailslap.case import plate_input, resources
-from tailslap.case.check import Check, Evaluation
+from tailslap.case.check import FINER, Check, Evaluation
 from tailslap.case.force_band import ForceBand
 from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError
@@ -67,6 +67,12 @@ class FePlan:
     plate: Plate
     decisions: tuple[Decision, ...]
     model: PlateModel
+
+    @property
+    def finer(self) -> str:
+        """Advice for a finer mesh, by the keys of the scene."""
+        chosen = any(decision.key == "plate.elements" for decision in self.decisions)
+        return "specify plate.elements, more than the automatic ones" if chosen else FINER
 
     @property
     def expected_steps(self) -> int:

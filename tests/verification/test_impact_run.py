@@ -486,7 +486,7 @@ def test_a_run_fails_only_where_the_error_is_above_what_was_asked():
         "2 %."
     )
     assert headline.answer.startswith(
-        "Failed: error of duration 3.2 % (limit 2 %). Remedy: refine plate.elements"
+        "Failed: error of duration 3.2 % (limit 2 %). Remedy: specify plate.elements, more than the automatic ones;"
     )
     assert "not reliable" not in headline.answer
     assert "contact.patch_length" in by_name["error of duration"].advice

@@ -177,7 +177,8 @@ def _numerical_error(outcome: CornerOutcome) -> Evaluation | None:
         f"{100 * FRACTION:g} % of the effect of flexibility"
     )
     term = max(ERROR_ADVICE, key=lambda name: np.nan_to_num(getattr(outcome.error, name), nan=np.inf))
-    advice = ERROR_ADVICE[term] if outcome.relieved else f"remove plate.start; {ERROR_ADVICE[term]}"
+    advice = outcome.fe_plan.finer if term == "mesh" else ERROR_ADVICE[term]
+    advice = advice if outcome.relieved else f"remove plate.start; {advice}"
     return Evaluation(outcome.error.total, outcome.error.allowed, meaning, advice)
 
 

@@ -163,7 +163,8 @@ def _stated(quantity: str, outcome: run.ImpactOutcome) -> check.Evaluation | Non
         else "largest 50 ms mean of a hinge"
     )
     meaning = f"larger discretisation error of the {measured}; limit: verify.mesh"
-    return check.Evaluation(errors[quantity], verify.mesh, meaning, HINGED if hinged else "")
+    advice = (HINGED if hinged else CLOSER).replace(check.FINER, outcome.fe_plan.finer)
+    return check.Evaluation(errors[quantity], verify.mesh, meaning, advice)
 
 
 for _quantity, _name in MESH_CHECKS.items():
