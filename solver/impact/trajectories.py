@@ -182,7 +182,7 @@ def solve_trains(
     h = _whole_steps(rate, turning, tolerance, step, varies, is_coarse)
     h = np.maximum(h, latest / most)  # first coarser, then finer as far as the computed end allows
     whole = interval or latest
-    rows_a_step = np.exp2(np.floor(np.log2(np.maximum(h / whole, 1.0)))) if is_coarse else 1.0
+    rows_a_step = np.exp2(np.floor(np.log2(np.clip(h / whole, 1.0, PARTS)))) if is_coarse else 1.0
     h = aimed_step = whole / np.ceil(whole / h) * rows_a_step
     parts = np.ones(len(state), dtype=np.int64)
     if varies:

@@ -146,7 +146,11 @@ class Records(Mapping[Key, Any]):
         file.execute(DAMAGED)
         file.commit()
         self.columns = dict.fromkeys(name for _, name, *_ in file.execute("PRAGMA table_info(result)"))
-        counts = file.execute("SELECT status, COUNT(*) FROM record GROUP BY status")
+        self._count()
+
+    def _count(self) -> None:
+        """Count the records of the file by status."""
+        counts = self._file.execute("SELECT status, COUNT(*) FROM record GROUP BY status")
         self.statuses: Counter[str | None] = Counter(dict(counts))
 
     def close(self) -> None:
@@ -170,9 +174,12 @@ class Records(Mapping[Key, Any]):
                 self._file.executemany(INSERT, lines)
                 if not names.keys() <= self.columns.keys():
                     self._show(names)
+            self.statuses.update(value.get("status") for value in values.values())
         except sqlite3.OperationalError as error:
             raise _fault(self._path, error) from None
-        self.statuses.update(value.get("status") for value in values.values())
+        except KeyboardInterrupt:  # before the records are written or behind that
+            self._count()
+            raise
 
     def _show(self, names: Mapping[str, None]) -> None:
         """Add columns to the view."""

@@ -158,3 +158,12 @@ def test_what_cannot_be_among_many_is_refused(key, value, allowed):
         solve_impacts(**{**GIVEN, key: value})
     assert caught.value.key == key
     assert allowed in str(caught.value)
+
+
+def test_forces_of_a_huge_vehicle_have_rows_of_the_interval():
+    """Its motion alone would allow steps of minutes."""
+    huge = {**GIVEN, "width": 1e6}
+    many, motion = solve_impacts(**huge, interval=5e-4, longest=5.0), alone(huge)
+    rows = int(motion.strikes[0].end / 5e-4)
+    impulse = motion.at(5e-4 * np.arange(1, rows + 1)).impulse_normal
+    assert 5e-4 * np.cumsum(many.mean_force[:rows]) == pytest.approx(impulse, abs=1e-3 * impulse.max())

@@ -16,6 +16,7 @@ import time
 from concurrent.futures import Future
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, NamedTuple, cast
 
 import pytest
@@ -554,6 +555,17 @@ def test_records_of_another_definition_or_program_are_begun_anew(tmp_path, monke
         assert list(file) == numbers
         file.add({0: {"status": "passed"}})
         file.close()
+
+
+def test_records_written_before_an_interrupt_are_counted(tmp_path, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    with contextlib.closing(Records(tmp_path / "r.sqlite", {})) as rows:
+        monkeypatch.setattr(rows, "statuses", SimpleNamespace(update=interrupted))
+        with pytest.raises(KeyboardInterrupt):
+            rows.add({"a": {"status": "passed"}})
+        assert (len(rows), rows.statuses) == (1, {"passed": 1})
 
 
 def test_the_program_is_known_by_its_sources(python):
