@@ -1,8 +1,8 @@
-"""Rate and overhead of a sweep, and its rows after kill -9.
+"""Rate of a sweep, parts of a row, and kill -9.
 
     .venv/bin/python benchmarks/sweep.py
 
-Two minutes on free cores. Rates are those while runs are made, workers being up; whole processes are given beside them.
+Three minutes on free cores. Rates are those while runs are made, workers being up, beside those of whole processes.
 The best of two turns counts: a core that other programs use as well makes any of them slower. Processor time, which
 they change little, stands for two free cores.
 """
@@ -10,6 +10,7 @@ they change little, stands for two free cores.
 from __future__ import annotations
 
 import contextlib
+import cProfile
 import ctypes
 import json
 import os
@@ -23,11 +24,18 @@ from pathlib import Path
 from typing import Any
 
 import command_line
+import numpy as np
 import psutil
 from command_line import TAILSLAP, row, sweep_rows
 
 from tailslap.campaign.records import count
 from tailslap.campaign.sweep_run import RECORDS
+from tailslap.case import case_of
+from tailslap.case.corner import corner_run
+from tailslap.case.corner.outcome import CornerOutcome
+from tailslap.case.corner.rigid_stages import RigidStages
+from tailslap.scene.read import read_scene
+from tailslap.scene.vary import vary
 
 THOUSAND = (
     *("paper-table-3", "--set", "plate.elements=[10, 3]"),
@@ -37,6 +45,15 @@ KILLED = (
     *("paper-table-3", "--set", "plate.elements=[6, 2]", "--workers", "2"),
     *("--vary", "plate.youngs_modulus=log:1e9:1e11:20", "--vary", "corner.friction=0.1:0.5:15"),
 )
+ROWS = 40
+PARTS = {
+    "variation and validation": ("vary.py", "vary"),
+    "plans": ("corner_plan.py", "make_corner_plan"),
+    "initial states": ("corner.py", "start"),
+    "comparison with the rigid motion": ("corner_run.py", "compare"),
+    "checks": ("corner_run.py", "checked"),
+}
+"""File and function of the parts of a row besides the time loops."""
 TURNS = 2
 SUBREAPER = 36
 """What makes this process the parent of those whose own has ended (linux/prctl.h)."""
@@ -53,6 +70,7 @@ def rates(folder: Path) -> None:
     efforts: dict[int, list[tuple[float, float, dict[str, Any]]]] = {1: [], 2: []}
     few = (*THOUSAND[:3], "--vary", "corner.friction=0.1,0.2", "--workers")
     sweep(folder / "compile", *few, "1").wait()
+    await_children()
     start = {n: finished(sweep(folder / f"start-{n}", *few, str(n))) for n in efforts}
     for turn in range(TURNS):
         for workers, measured in efforts.items():
@@ -79,6 +97,39 @@ def rates(folder: Path) -> None:
     row("all four tables the same, but for times", "yes", "yes" if same else "NO")
 
 
+def parts() -> None:
+    """Print the time of a row by parts."""
+    case, loops, profile = case_of(*read_scene("paper-table-3")), [0.0], cProfile.Profile()
+    attempt = corner_run.attempt
+
+    def timed(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
+        outcome = attempt(case, more_damping)
+        loops[0] += outcome.run.time_loop_s
+        return outcome
+
+    def all_rows() -> float:
+        began = time.perf_counter()
+        for modulus in np.geomspace(1e11, 4e11, ROWS).tolist():
+            changed = case_of(*vary(case.source, {"plate.youngs_modulus": modulus}))
+            changed.row(changed.run())
+        return 1e3 * (time.perf_counter() - began) / ROWS
+
+    all_rows()
+    corner_run.attempt = timed
+    whole, loop = all_rows(), 1e3 * loops[0] / ROWS
+    profile.enable()
+    all_rows()
+    profile.disable()
+    spent = {}
+    for entry in profile.getstats():
+        if not isinstance(entry.code, str):
+            spent[Path(entry.code.co_filename).name, entry.code.co_name] = entry.totaltime
+    result = f"{whole / loop:.2f} times: {whole:.0f} and {loop:.0f} ms"
+    row("row over its time loops, of run and companion", "1.5 times", result)
+    for part, function in PARTS.items():
+        row(f"  {part}, profiled", "", f"{1e3 * spent[function] / ROWS:.1f} ms")
+
+
 def finished(process: subprocess.Popen[bytes]) -> float:
     """Wait for a sweep, and return its processor time [s].
 
@@ -86,11 +137,16 @@ def finished(process: subprocess.Popen[bytes]) -> float:
     """
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert process.wait() in (0, 1), f"exit status {process.returncode}"
+    await_children()
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime
+
+
+def await_children() -> None:
+    """Wait for all children, orphans of ended processes included."""
     with contextlib.suppress(ChildProcessError):
         while True:
             os.wait()
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime
 
 
 def kills(folder: Path) -> None:
@@ -128,10 +184,11 @@ def workers_of(pid: int) -> list[int]:
 
 
 def main() -> None:
-    """Print both parts."""
+    """Print all parts."""
     command_line.options(__doc__)
     ctypes.CDLL(None).prctl(SUBREAPER, 1)
     with tempfile.TemporaryDirectory() as folder:
+        parts()
         kills(Path(folder))
         rates(Path(folder))
 
