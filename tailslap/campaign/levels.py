@@ -59,12 +59,10 @@ class Reach:
 
         A sign < means accurate down to this frequency at least, > inaccurate at this frequency.
         """
-        signs = {
-            CROSSED: "≈\N{NO-BREAK SPACE}",
-            NOT_REACHED: "<\N{NO-BREAK SPACE}",
-            ABOVE_ALL: ">\N{NO-BREAK SPACE}",
-        }
-        return signs[self.kind] + hertz(rounded_up(self.frequency)) if self.kind in signs else "unknown"
+        if math.isnan(self.frequency):
+            return "unknown"
+        sign = {CROSSED: "≈", ABOVE_ALL: ">"}.get(self.kind, "<")
+        return f"{sign}\N{NO-BREAK SPACE}{hertz(rounded_up(self.frequency))}"
 
 
 @dataclass(frozen=True)

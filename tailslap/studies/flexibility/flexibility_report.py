@@ -60,8 +60,8 @@ MODAL = {
 READING = (
     "Inertia relief starts from the quasi-static elastic state of the rigid-body acceleration, with the angular "
     "velocity and corner speed of Stage 1, or with its momenta. The unstressed plate has the velocities and momenta "
-    "of Stage 1 and oscillates. Levels of v_GY refer to the largest difference up to the tail-slap; unknown: the "
-    "numerical error exceeds a third of the level.",
+    "of Stage 1 and oscillates. Levels of v_GY refer to the largest difference up to the tail-slap; <: reached "
+    "down to that frequency at least, below which plates fail or the numerical error exceeds a third of the level.",
     "Errors are below the values: grid convergence index of three meshes, plus the effects of damping and ringing. "
     "Highlighted plates failed a check.",
 )
@@ -74,8 +74,8 @@ STRIKE_POINTS = [
 IMPACT_READING = (
     "FE/rigid - 1 of each strike, with the mesh error below it (change with elements of twice the order). Plates whose "
     "first two strikes occur at other corners than those of the rigid vehicle have no values. Levels: lowest first "
-    "frequency at which the difference is below the level; <: below the range, >: above the range; unknown: a plate "
-    "below the level is next to one without values, or with a numerical error above a third of the level."
+    "frequency at which the difference is below the level; >: above the range; <: below the level down to that "
+    "frequency at least, below which plates end, have no values, or a numerical error above a third of the level."
 )
 PLATES = (
     "FE runs from soft to rigid, with the crush force of a corner distributed over a tenth of the length. Contacts "
