@@ -94,7 +94,7 @@ def _add(value: Any, kinds: list[object], values: list[object]) -> None:
         _add_array(value, kinds, values)
     elif (code := NUMBERS.get(kind)) and (code != INTEGER or -LAST_INTEGER <= value < LAST_INTEGER):
         kinds.append(code)
-        values.append(value)
+        values.append(int(value) if code == LOGICAL else value)
     elif value is None:
         kinds.append(None)
     elif kind is Prepared:

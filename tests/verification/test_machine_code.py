@@ -279,6 +279,18 @@ def test_a_bound_call_reads_its_arrays_anew(kernel):
         assert again() == add(outer, rows, *rest)
 
 
+def chosen(first, value, other):
+    return value if first else other
+
+
+@pytest.mark.parametrize("first", [True, False, np.True_, np.False_])
+def test_numbers_of_python_and_numpy_are_the_same(keeping, first):
+    """Each has code, of one type for both."""
+    kernel, pair = compiled(chosen), (7.5, -2.0)
+    assert kernel(first, *pair) == kernel(bool(first), *map(np.float64, pair)) == pair[not first]
+    assert kernel(first, 7, -2) == kernel(first, *map(np.int64, (7, -2))) == (7, -2)[not first]
+
+
 def test_other_types_are_refused():
     for value in ("text", [1.0], np.zeros(2, dtype=object), np.zeros(2, dtype=">f8"), 2**63, 1j):
         with pytest.raises(UnknownTypeError):
