@@ -107,8 +107,8 @@ def make_venv(no_system: bool) -> None:
     if not call(has_venv)[0] and (no_system or not apt_install(package) or not call(has_venv)[0]):
         sys.exit(f"bootstrap: this Python has no venv or ensurepip; {line_to_paste(package, 'python3')}")
     say(f"creating {VENV}")
-    made, output = call([sys.executable, "-m", "venv", "--clear", str(VENV)])
-    if not made:
+    is_created, output = call([sys.executable, "-m", "venv", "--clear", str(VENV)])
+    if not is_created:
         sys.exit(f"{output}\nbootstrap: {VENV} cannot be created, see above")
 
 
@@ -158,12 +158,12 @@ def update_venv(target: str, no_system: bool) -> None:
     A step that succeeded leaves a stamp of its input, and is not repeated for the same.
     """
     version = venv_version()
-    wanted = digest(version, target)
-    enough = (wanted, digest(version, ".[dev]"))
+    required = digest(version, target)
+    enough = (required, digest(version, ".[dev]"))
     packages, libraries = VENV / "tailslap-packages.stamp", VENV / "tailslap-libraries.stamp"
     if not packages.is_file() or packages.read_text() not in enough:
         install_packages(target)
-        packages.write_text(wanted)
+        packages.write_text(required)
     if not libraries.is_file() or libraries.read_text() != packages.read_text():
         check_libraries(no_system)
         libraries.write_text(packages.read_text())

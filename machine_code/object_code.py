@@ -204,9 +204,8 @@ def load_code(code: ObjectCode) -> Bind:
         packed = arguments.pack(*values)
 
         def call() -> object:
-            result = ctypes.create_string_buffer(
-                numbers.size
-            )  # of this call alone, as other threads may call too
+            # A result of this call alone, as other threads may call too.
+            result = ctypes.create_string_buffer(numbers.size)
             function(result, packed)
             return read(iter(numbers.unpack_from(result)))
 

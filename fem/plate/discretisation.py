@@ -176,12 +176,12 @@ def _side(mesh: meshio.Mesh, positions: np.ndarray) -> np.ndarray:
     lines = mesh.cells_dict["line"][mesh.cell_sets_dict["side_pe"]["line"]]
     points = mesh.points[np.unique(lines), :2]
     first, last = points[points[:, 0].argmin()], points[points[:, 0].argmax()]
-    along, across = (last - first) / np.linalg.norm(last - first), positions - first[:, None]
-    place = along @ across
-    distance = along[0] * across[1] - along[1] * across[0]
-    tolerance = 1e-9 * np.linalg.norm(last - first)
-    is_on_it = (np.abs(distance) < tolerance) & (place > -tolerance)
-    return np.flatnonzero(is_on_it & (place < np.linalg.norm(last - first) + tolerance))
+    length, from_first = np.linalg.norm(last - first), positions - first[:, None]
+    direction, tolerance = (last - first) / length, 1e-9 * length
+    along = direction @ from_first
+    across = direction[0] * from_first[1] - direction[1] * from_first[0]
+    is_beside = (along > -tolerance) & (along < length + tolerance)
+    return np.flatnonzero(is_beside & (np.abs(across) < tolerance))
 
 
 def element_table(scalar: CellBasis, thickness: float) -> ElementTable:

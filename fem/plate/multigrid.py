@@ -59,11 +59,12 @@ class Multigrid:
             smooth=PROLONGATION,
             max_coarse=COARSEST,
         )
-        # Without blocks SciPy multiplies a third faster.
-        for number, level in enumerate(self._levels.levels):
-            level.A = level.A.tocsr() if number else rows
-            for name in {"P", "R"} & set(vars(level)):
-                setattr(level, name, getattr(level, name).tocsr())
+        finest, *coarser = self._levels.levels
+        finest.A = rows  # without blocks SciPy multiplies a third faster
+        for level in coarser:
+            level.A = level.A.tocsr()
+        for level in (finest, *coarser)[:-1]:
+            level.P, level.R = level.P.tocsr(), level.R.tocsr()
 
     def solve(self, load: np.ndarray, tolerance: float = TOLERANCE) -> np.ndarray:
         """Return displacements [m] under loads [N] in equilibrium.

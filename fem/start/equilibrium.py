@@ -38,9 +38,9 @@ def equilibrium(
 ) -> tuple[np.ndarray, Solve]:
     """Return positions [m] in equilibrium with the load, shape (2, nodes).
 
-    Besides, the last solver. place: positions near to them. load_at: returns the positions without rigid rotation,
-    and the load [N] in equilibrium there, shape (2, nodes) each. solve: solver of a
-    similar state, replaced where it converges slowly. Raises ValueError if the steps do not converge.
+    Besides, the last solver. place: positions near to them. load_at: returns the positions without rigid rotation, and
+    the load [N] in equilibrium there, shape (2, nodes) each. solve: solver of a similar state, replaced where it
+    converges slowly. Raises ValueError if the steps do not converge.
     """
     before, is_own = 1.0, False
     places, steps, forces = list[np.ndarray](), list[np.ndarray](), elastic_forces(model.parameters)

@@ -326,12 +326,12 @@ def _difference(
     all heavy ones count, otherwise the first two. The change is infinite where strikes differ, or a value is not
     finite.
     """
-    spin, other = fine.state[..., 5], coarse.state[..., 5]
+    spin, coarse_spin = fine.state[..., 5], coarse.state[..., 5]
     goes_on = (fine.strikes[..., CUT] == 1.0) & (fine.end != coarse.end)[:, None]
     with np.errstate(invalid="ignore", divide="ignore"):
         measures = _measures(fine, weight), _measures(coarse, weight)
         changes = _changes_of_all(*measures, goes_on) if many_strikes else _changes(*measures)
-        spins = (np.abs(other - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
+        spins = (np.abs(coarse_spin - spin) / (np.abs(spin) + 0.1 * turning[:, None])).max(axis=1)
     spins[goes_on.any(axis=1)] = 0.0  # of a vehicle that bounces along the wall, at another instant
     is_finite = np.isfinite(fine.state).all(axis=(1, 2)) & np.isfinite(fine.end + coarse.end)
     return np.where(is_finite, np.maximum(changes, spins), math.inf)

@@ -95,11 +95,11 @@ class Checkpoints:
         """Read the arrays of the file. Raises ValueError for a damaged one."""
         with open(self._path, "rb", opener=manifest.open_plain) as file:
             digest, rows = file.read(DIGEST), int.from_bytes(file.read(COUNT), "little")
-            wanted = sizes(rows)
-            size = DIGEST + COUNT + NUMBER * sum(map(math.prod, wanted.values()))
+            shapes = sizes(rows)
+            size = DIGEST + COUNT + NUMBER * sum(map(math.prod, shapes.values()))
             if os.fstat(file.fileno()).st_size != size:
                 raise ValueError("the sizes differ")
-            arrays = {name: np.empty(shape) for name, shape in sorted(wanted.items())}
+            arrays = {name: np.empty(shape) for name, shape in sorted(shapes.items())}
             for array in arrays.values():
                 file.readinto(array.data)
         if self._sealed(arrays) != digest:

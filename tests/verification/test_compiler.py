@@ -233,8 +233,8 @@ def same(result, expected):
     """Types are equal, and numbers to rounding."""
     if isinstance(expected, tuple):
         assert type(result) is type(expected)
-        for one, other in zip(result, expected, strict=True):
-            same(one, other)
+        for item, expected_item in zip(result, expected, strict=True):
+            same(item, expected_item)
     elif isinstance(expected, float) and isinstance(result, float):
         assert result == pytest.approx(expected, rel=4e-16, abs=1e-300)
     else:

@@ -16,6 +16,7 @@ from test_levels import SWEEP
 from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
 from postprocess.report.command_report import report_text, write_report
 from tailslap import cli, commands
+from tailslap.case.corner import corner_run
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.plate_input import three_meshes
 from tailslap.scene.read import read_scene
@@ -88,6 +89,26 @@ def test_what_each_start_keeps():
     assert max(abs(momenta["v_gx"]), abs(momenta["v_gy"])) < 1e-12
     assert momenta["omega"] < -3e-3 < 0.0 < momenta["v_p"]
     assert max(map(abs, unstressed.values())) < 1e-9
+
+
+def test_meshes_are_companions_of_each_other(monkeypatch):
+    """A comparison that breaks is a missing result, not the end."""
+    sweep, compared = small_sweep("mash-tl4-sut"), []
+    meshes = corner_flexibility.mesh_changes(sweep, 20.0, "inertia-relief")
+    checked = corner_run.checked
+
+    def breaking(outcome):
+        compared.append([companion.refinement for companion in outcome.companions])
+        if len(compared) == 2:
+            raise FloatingPointError("nothing")
+        return checked(outcome)
+
+    monkeypatch.setattr(corner_run, "checked", breaking)
+    first, second, third = corner_flexibility.mesh_records(sweep.case.source, [*meshes[:2], None])
+    assert compared == [[2.0], [0.5]]
+    assert plate_runs.run_passed(first)
+    assert second["refused"] == "broke: FloatingPointError: nothing"
+    assert third["refused"].startswith("omitted")
 
 
 def test_the_largest_difference_is_seen_in_any_phase():

@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -266,18 +267,19 @@ def mesh_records(base: Source, meshes: Sequence[Changes | None]) -> list[Record]
     The other meshes are the companions of each run.
     """
     runs = [one_run(base, changes, corner_run.damped_run) for changes in meshes]
-    records = []
-    for n, run in enumerate(runs):
-        if isinstance(run, CornerOutcome):
-            companions = tuple(
-                corner_run.compared(run, other, 2.0 ** (m - n))
-                for m, other in enumerate(runs)
-                if m != n and isinstance(other, CornerOutcome)
-            )
-            records.append(outcome_record(corner_run.checked(replace(run, companions=companions))))
-        else:
-            records.append(run)
-    return records
+
+    def record(number: int, run: CornerOutcome) -> Record:
+        companions = tuple(
+            corner_run.compared(run, companion, 2.0 ** (place - number))
+            for place, companion in enumerate(runs)
+            if run.fe and place != number and isinstance(companion, CornerOutcome)
+        )
+        return outcome_record(corner_run.checked(replace(run, companions=companions)))
+
+    return [
+        plate_runs.or_refused(partial(record, number, run)) if isinstance(run, CornerOutcome) else run
+        for number, run in enumerate(runs)
+    ]
 
 
 def thickness_changes(changes: Changes, modulus: float, section: Section) -> Changes:

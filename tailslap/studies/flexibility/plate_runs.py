@@ -84,8 +84,13 @@ def one_run(base: Source, changes: Changes | None, measure: Callable[[Any], T]) 
     """
     if changes is None:
         return {"refused": "omitted: the estimated time exceeds the limit"}
+    return or_refused(lambda: measure(case_of(*vary(base, changes))))
+
+
+def or_refused(compute: Callable[[], T]) -> T | Record:
+    """Return the result, or a record with the reason for the absence."""
     try:
-        return measure(case_of(*vary(base, changes)))
+        return compute()
     except InputError as error:
         return {"refused": str(error)}
     except Exception as error:  # a failed plate does not end the study
