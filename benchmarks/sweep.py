@@ -102,8 +102,8 @@ def parts() -> None:
     case, loops, profile = case_of(*read_scene("paper-table-3")), [0.0], cProfile.Profile()
     attempt = corner_run.attempt
 
-    def timed(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
-        outcome = attempt(case, more_damping)
+    def timed(case: RigidStages, *choices: Any, **named: Any) -> CornerOutcome:
+        outcome = attempt(case, *choices, **named)
         loops[0] += outcome.run.time_loop_s
         return outcome
 

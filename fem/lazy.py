@@ -1,7 +1,9 @@
-"""Names of packages whose modules are imported on first use."""
+"""Modules that are imported on first use."""
 
+import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from importlib.util import LazyLoader, find_spec, module_from_spec
 from typing import Any
 
 
@@ -20,3 +22,18 @@ def lazy_names(
         return getattr(import_module(f"{package}.{home[name]}"), name)
 
     return (sorted(home), attribute, lambda: sorted(home))
+
+
+def defer(package: str, names: str) -> None:
+    """Let modules of a package be loaded when they are first used.
+
+    It serves libraries that import all names of another one and use few.
+    """
+    owner = import_module(package)
+    for name in names.split():
+        path, spec = f"{package}.{name}", find_spec(f"{package}.{name}")
+        if path not in sys.modules and spec is not None and spec.loader is not None:
+            spec.loader = LazyLoader(spec.loader)
+            sys.modules[path] = module = module_from_spec(spec)
+            spec.loader.exec_module(module)
+            setattr(owner, name, module)

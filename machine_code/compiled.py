@@ -80,6 +80,10 @@ class Kernel:
         call = bind(values)
         return lambda alive=arguments: call()  # type: ignore[misc]  # keeps the arrays whose addresses are in values
 
+    def is_loaded(self, *arguments: object) -> bool:
+        """Return True if this process has machine code for such arguments."""
+        return flattened(arguments)[0] in self._binds
+
     def has_code(self, *arguments: object) -> bool:
         """Return True if there is machine code for arguments of these types.
 

@@ -13,7 +13,6 @@ import os
 import struct
 import sys
 from collections.abc import Callable, Iterator
-from importlib.metadata import version
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -176,6 +175,8 @@ def decoded(content: bytes, identity: dict[str, object]) -> ObjectCode | None:
 @functools.cache
 def machine() -> dict[str, object]:
     """Return processor, versions and settings on which machine code depends."""
+    from importlib.metadata import version
+
     llvm = llvm_library()
     return {
         "processor": [llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()],

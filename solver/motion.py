@@ -139,6 +139,12 @@ class PlaneMotion:
     strike: MotionState[float]
     start: Start = field(repr=False)
 
+    @cached_property
+    def first(self) -> MotionState[float]:
+        """State at the start."""
+        state: MotionState[float] = stage_2.state(self.start, self.start.path.theta_0, 0.0)
+        return state
+
     @property
     def latest(self) -> float:
         """Last admissible instant [s].

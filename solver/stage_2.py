@@ -34,8 +34,10 @@ TOLERANCE = 1e-13  # of that distance, relative; the error of the fine rule is f
 BISECTIONS = 24
 POINTS = 32  # of a panel of the clock
 TAIL = 1e-14  # largest admissible last coefficients of a panel, relative
+NEGLIGIBLE = 2.0**-52  # size of last coefficients that are rounding errors and omitted, relative
 PANELS = 1024
-CLOSE = 1e-14  # residual of Newton's method before its last step, which squares it
+CLOSE = 1e-10  # residual of Newton's method before its last step, which squares it
+GUESSES = 128  # tabulated angles from which it starts
 CRITICAL_FRICTION = 4.0 / 3.0  # smallest friction at which 1 + 3 C^2 - 3 mu S C can vanish
 FASTEST = 1e100  # growth of omega up to which every product stays within double precision
 # At an end of the path; D has rounding errors of a few 1e-16, and omega equal relative ones
@@ -200,6 +202,7 @@ class TimeOfAngle(NamedTuple):
     edges: Array  # of the panels, ascending [rad]
     tau: Array  # at the edges, descending
     series: Array  # of tau within each panel, minus its value at the upper edge; one column per panel
+    table: tuple[Array, Array] = (np.empty(0), np.empty(0))  # tau, ascending, and angles for the first guess
 
     def read(self, theta: Array) -> Array:
         """Return tau at the angles theta [rad]."""
@@ -214,7 +217,7 @@ class TimeOfAngle(NamedTuple):
 
         By Newton's method to rounding.
         """
-        theta = np.interp(tau, self.tau[::-1], self.edges[::-1])
+        theta = np.interp(tau, *self.table)
         for _ in range(50):
             late = self.read(theta) - tau
             theta = np.clip(theta + late / slowness(self.path, theta), self.edges[0], self.edges[-1])
@@ -248,7 +251,11 @@ def clock(path: Path, lowest: float) -> TimeOfAngle:
         if np.max(abs(series[-2:])) <= TAIL * np.max(abs(series[0])):
             integral = half * np.polynomial.legendre.legint(-series, lbnd=1.0)
             across = 2.0 * half * series[0]
-            return TimeOfAngle(path, edges, np.append(np.cumsum(across[::-1])[::-1], 0.0), integral)
+            largest = abs(integral).max(axis=1)
+            integral = integral[: np.flatnonzero(largest > NEGLIGIBLE * largest.max())[-1] + 1]
+            times = TimeOfAngle(path, edges, np.append(np.cumsum(across[::-1])[::-1], 0.0), integral)
+            angles = np.linspace(path.theta_0, lowest, GUESSES * panels + 1)
+            return times._replace(table=(times.read(angles), angles))
         panels *= 2
     raise refusal(rules.GROWTH, abs(path.mu))
 

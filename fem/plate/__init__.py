@@ -5,3 +5,8 @@ compiled loop and the stiffness, `nodal_masses` the masses. `elastic` inverts th
 large ones by `multigrid`, and `free_modes` follow from it. `spectrum` is the highest frequency by `lanczos`, for
 large plates bounded by `windows`.
 """
+
+from fem.lazy import defer
+
+# SciPy imports all names of NumPy; these modules, which no run uses, would take 50 ms.
+defer("numpy", "ctypeslib f2py testing")

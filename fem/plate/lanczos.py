@@ -9,6 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from machine_code.compiled import compiled
+
 RESTART_FRACTION = 1.0 / 3.0
 """Fraction of the basis that a restart retains, of the largest eigenvalues."""
 
@@ -21,6 +23,12 @@ Where the value still grows, it is near an eigenvalue that is not the largest.
 MAX_RESTARTS = 1000
 """Largest number of restarts; the residual then states the accuracy."""
 
+Extend = Callable[[np.ndarray, np.ndarray, int], tuple[int, float]]
+"""Function that fills all rows of a basis behind the row of a number, by the operator on the row before and
+`orthogonalise`. It takes the rows, shape (m + 1, n), the projected operator, shape (m, m), and that number. It returns
+the number of rows with a product, and the last length; the length is 0 where the rows are an invariant subspace.
+"""
+
 
 def fixed_vector(size: int) -> np.ndarray:
     """Return a vector with parts of all modes, equal in every run."""
@@ -28,14 +36,14 @@ def fixed_vector(size: int) -> np.ndarray:
 
 
 def largest_eigenpair(
-    product: Callable[[np.ndarray], np.ndarray], first: np.ndarray, tolerance: float, basis: int
+    extend: Extend, first: np.ndarray, tolerance: float, basis: int
 ) -> tuple[float, np.ndarray]:
     """Return the largest eigenvalue of an operator and its vector.
 
     Parameters
     ----------
-    product : callable
-        The operator on a vector, shape (n,).
+    extend : callable
+        The operator, see `Extend` and `extend_by`.
     first : ndarray, shape (n,)
         Vector with which the search begins.
     tolerance : float
@@ -59,11 +67,9 @@ def largest_eigenpair(
     rows, projected = np.empty((basis + 1, first.size)), np.zeros((basis, basis))
     rows[0], used, earlier = first / np.linalg.norm(first), 0, -math.inf
     for _ in range(MAX_RESTARTS):
-        for row in range(used, basis):
-            length = _extend(product, rows, projected, row)
-            if length == 0.0:  # the basis is an invariant subspace
-                basis = row + 1
-                break
+        basis, length = extend(rows, projected, used)
+        if not math.isfinite(length):
+            raise FloatingPointError("the operator is not finite")
         values, mixed = np.linalg.eigh(projected[:basis, :basis])
         limit, settled = tolerance * abs(values[-1]), GROWTH_LIMIT * tolerance * abs(values[-1])
         converged = length * abs(mixed[-1, -1]) <= limit and values[-1] - earlier <= settled
@@ -77,24 +83,46 @@ def largest_eigenpair(
     return float(values[-1]), vector / np.linalg.norm(vector)
 
 
-def _extend(
-    product: Callable[[np.ndarray], np.ndarray], rows: np.ndarray, projected: np.ndarray, row: int
-) -> float:
-    """Fill row `row` + 1 with the operator on row `row`.
+def extend_by(product: Callable[[np.ndarray], np.ndarray]) -> Extend:
+    """Return the extension by an operator on a vector, shape (n,)."""
 
-    It is made orthogonal to all rows before. Returns the length of the orthogonal part.
+    def extend(rows: np.ndarray, projected: np.ndarray, begin: int) -> tuple[int, float]:
+        for row in range(begin, len(projected)):
+            rows[row + 1] = product(rows[row])
+            length = float(orthogonalise(rows, projected, row))
+            if not length > 0.0:
+                break
+        return row + 1, length
+
+    return extend
+
+
+@compiled
+def orthogonalise(rows, projected, row):
+    """Make row `row` + 1 a unit vector orthogonal to all before.
+
+    The overlaps are those of `projected`. Returns the length of the orthogonal part, 0 where it is rounding.
     """
-    vector, basis = product(rows[row]), rows[: row + 1]
-    size = float(np.linalg.norm(vector))
-    overlap = basis @ vector
-    vector = vector - overlap @ basis
-    correction = basis @ vector  # a single orthogonalisation is not accurate enough
-    vector -= correction @ basis
-    projected[row, : row + 1] = projected[: row + 1, row] = overlap + correction
-    length = float(np.linalg.norm(vector))
-    if length <= 1e-14 * size:
+    last, size = row + 1, _overlap(rows, row + 1, row + 1)
+    for _ in range(2):  # a single orthogonalisation is not accurate enough
+        for other in range(last):
+            overlap = _overlap(rows, other, last)
+            for unknown in range(rows.shape[1]):
+                rows[last, unknown] -= overlap * rows[other, unknown]
+            projected[row, other] += overlap
+            projected[other, row] = projected[row, other]
+    length = _overlap(rows, last, last)
+    if length <= 1e-28 * size:
         return 0.0
-    if not math.isfinite(length):
-        raise FloatingPointError("the operator is not finite")
-    rows[row + 1] = vector / length
+    length = math.sqrt(length)
+    for unknown in range(rows.shape[1]):
+        rows[last, unknown] /= length
     return length
+
+
+@compiled
+def _overlap(rows, one, other):
+    overlap = 0.0
+    for unknown in range(rows.shape[1]):
+        overlap += rows[one, unknown] * rows[other, unknown]
+    return overlap

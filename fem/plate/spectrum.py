@@ -15,7 +15,7 @@ import numpy as np
 
 from fem.cache import cached
 from fem.plate.elastic import ElasticSolver, Inverse
-from fem.plate.lanczos import fixed_vector, largest_eigenpair
+from fem.plate.lanczos import extend_by, fixed_vector, largest_eigenpair
 from fem.plate.support import Support
 
 if TYPE_CHECKING:
@@ -165,7 +165,7 @@ class Spectrum:
 
         # a vector orthogonal to the eigenvector would not converge to it
         start = first + 1e-3 * self._first
-        value, vector = largest_eigenpair(product, start, tolerance, BASIS)
+        value, vector = largest_eigenpair(extend_by(product), start, tolerance, BASIS)
         return Peak(value, float(np.linalg.norm(product(vector) - value * vector)), vector, angle)
 
 

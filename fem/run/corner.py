@@ -14,6 +14,7 @@ from fem.explicit.measures import advance_and_measure, measure
 from fem.explicit.time_loop import State
 from fem.model.plate_model import PlateModel
 from fem.run import observers, runner
+from fem.stability.deformed import deformed_frequency
 from fem.start import inertia_relief, start_kinds
 from machine_code.compiled import Kernel, OnCompile, compile_once, ignore_compiling
 from machine_code.object_code import Prepared
@@ -78,7 +79,7 @@ class Run:
     @cached_property
     def highest_frequency(self) -> float:
         """Highest frequency of the plate at these instants [rad/s]."""
-        return observers.highest_frequency(self.model, self.shapes)
+        return deformed_frequency(self.model, self.shapes)
 
 
 class Stepper(runner.PlateStepper[State]):
@@ -189,7 +190,8 @@ def compile_loop(
     stepper = Stepper(model, threads)
     kernel, arguments = stepper.step_call
     record = lambda: stepper.record(stepper.start(start, "unstressed"), 0, 1)  # noqa: E731
-    compile_once(record, kernel, *arguments, on_compile=on_compile)
+    if not kernel.is_loaded(*arguments):
+        compile_once(record, kernel, *arguments, on_compile=on_compile)
     return stepper
 
 

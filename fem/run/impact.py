@@ -16,6 +16,7 @@ from fem.laws.wall_contact import ContactState
 from fem.model.plate_model import PlateModel
 from fem.plate.properties import ModelError
 from fem.run import observers, runner
+from fem.stability.deformed import deformed_frequency
 from fem.start import inertia_relief
 from machine_code.compiled import Kernel, OnCompile, compile_once, ignore_compiling
 
@@ -94,7 +95,7 @@ class ImpactRun:
     @cached_property
     def highest_frequency(self) -> float:
         """Highest frequency of the plate at these instants [rad/s]."""
-        return observers.highest_frequency(self.model, self.shapes)
+        return deformed_frequency(self.model, self.shapes)
 
 
 class ImpactStepper(runner.PlateStepper[ImpactLoopState]):

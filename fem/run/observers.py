@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from fem.model.plate_model import PlateModel
 from fem.run.runner import Arrays, Observer, PlateStepper, S, Size, Sizes
-from fem.stability import deformed
 
 if TYPE_CHECKING:
     from fem.explicit.impact_loop import ImpactLoopState
@@ -94,15 +92,6 @@ class ShapeSampler(Observer):
     def resume(self, arrays: Arrays) -> None:
         """Continue from these arrays."""
         self.samples, self.last = list(arrays["seen"]), arrays["last"]
-
-
-def highest_frequency(model: PlateModel, shapes: Iterable[np.ndarray]) -> float:
-    """Return the highest frequency [rad/s] of the plate in these positions.
-
-    Positions that are not finite are ignored; without any other the result is infinite.
-    """
-    finite = [positions for positions in shapes if np.isfinite(positions).all()]
-    return max((deformed.deformed_frequency(model, positions) for positions in finite), default=np.inf)
 
 
 @dataclass(frozen=True)

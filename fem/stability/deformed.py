@@ -4,20 +4,24 @@ The frequency needs no stiffness matrix.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterable
 
 import numpy as np
 
-from fem.explicit.internal_force import elastic_forces
+from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.time_loop import LoopParameters
 from fem.laws.materials import deformation_gradient, energy_density, green_strain, stress
 from fem.model.plate_model import PlateModel
-from fem.plate.lanczos import fixed_vector, largest_eigenpair
+from fem.plate.lanczos import fixed_vector, largest_eigenpair, orthogonalise
 from fem.start.inertia_relief import to_global
 from machine_code.compiled import compiled
+from machine_code.object_code import Prepared
 
-TOLERANCE, BASIS = 1e-4, 8
-"""Residual over the eigenvalue at which Lanczos ends, and size of its basis."""
+TOLERANCE, BASIS = 1e-3, 8
+"""Residual over the eigenvalue at which Lanczos ends, and size of its basis.
+
+The frequency is then within 1e-5, the error of the differences.
+"""
 
 RELATIVE_DISPLACEMENT = 1e-5
 """Displacement of the finite difference over the element's size.
@@ -25,9 +29,12 @@ RELATIVE_DISPLACEMENT = 1e-5
 The relative error of the stiffness is about as large.
 """
 
+TINY = 1e-300
+"""Least displacement of an unknown vector [m]."""
 
-def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
-    """Return the highest circular frequency about a deformed state.
+
+def deformed_frequency(model: PlateModel, shapes: Iterable[np.ndarray]) -> float:
+    """Return the highest circular frequency about some deformed states.
 
     Lanczos is applied to differences of the internal forces, with the springs of the wall.
 
@@ -35,35 +42,82 @@ def deformed_frequency(model: PlateModel, positions: np.ndarray) -> float:
     ----------
     model : PlateModel
         The plate.
-    positions : ndarray, shape (2, nodes)
-        Positions of the nodes in the wall's frame [m].
+    shapes : iterable of ndarray, shape (2, nodes)
+        Positions of the nodes in the wall's frame [m]. Those that are not finite are ignored.
 
     Returns
     -------
     float
-        Frequency [rad/s]; infinite where the forces are not finite.
+        Frequency [rad/s]; infinite where forces are not finite, and without any finite positions.
     """
-    parameters = model.parameters
-    root, shape = 1.0 / np.sqrt(parameters.mass), positions.shape
-    add_springs, forces = _springs(parameters), elastic_forces(parameters)
+    finite = [positions for positions in shapes if np.isfinite(positions).all()]
+    parameters, workspace = model.parameters, np.empty((4, 2, model.parameters.mass.size))
     size = RELATIVE_DISPLACEMENT * math.sqrt(float(model.discretisation.scalar.dx.sum(axis=1).min()))
-    before = forces(positions)
+    plate = parameters.hourglass, parameters.table, parameters.material
+    scratch = scratch_for(parameters.table, parameters.hourglass)
+    root = 1.0 / np.sqrt(parameters.mass)
+    operator = Prepared((workspace, root, size, _corner_spring(parameters), *plate, scratch))
 
-    def product(vector: np.ndarray) -> np.ndarray:
-        displacement = root * vector.reshape(shape)
-        scale = size / max(np.abs(displacement).max(), np.finfo(float).tiny)
-        difference = (forces(positions + scale * displacement) - before) / scale
-        add_springs(displacement, difference)
-        return np.asarray((root * difference).ravel())
+    def extend(rows: np.ndarray, projected: np.ndarray, begin: int) -> tuple[int, float]:
+        filled: tuple[int, float] = extend_by_differences(rows, projected, begin, operator)
+        return filled
 
-    start = _first_vector(model, positions)
-    if not np.isfinite(product(start)).all():
-        return math.inf
-    try:
-        largest, _ = largest_eigenpair(product, start, TOLERANCE, BASIS)
-    except FloatingPointError:  # forces become infinite
-        return math.inf
-    return math.sqrt(max(largest, 0.0))
+    def frequency(positions: np.ndarray) -> float:
+        workspace[0] = positions
+        try:
+            largest, _ = largest_eigenpair(extend, _first_vector(model, positions), TOLERANCE, BASIS)
+        except FloatingPointError:  # forces become infinite
+            return math.inf
+        return math.sqrt(max(largest, 0.0))
+
+    return max(map(frequency, finite), default=math.inf)
+
+
+@compiled
+def extend_by_differences(rows, projected, begin, operator):
+    """Extend a basis by differences of the internal forces, see `Extend`.
+
+    operator: positions [m] and workspace, shape (4, 2, nodes); inverse roots of the masses, shape (nodes,);
+    displacement of the differences [m]; the corner's spring; hourglass control, element table and material with their
+    scratch.
+    """
+    workspace, root, size, spring, hourglass, table, material, scratch = operator
+    positions, before, displaced, force = workspace[0], workspace[1], workspace[2], workspace[3]
+    nodes, length = root.size, 0.0
+    if begin == 0:
+        before[:] = 0.0
+        subtract_internal_forces(positions, positions, None, hourglass, before, table, material, scratch)
+    for row in range(begin, projected.shape[0]):
+        largest = 0.0
+        for unknown in range(2 * nodes):
+            largest = max(largest, abs(root[unknown % nodes] * rows[row, unknown]))
+        scale = size / max(largest, TINY)
+        for axis in range(2):
+            for node in range(nodes):
+                displacement = scale * root[node] * rows[row, axis * nodes + node]
+                displaced[axis, node] = positions[axis, node] + displacement
+        force[:] = 0.0
+        subtract_internal_forces(displaced, displaced, None, hourglass, force, table, material, scratch)
+        for axis in range(2):
+            for node in range(nodes):
+                difference = (before[axis, node] - force[axis, node]) / scale
+                rows[row + 1, axis * nodes + node] = root[node] * difference
+        _add_spring(spring, root, rows, row)
+        length = orthogonalise(rows, projected, row)
+        if not length > 0.0:
+            return row + 1, length
+    return projected.shape[0], length
+
+
+@compiled
+def _add_spring(spring, root, rows, row):
+    if spring is not None:
+        corner, weights, stiffness = spring
+        across = 0.0
+        for k in range(corner.size):
+            across += weights[k] * root[corner[k]] * rows[row, root.size + corner[k]]
+        for k in range(corner.size):
+            rows[row + 1, root.size + corner[k]] += root[corner[k]] * weights[k] * stiffness * across
 
 
 def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
@@ -82,20 +136,14 @@ def _first_vector(model: PlateModel, positions: np.ndarray) -> np.ndarray:
     return np.asarray((to_global(angle) @ model.highest_mode).ravel() + 1e-3 * some)
 
 
-def _springs(parameters: object) -> Callable[[np.ndarray, np.ndarray], None]:
-    """Return a function that adds the forces of the corner's spring.
+def _corner_spring(parameters: object) -> tuple[np.ndarray, np.ndarray, float] | None:
+    """Return nodes, weights and stiffness [N/m] of the corner's spring.
 
-    It takes a displacement [m] and forces [N], shape (2, nodes) each. Unilateral contact does not bound the time
-    step, and adds nothing.
+    Unilateral contact does not bound the time step, and has None.
     """
     if not isinstance(parameters, LoopParameters):
-        return lambda displacement, forces: None
-    nodes, weights, spring = parameters.corner.nodes, parameters.corner.weights, parameters.corner.spring
-
-    def add_spring(displacement: np.ndarray, forces: np.ndarray) -> None:
-        forces[1, nodes] += spring * (displacement[1, nodes] @ weights) * weights
-
-    return add_spring
+        return None
+    return parameters.corner.nodes, parameters.corner.weights, float(parameters.corner.spring)
 
 
 def element_stress(model: PlateModel, positions: np.ndarray) -> np.ndarray:

@@ -12,7 +12,6 @@ computed. Stiffness-proportional damping b K reduces the rate of a mode of frequ
 line.
 """
 
-import bisect
 import math
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -24,7 +23,6 @@ from fem.laws.friction import friction_slope
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Inverse
 from fem.plate.properties import RigidStart
-from fem.start.inertia_relief import to_global
 from machine_code.compiled import compiled
 
 MAX_UNKNOWNS = 1200
@@ -102,12 +100,21 @@ def predict_flutter(
     slope = friction_slope(model.parameters.friction, start.corner_speed)
     if slope == 0.0:
         return Flutter(0.0, 0.0)  # a symmetric stiffness has no growth
-    modes = corner_modes(model)
-    least, rates = harmless / duration, []
-    for angle in np.linspace(start.angle, 0.0, INSTANTS):
-        rates.append(_rate(model, modes, angle, slope, viscous, least))
+    modes, corner, rates = corner_modes(model), model.parameters.corner, np.empty(INSTANTS)
+    squares = np.append(0.0, modes.squares[3:])  # rigid motions have no stiffness
+    angles, workspace = np.linspace(start.angle, 0.0, INSTANTS), np.empty_like(squares)
+    least_rates(
+        squares,
+        modes.corner,
+        angles,
+        slope,
+        (corner.stiffness, corner.dashpot, viscous),
+        harmless / duration,
+        workspace,
+        rates,
+    )
     growth = float(np.trapezoid(rates, dx=duration / (INSTANTS - 1)))
-    return Flutter(max(rates), growth, math.sqrt(modes.squares[3]))
+    return Flutter(float(rates.max()), growth, math.sqrt(modes.squares[3]))
 
 
 def viscous_rate(model: PlateModel) -> float:
@@ -138,35 +145,61 @@ def _unit_modes(plate: Inverse) -> tuple[np.ndarray, np.ndarray]:
     return np.maximum(squares, 0.0), root[:, None] * shapes
 
 
-def _rate(
-    model: PlateModel, modes: CornerModes, angle: float, slope: float, viscous: float, least: float
-) -> float:
-    """Return the least trial rate [1/s] above that of all modes.
+@compiled
+def least_rates(squares, corner, angles, slope, constraint, least, residues, rates):
+    """Fill the least trial rates [1/s] above those of all modes.
 
-    The plate has this angle. The rate is 0 if that is the first rate.
+    There is one for each angle, 0 where that is the first one. squares: as in `growing_modes`. corner: see
+    `CornerModes`. constraint: stiffness and dashpot of the constraint, and damping of the modes. residues: workspace,
+    shape (modes,).
     """
-    along, across = to_global(angle) @ modes.corner  # rows: directions X and Y in the body frame
-    residues = across * (across + slope * along)
-    residues[2] = residues[:3].sum()  # rigid motions have no stiffness
-    squares, residues = modes.squares[2:], residues[2:]
-    squares[0] = 0.0
-    stiffness, dashpot = model.parameters.corner.stiffness, model.parameters.corner.dashpot
-    top, rates = 1.5 * highest_mode(squares, residues, stiffness), [least]
-    while rates[-1] < top:
-        rates.append(rates[-1] * RATE_RATIO)
+    stiffness, dashpot, viscous = constraint
+    for place in range(angles.size):
+        cosine, sine = math.cos(angles[place]), math.sin(angles[place])
+        rigid = 0.0
+        for mode in range(corner.shape[1]):
+            along = cosine * corner[0, mode] + sine * corner[1, mode]
+            across = cosine * corner[1, mode] - sine * corner[0, mode]
+            residue = across * (across + slope * along)
+            rigid += residue if mode < 3 else 0.0
+            residues[max(mode - 2, 0)] = rigid if mode < 3 else residue
+        rates[place] = _least_rate(squares, residues, stiffness, dashpot, viscous, least)
 
-    def is_bound(rate: float) -> bool:
-        return rate >= top or not growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top)
 
-    if is_bound(least):
+@compiled
+def _least_rate(squares, residues, stiffness, dashpot, viscous, least):
+    top = 1.5 * highest_mode(squares, residues, stiffness)
+    if least >= top or not growing_modes(squares, residues, stiffness, dashpot, viscous, least, top):
         return 0.0
-    return rates[bisect.bisect_left(rates, True, lo=1, key=is_bound)]
+    first, last = 1, 1
+    while _trial_rate(least, last) < top:
+        last += 1
+    while first < last:  # bisection; no mode outgrows the last rate
+        middle = (first + last) // 2
+        rate = _trial_rate(least, middle)
+        if growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
+            first = middle + 1
+        else:
+            last = middle
+    return _trial_rate(least, first)
 
 
-def highest_mode(squares: np.ndarray, residues: np.ndarray, stiffness: float) -> float:
+@compiled
+def _trial_rate(least, number):
+    rate = least
+    for _ in range(number):
+        rate *= RATE_RATIO
+    return rate
+
+
+@compiled
+def highest_mode(squares, residues, stiffness):
     """Return a frequency [rad/s] above all modes of the constrained plate."""
-    spring = stiffness * np.abs(residues).sum() if math.isfinite(stiffness) else 0.0
-    return math.sqrt(squares[-1] + spring)
+    spring = 0.0
+    if np.isfinite(stiffness):
+        for residue in range(residues.size):
+            spring += stiffness * abs(residues[residue])
+    return math.sqrt(squares[squares.size - 1] + spring)
 
 
 @compiled

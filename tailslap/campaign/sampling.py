@@ -176,8 +176,9 @@ def band_of(values: Array) -> Band:
     """
     values = values[:2].ravel() if values.ndim == 2 else values
     finite = values[np.isfinite(values)]
-    ends = tuple(np.percentile(finite, PERCENTILES).tolist())
-    return Band(ends, float(finite.mean()), float(finite.std(ddof=1)), finite)
+    places = 0.01 * np.array(PERCENTILES) * (finite.size - 1)
+    ends = np.interp(places, np.arange(finite.size), np.sort(finite))  # `np.percentile` loads masked arrays
+    return Band(tuple(ends.tolist()), float(finite.mean()), float(finite.std(ddof=1)), finite)
 
 
 class Indices(NamedTuple):

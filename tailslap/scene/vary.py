@@ -11,7 +11,7 @@ import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 from fem.laws import constraints, friction, materials
 from fem.plate import kinds
@@ -41,6 +41,8 @@ Changes = Mapping[str, Any]
 
 Tables = dict[str, Any]
 """Tables of a scene as in its file, with units."""
+
+TableT = TypeVar("TableT", bound=schema.SceneTable)
 
 REGISTRIES: dict[str, Registry[Any]] = {
     "corner.reaction": friction.FRICTION_LAWS,
@@ -95,6 +97,30 @@ def varied(scene: schema.Scene, changes: Changes) -> schema.Scene:
     Raises InputError.
     """
     return vary(Source.of(scene), changes)[0]
+
+
+def with_values(scene: schema.Scene, changes: Changes) -> schema.Scene:
+    """Return the scene with values in SI, which are not validated.
+
+    Lists of tables are not changed.
+    """
+    for key, value in changes.items():
+        table, _, name = key.rpartition(".")
+        if table:
+            inner = getattr(scene, table) or schema.TABLES[table].model_construct()
+            name, value = table, _with_value(inner, name, value)
+        scene = _with_value(scene, name, value)
+    return scene
+
+
+def _with_value(table: TableT, name: str, value: object) -> TableT:
+    """Return a table with a value, without the key for None."""
+    changed = table.model_copy(update={name: value})
+    if value is None:
+        default = type(table).model_fields[name].default
+        changed = table.model_copy(update={name: default})
+        changed.model_fields_set.discard(name)
+    return changed
 
 
 def changed_tables(tables: Mapping[str, object], changes: Changes) -> tuple[Tables, dict[str, object]]:

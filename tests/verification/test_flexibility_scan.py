@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -51,6 +52,18 @@ def test_no_difference_is_above_a_level_beyond_its_frequency(name, phase):
         last, almost = (EVERY[sizes > part * reach.level].max() for part in (1.0 + CLOSE, 1.0 - 5.0 * CLOSE))
         # On the safe side, and by no more than two steps: that of the scan and the one that is added.
         assert last <= reach.frequency <= almost + 2.0 * min(result.step, 0.05 * almost)
+
+
+def test_only_crossings_below_the_steps_are_closely_scanned():
+    """At low frequencies a level is within two intervals."""
+    samples = [Sample(f, 0.03 / f**2, 0.0, True) for f in np.geomspace(1000.0, 0.2, 16)]
+    result = scan_of(samples, lambda f: 0.03 / f**2)
+    for reach in levels.reaches(result.samples["impulse"], SIZES):
+        exact = math.sqrt(0.03 / reach.level)
+        assert exact <= reach.frequency <= scan.RATIO**2 * exact
+    ratios = [stiff / soft for stiff, soft in pairwise(result.differences)]
+    assert max(ratios) == pytest.approx(scan.COARSE)
+    assert sum(ratio < scan.RATIO for ratio in ratios if ratio < 1.1) < 40
 
 
 def test_plates_alone_lie_between_the_peaks():
@@ -119,9 +132,14 @@ def test_a_level_that_no_plate_tells_is_not_scanned():
 @pytest.mark.parametrize("phase", np.linspace(0.0, 0.25 * np.pi, 5))
 def test_peaks_between_samples(phase):
     """Cosines of any phase, and the middle of a parabola."""
-    cosine = np.cos(2.0 * np.pi * np.arange(-8, 9) / scan.STEPS_A_PERIOD + phase)
-    assert scan.peak_sizes(-cosine).max() == scan.peak_sizes(cosine).max() == pytest.approx(1.0, abs=CLOSE)
-    assert scan.peak_sizes(np.array([-1.0, -3.0, -1.0])).tolist() == [1.0, 3.0, 1.0]
+    places = np.arange(-8.0, 9.0)
+    cosine = np.cos(2.0 * np.pi * places / scan.STEPS_A_PERIOD + phase)
+    peaks = [scan.peak_sizes(places, values).max() for values in (-cosine, cosine)]
+    assert peaks[0] == peaks[1] == pytest.approx(1.0, abs=CLOSE)
+    assert scan.peak_sizes(np.arange(3.0), np.array([-1.0, -3.0, -1.0])).tolist() == [1.0, 3.0, 1.0]
+    uneven = np.array([2.0, 1.0, -1.0])
+    correction = scan.peak_sizes(uneven, 5.0 - (uneven - 0.5) ** 2)[1] - 4.75
+    assert correction == pytest.approx(9.0 / 8.0 * 0.25, rel=1e-12)
 
 
 def test_steps_are_even_or_at_a_ratio():
@@ -129,4 +147,4 @@ def test_steps_are_even_or_at_a_ratio():
     assert (frequencies[0], frequencies[-1]) == (100.0, 2.0)
     steps = -np.diff(frequencies)
     assert steps[frequencies[:-1] > 12.0] == pytest.approx(0.5)
-    assert (steps / frequencies[1:]).max() <= scan.RATIO - 1.0 + 1e-12
+    assert (steps / frequencies[1:]).max() <= scan.COARSE - 1.0 + 1e-12

@@ -1,10 +1,13 @@
 """Verify that imports follow the layers, without circles."""
 
 import functools
+import importlib
 from pathlib import Path
 
 import pytest
 import structure
+
+from fem.lazy import defer
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = {"solver", "meshes", "machine_code", "fem", "postprocess", "tailslap"}
@@ -97,3 +100,25 @@ def test_data_walks_one_way():
     _, climbs, meshes = structure.trace()
     assert climbs <= MAX_CLIMBS
     assert meshes == 1
+
+
+def test_deferred_modules_are_loaded_on_first_use(tmp_path, monkeypatch):
+    folder = tmp_path / "idle_package"
+    folder.mkdir()
+    (folder / "__init__.py").write_text("runs = 0\n")
+    (folder / "idle.py").write_text("import idle_package\nidle_package.runs += 1\nvalue = 3\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    defer("idle_package", "idle missing")
+    package = importlib.import_module("idle_package")
+    idle = package.idle
+    assert package.runs == 0
+    assert (idle.value, package.runs) == (3, 1)
+    defer("idle_package", "idle")
+    assert package.idle is idle
+
+
+def test_a_run_does_not_load_what_scipy_imports_of_numpy(python):
+    code = "import sys, fem.run.corner; print(*sys.modules)"
+    loaded = python(code, check=True, cwd=ROOT).stdout.split()
+    assert "scipy.sparse" in loaded
+    assert not {"numpy.f2py.f2py2e", "numpy.testing._private.utils"} & {*loaded}

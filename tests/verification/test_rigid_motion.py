@@ -240,6 +240,8 @@ def test_the_motion_begins_at_its_start_and_passes_the_strike():
     assert (first.theta, first.omega, first.slide) == pytest.approx((0.26, 0.707, 0.0), rel=1e-15, abs=1e-15)
     assert first.v_p == pytest.approx(25.053, rel=1e-15)
     assert isinstance(first.theta, float)
+    for name in NAMES:
+        assert getattr(motion.first, name) == pytest.approx(getattr(first, name), rel=1e-13, abs=1e-13)
     there = motion.at([motion.strike.t])
     for name in NAMES:
         expected = getattr(motion.strike, name)

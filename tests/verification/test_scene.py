@@ -16,7 +16,8 @@ from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, read_source, remarks, shipped_scenes, source_of_text, unit_remarks
-from tailslap.scene.vary import Source, changed_tables, parse_changes, shown, varied, vary
+from tailslap.scene.schema import TABLES, SceneTable
+from tailslap.scene.vary import Source, changed_tables, parse_changes, shown, varied, vary, with_values
 from tailslap.scene.write import scene_inputs, scene_text
 
 SHIPPED = {"mash-tl4-sut", "paper-table-3", "paper-abaqus"}
@@ -311,6 +312,29 @@ def test_a_scene_is_its_own_source():
     assert vary(Source.of(scene), {})[0] == scene
     assert varied(scene, {"corner.friction": 0.2}).corner.model_fields_set >= {"friction"}
     assert varied(scene, {}).plate == scene.plate
+
+
+@pytest.mark.parametrize("changes", [
+    {"plate.elements": (6, 3), "plate.element": "quad9"}, {"damping.kind": "elastic-velocity", "damping.rate": 3.0},
+    {"corner.constraint": "exact", "output": None}, {"damping.kind": None, "damping.rate": None}, {"damping": None},
+    {"time.threads": 2}, {"corner.penalty_scale": 0.1},
+])  # fmt: skip
+def test_values_are_those_of_the_validated_scene(changes):
+    """Without validation, the same keys are set and have the same values."""
+    damped = {
+        "damping.ratio": 0.1,
+        "damping.kind": "elastic-velocity",
+        "damping.rate": 1.0,
+        "output.fields": 3,
+    }
+    scene = varied(read_scene(SCENE)[0], damped)
+    expected, scene = varied(scene, changes), with_values(scene, changes)
+    assert scene == expected
+    for name in TABLES:
+        table, other = getattr(scene, name, None), getattr(expected, name, None)
+        if isinstance(table, SceneTable):
+            assert isinstance(other, SceneTable)
+            assert table.model_fields_set == other.model_fields_set
 
 
 @pytest.mark.parametrize(("change", "said"), [

@@ -91,15 +91,18 @@ class CornerPlan(FePlan):
         It is 0 without a spring.
         """
         stiffness = self.model.parameters.corner.stiffness
-        normal = self.case.motion_of_mass(self.model.mass).at(0.0).reaction_normal
-        return abs(float(normal)) / stiffness / centre_travel(self.case)
+        normal = self.case.motion_of_mass(self.model.mass).first.reaction_normal
+        return abs(normal) / stiffness / centre_travel(self.case)
 
 
-def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan:
+def make_corner_plan(
+    case: RigidStages, more_damping: float = 1.0, growth: decisions.Growth | None = None
+) -> CornerPlan:
     """Decide open keys, and make the model of a run.
 
     case: with [plate]; more_damping: factor on the predicted damping, above 1 after a run that oscillated, see
-    `decisions.open_damping`. Raises InputError for keys that make no model.
+    `decisions.open_damping`. growth: of oscillations, predicted where it is None. Raises InputError for keys that make
+    no model.
     """
     from fem.model import plate_model
 
@@ -110,8 +113,8 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     threads = decisions.open_threads(case, plate)
     constraint = decisions.open_constraint(case, plate, mesh.spring_ratio)
     case = case.decided(threads + constraint)
-    normal = float(case.motion_of_mass(mesh.mass).at(0.0).reaction_normal)
-    model, growth = _completed(case, mesh, normal)
+    normal = case.motion_of_mass(mesh.mass).first.reaction_normal
+    model, growth = _completed(case, mesh, normal, growth)
     softer = decisions.softer_constraint(case, mesh.spring_ratio) if growth.overdamps else ()
     if softer and not constraint:
         constraint, case = softer, case.decided(softer)
@@ -137,7 +140,9 @@ def make_corner_plan(case: RigidStages, more_damping: float = 1.0) -> CornerPlan
     )
 
 
-def _completed(case: RigidStages, mesh: decisions.Mesh, normal: float) -> tuple[PlateModel, decisions.Growth]:
+def _completed(
+    case: RigidStages, mesh: decisions.Mesh, normal: float, growth: decisions.Growth | None = None
+) -> tuple[PlateModel, decisions.Growth]:
     """Return the finished model and the predicted growth of oscillations."""
     from fem.model import plate_model
 
@@ -145,7 +150,7 @@ def _completed(case: RigidStages, mesh: decisions.Mesh, normal: float) -> tuple[
     constrained = plate_model.with_constraint(mesh.model, plate, corner)
     model = plate_model.finished_model(constrained, plate, corner, step)
     demand_steps(case.scene, case.duration, model)
-    return model, decisions.predict_growth(case, mesh.plate, model, normal)
+    return model, growth or decisions.predict_growth(case, mesh.plate, model, normal)
 
 
 def _demand_wall(case: RigidStages) -> None:

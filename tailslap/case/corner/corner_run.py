@@ -32,6 +32,7 @@ from tailslap.storage import checkpoints
 
 if TYPE_CHECKING:
     from fem.run.corner import Run, Stepper
+    from tailslap.case.corner.decisions import Growth
 
 MORE_DAMPING = 4.0
 """Factor on the predicted damping after a run that oscillated."""
@@ -109,7 +110,7 @@ def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> Compan
     fe_plan = outcome.fe_plan
     case = on_plate(fe_plan, plate)
     try:
-        companion = attempt(with_damping_of(fe_plan, case))
+        companion = attempt(with_damping_of(fe_plan, case), growth=fe_plan.growth)
         if (decisions.damping_is_open(fe_plan.original.scene) or plate.relieved) and rings(companion):
             companion = damped_run(with_open_damping(case))
     except InputError:
@@ -158,16 +159,16 @@ def with_open_damping(case: RigidStages) -> RigidStages:
     return case.with_changes(kind_and_rate if damping.ratio or damping.bulk_viscosity else {"damping": None})
 
 
-def attempt(case: RigidStages, more_damping: float = 1.0) -> CornerOutcome:
+def attempt(case: RigidStages, more_damping: float = 1.0, growth: Growth | None = None) -> CornerOutcome:
     """Run the plate once beside the rigid motion, without checks.
 
-    more_damping: factor on the damping that the program chooses [-]. Raises InputError as `run_corner`.
+    more_damping, growth: see `make_corner_plan`. Raises InputError as `run_corner`.
     """
     began = time.perf_counter()
     with announced("Building the model ..."):
         from fem.run import corner
 
-        fe_plan = make_corner_plan(case, more_damping)
+        fe_plan = make_corner_plan(case, more_damping, growth)
     stepper = corner.compile_loop(
         fe_plan.model, fe_plan.start, fe_plan.case.scene.time.threads, on_compile=compiling
     )

@@ -186,10 +186,10 @@ class RigidStages(case.Case):
     def with_changes(self, changes: vary.Changes) -> Self:
         """Return the case with changes that do not affect the rigid motion.
 
-        The source remains that of the scene.
+        They are valid. The source remains that of the scene.
         """
         changed = copy(self)
-        object.__setattr__(changed, "scene", vary.varied(self.scene, changes))
+        object.__setattr__(changed, "scene", vary.with_values(self.scene, changes))
         return changed
 
     def decided(self, decisions: Iterable[Decision]) -> Self:

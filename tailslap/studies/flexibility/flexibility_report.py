@@ -180,8 +180,8 @@ def _resolution(result: Flexibility) -> str:
     frequencies = [row["first_frequency"] for row in result.scan]
     return (
         f"Differences oscillate over the first frequency: levels are from {len(frequencies)} further runs from "
-        f"{hertz(min(frequencies))} to {hertz(max(frequencies))}, at steps of {hertz(result.step)} or 5 % of the "
-        "frequency if that is less, and are one step on the safe side."
+        f"{hertz(min(frequencies))} to {hertz(max(frequencies))}, at steps of {hertz(result.step)}, or beside a level "
+        "5 % of the frequency if that is less, and are one step on the safe side."
     )
 
 
