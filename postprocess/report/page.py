@@ -10,7 +10,9 @@ import base64
 import functools
 import hashlib
 import io
+import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -177,11 +179,26 @@ def page_text(page: Page) -> str:
 
 @functools.cache
 def _template() -> Template:
-    """Return the template of pages, which is compiled once in a process."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    """Return the template of pages.
 
+    Its compiled code is stored beside that of this module, and under the same conditions.
+    """
+    from jinja2 import Environment, FileSystemBytecodeCache, PackageLoader, StrictUndefined
+    from jinja2.bccache import Bucket
+
+    class Bytecode(FileSystemBytecodeCache):
+        def load_bytecode(self, bucket: Bucket) -> None:
+            with suppress(OSError):
+                super().load_bytecode(bucket)
+
+        def dump_bytecode(self, bucket: Bucket) -> None:
+            with suppress(OSError):
+                super().dump_bytecode(bucket)
+
+    folder = Path(__spec__.cached or "").parent
     environment = Environment(
         loader=PackageLoader("postprocess"),
+        bytecode_cache=None if sys.dont_write_bytecode else Bytecode(str(folder), "%s.template"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -2,6 +2,8 @@
 
 import functools
 import importlib
+import os
+import textwrap
 from pathlib import Path
 
 import pytest
@@ -122,3 +124,25 @@ def test_a_run_does_not_load_what_scipy_imports_of_numpy(python):
     loaded = python(code, check=True, cwd=ROOT).stdout.split()
     assert "scipy.sparse" in loaded
     assert not {"numpy.f2py.f2py2e", "numpy.testing._private.utils"} & {*loaded}
+
+
+@pytest.mark.parametrize("is_stored", [True, False])
+def test_templates_are_compiled_by_the_first_process_alone(python, tmp_path, is_stored):
+    """Without a folder for bytecode each process compiles them."""
+    code = """
+        import jinja2
+        names, compiled = [], jinja2.Environment.compile
+        jinja2.Environment.compile = lambda self, *source: names.append(source[1]) or compiled(self, *source)
+        from postprocess.report import page
+        page._template()
+        print(*names)
+    """
+    folder = tmp_path / "bytecode"
+    if not is_stored:
+        folder.write_text("no folder")
+    environment = {**os.environ, "PYTHONPYCACHEPREFIX": str(folder)}
+    first, second = (
+        python(textwrap.dedent(code), env=environment, cwd=ROOT, check=True).stdout.split() for _ in range(2)
+    )
+    assert "page.html.j2" in first
+    assert second == ([] if is_stored else first)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+PACKAGES = ("tailslap", "solver", "meshes", "machine_code", "fem", "postprocess")
 ASSERTING = re.compile(r"assert|raises$|warns$|fail$")
 
 
@@ -60,7 +61,10 @@ def test_of_an_error():
     assert without_assertion([ast.parse(code)]) == ["test_of_words", "test_of_a_call"]
 
 
-@pytest.mark.parametrize("command", [("ruff", "check", "."), ("ruff", "format", "--check", "."), ("mypy",)])
+@pytest.mark.parametrize("command", [
+    ("ruff", "check", "."), ("ruff", "format", "--check", "."), ("mypy", *PACKAGES),
+    pytest.param(("mypy",), marks=pytest.mark.long),
+])  # fmt: skip
 def test_sources_are_clean(command):
     process = subprocess.run([sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True)
     assert process.returncode == 0, process.stdout + process.stderr
