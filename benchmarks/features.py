@@ -157,34 +157,71 @@ def _subtract_forces(positions: Any, force: Any, table: Any, material: Any, scra
     for first in range(0, slots, BLOCK_SIZE):
         count = min(BLOCK_SIZE, slots - first)
         gather(positions, connectivity, lattice, first, count, rows)
-        subtract_first(following, rows)
-        rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
-        for point in range(table.weights.shape[0]):
-            gradients = point_of(scratch.gradients, first // BLOCK_SIZE, point, 2 * len(following))
-            weights = point_of(scratch.weights, first // BLOCK_SIZE, point, 1)
-            _add_point(following, material, rows, gradients, weights)
         forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
-        balance(following, forces)
+        if scratch.quadrilateral is not None:
+            linear, twists = scratch.quadrilateral
+            _set_parallelograms(material, rows, linear, twists, scratch.weights)
+        else:
+            subtract_first(following, rows)
+            forces[:] = 0.0
+            for point in range(table.weights.shape[0]):
+                gradients = point_of(scratch.gradients, first // BLOCK_SIZE, point, 2 * len(following))
+                weights = point_of(scratch.weights, first // BLOCK_SIZE, point, 1)
+                _add_point(following, material, rows, gradients, weights)
+            balance(following, forces)
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
+
+
+@compiled
+def _set_parallelograms(material: Any, rows: Any, linear: Any, twists: Any, weights: Any) -> Any:
+    for slot in range(BLOCK_SIZE):
+        x, y = rows[slot], rows[BLOCK_SIZE + slot]
+        x_1, y_1 = rows[2 * BLOCK_SIZE + slot] - x, rows[3 * BLOCK_SIZE + slot] - y
+        x_2, y_2 = rows[6 * BLOCK_SIZE + slot] - x, rows[7 * BLOCK_SIZE + slot] - y
+        x_3, y_3 = rows[4 * BLOCK_SIZE + slot] - x - x_1 - x_2, rows[5 * BLOCK_SIZE + slot] - y - y_1 - y_2
+        m_11, m_12 = x_1 * linear[0] + x_2 * linear[2], x_1 * linear[1] + x_2 * linear[3]
+        m_21, m_22 = y_1 * linear[0] + y_2 * linear[2], y_1 * linear[1] + y_2 * linear[3]
+        q_11 = q_12 = q_21 = q_22 = t_1 = t_2 = 0.0
+        for point in range(len(twists)):
+            g_1, g_2 = twists[point]
+            f_11, f_12, f_21, f_22 = m_11 + x_3 * g_1, m_12 + x_3 * g_2, m_21 + y_3 * g_1, m_22 + y_3 * g_2
+            p_11, p_12, p_21, p_22 = _stress(material, f_11, f_12, f_21, f_22, weights[point])
+            q_11, q_12, q_21, q_22 = q_11 + p_11, q_12 + p_12, q_21 + p_21, q_22 + p_22
+            t_1, t_2 = t_1 + p_11 * g_1 + p_12 * g_2, t_2 + p_21 * g_1 + p_22 * g_2
+        r_11, r_12 = q_11 * linear[0] + q_12 * linear[1], q_11 * linear[2] + q_12 * linear[3]
+        r_21, r_22 = q_21 * linear[0] + q_22 * linear[1], q_21 * linear[2] + q_22 * linear[3]
+        rows[8 * BLOCK_SIZE + slot], rows[9 * BLOCK_SIZE + slot] = t_1 - r_11 - r_12, t_2 - r_21 - r_22
+        rows[10 * BLOCK_SIZE + slot], rows[11 * BLOCK_SIZE + slot] = r_11 - t_1, r_21 - t_2
+        rows[12 * BLOCK_SIZE + slot], rows[13 * BLOCK_SIZE + slot] = t_1, t_2
+        rows[14 * BLOCK_SIZE + slot], rows[15 * BLOCK_SIZE + slot] = r_12 - t_1, r_22 - t_2
 
 
 @compiled
 def _add_point(following: Any, material: Any, rows: Any, gradients: Any, weights: Any) -> Any:
     nodes = len(following) + 1
     for slot in range(BLOCK_SIZE):
+        f = _gradient(following, rows, gradients, slot)
         weight = at_slot(weights, 0, slot)
-        f_11, f_12, f_21, f_22 = _gradient(following, rows, gradients, slot)
-        e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
-        e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
-        s_11, s_22, s_12 = stress(material, e_11, e_22, f_11 * f_12 + f_21 * f_22)
-        s_11, s_22, s_12 = weight * s_11, weight * s_22, weight * s_12
-        p_11, p_12 = f_11 * s_11 + f_12 * s_12, f_11 * s_12 + f_12 * s_22
-        p_21, p_22 = f_21 * s_11 + f_22 * s_12, f_21 * s_12 + f_22 * s_22
+        p_11, p_12, p_21, p_22 = _stress(material, f[0], f[1], f[2], f[3], weight)
         for a in range(len(following)):
             g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
             rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
             rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
+
+
+@inlined
+def _stress(material: Any, f_11: Any, f_12: Any, f_21: Any, f_22: Any, weight: Any) -> Any:
+    e_11 = 0.5 * (f_11 * f_11 + f_21 * f_21 - 1.0)
+    e_22 = 0.5 * (f_12 * f_12 + f_22 * f_22 - 1.0)
+    s_11, s_22, s_12 = stress(material, e_11, e_22, f_11 * f_12 + f_21 * f_22)
+    s_11, s_22, s_12 = weight * s_11, weight * s_22, weight * s_12
+    return (
+        f_11 * s_11 + f_12 * s_12,
+        f_11 * s_12 + f_12 * s_22,
+        f_21 * s_11 + f_22 * s_12,
+        f_21 * s_12 + f_22 * s_22,
+    )
 
 
 @inlined

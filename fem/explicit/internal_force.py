@@ -20,12 +20,10 @@ import numpy as np
 
 from fem.explicit.elastic_damping import SUMS
 from fem.explicit.point_force import (
-    add_bilinear_point,
     add_mapped_point,
     add_point,
-    from_modes,
+    set_quadrilaterals,
     set_stabilised_point,
-    to_modes,
 )
 from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
@@ -41,7 +39,7 @@ from fem.explicit.simd_blocks import (
     slot_count,
     subtract_first,
 )
-from fem.plate.discretisation import ElementTable, Hourglass
+from fem.plate.discretisation import UNIFORM_TOLERANCE, ElementTable, Hourglass
 from machine_code.compiled import compiled
 
 
@@ -56,6 +54,13 @@ class Viscosity(NamedTuple):
     c_33: float
 
 
+class Quadrilateral(NamedTuple):
+    """Gradients of the modes of quadrilaterals with several points, see `set_quadrilaterals`."""
+
+    linear: tuple[float, ...] | None
+    twists: tuple[tuple[float, ...], ...]
+
+
 class Scratch(NamedTuple):
     """Workspace of one block, with the element table in its order.
 
@@ -63,7 +68,8 @@ class Scratch(NamedTuple):
     tuple of gradients and a weight per point, constants of the loop over the slots; otherwise arrays with one row per
     block. hourglass: vectors in the same form, then the three stiffnesses; None without control. reference: reference
     positions [m] of the nodes of mapped elements, shape (2, nodes); `gradients` and `weights` are then those of the
-    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). Compiled code cannot allocate.
+    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). quadrilateral: None for other elements. Compiled code
+    cannot allocate.
     """
 
     rows: np.ndarray
@@ -73,6 +79,7 @@ class Scratch(NamedTuple):
     motion: np.ndarray
     hourglass: np.ndarray | tuple[tuple[float, ...], ...] | None = None
     reference: np.ndarray | None = None
+    quadrilateral: Quadrilateral | None = None
 
 
 def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scratch:
@@ -82,18 +89,34 @@ def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scra
     lattice, motion = find_lattice(table.connectivity), np.zeros(SUMS)
     if table.mapping is not None:
         natural, weights, reference = table.mapping
-        return Scratch(rows, natural, weights, lattice, motion, reference=reference)
+        bilinear = len(natural[0]) == 2
+        quadrilateral = Quadrilateral(None, tuple((eta, xi) for xi, eta in natural)) if bilinear else None
+        return Scratch(rows, natural, weights, lattice, motion, None, reference, quadrilateral)
     gradients = table.gradients.reshape(points, 2 * nodes, -1)[:, 2:]
     control = None if hourglass is None else np.concatenate([hourglass.vectors[1:], hourglass.stiffness])
     if table.weights.shape[1] == 1:
         congruent = tuple(tuple(point) for point in gradients[:, :, 0].tolist())
         one_control = None if control is None else (tuple(control[:, 0].tolist()),)
-        return Scratch(rows, congruent, tuple(table.weights[:, 0].tolist()), lattice, motion, one_control)
+        weights = tuple(table.weights[:, 0].tolist())
+        quadrilateral = _parallelogram(table.gradients.reshape(points, nodes, 2))
+        return Scratch(rows, congruent, weights, lattice, motion, one_control, None, quadrilateral)
     rows_of_gradients = in_blocks(gradients.reshape(points * 2 * (nodes - 1), -1), lattice)
     control_blocks = None if control is None else in_blocks(control, lattice)
     return Scratch(
         rows, rows_of_gradients, in_blocks(table.weights, lattice), lattice, motion, control_blocks
     )
+
+
+def _parallelogram(gradients: np.ndarray) -> Quadrilateral | None:
+    """Return the gradients of the modes of congruent parallelograms.
+
+    gradients: of the shape functions, shape (points, nodes, 2) [1/m]. None for other elements, and with one point.
+    """
+    points, nodes, _ = gradients.shape
+    linear = (gradients[:, 1:-1] + gradients[:, 2:]).reshape(points, -1)  # of four nodes, those of xi and eta
+    if nodes != 4 or points == 1 or np.ptp(linear, axis=0).max() > UNIFORM_TOLERANCE * np.abs(linear).max():
+        return None
+    return Quadrilateral(tuple(linear.mean(axis=0).tolist()), tuple(map(tuple, gradients[:, 2].tolist())))
 
 
 def elastic_forces(parameters: Any) -> Callable[[np.ndarray], np.ndarray]:
@@ -138,34 +161,24 @@ def subtract_forces_of(
     begin: the first slot of a block; end: one more than the last slot. Other arguments and the result as
     `subtract_internal_forces`.
     """
-    other_nodes, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
+    nodes, rows = len(table.per_element), scratch.rows
     connectivity, lattice = table.connectivity, scratch.lattice
     power = 0.0
     for first in range(begin, end, BLOCK_SIZE):
         count = min(BLOCK_SIZE, end - first)
         gather(positions, connectivity, lattice, first, count, rows)
-        subtract_first(other_nodes, rows)
-        if hourglass is None:
-            rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
         if viscosity is not None:
-            rates = rows[4 * nodes * BLOCK_SIZE :]
-            gather(velocities, connectivity, lattice, first, count, rates)
-            subtract_first(other_nodes, rates)
+            gather(velocities, connectivity, lattice, first, count, rows[4 * nodes * BLOCK_SIZE :])
             rows[6 * nodes * BLOCK_SIZE : (6 * nodes + 1) * BLOCK_SIZE] = 0.0
-        shape, place = scratch.reference, point_of(scratch.gradients, 0, 0, 2 * len(other_nodes))
-        _begin_mapping(shape, place, connectivity, lattice, first, count, viscosity, other_nodes, rows)
-        for point in range(table.weights.shape[0]):
-            gradients = point_of(scratch.gradients, first // BLOCK_SIZE, point, 2 * len(other_nodes))
-            weights = point_of(scratch.weights, first // BLOCK_SIZE, point, 1)
-            if hourglass is not None:
-                control = point_of(scratch.hourglass, first // BLOCK_SIZE, point, len(other_nodes) + 3)
-                set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weights, control)
-            else:
-                _add_any_point(shape, other_nodes, material, viscosity, rows, gradients, weights)
-        _end_mapping(shape, place, rows)
+        if scratch.reference is not None:
+            shape = rows[(6 * nodes + 1) * BLOCK_SIZE :]
+            gather(scratch.reference, connectivity, lattice, first, count, shape)
+        if scratch.quadrilateral is not None:
+            linear, twists = scratch.quadrilateral
+            set_quadrilaterals(material, viscosity, rows, linear, twists, scratch.weights)
+        else:
+            _set_by_points(first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch)
         forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
-        if hourglass is None:
-            balance(other_nodes, forces)
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
         if viscosity is not None:
@@ -177,34 +190,31 @@ def subtract_forces_of(
 
 
 @compiled
-def _begin_mapping(reference, place, connectivity, lattice, first, count, viscosity, other_nodes, rows):
-    """Fill the rows of reference positions of mapped elements.
-
-    The rows of bilinear elements are changed to modes.
-    """
-    if reference is not None:
-        shape = rows[(6 * len(other_nodes) + 7) * BLOCK_SIZE :]
-        gather(reference, connectivity, lattice, first, count, shape)
-        subtract_first(other_nodes, shape)
-        if len(place) == 2:
-            to_modes(2, rows)
-            to_modes(27, rows)
-            if viscosity is not None:
-                to_modes(18, rows)
-
-
-@compiled
-def _end_mapping(reference, place, rows):
-    """Change forces on the modes of bilinear elements to nodal forces."""
-    if reference is not None and len(place) == 2:
-        from_modes(10, rows)
+def _set_by_points(block, viscosity, hourglass, table, material, scratch):
+    """Fill the block's rows with forces, point by point."""
+    other_nodes, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
+    subtract_first(other_nodes, rows)
+    if viscosity is not None:
+        subtract_first(other_nodes, rows[4 * nodes * BLOCK_SIZE :])
+    if scratch.reference is not None:
+        subtract_first(other_nodes, rows[(6 * nodes + 1) * BLOCK_SIZE :])
+    if hourglass is None:
+        rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
+    for point in range(table.weights.shape[0]):
+        gradients = point_of(scratch.gradients, block, point, 2 * len(other_nodes))
+        weights = point_of(scratch.weights, block, point, 1)
+        if hourglass is not None:
+            control = point_of(scratch.hourglass, block, point, len(other_nodes) + 3)
+            set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weights, control)
+        else:
+            _add_any_point(scratch.reference, other_nodes, material, viscosity, rows, gradients, weights)
+    if hourglass is None:
+        balance(other_nodes, rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE])
 
 
 @compiled
 def _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights):
     if reference is None:
         add_point(other_nodes, material, viscosity, rows, gradients, weights)
-    elif len(gradients) == 2:
-        add_bilinear_point(material, viscosity, rows, gradients, weights)
     else:
         add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights)

@@ -1,12 +1,13 @@
-"""Nodal forces of one quadrature point on a block of elements, compiled.
+"""Nodal forces of the quadrature points of a block of elements, compiled.
 
 P = F S, f_a = w P grad N_a
 
 The rows are those of `internal_force`. Gradients of congruent elements are stored. Those of mapped elements follow
 from their nodes, J = dX/dxi and F = dx/dxi J^-1, and P J^-T multiplies the derivatives on the reference element.
 
-A bilinear element needs a third of the operations where its rows are changed to its modes, x = x_0 + xi a + eta b +
-xi eta c. Then a is in the rows of its second node, b in those of its fourth, and the twist c in those of its third.
+Quadrilaterals with several points take all of them at once. Of their modes, x = x_0 + xi a + eta b + xi eta c, the
+gradient is F = a (x) grad xi + b (x) grad eta + c (x) grad (xi eta), of which the first two are constant in a
+parallelogram.
 """
 
 from fem.explicit.simd_blocks import BLOCK_SIZE, at_slot
@@ -51,49 +52,72 @@ def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights)
 
 
 @compiled
-def add_bilinear_point(material, viscosity, rows, place, weights):
-    """Add the modal forces of one quadrature point of bilinear elements.
+def set_quadrilaterals(material, viscosity, rows, linear, twists, weights):
+    """Fill the block's rows with forces of quadrilaterals, the first node included.
 
-    place: xi and eta of the point.
+    linear: gradients of xi and eta in congruent parallelograms, in a row; None for mapped elements. twists: gradient of
+    xi eta at each point; of mapped elements on the reference element.
     """
     for slot in range(BLOCK_SIZE):
-        area, inverse = _inverse(_bilinear_gradient(27, rows, place, slot))
-        f = _product(_bilinear_gradient(2, rows, place, slot), inverse)
-        r = f
+        x, x_twist = _modes(0, rows, slot)
+        v, v_twist = x, x_twist
         if viscosity is not None:
-            r = _product(_bilinear_gradient(18, rows, place, slot), inverse)
-        weight = at_slot(weights, 0, slot) * abs(area)
-        p = _stress(f, r, material, viscosity, rows, 24 * BLOCK_SIZE + slot, weight)
-        q_11, q_12, q_21, q_22 = _product_with_transpose(p, inverse)
-        rows[10 * BLOCK_SIZE + slot] += q_11
-        rows[11 * BLOCK_SIZE + slot] += q_21
-        rows[12 * BLOCK_SIZE + slot] += place[1] * q_11 + place[0] * q_12
-        rows[13 * BLOCK_SIZE + slot] += place[1] * q_21 + place[0] * q_22
-        rows[14 * BLOCK_SIZE + slot] += q_12
-        rows[15 * BLOCK_SIZE + slot] += q_22
+            v, v_twist = _modes(16, rows, slot)
+        shape, shape_twist = x, x_twist
+        if linear is None:
+            shape, shape_twist = _modes(25, rows, slot)
+        s_11 = s_12 = s_21 = s_22 = t_1 = t_2 = 0.0
+        for point in range(len(twists)):
+            if linear is not None:
+                inverse, twist, weight = linear, twists[point], weights[point]
+            else:
+                area, inverse = _inverse(_twisted(shape, shape_twist, twists[point]))
+                twist, weight = _row_product(twists[point], inverse), weights[point] * abs(area)
+            f = _twisted(_product(x, inverse), x_twist, twist)
+            r = f
+            if viscosity is not None:
+                r = _twisted(_product(v, inverse), v_twist, twist)
+            p = _stress(f, r, material, viscosity, rows, 24 * BLOCK_SIZE + slot, weight)
+            t_1 += p[0] * twist[0] + p[1] * twist[1]
+            t_2 += p[2] * twist[0] + p[3] * twist[1]
+            if linear is None:
+                p = _product_with_transpose(p, inverse)
+            s_11, s_12, s_21, s_22 = s_11 + p[0], s_12 + p[1], s_21 + p[2], s_22 + p[3]
+        if linear is not None:
+            s_11, s_12, s_21, s_22 = _product_with_transpose((s_11, s_12, s_21, s_22), linear)
+        rows[8 * BLOCK_SIZE + slot] = t_1 - s_11 - s_12
+        rows[9 * BLOCK_SIZE + slot] = t_2 - s_21 - s_22
+        rows[10 * BLOCK_SIZE + slot] = s_11 - t_1
+        rows[11 * BLOCK_SIZE + slot] = s_21 - t_2
+        rows[12 * BLOCK_SIZE + slot] = t_1
+        rows[13 * BLOCK_SIZE + slot] = t_2
+        rows[14 * BLOCK_SIZE + slot] = s_12 - t_1
+        rows[15 * BLOCK_SIZE + slot] = s_22 - t_2
 
 
-@compiled
-def to_modes(first, rows):
-    """Change the rows of three nodes to modes of the bilinear element.
+@inlined
+def _modes(row, rows, slot):
+    """Return the linear modes of a quadrilateral, and its twist.
 
-    first: row of the first of these nodes; values are relative to the element's first node.
+    The field of the nodes lies in the rows from `row` on.
     """
-    for slot in range(2 * BLOCK_SIZE):
-        a, b = rows[first * BLOCK_SIZE + slot], rows[(first + 4) * BLOCK_SIZE + slot]
-        rows[(first + 2) * BLOCK_SIZE + slot] -= a + b
+    x, y = rows[row * BLOCK_SIZE + slot], rows[(row + 1) * BLOCK_SIZE + slot]
+    x_xi, y_xi = rows[(row + 2) * BLOCK_SIZE + slot] - x, rows[(row + 3) * BLOCK_SIZE + slot] - y
+    x_eta, y_eta = rows[(row + 6) * BLOCK_SIZE + slot] - x, rows[(row + 7) * BLOCK_SIZE + slot] - y
+    x_twist = rows[(row + 4) * BLOCK_SIZE + slot] - x - x_xi - x_eta
+    y_twist = rows[(row + 5) * BLOCK_SIZE + slot] - y - y_xi - y_eta
+    return (x_xi, x_eta, y_xi, y_eta), (x_twist, y_twist)
 
 
-@compiled
-def from_modes(first, rows):
-    """Change the rows of forces on the modes to nodal forces.
-
-    first: row of the first of three nodes.
-    """
-    for slot in range(2 * BLOCK_SIZE):
-        twist = rows[(first + 2) * BLOCK_SIZE + slot]
-        rows[first * BLOCK_SIZE + slot] -= twist
-        rows[(first + 4) * BLOCK_SIZE + slot] -= twist
+@inlined
+def _twisted(linear, twist, gradient):
+    """Return the gradient of a field, the sum of both parts."""
+    return (
+        linear[0] + twist[0] * gradient[0],
+        linear[1] + twist[0] * gradient[1],
+        linear[2] + twist[1] * gradient[0],
+        linear[3] + twist[1] * gradient[1],
+    )
 
 
 @compiled
@@ -202,18 +226,6 @@ def _gradient(row, other_nodes, rows, gradients, slot):
 
 
 @inlined
-def _bilinear_gradient(row, rows, place, slot):
-    """Return the gradient on the reference element from the element's modes."""
-    x_twist, y_twist = rows[(row + 2) * BLOCK_SIZE + slot], rows[(row + 3) * BLOCK_SIZE + slot]
-    return (
-        rows[row * BLOCK_SIZE + slot] + place[1] * x_twist,
-        rows[(row + 4) * BLOCK_SIZE + slot] + place[0] * x_twist,
-        rows[(row + 1) * BLOCK_SIZE + slot] + place[1] * y_twist,
-        rows[(row + 5) * BLOCK_SIZE + slot] + place[0] * y_twist,
-    )
-
-
-@inlined
 def _inverse(a):
     """Return the determinant and the inverse of a 2 x 2 matrix."""
     determinant = a[0] * a[3] - a[1] * a[2]
@@ -230,6 +242,12 @@ def _product(a, b):
         a[2] * b[0] + a[3] * b[2],
         a[2] * b[1] + a[3] * b[3],
     )
+
+
+@inlined
+def _row_product(a, b):
+    """Return the row A B."""
+    return a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3]
 
 
 @inlined

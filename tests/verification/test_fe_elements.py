@@ -60,7 +60,10 @@ def forces_by_sums(table, at, rate, *laws):
     laws: constants of the elastic and of the viscous stress.
     """
     nodes, elements = table.connectivity.shape
-    gradients = table.gradients.reshape(-1, nodes, 2, elements)
+    stored = np.broadcast_to(
+        table.gradients, (len(table.gradients), elements)
+    )  # one column of congruent elements
+    gradients = stored.reshape(-1, nodes, 2, elements)
     f, f_rate = (
         np.einsum("iae,qake->ikqe", values[:, table.connectivity], gradients) for values in (at, rate)
     )
@@ -71,7 +74,7 @@ def forces_by_sums(table, at, rate, *laws):
         2.0 * law.c_33 * strain + law.c_12 * np.trace(strain) * unit
         for law, strain in zip(laws, strains, strict=True)
     ]
-    weights = table.weights
+    weights = np.broadcast_to(table.weights, (len(table.weights), elements))
     pull = np.einsum("ikqe,klqe,qale,qe->iae", f, sum(stresses), gradients, weights)
     force = [np.bincount(table.connectivity.ravel(), part.ravel(), at.shape[1]) for part in pull]
     return np.array(force), np.einsum("klqe,klqe,qe->", stresses[1], strains[1], weights)
@@ -91,6 +94,29 @@ def test_mapped_elements_are_those_of_the_gradients(kind, distorted_mesh):
         expected, expected_power = forces_by_sums(
             mapped.table, positions, velocities, MATERIAL, viscosity(time)
         )
+        assert np.abs(forces - expected).max() < 1e-12 * np.abs(expected).max()
+        assert power == pytest.approx(expected_power, rel=1e-12)
+
+
+@pytest.mark.parametrize(("elements", "corner", "is_parallelogram"), [
+    ((8, 4), (0.0, 0.0), True), ((1, 1), (0.0, 0.0), True), ((1, 1), (1.5, -0.3), False),
+])  # fmt: skip
+def test_congruent_elements_are_those_of_the_gradients(elements, corner, is_parallelogram):
+    """Sheared parallelograms take all points at once, another quadrilateral one by one."""
+    mesh = plate_mesh(10.0, 2.438, elements)
+    mesh.points[:, 0] += 0.4 * mesh.points[:, 1]
+    mesh.points[0, :2] += corner
+    table = discretise(mesh, THICKNESS).table
+    assert table.weights.shape == (4, 1)
+    assert (scratch_for(table).quadrilateral is not None) == is_parallelogram
+    rng, reference = np.random.default_rng(3), discretise(mesh, THICKNESS).positions
+    positions, velocities = (
+        reference + 1e-2 * rng.normal(size=reference.shape),
+        rng.normal(size=reference.shape),
+    )
+    for time in (0.0, 1e-4):
+        forces, power = internal_forces(table, positions, velocities, viscosity(time))
+        expected, expected_power = forces_by_sums(table, positions, velocities, MATERIAL, viscosity(time))
         assert np.abs(forces - expected).max() < 1e-12 * np.abs(expected).max()
         assert power == pytest.approx(expected_power, rel=1e-12)
 
