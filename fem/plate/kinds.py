@@ -75,7 +75,7 @@ class ElementKind:
 for _kind in (
     ElementKind(
         "quad4", "ElementQuad1", order=2, cells="quad", higher_order="quad9", cell_type="quad",
-        nanoseconds=12.0, points=4, steps_per_crossing=1.2, draw_weight=1,
+        nanoseconds=9.0, points=4, steps_per_crossing=1.2, draw_weight=1,
     ),
     ElementKind(
         "quad4-reduced", "ElementQuad1", order=0, cells="quad", higher_order="quad9", cell_type="quad",

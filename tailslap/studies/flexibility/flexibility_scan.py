@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import NamedTuple
 
 import numpy as np
@@ -54,7 +54,7 @@ def scanned(series: Series, levels: Sequence[float], period: float, measure: Mea
     while True:
         frequencies = {frequency for frequency in grid if frequency - step < top}
         if frequencies <= scan.differences.keys():
-            frequencies = beside_crossings(scan, sought)
+            frequencies = beside_crossings(scan, levels)
         if not frequencies:
             return scan
         new = sorted(frequencies - scan.differences.keys(), reverse=True)
@@ -68,16 +68,13 @@ def scanned(series: Series, levels: Sequence[float], period: float, measure: Mea
         top = max(*above, bottom) + PERIODS * period
 
 
-def beside_crossings(scan: Scan, sought: Mapping[str, Sequence[float]]) -> set[float]:
+def beside_crossings(scan: Scan, levels: Sequence[float]) -> set[float]:
     """Return further frequencies beside the crossings of the levels [Hz].
 
     They divide the intervals from the last sample that passed before the first one above a level, to the one behind it.
-    sought: levels by quantity.
     """
     further = set[float]()
-    for samples, level in (
-        (scan.samples[name], level) for name, levels in sought.items() for level in levels
-    ):
+    for samples, level in product(scan.samples.values(), levels):
         first = next((k for k, sample in enumerate(samples) if sample.passed and sample.bound > level), None)
         if first is None:
             continue
