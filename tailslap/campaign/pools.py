@@ -39,8 +39,8 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 DESCRIPTORS = Path("/proc/self/fd")
 """Open files of this process, which a worker opens again for itself."""
 ENDING = {signal.SIGTERM, signal.SIGHUP}
-LOGGERS = ("distributed", "asyncio", "tornado")
-"""Loggers of Dask, silenced because connection errors are reported here."""
+LOGGERS = ("distributed", "distributed.client", "distributed.gc", "asyncio", "tornado", "tornado.application")
+"""Loggers of Dask with levels of their own, silenced because connection errors are reported here."""
 REPLY_S = 5.0
 """Time within which a scheduler must reply [s]."""
 POLL_S = 1.0

@@ -12,6 +12,7 @@ import signal
 import sqlite3
 import subprocess
 import sys
+import textwrap
 import time
 from concurrent.futures import Future
 from functools import partial
@@ -254,6 +255,17 @@ def known(row):
     A table of part of the runs may have fewer checks.
     """
     return {name: value for name, value in row.items() if value is not None}
+
+
+@pytest.mark.long
+def test_loggers_of_dask_with_levels_of_their_own_are_silenced(python):
+    code = """
+        import logging, distributed
+        loggers = logging.root.manager.loggerDict.items()
+        print(*(name for name, logger in loggers if getattr(logger, "level", logging.NOTSET)))
+    """
+    levelled = python(textwrap.dedent(code), check=True).stdout.split()
+    assert {name for name in levelled if name.split(".")[0] in ("distributed", "tornado")} <= {*pools.LOGGERS}
 
 
 @pytest.mark.long
