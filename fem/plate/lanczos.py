@@ -9,8 +9,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from machine_code.compiled import compiled
-
 RESTART_FRACTION = 1.0 / 3.0
 """Fraction of the basis that a restart retains, of the largest eigenvalues."""
 
@@ -24,9 +22,10 @@ MAX_RESTARTS = 1000
 """Largest number of restarts; the residual then states the accuracy."""
 
 Extend = Callable[[np.ndarray, np.ndarray, int], tuple[int, float]]
-"""Function that fills all rows of a basis behind the row of a number, by the operator on the row before and
-`orthogonalise`. It takes the rows, shape (m + 1, n), the projected operator, shape (m, m), and that number. It returns
-the number of rows with a product, and the last length; the length is 0 where the rows are an invariant subspace.
+"""Function that fills all rows of a basis behind the row of a number, by the operator on the row before. A row is made
+orthogonal to all before, and of unit length. The function takes the rows, shape (m + 1, n), the projected operator,
+shape (m, m), and that number. It returns the number of rows with a product, and the last length before; the length is 0
+where the rows are an invariant subspace.
 """
 
 
@@ -88,41 +87,17 @@ def extend_by(product: Callable[[np.ndarray], np.ndarray]) -> Extend:
 
     def extend(rows: np.ndarray, projected: np.ndarray, begin: int) -> tuple[int, float]:
         for row in range(begin, len(projected)):
-            rows[row + 1] = product(rows[row])
-            length = float(orthogonalise(rows, projected, row))
-            if not length > 0.0:
-                break
+            vector, basis = product(rows[row]), rows[: row + 1]
+            size = float(np.linalg.norm(vector))
+            overlap = basis @ vector
+            vector = vector - overlap @ basis
+            correction = basis @ vector  # a single orthogonalisation is not accurate enough
+            vector -= correction @ basis
+            projected[row, : row + 1] = projected[: row + 1, row] = overlap + correction
+            length = float(np.linalg.norm(vector))
+            if length <= 1e-14 * size:
+                return row + 1, 0.0
+            rows[row + 1] = vector / length
         return row + 1, length
 
     return extend
-
-
-@compiled
-def orthogonalise(rows, projected, row):
-    """Make row `row` + 1 a unit vector orthogonal to all before.
-
-    The overlaps are those of `projected`. Returns the length of the orthogonal part, 0 where it is rounding.
-    """
-    last, size = row + 1, _overlap(rows, row + 1, row + 1)
-    for _ in range(2):  # a single orthogonalisation is not accurate enough
-        for other in range(last):
-            overlap = _overlap(rows, other, last)
-            for unknown in range(rows.shape[1]):
-                rows[last, unknown] -= overlap * rows[other, unknown]
-            projected[row, other] += overlap
-            projected[other, row] = projected[row, other]
-    length = _overlap(rows, last, last)
-    if length <= 1e-28 * size:
-        return 0.0
-    length = math.sqrt(length)
-    for unknown in range(rows.shape[1]):
-        rows[last, unknown] /= length
-    return length
-
-
-@compiled
-def _overlap(rows, one, other):
-    overlap = 0.0
-    for unknown in range(rows.shape[1]):
-        overlap += rows[one, unknown] * rows[other, unknown]
-    return overlap

@@ -12,9 +12,9 @@ from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.time_loop import LoopParameters
 from fem.laws.materials import deformation_gradient, energy_density, green_strain, stress
 from fem.model.plate_model import PlateModel
-from fem.plate.lanczos import fixed_vector, largest_eigenpair, orthogonalise
+from fem.plate.lanczos import fixed_vector, largest_eigenpair
 from fem.start.inertia_relief import to_global
-from machine_code.compiled import compiled
+from machine_code.compiled import compact, compiled
 from machine_code.object_code import Prepared
 
 TOLERANCE, BASIS = 1e-3, 8
@@ -103,13 +103,44 @@ def extend_by_differences(rows, projected, begin, operator):
                 difference = (before[axis, node] - force[axis, node]) / scale
                 rows[row + 1, axis * nodes + node] = root[node] * difference
         _add_spring(spring, root, rows, row)
-        length = orthogonalise(rows, projected, row)
+        length = _orthogonalise(rows, projected, row)
         if not length > 0.0:
             return row + 1, length
     return projected.shape[0], length
 
 
-@compiled
+@compact
+def _orthogonalise(rows, projected, row):
+    """Make row `row` + 1 a unit vector orthogonal to all before.
+
+    The overlaps are those of `projected`. Returns the length of the orthogonal part, 0 where it is rounding.
+    """
+    last, size = row + 1, _overlap(rows, row + 1, row + 1)
+    for _ in range(2):  # as `extend_by`
+        for other in range(last):
+            overlap = _overlap(rows, other, last)
+            for unknown in range(rows.shape[1]):
+                rows[last, unknown] -= overlap * rows[other, unknown]
+            projected[row, other] += overlap
+            projected[other, row] = projected[row, other]
+    length = _overlap(rows, last, last)
+    if length <= 1e-28 * size:
+        return 0.0
+    length = math.sqrt(length)
+    for unknown in range(rows.shape[1]):
+        rows[last, unknown] /= length
+    return length
+
+
+@compact
+def _overlap(rows, one, other):
+    overlap = 0.0
+    for unknown in range(rows.shape[1]):
+        overlap += rows[one, unknown] * rows[other, unknown]
+    return overlap
+
+
+@compact
 def _add_spring(spring, root, rows, row):
     if spring is not None:
         corner, weights, stiffness = spring

@@ -13,6 +13,7 @@ line.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -23,7 +24,8 @@ from fem.laws.friction import friction_slope
 from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Inverse
 from fem.plate.properties import RigidStart
-from machine_code.compiled import compiled
+from fem.start.inertia_relief import to_global
+from machine_code.compiled import compact, compiled
 
 MAX_UNKNOWNS = 1200
 """Largest number of unknowns whose modes are computed.
@@ -102,17 +104,8 @@ def predict_flutter(
         return Flutter(0.0, 0.0)  # a symmetric stiffness has no growth
     modes, corner, rates = corner_modes(model), model.parameters.corner, np.empty(INSTANTS)
     squares = np.append(0.0, modes.squares[3:])  # rigid motions have no stiffness
-    angles, workspace = np.linspace(start.angle, 0.0, INSTANTS), np.empty_like(squares)
-    least_rates(
-        squares,
-        modes.corner,
-        angles,
-        slope,
-        (corner.stiffness, corner.dashpot, viscous),
-        harmless / duration,
-        workspace,
-        rates,
-    )
+    residues = residues_at(modes, np.linspace(start.angle, 0.0, INSTANTS), slope)
+    least_rates(squares, residues, corner.stiffness, corner.dashpot, viscous, harmless / duration, rates)
     growth = float(np.trapezoid(rates, dx=duration / (INSTANTS - 1)))
     return Flutter(float(rates.max()), growth, math.sqrt(modes.squares[3]))
 
@@ -134,6 +127,16 @@ def corner_modes(model: PlateModel) -> CornerModes:
     return CornerModes(model.elastic.modulus * squares, corner_motion)
 
 
+def residues_at(modes: CornerModes, angles: Sequence[float] | np.ndarray, slope: float) -> np.ndarray:
+    """Return the residues at the plate's angles [rad], shape (angles, modes).
+
+    The rigid motions are one mode, the first. slope: of friction over the reaction.
+    """
+    along, across = np.einsum("aij,jm->iam", [to_global(angle) for angle in angles], modes.corner)
+    residues = across * (across + slope * along)
+    return np.hstack([residues[:, :3].sum(axis=1, keepdims=True), residues[:, 3:]])
+
+
 @cached("free modes")
 def _unit_modes(plate: Inverse) -> tuple[np.ndarray, np.ndarray]:
     """Return the squares [rad^2/s^2] and shapes of all modes of a plate.
@@ -146,45 +149,34 @@ def _unit_modes(plate: Inverse) -> tuple[np.ndarray, np.ndarray]:
 
 
 @compiled
-def least_rates(squares, corner, angles, slope, constraint, least, residues, rates):
+def least_rates(squares, residues, stiffness, dashpot, viscous, least, rates):
     """Fill the least trial rates [1/s] above those of all modes.
 
-    There is one for each angle, 0 where that is the first one. squares: as in `growing_modes`. corner: see
-    `CornerModes`. constraint: stiffness and dashpot of the constraint, and damping of the modes. residues: workspace,
-    shape (modes,).
+    There is one for each angle, 0 where that is the first one. residues: see `residues_at`; others as in
+    `growing_modes`.
     """
-    stiffness, dashpot, viscous = constraint
-    for place in range(angles.size):
-        cosine, sine = math.cos(angles[place]), math.sin(angles[place])
-        rigid = 0.0
-        for mode in range(corner.shape[1]):
-            along = cosine * corner[0, mode] + sine * corner[1, mode]
-            across = cosine * corner[1, mode] - sine * corner[0, mode]
-            residue = across * (across + slope * along)
-            rigid += residue if mode < 3 else 0.0
-            residues[max(mode - 2, 0)] = rigid if mode < 3 else residue
-        rates[place] = _least_rate(squares, residues, stiffness, dashpot, viscous, least)
+    for place in range(rates.size):
+        rates[place] = _least_rate(squares, residues[place], stiffness, dashpot, viscous, least)
 
 
-@compiled
+@compact
 def _least_rate(squares, residues, stiffness, dashpot, viscous, least):
     top = 1.5 * highest_mode(squares, residues, stiffness)
-    if least >= top or not growing_modes(squares, residues, stiffness, dashpot, viscous, least, top):
-        return 0.0
-    first, last = 1, 1
-    while _trial_rate(least, last) < top:
+    first, last, rate = 0, 0, least
+    while rate < top:  # no mode outgrows the last rate
+        rate *= RATE_RATIO
         last += 1
-    while first < last:  # bisection; no mode outgrows the last rate
-        middle = (first + last) // 2
-        rate = _trial_rate(least, middle)
-        if growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
+    middle = first
+    while first < last:  # bisection, after the first rate
+        if growing_modes(squares, residues, stiffness, dashpot, viscous, _trial_rate(least, middle), top):
             first = middle + 1
         else:
             last = middle
-    return _trial_rate(least, first)
+        middle = (first + last) // 2
+    return _trial_rate(least, first) if first > 0 else 0.0
 
 
-@compiled
+@compact
 def _trial_rate(least, number):
     rate = least
     for _ in range(number):
@@ -192,7 +184,7 @@ def _trial_rate(least, number):
     return rate
 
 
-@compiled
+@compact
 def highest_mode(squares, residues, stiffness):
     """Return a frequency [rad/s] above all modes of the constrained plate."""
     spring = 0.0

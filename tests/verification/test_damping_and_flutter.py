@@ -201,20 +201,15 @@ def test_rates_are_the_first_ones_without_growing_modes(plate_model, corner):
     """Each trial rate is counted in turn."""
     model = plate_model((10, 3), "drag", corner=CORNERS[corner])
     slope, constraint = friction_slope(model.parameters.friction, START.corner_speed), model.parameters.corner
-    modes, angles, least = flutter.corner_modes(model), np.array([0.26, 0.1, 0.0]), 1.0
-    rates, squares = np.empty(3), np.append(0.0, modes.squares[3:])
-    stiffness = (constraint.stiffness, constraint.dashpot, 0.0)
-    flutter.least_rates(squares, modes.corner, angles, slope, stiffness, least, np.empty_like(squares), rates)
-    for angle, rate in zip(angles, rates, strict=True):
-        along, across = to_global(angle) @ modes.corner
-        residues = across * (across + slope * along)
-        residues = np.append(residues[:3].sum(), residues[3:])
-        top = 1.5 * flutter.highest_mode(squares, residues, constraint.stiffness)
-        number = 0
-        while flutter.growing_modes(
-            squares, residues, *stiffness, least * flutter.RATE_RATIO**number * (1.0 + 1e-9), top
-        ):
-            number += 1
+    modes, least, rates = flutter.corner_modes(model), 1.0, np.empty(3)
+    squares, stiffness = np.append(0.0, modes.squares[3:]), (constraint.stiffness, constraint.dashpot, 0.0)
+    residues = flutter.residues_at(modes, (0.26, 0.1, 0.0), slope)
+    flutter.least_rates(squares, residues, *stiffness, least, rates)
+    for at_angle, rate in zip(residues, rates, strict=True):
+        top, number = 1.5 * flutter.highest_mode(squares, at_angle, constraint.stiffness), 0
+        trial = least * (1.0 + 1e-9)
+        while flutter.growing_modes(squares, at_angle, *stiffness, trial, top):
+            number, trial = number + 1, trial * flutter.RATE_RATIO
         assert rate == pytest.approx(number and least * flutter.RATE_RATIO**number, rel=1e-12)
     assert rates.max() > least or corner == "patch"
 
