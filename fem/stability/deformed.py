@@ -109,7 +109,7 @@ def extend_by_differences(rows, projected, begin, operator):
     return projected.shape[0], length
 
 
-@compact
+@compiled
 def _orthogonalise(rows, projected, row):
     """Make row `row` + 1 a unit vector orthogonal to all before.
 
@@ -132,7 +132,7 @@ def _orthogonalise(rows, projected, row):
     return length
 
 
-@compact
+@compiled
 def _overlap(rows, one, other):
     overlap = 0.0
     for unknown in range(rows.shape[1]):
