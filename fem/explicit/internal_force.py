@@ -1,9 +1,10 @@
 """Internal forces of the plate for any element and any material, compiled.
 
-The formulation is total Lagrangian. Elements are taken in SIMD blocks (`simd_blocks`), quadrature point by quadrature
-point (`point_force`). The nodal values of a block lie in one scratch array, row after row. Inside one array, with row
-numbers that are constants to the compiler, it can prove that rows do not overlap, and packs neighbouring slots into
-vector instructions; over many separate arrays it cannot. The rows of elements with n nodes are
+The formulation is total Lagrangian. Elements are taken in SIMD blocks (`simd_blocks`): quadrilaterals with all
+quadrature points at once, other elements point by point (`point_force`). The nodal values of a block lie in one
+scratch array, row after row. Inside one array, with row numbers that are constants to the compiler, it can prove that
+rows do not overlap, and packs neighbouring slots into vector instructions; over many separate arrays it cannot. The
+rows of elements with n nodes are
 
 positions 2n | forces 2n | velocities 2n | viscous power 1 | reference positions 2n
 
@@ -13,8 +14,7 @@ mapped from the reference element at each step: reading their nodes takes a sixt
 gradients.
 """
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -117,25 +117,6 @@ def _parallelogram(gradients: np.ndarray) -> Quadrilateral | None:
     if nodes != 4 or points == 1 or np.ptp(linear, axis=0).max() > UNIFORM_TOLERANCE * np.abs(linear).max():
         return None
     return Quadrilateral(tuple(linear.mean(axis=0).tolist()), tuple(map(tuple, gradients[:, 2].tolist())))
-
-
-def elastic_forces(parameters: Any) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the function of positions [m] that returns the internal forces [N].
-
-    parameters: of a loop. Both arrays have the shape (2, nodes).
-    """
-    table, hourglass, place = parameters.table, parameters.hourglass, np.zeros((2, parameters.mass.size))
-    force, scratch = np.zeros_like(place), scratch_for(table, hourglass)
-    subtract = subtract_internal_forces.bound(
-        place, np.zeros_like(place), None, hourglass, force, table, parameters.material, scratch
-    )
-
-    def forces(positions: np.ndarray) -> np.ndarray:
-        place[:], force[:] = positions, 0.0
-        subtract()
-        return -force
-
-    return forces
 
 
 @compiled

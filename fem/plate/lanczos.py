@@ -24,8 +24,8 @@ MAX_RESTARTS = 1000
 Extend = Callable[[np.ndarray, np.ndarray, int], tuple[int, float]]
 """Function that fills all rows of a basis behind the row of a number, by the operator on the row before. A row is made
 orthogonal to all before, and of unit length. The function takes the rows, shape (m + 1, n), the projected operator,
-shape (m, m), and that number. It returns the number of rows with a product, and the last length before; the length is 0
-where the rows are an invariant subspace.
+shape (m, m), and that number. It returns the number of rows with a product, and the length of the orthogonal part of
+the last product, 0 where the rows are an invariant subspace.
 """
 
 

@@ -117,12 +117,12 @@ def _orthogonalise(rows, projected, row):
     """
     last, size = row + 1, _overlap(rows, row + 1, row + 1)
     for _ in range(2):  # as `extend_by`
-        for other in range(last):
-            overlap = _overlap(rows, other, last)
+        for earlier in range(last):
+            overlap = _overlap(rows, earlier, last)
             for unknown in range(rows.shape[1]):
-                rows[last, unknown] -= overlap * rows[other, unknown]
-            projected[row, other] += overlap
-            projected[other, row] = projected[row, other]
+                rows[last, unknown] -= overlap * rows[earlier, unknown]
+            projected[row, earlier] += overlap
+            projected[earlier, row] = projected[row, earlier]
     length = _overlap(rows, last, last)
     if length <= 1e-28 * size:
         return 0.0
@@ -133,10 +133,10 @@ def _orthogonalise(rows, projected, row):
 
 
 @compiled
-def _overlap(rows, one, other):
+def _overlap(rows, first, second):
     overlap = 0.0
     for unknown in range(rows.shape[1]):
-        overlap += rows[one, unknown] * rows[other, unknown]
+        overlap += rows[first, unknown] * rows[second, unknown]
     return overlap
 
 

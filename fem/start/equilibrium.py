@@ -7,11 +7,12 @@ alone converge slowly: each is combined with the last ones such that their combi
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from fem.explicit.internal_force import elastic_forces
+from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.laws.materials import StVenantKirchhoff
 from fem.model.plate_model import PlateModel
 from fem.plate.discretisation import hourglass_matrix
@@ -61,6 +62,25 @@ def equilibrium(
     raise ValueError(
         "the plate is too soft for a start by inertia relief: no equilibrium exists under the reaction"
     )
+
+
+def elastic_forces(parameters: Any) -> Callable[[np.ndarray], np.ndarray]:
+    """Return the function of positions [m] that returns the internal forces [N].
+
+    parameters: of a loop. Both arrays have the shape (2, nodes).
+    """
+    table, hourglass, place = parameters.table, parameters.hourglass, np.zeros((2, parameters.mass.size))
+    force, scratch = np.zeros_like(place), scratch_for(table, hourglass)
+    subtract = subtract_internal_forces.bound(
+        place, np.zeros_like(place), None, hourglass, force, table, parameters.material, scratch
+    )
+
+    def forces(positions: np.ndarray) -> np.ndarray:
+        place[:], force[:] = positions, 0.0
+        subtract()
+        return -force
+
+    return forces
 
 
 def _combined(places: list[np.ndarray], steps: list[np.ndarray]) -> np.ndarray:

@@ -224,9 +224,9 @@ def in_both_units(texts: Sequence[str], units: Units) -> str:
     names = [units.name, US.name if units is SI else SI.name]
     parts = []
     for number, pair in enumerate(zip(*(text.split(SEPARATOR) for text in texts), strict=True)):
-        one, other = pair
-        if one == other or number % 2 == 0:
-            parts.append(one)
+        first, second = pair
+        if first == second or number % 2 == 0:
+            parts.append(first)
         else:
             spans = [f'<span class="{name}">{text}</span>' for name, text in zip(names, pair, strict=True)]
             parts += sorted(spans)

@@ -130,9 +130,9 @@ def changed_tables(tables: Mapping[str, object], changes: Changes) -> tuple[Tabl
     """
     changed = dict(tables)
     noted = {key: value for key, value in changes.items() if _put(changed, key, value)}
-    for key, other in ALTERNATIVES.items():
-        if noted.get(key) is not None and other not in changes and _put(changed, other, None):
-            noted[other] = None
+    for key, alternative in ALTERNATIVES.items():
+        if noted.get(key) is not None and alternative not in changes and _put(changed, alternative, None):
+            noted[alternative] = None
     return changed, noted
 
 

@@ -192,8 +192,10 @@ def test_keys_that_exclude_each_other(changes, key, refused):
 
 
 def test_former_names_of_starts_are_refused_with_the_new_one():
-    for former, now in (("quiet", "inertia-relief"), ("sudden", "unstressed")):
-        with pytest.raises(InputError, match=f'given "{former}"; the present name of this start is "{now}"'):
+    for former, present in (("quiet", "inertia-relief"), ("sudden", "unstressed")):
+        with pytest.raises(
+            InputError, match=f'given "{former}"; the present name of this start is "{present}"'
+        ):
             read_scene("mash-tl4-sut", (f"plate.start={former}",))
 
 
@@ -252,8 +254,8 @@ def test_spring_that_rings_with_the_plate_does_not_pass(scene, spring):
 def test_a_costly_material_is_reckoned_with():
     """40 ns at nine points of quad9, beside 75 ns an element."""
     laws = (), ("material.law=neo-hookean",)
-    linear, other = (read_scene("paper-table-3", changes)[0] for changes in laws)
-    seconds = [loop_seconds(scene, "quad9", (20, 6), 1000.0) for scene in (linear, other)]
+    linear, neo_hookean = (read_scene("paper-table-3", changes)[0] for changes in laws)
+    seconds = [loop_seconds(scene, "quad9", (20, 6), 1000.0) for scene in (linear, neo_hookean)]
     assert seconds == pytest.approx([120e3 * 75e-9, 120e3 * (75.0 + 9 * 40.0) * 1e-9], rel=1e-12)
 
 

@@ -13,7 +13,6 @@ import pytest
 from scipy.linalg import eigh, null_space
 
 from fem.explicit.impact_loop import ImpactMeasures
-from fem.explicit.internal_force import elastic_forces
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
 from fem.model.train_model import hinge_weights
@@ -28,6 +27,7 @@ from fem.plate.properties import (
     UnitProperties,
 )
 from fem.run.impact import FirstTouch, ImpactStepper, simulate_impact
+from fem.start.equilibrium import elastic_forces
 from meshes import plate_mesh
 from solver.impact import (
     CrushLaw,

@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 
 from fem.explicit.elastic_damping import damped_time_step
-from fem.explicit.internal_force import elastic_forces
 from fem.laws.constraints import Exact
 from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
 from fem.stability.rounding import RoundingNoise, rounding_noise
-from fem.start.equilibrium import equilibrium, tangent_matrix
+from fem.start.equilibrium import elastic_forces, equilibrium, tangent_matrix
 from fem.start.inertia_relief import (
     RigidStart,
     TooSoftError,
