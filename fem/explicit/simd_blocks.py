@@ -43,11 +43,13 @@ def find_lattice(connectivity: np.ndarray) -> Lattice | None:
     slot = connectivity[0] - lowest
     offsets = connectivity - connectivity[0]
     slots = int(slot.max()) + 1
-    if (offsets != offsets[:, :1]).any() or slots > 1.25 * slot.size or np.unique(slot).size < slot.size:
+    if (offsets != offsets[:, :1]).any() or slots > 1.25 * slot.size:
         return None
     element = np.full(slots, -1)
     element[slot] = np.arange(slot.size)
     idle = np.flatnonzero(element < 0)
+    if idle.size > slots - slot.size:  # elements with a slot in common
+        return None
     idle_from = np.searchsorted(idle, BLOCK_SIZE * np.arange(blocks_of(slots) + 1))
     return Lattice((lowest + offsets[:, 0]).astype(np.int64), element, idle % BLOCK_SIZE, idle_from)
 

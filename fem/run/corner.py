@@ -269,7 +269,7 @@ def simulate(
     history = _named((time_step * (stride * np.arange(len(recorded.rows))), *recorded.rows.T))
     strike = None
     if recorded.rows[-1, 0] <= 0.0:
-        strike, steps = _locate_strike(stepper, recorded.before, steps - stride)
+        strike, steps = _locate_strike(stepper, recorded.before, steps - stride, stride)
         for name, values in history.items():
             values[-1] = strike.values[name]
     ended = time.perf_counter()
@@ -287,23 +287,26 @@ def _named(values: Iterable[T]) -> dict[str, T]:
     return dict(zip(("t", *columns.COLUMNS), values, strict=True))
 
 
-def _locate_strike(stepper: Stepper, state: State, step: int) -> tuple[StrikeState, int]:
+def _locate_strike(stepper: Stepper, state: State, step: int, stride: int) -> tuple[StrikeState, int]:
     """Return the state at angle zero and the steps to it.
 
-    Single steps are made to one step past the first angle <= 0. The state is interpolated by the polynomial of the
-    angle through the last instants, cubic where there are four. The number of steps is that to just beyond the angle.
+    The angle reaches zero within `stride` steps. The state is interpolated by the polynomial of the angle through the
+    last instants, the last of them one step past the first angle <= 0, cubic where there are four. The number of steps
+    is that to just beyond the angle.
     """
-    instants = [(step, state, stepper.record(state, 0, 1).rows[0])]
-    while len(instants) < 2 or instants[-2][2][0] > 0.0:
-        later = stepper.record(state, 1, 1)
-        step, state = step + 1, later.state
-        instants = [*instants[-3:], (step, state, later.rows[0])]
-    steps, states, rows = zip(*instants, strict=True)
-    weights = _lagrange(np.array([row[0] for row in rows]), 0.0)
-    values = dict(zip(columns.COLUMNS, (weights @ np.array(rows)).tolist(), strict=True))
-    values |= {"t": float(weights @ np.array(steps)) * stepper.parameters.time_step, "theta": 0.0}
-    nodal = zip(*map(stepper.nodal, states), strict=True)
-    return StrikeState(values, *(np.tensordot(weights, values_at, 1) for values_at in nodal)), step
+    crossing = len(stepper.record(state, 1, stride).rows)
+    skipped = max(0, crossing - 2)
+    instants = [stepper.record(state, skipped, 1)]
+    while len(instants) < crossing + 2 - skipped:
+        instants.append(stepper.record(instants[-1].state, 1, 1))
+    steps, states = step + np.arange(skipped, crossing + 2), [instant.state for instant in instants]
+    rows = np.array([instant.rows[0] for instant in instants])
+    weights = _lagrange(rows[:, 0], 0.0)
+    values = dict(zip(columns.COLUMNS, (weights @ rows).tolist(), strict=True))
+    values |= {"t": float(weights @ steps) * stepper.parameters.time_step, "theta": 0.0}
+    nodal = zip(*map(stepper.nodal, states, [*states[1:], None]), strict=True)
+    fields = (np.tensordot(weights, values_at, 1) for values_at in nodal)
+    return StrikeState(values, *fields), int(steps[-1])
 
 
 def _lagrange(nodes: np.ndarray, at: float) -> np.ndarray:

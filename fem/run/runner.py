@@ -113,12 +113,12 @@ class PlateStepper(Generic[S]):
         """Arguments of the compiled functions behind state and steps."""
         return self._fixed, *self._workspace
 
-    def nodal(self, state: S) -> tuple[np.ndarray, np.ndarray]:
+    def nodal(self, state: S, later: S | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Return positions [m] and velocities [m/s] at the state's instant.
 
-        They are in the wall's frame, shape (2, nodes) each.
+        They are in the wall's frame, shape (2, nodes) each. later: state of the next step, made where it is None.
         """
-        later = self.record(state, 1, 1).state
+        later = later or self.record(state, 1, 1).state
         velocities = 0.5 * (state.velocities + later.velocities)
         return state.positions + np.array([[state.origin[0]], [0.0]]), velocities
 

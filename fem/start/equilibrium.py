@@ -13,7 +13,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
-from fem.laws.materials import StVenantKirchhoff
 from fem.model.plate_model import PlateModel
 from fem.plate.discretisation import hourglass_matrix
 from fem.plate.elastic import Solve, elastic_solver
@@ -110,52 +109,37 @@ def has_inverted_elements(model: PlateModel, place: np.ndarray) -> bool:
 def tangent_matrix(model: PlateModel, place: np.ndarray) -> sp.csr_matrix:
     """Assemble the symmetric stiffness [N/m] about these positions.
 
-    Its shape is (2 nodes, 2 nodes), numbered as `stiffness_matrix`.
+    Its shape is (2 nodes, 2 nodes), numbered as `stiffness_matrix`. Unknown m is the displacement of node a along i,
+    and E,m the change of the Green strain by it. The stiffness is the sum of w E,m C E,n over the quadrature points of
+    weight w, with w S_kl N_a,k N_b,l for unknowns along one direction, S being the stress.
     """
-    import skfem
-
-    d = model.discretisation
-    gradient = np.array([d.scalar.interpolate(component).grad for component in place])
-    moduli = model.tangent_moduli
-    stress = _stress(gradient, moduli)
-
-    def block(i: int, j: int) -> sp.csr_matrix:
-        tensor = _tangent(gradient[i], gradient[j], moduli) + (stress if i == j else 0.0)
-        form = skfem.BilinearForm(lambda u, v, w: np.einsum("kl...,k...,l...->...", tensor, v.grad, u.grad))
-        return form.assemble(d.scalar)
-
-    coupling = block(0, 1)
-    matrix = sp.csr_matrix(model.thickness * sp.bmat([[block(0, 0), coupling], [coupling.T, block(1, 1)]]))
+    table, nodes = model.parameters.table, model.parameters.mass.size
+    c_11, c_12, c_33 = model.tangent_moduli
+    moduli = np.array([[c_11, c_12, 0.0], [c_12, c_11, 0.0], [0.0, 0.0, c_33]])
+    points, columns = table.weights.shape
+    gradients = table.gradients.reshape(points, -1, 2, columns).transpose(2, 1, 0, 3)
+    f_1, f_2 = np.einsum("iae,kape->kipe", place[:, table.connectivity], gradients)  # columns of the gradient
+    strain = 0.5 * ((f_1**2).sum(axis=0) - 1.0), 0.5 * ((f_2**2).sum(axis=0) - 1.0), (f_1 * f_2).sum(axis=0)
+    s_11, s_22, s_12 = table.weights * np.tensordot(moduli, strain, 1)
+    n_1, n_2 = gradients
+    by_stress = _products([n_1, n_2], [s_11 * n_1 + s_12 * n_2, s_12 * n_1 + s_22 * n_2])
+    f_1, f_2 = f_1[:, None], f_2[:, None]
+    changes = np.array([f_1 * n_1, f_2 * n_2, f_1 * n_2 + f_2 * n_1]).reshape(3, 2 * len(n_1), points, -1)
+    elements = _products(changes, table.weights * np.tensordot(moduli, changes, 1))
+    elements += np.kron(np.eye(2), by_stress)
+    unknowns = np.concatenate([table.connectivity, table.connectivity + nodes]).T
+    pairs = np.broadcast_arrays(unknowns[:, :, None], unknowns[:, None, :])
+    matrix = sp.csr_matrix((elements.ravel(), [pair.ravel() for pair in pairs]), (2 * nodes, 2 * nodes))
     if model.parameters.hourglass is not None:
-        matrix = matrix + hourglass_matrix(d.table, model.parameters.hourglass, model.parameters.mass.size)
+        matrix = matrix + hourglass_matrix(table, model.parameters.hourglass, nodes)
     return matrix
 
 
-def _stress(gradient: np.ndarray, moduli: StVenantKirchhoff) -> np.ndarray:
-    """Return the second Piola-Kirchhoff stress, shape (2, 2, ...).
+def _products(first: Any, second: Any) -> np.ndarray:
+    """Return sums over components and points, shape (elements, m, n).
 
-    gradient: deformation gradients of that shape.
+    first, second: shapes (components, m, points, elements or 1) and (components, n, points, elements).
     """
-    strain = 0.5 * (np.einsum("ik...,il...->kl...", gradient, gradient))
-    strain[0, 0] -= 0.5
-    strain[1, 1] -= 0.5
-    stress = np.empty_like(strain)
-    stress[0, 0] = moduli.c_11 * strain[0, 0] + moduli.c_12 * strain[1, 1]
-    stress[1, 1] = moduli.c_12 * strain[0, 0] + moduli.c_11 * strain[1, 1]
-    stress[0, 1] = stress[1, 0] = 2.0 * moduli.c_33 * strain[0, 1]
-    return stress
-
-
-def _tangent(f_i: np.ndarray, f_j: np.ndarray, moduli: StVenantKirchhoff) -> np.ndarray:
-    """Return C_KMLN F_iM F_jN, shape (2, 2, ...).
-
-    f_i, f_j: rows i and j of the deformation gradient.
-    """
-    first, second = f_i[0] * f_j[0], f_i[1] * f_j[1]
-    mixed, crossed = f_i[0] * f_j[1], f_i[1] * f_j[0]
-    return np.array(
-        [
-            [moduli.c_11 * first + moduli.c_33 * second, moduli.c_12 * mixed + moduli.c_33 * crossed],
-            [moduli.c_12 * crossed + moduli.c_33 * mixed, moduli.c_11 * second + moduli.c_33 * first],
-        ]
-    )
+    by_element = [np.moveaxis(np.asarray(values), (3, 1), (0, 1)) for values in (first, second)]
+    rows, columns = (values.reshape(*values.shape[:2], -1) for values in by_element)
+    return rows @ columns.transpose(0, 2, 1)

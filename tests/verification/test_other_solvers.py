@@ -164,6 +164,7 @@ def test_friction_is_omitted_and_named(elsewhere, capsys):
 
 
 @needs_ccx
+@pytest.mark.long
 def test_calculix_confirms_the_paper_on_a_coarse_mesh(elsewhere, capsys):
     """-3.2868596947 m/s and 0.6573719389 rad/s at the tail-slap without friction."""
     summary = confirmed(capsys, "paper-table-3", "--set", FRICTIONLESS, "--set", "plate.elements=[10,4]")
@@ -179,6 +180,7 @@ def test_calculix_confirms_the_paper_on_a_coarse_mesh(elsewhere, capsys):
 
 
 @needs_ccx
+@pytest.mark.long
 @pytest.mark.parametrize("text", [CAR, COACH], ids=["car", "coach"])
 def test_calculix_confirms_own_vehicles(text, elsewhere, capsys):
     """A single corner node, and a patch from Stage 1."""
@@ -187,6 +189,7 @@ def test_calculix_confirms_own_vehicles(text, elsewhere, capsys):
 
 
 @needs_ccx
+@pytest.mark.long
 def test_soft_plate_is_confirmed_within_its_oscillation(elsewhere, capsys):
     """The limit follows the oscillation of the start, below 0.2 %."""
     changes = (FRICTIONLESS, "plate.elements=[6,2]", "plate.youngs_modulus=20 GPa")
@@ -427,6 +430,7 @@ def export_abaqus(folder, *changes):
 
 
 @needs_ccx
+@pytest.mark.long
 def test_plate_of_the_abaqus_deck_moves_in_calculix_as_the_rigid_body(elsewhere):
     """Shells of the ABAQUS deck become a layer of bricks."""
     export_abaqus("deck", FRICTIONLESS, "plate.elements=[6,2]")

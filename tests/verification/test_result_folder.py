@@ -683,7 +683,15 @@ def test_a_file_is_whole_or_the_earlier_one_and_two_writers_follow_each_other(tm
 
 
 @pytest.mark.parametrize(
-    "number", [errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.ENOSPC, errno.EIO, errno.EMFILE]
+    "number",
+    [
+        errno.EACCES,
+        errno.EIO,
+        *(
+            pytest.param(e, marks=pytest.mark.long)
+            for e in (errno.ENOMEM, errno.ESTALE, errno.ENOSPC, errno.EMFILE)
+        ),
+    ],
 )
 def test_an_error_of_the_system_is_none_of_what_is_absent(tmp_path, earlier, number, monkeypatch):
     """The manifest remains at each call, and the next command succeeds."""

@@ -357,7 +357,7 @@ def test_a_page_runs(page, folder, monkeypatch):
     monkeypatch.chdir(place)
     monkeypatch.setattr(engine, "run_parts", one_for_all)
     for module in (predictions, outcomes):
-        monkeypatch.setattr(module, "SAMPLES", 32)
+        monkeypatch.setattr(module, "SAMPLES", 8)
     namespace = {"__name__": "__main__"}
     for step in SHOWN[page]:
         text = re.sub(r":\d+(?= |$)", ":2", step.text) if LONG.search(step.text) else step.text

@@ -200,6 +200,25 @@ def test_a_strip_without_equilibrium_is_refused(plate_model, kind):
         start_fields(strip, START, kind)
 
 
+@pytest.mark.parametrize("element", ["quad4", "quad9", "tri6"])
+def test_the_tangent_matrix_is_the_derivative_of_the_forces(plate_model, distorted_mesh, element):
+    """A five-point difference is exact for cubic forces."""
+    mesh = None if element == "tri6" else distorted_mesh
+    model = plate_model(mesh=mesh, elements=(8, 4), plate={"element": element})
+    body, random = model.discretisation.positions, np.random.default_rng(3)
+    place = np.array([[1.1, 0.2], [-0.3, 0.9]]) @ body + 0.01 * random.standard_normal(body.shape)
+    direction = 0.01 * random.standard_normal(body.shape)
+    forces = elastic_forces(model.parameters)
+    near, far = (forces(place + step * direction) - forces(place - step * direction) for step in (1.0, 2.0))
+    derivative = (8.0 * near - far) / 12.0
+    expected = np.abs(derivative).max()
+    matrix = tangent_matrix(model, place)
+    assert abs(matrix - matrix.T).max() < 1e-13 * abs(matrix).max()
+    assert (matrix @ direction.ravel()).reshape(2, -1) == pytest.approx(
+        derivative, rel=0.0, abs=1e-12 * expected
+    )
+
+
 @pytest.mark.parametrize(
     ("factor", "least", "most"), [(None, 0, 1), (1.0, 0, 0), (0.0, 1, 2), (-0.5, 1, 2), (0.5, 0, 1)], ids=str
 )

@@ -191,8 +191,12 @@ def test_a_scene_without_a_name_has_that_of_its_file(tmp_path):
     assert (definition.scene, definition.source.given["name"], definition.runs) == ("unnamed", "unnamed", 2)
 
 
-def test_what_a_combination_makes_impossible_is_a_refused_row(undisturbed):
-    refused = [row for row in undisturbed if row["status"] == "refused"]
+def test_what_a_combination_makes_impossible_is_a_refused_row(scene, cluster, tmp_path):
+    """A small sweep on a cluster."""
+    place, varied = tmp_path / "sweep", ("corner.reaction=drag,none", "corner.friction=0.1,0.9")
+    result = perform(definition_of(scene, varied), place, cluster)
+    assert result.statuses == {"passed": 2, "failed": 0, "refused": 2, "error": 0}
+    refused = [row for row in table(place) if row["status"] == "refused"]
     assert {row["corner.reaction"] for row in refused} == {"none"}
     assert all('no effect with corner.reaction = "none"' in row["reason"] for row in refused)
     assert all(row["fe.t"] is None for row in refused)

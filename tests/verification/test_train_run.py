@@ -91,6 +91,7 @@ def test_the_set_up_counts_the_elements_of_both_plates():
     assert sentence.endswith(f"{plan.first_frequency:.4g} Hz.")
 
 
+@pytest.mark.long
 def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
     outcome = case(plate__elements=(6, 2), plate__element="quad9", time__end=1.0).run()
     corners = [strike.corner for strike in error.assessed_strikes(outcome.fe.strikes)]

@@ -256,7 +256,7 @@ def _friction_law(outcome: CornerOutcome) -> Evaluation:
     force, normal, speed = (outcome.history[name][stepped] for name in names)
 
     def distance_from_law(rows: NDArray[np.bool_], stopping: Array) -> Array:
-        pairs = zip(normal[rows], stopping[rows], strict=True)
+        pairs = zip(normal[rows].tolist(), stopping[rows].tolist(), strict=True)
         by_law = [law.force(constants, *pair) if constants else 0.0 for pair in pairs]
         return np.asarray(np.abs(force[rows] - by_law))
 
