@@ -79,20 +79,28 @@ def relieved_displacement(model: PlateModel, start: RigidStart) -> tuple[np.ndar
     return _displaced(model, load), corner_gap(model, normal)
 
 
-def relieved(model: PlateModel, start: RigidStart, body: np.ndarray) -> ElasticFields:
+def relieved(
+    model: PlateModel, start: RigidStart, body: np.ndarray, near: ElasticFields | None = None
+) -> ElasticFields:
     """Return the fields of inertia relief.
 
-    They are in equilibrium on the deformed shape where the displacement is not small.
+    They are in equilibrium on the deformed shape where the displacement is not small. near: fields of a similar start,
+    with which the search for equilibrium begins; those of the undeformed shape where it is None.
     """
     fields = relieved_fields(model, start)
-    elastic, solve = fields.elastic, cast(Solve, model.elastic)
+    (elastic, rate, *_), solve = near or fields, cast(Solve, model.elastic)
 
     def at(now: RigidStart) -> tuple[np.ndarray, float]:
-        nonlocal elastic, solve
-        elastic, gap, solve = _in_equilibrium(model, body, elastic, now, solve)
-        return elastic, gap
+        nonlocal elastic, rate, solve
+        time = (start.angle - now.angle) / start.omega
+        displacement, gap, solve = _in_equilibrium(model, body, elastic + time * rate, now, solve)
+        if time == 0.0:
+            elastic = displacement
+        else:
+            rate = (displacement - elastic) / time
+        return displacement, gap
 
-    if np.abs(elastic).max() >= LINEAR_LIMIT * np.ptp(body):
+    if np.abs(fields.elastic).max() >= LINEAR_LIMIT * np.ptp(body):
         (displacement, gap), (rate, gap_rate) = _and_rate(model, start, body, at)
         is_large = np.abs(displacement).max() > LARGE * np.ptp(body)
         if is_large and has_inverted_elements(model, body + displacement):
@@ -116,9 +124,9 @@ def relieved_with_momenta(
     fraction, turn = model.parameters.mass / model.mass, to_global(start.angle)
     arm = turn @ (body @ fraction)
     target = np.array([start.corner_speed - start.omega * arm[1], start.omega * arm[0]])
-    corrected = start
+    corrected, fields = start, relieved_fields(model, start)
     for _ in range(CORRECTIONS):
-        fields = relieved(model, corrected, body)
+        fields = relieved(model, corrected, body, fields)
         elastic, rate, _, gap_rate = fields
         arm, drift = turn @ ((body + elastic) @ fraction), turn @ (rate @ fraction)
         spin = (target[1] - drift[1] - gap_rate) / arm[0]

@@ -16,7 +16,7 @@ from fem.laws.constraints import Exact
 from fem.model.plate_model import PlateModel
 from fem.run.corner import Stepper, simulate
 from fem.stability.rounding import RoundingNoise, rounding_noise
-from fem.start.equilibrium import elastic_forces, equilibrium, tangent_matrix
+from fem.start.equilibrium import _combined, elastic_forces, equilibrium, tangent_matrix
 from fem.start.inertia_relief import (
     RigidStart,
     TooSoftError,
@@ -247,6 +247,28 @@ def test_a_solver_of_another_state_serves_as_far_as_it_converges(
     place, _ = equilibrium(soft, begin, load_at, other)
     assert least <= len(assembled) <= most
     assert place == pytest.approx(good, abs=1e-9)
+
+
+def test_each_equilibrium_begins_at_the_state_that_the_last_ones_predict(plate_model, monkeypatch):
+    """States before and after the start take fewer steps, and so does the corrected start."""
+    soft, steps = plate_model(plate=SOFT, corner={"constraint": "exact"}), list[int]()
+
+    def counted(*arguments: Any) -> Any:
+        steps.append(0)
+        return equilibrium(*arguments)
+
+    def combined(*arguments: Any) -> Any:
+        steps[-1] += 1
+        return _combined(*arguments)
+
+    monkeypatch.setattr("fem.start.inertia_relief.equilibrium", counted)
+    monkeypatch.setattr("fem.start.equilibrium._combined", combined)
+    start_fields(soft, START, "inertia-relief-momenta")
+    first, later, earlier, corrected, *_ = steps
+    assert later < first
+    assert earlier <= first // 2
+    assert corrected <= first
+    assert len(steps) == 6
 
 
 def test_a_plate_too_soft_for_its_start_is_refused(capsys):
