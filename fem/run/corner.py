@@ -91,6 +91,7 @@ class Stepper(runner.PlateStepper[State]):
     def __init__(self, model: PlateModel, threads: int = 1) -> None:
         super().__init__(model)
         self._later, self._before = (Prepared(runner.copy_state(self.template)) for _ in range(2))
+        self._calls: dict[object, tuple[np.ndarray, Callable[[], int]]] = {}
         self._team = None
         if threads > 1:
             from fem.explicit.parallel import Team
@@ -157,10 +158,22 @@ class Stepper(runner.PlateStepper[State]):
         if self._team or any(column.value for column in columns.COLUMNS.values()):
             return self._record_singly(state, stride, count)
         runner.assign_state(self._later.value, state)
-        rows = np.empty((count, len(columns.Measures._fields)))
-        filled = advance_and_measure(self._later, self._before, stride, *self._all_parts, rows)
+        rows, call = self._prepared_call(stride, count)
+        filled = call()
         before, later = (runner.copy_state(part.value) for part in (self._before, self._later))
-        return runner.Recorded(rows[:filled], before, later)
+        return runner.Recorded(rows[:filled].copy(), before, later)
+
+    def _prepared_call(self, stride: int, count: int) -> tuple[np.ndarray, Callable[[], int]]:
+        """Return the rows that a call fills, with the call.
+
+        It is prepared once for all of its size.
+        """
+        size = stride, count, self._fixed
+        if size not in self._calls:
+            rows = np.empty((count, len(columns.Measures._fields)))
+            arguments = self._later, self._before, stride, *self._all_parts, rows
+            self._calls[size] = rows, advance_and_measure.bound(*arguments)
+        return self._calls[size]
 
     def _record_singly(self, state: State, stride: int, count: int) -> runner.Recorded[State]:
         """Make rows in Python.

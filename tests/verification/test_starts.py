@@ -250,7 +250,7 @@ def test_a_solver_of_another_state_serves_as_far_as_it_converges(
 
 
 def test_each_equilibrium_begins_at_the_state_that_the_last_ones_predict(plate_model, monkeypatch):
-    """States before and after the start take fewer steps, and so does the corrected start."""
+    """States near the start take fewer steps than that of the start."""
     soft, steps = plate_model(plate=SOFT, corner={"constraint": "exact"}), list[int]()
 
     def counted(*arguments: Any) -> Any:
