@@ -25,11 +25,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 # Scenes use no Pydantic plugins; the search for them reads the metadata of all installed packages.
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
-# Nearly all objects of a command live until its end. The default, 700, visits those of all libraries many times.
-gc.set_threshold(100_000, 20, 10)
+# Nearly all objects of a command live until its end; with the default of 700 they are visited many times.
+gc.set_threshold(200_000, 20, 10)
 
-from tailslap import errors
-from tailslap.commands import COMPLETE, DONE, commands
+from tailslap import errors  # noqa: E402
+from tailslap.commands import COMPLETE, DONE, commands  # noqa: E402
 
 WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 2, 3, 130
 """Exit statuses of other commands; CANNOT_RUN: the installation or the machine is insufficient."""

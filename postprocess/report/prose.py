@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from decimal import Decimal
 from typing import TYPE_CHECKING
@@ -38,6 +39,7 @@ LETTERS = {"omega": "ω", "theta": "θ", "mu": "μ", "us": "μs"}
 LETTER = re.compile(r"(?<![\w.\-])(?:omega|theta|mu)(?![\w\-]|\.\w)|(?<=\d\N{NO-BREAK SPACE})us\b")
 
 
+@functools.lru_cache(4096, typed=True)
 def prose(text: str) -> Markup:
     """Return a text as HTML.
 

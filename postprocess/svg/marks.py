@@ -227,7 +227,8 @@ class Line(Mark):
         """
         places = np.stack([x.at(self.x), y.at(self.y)], axis=-1)
         sound = np.logical_and.reduce(np.isfinite(places), axis=-1)
-        dots = [f"M{a:.2f} {b:.2f}Z" for a, b in places[sound]]
+        is_dotted = self.dots or not self.width
+        dots = [f"M{a:.2f} {b:.2f}Z" for a, b in places[sound].tolist()] if is_dotted else []
         edge = path(places, READ if self.label else DRAWN) if self.width else "".join(dots)
         stroke = self._stroke() if self.width else self._round_stroke()
         elements = f'<path {self.attributes}d="{edge}" fill="none"{stroke}/>'
