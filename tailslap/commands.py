@@ -159,7 +159,7 @@ def run(
     scene, source = scene_with_remarks(name, changes)
     case = case_of(scene, source)
     place, origin = out or place_of(case), Origin("run", case.scene.name)
-    definition = {"program": program(), "scene": case.source.given, "tolerance": tolerance}
+    definition = {"program": program(), "scene": case.source.tables, "tolerance": tolerance}
     with result_folder(place, force=force, origin=origin) as folder:
         with checkpoints.checkpointed(place, definition, resume):
             result = tailslap.run(

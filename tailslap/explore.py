@@ -26,7 +26,7 @@ with app.setup:
     from postprocess.svg.chart import Chart
     from tailslap import progress
     from tailslap.scene import read, units
-    from tailslap.scene.validate import given_at
+    from tailslap.scene.validate import value_in
 
     SLIDERS = {
         "impact.speed": ("Speed", "m/s", 5.0, 40.0),
@@ -130,7 +130,7 @@ def _():
 def _(opened, shipped):
     try:
         text = opened.contents().decode("utf-8") if opened.value else read.scene_text(shipped.value)
-        tables = read.read_source(opened.name() or shipped.value, text).given
+        tables = read.read_source(opened.name() or shipped.value, text).tables
     except (tailslap.InputError, UnicodeDecodeError) as wrong:
         mo.stop(True, mo.callout(str(wrong), "danger"))
     return tables, text
@@ -138,8 +138,8 @@ def _(opened, shipped):
 
 @app.cell
 def _(tables):
-    replaced = {old for new, old in REPLACED.items() if given_at(tables, new) is not None}
-    values = {key: given_at(tables, key) for key in SLIDERS if key not in replaced}
+    replaced = {old for new, old in REPLACED.items() if value_in(tables, new) is not None}
+    values = {key: value_in(tables, key) for key in SLIDERS if key not in replaced}
     elements = {key: slider(key, value) for key, value in values.items() if value is not None}
     sliders = mo.ui.dictionary({key: element for key, (element, _, _) in elements.items()})
     mo.Html(STYLE + f'<div class="sliders">{"".join(f"<div>{sliders[key]}</div>" for key in elements)}</div>')

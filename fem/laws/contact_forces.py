@@ -69,7 +69,7 @@ def returned_part(
 def _returned_part(
     unloading: object, returned: object, peak: object, energy: object, deepest: object
 ) -> Callable[..., object]:
-    def given(unloading: None, returned: float, peak: float, energy: float, deepest: float) -> float:
+    def by_restitution(unloading: None, returned: float, peak: float, energy: float, deepest: float) -> float:
         return returned
 
     def by_slope(unloading: float, returned: float, peak: float, energy: float, deepest: float) -> float:
@@ -77,7 +77,7 @@ def _returned_part(
             return returned
         return 0.5 * peak * min(peak / unloading, deepest) / energy if energy > 0.0 else 0.0
 
-    return given if isinstance(unloading, Nothing) else by_slope
+    return by_restitution if isinstance(unloading, Nothing) else by_slope
 
 
 def item(values: Any, i: int) -> Any:

@@ -125,16 +125,16 @@ class Fleet(NamedTuple):
 class Clock(NamedTuple):
     """Steps of n samples.
 
-    interval: of a row [s]; parts, shape (n,): steps in it; window: rows of the mean; longest: latest end [s]; given:
-    True if the end is the longest, whatever the motion; push, shape (rows, 5): force on the first unit in each
-    interval, see `solve_space`.
+    interval: of a row [s]; parts, shape (n,): steps in it; window: rows of the mean; longest: latest end [s];
+    is_end_fixed: True if the end is the longest, whatever the motion; push, shape (rows, 5): force on the first unit in
+    each interval, see `solve_space`.
     """
 
     interval: float
     parts: np.ndarray
     window: int
     longest: float
-    given: bool
+    is_end_fixed: bool
     push: np.ndarray
 
 

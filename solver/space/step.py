@@ -93,7 +93,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
     edge = work.wall[facets - 1, 2]
     answer[:], rolls[:], work.sums[:] = 0.0, 0.0, 0.0
     bodies, joints, sums, before = work.bodies, work.joints, work.sums, work.before
-    if not _begin(fleet, i, units, axles, strips, facets, clock.given, work):
+    if not _begin(fleet, i, units, axles, strips, facets, clock.is_end_fixed, work):
         answer[col.OUTCOME] = col.OVER
         return
     touched, largest, touching, row, reached, outcome = 0.0, 0.0, False, 0, clock.longest, col.UPRIGHT
@@ -124,7 +124,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
             row += 1
         outcome, turning = _verdict(units, bodies, joints, edge, t, answer, rolls)
         is_over = outcome != col.UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not turning)
-        if k % parts == 0 and ((is_over and not clock.given) or t >= clock.longest * (1.0 - 1e-12)):
+        if k % parts == 0 and ((is_over and not clock.is_end_fixed) or t >= clock.longest * (1.0 - 1e-12)):
             reached = t
             break
         assemble(units, axles, fleet.axle_unit, bodies, joints)

@@ -53,7 +53,7 @@ def force_band(case: Case) -> ForceBand:
 def _contains_own(item: Range) -> bool:
     """Return whether a range contains the scene's value."""
     margin = 1e-9 * (item.upper - item.lower)
-    return item.given is None or item.lower - margin <= item.given <= item.upper + margin
+    return item.scene_value is None or item.lower - margin <= item.scene_value <= item.upper + margin
 
 
 def _problem(case: Any) -> tuple[tuple[Range, ...], Any]:

@@ -75,21 +75,21 @@ def about(value: float, tolerance: float, origin: str) -> Limits:
 class Range:
     """An input, uniformly distributed between two values.
 
-    `given` is the value of the scene where it has one. All values are in `unit`.
+    `scene_value` is that of the scene where it has one. All values are in `unit`.
     """
 
     key: str
     lower: float
     upper: float
     unit: str
-    given: float | None
+    scene_value: float | None
     origin: str
 
     def in_words(self) -> tuple[str, str]:
         """Return range and nominal value in words."""
         factor, unit = (1e-6, "MN/m") if self.unit == "N/m" else (1.0, self.unit)
         texts = []
-        for value, is_last in ((self.lower, False), (self.upper, True), (self.given, True)):
+        for value, is_last in ((self.lower, False), (self.upper, True), (self.scene_value, True)):
             rounded = 0.0 if value is None else float(f"{factor * value:.4g}")
             form = ".4g" if abs(rounded) < 1e4 else ".0f"  # without powers of ten
             texts.append("–" if value is None else measure(rounded, unit, form, named=bool(unit) and is_last))

@@ -92,7 +92,7 @@ def impact_ranges(
             raise InputError(
                 item.key, f"{item.lower}:{item.upper}", "allowed are angles above 0 and below 90 deg"
             )
-    return tuple(replace(item, given=nominal[item.key]) for item in varied)
+    return tuple(replace(item, scene_value=nominal[item.key]) for item in varied)
 
 
 def _nominal(case: ImpactCase) -> dict[str, float]:

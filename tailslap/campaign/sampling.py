@@ -302,7 +302,7 @@ def index_rows(ranges: tuple[Range, ...], table: Array) -> tuple[list[Record], s
     rows = [
         {
             **{name: getattr(item, name) for name in ("key", "lower", "upper", "unit", "origin")},
-            "of_the_scene": item.given,
+            "of_the_scene": item.scene_value,
             "first_order": float(indices.first[i]),
             "first_order_interval": first[i],
             "total": float(indices.total[i]),

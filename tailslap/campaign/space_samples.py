@@ -120,7 +120,7 @@ def space_ranges(case: ImpactCase, ranges: tuple[str, ...], fixed: tuple[str, ..
     if repeated:
         raise InputError("--fix", repeated[0], "--range and --fix exclude each other; remove one of the two")
     return (
-        *(replace(item, given=nominal[item.key]) for item in singles),
+        *(replace(item, scene_value=nominal[item.key]) for item in singles),
         *(Range(key, ends[key][0], ends[key][1], "", 1.0, ends[key][2]) for key in factors if key in ends),
     )
 

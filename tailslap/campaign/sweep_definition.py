@@ -207,24 +207,24 @@ def varied_source(definition: Definition) -> vary.Source:
             vary.parse_value(value) for value in (values[:2] if isinstance(values, TypedRange) else values)
         ]
         first[key] = next((value for value in candidates if isinstance(value, int | float)), candidates[0])
-    tables = vary.changed_tables(definition.source.given, first)[0]
+    tables = vary.changed_tables(definition.source.tables, first)[0]
     return vary.Source(definition.source.text, tables, definition.source.changed | first.keys())
 
 
 def _scene(source: vary.Source, changes: vary.Changes) -> schema.Scene:
     """Validate the scene with these changes, key by key."""
-    return validate.key_by_key(vary.changed_tables(source.given, changes)[0])
+    return validate.key_by_key(vary.changed_tables(source.tables, changes)[0])
 
 
 def _fixed(source: vary.Source, changes: tuple[str, ...], keys: list[str]) -> vary.Source:
     """Return the source with the changes of --set."""
-    fixed = vary.parse_changes(changes, source.given)
+    fixed = vary.parse_changes(changes, source.tables)
     for number, key in enumerate(keys):
         if key in keys[:number]:
             raise InputError("--vary", key, "this key is varied twice")
         if key in fixed:
             raise InputError("--vary", key, "--set and --vary exclude each other; remove one of the two")
-    tables, noted = vary.changed_tables(source.given, fixed)
+    tables, noted = vary.changed_tables(source.tables, fixed)
     return vary.Source(source.text, tables, frozenset(noted))
 
 

@@ -344,7 +344,7 @@ def _local_names(sweep_definition: Definition) -> list[str]:
     names = []
     for key, added in added_names().items():
         table, _, name = key.partition(".")
-        used = {sweep_definition.source.given.get(table, {}).get(name)}
+        used = {sweep_definition.source.tables.get(table, {}).get(name)}
         used |= {value for item in sweep_definition.variations if item.key == key for value in item.settings}
         names += [f"{key} = {value}" for value in used & added]
     return names

@@ -190,7 +190,7 @@ class Case(ABC):
 
     def quantity(self, key: str) -> str:
         """Return a quantity of the scene in the unit of its file."""
-        return write.as_given(self.source, key)
+        return write.in_scene_unit(self.source, key)
 
     @property
     def subject(self) -> str:

@@ -32,7 +32,7 @@ def case_of_scene(scene: Scene, changes: Changes | None, level: int = 4) -> Case
         return scene
     source = scene.source if isinstance(scene, Case) else read.read_source(scene)
     typed = not isinstance(changes, Mapping)
-    values = parse_changes(changes or (), source.given) if typed else named(read.plain(changes))
+    values = parse_changes(changes or (), source.tables) if typed else named(read.plain(changes))
     varied, source = vary(source, values)
     warn_of_numbers(source, typed, level + 1)
     return case_of(varied, source)

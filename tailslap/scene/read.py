@@ -17,7 +17,7 @@ import numpy as np
 from tailslap import errors
 from tailslap.arguments import checked_arguments
 from tailslap.scene import schema, units, write
-from tailslap.scene.validate import given_at
+from tailslap.scene.validate import value_in
 from tailslap.scene.vary import Source, depth_exceeds, parse_changes, vary
 
 Scene = str | os.PathLike[str] | Mapping[str, Any]
@@ -122,7 +122,7 @@ def read_scene(name: str, changes: Iterable[str] = ()) -> tuple[schema.Scene, So
         For a file that cannot be read, an invalid key, or missing keys.
     """
     source = read_source(name)
-    return vary(source, parse_changes(changes, source.given))
+    return vary(source, parse_changes(changes, source.tables))
 
 
 def read_source(scene: Scene, text: str | None = None) -> Source:
@@ -132,10 +132,10 @@ def read_source(scene: Scene, text: str | None = None) -> Source:
     Raises InputError.
     """
     if isinstance(scene, Mapping):
-        return Source(given={"name": "scene"} | plain(scene))
+        return Source(tables={"name": "scene"} | plain(scene))
     name = os.fspath(scene)
     source = source_of_text(scene_text(name) if text is None else text, name)
-    return replace(source, given={"name": Path(name).stem} | source.given)
+    return replace(source, tables={"name": Path(name).stem} | source.tables)
 
 
 def plain(value: Any) -> Any:
@@ -212,11 +212,11 @@ def remarks(source: Source, typed: bool = True) -> Iterator[str]:
     """
     plain = unit_remarks(source) if typed else {}
     yield from plain.values()
-    trailers = [f"trailer.{number}" for number in range(len(source.given.get("trailer", ())))]
+    trailers = [f"trailer.{number}" for number in range(len(source.tables.get("trailer", ())))]
     for usual_key, (low, high, unit) in USUAL.items():
         table, name = usual_key.split(".")
         for key in (f"{place}.{name}" for place in [table, *(trailers if table == "vehicle" else ())]):
-            value = given_at(source.given, key)
+            value = value_in(source.tables, key)
             if isinstance(value, int | float) and key not in plain and not low <= value <= high:
                 yield _in_two_units(source, key, unit)
 
@@ -226,7 +226,7 @@ def _in_two_units(source: Source, key: str, unit: str) -> str:
 
     They are the SI unit and another one.
     """
-    value, si = given_at(source.given, key), write.unit_at(key)
+    value, si = value_in(source.tables, key), write.unit_at(key)
     return (
         f"{key} = {value:g} without a unit is {value:g} {si}, {units.converted(value, si, unit):.4g} {unit}"
     )

@@ -94,7 +94,7 @@ def missing_keys(tables: Mapping[str, object]) -> list[str]:
     """Return dotted names of missing keys."""
 
     def absent(*keys: str) -> list[str]:
-        return [key for key in keys if given_at(tables, key) is None]
+        return [key for key in keys if value_in(tables, key) is None]
 
     present = {"vehicle"} | {name for name in schema.TABLES if tables.get(name) not in (None, [], ())}
     if absent("start.angle", "start.omega", "start.corner_speed") or "contact" in present:
@@ -118,17 +118,17 @@ def missing_keys(tables: Mapping[str, object]) -> list[str]:
                 for name, keys in SPACE_REQUIRED.items()
                 for number in range(len(tables.get(name) or ()))  # type: ignore[arg-type]  # lists of tables
                 for key in keys
-                if given_at(tables, f"{name}.{number}.{key}") is None
+                if value_in(tables, f"{name}.{number}.{key}") is None
             ]
     elif "impact" in present:
         missing += absent("impact.friction", "impact.restitution")
-    elif given_at(tables, "corner.reaction") not in frictionless:
+    elif value_in(tables, "corner.reaction") not in frictionless:
         missing += absent("corner.friction")
     if "wall" in present and "contact" not in present:
         missing += absent(*(f"wall.{key}" for key in OF_MESH))
     if "plate" in present and absent("plate.first_frequency"):
         missing += absent("plate.youngs_modulus")
-    if given_at(tables, "damping.kind") == "elastic-velocity":
+    if value_in(tables, "damping.kind") == "elastic-velocity":
         missing += absent("damping.rate")
     return missing
 
@@ -142,7 +142,7 @@ def _missing_of_wall(present: set[str], absent: Callable[..., list[str]]) -> lis
     return []
 
 
-def given_at(tables: object, key: str) -> Any:
+def value_in(tables: object, key: str) -> Any:
     """Return the value of a dotted key of tables, None without it."""
     for name in key.split("."):
         if isinstance(tables, list | tuple):

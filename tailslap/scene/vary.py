@@ -19,7 +19,7 @@ from fem.registry import Registry
 from fem.start import start_kinds
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema
-from tailslap.scene.validate import given_at, validate
+from tailslap.scene.validate import validate, value_in
 
 KEY = r"[^.\s]{1,80}(\.[^.\s]{1,80}){0,3}"
 """A dotted key on the command line, as a regular expression."""
@@ -66,20 +66,20 @@ class Source:
     ----------
     text : str
         Text of the file, empty without one.
-    given : dict
+    tables : dict
         Tables as in the file, with units.
     changed : frozenset of str
         Dotted keys changed since the file was read.
     """
 
     text: str = ""
-    given: Tables = field(default_factory=dict)
+    tables: Tables = field(default_factory=dict)
     changed: frozenset[str] = frozenset()
 
     @classmethod
     def of(cls, scene: schema.Scene) -> Source:
         """Return the source of a scene, in SI."""
-        return cls(given=scene.model_dump(exclude_unset=True))
+        return cls(tables=scene.model_dump(exclude_unset=True))
 
 
 def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
@@ -87,7 +87,7 @@ def vary(source: Source, changes: Changes) -> tuple[schema.Scene, Source]:
 
     The source notes the changes. The removal of a key that the scene does not have is no change. Raises InputError.
     """
-    tables, noted = changed_tables(source.given, changes)
+    tables, noted = changed_tables(source.tables, changes)
     return validate(tables), Source(source.text, tables, source.changed | noted.keys())
 
 
@@ -186,7 +186,7 @@ def changes_of(source: Source) -> list[str]:
 
     They have the present values, in the order of the keys.
     """
-    return [*shown({key: given_at(source.given, key) for key in sorted(source.changed)})]
+    return [*shown({key: value_in(source.tables, key) for key in sorted(source.changed)})]
 
 
 def depth_exceeds(value: object, most: int) -> bool:

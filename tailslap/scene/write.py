@@ -69,7 +69,7 @@ def scene_text(source: vary.Source) -> str:
         return source.text
     title = source.text.partition("\n")[0]
     changed = [f"# changed: {', '.join(sorted(source.changed))}"] if source.changed else []
-    return "\n".join([*([title] if title.startswith("#") else []), *changed, *_lines(source.given)]) + "\n"
+    return "\n".join([*([title] if title.startswith("#") else []), *changed, *_lines(source.tables)]) + "\n"
 
 
 def scene_file(tables: Mapping[str, object], title: str) -> str:
@@ -213,7 +213,7 @@ def scene_inputs(scene: schema.Scene, source: vary.Source) -> tuple[SceneInput, 
     origins = {key: f"--set, not in {unit}" for key, unit in plain_numbers(source).items()}
     if scene.contact and scene.contact.strike_duration is not None:
         origins["contact.stiffness"] = "from contact.strike_duration"
-    rows = _rows(scene, source.given, source.changed, "")
+    rows = _rows(scene, source.tables, source.changed, "")
     used = (row for row in rows if not row.key.startswith(tuple(unused)))
     return tuple(replace(row, origin=origins.get(row.key, row.origin)) for row in used)
 
@@ -225,7 +225,7 @@ def plain_numbers(source: vary.Source) -> dict[str, str]:
     """
     before, lost_units = tomllib.loads(source.text), {}
     for key in sorted(source.changed):
-        earlier, now = (validate.given_at(tables, key) for tables in (before, source.given))
+        earlier, now = (validate.value_in(tables, key) for tables in (before, source.tables))
         match = units.NUMBER.fullmatch(earlier) if isinstance(earlier, str) else None
         if match and match[2] and isinstance(now, int | float) and units.to_si(match[2])[0] != 1.0:
             lost_units[key] = match[2]
@@ -269,12 +269,12 @@ def _rows(table: BaseModel, entries: vary.Tables, changed: frozenset[str], prefi
     return rows
 
 
-def as_given(source: vary.Source, key: str) -> str:
+def in_scene_unit(source: vary.Source, key: str) -> str:
     """Return the text of a quantity in the unit of the scene.
 
     A plain number is in SI, or in the units of the reader.
     """
-    value = validate.given_at(source.given, key)
+    value = validate.value_in(source.tables, key)
     if isinstance(value, str) and (match := units.NUMBER.fullmatch(value)):
         return f"{float(match[1]):.6g} {match[2]}"
     return measure(value, unit_at(key), ".6g")

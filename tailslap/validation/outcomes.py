@@ -87,7 +87,7 @@ def predicted_samples(case: Mapping[str, Any], vehicle: Mapping[str, Any]) -> di
 
     Of shape (n,) [N], [m].
     """
-    scene, source = vary(Source(given=vehicle["scene"] | {"wall": case["wall"]}), {})
+    scene, source = vary(Source(tables=vehicle["scene"] | {"wall": case["wall"]}), {})
     ranges = space_samples.stated_ranges(
         ImpactCase(scene, source), vehicle["ranges"] | case.get("ranges", {})
     )

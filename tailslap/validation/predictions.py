@@ -151,7 +151,7 @@ def _predict(
     scene: Mapping[str, Any], limits: Mapping[str, Any]
 ) -> tuple[tuple[input_ranges.Range, ...], Mapping[str, Floats]]:
     """Return the ranges and, by quantity, a table as of `sampling.sampled`."""
-    case = ImpactCase(*vary(Source(given=dict(scene)), {}))
+    case = ImpactCase(*vary(Source(tables=dict(scene)), {}))
     ranges = input_ranges.ranges_of(case, case.arguments, limits, (), ())
     solve = partial(sampling.solved_in_blocks, partial(quantities, case), block=BLOCK)
     _, tables = sampling.sampled(ranges, SAMPLES, solve)

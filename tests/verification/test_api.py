@@ -254,7 +254,7 @@ def test_an_interrupted_sweep_says_that_no_row_is_kept(monkeypatch):
 def test_a_scene_may_be_tables_or_a_path(tmp_path):
     from tailslap.scene.read import read_source, scene_text
 
-    tables = read_source("paper-table-3").given
+    tables = read_source("paper-table-3").tables
     path = tmp_path / "own.toml"
     path.write_text(scene_text("paper-table-3"))
     changes = {"vehicle.mass": np.float64(9000.0)}

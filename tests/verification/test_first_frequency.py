@@ -111,4 +111,4 @@ def test_too_stiff_names_the_key(refused):
 def test_rigid_method_needs_no_modulus_to_be_resolved():
     scene, source = read_scene("paper-table-3", EIGHT)
     assert dataclasses.is_dataclass(CornerCase(scene, source))
-    assert validate(source.given) == scene
+    assert validate(source.tables) == scene

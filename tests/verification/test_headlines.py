@@ -43,12 +43,12 @@ def test_every_shipped_scene_has_an_answer_with_its_force(name):
     assert f": {digits} kN" in headline.answer
     kips = f"{peak / KIP:.{max(3, len(digits.replace('.', '')))}g} kip"
     assert f": {kips}" in scene_case.headline().in_units(US).answer
-    vehicle, hit = scene_case.source.given["vehicle"], scene_case.source.given["impact"]
-    trailers = scene_case.source.given.get("trailer", ())
+    vehicle, hit = scene_case.source.tables["vehicle"], scene_case.source.tables["impact"]
+    trailers = scene_case.source.tables.get("trailer", ())
     behind = "".join(f" with a {unit['mass']} trailer" for unit in trailers)
     what = f"tractor{behind}" if trailers else "vehicle"
     subject = f"{vehicle['mass']} {what} at {hit['speed']}, {hit['angle']}"
-    if "start" in scene_case.source.given:
+    if "start" in scene_case.source.tables:
         subject = f"{vehicle['mass']} vehicle at 25.053 m/s, 14.8969 deg"
     assert headline.title.endswith(f": {subject}")
     join = lambda side: " and ".join(dict.fromkeys(u[side] for u in (vehicle, *trailers)))  # noqa: E731

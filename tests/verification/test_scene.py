@@ -154,7 +154,7 @@ def test_a_file_without_a_name_takes_its_own(tmp_path, refused):
     path.write_text(text.replace('name = "mash-tl4-sut"', ""))
     assert read_scene(str(path))[0].name == "van"
     assert refused(vary, source_of_text(path.read_text()), {}) == "name"
-    assert read_source("opened.toml", path.read_text()).given["name"] == "opened"
+    assert read_source("opened.toml", path.read_text()).tables["name"] == "opened"
 
 
 def test_a_partial_start_takes_the_rest_from_stage_one():
@@ -214,10 +214,10 @@ def test_changes_travel_as_json():
 
 def test_the_given_tables_are_left_alone_and_changes_add_up():
     source = read_source(SCENE)
-    before = json.dumps(source.given)
+    before = json.dumps(source.tables)
     first = vary(source, {"corner.friction": 0.1, "damping.ratio": 0.1})[1]
     second = vary(first, {"damping": None, "damping.ratio": 0.2, "corner.friction": 0.3})[0]
-    assert (json.dumps(source.given), first.given["damping"]) == (before, {"ratio": 0.1})
+    assert (json.dumps(source.tables), first.tables["damping"]) == (before, {"ratio": 0.1})
     assert second.damping is not None
     assert (second.damping.ratio, second.corner.friction) == (0.2, 0.3)
 
@@ -302,7 +302,7 @@ def test_a_trailer_is_changed_written_and_taken_out_by_its_number(tmp_path):
     assert (origins["trailer.0.mass"], origins["trailer.0.hitch"]) == ("--set", "scene")
     assert read_scene(str(tmp_path / "written.toml"), ("trailer.0=",))[0].trailer == ()
     source = read_source(str(tmp_path / "written.toml"))
-    assert shown(parse_changes(["trailer.0.mass=1 t"], source.given)) == ("trailer.0.mass=1 t",)
+    assert shown(parse_changes(["trailer.0.mass=1 t"], source.tables)) == ("trailer.0.mass=1 t",)
     remark = "trailer.0.width = 102 without a unit is 102 m, 334.6 ft"
     assert list(remarks(vary(source, {"trailer.0.width": 102.0})[1])) == [remark]
 
@@ -346,7 +346,7 @@ def test_values_are_those_of_the_validated_scene(changes):
 ])  # fmt: skip
 def test_a_number_in_place_of_a_value_in_another_unit_is_remarked_upon(change, said):
     source = read_source("mash-tl4-sut")
-    tables, noted = changed_tables(source.given, parse_changes([change], source.given))
+    tables, noted = changed_tables(source.tables, parse_changes([change], source.tables))
     changed = Source(source.text, tables, frozenset(noted))
     assert list(unit_remarks(changed).values()) == ([said] if said else [])
     assert [text for text in remarks(changed) if "the scene has" in text] == ([said] if said else [])

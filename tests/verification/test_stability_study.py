@@ -78,11 +78,11 @@ def test_cells_of_a_scene_that_starts_with_stage_one_change_its_impact():
     axes = tuple(axis for axis in axes_of(scene, 3) if axis.name in ("speed", "angle"))
     cells, places = map_cells(scene, axes)
     changes = next(cells[key] for key, place in places.items() if place["first_value"] > 1.0)
-    changed = changed_tables(base.given, changes)[0]
-    assert changed["impact"]["speed"] == 10.0 * base.given["impact"]["speed"]
+    changed = changed_tables(base.tables, changes)[0]
+    assert changed["impact"]["speed"] == 10.0 * base.tables["impact"]["speed"]
     assert changed["impact"]["angle"] == pytest.approx(math.radians(1.0))
     assert "wall" not in changed
-    assert 0.2 < base.given["impact"]["angle"] < 0.3
+    assert 0.2 < base.tables["impact"]["angle"] < 0.3
 
 
 @pytest.mark.parametrize(("cell", "kind"), [
@@ -517,7 +517,7 @@ def raising(number):
 
 SCENE = read_scene("mash-tl4-sut")[0]
 BASE = stability_study.base_source(SCENE)
-DRAWN = [changed_tables(BASE.given, random_scenes.draw(SCENE, BASE, 1, number))[0] for number in range(90)]
+DRAWN = [changed_tables(BASE.tables, random_scenes.draw(SCENE, BASE, 1, number))[0] for number in range(90)]
 
 
 def test_a_draw_is_known_by_seed_and_number():
@@ -809,7 +809,7 @@ def test_a_survey_is_made_of_its_draws_and_its_journal_goes(tmp_path, monkeypatc
     monkeypatch.setattr("tailslap.campaign.engine.run_parts", all_right())
     case, place = CornerCase(*read_scene("mash-tl4-sut")), tmp_path / "out"
     result = stability_study.compute(case, place, points=10, tolerance=1e-3, count=4, seed=1, workers=1)
-    assert [changed_tables(result.base.given, cell)[0] for cell in result.cells.values()] == DRAWN[:4]
+    assert [changed_tables(result.base.tables, cell)[0] for cell in result.cells.values()] == DRAWN[:4]
     assert (len(result.of_kind("right")), list(tmp_path.iterdir())) == (4, [])
 
 

@@ -63,7 +63,7 @@ def test_durations_of_table_4(duration, k, lasts, mean):
 
 def test_the_stiffness_follows_the_duration_and_not_the_other_way():
     scene, source = vary(read_source(SCENE), {KEY: "0.1 s"})
-    assert source.given["contact"].keys() == {"strike_duration", "restitution", "friction"}
+    assert source.tables["contact"].keys() == {"strike_duration", "restitution", "friction"}
     assert vary(Source.of(scene), {})[0] == scene
     heavy = vary(source, {"vehicle.mass": 2 * 9979.0})[0].contact
     assert heavy is not None

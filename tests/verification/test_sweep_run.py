@@ -188,7 +188,7 @@ def test_a_scene_without_a_name_has_that_of_its_file(tmp_path):
     path = tmp_path / "unnamed.toml"
     path.write_text(SCENE.removeprefix('name = "small"\n'))
     definition = definition_of(str(path), ("corner.friction=0.2,0.4",))
-    assert (definition.scene, definition.source.given["name"], definition.runs) == ("unnamed", "unnamed", 2)
+    assert (definition.scene, definition.source.tables["name"], definition.runs) == ("unnamed", "unnamed", 2)
 
 
 def test_what_a_combination_makes_impossible_is_a_refused_row(scene, cluster, tmp_path):

@@ -98,7 +98,7 @@ def test_a_grid_has_every_combination_once():
     assert definition.changes_of(3) == {"corner.friction": 0.2, "plate.element": "tri3"}
     fixed = grid("corner.friction=0.1,0.2", changes=("strike.duration=0.2",))
     assert fixed.changes_of(1) == {"corner.friction": 0.2}
-    assert fixed.source.given["strike"] == {"duration": 0.2}
+    assert fixed.source.tables["strike"] == {"duration": 0.2}
 
 
 def test_samples_fill_their_ranges_evenly():

@@ -44,7 +44,7 @@ TRIAL = {  # by stiffness: corner, start, duration, peak, impulse of a trial by 
 
 def train(**changes):
     keys = {key.replace("__", "."): value for key, value in changes.items()}
-    return case_of(*vary(Source(given=SCENE), keys))
+    return case_of(*vary(Source(tables=SCENE), keys))
 
 
 @pytest.fixture(scope="module")
@@ -136,7 +136,7 @@ def test_files_of_a_train(tmp_path, capsys):
 def write(folder):
     from tailslap.scene.write import scene_file
 
-    (folder / "train.toml").write_text(scene_file(vary(Source(given=SCENE), {})[1].given, "a train"))
+    (folder / "train.toml").write_text(scene_file(vary(Source(tables=SCENE), {})[1].tables, "a train"))
     return str(folder / "train.toml")
 
 
@@ -169,7 +169,7 @@ def test_occupant_risk_is_that_of_the_tractor(case):
 ])  # fmt: skip
 def test_what_no_unit_can_have_is_refused_by_its_key(changes, key):
     with pytest.raises(InputError) as caught:
-        case_of(*vary(Source(given=SCENE), changes))
+        case_of(*vary(Source(tables=SCENE), changes))
     assert caught.value.key == key
 
 
@@ -184,7 +184,7 @@ def test_a_wide_trailer_and_a_jack_knife_are_told():
     assert wide.motion.strikes[0].corner == "trailer front"
     assert "so wide that it touches the wall first" in "\n".join(wide.rigid_text())
     light = {"vehicle.mass": 2000.0, "vehicle.yaw_inertia": 8000.0, "impact.angle": 1.1, "time.end": 1.0}
-    folded = case_of(*vary(Source(given=SCENE), light))
+    folded = case_of(*vary(Source(tables=SCENE), light))
     (remark,) = folded.rigid_numbers()["remarks"]
     assert remark.startswith("The train jack-knifes: from 0.")
     assert isinstance(folded, ImpactCase)

@@ -612,7 +612,7 @@ def test_the_shipped_truck_varies_what_is_not_known_of_it():
         factor = unit.get(key.rpartition(".")[2], 1.0) if ranges[key].unit == "kN" else 1.0
         assert np.array([ranges[key].lower, ranges[key].upper]) * factor == pytest.approx(ends, rel=1e-9), key
         assert 0.5 * sum(ends) == pytest.approx(truck.inputs[key.replace(".rear", "")])
-    assert ranges["vehicle.yaw_inertia"].given == pytest.approx(9979.0 * (10.0**2 + 2.438**2) / 12.0)
+    assert ranges["vehicle.yaw_inertia"].scene_value == pytest.approx(9979.0 * (10.0**2 + 2.438**2) / 12.0)
     assert all(item.origin for item in ranges.values())
 
 

@@ -22,7 +22,7 @@ VEHICLES = PARAMETERS["vehicles"]
 
 
 def case_of_vehicle(name):
-    return ImpactCase(*vary(Source(given=dict(VEHICLES[name]["scene"])), {}))
+    return ImpactCase(*vary(Source(tables=dict(VEHICLES[name]["scene"])), {}))
 
 
 @pytest.mark.parametrize("name", sorted(VEHICLES))
@@ -105,7 +105,7 @@ def test_statistics_and_report_by_hand():
 def test_space_vehicles_contain_their_own_values_and_are_possible():
     """Samples have loaded wheels, and strips within the vehicle."""
     for name, vehicle in PARAMETERS["space_vehicles"].items():
-        vehicle_case = ImpactCase(*vary(Source(given=dict(vehicle["scene"])), {}))
+        vehicle_case = ImpactCase(*vary(Source(tables=dict(vehicle["scene"])), {}))
         ranges, nominal = (
             space_samples.stated_ranges(vehicle_case, vehicle["ranges"]),
             space_samples.nominal_values(vehicle_case),
@@ -177,7 +177,7 @@ def test_outcomes_of_samples_are_motions_of_their_own():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(outcomes, "SAMPLES", 32)
         samples = outcomes.predicted_samples(case, vehicle)
-    vehicle_case = ImpactCase(*vary(Source(given=vehicle["scene"] | {"wall": case["wall"]}), {}))
+    vehicle_case = ImpactCase(*vary(Source(tables=vehicle["scene"] | {"wall": case["wall"]}), {}))
     ranges = space_samples.stated_ranges(vehicle_case, vehicle["ranges"])
     points, _ = sampling.sobol_points(ranges, 32)
     for number in (0, 7):
@@ -189,7 +189,7 @@ def test_outcomes_of_samples_are_motions_of_their_own():
         }
         centre = inputs["body.centre_height"]
         changes |= {"strip.3.height": [1.2446, min(2.6, 2.0 * centre)]}
-        scene, _ = vary(Source(given=vehicle["scene"] | {"wall": case["wall"]}), changes)
+        scene, _ = vary(Source(tables=vehicle["scene"] | {"wall": case["wall"]}), changes)
         single = space.solve_spaces(*space_input(scene).arguments)
         assert samples["outcome"][number] == single.outcome[0]
         assert samples["space_mean_50ms"][number] == pytest.approx(float(single.mean_50ms[0]), rel=1e-9)

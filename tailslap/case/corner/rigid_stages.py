@@ -213,7 +213,7 @@ class RigidStages(case.Case):
 
     def details(self) -> list[str]:
         """Return the specified start of Stage 2, friction and restitution."""
-        scene, start = self.scene, self.source.given.get("start", {})
+        scene, start = self.scene, self.source.tables.get("start", {})
         words = {"omega": "angular velocity"} if scene.starts_later else START
         parts = [f"{name} {self.quantity(f'start.{key}')}" for key, name in words.items() if key in start]
         if parts:

@@ -210,7 +210,7 @@ def _scene_file(result: StabilityResult, key: str) -> str:
     off = f"difference {row['distance']:.1e}, limit {row['allowed']:.1e}, estimated error {row['error']:.1e}"
     why = row["failed"] or row["reason"] or "no check failed"
     title = f"Cell {key} from {result.case.scene.name}, {settings}: {row['kind']}; {off}; {why}"
-    return write.scene_file(vary.changed_tables(result.base.given, result.cells[key])[0], title)
+    return write.scene_file(vary.changed_tables(result.base.tables, result.cells[key])[0], title)
 
 
 def _records(result: StabilityResult, *kinds: str) -> list[Record]:

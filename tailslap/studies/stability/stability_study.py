@@ -96,7 +96,7 @@ def compute(
         settings = {"points": points or defaults[0], **limit}
         axes = axes_of(scene, settings["points"])
         cells, places = map_cells(scene, axes)
-    definition = {"study": "stability", "scene": base.given, **settings}
+    definition = {"study": "stability", "scene": base.tables, **settings}
     parts = {key: (base, changes, verify) for key, changes in cells.items()}
     expected = {} if count else expected_seconds(case, base, cells)
     group = judge, parts, f"{len(cells)} cells"
@@ -150,7 +150,7 @@ def random_cells(
 ) -> tuple[dict[str, Changes], dict[str, Record]]:
     """Return changes and values of random cells."""
     cells = {f"{number:04d}": draw(scene, base, seed, number) for number in range(count)}
-    tables = {key: changed_tables(base.given, changes)[0] for key, changes in cells.items()}
+    tables = {key: changed_tables(base.tables, changes)[0] for key, changes in cells.items()}
     return cells, {key: {"number": int(key), **flat(table)} for key, table in tables.items()}
 
 
