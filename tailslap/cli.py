@@ -26,7 +26,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 # Nearly all objects of a command live until its end; with the default of 700 they are visited many times.
-gc.set_threshold(200_000, 20, 10)
+gc.set_threshold(400_000, 20, 10)
 
 from tailslap import errors  # noqa: E402
 from tailslap.commands import COMPLETE, DONE, commands  # noqa: E402

@@ -6,6 +6,7 @@ the wall. A field has one scale of colours for all instants, so that visible cha
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -161,6 +162,7 @@ def frames(
     for k in instants:
         field, note = replace(whole, unit=unit, values=values[k]), f"t = {series.t[k]:.4f} s{deformed}"
         yield image_of(draw_field(sheet, (places[k], series.corners), field, scale, note))
+        gc.collect(0)  # a figure is in cycles of references with its image
 
 
 def save(image: Image.Image, path: Path) -> None:

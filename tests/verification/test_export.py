@@ -307,6 +307,20 @@ def test_memory_of_many_pictures_is_flat(setup, count, tmp_path, python, proc):
     assert float(python(code, check=True, env=environment, cwd=tmp_path).stdout) < 20.0
 
 
+def test_pictures_of_instants_leave_no_figures(python):
+    """A command collects garbage rarely, and a figure holds its image."""
+    code = f"""{SERIES}
+import gc
+from matplotlib.figure import Figure
+from postprocess.fields.contours import SIZE, frames
+from postprocess.units import SI
+gc.disable()
+pictures = frames(series, "velocity_y", 1.0, [0, 1, 0, 1], SI, SIZE)
+print(*(sum(isinstance(item, Figure) for item in gc.get_objects()) for _ in pictures))
+"""
+    assert python(code, check=True).stdout.split() == ["1", "1", "1", "1"]
+
+
 def test_another_format_is_refused(tmp_path):
     with pytest.raises(InputError, match="allowed is one of vtkhdf, xdmf, vtu, msh, csv, parquet, png, gif"):
         tailslap.export(tailslap.rigid("paper-table-3"), "stl", tmp_path / "x")
