@@ -305,13 +305,13 @@ def test_without_friction_nothing_grows(plate_model):
 def test_only_meshes_that_can_be_analysed_are_made(monkeypatch):
     """Of the coarser meshes of a large one."""
     counts: list[int] = []
-    plain = decisions.static_models
+    plain = decisions.static_model
 
-    def counted(plan, plates, meshes):
-        counts.extend(plate.elements for plate in plates)
-        return plain(plan, plates, meshes)
+    def counted(plan, plate, mesh):
+        counts.append(plate.elements)
+        return plain(plan, plate, mesh)
 
-    monkeypatch.setattr(decisions, "static_models", counted)
+    monkeypatch.setattr(decisions, "static_model", counted)
     plan = corner_case.CornerCase(*read_scene("paper-table-3", ("plate.elements=[400, 120]",)))
     models = list(decisions._coarser_models(plan, plan.scene.needed_plate, flutter.MAX_UNKNOWNS))
     assert [2 * model.parameters.mass.size <= flutter.MAX_UNKNOWNS for model in models] == [True, True]

@@ -35,8 +35,8 @@ class CornerPlan(FePlan):
         Predicted growth of oscillations.
     deflection_ratio : float
         Static deflection under the reaction at the start over the centre's travel to the wall [-].
-    locks : bool
-        Whether elements of higher order would change the static deflection noticeably.
+    mesh : decisions.Mesh
+        The plate with its static deflections.
     rang : bool
         Whether a run with less damping oscillated.
     """
@@ -45,7 +45,7 @@ class CornerPlan(FePlan):
     original: RigidStages
     growth: decisions.Growth
     deflection_ratio: float
-    locks: bool
+    mesh: decisions.Mesh
     rang: bool = False
 
     @property
@@ -113,7 +113,7 @@ def make_corner_plan(
     threads = decisions.open_threads(case, plate)
     constraint = decisions.open_constraint(case, plate, mesh.spring_ratio)
     case = case.decided(threads + constraint)
-    normal = case.motion_of_mass(mesh.mass).first.reaction_normal
+    normal = case.motion_of_mass(mesh.model.mass).first.reaction_normal
     model, growth = _completed(case, mesh, normal, growth)
     softer = decisions.softer_constraint(case, mesh.spring_ratio) if growth.overdamps else ()
     if softer and not constraint:
@@ -135,7 +135,7 @@ def make_corner_plan(
         original=original,
         growth=growth,
         deflection_ratio=ratio,
-        locks=not mesh.fine_enough,
+        mesh=mesh,
         rang=more_damping > 1.0,
     )
 

@@ -92,7 +92,7 @@ def companion_plates(fe_plan: CornerPlan) -> Iterator[tuple[Plate, float]]:
     order, since two meshes that lock may agree.
     """
     plate, higher = fe_plan.plate, kinds.ELEMENT_KINDS[fe_plan.plate.element].higher_order
-    if higher and fe_plan.locks:
+    if higher and not fe_plan.mesh.fine_enough:
         yield from ((refined(plate, factor, higher), 2.0 * factor) for factor in (1.0, 2.0))
         return
     is_large = 4 * math.prod(plate.counts) > MOST_ELEMENTS

@@ -8,12 +8,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from fem.plate import kinds
 from tailslap.case import resources
 from tailslap.case.corner.rigid_stages import RigidStages
-from tailslap.case.corner.static_models import centre_travel, friction_lost, oscillation_lost, static_models
+from tailslap.case.corner.static_models import (
+    centre_travel,
+    deflection_ratio,
+    friction_lost,
+    oscillation_lost,
+    static_model,
+)
 from tailslap.case.plate_input import (
     Decision,
     comparable_plate,
@@ -27,8 +34,11 @@ from tailslap.errors import InputError
 from tailslap.scene.schema import Plate, Scene
 
 if TYPE_CHECKING:
+    import meshio
+
     from fem.model.plate_model import PlateModel
     from fem.stability.flutter import Flutter
+    from fem.start.inertia_relief import Statics
 
 ASPECT_RATIO = 1.23
 """Length over height of an element of the first mesh, as for the paper's 20 x 6."""
@@ -76,30 +86,55 @@ class Mesh:
 
     Attributes
     ----------
+    case : RigidStages
+        The rigid vehicle.
     plate : Plate
         With its number of elements and Young's modulus.
+    cells : meshio.Mesh
+        Its elements.
     model : PlateModel
         Its static model.
-    mass : float
-        Mass of the model [kg].
-    deflection_ratio, other_deflection_ratio : float
-        Static deflection of this model and of the comparable one, over the centre's travel to the wall [-].
-    spring_ratio : float
-        Deflection of the corner's constraint, likewise [-].
     """
 
+    case: RigidStages
     plate: Plate
+    cells: meshio.Mesh
     model: PlateModel
-    mass: float
-    deflection_ratio: float
-    other_deflection_ratio: float
-    spring_ratio: float
+
+    @cached_property
+    def _statics(self) -> Statics:
+        from fem.start.inertia_relief import statics
+
+        return statics(self.model, self.case.start)
+
+    @property
+    def deflection_ratio(self) -> float:
+        """Static deflection over the centre's travel to the wall [-]."""
+        return abs(self._statics.deflection) / centre_travel(self.case)
+
+    @property
+    def spring_ratio(self) -> float:
+        """Deflection of the constraint over the centre's travel to the wall [-]."""
+        return abs(self._statics.gap) / centre_travel(self.case)
+
+    @cached_property
+    def comparable_ratio(self) -> float:
+        """Deflection ratio of a comparable plate [-].
+
+        Both models have one mesh where only their elements differ. Raises InputError.
+        """
+        plate = comparable_plate(self.plate)
+        cells = self.cells if same_mesh(self.plate, plate) else fe_mesh(self.case.scene, plate)
+        return deflection_ratio(self.case, static_model(self.case, plate, cells))
 
     @property
     def fine_enough(self) -> bool:
-        """True if the effect of the mesh on the deflection is negligible."""
-        allowed = max(MESH_FLOOR, MESH_FRACTION * max(self.deflection_ratio, self.other_deflection_ratio))
-        return abs(self.deflection_ratio - self.other_deflection_ratio) <= allowed
+        """True if the effect of the mesh on the deflection is negligible.
+
+        Raises InputError.
+        """
+        allowed = max(MESH_FLOOR, MESH_FRACTION * max(self.deflection_ratio, self.comparable_ratio))
+        return abs(self.deflection_ratio - self.comparable_ratio) <= allowed
 
 
 @dataclass(frozen=True)
@@ -148,13 +183,14 @@ def decide_mesh(case: RigidStages, plate: Plate) -> tuple[Mesh, tuple[Decision, 
     for candidate in _candidates(case, plate):
         try:
             mesh = make_mesh(case, candidate)
+            suffices = not open_keys or mesh.fine_enough
         except InputError:
             if chosen is None and candidate.element == "quad9":
                 raise
             continue
-        if chosen is None or plate.elements is None or mesh.fine_enough:
+        if chosen is None or plate.elements is None or suffices:
             chosen = mesh
-        if mesh.fine_enough or not open_keys:
+        if suffices:
             break
     chosen = chosen or make_mesh(case, next(_candidates(case, plate)))
     values = {key: getattr(chosen.plate, key) for key in open_keys}
@@ -163,21 +199,13 @@ def decide_mesh(case: RigidStages, plate: Plate) -> tuple[Mesh, tuple[Decision, 
 
 
 def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
-    """Make the static model of a plate and of a comparable one.
+    """Make the static model of a plate.
 
-    Both models have one mesh where only their elements differ. Raises InputError.
+    Raises InputError.
     """
-    from fem.start import inertia_relief
-
-    scene, travel, start = case.scene, centre_travel(case), case.start
-    mesh = fe_mesh(scene, plate)
-    plate = resolved_plate(scene, plate, mesh)
-    reference_plate = comparable_plate(plate)
-    meshes = (mesh, mesh if same_mesh(plate, reference_plate) else fe_mesh(scene, reference_plate))
-    model, comparable = static_models(case, (plate, reference_plate), meshes)
-    statics, reference = inertia_relief.statics(model, start), inertia_relief.statics(comparable, start)
-    ratios = (abs(statics.deflection) / travel, abs(reference.deflection) / travel)
-    return Mesh(plate, model, model.mass, *ratios, abs(statics.gap) / travel)
+    cells = fe_mesh(case.scene, plate)
+    plate = resolved_plate(case.scene, plate, cells)
+    return Mesh(case, plate, cells, static_model(case, plate, cells))
 
 
 def _candidates(case: RigidStages, plate: Plate) -> Iterator[Plate]:
@@ -297,7 +325,7 @@ def _coarser_models(case: RigidStages, plate: Plate, most_unknowns: int) -> Iter
         if 2 * (along + 1) * (across + 1) > most_unknowns:  # counts corner nodes only
             continue
         try:
-            (model,) = static_models(case, [plate], [fe_mesh(case.scene, plate)])
+            model = static_model(case, plate, fe_mesh(case.scene, plate))
         except InputError:
             continue
         if 2 * model.parameters.mass.size <= most_unknowns:

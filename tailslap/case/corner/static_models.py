@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fem.laws.friction import FRICTION_LAWS
@@ -45,23 +44,19 @@ def fe_input(case: RigidStages, plate: Plate) -> tuple[PlateProperties, CornerPr
     return properties, CornerProperties(friction, *support, angles=(angle, 0.5 * angle, 0.0)), step
 
 
-def static_models(
-    case: RigidStages, plates: Sequence[Plate], meshes: Sequence[meshio.Mesh]
-) -> list[PlateModel]:
-    """Return the models of plates on meshes, without their frequencies.
+def static_model(case: RigidStages, plate: Plate, mesh: meshio.Mesh) -> PlateModel:
+    """Return the model of a plate on a mesh, without its frequency.
 
     Raises InputError.
     """
     from fem.model import plate_model
 
-    resolved = [resolved_plate(case.scene, *pair) for pair in zip(plates, meshes, strict=True)]
-    inputs, models = [fe_input(case, plate) for plate in resolved], []
-    for plate, mesh, (properties, corner, _) in zip(resolved, meshes, inputs, strict=True):
-        try:
-            models.append(plate_model.static_model(mesh, properties, corner))
-        except ModelError as error:
-            raise refusal(case.scene, plate, error) from None
-    return models
+    plate = resolved_plate(case.scene, plate, mesh)
+    properties, corner, _ = fe_input(case, plate)
+    try:
+        return plate_model.static_model(mesh, properties, corner)
+    except ModelError as error:
+        raise refusal(case.scene, plate, error) from None
 
 
 def oscillation_lost(case: RigidStages, energy: float, mass: float, rate: float) -> float:
