@@ -152,15 +152,11 @@ def _unit_modes(plate: Inverse) -> tuple[np.ndarray, np.ndarray]:
 def least_rates(squares, residues, stiffness, dashpot, viscous, least, rates):
     """Fill the least trial rates [1/s] above those of all modes.
 
-    There is one for each angle, 0 where that is the first one. Between two angles with 0 it is 0 as well. Their number
-    is odd. residues: see `residues_at`; others as in `growing_modes`.
+    There is one for each angle, 0 where that is the first one. residues: see `residues_at`; others as in
+    `growing_modes`.
     """
-    for place in range(0, rates.size, 2):
+    for place in range(rates.size):
         rates[place] = _least_rate(squares, residues[place], stiffness, dashpot, viscous, least)
-    for place in range(1, rates.size, 2):
-        rates[place] = 0.0
-        if rates[place - 1] > 0.0 or rates[place + 1] > 0.0:
-            rates[place] = _least_rate(squares, residues[place], stiffness, dashpot, viscous, least)
 
 
 @compact

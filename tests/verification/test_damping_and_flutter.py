@@ -214,24 +214,6 @@ def test_rates_are_the_first_ones_without_growing_modes(plate_model, corner):
     assert rates.max() > least or corner == "patch"
 
 
-@pytest.mark.parametrize("quiet", [(0,), (2,), (0, 2)], ids=str)
-def test_an_angle_between_two_without_growth_has_none(plate_model, quiet):
-    """With one quiet neighbour its rate is computed.
-
-    Residues that are not negative have no growth.
-    """
-    model, rates = plate_model((10, 3), "drag", corner=CORNERS["penalty"]), np.empty(3)
-    slope, corner = friction_slope(model.parameters.friction, START.corner_speed), model.parameters.corner
-    modes = flutter.corner_modes(model)
-    residues = flutter.residues_at(modes, (0.26, 0.26, 0.26), slope)
-    residues[list(quiet)] = np.abs(residues[list(quiet)])
-    flutter.least_rates(
-        np.append(0.0, modes.squares[3:]), residues, corner.stiffness, corner.dashpot, 0.0, 1.0, rates
-    )
-    assert (rates[list(quiet)] == 0.0).all()
-    assert (rates[1] > 1.0) == (len(quiet) == 1)
-
-
 @pytest.mark.parametrize("slower", [1.0, 1e-4, 1e-9])
 def test_steps_along_the_line_grow_with_the_modes_alone(plate_model, monkeypatch, slower):
     """The number of steps is bounded for any rate."""
