@@ -113,7 +113,7 @@ def make_corner_plan(
     threads = decisions.open_threads(case, plate)
     constraint = decisions.open_constraint(case, plate, mesh.spring_ratio)
     case = case.decided(threads + constraint)
-    normal = case.motion_of_mass(mesh.model.mass).first.reaction_normal
+    normal = case.motion_of_mass(mesh.mass).first.reaction_normal
     model, growth = _completed(case, mesh, normal, growth)
     softer = decisions.softer_constraint(case, mesh.spring_ratio) if growth.overdamps else ()
     if softer and not constraint:

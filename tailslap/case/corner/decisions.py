@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
     from fem.model.plate_model import PlateModel
     from fem.stability.flutter import Flutter
-    from fem.start.inertia_relief import Statics
 
 ASPECT_RATIO = 1.23
 """Length over height of an element of the first mesh, as for the paper's 20 x 6."""
@@ -94,28 +93,21 @@ class Mesh:
         Its elements.
     model : PlateModel
         Its static model.
+    mass : float
+        Mass of the model [kg].
+    deflection_ratio : float
+        Static deflection over the centre's travel to the wall [-].
+    spring_ratio : float
+        Deflection of the corner's constraint, likewise [-].
     """
 
     case: RigidStages
     plate: Plate
     cells: meshio.Mesh
     model: PlateModel
-
-    @cached_property
-    def _statics(self) -> Statics:
-        from fem.start.inertia_relief import statics
-
-        return statics(self.model, self.case.start)
-
-    @property
-    def deflection_ratio(self) -> float:
-        """Static deflection over the centre's travel to the wall [-]."""
-        return abs(self._statics.deflection) / centre_travel(self.case)
-
-    @property
-    def spring_ratio(self) -> float:
-        """Deflection of the constraint over the centre's travel to the wall [-]."""
-        return abs(self._statics.gap) / centre_travel(self.case)
+    mass: float
+    deflection_ratio: float
+    spring_ratio: float
 
     @cached_property
     def comparable_ratio(self) -> float:
@@ -203,9 +195,14 @@ def make_mesh(case: RigidStages, plate: Plate) -> Mesh:
 
     Raises InputError.
     """
-    cells = fe_mesh(case.scene, plate)
+    from fem.start import inertia_relief
+
+    travel, start, cells = centre_travel(case), case.start, fe_mesh(case.scene, plate)
     plate = resolved_plate(case.scene, plate, cells)
-    return Mesh(case, plate, cells, static_model(case, plate, cells))
+    model = static_model(case, plate, cells)
+    statics = inertia_relief.statics(model, start)
+    ratios = abs(statics.deflection) / travel, abs(statics.gap) / travel
+    return Mesh(case, plate, cells, model, model.mass, *ratios)
 
 
 def _candidates(case: RigidStages, plate: Plate) -> Iterator[Plate]:

@@ -98,7 +98,8 @@ def deflection_ratio(case: RigidStages, model: PlateModel) -> float:
     """
     from fem.start import inertia_relief
 
-    return abs(inertia_relief.statics(model, case.start).deflection) / centre_travel(case)
+    travel, start = centre_travel(case), case.start
+    return abs(inertia_relief.statics(model, start).deflection) / travel
 
 
 def centre_travel(case: RigidStages) -> float:
