@@ -258,10 +258,10 @@ def _bounds(table: Array, total: Array) -> tuple[Array, Array]:
     The limits are that of the fraction that changes (Clopper-Pearson) times the larger mean change, of the input or of
     all inputs together.
     """
-    from scipy.stats import beta
+    from scipy.special import betaincinv
 
     rows, changed = table.shape[1], np.count_nonzero(table[0] != table[2:], axis=1)
-    fraction = beta.ppf(0.5 + 0.5 * CONFIDENCE, changed + 1.0, np.maximum(rows - changed, 0.5))
+    fraction = betaincinv(changed + 1.0, np.maximum(rows - changed, 0.5), 0.5 + 0.5 * CONFIDENCE)
     of_all = rows / max(1, np.count_nonzero(table[0] != table[1]))
     bound = fraction * np.maximum(of_all, total * rows / np.maximum(changed, 1))
     return np.tile(changed < FEW, 2), np.tile(bound, 2)
@@ -269,9 +269,9 @@ def _bounds(table: Array, total: Array) -> tuple[Array, Array]:
 
 def _quantile(probability: float, groups: int) -> float:
     """Return a quantile of Student's t."""
-    from scipy.stats import t
+    from scipy.special import stdtrit  # scipy.stats takes longer to import than many studies
 
-    return float(t.ppf(probability, groups - 1))
+    return float(stdtrit(groups - 1, probability))
 
 
 def _refusal(ratios: Array, error: Array, quantile: float) -> str:

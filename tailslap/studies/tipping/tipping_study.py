@@ -144,11 +144,11 @@ class TippingResult:
 
 def binomial_interval(successes: Array, trials: int) -> Array:
     """Return the interval of Clopper and Pearson of fractions, shape (2, n)."""
-    from scipy.stats import beta
+    from scipy.special import betaincinv
 
     tail, successes = 0.5 * (1.0 - CONFIDENCE), np.asarray(successes, dtype=float)
-    low = beta.ppf(tail, successes, np.maximum(trials - successes + 1.0, 0.5))
-    high = beta.ppf(1.0 - tail, successes + 1.0, np.maximum(trials - successes, 0.5))
+    low = betaincinv(successes, np.maximum(trials - successes + 1.0, 0.5), tail)
+    high = betaincinv(successes + 1.0, np.maximum(trials - successes, 0.5), 1.0 - tail)
     return np.array([np.where(successes == 0.0, 0.0, low), np.where(successes == trials, 1.0, high)])
 
 
