@@ -63,7 +63,7 @@ FAILING = ("plate.lumping=row-sum", "plate.start=unstressed")
 """Changes with which, by the page, a check fails."""
 
 SHORTENED = {
-    "tailslap confirm paper-table-3": " --set plate.elements=[10,3]",
+    "tailslap confirm paper-table-3": " --set plate.elements=[4,2]",
     "tailslap study stability paper-table-3": " --random 2",
     "tailslap study stability impact-mash-tl4-sut": " --points 2",
     "tailslap study flexibility mash-tl4-sut": " --points 4 --lowest 4 --highest 30",
