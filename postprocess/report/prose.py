@@ -39,7 +39,7 @@ LETTERS = {"omega": "ω", "theta": "θ", "mu": "μ", "us": "μs"}
 LETTER = re.compile(r"(?<![\w.\-])(?:omega|theta|mu)(?![\w\-]|\.\w)|(?<=\d\N{NO-BREAK SPACE})us\b")
 
 
-@functools.lru_cache(4096, typed=True)
+@functools.lru_cache(4096, typed=True)  # by type, as only a plain text is escaped
 def prose(text: str) -> Markup:
     """Return a text as HTML.
 

@@ -40,7 +40,7 @@ LABEL = 13
 
 INPUTS = (
     Column("key", "Key", form=lambda key: f"`{key}`"),
-    Column("given", "As given", form=lambda text: f"`{text}`" if text else ""),
+    Column("scene_text", "As given", form=lambda text: f"`{text}`" if text else ""),
     Column("value", "Value", form=lambda value: number(value, 6), unit_key="unit"),
     Column("unit", "Unit", is_unit=True),
     Column("origin", "From"),

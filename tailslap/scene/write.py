@@ -197,7 +197,7 @@ class SceneInput:
     """Key of a run with value and origin."""
 
     key: str
-    given: str
+    scene_text: str
     value: float | int | str | None
     unit: str = ""
     origin: str = "scene"
@@ -225,9 +225,9 @@ def plain_numbers(source: vary.Source) -> dict[str, str]:
     """
     before, lost_units = tomllib.loads(source.text), {}
     for key in sorted(source.changed):
-        earlier, now = (validate.value_in(tables, key) for tables in (before, source.tables))
+        earlier, changed = (validate.value_in(tables, key) for tables in (before, source.tables))
         match = units.NUMBER.fullmatch(earlier) if isinstance(earlier, str) else None
-        if match and match[2] and isinstance(now, int | float) and units.to_si(match[2])[0] != 1.0:
+        if match and match[2] and isinstance(changed, int | float) and units.to_si(match[2])[0] != 1.0:
             lost_units[key] = match[2]
     return lost_units
 

@@ -101,14 +101,14 @@ def test_tables_of_changes_are_merged():
 
 
 def test_another_scenes_result_is_replaced_by_force_alone(tmp_path):
-    one, other = tailslap.rigid("mash-tl4-sut"), tailslap.rigid("paper-table-3")
-    one.save(tmp_path / "a")
-    again = tailslap.load(one.save(tmp_path / "a"))
-    assert (again.command, again.summary) == ("rigid", one.summary)
-    np.testing.assert_array_equal(again.rigid["v_gy"], one.rigid["v_gy"])
+    truck, paper = tailslap.rigid("mash-tl4-sut"), tailslap.rigid("paper-table-3")
+    truck.save(tmp_path / "a")
+    again = tailslap.load(truck.save(tmp_path / "a"))
+    assert (again.command, again.summary) == ("rigid", truck.summary)
+    np.testing.assert_array_equal(again.rigid["v_gy"], truck.rigid["v_gy"])
     with pytest.raises(InputError, match="the folder contains the result of `tailslap rigid mash-tl4-sut`"):
-        other.save(tmp_path / "a")
-    assert tailslap.load(other.save(tmp_path / "a", force=True)).scene == "paper-table-3"
+        paper.save(tmp_path / "a")
+    assert tailslap.load(paper.save(tmp_path / "a", force=True)).scene == "paper-table-3"
 
 
 @pytest.mark.parametrize("scene", ["mash-tl4-sut", "impact-mash-tl4-sut"])

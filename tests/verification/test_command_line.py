@@ -68,7 +68,7 @@ def test_a_run_without_pictures_does_not_import_vtk(tmp_path):
 
 
 def test_a_short_command_collects_no_garbage(python):
-    """They took a sixth of its time."""
+    """Collections took a sixth of the time."""
     code = (
         "import atexit, gc; from tailslap.cli import main; collected = []; gc.callbacks.append("
         "lambda phase, info: collected.append(phase)); atexit.register("

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from postprocess.units import SI, US
-from tailslap.case.corner import corner_case, decisions, numerical_error, static_models
+from tailslap.case.corner import corner_case, corner_run, decisions, numerical_error, static_models
 from tailslap.case.corner.corner_plan import make_corner_plan
 from tailslap.case.corner.corner_report import CornerReport, flutter_sentence
 from tailslap.case.plate_input import Decision
@@ -57,6 +57,11 @@ def test_mesh_that_locks_gets_quadratic_elements():
     assert quadratic.deflection_ratio > 5.0 * linear.deflection_ratio
     assert linear.plate.element == "quad4"
     assert not any(decision.key == "plate.element" for decision in linear.decisions)
+    companions = [
+        next(corner_run.companion_plates(fe_plan(*changes)))[0]
+        for changes in ((), (*strip, "plate.element=quad4"))
+    ]
+    assert [plate.element for plate in companions] == ["quad4", "quad9"]
 
 
 @pytest.mark.long

@@ -252,10 +252,11 @@ def test_a_plate_is_a_lattice_with_one_idle_slot_between_rows():
     assert (lattice.element < 0).sum() == lattice.idle.size == 5
 
 
-def test_triangles_and_shuffled_nodes_are_no_lattice():
+def test_triangles_shuffled_nodes_and_elements_on_each_other_are_no_lattice():
     table = discretise(plate_mesh(10.0, 2.438, ELEMENTS), 0.05).table
     number = np.random.default_rng(1).permutation(147)
     assert simd_blocks.find_lattice(shuffled(table, number).connectivity) is None
+    assert simd_blocks.find_lattice(np.hstack([table.connectivity, table.connectivity[:, :1]])) is None
     triangles = discretise(plate_mesh(10.0, 2.438, ELEMENTS, "triangle"), 0.05, "tri3").table
     assert simd_blocks.find_lattice(triangles.connectivity) is None
 

@@ -1,7 +1,10 @@
 """Verify FE runs by exact motion, conservation and orders."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from scipy.interpolate import BarycentricInterpolator
 
 from fem.explicit.time_loop import State
 from fem.plate.discretisation import nodal_spin
@@ -55,6 +58,25 @@ def test_row_sum_masses_converge_with_the_square_of_the_element(outcome):
 def test_a_coarse_mesh_with_exact_masses_is_as_good(outcome):
     result = outcome("paper-table-3", "corner.reaction=none", "plate.elements=[4, 2]")
     assert max(map(abs, result.difference.values())) < 5e-6
+
+
+@pytest.mark.parametrize("rows", [7, 40])
+def test_the_strike_is_on_the_cubic_through_the_last_four_steps(plate_model, rows):
+    """The number of steps between rows does not change it."""
+    model = plate_model((4, 2), "drag", plate={"youngs_modulus": 2e9})
+    run, stepper = simulate(model, START, 0.384, rows=rows), Stepper(model)
+    states = [stepper.advance(stepper.start(START, "inertia-relief"), run.steps - 3)]
+    for _ in range(4):
+        states.append(stepper.advance(states[-1], 1))
+    angles = np.array([stepper.record(state, 0, 1).rows[0, 0] for state in states[:4]])
+    assert angles[1] > 0.0 >= angles[2]
+    steps = run.steps + np.arange(-3.0, 1.0)
+    instant = float(BarycentricInterpolator(angles, steps)(0.0)) * model.parameters.time_step
+    assert run.strike is not None
+    assert run.strike.values["t"] == pytest.approx(instant, rel=1e-14)
+    velocities = [0.5 * (state.velocities + later.velocities) for state, later in pairwise(states)]
+    expected = BarycentricInterpolator(angles, velocities)(0.0)
+    assert run.strike.velocities == pytest.approx(expected, rel=0.0, abs=1e-11)
 
 
 def test_energy_and_momentum_are_kept(outcome):

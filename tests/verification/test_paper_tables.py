@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from markupsafe import Markup
 from test_command_line import imported
 from test_postprocess_report import Parsed
 
@@ -505,6 +506,7 @@ def test_symbols_in_prose_become_subscripts_and_numbers_keep_their_units():
     assert glued("v = 3 m/s and 4 %") == "v\u00a0=\u00a03\u00a0m/s and 4\u00a0%"
     assert prose("v_GY < 1 & θ_0") == "<i>v</i><sub>GY</sub> &lt; 1 &amp; <i>θ</i><sub>0</sub>"
     assert prose("paper_page") == "paper_page"
+    assert (prose("3 <b>"), prose(Markup("3 <b>"))) == ("3 &lt;b&gt;", "3 <b>")
 
 
 def test_headings_over_several_columns():

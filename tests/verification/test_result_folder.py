@@ -614,7 +614,7 @@ def rigid_results(tmp_path):
 GATED = {
     "run": "run paper-table-3", "study": "study cost paper-table-3",
     "sweep": "sweep paper-table-3 --vary corner.friction=0.1:0.2:2", "modes": "modes paper-table-3",
-    "paper": "paper", "compare": "compare {other} {other}", "export": "export {other} --to csv",
+    "paper": "paper", "compare": "compare {second} {second}", "export": "export {second} --to csv",
 }  # fmt: skip
 
 
@@ -623,9 +623,9 @@ def test_every_command_is_refused_another_s_result_before_it_computes(
     tmp_path, rigid_results, command, capsys
 ):
     """Results of other commands are replaced by --force alone."""
-    place, other = rigid_results
+    place, second = rigid_results
     before = tree(tmp_path)
-    words = [*GATED[command].format(other=other).split(), "--out", str(place)]
+    words = [*GATED[command].format(second=second).split(), "--out", str(place)]
     assert _status(words) == 2
     message = "the folder contains the result of `tailslap rigid paper-table-3`; --force"
     assert message in capsys.readouterr().err
@@ -640,22 +640,22 @@ def test_every_command_is_refused_another_s_result_before_it_computes(
 
 
 @pytest.mark.parametrize(
-    "command", ["compare {place} {other}", "compare {other} {place}", "export {place} --to csv"]
+    "command", ["compare {place} {second}", "compare {second} {place}", "export {place} --to csv"]
 )
 def test_no_command_replaces_its_input(tmp_path, rigid_results, command, capsys):
-    place, other = rigid_results
+    place, second = rigid_results
     before = tree(tmp_path)
     for more in ([], ["--force"]):
-        words = command.format(place=place, other=other).split()
+        words = command.format(place=place, second=second).split()
         assert _status([*words, "--out", str(place), *more]) == 2
         assert "it is an input of the command" in capsys.readouterr().err
     assert tree(tmp_path) == before
 
 
 def test_an_export_over_a_rigid_result_by_force(rigid_results):
-    place, other = rigid_results
+    place, second = rigid_results
     (place / "notes.txt").write_text("mine")
-    assert _status(["export", str(other), "--to", "csv", "--out", str(place), "--force"]) == 0
+    assert _status(["export", str(second), "--to", "csv", "--out", str(place), "--force"]) == 0
     assert set(texts(place)) == {"rigid.csv", "notes.txt", NAME}
     assert manifest.read_origin(place) == ("export csv", "paper-table-3")
 

@@ -290,7 +290,7 @@ def predict_growth(case: RigidStages, plate: Plate, model: PlateModel, normal: f
     else:
         coarser = _coarser_models(case, plate, flutter.MAX_UNKNOWNS)
         exponent = harmless / COARSER_FACTOR
-        modes = [flutter.predict_flutter(other, start, duration, viscous, exponent) for other in coarser]
+        modes = [flutter.predict_flutter(coarse, start, duration, viscous, exponent) for coarse in coarser]
         growth = _growth_by_coarser(modes, harmless)
     return replace(growth, ripple=ripple, ripple_rate=ripple_rate)
 
