@@ -16,6 +16,11 @@ MEASURE = re.compile(f"{OPEN}([^{SEPARATOR}]*){SEPARATOR}([^{SEPARATOR}]*){SEPAR
 FOOT, INCH, POUND, KIP, MPH = 0.3048, 0.0254, 0.45359237, 4448.2216152605, 0.44704
 """[m], [m], [kg], [N], [m/s]; 1 kip is 1000 lbf, pounds under standard gravity, and 1 mph is 5280 ft/h."""
 
+SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
+"""A letter and its subscript, like v_GY."""
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 POWER = re.compile(r"^(10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+) (.*)$")
 
 

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from postprocess.figures import histories
 from postprocess.report.prose import printed_numbers
-from postprocess.svg.marks import SUBSCRIPT
 from postprocess.svg.scales import round_step, round_ticks, tick_texts, viridis
+from postprocess.units import SUBSCRIPT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.svg import chart, marks, scales
+from postprocess.units import SUPERSCRIPTS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -195,7 +196,7 @@ def unit_with_power(unit: str, power: int) -> str:
     """Return a unit with a power of ten or a prefix."""
     if power == 3 and unit in ("N", "J"):
         return "k" + unit
-    return f"10{str(power).translate(scales.SUPERSCRIPTS)} {unit}" if power else unit
+    return f"10{str(power).translate(SUPERSCRIPTS)} {unit}" if power else unit
 
 
 class Curve(NamedTuple):

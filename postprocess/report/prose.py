@@ -7,9 +7,7 @@ import re
 from decimal import Decimal
 from typing import TYPE_CHECKING
 
-from postprocess.svg.marks import SUBSCRIPT
-from postprocess.svg.scales import SUPERSCRIPTS
-from postprocess.units import SI
+from postprocess.units import SI, SUBSCRIPT, SUPERSCRIPTS
 
 if TYPE_CHECKING:
     from markupsafe import Markup

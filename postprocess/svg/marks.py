@@ -6,7 +6,6 @@ A colour is a name of `PALETTE`, which pages may redefine (`dark.css` does), or 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
@@ -16,7 +15,7 @@ from typing import ClassVar, NamedTuple, TypedDict
 import numpy as np
 
 from postprocess.svg.scales import Floats, Range, Scale, extent
-from postprocess.units import SI, US
+from postprocess.units import SI, SUBSCRIPT, US
 
 PALETTE = {
     "fe": "#14467c",
@@ -31,7 +30,6 @@ PALETTE = {
     "ink": "#1b1f24",
     "grid": "#e3e6ea",
 }
-SUBSCRIPT = re.compile(r"\b([^\W\d_])_([A-Za-z0-9]+)")
 
 MEAN_WIDTH = 0.6
 """Width of a letter relative to the size of the font."""

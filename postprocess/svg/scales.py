@@ -12,15 +12,13 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from postprocess.units import measure
+from postprocess.units import SUPERSCRIPTS, measure
 
 Floats = NDArray[np.float64]
 Range = tuple[float, float]
 
 NOTHING: Range = (np.inf, -np.inf)
 """Range of no values."""
-
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 SMALLEST, LARGEST = 1e-4, 1e6
 """Linear axes write values outside these limits as powers of ten."""

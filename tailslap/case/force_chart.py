@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from postprocess.figures.impact import Forces, StrikeMark, draw_forces
 from postprocess.report.tables import Table
 from postprocess.signals.filters import force_curves
-from postprocess.svg.chart import Chart
 from tailslap.case.report_parts import design_forces_of, design_table, short, strikes_table
 
 if TYPE_CHECKING:
+    from postprocess.figures.impact import StrikeMark
+    from postprocess.svg.chart import Chart
     from tailslap.case.corner.rigid_stages import RigidStages
     from tailslap.case.impact.rigid import RigidImpact
 
@@ -31,6 +31,8 @@ def force_chart(case: Any) -> Chart:
 
     Of a constrained corner these are the reaction of Stage 2 and the pulse of Stage 3.
     """
+    from postprocess.figures.impact import Forces, draw_forces
+
     t, curves, strikes = (_impact if case.scene.contact else _tail_slap)(case)
     level = case.scene.impact.test_level if case.scene.impact else None
     levels = {name: design.force for name, design in design_forces_of(level).items()}
@@ -39,6 +41,8 @@ def force_chart(case: Any) -> Chart:
 
 
 def _impact(case: RigidImpact) -> Curves:
+    from postprocess.figures.impact import StrikeMark
+
     answer = case.answer
     strikes = [
         StrikeMark(strike.corner.removesuffix(" far side"), strike.start, strike.end)
@@ -48,6 +52,8 @@ def _impact(case: RigidImpact) -> Curves:
 
 
 def _tail_slap(case: RigidStages) -> Curves:
+    from postprocess.figures.impact import StrikeMark
+
     start, pulse, history = case.duration, case.force, case.rigid_history()
     end = start + float(pulse.duration)
     t = np.arange(0.0, end + AFTER, INTERVAL)

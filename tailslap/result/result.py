@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postprocess.comparison import quantities
-from postprocess.figures.histories import Curve, HistoryPlot, plot_overlays
 from postprocess.report.command_report import PAGE, Report, write_report
 from postprocess.report.data_files import plain
 from postprocess.report.page import Headline
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     import pyvista
 
     from postprocess.fields.series import FieldSeries
+    from postprocess.figures.histories import HistoryPlot
     from postprocess.svg.chart import Chart
 
 Fill = Callable[[Path, bool, str], "Report | None"]
@@ -267,6 +267,8 @@ class Result:
         InputError
             For an unknown column, or a result without histories.
         """
+        from postprocess.figures.histories import Curve, plot_overlays
+
         over = self.summary.get("definition", {}).get("vary", ["t"])[0].partition("=")[0]
         drawn = {label: columns for label, columns in self.histories.items() if over in columns}
         if not drawn:

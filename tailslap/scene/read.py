@@ -8,7 +8,6 @@ import stat
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -75,10 +74,8 @@ def read_text(path: Path, most: int, undecodable: str = "strict") -> str:
 
 def shipped_scenes() -> dict[str, str]:
     """Return names and texts of shipped scenes."""
-    folder = files("tailslap") / "scene" / "shipped"
-    scenes = sorted(folder.iterdir(), key=lambda item: item.name)
-    texts = (item for item in scenes if item.name.endswith(".toml"))
-    return {item.name.removesuffix(".toml"): item.read_text(encoding="utf-8") for item in texts}
+    scenes = sorted(Path(__file__).with_name("shipped").glob("*.toml"))
+    return {path.stem: path.read_text(encoding="utf-8") for path in scenes}
 
 
 @checked_arguments

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from tailslap.campaign.records import Record
 from tailslap.case import kind_of
 from tailslap.case.case import CORNER, Case
 from tailslap.case.resources import demand_run
@@ -21,6 +20,7 @@ from tailslap.storage.manifest import Origin
 
 if TYPE_CHECKING:
     from postprocess.report.command_report import Report
+    from tailslap.campaign.records import Record
 
 
 def later(name: str) -> Callable[..., Any]:

@@ -22,7 +22,6 @@ from fem.explicit import columns
 from fem.plate.properties import RigidStart
 from postprocess.comparison import quantities
 from postprocess.report.page import Headline
-from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent
 from tailslap.case import case
 from tailslap.case.force_band import ForceBand
@@ -33,6 +32,7 @@ from tailslap.scene.units import value_line
 
 if TYPE_CHECKING:
     from postprocess.figures.positions import Unit
+    from postprocess.svg.chart import Chart
 
 ROWS = 401
 """Number of instants of a history of the rigid motion."""
