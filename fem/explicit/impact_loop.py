@@ -9,8 +9,8 @@ import numpy as np
 
 from fem.explicit.elastic_damping import ElasticDamping
 from fem.explicit.internal_force import Viscosity
-from fem.explicit.measures import elastic_energies, motion, plate_forces
-from fem.explicit.time_loop import add_reaction, advance
+from fem.explicit.measures import elastic_energies, motion
+from fem.explicit.time_loop import add_reaction, advance_to_row
 from fem.laws.hinges import Hinges, HingeState, add_impulses, describe_units, join
 from fem.laws.tyres import Axles, AxleState, end_tyre_step, record_tyres, steer
 from fem.laws.wall_contact import (
@@ -164,21 +164,22 @@ def advance_and_record(state, stride, parameters, reference, force, scratch, row
 
     stride: steps between rows.
     """
+    power = 0.0
     for row in range(rows.values.shape[0]):
-        advance(state, stride, parameters, force, scratch)
-        measures = record(state, parameters, reference, force, scratch, rows, row)
+        power = advance_to_row(state, row == 0, power, stride, parameters, force, scratch)
+        measures = record(state, power, parameters, reference, force, rows, row)
         for k in range(len(measures)):
             rows.values[row, k] = measures[k]
 
 
 @compiled
-def record(state, parameters, reference, force, scratch, rows, row):
+def record(state, power, parameters, reference, force, rows, row):
     """Return the `ImpactMeasures` of a state, which is left unchanged.
 
-    Fills the given row of all arrays of `rows`.
+    Adds reactions to `force`, the plate's forces [N], and fills a row of all arrays of `rows`. power: of the damping of
+    the plate [W], see `plate_forces`.
     """
     positions, velocities, half_step = state.positions, state.velocities, 0.5 * parameters.time_step
-    damping_power = plate_forces(state, parameters, force, scratch)
     contact, contact_state, wall, wall_motion = parameters.contact, state.contact, parameters.wall, state.wall
     origin, friction, moment = state.origin[0], state.sums[0], state.sums[2]
     normals = tangentials = stored = crushed = 0.0
@@ -225,7 +226,7 @@ def record(state, parameters, reference, force, scratch, rows, row):
         contact_energy=stored,
         crush_energy=crushed,
         friction_work=friction,
-        damping_work=state.sums[1] + half_step * damping_power,
+        damping_work=state.sums[1] - half_step * power,
         vibration_energy=vibration,
         normal_impulse=normals,
         tangential_impulse=tangentials,

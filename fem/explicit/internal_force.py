@@ -68,8 +68,8 @@ class Scratch(NamedTuple):
     tuple of gradients and a weight per point, constants of the loop over the slots; otherwise arrays with one row per
     block. hourglass: vectors in the same form, then the three stiffnesses; None without control. reference: reference
     positions [m] of the nodes of mapped elements, shape (2, nodes); `gradients` and `weights` are then those of the
-    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). quadrilateral: None for other elements. Compiled code
-    cannot allocate.
+    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). plate_force: forces of the plate at the last row [N],
+    shape (2, nodes). quadrilateral: None for other elements. Compiled code cannot allocate.
     """
 
     rows: np.ndarray
@@ -77,6 +77,7 @@ class Scratch(NamedTuple):
     weights: np.ndarray | tuple[float, ...]
     lattice: Lattice | None
     motion: np.ndarray
+    plate_force: np.ndarray
     hourglass: np.ndarray | tuple[tuple[float, ...], ...] | None = None
     reference: np.ndarray | None = None
     quadrilateral: Quadrilateral | None = None
@@ -87,11 +88,12 @@ def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scra
     points, nodes = len(table.weights), len(table.per_element)
     rows = aligned((8 * nodes + 1) * BLOCK_SIZE)
     lattice, motion = find_lattice(table.connectivity), np.zeros(SUMS)
+    plate_force = np.empty((2, int(table.connectivity.max()) + 1))
     if table.mapping is not None:
         natural, weights, reference = table.mapping
         bilinear = len(natural[0]) == 2
         quadrilateral = Quadrilateral(None, tuple((eta, xi) for xi, eta in natural)) if bilinear else None
-        return Scratch(rows, natural, weights, lattice, motion, None, reference, quadrilateral)
+        return Scratch(rows, natural, weights, lattice, motion, plate_force, None, reference, quadrilateral)
     gradients = table.gradients.reshape(points, 2 * nodes, -1)[:, 2:]
     control = None if hourglass is None else np.concatenate([hourglass.vectors[1:], hourglass.stiffness])
     if table.weights.shape[1] == 1:
@@ -99,12 +101,13 @@ def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scra
         one_control = None if control is None else (tuple(control[:, 0].tolist()),)
         weights = tuple(table.weights[:, 0].tolist())
         quadrilateral = _parallelogram(table.gradients.reshape(points, nodes, 2))
-        return Scratch(rows, congruent, weights, lattice, motion, one_control, None, quadrilateral)
+        return Scratch(
+            rows, congruent, weights, lattice, motion, plate_force, one_control, None, quadrilateral
+        )
     rows_of_gradients = in_blocks(gradients.reshape(points * 2 * (nodes - 1), -1), lattice)
     control_blocks = None if control is None else in_blocks(control, lattice)
-    return Scratch(
-        rows, rows_of_gradients, in_blocks(table.weights, lattice), lattice, motion, control_blocks
-    )
+    weights_in_blocks = in_blocks(table.weights, lattice)
+    return Scratch(rows, rows_of_gradients, weights_in_blocks, lattice, motion, plate_force, control_blocks)
 
 
 def _parallelogram(gradients: np.ndarray) -> Quadrilateral | None:

@@ -8,54 +8,10 @@ The energy balance then shows errors of the model, not of the bookkeeping.
 import math
 
 from fem.explicit.columns import Measures
-from fem.explicit.elastic_damping import damp
-from fem.explicit.internal_force import subtract_internal_forces
-from fem.explicit.time_loop import advance
+from fem.explicit.time_loop import advance_to_row, copy_nodal, plate_forces
 from fem.laws.constraints import add_corner_reaction, constraint_energy, weighted
 from fem.laws.materials import deformation_gradient, energy_density, green_strain
 from machine_code.compiled import compiled
-
-
-@compiled
-def plate_forces(state, parameters, force, scratch):
-    """Put the forces of the plate [N], without reactions, into `force`.
-
-    Returns the power [W] of the elastic damping.
-    """
-    positions, velocities, table = state.positions, state.velocities, parameters.table
-    damping, mass, time_step = parameters.elastic_damping, parameters.mass, parameters.time_step
-    force[:] = 0.0
-    subtract_internal_forces(
-        positions,
-        velocities,
-        parameters.viscosity,
-        parameters.hourglass,
-        force,
-        table,
-        parameters.material,
-        scratch,
-    )
-    return damp(damping, positions, velocities, mass, time_step, scratch.motion, force)
-
-
-@compiled
-def all_forces(state, parameters, force, scratch):
-    """Put all forces [N] into `force` and return the reactions.
-
-    Returns the normal and the tangential reaction [N], the slip speed of the corner half a step back and ahead [m/s],
-    and the power [W] of the elastic damping at the velocities half a step back.
-    """
-    power = plate_forces(state, parameters, force, scratch)
-    corner, friction, mass, time_step = (
-        parameters.corner,
-        parameters.friction,
-        parameters.mass,
-        parameters.time_step,
-    )
-    normal, tangential, slip, later_slip, _ = add_corner_reaction(
-        state.positions, state.velocities, mass, time_step, corner, friction, force
-    )
-    return normal, tangential, slip, later_slip, power
 
 
 @compiled
@@ -65,11 +21,23 @@ def measure(state, parameters, reference, force, scratch):
     reference: positions in the body frame [m], shape (2, nodes). The plate's angle is that of the rigid rotation that
     carries them onto the positions with the least mass-weighted square of distance.
     """
+    power = plate_forces(state, parameters, force, scratch)
+    return measures_of(state, power, parameters, reference, force)
+
+
+@compiled
+def measures_of(state, power, parameters, reference, force):
+    """Return the `Measures` of a state, and add reactions to the force.
+
+    force: of the plate [N]; power: of its damping [W], see `plate_forces`.
+    """
     positions, velocities, sums, origin = state
-    half = 0.5 * parameters.time_step
-    normal, tangential, slip, later_slip, damping_power = all_forces(state, parameters, force, scratch)
+    mass, time_step, half = parameters.mass, parameters.time_step, 0.5 * parameters.time_step
+    normal, tangential, slip, later_slip, _ = add_corner_reaction(
+        positions, velocities, mass, time_step, parameters.corner, parameters.friction, force
+    )
     theta, omega, v_x, v_y, kinetic, vibration, _, _ = motion(
-        positions, velocities, force, parameters.mass, parameters.time_step, reference
+        positions, velocities, force, mass, time_step, reference
     )
     gap = weighted(positions[1], parameters.corner)
     strain_energy, hourglass_energy = elastic_energies(positions, parameters)
@@ -86,7 +54,7 @@ def measure(state, parameters, reference, force, scratch):
         strain_energy=strain_energy,
         contact_energy=constraint_energy(parameters.corner.constraint, gap),
         friction_work=sums[0] + half * tangential * slip,
-        damping_work=sums[1] + half * damping_power,
+        damping_work=sums[1] - half * power,
         vibration_energy=vibration,
         normal_impulse=sums[2] + half * normal,
         normal_impulse_magnitude=sums[3] + half * abs(normal),
@@ -183,10 +151,11 @@ def advance_and_measure(state, before, stride, parameters, reference, force, scr
     stride: steps between rows. Ends after a row with an angle that is not positive, or with a number that is not
     finite; `before` is then the state of the previous row. Returns the number of rows. Other arguments: as `measure`.
     """
+    power = 0.0
     for row in range(rows.shape[0]):
         _copy_state(state, before)
-        advance(state, stride, parameters, force, scratch)
-        measures = measure(state, parameters, reference, force, scratch)
+        power = advance_to_row(state, row == 0, power, stride, parameters, force, scratch)
+        measures = measures_of(state, power, parameters, reference, force)
         finite = True
         for column in range(rows.shape[1]):
             rows[row, column] = measures[column]
@@ -199,10 +168,8 @@ def advance_and_measure(state, before, stride, parameters, reference, force, scr
 @compiled
 def _copy_state(state, target):
     """Copy the arrays of a state into another."""
-    for i in range(state.positions.shape[0]):
-        for node in range(state.positions.shape[1]):
-            target.positions[i, node] = state.positions[i, node]
-            target.velocities[i, node] = state.velocities[i, node]
+    copy_nodal(state.positions, target.positions)
+    copy_nodal(state.velocities, target.velocities)
     for k in range(state.sums.size):
         target.sums[k] = state.sums[k]
     target.origin[0] = state.origin[0]

@@ -105,15 +105,14 @@ def advance_thread(t, state, steps, parameters, forces, shared, rows, powers, mo
     first, last = blocks * t // threads * BLOCK_SIZE, min(slots, blocks * (t + 1) // threads * BLOCK_SIZE)
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
     motion = motions[1, t]
-    gradients, weights, lattice, hourglass = (
+    gradients, weights, lattice, plate_force = (
         shared.gradients,
         shared.weights,
         shared.lattice,
-        shared.hourglass,
+        shared.plate_force,
     )
-    scratch = Scratch(
-        rows[t], gradients, weights, lattice, motion, hourglass, shared.reference, shared.quadrilateral
-    )
+    constants = shared.hourglass, shared.reference, shared.quadrilateral
+    scratch = Scratch(rows[t], gradients, weights, lattice, motion, plate_force, *constants)
     for step in range(steps):
         own_forces[:] = 0.0
         powers[0, t] = subtract_forces_of(

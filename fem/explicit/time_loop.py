@@ -76,21 +76,67 @@ def advance(state, steps, parameters, force, scratch):
 
     force, scratch: workspace.
     """
-    positions, velocities, mass = state.positions, state.velocities, parameters.mass
-    table, material, time_step = parameters.table, parameters.material, parameters.time_step
-    viscosity, hourglass, damping = parameters.viscosity, parameters.hourglass, parameters.elastic_damping
-    motion, nodes = scratch.motion, mass.size
-    slots = slot_count(table.connectivity, scratch.lattice)
     for _ in range(steps):
-        force[:] = 0.0
-        power = subtract_forces_of(
-            0, slots, positions, velocities, viscosity, hourglass, force, table, material, scratch
-        )
-        power -= damp(damping, positions, velocities, mass, time_step, motion, force)
-        place = add_reaction(parameters, state, power, force)
-        state.sums[1] += time_step * power_correction(damping, motion, state, time_step, 0, nodes, force)
-        shift = follow(place, parameters.span, state.origin)
-        drift(positions, velocities, force, mass, time_step, shift, 0, nodes)
+        power = plate_forces(state, parameters, force, scratch)
+        end_step(state, power, parameters, force, scratch)
+
+
+@compiled
+def advance_to_row(state, is_first, power, stride, parameters, force, scratch):
+    """Advance by `stride` steps, and keep the plate's forces there.
+
+    The first step takes the forces that were kept at the last row, except before the first row. power: at the last row.
+    Returns the power at this one.
+    """
+    if not is_first:
+        copy_nodal(scratch.plate_force, force)
+        end_step(state, power, parameters, force, scratch)
+        stride -= 1
+    advance(state, stride, parameters, force, scratch)
+    power = plate_forces(state, parameters, force, scratch)
+    copy_nodal(force, scratch.plate_force)
+    return power
+
+
+@compiled
+def plate_forces(state, parameters, force, scratch):
+    """Put the forces of the plate [N], without reactions, into `force`.
+
+    Returns the power [W] that damping takes from the velocities half a step back.
+    """
+    positions, velocities, table = state.positions, state.velocities, parameters.table
+    viscosity, hourglass, material = parameters.viscosity, parameters.hourglass, parameters.material
+    force[:] = 0.0
+    slots = slot_count(table.connectivity, scratch.lattice)
+    power = subtract_forces_of(
+        0, slots, positions, velocities, viscosity, hourglass, force, table, material, scratch
+    )
+    mass, time_step = parameters.mass, parameters.time_step
+    return power - damp(
+        parameters.elastic_damping, positions, velocities, mass, time_step, scratch.motion, force
+    )
+
+
+@compiled
+def end_step(state, power, parameters, force, scratch):
+    """Add the reactions to the plate's forces, and move the nodes.
+
+    power: of `plate_forces`.
+    """
+    time_step, mass = parameters.time_step, parameters.mass
+    place = add_reaction(parameters, state, power, force)
+    damping, nodes = parameters.elastic_damping, mass.size
+    state.sums[1] += time_step * power_correction(damping, scratch.motion, state, time_step, 0, nodes, force)
+    shift = follow(place, parameters.span, state.origin)
+    drift(state.positions, state.velocities, force, mass, time_step, shift, 0, nodes)
+
+
+@compiled
+def copy_nodal(values, target):
+    """Copy nodal values, shape (2, nodes)."""
+    for i in range(values.shape[0]):
+        for node in range(values.shape[1]):
+            target[i, node] = values[i, node]
 
 
 @implements(add_reaction, LoopParameters, merged=True)
