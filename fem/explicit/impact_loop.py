@@ -9,8 +9,8 @@ import numpy as np
 
 from fem.explicit.elastic_damping import ElasticDamping
 from fem.explicit.internal_force import Viscosity
-from fem.explicit.measures import elastic_energies, motion
-from fem.explicit.time_loop import add_reaction, advance_to_row
+from fem.explicit.measures import motion
+from fem.explicit.time_loop import HOURGLASS, POWER, STRAIN, add_reaction, advance_to_row
 from fem.laws.hinges import Hinges, HingeState, add_impulses, describe_units, join
 from fem.laws.tyres import Axles, AxleState, end_tyre_step, record_tyres, steer
 from fem.laws.wall_contact import (
@@ -159,25 +159,24 @@ def _add_contact_reaction(parameters, state, damping_power, force):
 
 
 @compiled
-def advance_and_record(state, stride, parameters, reference, force, scratch, rows):
+def advance_and_record(state, stride, parameters, reference, force, scratch, last, rows):
     """Advance the state in place and record each row.
 
     stride: steps between rows.
     """
-    power = 0.0
     for row in range(rows.values.shape[0]):
-        power = advance_to_row(state, row == 0, power, stride, parameters, force, scratch)
-        measures = record(state, power, parameters, reference, force, rows, row)
+        advance_to_row(state, row == 0, stride, parameters, force, scratch, last)
+        measures = record(state, parameters, reference, force, last, rows, row)
         for k in range(len(measures)):
             rows.values[row, k] = measures[k]
 
 
 @compiled
-def record(state, power, parameters, reference, force, rows, row):
+def record(state, parameters, reference, force, last, rows, row):
     """Return the `ImpactMeasures` of a state, which is left unchanged.
 
-    Adds reactions to `force`, the plate's forces [N], and fills a row of all arrays of `rows`. power: of the damping of
-    the plate [W], see `plate_forces`.
+    Adds reactions to `force`, the plate's forces [N], and fills a row of all arrays of `rows`. last: a
+    `LastRow` of this state.
     """
     positions, velocities, half_step = state.positions, state.velocities, 0.5 * parameters.time_step
     contact, contact_state, wall, wall_motion = parameters.contact, state.contact, parameters.wall, state.wall
@@ -212,7 +211,6 @@ def record(state, power, parameters, reference, force, rows, row):
         positions, velocities, force, mass, time_step, reference
     )
     wall_energy, deflection, place, foundation = describe_wall(wall, wall_motion, half_step)
-    strain_energy, hourglass_energy = elastic_energies(positions, parameters)
     return ImpactMeasures(
         x_g=origin + c_x,
         y_g=c_y,
@@ -221,12 +219,12 @@ def record(state, power, parameters, reference, force, rows, row):
         v_gx=v_x,
         v_gy=v_y,
         kinetic_energy=kinetic,
-        strain_energy=strain_energy,
-        hourglass_energy=hourglass_energy,
+        strain_energy=last.values[STRAIN],
+        hourglass_energy=last.values[HOURGLASS],
         contact_energy=stored,
         crush_energy=crushed,
         friction_work=friction,
-        damping_work=state.sums[1] - half_step * power,
+        damping_work=state.sums[1] - half_step * last.values[POWER],
         vibration_energy=vibration,
         normal_impulse=normals,
         tangential_impulse=tangentials,

@@ -6,7 +6,7 @@ scratch array, row after row. Inside one array, with row numbers that are consta
 rows do not overlap, and packs neighbouring slots into vector instructions; over many separate arrays it cannot. The
 rows of elements with n nodes are
 
-positions 2n | forces 2n | velocities 2n | viscous power 1 | reference positions 2n
+positions 2n | forces 2n | velocities 2n | viscous power 1 | reference positions 2n | energies 2
 
 Shape functions sum to one. Gradients are therefore taken of differences from the first node, whose force balances
 those of the other nodes, and its own gradients are not needed. Elements of several points that are not congruent are
@@ -68,8 +68,8 @@ class Scratch(NamedTuple):
     tuple of gradients and a weight per point, constants of the loop over the slots; otherwise arrays with one row per
     block. hourglass: vectors in the same form, then the three stiffnesses; None without control. reference: reference
     positions [m] of the nodes of mapped elements, shape (2, nodes); `gradients` and `weights` are then those of the
-    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). plate_force: forces of the plate at the last row [N],
-    shape (2, nodes). quadrilateral: None for other elements. Compiled code cannot allocate.
+    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). quadrilateral: None for other elements. Compiled code
+    cannot allocate.
     """
 
     rows: np.ndarray
@@ -77,7 +77,6 @@ class Scratch(NamedTuple):
     weights: np.ndarray | tuple[float, ...]
     lattice: Lattice | None
     motion: np.ndarray
-    plate_force: np.ndarray
     hourglass: np.ndarray | tuple[tuple[float, ...], ...] | None = None
     reference: np.ndarray | None = None
     quadrilateral: Quadrilateral | None = None
@@ -86,14 +85,13 @@ class Scratch(NamedTuple):
 def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scratch:
     """Return the workspace of a table and its hourglass control."""
     points, nodes = len(table.weights), len(table.per_element)
-    rows = aligned((8 * nodes + 1) * BLOCK_SIZE)
+    rows = aligned((8 * nodes + 3) * BLOCK_SIZE)
     lattice, motion = find_lattice(table.connectivity), np.zeros(SUMS)
-    plate_force = np.empty((2, int(table.connectivity.max()) + 1))
     if table.mapping is not None:
         natural, weights, reference = table.mapping
         bilinear = len(natural[0]) == 2
         quadrilateral = Quadrilateral(None, tuple((eta, xi) for xi, eta in natural)) if bilinear else None
-        return Scratch(rows, natural, weights, lattice, motion, plate_force, None, reference, quadrilateral)
+        return Scratch(rows, natural, weights, lattice, motion, None, reference, quadrilateral)
     gradients = table.gradients.reshape(points, 2 * nodes, -1)[:, 2:]
     control = None if hourglass is None else np.concatenate([hourglass.vectors[1:], hourglass.stiffness])
     if table.weights.shape[1] == 1:
@@ -101,13 +99,11 @@ def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scra
         one_control = None if control is None else (tuple(control[:, 0].tolist()),)
         weights = tuple(table.weights[:, 0].tolist())
         quadrilateral = _parallelogram(table.gradients.reshape(points, nodes, 2))
-        return Scratch(
-            rows, congruent, weights, lattice, motion, plate_force, one_control, None, quadrilateral
-        )
+        return Scratch(rows, congruent, weights, lattice, motion, one_control, None, quadrilateral)
     rows_of_gradients = in_blocks(gradients.reshape(points * 2 * (nodes - 1), -1), lattice)
     control_blocks = None if control is None else in_blocks(control, lattice)
     weights_in_blocks = in_blocks(table.weights, lattice)
-    return Scratch(rows, rows_of_gradients, weights_in_blocks, lattice, motion, plate_force, control_blocks)
+    return Scratch(rows, rows_of_gradients, weights_in_blocks, lattice, motion, control_blocks)
 
 
 def _parallelogram(gradients: np.ndarray) -> Quadrilateral | None:
@@ -132,20 +128,22 @@ def subtract_internal_forces(positions, velocities, viscosity, hourglass, force,
     """
     slots = slot_count(table.connectivity, scratch.lattice)
     return subtract_forces_of(
-        0, slots, positions, velocities, viscosity, hourglass, force, table, material, scratch
+        0, slots, positions, velocities, viscosity, hourglass, force, table, material, scratch, None
     )
 
 
 @compiled
 def subtract_forces_of(
-    begin, end, positions, velocities, viscosity, hourglass, force, table, material, scratch
+    begin, end, positions, velocities, viscosity, hourglass, force, table, material, scratch, energies
 ):
     """Subtract the internal forces of a range of slots.
 
-    begin: the first slot of a block; end: one more than the last slot. Other arguments and the result as
+    begin: the first slot of a block; end: one more than the last slot. energies: None, or an array to which the
+    energies [J] of strain and of hourglass control are added. Other arguments and the result as
     `subtract_internal_forces`.
     """
     nodes, rows = len(table.per_element), scratch.rows
+    energy_rows = rows[(8 * nodes + 1) * BLOCK_SIZE :]
     connectivity, lattice = table.connectivity, scratch.lattice
     power = 0.0
     for first in range(begin, end, BLOCK_SIZE):
@@ -157,11 +155,13 @@ def subtract_forces_of(
         if scratch.reference is not None:
             shape = rows[(6 * nodes + 1) * BLOCK_SIZE :]
             gather(scratch.reference, connectivity, lattice, first, count, shape)
+        if energies is not None:
+            energy_rows[: 2 * BLOCK_SIZE] = 0.0
         if scratch.quadrilateral is not None:
             linear, twists = scratch.quadrilateral
-            set_quadrilaterals(material, viscosity, rows, linear, twists, scratch.weights)
+            set_quadrilaterals(material, viscosity, rows, linear, twists, scratch.weights, energies)
         else:
-            _set_by_points(first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch)
+            _set_by_points(first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch, energies)
         forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
@@ -170,11 +170,16 @@ def subtract_forces_of(
             clear_idle(lattice, first // BLOCK_SIZE, 1, powers)
             for slot in range(count):
                 power += powers[slot]
+        if energies is not None:
+            clear_idle(lattice, first // BLOCK_SIZE, 2, energy_rows)
+            for slot in range(count):
+                energies[0] += energy_rows[slot]
+                energies[1] += energy_rows[BLOCK_SIZE + slot]
     return power
 
 
 @compiled
-def _set_by_points(block, viscosity, hourglass, table, material, scratch):
+def _set_by_points(block, viscosity, hourglass, table, material, scratch, energies):
     """Fill the block's rows with forces, point by point."""
     other_nodes, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
     subtract_first(other_nodes, rows)
@@ -189,16 +194,19 @@ def _set_by_points(block, viscosity, hourglass, table, material, scratch):
         weights = point_of(scratch.weights, block, point, 1)
         if hourglass is not None:
             control = point_of(scratch.hourglass, block, point, len(other_nodes) + 3)
-            set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weights, control)
+            set_stabilised_point(
+                other_nodes, material, viscosity, rows, gradients, weights, control, energies
+            )
         else:
-            _add_any_point(scratch.reference, other_nodes, material, viscosity, rows, gradients, weights)
+            reference = scratch.reference
+            _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies)
     if hourglass is None:
         balance(other_nodes, rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE])
 
 
 @compiled
-def _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights):
+def _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies):
     if reference is None:
-        add_point(other_nodes, material, viscosity, rows, gradients, weights)
+        add_point(other_nodes, material, viscosity, rows, gradients, weights, energies)
     else:
-        add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights)
+        add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies)

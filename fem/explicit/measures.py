@@ -8,28 +8,27 @@ The energy balance then shows errors of the model, not of the bookkeeping.
 import math
 
 from fem.explicit.columns import Measures
-from fem.explicit.time_loop import advance_to_row, copy_nodal, plate_forces
+from fem.explicit.time_loop import HOURGLASS, POWER, STRAIN, advance_to_row, copy_nodal, describe_forces
 from fem.laws.constraints import add_corner_reaction, constraint_energy, weighted
-from fem.laws.materials import deformation_gradient, energy_density, green_strain
 from machine_code.compiled import compiled
 
 
 @compiled
-def measure(state, parameters, reference, force, scratch):
+def measure(state, parameters, reference, force, scratch, last):
     """Return the `Measures` of a state, which is left unchanged.
 
     reference: positions in the body frame [m], shape (2, nodes). The plate's angle is that of the rigid rotation that
     carries them onto the positions with the least mass-weighted square of distance.
     """
-    power = plate_forces(state, parameters, force, scratch)
-    return measures_of(state, power, parameters, reference, force)
+    describe_forces(state, parameters, force, scratch, last)
+    return measures_of(state, parameters, reference, force, last)
 
 
 @compiled
-def measures_of(state, power, parameters, reference, force):
+def measures_of(state, parameters, reference, force, last):
     """Return the `Measures` of a state, and add reactions to the force.
 
-    force: of the plate [N]; power: of its damping [W], see `plate_forces`.
+    force: of the plate [N]; last: a `LastRow` of this state.
     """
     positions, velocities, sums, origin = state
     mass, time_step, half = parameters.mass, parameters.time_step, 0.5 * parameters.time_step
@@ -40,7 +39,6 @@ def measures_of(state, power, parameters, reference, force):
         positions, velocities, force, mass, time_step, reference
     )
     gap = weighted(positions[1], parameters.corner)
-    strain_energy, hourglass_energy = elastic_energies(positions, parameters)
     return Measures(
         theta=theta,
         omega=omega,
@@ -51,15 +49,15 @@ def measures_of(state, power, parameters, reference, force):
         reaction_normal=normal,
         reaction_tangential=tangential,
         kinetic_energy=kinetic,
-        strain_energy=strain_energy,
+        strain_energy=last.values[STRAIN],
         contact_energy=constraint_energy(parameters.corner.constraint, gap),
         friction_work=sums[0] + half * tangential * slip,
-        damping_work=sums[1] - half * power,
+        damping_work=sums[1] - half * last.values[POWER],
         vibration_energy=vibration,
         normal_impulse=sums[2] + half * normal,
         normal_impulse_magnitude=sums[3] + half * abs(normal),
         gap=gap,
-        hourglass_energy=hourglass_energy,
+        hourglass_energy=last.values[HOURGLASS],
     )
 
 
@@ -104,58 +102,16 @@ def motion(positions, velocities, force, mass, time_step, reference):
 
 
 @compiled
-def elastic_energies(positions, parameters):
-    """Return the energies [J] of strain and of hourglass control."""
-    control = 0.0
-    if parameters.hourglass is not None:
-        control = energy_of_hourglass(positions, parameters.table, parameters.hourglass)
-    return energy_of_strain(positions, parameters.table, parameters.material), control
-
-
-@compiled
-def energy_of_strain(positions, table, material):
-    """Return the strain energy [J] of all elements."""
-    congruent = table.weights.shape[1] == 1
-    energy = 0.0
-    for element in range(table.connectivity.shape[1]):
-        column = 0 if congruent else element
-        for point in range(table.weights.shape[0]):
-            f_11, f_12, f_21, f_22 = deformation_gradient(positions, table, point, element)
-            e_11, e_22, g_12 = green_strain(f_11, f_12, f_21, f_22)
-            energy += table.weights[point, column] * energy_density(material, e_11, e_22, g_12)
-    return energy
-
-
-@compiled
-def energy_of_hourglass(positions, table, hourglass):
-    """Return the energy [J] of the hourglass control of all elements."""
-    energy = 0.0
-    for element in range(table.connectivity.shape[1]):
-        column = 0 if hourglass.vectors.shape[1] == 1 else element
-        f_11, f_12, f_21, f_22 = deformation_gradient(positions, table, 0, element)
-        q_1 = q_2 = 0.0
-        for a in range(len(table.per_element)):
-            node = table.connectivity[a, element]
-            q_1 += hourglass.vectors[a, column] * positions[0, node]
-            q_2 += hourglass.vectors[a, column] * positions[1, node]
-        p_1, p_2 = f_11 * q_1 + f_21 * q_2, f_12 * q_1 + f_22 * q_2
-        k_11, k_22, k_12 = hourglass.stiffness[:, column]
-        energy += 0.5 * (k_11 * p_1 * p_1 + k_22 * p_2 * p_2) + k_12 * p_1 * p_2
-    return energy
-
-
-@compiled
-def advance_and_measure(state, before, stride, parameters, reference, force, scratch, rows):
+def advance_and_measure(state, before, stride, parameters, reference, force, scratch, last, rows):
     """Advance the state in place and write its `Measures` row by row.
 
     stride: steps between rows. Ends after a row with an angle that is not positive, or with a number that is not
     finite; `before` is then the state of the previous row. Returns the number of rows. Other arguments: as `measure`.
     """
-    power = 0.0
     for row in range(rows.shape[0]):
         _copy_state(state, before)
-        power = advance_to_row(state, row == 0, power, stride, parameters, force, scratch)
-        measures = measures_of(state, power, parameters, reference, force)
+        advance_to_row(state, row == 0, stride, parameters, force, scratch, last)
+        measures = measures_of(state, parameters, reference, force, last)
         finite = True
         for column in range(rows.shape[1]):
             rows[row, column] = measures[column]

@@ -105,18 +105,29 @@ def advance_thread(t, state, steps, parameters, forces, shared, rows, powers, mo
     first, last = blocks * t // threads * BLOCK_SIZE, min(slots, blocks * (t + 1) // threads * BLOCK_SIZE)
     begin, end = nodes * t // threads, nodes * (t + 1) // threads
     motion = motions[1, t]
-    gradients, weights, lattice, plate_force = (
+    gradients, weights, lattice, hourglass = (
         shared.gradients,
         shared.weights,
         shared.lattice,
-        shared.plate_force,
+        shared.hourglass,
     )
-    constants = shared.hourglass, shared.reference, shared.quadrilateral
-    scratch = Scratch(rows[t], gradients, weights, lattice, motion, plate_force, *constants)
+    scratch = Scratch(
+        rows[t], gradients, weights, lattice, motion, hourglass, shared.reference, shared.quadrilateral
+    )
     for step in range(steps):
         own_forces[:] = 0.0
         powers[0, t] = subtract_forces_of(
-            first, last, positions, velocities, viscosity, hourglass, own_forces, table, material, scratch
+            first,
+            last,
+            positions,
+            velocities,
+            viscosity,
+            hourglass,
+            own_forces,
+            table,
+            material,
+            scratch,
+            None,
         )
         sum_motion(damping, positions, velocities, mass, begin, end, motions[0, t])
         _wait_for_all(barrier, threads, 3 * step + 1)

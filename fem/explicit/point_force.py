@@ -11,15 +11,15 @@ parallelogram.
 """
 
 from fem.explicit.simd_blocks import BLOCK_SIZE, at_slot
-from fem.laws.materials import green_strain, stress
+from fem.laws.materials import energy_density, green_strain, stress
 from machine_code.compiled import compiled, inlined
 
 
 @compiled
-def add_point(other_nodes, material, viscosity, rows, gradients, weights):
+def add_point(other_nodes, material, viscosity, rows, gradients, weights, energies):
     """Add the nodal forces of one quadrature point to the block's rows.
 
-    P = F S, f_a = w P grad N_a.
+    P = F S, f_a = w P grad N_a. energies: None where the strain energy is not added to its row.
     """
     nodes = len(other_nodes) + 1
     for slot in range(BLOCK_SIZE):
@@ -27,14 +27,13 @@ def add_point(other_nodes, material, viscosity, rows, gradients, weights):
         r = f
         if viscosity is not None:
             r = _gradient(4 * nodes + 2, other_nodes, rows, gradients, slot)
-        power, weight = (6 * nodes) * BLOCK_SIZE + slot, at_slot(weights, 0, slot)
-        _add_to_nodes(
-            _stress(f, r, material, viscosity, rows, power, weight), other_nodes, rows, gradients, slot
-        )
+        weight = at_slot(weights, 0, slot)
+        p = _stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
+        _add_to_nodes(p, other_nodes, rows, gradients, slot)
 
 
 @compiled
-def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights):
+def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies):
     """Add the nodal forces of one quadrature point of mapped elements.
 
     gradients: on the reference element.
@@ -46,13 +45,13 @@ def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights)
         r = f
         if viscosity is not None:
             r = _product(_gradient(4 * nodes + 2, other_nodes, rows, gradients, slot), inverse)
-        power, weight = (6 * nodes) * BLOCK_SIZE + slot, at_slot(weights, 0, slot) * abs(area)
-        p = _stress(f, r, material, viscosity, rows, power, weight)
+        weight = at_slot(weights, 0, slot) * abs(area)
+        p = _stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
         _add_to_nodes(_product_with_transpose(p, inverse), other_nodes, rows, gradients, slot)
 
 
 @compiled
-def set_quadrilaterals(material, viscosity, rows, linear, twists, weights):
+def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energies):
     """Fill the block's rows with forces of quadrilaterals, the first node included.
 
     linear: gradients of xi and eta in congruent parallelograms, in a row; None for mapped elements. twists: gradient of
@@ -77,7 +76,7 @@ def set_quadrilaterals(material, viscosity, rows, linear, twists, weights):
             r = f
             if viscosity is not None:
                 r = _twisted(_product(v, inverse), v_twist, twist)
-            p = _stress(f, r, material, viscosity, rows, 24 * BLOCK_SIZE + slot, weight)
+            p = _stress(f, r, material, viscosity, rows, 4, weight, energies, slot)
             t_1 += p[0] * twist[0] + p[1] * twist[1]
             t_2 += p[2] * twist[0] + p[3] * twist[1]
             if linear is None:
@@ -121,7 +120,7 @@ def _twisted(linear, twist, gradient):
 
 
 @compiled
-def set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weights, control):
+def set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weights, control, energies):
     """Fill the block's rows with forces of one-point elements.
 
     Hourglass control is included, and so is the first node: the stress is P + q (x) K p, and node a receives gamma_a
@@ -134,8 +133,8 @@ def set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weig
         r = f
         if viscosity is not None:
             r = _gradient(4 * nodes + 2, other_nodes, rows, gradients, slot)
-        power, weight = (6 * nodes) * BLOCK_SIZE + slot, at_slot(weights, 0, slot)
-        p_11, p_12, p_21, p_22 = _stress(f, r, material, viscosity, rows, power, weight)
+        weight = at_slot(weights, 0, slot)
+        p_11, p_12, p_21, p_22 = _stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
         q_1 = q_2 = 0.0
         for a in range(len(other_nodes)):
             gamma = at_slot(control, a, slot)
@@ -145,6 +144,8 @@ def set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weig
         k_12 = at_slot(control, nodes + 1, slot)
         r_1 = at_slot(control, nodes - 1, slot) * t_1 + k_12 * t_2
         r_2 = k_12 * t_1 + at_slot(control, nodes, slot) * t_2
+        if energies is not None:
+            rows[(8 * nodes + 2) * BLOCK_SIZE + slot] += 0.5 * (t_1 * r_1 + t_2 * r_2)
         h_1, h_2 = f_11 * r_1 + f_12 * r_2, f_21 * r_1 + f_22 * r_2
         p_11 += q_1 * r_1
         p_12 += q_1 * r_2
@@ -165,15 +166,17 @@ def set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weig
 
 
 @inlined
-def _stress(f, r, material, viscosity, rows, power, weight):
+def _stress(f, r, material, viscosity, rows, nodes, weight, energies, slot):
     """Return the weighted first Piola-Kirchhoff stress of a point.
 
-    The viscous power is added to the rows. f, r: deformation gradient and its rate. power: place of the viscous power
-    in the rows.
+    The viscous power, and the strain energy unless `energies` is None, are added to the rows. f, r: deformation
+    gradient and its rate. nodes: of an element.
     """
     f_11, f_12, f_21, f_22 = f
     e_11, e_22, g_12 = green_strain(f_11, f_12, f_21, f_22)
     s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
+    if energies is not None:
+        rows[(8 * nodes + 1) * BLOCK_SIZE + slot] += weight * energy_density(material, e_11, e_22, g_12)
     if viscosity is not None:
         r_11, r_12, r_21, r_22 = r
         d_11 = f_11 * r_11 + f_21 * r_21
@@ -182,7 +185,7 @@ def _stress(f, r, material, viscosity, rows, power, weight):
         v_11 = viscosity.c_11 * d_11 + viscosity.c_12 * d_22
         v_22 = viscosity.c_12 * d_11 + viscosity.c_11 * d_22
         v_12 = viscosity.c_33 * d_12
-        rows[power] += weight * (v_11 * d_11 + v_22 * d_22 + v_12 * d_12)
+        rows[6 * nodes * BLOCK_SIZE + slot] += weight * (v_11 * d_11 + v_22 * d_22 + v_12 * d_12)
         s_11 += v_11
         s_22 += v_22
         s_12 += v_12

@@ -50,6 +50,21 @@ class State(NamedTuple):
     origin: np.ndarray
 
 
+STRAIN, HOURGLASS, POWER = range(3)
+"""Places of the values of `LastRow`."""
+
+
+class LastRow(NamedTuple):
+    """Forces of the plate at the last row for the next step.
+
+    force [N]: without reactions, shape (2, nodes). values, shape (3,): energies of strain and of hourglass control [J],
+    and power of damping [W].
+    """
+
+    force: np.ndarray
+    values: np.ndarray
+
+
 def add_reaction(parameters: object, state: object, damping_power: float, force: np.ndarray) -> float:
     """Add the wall's reaction to the forces and update the sums.
 
@@ -77,39 +92,46 @@ def advance(state, steps, parameters, force, scratch):
     force, scratch: workspace.
     """
     for _ in range(steps):
-        power = plate_forces(state, parameters, force, scratch)
+        power = plate_forces(state, parameters, force, scratch, None)
         end_step(state, power, parameters, force, scratch)
 
 
 @compiled
-def advance_to_row(state, is_first, power, stride, parameters, force, scratch):
-    """Advance by `stride` steps, and keep the plate's forces there.
+def advance_to_row(state, is_first, stride, parameters, force, scratch, last):
+    """Advance by `stride` steps, and set the forces and `last` there.
 
-    The first step takes the forces that were kept at the last row, except before the first row. power: at the last row.
-    Returns the power at this one.
+    The first step takes the forces of the last row, also before the first row: rounding of the kernel with energies
+    differs, and the bits are not to depend on the number of rows in a call.
     """
-    if not is_first:
-        copy_nodal(scratch.plate_force, force)
-        end_step(state, power, parameters, force, scratch)
-        stride -= 1
-    advance(state, stride, parameters, force, scratch)
-    power = plate_forces(state, parameters, force, scratch)
-    copy_nodal(force, scratch.plate_force)
-    return power
+    if stride > 0:
+        if is_first:
+            describe_forces(state, parameters, force, scratch, last)
+        copy_nodal(last.force, force)
+        end_step(state, last.values[POWER], parameters, force, scratch)
+    advance(state, stride - 1, parameters, force, scratch)
+    describe_forces(state, parameters, force, scratch, last)
 
 
 @compiled
-def plate_forces(state, parameters, force, scratch):
+def describe_forces(state, parameters, force, scratch, last):
+    """Put the forces of the plate [N] into `force`, and fill `last`."""
+    last.values[:] = 0.0
+    last.values[POWER] = plate_forces(state, parameters, force, scratch, last.values)
+    copy_nodal(force, last.force)
+
+
+@compiled
+def plate_forces(state, parameters, force, scratch, energies):
     """Put the forces of the plate [N], without reactions, into `force`.
 
-    Returns the power [W] that damping takes from the velocities half a step back.
+    energies: see `subtract_forces_of`. Returns the power [W] that damping takes from the velocities half a step back.
     """
     positions, velocities, table = state.positions, state.velocities, parameters.table
     viscosity, hourglass, material = parameters.viscosity, parameters.hourglass, parameters.material
     force[:] = 0.0
     slots = slot_count(table.connectivity, scratch.lattice)
     power = subtract_forces_of(
-        0, slots, positions, velocities, viscosity, hourglass, force, table, material, scratch
+        0, slots, positions, velocities, viscosity, hourglass, force, table, material, scratch, energies
     )
     mass, time_step = parameters.mass, parameters.time_step
     return power - damp(
@@ -119,9 +141,9 @@ def plate_forces(state, parameters, force, scratch):
 
 @compiled
 def end_step(state, power, parameters, force, scratch):
-    """Add the reactions to the plate's forces, and move the nodes.
+    """Add the reactions to the plate's forces and advance the nodes.
 
-    power: of `plate_forces`.
+    power: result of `plate_forces`.
     """
     time_step, mass = parameters.time_step, parameters.mass
     place = add_reaction(parameters, state, power, force)

@@ -116,7 +116,7 @@ MATERIALS.register(
         stress=_linear_stress,
         energy_density=_quadratic_energy,
         text="St. Venant-Kirchhoff, linear between Green strain and second Piola-Kirchhoff stress",
-        inlined=("stress",),
+        inlined=("stress", "energy_density"),
     )
 )
 

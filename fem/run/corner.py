@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from fem.explicit import columns, time_loop
+from fem.explicit import columns
 from fem.explicit.measures import advance_and_measure, measure
 from fem.explicit.time_loop import State
 from fem.model.plate_model import PlateModel
@@ -138,11 +138,10 @@ class Stepper(runner.PlateStepper[State]):
 
     def advance(self, state: State, steps: int) -> State:
         """Return the state after this many steps."""
+        if not self._team:
+            return self._compiled_rows(state, steps, 1).state
         later = runner.copy_state(state)
-        if self._team:
-            self._team.advance(later, steps)
-        else:
-            time_loop.advance(later, steps, self._fixed, *self._workspace[1:])
+        self._team.advance(later, steps)
         return later
 
     def measure(self, state: State) -> columns.Measures:
@@ -157,6 +156,10 @@ class Stepper(runner.PlateStepper[State]):
         """
         if self._team or any(column.value for column in columns.COLUMNS.values()):
             return self._record_singly(state, stride, count)
+        return self._compiled_rows(state, stride, count)
+
+    def _compiled_rows(self, state: State, stride: int, count: int) -> runner.Recorded[State]:
+        """Return rows as `record`, made by one compiled call."""
         runner.assign_state(self._later.value, state)
         rows, call = self._prepared_call(stride, count)
         filled = call()

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
-from fem.explicit import internal_force
+from fem.explicit import internal_force, time_loop
 from fem.model.plate_model import PlateModel
 from machine_code.object_code import Prepared
 
@@ -98,7 +98,9 @@ class PlateStepper(Generic[S]):
         self._reference = model.discretisation.positions
         self._force = np.zeros_like(self._reference)
         self._scratch = internal_force.scratch_for(self.parameters.table, self.parameters.hourglass)
-        self._workspace = [Prepared(part) for part in (self._reference, self._force, self._scratch)]
+        last = time_loop.LastRow(np.zeros_like(self._reference), np.zeros(3))
+        parts = self._reference, self._force, self._scratch, last
+        self._workspace = [Prepared(part) for part in parts]
         self._prepared = Prepared(self.parameters)
 
     @property

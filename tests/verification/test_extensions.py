@@ -22,7 +22,7 @@ from fem import (
     START_KINDS,
     ElementKind,
 )
-from fem.explicit.measures import all_forces
+from fem.explicit.time_loop import end_step
 from fem.laws.friction import Drag
 from fem.registry import Registry
 from fem.start.inertia_relief import statics
@@ -196,7 +196,7 @@ def test_a_law_from_outside_belongs_to_the_code_of_its_loops_alone(registered):
     law = FRICTION_LAWS["smoothed"]
 
     def files():
-        return [all_forces.path(constants) for constants in (Drag(0.3), law.constants(0.3))]
+        return [end_step.path(constants) for constants in (Drag(0.3), law.constants(0.3))]
 
     (drag, smoothed), laws = files(), sources_of_laws()
     FRICTION_LAWS["smoothed"] = replace(law, force=other_force)

@@ -9,8 +9,7 @@ import scipy.sparse.linalg
 from numpy.testing import assert_allclose
 
 from fem.explicit import simd_blocks
-from fem.explicit.internal_force import Viscosity, scratch_for, subtract_internal_forces
-from fem.explicit.measures import energy_of_hourglass, energy_of_strain
+from fem.explicit.internal_force import Viscosity, scratch_for, subtract_forces_of
 from fem.laws.materials import MATERIALS, _logarithms, neo_hookean, st_venant_kirchhoff
 from fem.plate.discretisation import discretise, hourglass_control, hourglass_matrix, stiffness_matrix
 from fem.plate.kinds import ELEMENT_KINDS
@@ -24,12 +23,24 @@ INVISCID = Viscosity(0.0, 0.0, 0.0)
 """Viscosity of elastic forces, so that each element has one kernel to compile."""
 
 
+def forces_and_energies(table, at, rate=None, viscosity=INVISCID, material=MATERIAL, hourglass=None):
+    """Forces, viscous power, and energies of strain and of hourglass control."""
+    force, rate = np.zeros_like(at), np.zeros_like(at) if rate is None else rate
+    scratch, energies = scratch_for(table, hourglass), np.zeros(2)
+    slots = simd_blocks.slot_count(table.connectivity, scratch.lattice)
+    laws = viscosity, hourglass, force, table, material, scratch
+    power = subtract_forces_of(0, slots, at, rate, *laws, energies)
+    return -force, power, *energies
+
+
 def internal_forces(table, at, rate=None, viscosity=INVISCID, material=MATERIAL, hourglass=None):
     """Forces of the elements on the nodes, and the viscous power."""
-    force, rate = np.zeros_like(at), np.zeros_like(at) if rate is None else rate
-    scratch = scratch_for(table, hourglass)
-    power = subtract_internal_forces(at, rate, viscosity, hourglass, force, table, material, scratch)
-    return -force, power
+    return forces_and_energies(table, at, rate, viscosity, material, hourglass)[:2]
+
+
+def elastic_energy(at, table, material, hourglass=None):
+    """Energy of strain and of hourglass control."""
+    return sum(forces_and_energies(table, at, material=material, hourglass=hourglass)[2:])
 
 
 def slope(energy, at, direction, step):
@@ -55,7 +66,7 @@ def test_congruent_elements_share_one_column_and_distorted_ones_do_not(distorted
 
 
 def forces_by_sums(table, at, rate, *laws):
-    """Forces of the elements by the stored gradients, and the viscous power.
+    """Forces by the stored gradients, viscous power and strain energy.
 
     laws: constants of the elastic and of the viscous stress.
     """
@@ -77,7 +88,10 @@ def forces_by_sums(table, at, rate, *laws):
     weights = np.broadcast_to(table.weights, (len(table.weights), elements))
     pull = np.einsum("ikqe,klqe,qale,qe->iae", f, sum(stresses), gradients, weights)
     force = [np.bincount(table.connectivity.ravel(), part.ravel(), at.shape[1]) for part in pull]
-    return np.array(force), np.einsum("klqe,klqe,qe->", stresses[1], strains[1], weights)
+    power, twice = (
+        np.einsum("klqe,klqe,qe->", *of, weights) for of in zip(stresses[::-1], strains[::-1], strict=True)
+    )
+    return np.array(force), power, 0.5 * twice
 
 
 @pytest.mark.parametrize("kind", ["quad4", "quad9", "tri6"])
@@ -90,12 +104,11 @@ def test_mapped_elements_are_those_of_the_gradients(kind, distorted_mesh):
     positions = mapped.positions + 1e-3 * rng.normal(size=mapped.positions.shape)
     velocities = rng.normal(size=positions.shape)
     for time in (0.0, 1e-4):
-        forces, power = internal_forces(mapped.table, positions, velocities, viscosity(time))
-        expected, expected_power = forces_by_sums(
-            mapped.table, positions, velocities, MATERIAL, viscosity(time)
-        )
+        inputs = mapped.table, positions, velocities
+        forces, *scalars, _ = forces_and_energies(*inputs, viscosity(time))
+        expected, *expected_scalars = forces_by_sums(*inputs, MATERIAL, viscosity(time))
         assert np.abs(forces - expected).max() < 1e-12 * np.abs(expected).max()
-        assert power == pytest.approx(expected_power, rel=1e-12)
+        assert scalars == pytest.approx(expected_scalars, rel=1e-12)
 
 
 @pytest.mark.parametrize(("elements", "corner", "is_parallelogram"), [
@@ -115,10 +128,10 @@ def test_congruent_elements_are_those_of_the_gradients(elements, corner, is_para
         rng.normal(size=reference.shape),
     )
     for time in (0.0, 1e-4):
-        forces, power = internal_forces(table, positions, velocities, viscosity(time))
-        expected, expected_power = forces_by_sums(table, positions, velocities, MATERIAL, viscosity(time))
+        forces, *scalars, _ = forces_and_energies(table, positions, velocities, viscosity(time))
+        expected, *expected_scalars = forces_by_sums(table, positions, velocities, MATERIAL, viscosity(time))
         assert np.abs(forces - expected).max() < 1e-12 * np.abs(expected).max()
-        assert power == pytest.approx(expected_power, rel=1e-12)
+        assert scalars == pytest.approx(expected_scalars, rel=1e-12)
 
 
 def test_rigid_motion_gives_no_force(discretisation):
@@ -153,7 +166,7 @@ def test_energy_of_constant_strain(discretisation):
     gradient = to_global(-0.3) @ np.array([[1.01, 0.02], [0.0, 0.995]])
     strain = 0.5 * (gradient.T @ gradient - np.eye(2))
     density = 0.5 * 200e9 / (1 - 0.09) * (0.7 * np.sum(strain**2) + 0.3 * np.trace(strain) ** 2)
-    energy = energy_of_strain(gradient @ discretisation.positions, discretisation.table, MATERIAL)
+    energy = elastic_energy(gradient @ discretisation.positions, discretisation.table, MATERIAL)
     assert energy == pytest.approx(density * 10.0 * 2.438 * THICKNESS, rel=1e-12)
 
 
@@ -162,7 +175,7 @@ def test_forces_are_the_gradient_of_the_energy(discretisation):
     table, shape = discretisation.table, discretisation.positions.shape
     positions = to_global(0.4) @ discretisation.positions + random.normal(0.0, 0.01, shape)
     forces, direction = internal_forces(table, positions)[0], random.normal(size=shape)
-    expected = slope(lambda at: energy_of_strain(at, table, MATERIAL), positions, direction, 1e-2)
+    expected = slope(lambda at: elastic_energy(at, table, MATERIAL), positions, direction, 1e-2)
     assert np.sum(forces * direction) == pytest.approx(expected, rel=1e-10)
 
 
@@ -333,7 +346,7 @@ def test_forces_are_the_slope_of_the_energy_in_any_position():
     direction = random.normal(size=positions.shape)
 
     def energy(at):
-        return energy_of_strain(at, d.table, MODULI) + energy_of_hourglass(at, d.table, control)
+        return elastic_energy(at, d.table, MODULI, control)
 
     force = internal_forces(d.table, positions, material=MODULI, hourglass=control)[0]
     expected = slope(energy, positions, direction, 1e-4)
@@ -405,7 +418,7 @@ def test_stress_is_the_slope_of_the_energy(law):
     random = np.random.default_rng(1)
     positions = np.array([[1.3, 0.2], [0.1, 0.8]]) @ d.positions + random.normal(0.0, 0.02, d.positions.shape)
     direction = random.normal(size=positions.shape)
-    expected = slope(lambda at: energy_of_strain(at, d.table, material), positions, direction, 1e-4)
+    expected = slope(lambda at: elastic_energy(at, d.table, material), positions, direction, 1e-4)
     force = internal_forces(d.table, positions, material=material)[0]
     assert np.sum(force * direction) == pytest.approx(expected, rel=1e-8)
 
@@ -423,9 +436,9 @@ def test_hourglass_control_sees_only_what_one_point_does_not():
     d = discretise(mesh, THICKNESS, "quad4-reduced")
     control = hourglass_control(d, THICKNESS, st_venant_kirchhoff(2e11, 0.3))
     affine = np.array([[1.4, 0.3], [-0.2, 0.9]]) @ d.positions + 5.0
-    assert energy_of_hourglass(affine, d.table, control) < 1e-18 * 2e11
+    assert forces_and_energies(d.table, affine, hourglass=control)[3] < 1e-18 * 2e11
     bent = d.positions + 1e-3 * np.array([d.positions[0] * d.positions[1], np.zeros(d.positions.shape[1])])
-    assert energy_of_hourglass(bent, d.table, control) > 1.0
+    assert forces_and_energies(d.table, bent, hourglass=control)[3] > 1.0
 
 
 def test_the_deformed_frequency_is_the_assembled_one_at_rest(plate_model):
