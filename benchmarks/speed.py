@@ -42,6 +42,19 @@ AGREEMENT = 1e-9
 """Largest distance of the codes' far corners [m] at which they count as running the same plate."""
 
 
+COUNTS = ("plate.elements=[60, 18]",)
+ESTIMATED = (
+    *(("quad4", *changes) for changes in ((), ("plate.distortion=0.2",), ("material.law=neo-hookean",))),
+    *(
+        (element, *changes)
+        for element in ("quad4-reduced", "quad9")
+        for changes in ((), ("plate.distortion=0.2",))
+    ),
+    *(("tri3",), ("tri6",), ("quad9", "material.law=neo-hookean")),
+)
+"""Elements and further changes of a scene whose time is compared with the estimate."""
+
+
 @dataclass
 class Entry:
     """Line of the table, with the rate of each turn."""
@@ -171,6 +184,21 @@ def print_ratios(rates: Sequence[Entry], lines: Sequence[Entry]) -> None:
         command_line.row(what, f"{required:g}" if required else "", f"{best:.2f}, of medians {median:.2f}")
 
 
+def print_estimates() -> None:
+    """Print the time of the loop beside the estimate of `tailslap check`."""
+    from tailslap.case.corner.corner_case import CornerCase
+    from tailslap.case.corner.corner_run import attempt
+    from tailslap.case.resources import loop_seconds
+    from tailslap.scene.read import read_scene
+
+    for element, *changes in ESTIMATED:
+        case = CornerCase(*read_scene("paper-table-3", (f"plate.element={element}", *COUNTS, *changes)))
+        run = attempt(case).run
+        expected = loop_seconds(case.scene, element, (60, 18), run.steps, len(run.history["t"]))
+        what = " ".join((element, *changes))
+        command_line.row(f"loop over estimate, {what}", "", f"{run.time_loop_s / expected:.2f}")
+
+
 def check_packing(stepper: Any) -> int:
     """Print whether the kernel is packed, and return the exit status."""
     from bound import multiply_adds
@@ -198,6 +226,7 @@ def main() -> int:
         size = f", {entry.elements} elements" if entry.elements else ""
         command_line.row(entry.name + size, "", f"{best:.3g}, median {median:.3g}  {entry.remark}")
     print_ratios(rates, lines)
+    print_estimates()
     if not options.others:
         print("Akantu, Kratos, Warp: not measured, --others PYTHON is missing")
     return check_packing(loop)
