@@ -27,6 +27,7 @@ from fem.explicit.point_force import (
 )
 from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
+    LANES,
     Lattice,
     aligned,
     balance,
@@ -148,6 +149,7 @@ def subtract_forces_of(
     power = 0.0
     for first in range(begin, end, BLOCK_SIZE):
         count = min(BLOCK_SIZE, end - first)
+        groups = (count + LANES - 1) // LANES
         gather(positions, connectivity, lattice, first, count, rows)
         if viscosity is not None:
             gather(velocities, connectivity, lattice, first, count, rows[4 * nodes * BLOCK_SIZE :])
@@ -159,9 +161,11 @@ def subtract_forces_of(
             energy_rows[: 2 * BLOCK_SIZE] = 0.0
         if scratch.quadrilateral is not None:
             linear, twists = scratch.quadrilateral
-            set_quadrilaterals(material, viscosity, rows, linear, twists, scratch.weights, energies)
+            set_quadrilaterals(material, viscosity, rows, linear, twists, scratch.weights, energies, groups)
         else:
-            _set_by_points(first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch, energies)
+            _set_by_points(
+                first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch, energies, groups
+            )
         forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
@@ -179,7 +183,7 @@ def subtract_forces_of(
 
 
 @compiled
-def _set_by_points(block, viscosity, hourglass, table, material, scratch, energies):
+def _set_by_points(block, viscosity, hourglass, table, material, scratch, energies, groups):
     """Fill the block's rows with forces, point by point."""
     other_nodes, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
     subtract_first(other_nodes, rows)
@@ -195,18 +199,20 @@ def _set_by_points(block, viscosity, hourglass, table, material, scratch, energi
         if hourglass is not None:
             control = point_of(scratch.hourglass, block, point, len(other_nodes) + 3)
             set_stabilised_point(
-                other_nodes, material, viscosity, rows, gradients, weights, control, energies
+                other_nodes, material, viscosity, rows, gradients, weights, control, energies, groups
             )
         else:
             reference = scratch.reference
-            _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies)
+            _add_any_point(
+                reference, other_nodes, material, viscosity, rows, gradients, weights, energies, groups
+            )
     if hourglass is None:
         balance(other_nodes, rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE])
 
 
 @compiled
-def _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies):
+def _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies, groups):
     if reference is None:
-        add_point(other_nodes, material, viscosity, rows, gradients, weights, energies)
+        add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, groups)
     else:
-        add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies)
+        add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, groups)

@@ -10,19 +10,19 @@ gradient is F = a (x) grad xi + b (x) grad eta + c (x) grad (xi eta), of which t
 parallelogram.
 """
 
-from fem.explicit.simd_blocks import BLOCK_SIZE, at_slot
+from fem.explicit.simd_blocks import BLOCK_SIZE, LANES, at_slot
 from fem.laws.materials import energy_density, green_strain, stress
 from machine_code.compiled import compiled, inlined
 
 
 @compiled
-def add_point(other_nodes, material, viscosity, rows, gradients, weights, energies):
+def add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, groups):
     """Add the nodal forces of one quadrature point to the block's rows.
 
     P = F S, f_a = w P grad N_a. energies: None where the strain energy is not added to its row.
     """
     nodes = len(other_nodes) + 1
-    for slot in range(BLOCK_SIZE):
+    for slot in range(LANES * groups):
         f = _gradient(2, other_nodes, rows, gradients, slot)
         r = f
         if viscosity is not None:
@@ -33,13 +33,13 @@ def add_point(other_nodes, material, viscosity, rows, gradients, weights, energi
 
 
 @compiled
-def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies):
+def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, groups):
     """Add the nodal forces of one quadrature point of mapped elements.
 
     gradients: on the reference element.
     """
     nodes = len(other_nodes) + 1
-    for slot in range(BLOCK_SIZE):
+    for slot in range(LANES * groups):
         area, inverse = _inverse(_gradient(6 * nodes + 3, other_nodes, rows, gradients, slot))
         f = _product(_gradient(2, other_nodes, rows, gradients, slot), inverse)
         r = f
@@ -51,13 +51,13 @@ def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights,
 
 
 @compiled
-def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energies):
+def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energies, groups):
     """Fill the block's rows with forces of quadrilaterals, the first node included.
 
     linear: gradients of xi and eta in congruent parallelograms, in a row; None for mapped elements. twists: gradient of
     xi eta at each point; of mapped elements on the reference element.
     """
-    for slot in range(BLOCK_SIZE):
+    for slot in range(LANES * groups):
         x, x_twist = _modes(0, rows, slot)
         v, v_twist = x, x_twist
         if viscosity is not None:
@@ -120,14 +120,16 @@ def _twisted(linear, twist, gradient):
 
 
 @compiled
-def set_stabilised_point(other_nodes, material, viscosity, rows, gradients, weights, control, energies):
+def set_stabilised_point(
+    other_nodes, material, viscosity, rows, gradients, weights, control, energies, groups
+):
     """Fill the block's rows with forces of one-point elements.
 
     Hourglass control is included, and so is the first node: the stress is P + q (x) K p, and node a receives gamma_a
     F K p in addition.
     """
     nodes = len(other_nodes) + 1
-    for slot in range(BLOCK_SIZE):
+    for slot in range(LANES * groups):
         f = _gradient(2, other_nodes, rows, gradients, slot)
         f_11, f_12, f_21, f_22 = f
         r = f

@@ -18,6 +18,9 @@ from machine_code.values import Number, Record
 BLOCK_SIZE = 64
 """Elements per block; the rows of a block stay in the first-level cache."""
 
+LANES = 8
+"""Slots that are computed together; the last group of a block may be partly idle."""
+
 
 class Lattice(NamedTuple):
     """Numbering of elements that rises by one per slot.
