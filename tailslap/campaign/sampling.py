@@ -9,18 +9,21 @@ Few rows of a Sobol sequence have columns that coincide. Rows are therefore a La
 scrambled sequence has enough of them. Intervals follow from the jackknife of the groups.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tailslap.campaign.input_ranges import Range
-from tailslap.campaign.records import Record
 from tailslap.case import resources
+
+if TYPE_CHECKING:
+    from tailslap.campaign.records import Record
 
 Array = NDArray[np.float64]
 
@@ -125,6 +128,8 @@ def solved_in_blocks(
 
     solve: see `sampled`. block: number of samples at a time. show: takes the fraction of finished samples.
     """
+    from concurrent.futures import ThreadPoolExecutor
+
     size, results = next(iter(inputs.values())).size, dict[str, Array]()
     blocks = [slice(0, 1), *(slice(first, first + block) for first in range(1, size, block))]
     threads = ThreadPoolExecutor(resources.available_cores())  # compiled code runs beside other threads

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BarycentricInterpolator
 
+from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.time_loop import State
 from fem.plate.discretisation import nodal_spin
 from fem.run.corner import Stepper, simulate
@@ -93,6 +94,25 @@ def test_damping_takes_energy_out_and_the_ledger_says_how_much(outcome):
     assert (np.diff(work) < 0.0).all()
     assert -work[-1] > 5.0 * vibration[-1] > 0.0
     assert np.abs(result.fe_history["energy_error"]).max() < 1e-9 * result.fe_history["kinetic_energy"][0]
+
+
+def test_viscous_work_follows_the_trapezoidal_rule(plate_model):
+    """Its power is that of the velocities half a step back, at both ends of a step."""
+    model = plate_model(elements=(6, 2), bulk_viscosity=0.06)
+    laws, table = model.parameters, model.parameters.table
+    stepper, scratch = Stepper(model), scratch_for(table)
+    states = [stepper.advance(stepper.start(START, "unstressed"), 20)]
+    states.append(stepper.advance(states[0], 1))
+    powers = [
+        subtract_internal_forces(
+            at.positions, at.velocities, laws.viscosity, None, np.zeros_like(at.positions), table,
+            laws.material, scratch,
+        )
+        for at in states
+    ]  # fmt: skip
+    before, after = (stepper.measure(state).damping_work for state in states)
+    assert min(powers) > 0.0
+    assert before - after == pytest.approx(0.5 * laws.time_step * sum(powers), rel=1e-10)
 
 
 def test_friction_work_is_the_rigid_one(outcome):
