@@ -155,17 +155,20 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
 
 
 def test_cost_and_draw_weight_are_fields_of_an_element():
-    """1000 steps of 30 cells of 1 us, and draws by weight."""
-    scene = read_scene("paper-table-3", ("material.law=neo-hookean",))[0]
-    kind = ElementKind("costly", "ElementQuadS2", 4, "quad", nanoseconds=1000.0, points=2, draw_weight=5000)
+    """1000 steps of 30 cells of 1 us, distorted 3 us, and draws by weight."""
+    law = ("material.law=neo-hookean",)
+    scenes = [read_scene("paper-table-3", (*law, f"plate.distortion={part}"))[0] for part in (0.0, 0.1)]
+    cost = {"nanoseconds": 1000.0, "distorted": 3.0, "points": 2}
+    kind = ElementKind("costly", "ElementQuadS2", 4, "quad", draw_weight=5000, **cost)
     ELEMENT_KINDS.register(kind)
     try:
-        seconds = loop_seconds(scene, kind.name, (10, 3), 1000.0)
+        seconds = [loop_seconds(scene, kind.name, (10, 3), 1000.0) for scene in scenes]
         drawn = [choices_of(1, number, 0)["element"] for number in range(20)]
     finally:
         ELEMENT_KINDS.pop(kind.name)
     stress = MATERIALS["neo-hookean"].nanoseconds
-    assert seconds == pytest.approx(1e-9 * 1000.0 * 30 * (1000.0 + 2.0 * stress), rel=1e-12)
+    expected = [1e-9 * 1000.0 * 30 * (cell + 2.0 * stress) for cell in (1000.0, 3000.0)]
+    assert seconds == pytest.approx(expected, rel=1e-12)
     assert set(drawn) == {"open", kind.name}
 
 

@@ -14,6 +14,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from fem.explicit.impact_loop import ImpactMeasures
+from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
 from fem.plate.nodal_masses import prescribed_inertia_masses
@@ -238,6 +239,30 @@ def test_a_pressed_block_slides_to_rest_and_sticks():
     distance = state.positions[0, model.discretisation.corner] + state.origin[0]
     assert distance == pytest.approx(speed**2 / (2.0 * 0.3 * gravity), rel=0.01)
     assert abs(model.parameters.mass @ state.velocities[0]) < 1e-3 * speed * model.mass
+
+
+def test_viscous_work_follows_the_trapezoidal_rule():
+    """A stretched block in the air; the power is that of velocities half a step back."""
+    plate = PlateProperties(0.01, 7800.0, 200e9, 0.3)
+    unit = UnitProperties(plate_mesh(1.0, 0.2, (4, 2)), plate, ContactProperties(Drag(0.3), "penalty"))
+    model = build_impact_model([unit], StepProperties(bulk_viscosity=0.06))
+    laws, stepper = model.parameters, ImpactStepper(model)
+    state = stepper.at_touch(FirstTouch(0.0, 0.0, 0.0))
+    state.positions[1] += 1.0
+    state.positions[0] *= 1.001
+    scratch, works, powers = scratch_for(laws.table), list[float](), list[float]()
+    for _ in range(6):
+        rows, _, state = stepper.record(state, 1, 1)
+        works.append(dict(zip(ImpactMeasures._fields, rows[0], strict=False))["damping_work"])
+        powers.append(
+            subtract_internal_forces(
+                state.positions, state.velocities, laws.viscosity, None, np.zeros_like(state.positions),
+                laws.table, laws.material, scratch,
+            )
+        )  # fmt: skip
+    steps = 0.5 * laws.time_step * (np.array(powers[:-1]) + powers[1:])
+    assert min(powers) > 0.0
+    np.testing.assert_allclose(-np.diff(works), steps, rtol=1e-10)
 
 
 @pytest.mark.parametrize("centre", [4.0, 6.0])
