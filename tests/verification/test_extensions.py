@@ -155,7 +155,7 @@ def test_an_element_a_lumping_and_a_start_make_a_run(plate_result, tmp_path):
 
 
 def test_cost_and_draw_weight_are_fields_of_an_element():
-    """1000 steps of 30 cells of 1 us, distorted 3 us, and draws by weight."""
+    """1000 steps of 30 cells of 1 us and draws by weight."""
     law = ("material.law=neo-hookean",)
     scenes = [read_scene("paper-table-3", (*law, f"plate.distortion={part}"))[0] for part in (0.0, 0.1)]
     cost = {"nanoseconds": 1000.0, "distorted": 3.0, "points": 2}

@@ -97,7 +97,7 @@ def test_damping_takes_energy_out_and_the_ledger_says_how_much(outcome):
 
 
 def test_viscous_work_follows_the_trapezoidal_rule(plate_model):
-    """Its power is that of the velocities half a step back, at both ends of a step."""
+    """Its power is that of the velocities half a step back."""
     model = plate_model(elements=(6, 2), bulk_viscosity=0.06)
     laws, table = model.parameters, model.parameters.table
     stepper, scratch = Stepper(model), scratch_for(table)

@@ -242,7 +242,7 @@ def test_a_pressed_block_slides_to_rest_and_sticks():
 
 
 def test_viscous_work_follows_the_trapezoidal_rule():
-    """A stretched block in the air; the power is that of velocities half a step back."""
+    """The power is that of velocities half a step back."""
     plate = PlateProperties(0.01, 7800.0, 200e9, 0.3)
     unit = UnitProperties(plate_mesh(1.0, 0.2, (4, 2)), plate, ContactProperties(Drag(0.3), "penalty"))
     model = build_impact_model([unit], StepProperties(bulk_viscosity=0.06))
