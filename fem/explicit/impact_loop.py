@@ -10,7 +10,7 @@ import numpy as np
 from fem.explicit.elastic_damping import ElasticDamping
 from fem.explicit.internal_force import Viscosity
 from fem.explicit.measures import motion
-from fem.explicit.time_loop import HOURGLASS, POWER, STRAIN, add_reaction, advance_to_row
+from fem.explicit.time_loop import HOURGLASS, POWER, STRAIN, add_reaction, advance_to_row, describe_forces
 from fem.laws.hinges import Hinges, HingeState, add_impulses, describe_units, join
 from fem.laws.tyres import Axles, AxleState, end_tyre_step, record_tyres, steer
 from fem.laws.wall_contact import (
@@ -164,8 +164,9 @@ def advance_and_record(state, stride, parameters, reference, force, scratch, las
 
     stride: steps between rows.
     """
+    describe_forces(state, parameters, force, scratch, last)
     for row in range(rows.values.shape[0]):
-        advance_to_row(state, row == 0, stride, parameters, force, scratch, last)
+        advance_to_row(state, stride, parameters, force, scratch, last)
         measures = record(state, parameters, reference, force, last, rows, row)
         for k in range(len(measures)):
             rows.values[row, k] = measures[k]

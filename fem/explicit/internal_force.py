@@ -27,7 +27,7 @@ from fem.explicit.point_force import (
 )
 from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
-    LANES,
+    VECTOR_SIZE,
     Lattice,
     aligned,
     balance,
@@ -149,7 +149,7 @@ def subtract_forces_of(
     power = 0.0
     for first in range(begin, end, BLOCK_SIZE):
         count = min(BLOCK_SIZE, end - first)
-        groups = (count + LANES - 1) // LANES
+        vectors = (count + VECTOR_SIZE - 1) // VECTOR_SIZE
         gather(positions, connectivity, lattice, first, count, rows)
         if viscosity is not None:
             gather(velocities, connectivity, lattice, first, count, rows[4 * nodes * BLOCK_SIZE :])
@@ -161,10 +161,10 @@ def subtract_forces_of(
             energy_rows[: 2 * BLOCK_SIZE] = 0.0
         if scratch.quadrilateral is not None:
             linear, twists = scratch.quadrilateral
-            set_quadrilaterals(material, viscosity, rows, linear, twists, scratch.weights, energies, groups)
+            set_quadrilaterals(material, viscosity, rows, linear, twists, scratch.weights, energies, vectors)
         else:
             _set_by_points(
-                first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch, energies, groups
+                first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch, energies, vectors
             )
         forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
@@ -183,7 +183,7 @@ def subtract_forces_of(
 
 
 @compiled
-def _set_by_points(block, viscosity, hourglass, table, material, scratch, energies, groups):
+def _set_by_points(block, viscosity, hourglass, table, material, scratch, energies, vectors):
     """Fill the block's rows with forces, point by point."""
     other_nodes, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
     subtract_first(other_nodes, rows)
@@ -199,20 +199,20 @@ def _set_by_points(block, viscosity, hourglass, table, material, scratch, energi
         if hourglass is not None:
             control = point_of(scratch.hourglass, block, point, len(other_nodes) + 3)
             set_stabilised_point(
-                other_nodes, material, viscosity, rows, gradients, weights, control, energies, groups
+                other_nodes, material, viscosity, rows, gradients, weights, control, energies, vectors
             )
         else:
             reference = scratch.reference
             _add_any_point(
-                reference, other_nodes, material, viscosity, rows, gradients, weights, energies, groups
+                reference, other_nodes, material, viscosity, rows, gradients, weights, energies, vectors
             )
     if hourglass is None:
         balance(other_nodes, rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE])
 
 
 @compiled
-def _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies, groups):
+def _add_any_point(reference, other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
     if reference is None:
-        add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, groups)
+        add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors)
     else:
-        add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, groups)
+        add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors)

@@ -108,9 +108,10 @@ def advance_and_measure(state, before, stride, parameters, reference, force, scr
     stride: steps between rows. Ends after a row with an angle that is not positive, or with a number that is not
     finite; `before` is then the state of the previous row. Returns the number of rows. Other arguments: as `measure`.
     """
+    describe_forces(state, parameters, force, scratch, last)
     for row in range(rows.shape[0]):
         _copy_state(state, before)
-        advance_to_row(state, row == 0, stride, parameters, force, scratch, last)
+        advance_to_row(state, stride, parameters, force, scratch, last)
         measures = measures_of(state, parameters, reference, force, last)
         finite = True
         for column in range(rows.shape[1]):

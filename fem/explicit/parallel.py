@@ -95,7 +95,7 @@ def advance_thread(t, state, steps, parameters, forces, shared, rows, powers, mo
 
     The step is that of `fem.explicit.time_loop.advance`.
     """
-    positions, velocities, own_forces = state.positions, state.velocities, forces[t]
+    positions, velocities, part = state.positions, state.velocities, forces[t]
     table, material = parameters.table, parameters.material
     mass, time_step = parameters.mass, parameters.time_step
     viscosity, hourglass = parameters.viscosity, parameters.hourglass
@@ -115,19 +115,9 @@ def advance_thread(t, state, steps, parameters, forces, shared, rows, powers, mo
         rows[t], gradients, weights, lattice, motion, hourglass, shared.reference, shared.quadrilateral
     )
     for step in range(steps):
-        own_forces[:] = 0.0
+        part[:] = 0.0
         powers[0, t] = subtract_forces_of(
-            first,
-            last,
-            positions,
-            velocities,
-            viscosity,
-            hourglass,
-            own_forces,
-            table,
-            material,
-            scratch,
-            None,
+            first, last, positions, velocities, viscosity, hourglass, part, table, material, scratch, None
         )
         sum_motion(damping, positions, velocities, mass, begin, end, motions[0, t])
         _wait_for_all(barrier, threads, 3 * step + 1)

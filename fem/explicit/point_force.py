@@ -10,19 +10,20 @@ gradient is F = a (x) grad xi + b (x) grad eta + c (x) grad (xi eta), of which t
 parallelogram.
 """
 
-from fem.explicit.simd_blocks import BLOCK_SIZE, LANES, at_slot
+from fem.explicit.simd_blocks import BLOCK_SIZE, VECTOR_SIZE, at_slot
 from fem.laws.materials import energy_density, green_strain, stress
 from machine_code.compiled import compiled, inlined
 
 
 @compiled
-def add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, groups):
+def add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
     """Add the nodal forces of one quadrature point to the block's rows.
 
-    P = F S, f_a = w P grad N_a. energies: None where the strain energy is not added to its row.
+    P = F S, f_a = w P grad N_a. energies: None where the strain energy is not added to its row. vectors: number,
+    of VECTOR_SIZE slots each.
     """
     nodes = len(other_nodes) + 1
-    for slot in range(LANES * groups):
+    for slot in range(VECTOR_SIZE * vectors):
         f = _gradient(2, other_nodes, rows, gradients, slot)
         r = f
         if viscosity is not None:
@@ -33,13 +34,13 @@ def add_point(other_nodes, material, viscosity, rows, gradients, weights, energi
 
 
 @compiled
-def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, groups):
+def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
     """Add the nodal forces of one quadrature point of mapped elements.
 
     gradients: on the reference element.
     """
     nodes = len(other_nodes) + 1
-    for slot in range(LANES * groups):
+    for slot in range(VECTOR_SIZE * vectors):
         area, inverse = _inverse(_gradient(6 * nodes + 3, other_nodes, rows, gradients, slot))
         f = _product(_gradient(2, other_nodes, rows, gradients, slot), inverse)
         r = f
@@ -51,13 +52,13 @@ def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights,
 
 
 @compiled
-def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energies, groups):
+def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energies, vectors):
     """Fill the block's rows with forces of quadrilaterals, the first node included.
 
     linear: gradients of xi and eta in congruent parallelograms, in a row; None for mapped elements. twists: gradient of
     xi eta at each point; of mapped elements on the reference element.
     """
-    for slot in range(LANES * groups):
+    for slot in range(VECTOR_SIZE * vectors):
         x, x_twist = _modes(0, rows, slot)
         v, v_twist = x, x_twist
         if viscosity is not None:
@@ -121,7 +122,7 @@ def _twisted(linear, twist, gradient):
 
 @compiled
 def set_stabilised_point(
-    other_nodes, material, viscosity, rows, gradients, weights, control, energies, groups
+    other_nodes, material, viscosity, rows, gradients, weights, control, energies, vectors
 ):
     """Fill the block's rows with forces of one-point elements.
 
@@ -129,7 +130,7 @@ def set_stabilised_point(
     F K p in addition.
     """
     nodes = len(other_nodes) + 1
-    for slot in range(LANES * groups):
+    for slot in range(VECTOR_SIZE * vectors):
         f = _gradient(2, other_nodes, rows, gradients, slot)
         f_11, f_12, f_21, f_22 = f
         r = f

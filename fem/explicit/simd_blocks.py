@@ -18,8 +18,8 @@ from machine_code.values import Number, Record
 BLOCK_SIZE = 64
 """Elements per block; the rows of a block stay in the first-level cache."""
 
-LANES = 8
-"""Slots that are computed together; the last group of a block may be partly idle."""
+VECTOR_SIZE = 8
+"""Slots that are computed as a vector; the last vector of a block may be partly idle."""
 
 
 class Lattice(NamedTuple):

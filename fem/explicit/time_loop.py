@@ -97,19 +97,18 @@ def advance(state, steps, parameters, force, scratch):
 
 
 @compiled
-def advance_to_row(state, is_first, stride, parameters, force, scratch, last):
-    """Advance by `stride` steps, and set the forces and `last` there.
+def advance_to_row(state, stride, parameters, force, scratch, last):
+    """Advance by `stride` steps from one row to the next.
 
-    The first step takes the forces of the last row, also before the first row: rounding of the kernel with energies
-    differs, and the bits are not to depend on the number of rows in a call.
+    force, last: as `describe_forces` sets them, before and after. The first step takes the forces in `last`. They come
+    from the kernel with energies at each row, also at the first of a call: its rounding differs from that of the kernel
+    without, and the bits do not depend on the number of rows in a call.
     """
     if stride > 0:
-        if is_first:
-            describe_forces(state, parameters, force, scratch, last)
         copy_nodal(last.force, force)
         end_step(state, last.values[POWER], parameters, force, scratch)
-    advance(state, stride - 1, parameters, force, scratch)
-    describe_forces(state, parameters, force, scratch, last)
+        advance(state, stride - 1, parameters, force, scratch)
+        describe_forces(state, parameters, force, scratch, last)
 
 
 @compiled

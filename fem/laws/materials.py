@@ -20,25 +20,6 @@ MATERIALS: "LawRegistry[Material]" = LawRegistry("material")
 
 
 @inlined
-def deformation_gradient(positions, table, point, element):
-    """Return the deformation gradient at a quadrature point.
-
-    F (11, 12, 21, 22), the identity for an element at rest.
-    """
-    nodes, column = len(table.per_element), 0 if table.gradients.shape[1] == 1 else element
-    f_11 = f_12 = f_21 = f_22 = 0.0
-    for a in range(nodes):
-        node = table.connectivity[a, element]
-        g_1 = table.gradients[(point * nodes + a) * 2, column]
-        g_2 = table.gradients[(point * nodes + a) * 2 + 1, column]
-        f_11 += positions[0, node] * g_1
-        f_12 += positions[0, node] * g_2
-        f_21 += positions[1, node] * g_1
-        f_22 += positions[1, node] * g_2
-    return f_11, f_12, f_21, f_22
-
-
-@inlined
 def green_strain(f_11, f_12, f_21, f_22):
     """Return the Green strain (11, 22, twice 12)."""
     return (

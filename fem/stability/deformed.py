@@ -10,11 +10,11 @@ import numpy as np
 
 from fem.explicit.internal_force import scratch_for, subtract_internal_forces
 from fem.explicit.time_loop import LoopParameters
-from fem.laws.materials import deformation_gradient, energy_density, green_strain, stress
+from fem.laws.materials import energy_density, green_strain, stress
 from fem.model.plate_model import PlateModel
 from fem.plate.lanczos import fixed_vector, largest_eigenpair
 from fem.start.inertia_relief import to_global
-from machine_code.compiled import compact, compiled
+from machine_code.compiled import compact, compiled, inlined
 from machine_code.object_code import Prepared
 
 TOLERANCE, BASIS = 1e-3, 8
@@ -223,3 +223,22 @@ def recover(positions, table, material, means):
             means[3, element] += weight * energy_density(material, e_11, e_22, g_12)
         for k in range(4):
             means[k, element] /= volume
+
+
+@inlined
+def deformation_gradient(positions, table, point, element):
+    """Return the deformation gradient at a quadrature point.
+
+    F (11, 12, 21, 22), the identity for an element at rest.
+    """
+    nodes, column = len(table.per_element), 0 if table.gradients.shape[1] == 1 else element
+    f_11 = f_12 = f_21 = f_22 = 0.0
+    for a in range(nodes):
+        node = table.connectivity[a, element]
+        g_1 = table.gradients[(point * nodes + a) * 2, column]
+        g_2 = table.gradients[(point * nodes + a) * 2 + 1, column]
+        f_11 += positions[0, node] * g_1
+        f_12 += positions[0, node] * g_2
+        f_21 += positions[1, node] * g_1
+        f_22 += positions[1, node] * g_2
+    return f_11, f_12, f_21, f_22

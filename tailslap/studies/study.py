@@ -124,8 +124,8 @@ def prepared(
     scene = case.scene
     if (kind := kind_of(scene).name) not in study.analyses:
         actual, allowed = (Missing, "with") if kind == CORNER else (Verbatim("a table"), "without")
-        wanted = f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {kind}"
-        raise InputError("contact", actual, f"{wanted}; allowed is a scene {allowed} this table")
+        scope = f"`tailslap study {study.name}` is of {' or '.join(study.analyses)}; this scene is {kind}"
+        raise InputError("contact", actual, f"{scope}; allowed is a scene {allowed} this table")
     if study.needs_plate:
         demand_run(scene, case.duration, allow_large)
     ending = study.folder(options) if study.folder else study.name

@@ -358,10 +358,10 @@ def test_a_comparison_has_axes_and_numbers_in_american_units(folder, tmp_path, w
         assert cli._status(arguments) == 0
     us, si = words_of(tmp_path / "us", "us"), words_of(tmp_path / "si", "si")
     force = ("N [kip]", "N [kN]"), ("difference of R [kip]", "difference of R [kN]")
-    for unit, other in (("s [ft]", "s [m]"), *force):
-        assert unit in us
-        assert unit not in si
-        assert other in si
+    for us_unit, si_unit in (("s [ft]", "s [m]"), *force):
+        assert us_unit in us
+        assert us_unit not in si
+        assert si_unit in si
     slide = json.loads((folder / "summary.json").read_text())["fe"]["slide"]
     assert f"{slide / FOOT:.7g}" in us
     assert f"{slide:.7g}" in si
