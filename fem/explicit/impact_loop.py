@@ -10,7 +10,7 @@ import numpy as np
 from fem.explicit.elastic_damping import ElasticDamping
 from fem.explicit.internal_force import Viscosity
 from fem.explicit.measures import motion
-from fem.explicit.time_loop import HOURGLASS, POWER, STRAIN, add_reaction, advance_to_row, describe_forces
+from fem.explicit.time_loop import HOURGLASS, STRAIN, WORK, add_reaction, advance_to_row, describe_forces
 from fem.laws.hinges import Hinges, HingeState, add_impulses, describe_units, join
 from fem.laws.tyres import Axles, AxleState, end_tyre_step, record_tyres, steer
 from fem.laws.wall_contact import (
@@ -145,7 +145,7 @@ class Rows(NamedTuple):
 
 
 @implements(add_reaction, ImpactLoopParameters, merged=True)
-def _add_contact_reaction(parameters, state, damping_power, force):
+def _add_contact_reaction(parameters, state, damping_work, force):
     """Add the forces of tyres, contact and hinges."""
     hinges, mass, time_step = parameters.hinges, parameters.mass, parameters.time_step
     axles, axle_state = parameters.axles, state.axles
@@ -154,7 +154,7 @@ def _add_contact_reaction(parameters, state, damping_power, force):
     join(hinges, state.hinges, state.positions, state.velocities, mass, time_step, force)
     end_tyre_step(axles, axle_state, state, mass, time_step, force)
     add_impulses(hinges, state.hinges, time_step)
-    state.sums[1] -= time_step * damping_power
+    state.sums[1] -= damping_work
     return state.positions[0, parameters.contact.nodes[0]]
 
 
@@ -225,7 +225,7 @@ def record(state, parameters, reference, force, last, rows, row):
         contact_energy=stored,
         crush_energy=crushed,
         friction_work=friction,
-        damping_work=state.sums[1] - half_step * last.values[POWER],
+        damping_work=state.sums[1] - 0.5 * last.values[WORK],
         vibration_energy=vibration,
         normal_impulse=normals,
         tangential_impulse=tangentials,

@@ -8,7 +8,7 @@ The energy balance then shows errors of the model, not of the bookkeeping.
 import math
 
 from fem.explicit.columns import Measures
-from fem.explicit.time_loop import HOURGLASS, POWER, STRAIN, advance_to_row, copy_nodal, describe_forces
+from fem.explicit.time_loop import HOURGLASS, STRAIN, WORK, advance_to_row, copy_nodal, describe_forces
 from fem.laws.constraints import add_corner_reaction, constraint_energy, weighted
 from machine_code.compiled import compiled
 
@@ -52,7 +52,7 @@ def measures_of(state, parameters, reference, force, last):
         strain_energy=last.values[STRAIN],
         contact_energy=constraint_energy(parameters.corner.constraint, gap),
         friction_work=sums[0] + half * tangential * slip,
-        damping_work=sums[1] - half * last.values[POWER],
+        damping_work=sums[1] - 0.5 * last.values[WORK],
         vibration_energy=vibration,
         normal_impulse=sums[2] + half * normal,
         normal_impulse_magnitude=sums[3] + half * abs(normal),

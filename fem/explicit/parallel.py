@@ -127,7 +127,7 @@ def advance_thread(t, state, steps, parameters, forces, shared, rows, powers, mo
             damping, motion, positions, velocities, mass, time_step, begin, end, forces[0]
         )
         if _arrive(barrier, threads, 3 * step + 2):
-            place = add_reaction(parameters, state, _sum(powers[0]), forces[0])
+            place = add_reaction(parameters, state, time_step * _sum(powers[0]), forces[0])
             shift[0] = follow(place, parameters.span, state.origin)
             _release(barrier, 3 * step + 2)
         else:

@@ -50,7 +50,7 @@ class State(NamedTuple):
     origin: np.ndarray
 
 
-STRAIN, HOURGLASS, POWER = range(3)
+STRAIN, HOURGLASS, WORK = range(3)
 """Places of the values of `LastRow`."""
 
 
@@ -58,18 +58,18 @@ class LastRow(NamedTuple):
     """Forces of the plate at the last row for the next step.
 
     force [N]: without reactions, shape (2, nodes). values, shape (3,): energies of strain and of hourglass control [J],
-    and power of damping [W].
+    and work that damping takes in a step [J].
     """
 
     force: np.ndarray
     values: np.ndarray
 
 
-def add_reaction(parameters: object, state: object, damping_power: float, force: np.ndarray) -> float:
+def add_reaction(parameters: object, state: object, damping_work: float, force: np.ndarray) -> float:
     """Add the wall's reaction to the forces and update the sums.
 
-    damping_power [W]: of the damping of the plate. Returns the place [m] of the node that the origin follows.
-    Compiled code only.
+    damping_work [J]: that the damping of the plate takes in a step. Returns the place [m] of the node that the origin
+    follows. Compiled code only.
     """
     raise NotImplementedError(type(parameters))
 
@@ -92,8 +92,8 @@ def advance(state, steps, parameters, force, scratch):
     force, scratch: workspace.
     """
     for _ in range(steps):
-        power = plate_forces(state, parameters, force, scratch, None)
-        end_step(state, power, parameters, force, scratch)
+        work = plate_forces(state, parameters, force, scratch, None)
+        end_step(state, work, parameters, force, scratch)
 
 
 @compiled
@@ -106,7 +106,7 @@ def advance_to_row(state, stride, parameters, force, scratch, last):
     """
     if stride > 0:
         copy_nodal(last.force, force)
-        end_step(state, last.values[POWER], parameters, force, scratch)
+        end_step(state, last.values[WORK], parameters, force, scratch)
         advance(state, stride - 1, parameters, force, scratch)
         describe_forces(state, parameters, force, scratch, last)
 
@@ -115,7 +115,7 @@ def advance_to_row(state, stride, parameters, force, scratch, last):
 def describe_forces(state, parameters, force, scratch, last):
     """Put the forces of the plate [N] into `force`, and fill `last`."""
     last.values[:] = 0.0
-    last.values[POWER] = plate_forces(state, parameters, force, scratch, last.values)
+    last.values[WORK] = plate_forces(state, parameters, force, scratch, last.values)
     copy_nodal(force, last.force)
 
 
@@ -123,7 +123,8 @@ def describe_forces(state, parameters, force, scratch, last):
 def plate_forces(state, parameters, force, scratch, energies):
     """Put the forces of the plate [N], without reactions, into `force`.
 
-    energies: see `subtract_forces_of`. Returns the power [W] that damping takes from the velocities half a step back.
+    energies: see `subtract_forces_of`. Returns the work [J] that damping takes in a step, at the velocities half a step
+    back.
     """
     positions, velocities, table = state.positions, state.velocities, parameters.table
     viscosity, hourglass, material = parameters.viscosity, parameters.hourglass, parameters.material
@@ -133,19 +134,18 @@ def plate_forces(state, parameters, force, scratch, energies):
         0, slots, positions, velocities, viscosity, hourglass, force, table, material, scratch, energies
     )
     mass, time_step = parameters.mass, parameters.time_step
-    return power - damp(
-        parameters.elastic_damping, positions, velocities, mass, time_step, scratch.motion, force
-    )
+    power -= damp(parameters.elastic_damping, positions, velocities, mass, time_step, scratch.motion, force)
+    return time_step * power
 
 
 @compiled
-def end_step(state, power, parameters, force, scratch):
+def end_step(state, work, parameters, force, scratch):
     """Add the reactions to the plate's forces and advance the nodes.
 
-    power: result of `plate_forces`.
+    work: result of `plate_forces`.
     """
     time_step, mass = parameters.time_step, parameters.mass
-    place = add_reaction(parameters, state, power, force)
+    place = add_reaction(parameters, state, work, force)
     damping, nodes = parameters.elastic_damping, mass.size
     state.sums[1] += time_step * power_correction(damping, scratch.motion, state, time_step, 0, nodes, force)
     shift = follow(place, parameters.span, state.origin)
@@ -161,7 +161,7 @@ def copy_nodal(values, target):
 
 
 @implements(add_reaction, LoopParameters, merged=True)
-def _add_corner_reaction(parameters, state, damping_power, force):
+def _add_corner_reaction(parameters, state, damping_work, force):
     """Add the reaction of the wall on the constrained corner."""
     positions, velocities, sums, _ = state
     time_step = parameters.time_step
@@ -169,7 +169,7 @@ def _add_corner_reaction(parameters, state, damping_power, force):
         positions, velocities, parameters.mass, time_step, parameters.corner, parameters.friction, force
     )
     sums[0] += 0.5 * time_step * tangential * (slip + later_slip)
-    sums[1] += time_step * (dashpot_power - damping_power)
+    sums[1] += time_step * dashpot_power - damping_work
     sums[2] += time_step * normal
     sums[3] += time_step * abs(normal)
     return positions[0, parameters.corner.nodes[0]]
