@@ -9,7 +9,6 @@ import functools
 import hashlib
 import os
 import stat
-import tempfile
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -132,6 +131,8 @@ def write(path: Path, content: bytes) -> None:
 
     Raises OSError, also for a folder to which others can write.
     """
+    import tempfile
+
     _claim(path.parent)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=".") as temporary:
         with open(new := Path(temporary, path.name), "xb", opener=_open) as file:

@@ -33,17 +33,17 @@ def force_band(case: Case) -> ForceBand:
     contains the reason.
     """
     try:
-        every, solve = _problem(case)
+        count = SAMPLES_OF_SLOW if case.scene.trailer or case.scene.body else SAMPLES
+        every, solve = _problem(case, math.ceil(count / available_cores()))
         ranges = tuple(item for item in every if _contains_own(item))
         if not ranges:
             return ForceBand(refusal="all inputs of the scene are outside their ranges")
-        count = SAMPLES_OF_SLOW if case.scene.trailer or case.scene.body else SAMPLES
         drawn = sampling.latin_hypercube(len(ranges), count, np.random.default_rng(sampling.SEED))
         inputs = {
             item.key: item.lower + (item.upper - item.lower) * column
             for item, column in zip(ranges, drawn, strict=True)
         }
-        columns = sampling.solved_in_blocks(solve, inputs, math.ceil(count / available_cores()))
+        columns = solve(inputs)
     except InputError as error:
         return ForceBand(refusal=str(error))
     fixed = tuple(item.key for item in every if item not in ranges)
@@ -56,21 +56,22 @@ def _contains_own(item: Range) -> bool:
     return item.scene_value is None or item.lower - margin <= item.scene_value <= item.upper + margin
 
 
-def _problem(case: Any) -> tuple[tuple[Range, ...], Any]:
+def _problem(case: Any, block: int) -> tuple[tuple[Range, ...], Any]:
     """Return ranges, and the function from inputs to forces.
 
-    Raises InputError.
+    block: number of vehicles at a time. Raises InputError.
     """
     if case.scene.contact is None:
-        return planar_ranges.corner_ranges(case), case.many
+        return planar_ranges.corner_ranges(case), case.many  # closed forms, faster than a thread starts
     if case.scene.body is not None:
         from tailslap.campaign import space_samples
 
-        return space_samples.space_ranges(case, (), ()), partial(
-            space_samples.sample_answers, case.scene, names=("mean_50ms", "outcome")
-        )
-    planar_ranges.demand_corners(case)
-    return planar_ranges.impact_ranges(case), case.largest_means
+        ranges = space_samples.space_ranges(case, (), ())
+        solve = partial(space_samples.sample_answers, case.scene, names=("mean_50ms", "outcome"))
+    else:
+        planar_ranges.demand_corners(case)
+        ranges, solve = planar_ranges.impact_ranges(case), case.largest_means
+    return ranges, partial(sampling.solved_in_blocks, solve, block=block)
 
 
 def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> ForceBand:
