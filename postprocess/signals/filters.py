@@ -155,15 +155,19 @@ def _one_way(values: Floats, response: Floats, memory: Floats) -> Floats:
 
     The state is that of the first value. response, memory: see `_matrices`.
     """
-    rise = np.zeros((*values.shape[:-1], values.shape[-1] + 2))  # two samples ahead are the steady state
-    np.subtract(values, values[..., :1], out=rise[..., 2:])
-    filtered = np.zeros_like(rise)
-    for begin in range(2, rise.shape[-1], BLOCK):
-        block, earlier = rise[..., begin : begin + BLOCK], slice(begin - 2, begin)
-        size = block.shape[-1]
-        before = np.concatenate((rise[..., earlier], filtered[..., earlier]), axis=-1)
-        filtered[..., begin : begin + BLOCK] = block @ response[:size, :size] + before @ memory[:, :size]
-    return filtered[..., 2:] + values[..., :1]
+    size = values.shape[-1]
+    shape = *values.shape[:-1], math.ceil(size / BLOCK), BLOCK
+    rise = np.zeros((*shape[:-2], shape[-2] * BLOCK + 2))  # two samples ahead are the steady state
+    np.subtract(values, values[..., :1], out=rise[..., 2 : size + 2])
+    earlier = rise[..., :-2].reshape(shape)[..., :2]
+    filtered = rise[..., 2:].reshape(shape) @ response + earlier @ memory[:2]
+    before, step, shift = np.zeros_like(earlier), memory[2:, -2:], 1
+    before[..., 1:, :] = filtered[..., :-1, -2:]
+    while shift < shape[-2]:  # the last results of twice as many blocks with each pass
+        before[..., shift:, :] += before[..., :-shift, :] @ step
+        step, shift = step @ step, 2 * shift
+    filtered += before @ memory[2:]
+    return filtered.reshape(rise[..., 2:].shape)[..., :size] + values[..., :1]
 
 
 def _matrices(corner: float) -> tuple[Floats, Floats]:
