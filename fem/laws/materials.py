@@ -118,33 +118,54 @@ def neo_hookean(youngs_modulus: float, poissons_ratio: float) -> NeoHookean:
     return NeoHookean(2.0 * shear * poissons_ratio / (1.0 - 2.0 * poissons_ratio), shear)
 
 
-def _logarithms(lame: float, shear: float, area: float) -> tuple[float, float]:
-    """Return ln det C in the plane and ln C_33.
+COEFFICIENTS = tuple(1.0 / math.factorial(power) for power in range(13, 0, -1))
+"""Taylor's series of (exp(x) - 1) / x, the highest power first."""
 
-    area: det C - 1. S_33 = 0 requires 2 mu (C_33 - 1) + lambda ln(det C C_33) = 0, solved by Newton's method from the
-    series to third order: one step at strains below a per cent, at most five for det C from 0.2 to 20; the function is
-    convex and rising. Written with log1p and expm1, so that small strains keep their digits.
+
+@inlined
+def _volume_logarithm(ratio, area):
+    """Return v = 2 ln J of the free thickness.
+
+    ratio: lambda / (2 mu). area: det C - 1 in the plane. S_33 = 0 requires C_33 = 1 - ratio v, thus
+    f(v) = exp(v) - (1 + area) (1 - ratio v) = 0, which is convex and rising. Householder's method of fourth order from
+    v = 0 is exact to rounding after three steps for det C from 0.2 to 20. There are no branches and no calls, so that
+    it is computed in vector instructions; small strains keep their digits.
     """
-    plane = math.log1p(area)
-    fraction = 2.0 * shear / (lame + 2.0 * shear)
-    first = -(1.0 - fraction) * plane
-    thickness = first * (1.0 - fraction * first * (0.5 - (0.5 * fraction - 1.0 / 6.0) * first))
-    for _ in range(5):
-        grown = math.expm1(thickness)
-        residual = 2.0 * shear * grown + lame * (plane + thickness)
-        step = residual / (2.0 * shear * (1.0 + grown) + lame)
-        thickness -= step
-        if step * step <= 1e-17 * abs(thickness):
-            break
-    return plane, thickness
+    v = _householder(ratio, area, 0.0, 0.0)
+    v = _householder(ratio, area, v, _exponential(v))
+    return _householder(ratio, area, v, _exponential(v))
+
+
+@inlined
+def _householder(ratio, area, v, grown):
+    """Return the next v, where grown = exp(v) - 1."""
+    linear = ratio * (1.0 + area)
+    f, slope, curvature = grown - area + linear * v, 1.0 + grown + linear, 1.0 + grown
+    square, product = slope * slope, f * curvature
+    return v - f * (6.0 * square - 3.0 * product) / (slope * (6.0 * square - 6.0 * product) + f * product)
+
+
+@inlined
+def _exponential(v):
+    """Return exp(v) - 1 by Taylor's series, for |v| below 3.
+
+    It is evaluated at v / 8, and its argument doubled three times.
+    """
+    x = 0.125 * v
+    series = 0.0
+    for coefficient in COEFFICIENTS:
+        series = series * x + coefficient
+    grown = series * x
+    grown *= 2.0 + grown
+    grown *= 2.0 + grown
+    return grown * (2.0 + grown)
 
 
 def _neo_hookean_stress(
     material: NeoHookean, e_11: float, e_22: float, g_12: float
 ) -> tuple[float, float, float]:
     area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
-    plane, thickness = _logarithms(material.lame, material.shear, area)
-    volume = 0.5 * material.lame * (plane + thickness)
+    volume = 0.5 * material.lame * _volume_logarithm(0.5 * material.lame / material.shear, area)
     scale = 1.0 / (1.0 + area)
     # S = mu (1 - C^-1) + lambda ln J C^-1, the first part written as mu C^-1 (C - 1).
     return (
@@ -156,10 +177,9 @@ def _neo_hookean_stress(
 
 def _neo_hookean_energy(material: NeoHookean, e_11: float, e_22: float, g_12: float) -> float:
     area = 2.0 * (e_11 + e_22) + 4.0 * e_11 * e_22 - g_12 * g_12
-    plane, thickness = _logarithms(material.lame, material.shear, area)
-    volume = plane + thickness
-    shear = material.shear * (2.0 * (e_11 + e_22) + math.expm1(thickness) - volume)
-    return 0.5 * shear + 0.125 * material.lame * volume * volume
+    ratio = 0.5 * material.lame / material.shear
+    v = _volume_logarithm(ratio, area)
+    return 0.5 * material.shear * (2.0 * (e_11 + e_22) - (ratio + 1.0) * v) + 0.125 * material.lame * v * v
 
 
 MATERIALS.register(
@@ -170,7 +190,8 @@ MATERIALS.register(
         stress=_neo_hookean_stress,
         energy_density=_neo_hookean_energy,
         text="neo-Hookean, plane stress",
-        nanoseconds=40.0,
+        nanoseconds=10.0,
+        inlined=("stress", "energy_density"),
     )
 )
 
