@@ -55,7 +55,7 @@ def test_a_true_cutoff_is_3_db_down_at_any_rate(name, cutoff, rate):
 
 @pytest.mark.parametrize("size", [1, 31, 32, 33, 64, 129, 1000])
 def test_blocks_have_the_values_of_the_difference_equation(size):
-    """The filter's memory is longer than all blocks together; SciPy goes from sample to sample."""
+    """The filter's memory is longer than all blocks together."""
     from scipy.signal import butter, lfilter
 
     cutoff = 2e-3  # over half the sample rate
