@@ -1,10 +1,10 @@
 """Internal forces of the plate for any element and any material, compiled.
 
 The formulation is total Lagrangian. Elements are taken in SIMD blocks (`simd_blocks`): quadrilaterals with all
-quadrature points at once, other elements point by point (`point_force`). The nodal values of a block lie in one
-scratch array, row after row. Inside one array, with row numbers that are constants to the compiler, it can prove that
-rows do not overlap, and packs neighbouring slots into vector instructions; over many separate arrays it cannot. The
-rows of elements with n nodes are
+quadrature points at once (`point_force`, `nine_nodes`), other elements point by point. The nodal values of a block lie
+in one scratch array, row after row. Inside one array, with row numbers that are constants to the compiler, it can prove
+that rows do not overlap, and packs neighbouring slots into vector instructions; over many separate arrays it cannot.
+The rows of elements with n nodes are
 
 positions 2n | forces 2n | velocities 2n | viscous power 1 | reference positions 2n | energies 2
 
@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.explicit.elastic_damping import SUMS
+from fem.explicit.nine_nodes import SIZES, SQUARE, rectangle_sizes, set_nine_nodes
 from fem.explicit.point_force import (
     add_mapped_point,
     add_point,
@@ -69,8 +70,9 @@ class Scratch(NamedTuple):
     tuple of gradients and a weight per point, constants of the loop over the slots; otherwise arrays with one row per
     block. hourglass: vectors in the same form, then the three stiffnesses; None without control. reference: reference
     positions [m] of the nodes of mapped elements, shape (2, nodes); `gradients` and `weights` are then those of the
-    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). quadrilateral: None for other elements. Compiled code
-    cannot allocate.
+    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). quadrilateral: None for other elements. nine_nodes:
+    sizes that `set_nine_nodes` takes in place of gradients and weights; None for other elements. Compiled code cannot
+    allocate.
     """
 
     rows: np.ndarray
@@ -81,6 +83,7 @@ class Scratch(NamedTuple):
     hourglass: np.ndarray | tuple[tuple[float, ...], ...] | None = None
     reference: np.ndarray | None = None
     quadrilateral: Quadrilateral | None = None
+    nine_nodes: np.ndarray | tuple[tuple[float, ...]] | None = None
 
 
 def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scratch:
@@ -88,8 +91,16 @@ def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scra
     points, nodes = len(table.weights), len(table.per_element)
     rows = aligned((8 * nodes + 3) * BLOCK_SIZE)
     lattice, motion = find_lattice(table.connectivity), np.zeros(SUMS)
+    shapes = table.gradients.reshape(points, nodes, 2, -1)
+    sizes = rectangle_sizes(shapes, table.weights, UNIFORM_TOLERANCE)
+    if sizes is not None:
+        nine_nodes = in_blocks(sizes, lattice) if sizes.shape[1] > 1 else (tuple(sizes[:, 0].tolist()),)
+        return Scratch(rows, (), (), lattice, motion, nine_nodes=nine_nodes)
     if table.mapping is not None:
         natural, weights, reference = table.mapping
+        if points == nodes == 9:
+            square = ((*SQUARE, 4.0 * sum(weights)),)
+            return Scratch(rows, (), (), lattice, motion, None, reference, nine_nodes=square)
         bilinear = len(natural[0]) == 2
         quadrilateral = Quadrilateral(None, tuple((eta, xi) for xi, eta in natural)) if bilinear else None
         return Scratch(rows, natural, weights, lattice, motion, None, reference, quadrilateral)
@@ -99,7 +110,7 @@ def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scra
         congruent = tuple(tuple(point) for point in gradients[:, :, 0].tolist())
         one_control = None if control is None else (tuple(control[:, 0].tolist()),)
         weights = tuple(table.weights[:, 0].tolist())
-        quadrilateral = _parallelogram(table.gradients.reshape(points, nodes, 2))
+        quadrilateral = _parallelogram(shapes[..., 0])
         return Scratch(rows, congruent, weights, lattice, motion, one_control, None, quadrilateral)
     rows_of_gradients = in_blocks(gradients.reshape(points * 2 * (nodes - 1), -1), lattice)
     control_blocks = None if control is None else in_blocks(control, lattice)
@@ -162,6 +173,9 @@ def subtract_forces_of(
         if scratch.quadrilateral is not None:
             linear, twists = scratch.quadrilateral
             set_quadrilaterals(material, viscosity, rows, linear, twists, scratch.weights, energies, vectors)
+        elif scratch.nine_nodes is not None:
+            sizes = point_of(scratch.nine_nodes, first // BLOCK_SIZE, 0, SIZES)
+            set_nine_nodes(material, viscosity, scratch.reference, rows, sizes, energies, vectors)
         else:
             _set_by_points(
                 first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch, energies, vectors

@@ -29,7 +29,7 @@ def add_point(other_nodes, material, viscosity, rows, gradients, weights, energi
         if viscosity is not None:
             r = _gradient(4 * nodes + 2, other_nodes, rows, gradients, slot)
         weight = at_slot(weights, 0, slot)
-        p = _stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
+        p = weighted_stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
         _add_to_nodes(p, other_nodes, rows, gradients, slot)
 
 
@@ -41,14 +41,14 @@ def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights,
     """
     nodes = len(other_nodes) + 1
     for slot in range(VECTOR_SIZE * vectors):
-        area, inverse = _inverse(_gradient(6 * nodes + 3, other_nodes, rows, gradients, slot))
-        f = _product(_gradient(2, other_nodes, rows, gradients, slot), inverse)
+        area, inverted = inverse(_gradient(6 * nodes + 3, other_nodes, rows, gradients, slot))
+        f = product(_gradient(2, other_nodes, rows, gradients, slot), inverted)
         r = f
         if viscosity is not None:
-            r = _product(_gradient(4 * nodes + 2, other_nodes, rows, gradients, slot), inverse)
+            r = product(_gradient(4 * nodes + 2, other_nodes, rows, gradients, slot), inverted)
         weight = at_slot(weights, 0, slot) * abs(area)
-        p = _stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
-        _add_to_nodes(_product_with_transpose(p, inverse), other_nodes, rows, gradients, slot)
+        p = weighted_stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
+        _add_to_nodes(product_with_transpose(p, inverted), other_nodes, rows, gradients, slot)
 
 
 @compiled
@@ -69,22 +69,22 @@ def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energ
         s_11 = s_12 = s_21 = s_22 = t_1 = t_2 = 0.0
         for point in range(len(twists)):
             if linear is not None:
-                inverse, twist, weight = linear, twists[point], weights[point]
+                inverted, twist, weight = linear, twists[point], weights[point]
             else:
-                area, inverse = _inverse(_twisted(shape, shape_twist, twists[point]))
-                twist, weight = _row_product(twists[point], inverse), weights[point] * abs(area)
-            f = _twisted(_product(x, inverse), x_twist, twist)
+                area, inverted = inverse(_twisted(shape, shape_twist, twists[point]))
+                twist, weight = _row_product(twists[point], inverted), weights[point] * abs(area)
+            f = _twisted(product(x, inverted), x_twist, twist)
             r = f
             if viscosity is not None:
-                r = _twisted(_product(v, inverse), v_twist, twist)
-            p = _stress(f, r, material, viscosity, rows, 4, weight, energies, slot)
+                r = _twisted(product(v, inverted), v_twist, twist)
+            p = weighted_stress(f, r, material, viscosity, rows, 4, weight, energies, slot)
             t_1 += p[0] * twist[0] + p[1] * twist[1]
             t_2 += p[2] * twist[0] + p[3] * twist[1]
             if linear is None:
-                p = _product_with_transpose(p, inverse)
+                p = product_with_transpose(p, inverted)
             s_11, s_12, s_21, s_22 = s_11 + p[0], s_12 + p[1], s_21 + p[2], s_22 + p[3]
         if linear is not None:
-            s_11, s_12, s_21, s_22 = _product_with_transpose((s_11, s_12, s_21, s_22), linear)
+            s_11, s_12, s_21, s_22 = product_with_transpose((s_11, s_12, s_21, s_22), linear)
         rows[8 * BLOCK_SIZE + slot] = t_1 - s_11 - s_12
         rows[9 * BLOCK_SIZE + slot] = t_2 - s_21 - s_22
         rows[10 * BLOCK_SIZE + slot] = s_11 - t_1
@@ -137,7 +137,9 @@ def set_stabilised_point(
         if viscosity is not None:
             r = _gradient(4 * nodes + 2, other_nodes, rows, gradients, slot)
         weight = at_slot(weights, 0, slot)
-        p_11, p_12, p_21, p_22 = _stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
+        p_11, p_12, p_21, p_22 = weighted_stress(
+            f, r, material, viscosity, rows, nodes, weight, energies, slot
+        )
         q_1 = q_2 = 0.0
         for a in range(len(other_nodes)):
             gamma = at_slot(control, a, slot)
@@ -169,7 +171,7 @@ def set_stabilised_point(
 
 
 @inlined
-def _stress(f, r, material, viscosity, rows, nodes, weight, energies, slot):
+def weighted_stress(f, r, material, viscosity, rows, nodes, weight, energies, slot):
     """Return the weighted first Piola-Kirchhoff stress of a point.
 
     The viscous power, and the strain energy unless `energies` is None, are added to the rows. f, r: deformation
@@ -232,7 +234,7 @@ def _gradient(row, other_nodes, rows, gradients, slot):
 
 
 @inlined
-def _inverse(a):
+def inverse(a):
     """Return the determinant and the inverse of a 2 x 2 matrix."""
     determinant = a[0] * a[3] - a[1] * a[2]
     reciprocal = 1.0 / determinant  # the only division, which is the slowest operation here
@@ -240,7 +242,7 @@ def _inverse(a):
 
 
 @inlined
-def _product(a, b):
+def product(a, b):
     """Return A B of 2 x 2 matrices."""
     return (
         a[0] * b[0] + a[1] * b[2],
@@ -257,7 +259,7 @@ def _row_product(a, b):
 
 
 @inlined
-def _product_with_transpose(a, b):
+def product_with_transpose(a, b):
     """Return A B^T of 2 x 2 matrices."""
     return (
         a[0] * b[0] + a[1] * b[1],

@@ -87,7 +87,7 @@ for _kind in (
     ),
     ElementKind(
         "quad9", "ElementQuad2", order=4, cells="quad", cell_type="quad9",
-        nanoseconds=62.0, distorted=1.5, points=9, steps_per_crossing=3.0, draw_weight=1,
+        nanoseconds=39.0, distorted=1.6, points=9, steps_per_crossing=3.0, draw_weight=1,
     ),
     ElementKind(
         "tri3", "ElementTriP1", order=1, cells="triangle", higher_order="tri6", cell_type="triangle",
