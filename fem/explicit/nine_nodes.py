@@ -38,7 +38,7 @@ def rectangle_sizes(gradients: np.ndarray, weights: np.ndarray, tolerance: float
     1/m^2], x and y of the last points from the middle [m] and the volume [m^3], shape (SIZES, elements).
 
     gradients: of the shape functions [1/m], shape (points, nodes, 2, elements). weights: shape (points, elements)
-    [m^3]. tolerance: relative, of both.
+    [m^3]. tolerance: relative, of the gradients.
     """
     if gradients.shape[:2] != (9, 9):
         return None
@@ -54,14 +54,10 @@ def rectangle_sizes(gradients: np.ndarray, weights: np.ndarray, tolerance: float
         np.einsum("ak,al,e->klae", x[NODES[0], :], y[NODES[1], :], 1.0 / h).reshape(9, 9, -1)
         for x, y, h in ((slopes, values, half[0]), (values, slopes, half[1]))
     ]
-    parts, volume = [weight for _, weight in COLUMNS], weights.sum(axis=0)
-    even = np.outer(parts, parts).reshape(9, 1) * volume
     if not np.abs(gradients - np.stack(expected, axis=2)).max() <= tolerance * np.abs(gradients).max():
         return None
-    if not np.abs(weights - even).max() <= tolerance * volume.max():
-        return None
     (x, y), (xx, yy) = 0.5 / half, 0.5 / (half * half)
-    return np.array([x, xx, y, yy, GAUSS * half[0], GAUSS * half[1], volume])
+    return np.array([x, xx, y, yy, GAUSS * half[0], GAUSS * half[1], weights.sum(axis=0)])
 
 
 @compiled

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 from fem.explicit import simd_blocks
 from fem.explicit.internal_force import Viscosity, scratch_for, subtract_forces_of
+from fem.explicit.nine_nodes import rectangle_sizes
 from fem.laws.materials import MATERIALS, _volume_logarithm, neo_hookean, st_venant_kirchhoff
 from fem.plate.discretisation import discretise, hourglass_control, hourglass_matrix, stiffness_matrix
 from fem.plate.kinds import ELEMENT_KINDS
@@ -127,6 +128,41 @@ def test_congruent_elements_are_those_of_the_gradients(elements, corner, is_para
         reference + 1e-2 * rng.normal(size=reference.shape),
         rng.normal(size=reference.shape),
     )
+    for time in (0.0, 1e-4):
+        forces, *scalars, _ = forces_and_energies(table, positions, velocities, viscosity(time))
+        expected, *expected_scalars = forces_by_sums(table, positions, velocities, MATERIAL, viscosity(time))
+        assert np.abs(forces - expected).max() < 1e-12 * np.abs(expected).max()
+        assert scalars == pytest.approx(expected_scalars, rel=1e-12)
+
+
+@pytest.mark.parametrize(("shape", "sizes"), [
+    ("rectangles", 1), ("graded", 32), ("turned", None), ("sheared", None), ("one of many", None),
+    ("mirrored", 32), ("mirrored and distorted", None),
+])  # fmt: skip
+def test_rectangles_of_nine_nodes_are_those_of_the_gradients(shape, sizes):
+    """Rectangles, all of one size or not, take a polynomial; the sheared and those that begin elsewhere do not."""
+    mesh = plate_mesh(10.0, 2.438, (8, 4))
+    x, y = mesh.points[:, 0], mesh.points[:, 1]
+    if shape == "graded":
+        x *= 1.0 - 0.03 * x
+        y *= 1.0 + 0.2 * y
+    elif shape.startswith("mirrored"):
+        x *= -1.0 + 0.03 * x
+        y += 0.0 if sizes else 0.04 * x * y
+    elif shape == "turned":
+        (cells,) = (block.data for block in mesh.cells if block.type == "quad")
+        cells[:] = np.roll(cells, 1, axis=1)
+    elif shape == "sheared":
+        x += 0.4 * y
+    elif shape == "one of many":
+        mesh.points[mesh.points[:, 0].argmax()] += 0.3, 0.1, 0.0
+    discretisation = discretise(mesh, THICKNESS, "quad9")
+    table, reference = discretisation.table, discretisation.positions
+    found = rectangle_sizes(table.gradients.reshape(9, 9, 2, -1), table.weights, 1e-12)
+    assert (None if found is None else found.shape[1]) == sizes
+    rng = np.random.default_rng(3)
+    positions = reference + 1e-2 * rng.normal(size=reference.shape)
+    velocities = rng.normal(size=reference.shape)
     for time in (0.0, 1e-4):
         forces, *scalars, _ = forces_and_energies(table, positions, velocities, viscosity(time))
         expected, *expected_scalars = forces_by_sums(table, positions, velocities, MATERIAL, viscosity(time))
