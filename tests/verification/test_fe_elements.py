@@ -140,7 +140,7 @@ def test_congruent_elements_are_those_of_the_gradients(elements, corner, is_para
     ("mirrored", 32), ("mirrored and distorted", None),
 ])  # fmt: skip
 def test_rectangles_of_nine_nodes_are_those_of_the_gradients(shape, sizes):
-    """Rectangles, all of one size or not, take a polynomial; the sheared and those that begin elsewhere do not."""
+    """Rectangles of one size or several have sizes, others None."""
     mesh = plate_mesh(10.0, 2.438, (8, 4))
     x, y = mesh.points[:, 0], mesh.points[:, 1]
     if shape == "graded":
@@ -158,8 +158,8 @@ def test_rectangles_of_nine_nodes_are_those_of_the_gradients(shape, sizes):
         mesh.points[mesh.points[:, 0].argmax()] += 0.3, 0.1, 0.0
     discretisation = discretise(mesh, THICKNESS, "quad9")
     table, reference = discretisation.table, discretisation.positions
-    found = rectangle_sizes(table.gradients.reshape(9, 9, 2, -1), table.weights, 1e-12)
-    assert (None if found is None else found.shape[1]) == sizes
+    actual = rectangle_sizes(table.gradients.reshape(9, 9, 2, -1), table.weights, 1e-12)
+    assert (None if actual is None else actual.shape[1]) == sizes
     rng = np.random.default_rng(3)
     positions = reference + 1e-2 * rng.normal(size=reference.shape)
     velocities = rng.normal(size=reference.shape)
