@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.cache import cached
 from postprocess.comparison import quantities
 from postprocess.report.page import Headline
 from postprocess.signals.filters import LABELS, force_curves
@@ -66,6 +67,18 @@ ENDS = {
     "v_gy": ("v_GY", "m/s"),
 }
 """Labels and units of the end."""
+
+
+@cached("rigid impact")
+def _solved(case: tuple[Any, ...], end: float | None, tolerance: float) -> impact.ImpactMotion:
+    """Return the impact of a vehicle, contact, touch, trailers and axles.
+
+    Plates of one vehicle differ in stiffness and mesh, and have it in common.
+    """
+    vehicle, contact, touch, trailers, axles = case
+    times = end, AFTER_SECOND, LONGEST
+    options: dict[str, Any] = {"tolerance": tolerance, "trailers": trailers, "axles": axles}
+    return impact.solve_impact(vehicle, contact, touch, *times, on_compile=progress.compiling, **options)
 
 
 @dataclass(frozen=True)
@@ -149,10 +162,8 @@ class RigidImpact(Case):
         progress is over.
         """
         with refusals(self.scene):
-            arguments = self.vehicle, self.contact, self.touch, end, AFTER_SECOND, LONGEST
-            tolerance = TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE
-            options: dict[str, Any] = {"tolerance": tolerance, "trailers": self.trailers, "axles": self.axles}
-            return impact.solve_impact(*arguments, on_compile=progress.compiling, **options)
+            case = self.vehicle, self.contact, self.touch, self.trailers, self.axles
+            return _solved(case, end, TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE)
 
     @property
     def duration(self) -> float:
