@@ -14,8 +14,8 @@ SMALL = ("plate.elements=[6, 2]",)
 START = RigidStart(0.26, 0.707, 25.053)
 
 
-def row(*changes):
-    _, source = read_scene("paper-table-3", SMALL)
+def row(*changes, scene="paper-table-3"):
+    _, source = read_scene(scene, SMALL)
     values = compute_row(0, source, dict(changes))
     assert values["status"] in ("passed", "failed"), values
     return values
@@ -38,6 +38,25 @@ def test_rows_share_what_they_have_in_common_and_are_the_same_alone(key, values,
     assert {part for part in after_another[REUSED].split(", ") if part} >= shared
     assert ("mesh" in after_another[REUSED]) == (key != "plate.elements")
     assert "mesh" not in alone[REUSED]
+    for name in alone.keys() - set(CIRCUMSTANCES):
+        assert alone[name] == after_another[name], name
+
+
+@pytest.mark.parametrize(("key", "values", "is_shared"), [
+    ("plate.youngs_modulus", (1e11, 3e11), True), ("contact.friction", (0.3, 0.4), False),
+    ("vehicle.mass", (9e3, 1e4), False), ("time.end", (0.3, 0.34), False),
+])  # fmt: skip
+def test_plates_of_one_vehicle_share_its_rigid_impact(key, values, is_shared):
+    def impact_row(value):
+        return row(*{"time.end": 0.35, key: value}.items(), scene="impact-mash-tl4-sut")
+
+    cache.clear()
+    impact_row(values[0])
+    uses, _ = cache.counts()["rigid impact"]
+    after_another = impact_row(values[1])
+    assert (cache.counts()["rigid impact"][0] > uses) == is_shared
+    cache.clear()
+    alone = impact_row(values[1])
     for name in alone.keys() - set(CIRCUMSTANCES):
         assert alone[name] == after_another[name], name
 
