@@ -5,13 +5,16 @@ functions, and `machine_code.compiled` compiles them when a loop with that law i
 """
 
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
-from machine_code.folder import REGISTERED
+from machine_code.captures import Captures
 
 T = TypeVar("T", bound="Named")
 
 L = TypeVar("L", bound="Law")
+
+_LAWS: list[dict[str, Any]] = []
+"""Registries of laws."""
 
 
 class Named(Protocol):
@@ -73,7 +76,7 @@ class LawRegistry(Registry[L]):
 
     def __init__(self, what: str) -> None:
         super().__init__(what)
-        REGISTERED.append(self.values)
+        _LAWS.append(self)
 
     def register(self, entry: L) -> L:
         """Add a law and return it.
@@ -97,3 +100,9 @@ class LawRegistry(Registry[L]):
     def by_type(self, kind: type | None) -> L | None:
         """Return the law with constants of this type, or None."""
         return next((law for law in self.values() if law.constants is kind), None)
+
+
+def digest_of_laws() -> str:
+    """Return the digest of all registered laws and their captured values."""
+    fields = (value for laws in _LAWS for law in laws.values() for value in vars(law).values())
+    return Captures(tuple(filter(callable, fields)), ()).digest

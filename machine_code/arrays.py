@@ -32,11 +32,10 @@ def part_of(code: FunctionText, array: Array, indices: list[Index]) -> Array:
     strides: list[str] = []
     for index, size, stride in zip(indices, array.shape, array.strides, strict=False):
         if isinstance(index, Number):
-            begin = _from_end(code, index, size)
-            code.check(f"icmp ult i64 {begin}, {size}")
+            begin = place_in(code, index, size)
         else:
-            begin, end = _bounds(code, *index, size)
-            shape.append(code.whole("sub", end, begin) if begin != "0" else end)
+            begin, length = _bounds(code, *index, size)
+            shape.append(length)
             strides.append(stride)
         offset = code.sum(offset, code.product(begin, stride))
     data = array.data if offset == "0" else code.item(array.data, ITEMS[array.item], offset)
@@ -44,20 +43,47 @@ def part_of(code: FunctionText, array: Array, indices: list[Index]) -> Array:
     return Array(array.item, data, (*shape, *array.shape[rest:]), (*strides, *array.strides[rest:]))
 
 
+def place_in(code: FunctionText, index: Number, size: str) -> str:
+    """Return the place of an item.
+
+    A negative index counts from the end. A check ends the process at an index outside, if the function has checks.
+    """
+    place = _from_end(code, index, size)
+    code.check(f"icmp ult i64 {place}, {size}")
+    return place
+
+
 def _bounds(code: FunctionText, lower: Number | None, upper: Number | None, size: str) -> tuple[str, str]:
-    """Return the first index of a slice and its end."""
-    begin = "0" if lower is None else _from_end(code, lower, size)
-    end = size if upper is None else _from_end(code, upper, size)
-    code.check(f"icmp ule i64 {begin}, {end}")
-    code.check(f"icmp ule i64 {end}, {size}")
-    return begin, end
+    """Return the first index of a slice and its length.
+
+    A slice ends with the array.
+    """
+    begin = "0" if lower is None else _clipped(code, lower, size)
+    end = size if upper is None else _lesser(code, _clipped(code, upper, size), size)
+    if begin == "0":
+        return begin, end
+    length = code.whole("sub", end, begin)
+    return begin, code.value(f"call i64 @llvm.smax.i64(i64 {length}, i64 0)")
+
+
+def _clipped(code: FunctionText, bound: Number, size: str) -> str:
+    """Return a bound of a slice that is not negative."""
+    place = _from_end(code, bound, size)
+    return place if place == bound.operand else code.value(f"call i64 @llvm.smax.i64(i64 {place}, i64 0)")
+
+
+def _lesser(code: FunctionText, a: str, b: str) -> str:
+    return code.value(f"call i64 @llvm.smin.i64(i64 {a}, i64 {b})")
 
 
 def _from_end(code: FunctionText, index: Number, size: str) -> str:
-    """Return an index, a negative constant counted from the end."""
-    if index.constant is not None and index.constant < 0:
-        return code.whole("add", size, str(index.constant))
-    return index.operand
+    """Return an index, a negative one counted from the end."""
+    if index.constant is not None:
+        return code.whole("add", size, str(index.constant)) if index.constant < 0 else index.operand
+    is_negative = code.value(f"icmp slt i64 {index.operand}, 0")
+    return code.value(
+        f"select i1 {is_negative}, i64 {code.whole('add', index.operand, size)}, i64 {index.operand}"
+    )
 
 
 def load(code: FunctionText, array: Array, *indices: str) -> Value:

@@ -16,6 +16,7 @@ from types import FunctionType
 from typing import Any, Protocol
 
 from machine_code import folder, object_code
+from machine_code.captures import CHOICES, Captures, Choose
 from machine_code.object_code import (
     Bind,
     Kinds,
@@ -23,7 +24,7 @@ from machine_code.object_code import (
     type_text,
     value_codes,
 )
-from machine_code.values import Implementation, Nothing, Record, Value
+from machine_code.values import Implementation, Nothing, Record, Value, refuse
 
 Function = Callable[..., Any]
 
@@ -33,12 +34,6 @@ OnCompile = Callable[[str], None]
 LOOP = "the time loop of this type of model"
 
 _LOCK = threading.RLock()
-
-Choose = Callable[..., Function | None]
-"""Function of the arguments' values that returns an implementation, or None if it has none for them."""
-
-_IMPLEMENTATIONS: dict[Function, list[tuple[Choose, bool]]] = {}
-"""Choices of the implementations of generic functions, and whether their code is merged into the caller."""
 
 
 class Laws(Protocol):
@@ -54,15 +49,16 @@ class Laws(Protocol):
 class Kernel:
     """A function that is compiled on first call for its argument types.
 
-    function: in the part of Python of `translate`. is_merged: True to merge the code into compiled callers.
-    is_compact: see `compact`. A call raises UnknownTypeError for arguments and results other than numbers, arrays,
-    None and tuples of these.
+    function: in the language of kernels (docs/kernels.md), whose names are read when it is compiled, at the start of
+    a run. A call raises UnknownTypeError for arguments and results other than numbers, arrays, None and tuples of
+    these.
     """
 
-    def __init__(self, function: Function, is_merged: bool = False, is_compact: bool = False) -> None:
+    def __init__(self, function: Function, **choices: bool) -> None:
         functools.update_wrapper(self, function)
-        self.py_func, self.is_merged, self.is_compact = function, is_merged, is_compact
+        self.py_func, self.implementation = function, Implementation(function, **choices)
         self._binds: dict[Kinds, Bind] = {}
+        self._captures: dict[Kinds, Captures] = {}
 
     def __reduce__(self) -> str:
         return self.py_func.__qualname__
@@ -76,13 +72,19 @@ class Kernel:
         Arrays among them must keep their memory.
         """
         kinds, values = flattened(arguments)
-        bind = self._binds.get(kinds) or self._bind_for(kinds)
+        bind = self._binds.get(kinds)
+        if bind is None or not self._captures[kinds].are_current(with_functions=False):
+            bind = self._bind_for(kinds)
         call = bind(values)
         return lambda alive=arguments: call()  # type: ignore[misc]  # keeps the arrays whose addresses are in values
 
     def is_loaded(self, *arguments: object) -> bool:
-        """Return True if this process has machine code for such arguments."""
-        return flattened(arguments)[0] in self._binds
+        """Return True if this process has machine code for such arguments.
+
+        It is of the functions and values that the kernel names now.
+        """
+        kinds = flattened(arguments)[0]
+        return kinds in self._binds and self._captured(kinds) is self._captures[kinds]
 
     def has_code(self, *arguments: object) -> bool:
         """Return True if there is machine code for arguments of these types.
@@ -93,26 +95,35 @@ class Kernel:
 
     def path(self, *arguments: object) -> Path:
         """Return the file of the machine code for arguments of these types."""
-        return self._file(flattened(arguments)[0])[0]
+        kinds = flattened(arguments)[0]
+        return self._file(kinds, self._captured(kinds))[0]
 
     def assembly(self, *arguments: object) -> str:
         """Return the text of the machine code for arguments of these types."""
         from machine_code import llvm_code
 
         kinds = flattened(arguments)[0]
-        return llvm_code.assembly(self.py_func, kinds, implementation_of, self.is_compact)
+        return llvm_code.assembly(self.implementation, kinds, implementation_of)
 
-    def _file(self, kinds: Kinds) -> tuple[Path, dict[str, object]]:
+    def _captured(self, kinds: Kinds) -> Captures:
+        """Return the functions and values on which code for these types depends."""
+        captures = self._captures.get(kinds)
+        if captures is None or not captures.are_current():
+            records = {kind[0] for kind in kinds if isinstance(kind, tuple) and len(kind) == 2}
+            captures = Captures(self, {type(None), *records})
+        return captures
+
+    def _file(self, kinds: Kinds, captures: Captures) -> tuple[Path, dict[str, object]]:
         """Return the file of the code for these types, and its identity.
 
         The identity is all on which the code depends, and the file must have the same.
         """
-        function, constants = self.py_func, {kind[0] for kind in kinds if isinstance(kind, tuple)}
+        function = self.py_func
         identity = object_code.machine() | {
             "kernel": f"{function.__module__}.{function.__qualname__}",
             "arguments": " ".join(map(type_text, kinds)),
             "values": "".join(map(value_codes, kinds)),
-            "sources": [folder.own_sources(), folder.sources_of(function), folder.sources_of_laws(constants)],
+            "sources": [folder.own_sources("machine_code"), captures.digest],
         }
         digest = hashlib.sha256(json.dumps(identity).encode()).hexdigest()[:20]
         return folder.cache_folder() / f"{function.__name__}-{digest}.code", identity
@@ -123,11 +134,14 @@ class Kernel:
         It is in this process or on disk.
         """
         with _LOCK:
-            if kinds not in self._binds:
-                path, identity = self._file(kinds)
+            captures = self._captured(kinds)
+            if self._captures.get(kinds) is not captures:
+                path, identity = self._file(kinds, captures)
                 code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
+                self._binds.pop(kinds, None)
                 with suppress(LookupError):  # of another kernel
                     self._binds |= {kinds: object_code.load_code(code)} if code else {}
+                self._captures[kinds] = captures
             return self._binds.get(kinds)
 
     def _bind_for(self, kinds: Kinds) -> Bind:
@@ -135,32 +149,43 @@ class Kernel:
         with _LOCK:
             bind = self._stored_bind(kinds)
             if bind is None:
-                bind = self._binds[kinds] = object_code.load_code(self._compiled(kinds))
+                bind = self._binds[kinds] = object_code.load_code(
+                    self._compiled(kinds, self._captures[kinds])
+                )
             return bind
 
-    def _compiled(self, kinds: Kinds) -> object_code.ObjectCode:
+    def _compiled(self, kinds: Kinds, captures: Captures) -> object_code.ObjectCode:
         """Compile the code for these types, and store it."""
         from machine_code.llvm_code import compile_kernel
+        from machine_code.translate import symbol_of
 
-        path, identity = self._file(kinds)
-        code = compile_kernel(self.py_func, kinds, implementation_of, self.is_compact)
+        def resolve(callee: object, arguments: tuple[Value, ...]) -> Implementation | None:
+            implementation = implementation_of(callee, arguments)
+            if implementation is not None and not captures.follows(implementation.function):
+                refuse(f"{implementation.function.__qualname__}, whose captured values are not known before")
+            return implementation
+
+        path, identity = self._file(kinds, captures)
+        symbol = symbol_of(f"kernel_{path.stem.rpartition('-')[2]}", self.py_func)
+        code = compile_kernel(self.implementation, kinds, resolve, symbol)
         with suppress(OSError):  # the code is valid, and `compile_once` reports it
-            folder.write(path, object_code.encoded(code, identity))
+            if folder.own_sources.__wrapped__("machine_code") == folder.own_sources("machine_code"):
+                folder.write(path, object_code.encoded(code, identity))
         return code
 
 
 def implementation_of(callee: object, arguments: tuple[Value, ...]) -> Implementation | None:
     """Return the Python function that compiled code calls, or None."""
     if isinstance(callee, Kernel):
-        return Implementation(callee.py_func, callee.is_merged, callee.is_compact)
+        return callee.implementation
     if not isinstance(callee, FunctionType):
         return None
-    for choose, is_merged in _IMPLEMENTATIONS.get(callee, ()):
-        implementation = choose(*arguments)
-        if implementation is not None:
-            function = getattr(implementation, "py_func", implementation)
-            return Implementation(function, is_merged, getattr(implementation, "is_compact", False))
-    return None if callee in _IMPLEMENTATIONS else Implementation(callee, False, False)
+    for choose, is_merged in CHOICES.get(callee, ()):
+        chosen = choose(*arguments)
+        if chosen is not None:
+            implementation = getattr(chosen, "implementation", Implementation(chosen))
+            return implementation._replace(is_merged=is_merged)
+    return None if callee in CHOICES else Implementation(callee)
 
 
 def inlined(function: Function) -> Kernel:
@@ -186,6 +211,15 @@ def compact(function: Function) -> Kernel:
     Python, it holds for all functions that this one calls.
     """
     return Kernel(function, is_compact=True)
+
+
+def reordered(function: Function) -> Kernel:
+    """Decorate a compiled function whose sums may have any order.
+
+    It holds for the functions that are merged into it. Such sums lose the error terms and, where numbers cancel, the
+    NaN of those of Python.
+    """
+    return Kernel(function, is_reordered=True)
 
 
 def compile_once(
@@ -286,7 +320,7 @@ def chosen(generic: Function) -> Function:
 
 
 def _add_choice(generic: Function, choose: Choose, is_merged: bool) -> None:
-    _IMPLEMENTATIONS.setdefault(generic, []).append((choose, is_merged))
+    CHOICES.setdefault(generic, []).append((choose, is_merged))
 
 
 def _type_of(value: Value) -> type | None:

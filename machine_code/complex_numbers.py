@@ -6,9 +6,9 @@ A complex number is a `Record` of its two parts.
 import ast
 import math
 
-from machine_code.arithmetic import FUNCTIONS, binary, unary
+from machine_code.arithmetic import absolute, binary, call_function, compare, select, unary
 from machine_code.llvm_text import FunctionText
-from machine_code.values import Number, Record, Value, as_number, real, refuse
+from machine_code.values import FLOAT, Number, Record, Value, as_number, real, refuse
 
 Pair = tuple[Number, Number]
 
@@ -45,12 +45,21 @@ def complex_binary(code: FunctionText, operator: ast.operator, first: Value, sec
         return Record(complex, (real_part, combined(ast.Add(), product(a, d), product(b, c))))
     if not isinstance(operator, ast.Div):
         refuse(f"operator {type(operator).__name__} of complex numbers")
-    size = combined(ast.Add(), product(c, c), product(d, d))
-    parts = (
-        combined(ast.Add(), product(a, c), product(b, d)),
-        combined(ast.Sub(), product(b, c), product(a, d)),
-    )
-    return Record(complex, tuple(combined(ast.Div(), part, size) for part in parts))
+    return Record(complex, _quotient(code, (a, b), (c, d)))
+
+
+def _quotient(code: FunctionText, first: Pair, second: Pair) -> Pair:
+    """Return a quotient without squares, which may overflow (Smith 1962)."""
+    a, b, c, d = (code.converted(number, FLOAT) for number in (*first, *second))
+    is_swapped = compare(code, ast.Lt(), absolute(code, c), absolute(code, d))
+    large, small = select(code, is_swapped, d, c), select(code, is_swapped, c, d)
+    p, q = select(code, is_swapped, b, a), select(code, is_swapped, a, b)
+    ratio = binary(code, ast.Div(), small, large)
+    size = binary(code, ast.Add(), large, binary(code, ast.Mult(), small, ratio))
+    real_part = binary(code, ast.Add(), p, binary(code, ast.Mult(), q, ratio))
+    other_part = binary(code, ast.Sub(), q, binary(code, ast.Mult(), p, ratio))
+    other_part = select(code, is_swapped, unary(code, ast.USub(), other_part), other_part)
+    return binary(code, ast.Div(), real_part, size), binary(code, ast.Div(), other_part, size)
 
 
 def negative(code: FunctionText, value: Value) -> Value:
@@ -60,4 +69,4 @@ def negative(code: FunctionText, value: Value) -> Value:
 
 def magnitude(code: FunctionText, value: Value) -> Number:
     """Return the absolute value of a complex number."""
-    return FUNCTIONS[math.hypot](code, *_parts(value))
+    return call_function(code, math.hypot, *_parts(value))

@@ -2,59 +2,59 @@
 
 import ast
 import builtins
+from collections.abc import Hashable
 from types import ModuleType
 from typing import NamedTuple, Protocol
 
 from machine_code import arithmetic, source
-from machine_code.arrays import Index, load_item, part_of
+from machine_code.arrays import Index, load_item, part_of, place_in
 from machine_code.complex_numbers import complex_binary, is_complex, magnitude, negative
 from machine_code.llvm_text import Block, FunctionText
 from machine_code.values import (
     FLOAT,
     INTEGER,
     LOGICAL,
-    RANKS,
+    NAMES,
     Array,
     Implementation,
     Known,
     Nothing,
     Number,
-    PythonFunction,
     Record,
     Value,
     as_number,
     constant,
+    described,
     integer,
     leaves,
     logical,
     rebuilt,
     refuse,
-    shape_of,
-    with_kinds,
+    structure,
 )
 
 Arguments = tuple[Value, ...]
 
-
-class WiderTypeError(Exception):
-    """The numbers of a variable do not fit into its memory."""
+INDEX_OPERATIONS: dict[type[ast.operator], str] = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul"}
 
 
 class Slot(NamedTuple):
-    """Memory of a variable that is assigned more than once."""
+    """Memory of a variable that is assigned more than once.
+
+    variable: its name in `FunctionText.assign`.
+    """
 
     value: Value
     addresses: tuple[str, ...]
+    variable: str
 
 
 class Caller(Protocol):
     """The kernel of which a function is a part.
 
-    wider: types of variables that turned out wider than their first value; declarations: of functions of the C library;
-    is_compact: True where no loop is unrolled.
+    declarations: of functions of the C library; is_compact: True where no loop is unrolled.
     """
 
-    wider: dict[tuple[PythonFunction, object], str]
     declarations: set[str]
     is_compact: bool
 
@@ -78,6 +78,7 @@ class Expressions:
         cells = (cell.cell_contents for cell in self.function.__closure__ or ())
         closure = dict(zip(self.function.__code__.co_freevars, cells, strict=True))
         self._scopes = closure, self.function.__globals__, vars(builtins)
+        self._local = {*self.function.__code__.co_varnames, *self.function.__code__.co_cellvars}
         self._once = source.bound_once(self.node)
 
     def _value(self, node: ast.expr) -> Value:
@@ -92,9 +93,9 @@ class Expressions:
 
     def _integer(self, node: ast.expr) -> Number:
         number = self._number(node)
-        if number.kind == FLOAT:
-            refuse(f"a float as an index: {ast.unparse(node)}")
-        return self.code.converted(number, INTEGER)
+        if number.kind != INTEGER:
+            refuse(f"{NAMES[number.kind]} as an index: {ast.unparse(node)}")
+        return number
 
     def _array(self, node: ast.expr) -> Array:
         value = self._value(node)
@@ -112,11 +113,24 @@ class Expressions:
 
     def _index(self, node: ast.expr) -> Index:
         if not isinstance(node, ast.Slice):
-            return self._integer(node)
+            return self._place(node)
         if node.step is not None:
             refuse("a slice with a step")
-        lower, upper = (self._integer(bound) if bound else None for bound in (node.lower, node.upper))
+        lower, upper = (self._place(bound) if bound else None for bound in (node.lower, node.upper))
         return lower, upper
+
+    def _place(self, node: ast.expr) -> Number:
+        """Return an index.
+
+        Its sums and products stay within 64 bits, as no array is longer, which LLVM has to know to vectorise.
+        """
+        operation = INDEX_OPERATIONS.get(type(node.op)) if isinstance(node, ast.BinOp) else None
+        if operation is None:
+            return self._integer(node)
+        assert isinstance(node, ast.BinOp)
+        first = self._place(node.left)
+        operand = self.code.whole(operation, first.operand, self._place(node.right).operand)
+        return Number(INTEGER, operand, int(operand) if operand.lstrip("-").isdigit() else None)
 
     # Names
 
@@ -126,30 +140,20 @@ class Expressions:
             return
         slot = self._names.get(name)
         if not isinstance(slot, Slot):
-            slot = self._names[name] = self._new_slot(value, name)
+            slot = self._names[name] = self._new_slot(value)
         self._store(slot, value, name)
+        self.code.assign(slot.variable)
 
-    def _new_slot(self, value: Value, name: str) -> Slot:
+    def _new_slot(self, value: Value) -> Slot:
         """Return memory for a variable, or for a function's result."""
-        kinds = [
-            max(
-                (kind, self.kernel.wider.get((self.function, (name, i)), kind)), key=lambda k: RANKS.get(k, 0)
-            )
-            for i, (kind, _) in enumerate(leaves(value))
-        ]
-        return Slot(with_kinds(value, iter(kinds)), tuple(map(self.code.slot, kinds)))
+        addresses = tuple(self.code.slot(kind) for kind, _ in leaves(value))
+        return Slot(value, addresses, self.code.new_variable())
 
     def _store(self, slot: Slot, value: Value, name: str) -> None:
-        """Store a value of the slot's structure, numbers of other types converted."""
-        if shape_of(value) != shape_of(slot.value):
-            refuse(f"{name} has values of different structure")
-        numbers = zip(leaves(slot.value), leaves(value), slot.addresses, strict=True)
-        for i, ((kind, _), (value_kind, operand), address) in enumerate(numbers):
-            if kind != value_kind:
-                if RANKS[value_kind] > RANKS[kind]:
-                    self.kernel.wider[self.function, (name, i)] = value_kind
-                    raise WiderTypeError
-                operand = self.code.converted(Number(value_kind, operand), kind).operand
+        """Store a value of the slot's structure."""
+        if structure(value) != structure(slot.value):
+            refuse(f"{name.partition('.')[0]}, which is {described(slot.value)} and {described(value)}")
+        for (kind, operand), address in zip(leaves(value), slot.addresses, strict=True):
             self.code.add(f"store {kind} {operand}, ptr {address}")
 
     def _load(self, slot: Slot) -> Value:
@@ -162,28 +166,32 @@ class Expressions:
 
     # Conditions
 
-    def _branch(self, test: ast.expr, yes: Block, no: Block) -> bool | None:
+    def _branch(self, test: ast.expr, yes: Block, no: Block, is_value: bool = False) -> bool | None:
         """Jump to one of two blocks by a condition.
 
-        A condition that is known is returned instead, without a jump.
+        A condition that is known is returned instead, without a jump. is_value: True where the condition itself is
+        the value, and not its truth alone.
         """
         if isinstance(test, ast.BoolOp):
-            return self._branch_of_many(test, yes, no)
+            return self._branch_of_many(test, yes, no, is_value)
         if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
             decided = self._branch(test.operand, no, yes)
             return None if decided is None else not decided
-        truth = self.code.truth(self._number(test))
+        number = self._number(test)
+        if is_value and number.kind != LOGICAL:
+            refuse(f"the value of `and` or `or` for {NAMES[number.kind]}: {ast.unparse(test)}")
+        truth = self.code.truth(number)
         if truth.constant is not None:
             return bool(truth.constant)
         self.code.branch(truth.operand, yes, no)
         return None
 
-    def _branch_of_many(self, test: ast.BoolOp, yes: Block, no: Block) -> bool | None:
+    def _branch_of_many(self, test: ast.BoolOp, yes: Block, no: Block, is_value: bool) -> bool | None:
         """Jump by conditions joined by `and` or `or`."""
         is_and, jumped = isinstance(test.op, ast.And), False
         for condition in test.values:
             following = self.code.new_block()
-            decided = self._branch(condition, *((following, no) if is_and else (yes, following)))
+            decided = self._branch(condition, *((following, no) if is_and else (yes, following)), is_value)
             if decided is None:
                 jumped = True
                 self.code.begin(following)
@@ -200,7 +208,7 @@ class Expressions:
     def _condition(self, test: ast.expr) -> Number:
         """Return the truth of conditions joined by `and` or `or`."""
         yes, no, after = (self.code.new_block() for _ in range(3))
-        decided = self._branch(test, yes, no)
+        decided = self._branch(test, yes, no, is_value=True)
         if decided is not None:
             return logical(decided)
         for block in (yes, no):
@@ -218,7 +226,13 @@ class Expressions:
         name = node.id
         if name in self._names:
             value = self._names[name]
-            return self._load(value) if isinstance(value, Slot) else value
+            if not isinstance(value, Slot):
+                return value
+            if self.code.is_assigned(value.variable):
+                return self._load(value)
+        variable = name.partition(".")[0]
+        if variable in self._local:
+            refuse(f"the variable {variable}, which may have no value here")
         for scope in self._scopes:
             if name in scope:
                 return constant(scope[name])
@@ -241,7 +255,9 @@ class Expressions:
                 size = self.code.product(size, length)
             return Number(INTEGER, size)
         if isinstance(value, Known) and isinstance(value.content, ModuleType | type):
-            return constant(getattr(value.content, name))
+            for owner in getattr(value.content, "__mro__", (value.content,)):
+                if name in vars(owner):
+                    return constant(vars(owner)[name])
         return refuse(f"the attribute {name}")
 
     def _of_Subscript(self, node: ast.Subscript) -> Value:
@@ -269,6 +285,9 @@ class Expressions:
             if not -len(items) <= index.constant < len(items):
                 refuse(f"item {index.constant} of {len(items)}")
             return items[int(index.constant)]
+        if not items:
+            refuse("an item of no items")
+        index = Number(INTEGER, place_in(self.code, index, str(len(items))))
         result = items[0]
         for i, item in enumerate(items[1:], start=1):
             is_item = arithmetic.compare(self.code, ast.Eq(), index, integer(i))
@@ -280,22 +299,14 @@ class Expressions:
 
         They have the same structure.
         """
-        if shape_of(a) != shape_of(b):
-            refuse("items of different structure at a variable index")
+        if structure(a) != structure(b):
+            refuse(f"{described(a)} or {described(b)}, by an index that varies")
         pairs = zip(leaves(a), leaves(b), strict=True)
-        kinds: list[str] = []
-        operands: list[str] = []
-        for (kind, first), (second_kind, second) in pairs:
-            if kind in RANKS:
-                number = arithmetic.select(
-                    self.code, condition, Number(kind, first), Number(second_kind, second)
-                )
-                kinds.append(number.kind)
-                operands.append(number.operand)
-            else:
-                kinds.append(kind)
-                operands.append(self.code.value(f"select i1 {condition.operand}, ptr {first}, ptr {second}"))
-        return rebuilt(with_kinds(a, iter(kinds)), iter(operands))
+        selected = (
+            self.code.value(f"select i1 {condition.operand}, {kind} {first}, {kind} {second}")
+            for (kind, first), (_, second) in pairs
+        )
+        return rebuilt(a, selected)
 
     def _of_BinOp(self, node: ast.BinOp) -> Value:
         first = self._value(node.left)
@@ -316,12 +327,16 @@ class Expressions:
         return self._condition(node)
 
     def _of_Compare(self, node: ast.Compare) -> Value:
+        if len(node.ops) > 1 and not all(
+            isinstance(n, ast.Name | ast.Constant) for n in node.comparators[1:]
+        ):
+            refuse("a chain of comparisons with more than names: " + ast.unparse(node))
         if isinstance(node.ops[0], ast.Is | ast.IsNot):
             is_none = isinstance(self._value(node.left), Nothing)
             if len(node.ops) > 1 or not isinstance(self._value(node.comparators[0]), Nothing):
                 refuse("`is` with other than None")
             return logical(is_none == isinstance(node.ops[0], ast.Is))
-        if isinstance(node.ops[0], ast.In):
+        if isinstance(node.ops[0], ast.In) and len(node.ops) == 1:
             return self._is_among(self._number(node.left), self._value(node.comparators[0]))
         former, result = self._number(node.left), None
         for operator, comparator in zip(node.ops, node.comparators, strict=True):
@@ -336,6 +351,8 @@ class Expressions:
         """Return True where a number is one of a tuple."""
         if not isinstance(values, Record):
             refuse("`in` with other than a tuple")
+        if number.kind == FLOAT:
+            refuse("`in` of a float, where Python compares objects")
         result = logical(False)
         for value in values.items:
             is_equal = arithmetic.compare(self.code, ast.Eq(), number, as_number(value))
@@ -344,7 +361,7 @@ class Expressions:
 
     def _of_IfExp(self, node: ast.IfExp) -> Value:
         code = self.code
-        blocks = [code.new_block(), code.new_block()]
+        blocks = code.new_block(), code.new_block()
         decided = self._branch(node.test, *blocks)
         if decided is not None:
             return self._value(node.body if decided else node.orelse)
@@ -352,29 +369,16 @@ class Expressions:
         for block, branch in zip(blocks, (node.body, node.orelse), strict=True):
             code.begin(block)
             ends.append((self._value(branch), code.block))
-        if shape_of(ends[0][0]) != shape_of(ends[1][0]):
-            refuse("branches of different structure")
-        first, second = (list(leaves(value)) for value, _ in ends)
-        kinds = [
-            max(a, b, key=lambda k: RANKS.get(k, 0)) for (a, _), (b, _) in zip(first, second, strict=True)
-        ]
-        operands = []
-        for numbers, (_, block) in zip((first, second), ends, strict=True):
-            code.block = block
-            operands.append(
-                [
-                    operand if kind == wide else code.converted(Number(kind, operand), wide).operand
-                    for (kind, operand), wide in zip(numbers, kinds, strict=True)
-                ]
-            )
             code.jump(after)
+        (first, one), (second, two) = ends
+        if structure(first) != structure(second):
+            refuse(f"{described(first)} or {described(second)}, by a condition")
         code.begin(after)
-        labels = [block.label for _, block in ends]
+        pairs = zip(leaves(first), leaves(second), strict=True)
         joined = (
-            code.value(f"phi {kind} [{a}, %{labels[0]}], [{b}, %{labels[1]}]")
-            for kind, a, b in zip(kinds, *operands, strict=True)
+            code.value(f"phi {kind} [{a}, %{one.label}], [{b}, %{two.label}]") for (kind, a), (_, b) in pairs
         )
-        return rebuilt(with_kinds(ends[0][0], iter(kinds)), joined)
+        return rebuilt(first, joined)
 
     def _of_Call(self, node: ast.Call) -> Value:
         callee = self._value(node.func)
@@ -382,19 +386,21 @@ class Expressions:
             refuse(f"a call of {ast.unparse(node.func)}")
         function = callee.content
         arguments = tuple(map(self._value, node.args))
+        if not isinstance(function, Hashable) or any(isinstance(part, ast.Starred) for part in node.args):
+            refuse(f"a call of {ast.unparse(node)}")
         if isinstance(function, type) and hasattr(function, "_fields"):
             named = {word.arg: self._value(word.value) for word in node.keywords}
             return self._record(function, arguments, named)
         if node.keywords:
             refuse("arguments by name")
-        if function is len:
+        if function is len and len(arguments) == 1:
             return self._length(arguments[0])
         if (intrinsic := getattr(function, "intrinsic", None)) is not None:
             return intrinsic(self.kernel, self.code, *arguments)
-        if function is abs and is_complex(arguments[0]):
+        if function is abs and len(arguments) == 1 and is_complex(arguments[0]):
             return magnitude(self.code, arguments[0])
-        if function in arithmetic.FUNCTIONS:
-            return arithmetic.FUNCTIONS[function](self.code, *map(as_number, arguments))
+        if function in arithmetic.FUNCTIONS or function in arithmetic.EXTREMES:
+            return arithmetic.call_function(self.code, function, *map(as_number, arguments))
         called = self.kernel.resolve(function, arguments)
         if called is None:
             refuse(f"a call of {ast.unparse(node.func)}")

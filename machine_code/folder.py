@@ -1,7 +1,7 @@
-"""Folder of compiled code, and digests of sources.
+"""Folder of compiled code.
 
-A loop contains the functions that it calls, of any file. The content of the folder is executed. Therefore folder and
-files must belong to this user and be closed to others, and only plain files are opened.
+Its content is executed. Therefore folder and files must belong to this user and be closed to others, and only plain
+files are opened.
 """
 
 import fcntl
@@ -10,19 +10,11 @@ import hashlib
 import os
 import stat
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from types import FunctionType, ModuleType
-from typing import Any
 
 import platformdirs
-
-PACKAGES = ("machine_code", "fem")
-"""Packages whose sources are in every digest, because compiled code anywhere may contain theirs."""
-
-REGISTERED: list[Callable[[], Iterable[Any]]] = []
-"""Functions that return registered laws, whose fields are kernels and the type of their constants."""
 
 USUAL_S, LONGEST_S, TIME_FILE = 2.0, 3600.0, "seconds"
 """Usual and longest time [s] in which a loop is compiled, and the file of the last time.
@@ -43,72 +35,16 @@ def cache_folder() -> Path:
     It is below $TAILSLAP_CACHE_DIR, else below the user's cache folder.
     """
     base = os.environ.get("TAILSLAP_CACHE_DIR") or platformdirs.user_cache_path("tailslap", appauthor=False)
-    return Path(base) / own_sources()[:16]
+    return Path(base) / own_sources("machine_code")[:16]
 
 
 @functools.cache
-def own_sources() -> str:
-    """Return the digest of the sources of PACKAGES."""
+def own_sources(*packages: str) -> str:
+    """Return the digest of the sources of packages of this program."""
     digest = hashlib.sha256()
-    for source in (path for name in PACKAGES for path in sorted((ROOT / name).rglob("*.py"))):
+    for source in (path for name in packages for path in sorted((ROOT / name).rglob("*.py"))):
         digest.update(source.read_bytes())
     return digest.hexdigest()
-
-
-def sources_of_laws(kinds: Iterable[type] | None = None) -> str:
-    """Return the digest of the sources of registered laws outside PACKAGES.
-
-    kinds: types of their constants; None for all laws.
-    """
-    laws = (law for registered in REGISTERED for law in registered())
-    chosen = (law for law in laws if kinds is None or law.constants in kinds)
-    functions = {value for law in chosen for value in vars(law).values() if isinstance(value, FunctionType)}
-    return "".join(sorted(filter(None, map(sources_of, functions))))
-
-
-@functools.cache
-def sources_of(function: FunctionType) -> str:
-    """Return the digest of the sources of a function outside PACKAGES.
-
-    They are its file, or all files of its package, and those of functions of other packages that it names.
-    """
-    path, depth = Path(function.__code__.co_filename).resolve(), function.__module__.count(".")
-    if any(ROOT / name in path.parents for name in PACKAGES):
-        return ""  # among `own_sources`
-    digest = hashlib.sha256(_source_of(function))
-    with suppress(OSError):
-        for source in sorted(path.parents[depth - 1].rglob("*.py")) if depth else []:
-            digest.update(source.read_bytes())
-    for value in _named(function):
-        kernel = getattr(value, "py_func", None)
-        digest.update(sources_of(kernel).encode() if kernel else _source_of(value))
-    return digest.hexdigest()
-
-
-def _source_of(function: FunctionType) -> bytes:
-    """Return the source file of a function, if any, and its code.
-
-    The numbers of its closure belong to it.
-    """
-    code, cells = function.__code__, [cell.cell_contents for cell in function.__closure__ or ()]
-    numbers = [value for value in cells if isinstance(value, int | float)]
-    description = repr((code.co_code, code.co_consts, code.co_names, numbers)).encode()
-    with suppress(OSError):
-        return Path(code.co_filename).read_bytes() + description
-    return description
-
-
-def _named(function: FunctionType) -> list[Any]:
-    """Return the functions of other packages that a function names."""
-    names, package = function.__code__.co_names, function.__module__.partition(".")[0]
-    values = [function.__globals__.get(name) for name in names]
-    values += [
-        vars(module).get(name) for module in values if isinstance(module, ModuleType) for name in names
-    ]
-    functions = (value for value in values if isinstance(getattr(value, "py_func", value), FunctionType))
-    return [
-        value for value in functions if str(value.__module__).partition(".")[0] not in (package, *PACKAGES)
-    ]
 
 
 def read(path: Path, most: int) -> bytes:

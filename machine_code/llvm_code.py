@@ -1,7 +1,6 @@
 """Machine code of a kernel, made by LLVM."""
 
 import functools
-import hashlib
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -17,19 +16,18 @@ from machine_code.object_code import (
     checks_indices,
     llvm_library,
     new_target,
-    type_text,
     value_codes,
 )
 from machine_code.statements import METADATA
-from machine_code.translate import Resolve, Translation, symbol_of
+from machine_code.translate import Resolve, Translation
 from machine_code.values import (
     ITEMS,
     LOGICAL,
     NOTHING,
     Array,
+    Implementation,
     Nothing,
     Number,
-    PythonFunction,
     Record,
     Value,
 )
@@ -50,38 +48,32 @@ ATTRIBUTES = (
 """Properties of the program's functions, and of those of the mathematics library."""
 
 
-def compile_kernel(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compact: bool) -> ObjectCode:
-    """Return the machine code of a function for arguments of these types.
+def compile_kernel(kernel: Implementation, kinds: Kinds, resolve: Resolve, symbol: str) -> ObjectCode:
+    """Return the machine code of a kernel for arguments of these types.
 
-    resolve, is_compact: see `machine_code.translate.Translation`. Raises TranslationError, and UnknownTypeError for a
-    result that is not of numbers.
+    resolve: see `machine_code.translate.Resolve`. symbol: name of the code, which must be another for other code of
+    the process. Raises TranslationError, and UnknownTypeError for a result that is not of numbers.
     """
-    translation, result = _translated(function, kinds, resolve, is_compact)
+    translation, result = _translated(kernel, kinds, resolve, symbol)
     codes, machine_code = "".join(map(value_codes, kinds)), target().emit_object(_optimised(translation))
-    return ObjectCode(_symbol(function, kinds), codes, _result_of(result), machine_code)
+    return ObjectCode(symbol, codes, _result_of(result), machine_code)
 
 
-def assembly(function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compact: bool) -> str:
+def assembly(kernel: Implementation, kinds: Kinds, resolve: Resolve) -> str:
     """Return the text of the machine code.
 
     Arguments as of `compile_kernel`.
     """
-    text: str = target().emit_assembly(_optimised(_translated(function, kinds, resolve, is_compact)[0]))
+    text: str = target().emit_assembly(_optimised(_translated(kernel, kinds, resolve, "kernel")[0]))
     return text
 
 
-def _symbol(function: PythonFunction, kinds: Kinds) -> str:
-    """Return the name of a kernel, unique in the process."""
-    text = f"{function.__module__}.{function.__qualname__} {' '.join(map(type_text, kinds))}"
-    return f"{symbol_of('kernel', function)}_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
-
-
 def _translated(
-    function: PythonFunction, kinds: Kinds, resolve: Resolve, is_compact: bool
+    kernel: Implementation, kinds: Kinds, resolve: Resolve, symbol: str
 ) -> tuple[Translation, Value]:
     """Return a kernel in LLVM's language, and its result."""
     codes = "".join(map(value_codes, kinds))
-    translation = Translation(resolve, is_compact, checks_indices())
+    translation = Translation(resolve, kernel.is_compact, checks_indices())
 
     def read(code: FunctionText) -> Arguments:
         places = [code.item("%arguments", "i64", str(n)) for n in range(len(codes))]
@@ -91,7 +83,7 @@ def _translated(
         ]
         return _arguments(iter(kinds), iter(operands), code)
 
-    return translation, translation.kernel(function, _symbol(function, kinds), read)
+    return translation, translation.kernel(kernel, symbol, read)
 
 
 def _arguments(kinds: Iterator[Any], operands: Iterator[str], code: FunctionText) -> Arguments:
@@ -122,9 +114,7 @@ def _argument(kind: Any, kinds: Iterator[Any], operands: Iterator[str], code: Fu
 
 def _bytes_of(item: str) -> int:
     """Return the size of an item of an array."""
-    return {"double": 8, "i64": 8, "float": 4, "i32": 4, "i16": 2, "i8": 1, "{double, double}": 16}[
-        ITEMS[item]
-    ]
+    return {"double": 8, "i64": 8, "i32": 4, "i8": 1, "{double, double}": 16}[ITEMS[item]]
 
 
 def _result_of(value: Value) -> Result:

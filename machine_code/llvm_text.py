@@ -1,32 +1,38 @@
 """Text of a function in LLVM's language, block by block."""
 
-from machine_code.values import FLOAT, INTEGER, LOGICAL, RANKS, Number, integer, real, refuse
+from machine_code.values import FLOAT, INTEGER, LOGICAL, NAMES, RANKS, Number, integer, logical, real, refuse
 
-FAST_MATH = "contract nsz reassoc"
-"""Optimisations that are allowed: fused multiply-add and regrouping.
+FUSED, REORDERED = "contract", "contract reassoc nsz"
+"""Optimisations of floats: a product and a sum in one rounding, and any order of sums in marked functions.
 
-NaN and infinity keep their meaning, which the checks need.
+Elsewhere sums keep their order and zeros their sign: NaN, infinity and the error terms of sums are those of Python.
 """
 
 
 class Block:
-    """Instructions without a jump but at their end."""
+    """Instructions without a jump but at their end.
+
+    assigned: variables that have a value whenever the block is reached; None while no jump leads to it.
+    """
 
     def __init__(self, label: str) -> None:
         self.label, self.lines, self.is_closed = label, [f"{label}:"], False
+        self.assigned: frozenset[str] | None = None
 
 
 class FunctionText:
     """Function of LLVM that is being written, at the end of `block`.
 
-    has_checks: True to end the process where a check fails.
+    has_checks: True to end the process where a check fails. floats: optimisations of its operations on floats.
     """
 
-    def __init__(self, has_checks: bool) -> None:
-        self._has_checks = has_checks
+    def __init__(self, has_checks: bool, floats: str = FUSED) -> None:
+        self._has_checks, self.floats = has_checks, floats
         self._count, self._slots = 0, ["entry:"]
         self._blocks: list[Block] = []
-        self.block = self.begin(self.new_block())
+        self.block = self.new_block()
+        self.block.assigned = frozenset()
+        self.begin(self.block)
 
     def text(self, header: str) -> str:
         """Return the text of the function."""
@@ -65,22 +71,47 @@ class FunctionText:
         self._slots.append(f"%s{self._count} = alloca {kind}")
         return f"%s{self._count}"
 
+    def new_variable(self) -> str:
+        """Return the name of a variable for `assign`."""
+        self._count += 1
+        return f"x{self._count}"
+
+    def assign(self, variable: str) -> None:
+        """Note that a variable has a value from here on."""
+        if self.block.assigned is not None:
+            self.block.assigned |= {variable}
+
+    def is_assigned(self, variable: str) -> bool:
+        """Return True if a variable is certain to have a value here."""
+        return self.block.assigned is None or variable in self.block.assigned
+
+    @property
+    def is_reached(self) -> bool:
+        """True if the end of the block can be reached."""
+        return self.block.assigned is not None and not self.block.is_closed
+
     def jump(self, block: Block) -> None:
         """End the block, if it has no end, with a jump."""
-        self._end(f"br label %{block.label}")
+        self._end(f"br label %{block.label}", block)
 
     def branch(self, condition: str, true: Block, false: Block) -> None:
         """End the block with a jump to one of two blocks."""
-        self._end(f"br i1 {condition}, label %{true.label}, label %{false.label}")
+        self._end(f"br i1 {condition}, label %{true.label}, label %{false.label}", true, false)
 
     def leave(self, result: str) -> None:
         """End the block with the function's result."""
         self._end(f"ret {result}")
 
-    def _end(self, line: str) -> None:
-        if not self.block.is_closed:
+    def _end(self, line: str, *following: Block) -> None:
+        here = self.block
+        if not here.is_closed:
             self.add(line)
-            self.block.is_closed = True
+            here.is_closed = True
+            for block in following:
+                if here.assigned is not None:
+                    block.assigned = here.assigned & (
+                        here.assigned if block.assigned is None else block.assigned
+                    )
 
     def check(self, condition: str) -> None:
         """End the process where a condition fails, if that is checked."""
@@ -120,7 +151,7 @@ class FunctionText:
         if number.kind == kind:
             return number
         if RANKS[number.kind] > RANKS[kind]:
-            refuse(f"{number.kind} does not fit into {kind}")
+            refuse(f"{NAMES[number.kind]} where {NAMES[kind]} is needed")
         if number.constant is not None:
             return real(float(number.constant)) if kind == FLOAT else integer(int(number.constant))
         operation = "sitofp" if number.kind == INTEGER else "uitofp" if kind == FLOAT else "zext"
@@ -130,6 +161,8 @@ class FunctionText:
         """Return True where a number is not zero."""
         if number.kind == LOGICAL:
             return number
+        if number.constant is not None:
+            return logical(bool(number.constant))
         if number.kind == INTEGER:
             return self.number(LOGICAL, f"icmp ne i64 {number.operand}, 0")
         return self.number(LOGICAL, f"fcmp une double {number.operand}, {real(0.0).operand}")

@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterable, Iterator
 from types import CodeType, FunctionType
 
+from machine_code.captures import code_text, nested_codes
 from machine_code.values import TranslationError
 
 Function = ast.FunctionDef | ast.Lambda
@@ -22,19 +23,18 @@ Place = tuple[tuple[int, int], ...]
 def tree_of(function: FunctionType) -> Function:
     """Return the syntax tree of a function or lambda.
 
-    Raises TranslationError where its source is not available.
+    Raises TranslationError where its source is not available, or no longer that of the function.
     """
     code = function.__code__
-    if os.path.isfile(code.co_filename):  # a file that is gone keeps the text that was read
+    node = _node(code)
+    if node is None and os.path.isfile(code.co_filename):  # a file that is gone keeps the text that was read
         linecache.checkcache(code.co_filename)
-    nodes = _functions("".join(linecache.getlines(code.co_filename))).get(
-        (code.co_firstlineno, code.co_name), []
-    )
-    if len(nodes) > 1:  # several lambdas in a line
-        nodes = [node for node in nodes if _contains(node, code)]
-    if not nodes:
-        raise TranslationError(f"the source of {function.__qualname__} is not available: {code.co_filename}")
-    node = nodes[0]
+        node = _node(code)
+    if node is None:
+        raise TranslationError(
+            f"the source of {function.__qualname__} is not available, or was changed after its import: "
+            f"{code.co_filename}:{code.co_firstlineno}"
+        )
     if isinstance(node, ast.FunctionDef) and not hasattr(node, "is_separated"):
         node.is_separated = True  # type: ignore[attr-defined]
         body = list(map(_Part, node.body))
@@ -43,17 +43,35 @@ def tree_of(function: FunctionType) -> Function:
     return node
 
 
+def _node(code: CodeType) -> Function | None:
+    """Return the tree of a function, or None for another code."""
+    functions, codes = _functions("".join(linecache.getlines(code.co_filename)))
+    nodes = functions.get((code.co_firstlineno, code.co_name), [])
+    if len(nodes) > 1:  # several lambdas in a line
+        nodes = [node for node in nodes if _contains(node, code)]
+    return nodes[0] if nodes and (code.co_firstlineno, code_text(code)) in codes else None
+
+
 @functools.cache
-def _functions(text: str) -> dict[tuple[int, str], list[Function]]:
-    """Return the functions of a file by first line and name."""
+def _functions(text: str) -> tuple[dict[tuple[int, str], list[Function]], set[tuple[int, str]]]:
+    """Return the functions of a file by first line and name.
+
+    The second result contains first lines and digests of their codes.
+    """
     functions: dict[tuple[int, str], list[Function]] = {}
-    for node in ast.walk(ast.parse(text)):
+    try:
+        tree = ast.parse(text)
+        codes = nested_codes(compile(tree, "", "exec", dont_inherit=True))
+        digests = {(code.co_firstlineno, code_text(code)) for code in codes}
+    except (SyntaxError, ValueError):
+        return {}, set()
+    for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef):
             first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
             functions.setdefault((first, node.name), []).append(node)
         elif isinstance(node, ast.Lambda):
             functions.setdefault((node.lineno, "<lambda>"), []).append(node)
-    return functions
+    return functions, digests
 
 
 def _contains(node: Function, code: CodeType) -> bool:

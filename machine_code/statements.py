@@ -1,6 +1,7 @@
 """Translation of a function's statements to LLVM's language."""
 
 import ast
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -14,6 +15,7 @@ from machine_code.values import (
     Array,
     Implementation,
     Known,
+    Nothing,
     Number,
     Record,
     TranslationError,
@@ -29,6 +31,9 @@ METADATA = (
     f'{SHORT_LOOP} = distinct !{{{SHORT_LOOP}, !{{!"llvm.loop.unroll.runtime.disable"}}, '
     '!{!"llvm.loop.vectorize.enable", i1 false}}'
 )
+
+RENAMED = re.compile(r"\b([A-Za-z_]\w*)\.\d+\b")
+"""Name of one of several variables of a name, as `source` calls them."""
 
 UNROLLED = 32
 """Longest loop over the items of a tuple that is written out."""
@@ -60,6 +65,8 @@ class Statements(Expressions):
             return self._returned(returns[0])
         self._end = self.code.new_block()
         self._block(statements)
+        if self.code.is_reached and self._result and not isinstance(self._result.value, Nothing):
+            refuse(f"an end of {self.function.__qualname__} without return, where others return a value")
         self.code.jump(self._end)
         self.code.begin(self._end)
         return self._load(self._result) if self._result else NOTHING
@@ -67,7 +74,7 @@ class Statements(Expressions):
     def _block(self, statements: list[ast.stmt]) -> None:
         """Translate statements up to one that jumps away."""
         for statement in statements:
-            if self.code.block.is_closed:
+            if not self.code.is_reached:
                 return
             with self._located(statement):
                 translate = getattr(self, f"_do_{type(statement).__name__}", None)
@@ -82,7 +89,7 @@ class Statements(Expressions):
             yield
         except TranslationError as error:
             place = error.place or f"{self.function.__code__.co_filename}:{node.lineno}"
-            raise TranslationError(error.args[0], place) from None
+            raise TranslationError(RENAMED.sub(r"\1", error.args[0]), place) from None
 
     def _returned(self, node: ast.Return) -> Value:
         with self._located(node):
@@ -101,25 +108,24 @@ class Statements(Expressions):
             self._assign(target, value)
 
     def _do_AugAssign(self, node: ast.AugAssign) -> None:
-        change = self._value(node.value)
         if isinstance(node.target, ast.Name):
             before = self._value(ast.copy_location(ast.Name(node.target.id, ast.Load()), node))
-            self._store_name(node.target.id, self._binary(node.op, before, change))
+            self._store_name(node.target.id, self._binary(node.op, before, self._value(node.value)))
         elif isinstance(node.target, ast.Subscript):
             array = self._array(node.target.value)
             item = self._element(array, node.target.slice)
             if item.shape:
                 refuse("an operation on a part of an array")
             before = load_item(self.code, item)
-            store_item(self.code, item, self._binary(node.op, before, change))
+            store_item(self.code, item, self._binary(node.op, before, self._value(node.value)))
         else:
-            refuse("an operation on an attribute")
+            refuse(f"an operation on {ast.unparse(node.target)}")
 
     def _do_Return(self, node: ast.Return) -> None:
         value = self._returned(node)
         if self._result is None:
-            self._result = self._new_slot(value, "return")
-        self._store(self._result, value, "return")
+            self._result = self._new_slot(value)
+        self._store(self._result, value, "the result")
         assert self._end is not None
         self.code.jump(self._end)
 
@@ -136,6 +142,8 @@ class Statements(Expressions):
         self.code.begin(after)
 
     def _do_While(self, node: ast.While) -> None:
+        if node.orelse:
+            refuse("else of a loop")
         head, body, after = self.code.new_block(), self.code.new_block(), self.code.new_block()
         self.code.jump(head)
         self.code.begin(head)
@@ -243,12 +251,12 @@ class Statements(Expressions):
             element = self._element(self._array(target.value), target.slice)
             (fill if element.shape else store_item)(self.code, element, value)
         else:
-            refuse("an assignment to an attribute")
+            refuse(f"an assignment to {ast.unparse(target)}")
 
     def _items(self, value: Value, count: int) -> tuple[Value, ...]:
-        """Return the items of a tuple or array of this length."""
-        if isinstance(value, Array) and value.shape:
-            return tuple(load(self.code, value, str(i)) for i in range(count))
+        """Return the items of a tuple of this length."""
+        if isinstance(value, Array):
+            refuse(f"an assignment of an array, whose length may vary, to {count} variables")
         if not isinstance(value, Record) or len(value.items) != count:
             refuse(f"an assignment to {count} variables")
         return value.items

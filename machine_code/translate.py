@@ -10,8 +10,8 @@ import itertools
 import re
 from collections.abc import Callable
 
-from machine_code.expressions import Arguments, WiderTypeError
-from machine_code.llvm_text import FunctionText
+from machine_code.expressions import Arguments
+from machine_code.llvm_text import FUSED, REORDERED, FunctionText
 from machine_code.statements import Statements
 from machine_code.values import (
     INTEGER,
@@ -21,6 +21,7 @@ from machine_code.values import (
     Value,
     leaves,
     rebuilt,
+    refuse,
     structure,
 )
 
@@ -39,12 +40,13 @@ class Translation:
         self.resolve, self.is_compact, self.check_indices = resolve, is_compact, check_indices
         self.texts: list[str] = []
         self.declarations: set[str] = set()
-        self.wider: dict[tuple[PythonFunction, object], str] = {}
-        self._functions: dict[object, tuple[str, Value]] = {}
+        self._functions: dict[object, tuple[str, Value] | None] = {}
+        self._merging: list[object] = []
+        self._numbers = itertools.count()
 
     def kernel(
         self,
-        function: PythonFunction,
+        called: Implementation,
         symbol: str,
         read: Callable[[FunctionText], Arguments],
     ) -> Value:
@@ -53,7 +55,7 @@ class Translation:
         It writes the numbers of its result behind one another. read: reads its arguments from the memory at
         `%arguments`. Returns the result, whose operands have no meaning outside.
         """
-        code, result = self._translated(Implementation(function, False, self.is_compact), read, _store_result)
+        code, result = self._translated(called, read, _store_result)
         self.texts.append(code.text(f"define void @{symbol}(ptr %result, ptr %arguments) #0"))
         return result
 
@@ -61,8 +63,12 @@ class Translation:
         """Call a function, which is translated once for each structure of arguments."""
         key = called.function, *map(structure, arguments)
         if key not in self._functions:
+            self._functions[key] = None
             self._functions[key] = self._new_function(called, arguments)
-        symbol, result = self._functions[key]
+        function = self._functions[key]
+        if function is None:
+            refuse(f"{called.function.__qualname__}, which calls itself")
+        symbol, result = function
         operands = _listed(arguments)
         kinds = [kind for kind, _ in leaves(result)]
         if not kinds:
@@ -76,14 +82,20 @@ class Translation:
 
     def merged(self, code: FunctionText, called: Implementation, arguments: Arguments) -> Value:
         """Add the code of a function to its caller's."""
-        return Statements(self, code, called).run(arguments)
+        key = called.function, *map(structure, arguments)
+        if key in self._merging:
+            refuse(f"{called.function.__qualname__}, which calls itself")
+        self._merging.append(key)
+        result = Statements(self, code, called).run(arguments)
+        self._merging.pop()
+        return result
 
     def _new_function(self, called: Implementation, arguments: Arguments) -> tuple[str, Value]:
         names = (f"%a{i}" for i in itertools.count())
         parameters = tuple(rebuilt(value, names) for value in arguments)
         code, result = self._translated(called, lambda code: parameters, _return_result)
         kinds = [kind for kind, _ in leaves(result)]
-        symbol = symbol_of(f"f{len(self._functions)}", called.function)
+        symbol = symbol_of(f"f{next(self._numbers)}", called.function)
         returned = f"{{{', '.join(kinds)}}}" if kinds else "void"
         self.texts.append(code.text(f"define internal {returned} @{symbol}({_listed(parameters)}) #0"))
         return symbol, result
@@ -94,18 +106,11 @@ class Translation:
         read: Callable[[FunctionText], Arguments],
         finish: Callable[[FunctionText, Value], None],
     ) -> tuple[FunctionText, Value]:
-        """Return the text of a function.
-
-        It is written again where a variable turns out wider.
-        """
-        while True:
-            code = FunctionText(self.check_indices)
-            try:
-                result = Statements(self, code, called).run(read(code))
-            except WiderTypeError:
-                continue
-            finish(code, result)
-            return code, result
+        """Return the text of a function."""
+        code = FunctionText(self.check_indices, REORDERED if called.is_reordered else FUSED)
+        result = Statements(self, code, called).run(read(code))
+        finish(code, result)
+        return code, result
 
 
 def symbol_of(prefix: str, function: PythonFunction) -> str:

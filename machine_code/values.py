@@ -15,14 +15,18 @@ FLOAT, INTEGER, LOGICAL, ADDRESS = "double", "i64", "i1", "ptr"
 """LLVM's types of the operands."""
 
 RANKS = {LOGICAL: 0, INTEGER: 1, FLOAT: 2}
-"""Order of the types of numbers; a number of two types has the later one."""
+"""Order of the types of numbers, of which each holds those before it."""
 
-ITEMS = {
-    "d": "double", "f": "float", "q": "i64", "l": "i64", "i": "i32", "h": "i16", "b": "i8",
-    "Q": "i64", "L": "i64", "I": "i32", "H": "i16", "B": "i8", "?": "i8",
-    "D": "{double, double}",
-}  # fmt: skip
-"""LLVM's types of the items of arrays, by NumPy's character of the type."""
+NAMES = {LOGICAL: "a truth value", INTEGER: "an integer", FLOAT: "a float"}
+
+ITEMS = {"d": "double", "q": "i64", "l": "i64", "i": "i32", "?": "i8", "D": "{double, double}"}
+"""LLVM's types of the items of arrays, by NumPy's character of the type.
+
+Arithmetic of NumPy's shorter and unsigned integers and of its short floats is not that of 64 bits.
+"""
+
+EXACT = 2**53
+"""Integers up to this size are floats as well."""
 
 
 class TranslationError(TypeError):
@@ -96,12 +100,14 @@ PythonFunction = Any
 class Implementation(NamedTuple):
     """Python function that compiled code calls.
 
-    is_merged: True to merge its code into the caller; is_compact: True for loops that are not unrolled.
+    is_merged: True to merge its code into the caller; is_compact: True for loops that are not unrolled; is_reordered:
+    True for sums of any order.
     """
 
     function: PythonFunction
-    is_merged: bool
-    is_compact: bool
+    is_merged: bool = False
+    is_compact: bool = False
+    is_reordered: bool = False
 
 
 NOTHING = Nothing()
@@ -109,6 +115,8 @@ NOTHING = Nothing()
 
 def integer(value: int) -> Number:
     """Return a constant integer."""
+    if not -(2**63) <= value < 2**63:
+        refuse(f"the integer {value}, beyond 64 bits")
     return Number(INTEGER, str(value), value)
 
 
@@ -192,21 +200,12 @@ def as_number(value: Value) -> Number:
     return value
 
 
-def shape_of(value: Value) -> object:
-    """Return the structure of a value without the types of its numbers."""
+def described(value: Value) -> str:
+    """Return the description of a value in an error."""
     if isinstance(value, Number):
-        return Number
+        return NAMES[value.kind]
+    if isinstance(value, Array):
+        return f"an array of {len(value.shape)} dimensions"
     if isinstance(value, Record):
-        return value.kind, *map(shape_of, value.items)
-    return structure(value)
-
-
-def with_kinds(value: Value, kinds: Iterator[str]) -> Value:
-    """Return a value whose numbers have these types."""
-    if isinstance(value, Number):
-        return Number(next(kinds), value.operand)
-    if isinstance(value, Record):
-        return Record(value.kind, tuple(with_kinds(item, kinds) for item in value.items))
-    for _ in leaves(value):
-        next(kinds)
-    return value
+        return f"{value.kind.__name__} of {', '.join(map(described, value.items))}"
+    return "None" if isinstance(value, Nothing) else str(value.content)

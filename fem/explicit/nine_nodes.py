@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.explicit.point_force import inverse, product, product_with_transpose, weighted_stress
 from fem.explicit.simd_blocks import BLOCK_SIZE, VECTOR_SIZE, at_slot
-from machine_code.compiled import compiled, inlined
+from machine_code.compiled import inlined, reordered
 
 GAUSS = math.sqrt(0.6)
 """Outer points of Gauss's rule of three on (-1, 1)."""
@@ -60,7 +60,7 @@ def rectangle_sizes(gradients: np.ndarray, weights: np.ndarray, tolerance: float
     return np.array([x, xx, y, yy, GAUSS * half[0], GAUSS * half[1], weights.sum(axis=0)])
 
 
-@compiled
+@reordered
 def set_nine_nodes(material, viscosity, reference, rows, sizes, energies, vectors):
     """Fill the block's rows with the forces of all nodes.
 

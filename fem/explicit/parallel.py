@@ -52,7 +52,7 @@ class Barrier(NamedTuple):
 
 def new_barrier() -> Barrier:
     """Return a barrier at which no thread has arrived."""
-    library, memory = ctypes.CDLL(None), np.zeros((2, OBJECT_BYTES), dtype=np.uint8)
+    library, memory = ctypes.CDLL(None), np.zeros((2, OBJECT_BYTES // 8), dtype=np.int64)
     mutex, condition = (part.ctypes.data for part in memory)
     library.pthread_mutex_init(ctypes.c_void_p(mutex), None)
     library.pthread_cond_init(ctypes.c_void_p(condition), None)

@@ -12,10 +12,10 @@ parallelogram.
 
 from fem.explicit.simd_blocks import BLOCK_SIZE, VECTOR_SIZE, at_slot
 from fem.laws.materials import energy_density, green_strain, stress
-from machine_code.compiled import compiled, inlined
+from machine_code.compiled import inlined, reordered
 
 
-@compiled
+@reordered
 def add_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
     """Add the nodal forces of one quadrature point to the block's rows.
 
@@ -33,7 +33,7 @@ def add_point(other_nodes, material, viscosity, rows, gradients, weights, energi
         _add_to_nodes(p, other_nodes, rows, gradients, slot)
 
 
-@compiled
+@reordered
 def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights, energies, vectors):
     """Add the nodal forces of one quadrature point of mapped elements.
 
@@ -51,7 +51,7 @@ def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights,
         _add_to_nodes(product_with_transpose(p, inverted), other_nodes, rows, gradients, slot)
 
 
-@compiled
+@reordered
 def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energies, vectors):
     """Fill the block's rows with forces of quadrilaterals, the first node included.
 
@@ -120,7 +120,7 @@ def _twisted(linear, twist, gradient):
     )
 
 
-@compiled
+@reordered
 def set_stabilised_point(
     other_nodes, material, viscosity, rows, gradients, weights, control, energies, vectors
 ):

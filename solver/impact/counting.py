@@ -44,8 +44,8 @@ def count_strikes(points, point_owner, motion, active, groups, strikes, number, 
             continue
         group = groups[point_owner[p, 1]]
         first, until = _pressed_during(points[p], last, h, t)
-        if group[col.STAMP] < k:
-            is_new = group[col.STAMP] < k - 1
+        if group[col.STAMP] < float(k):
+            is_new = group[col.STAMP] < float(k - 1)
             if group[col.SLOT] < 0.0 or (is_new and first >= over_from(group[col.FIRST], group[col.LAST])):
                 group[col.SLOT], group[col.FIRST], group[col.LAST] = number, first, until
                 group[col.WHOLE] = group[col.AFTER] = 0.0
@@ -64,7 +64,7 @@ def count_strikes(points, point_owner, motion, active, groups, strikes, number, 
         group[col.WHOLE] += kick * points[p, col.NORMAL]
         if group[col.AFTER] >= LIGHT * group[col.WHOLE]:
             group[col.LAST] = max(group[col.LAST], until)
-        if group[col.SLOT] >= strikes.shape[0]:
+        if group[col.SLOT] >= float(strikes.shape[0]):
             continue
         strike, j = strikes[int(group[col.SLOT])], 3 * point_owner[p, 0]
         impulse, along = part * kick * points[p, col.NORMAL], part * kick * points[p, col.TANGENTIAL]
@@ -132,14 +132,14 @@ def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, af
     """
     rear = 4 * reach.size - 3  # of a train's last unit
     if reach.size > 1 and number >= 2 and groups[rear, col.SLOT] >= 0.0:
-        if groups[rear, col.STAMP] != k:
+        if groups[rear, col.STAMP] != float(k):
             return groups[rear, col.LAST] + after
         return loaded + after if loaded < t else np.inf
     if reach.size == 1 and number >= 2:
         end = 0.0
         for s in range(2):
             g = int(strikes[s, 0])
-            pressed = groups[g, col.STAMP] == k and groups[g, col.SLOT] == s
+            pressed = groups[g, col.STAMP] == float(k) and groups[g, col.SLOT] == float(s)
             if pressed and not loaded < t:
                 return np.inf
             end = max(end, loaded if pressed else strikes[s, 2])
@@ -161,7 +161,7 @@ def _pressing(groups, k, recent):
     """
     force, is_young = 0.0, False
     for g in range(groups.shape[0]):
-        if groups[g, col.STAMP] == k:
+        if groups[g, col.STAMP] == float(k):
             force += groups[g, col.FORCE]
             is_young = is_young or groups[g, col.FIRST] > recent
     return force, is_young
@@ -177,7 +177,7 @@ def _all_over(groups, k, pressed):
     for g in range(groups.shape[0]):
         if groups[g, col.SLOT] >= 0.0:
             over = over_from(groups[g, col.FIRST], groups[g, col.LAST])
-            latest = max(latest, pressed if groups[g, col.STAMP] == k else over)
+            latest = max(latest, pressed if groups[g, col.STAMP] == float(k) else over)
     return latest
 
 
@@ -185,8 +185,9 @@ def _all_over(groups, k, pressed):
 def mark_cut(groups, k, finish, strikes):
     """Mark the strikes that are not over when the motion ends."""
     for g in range(groups.shape[0]):
-        if 0.0 <= groups[g, col.SLOT] < strikes.shape[0]:
+        if groups[g, col.SLOT] >= 0.0 and groups[g, col.SLOT] < float(strikes.shape[0]):
             is_cut = (
-                groups[g, col.STAMP] == k or over_from(groups[g, col.FIRST], groups[g, col.LAST]) > finish
+                groups[g, col.STAMP] == float(k)
+                or over_from(groups[g, col.FIRST], groups[g, col.LAST]) > finish
             )
             strikes[int(groups[g, col.SLOT]), col.CUT] = 1.0 if is_cut else 0.0

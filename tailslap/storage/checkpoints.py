@@ -168,8 +168,9 @@ def _report(why: str) -> None:
 
 def _digest(definition: Mapping[str, object]) -> str:
     """Return the digest of a definition, the libraries and the compiled code."""
-    from machine_code.folder import own_sources, sources_of_laws
+    from fem.registry import digest_of_laws
+    from machine_code.folder import own_sources
 
     programs = {name: version(name) for name in ("numpy", "llvmlite", "scipy", "scikit-fem")}
-    all_of_it = {**definition, **programs, "fem": own_sources() + sources_of_laws()}
+    all_of_it = {**definition, **programs, "fem": own_sources("machine_code", "fem") + digest_of_laws()}
     return hashlib.sha256(json.dumps(all_of_it, sort_keys=True, default=str).encode()).hexdigest()

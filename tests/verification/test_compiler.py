@@ -3,15 +3,19 @@
 Exact: integers, truth values, and arithmetic without rounding are equal; functions of floats agree to rounding.
 """
 
+import copy
 import math
+import warnings
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from random_kernels import LINE, REFUSED, function_of
 
 from machine_code import folder
 from machine_code.compiled import Kernel, by_law, chosen, compact, compiled, implements, inlined, optional
+from machine_code.object_code import UnknownTypeError
 from machine_code.values import Array, TranslationError
 
 WEIGHTS = np.array([[0.25, -0.5], [0.75, 2.0]])
@@ -58,8 +62,6 @@ def floats(x, y):
         x - y,
         x * y,
         x / y,
-        x % y,
-        x // y,
         -x,
         abs(x),
         min(x, y),
@@ -71,22 +73,58 @@ def floats(x, y):
 
 
 def mixed(i, x):
-    """Integers become floats beside floats, and truth values integers."""
-    total, flag = 0, i > 2
+    """Integers become floats beside floats."""
+    total, flag = 0.0, i > 2
     for k in range(i):
         total += k * x
     return (
         total,
         i / 2,
         i + x,
-        flag + 1,
-        flag * x,
+        int(flag) + 1,
         (i, x)[1],
-        i if x > 0.0 else x,
         not flag,
         int(-x),
         float(i),
+        i**-2,
+        2**53 + 1 == 9007199254740992.0,
     )
+
+
+def _count(values, by):
+    """Add to the first item and return it."""
+    values[0] += by
+    return values[0]
+
+
+def ordered(values):
+    """Operands are evaluated from left to right, each once."""
+    values[0] += _count(values, 2.0)
+    total = values[0]
+    total += _count(values, 4.0) * _count(values, 8.0)
+    i, values[1] = 1, 3.0
+    i, values[i + 1] = 0, 5.0
+    return total, values[0] < 0.0 and _count(values, 16.0) > 0.0, values[0], i
+
+
+def bounds(values, i, j):
+    """Slices end with the array, and negative indices count from its end."""
+    parts = values[i:], values[:j], values[i:j], values[1:99], values[-2:], values[-99:3], values[j:i]
+    total = values[-1] + (values[i] if i < 4 and i >= -4 else 0.0)
+    for part in parts:
+        for value in part:
+            total = 2.0 * total + value
+    return total, len(parts[2]), len(parts[3]), (1.0, 2.0, 3.0)[i if i < 3 and i >= -3 else 0]
+
+
+def special(x, y):
+    """NaN, infinity, signs of zero and errors of sums are kept."""
+    total = x + y
+    part = total - x
+    error = (x - (total - part)) + (y - part)
+    zero = x if x == 0.0 else 0.0
+    signs = math.copysign(1.0, zero), math.copysign(1.0, zero + 0.0), math.copysign(1.0, -zero), np.sign(x)
+    return (x + 1.0) - x, x - x, total, error, signs
 
 
 def conditions(i, x):
@@ -127,8 +165,8 @@ def renamed(values):
         total += j
     i, j = 1.5, 2.5  # type: ignore[assignment]
     for k in range(2):
-        w, j = 2 * k, j + k
-        j, w = w, j
+        w, j = 2.0 * k, j + k
+        j, w = w, j  # type: ignore[assignment]
         total += 10.0 * j + w
     for j in values:
         total += j
@@ -152,8 +190,7 @@ def carried(values):
     """A value of one turn is used in the next."""
     total, last = 0.0, -1.0
     for i in range(4):
-        if i % 2 == 0:
-            first = 10.0 * i
+        first = 10.0 * i if i % 2 == 0 else last
         total += first
         first = values[i]
         last = 2.0 * last
@@ -166,9 +203,9 @@ def carried(values):
 
 
 def returns(i, x):
-    """Results of several types from several places."""
+    """Results from several places."""
     if i == 0:
-        return 1, True, 2
+        return 1.0, True, 2
     for k in range(i):
         if k == 2:
             return k * x, False, k
@@ -207,9 +244,15 @@ def records(part):
 
 
 CASES: dict[Callable[..., Any], list[tuple[Any, ...]]] = {
-    integers: [(7, 3), (-7, 3), (7, -3), (-7, -3), (0, 5)],
+    integers: [
+        *((7, 3), (-7, 3), (7, -3), (-7, -3), (0, 5)),
+        *((np.int64(a), np.int64(b)) for a in (7, -(2**63)) for b in (0, -1)),
+    ],
     floats: [(7.5, 2.0), (-7.5, 2.0), (7.5, -2.0), (-0.5, -2.0)],
-    mixed: [(0, 2.0), (5, -2.5), (3, 0.0)],
+    mixed: [(1, 2.0), (5, -2.5), (3, 0.0)],
+    ordered: [(np.array([1.0, 0.0, 0.0]),)],
+    bounds: [(np.arange(1.0, 5.0), i, j) for i in (-9, -4, -1, 0, 2, 4, 9) for j in (-9, -2, 0, 3, 7)],
+    special: [(x, y) for x in (1.5, -0.0, 1e17, math.nan, math.inf, -math.inf) for y in (1.0, -0.0, 0.1)],
     conditions: [(i, x) for i in (-1, 0, 1, 2, 3) for x in (-1.0, 2.5, 9.0)],
     loops: [(5, np.array([1.0, 2.0, 3.0, 4.0])), (4, np.zeros(0))],
     renamed: [(np.array([0.5, 0.25]),)],
@@ -225,13 +268,16 @@ CASES: dict[Callable[..., Any], list[tuple[Any, ...]]] = {
 @pytest.mark.parametrize("function", CASES, ids=lambda function: function.__name__)
 def test_results_are_those_of_python(function):
     for arguments in CASES[function]:
-        result, expected = compiled(function)(*arguments), function(*arguments)
-        same(result, expected)
+        result = compiled(function)(*copy.deepcopy(arguments))
+        with np.errstate(all="ignore"), warnings.catch_warnings(action="ignore"):
+            same(result, function(*copy.deepcopy(arguments)))
 
 
 def same(result, expected):
     """Types are equal, and numbers to rounding."""
-    if isinstance(expected, tuple):
+    if isinstance(expected, float) and math.isnan(expected):
+        assert math.isnan(result)
+    elif isinstance(expected, tuple):
         assert type(result) is type(expected)
         for item, expected_item in zip(result, expected, strict=True):
             same(item, expected_item)
@@ -249,13 +295,13 @@ def write(target, source, index):
     row[index:] = source[0, 1]
     part = target[:, 2]
     part[2] += 0.5 * source[1, 0]
-    first, second, third = part
+    first, second, third = part[0], part[1], part[2]
     target[2, 0] = first + 10.0 * second + 100.0 * third + target.size + source.shape[1]
     for line in source[:2]:
         target[1, 3] += line[0]
 
 
-@pytest.mark.parametrize("dtype", ["f8", "f4", "i8", "i4", "i2", "u1"])
+@pytest.mark.parametrize("dtype", ["f8", "i8", "i4"])
 @pytest.mark.parametrize("order", ["C", "F", "sliced"])
 def test_arrays_are_those_of_python(dtype, order):
     """Of any type and layout, as source and as target."""
@@ -267,7 +313,7 @@ def test_arrays_are_those_of_python(dtype, order):
     np.testing.assert_array_equal(targets[0], targets[1])
 
 
-@pytest.mark.parametrize("dtype", ["f4", "i8", "i4", "i2", "u1", "?", "c16"])
+@pytest.mark.parametrize("dtype", ["f8", "i8", "i4", "?", "c16"])
 def test_stored_numbers_have_the_type_of_the_array(dtype):
     def store(target, numbers):
         for i in range(target.size):
@@ -341,36 +387,25 @@ def test_compiled_functions_call_each_other(decorate):
     assert compiled(twice)(values, 1.0) == (113.0, 100.0)
 
 
-REFUSED: dict[str, tuple[Callable[..., Any], str]] = {
-    "list": (lambda x: [x], r"\[x\]"),
-    "allocation": (lambda x: np.zeros(3), r"a call of np.zeros"),
-    "name": (lambda x: x + nowhere, "the name nowhere"),  # type: ignore[name-defined]  # noqa: F821
-    "attribute": (lambda x: x.total, "the attribute total"),
-    "index": (lambda x: WEIGHTS[x], "a float as an index: x"),
-    "structure": (lambda x: (1.0, 2.0) if x > 0.0 else 1.0, "branches of different structure"),
-    "text": (lambda x: x == "text", "Known where a number is needed"),
-    "arguments": (lambda x: math.hypot(x), "1 arguments where 2 are needed"),
-    "item": (lambda x: (1.0, 2.0)[2], "item 2 of 2"),  # type: ignore[misc]
-}
+@pytest.mark.parametrize("statement", REFUSED)
+def test_what_a_kernel_cannot_have_is_named_with_its_line(statement):
+    kernel = function_of(f"def kernel(n, x, a):\n    {statement}\n    late = x\n    return x * late\n")
+    with pytest.raises(TranslationError, match=REFUSED[statement]) as caught:
+        Kernel(kernel)(2, 1.5, np.arange(3.0))
+    assert LINE.match(str(caught.value))
 
 
-@pytest.mark.parametrize("what", REFUSED)
-def test_what_a_kernel_cannot_have_is_named_with_its_line(what):
-    function, message = REFUSED[what]
-    place = rf"{__file__}:{function.__code__.co_firstlineno}: a kernel cannot have "
-    with pytest.raises(TranslationError, match=f"^{place}.*{message}"):
-        Kernel(function)(1.5)
+def test_a_function_that_may_end_without_return_is_refused():
+    with pytest.raises(
+        TranslationError, match="an end of kernel without return, where others return a value"
+    ):
+        Kernel(function_of("def kernel(n):\n    if n > 1:\n        return 1.0\n"))(2)
 
 
-def test_statements_that_a_kernel_cannot_have_are_named():
-    def with_assertion(x):
-        y = x
-        assert y > 0.0
-        return y
-
-    line = with_assertion.__code__.co_firstlineno + 2
-    with pytest.raises(TranslationError, match=rf":{line}: a kernel cannot have Assert statement"):
-        compiled(with_assertion)(1.0)
+@pytest.mark.parametrize("dtype", ["f4", "i2", "i1", "u1", "u8", "f2"])
+def test_arrays_of_numbers_with_another_arithmetic_are_refused(dtype):
+    with pytest.raises(UnknownTypeError):
+        compiled(write)(np.zeros((3, 4)), np.zeros((3, 4), dtype), 2)
 
 
 def test_a_function_without_source_is_refused():
@@ -402,13 +437,12 @@ print(read(np.arange(5.0), {i}, {end}))
 """
 
 
-@pytest.mark.parametrize(("i", "end", "checks", "status"), [
-    (2, 5, "1", 0), (5, 5, "1", -4), (-1, 5, "1", -4), (3, 6, "1", -4), (3, 2, "1", -4), (2, 5, "", 0),
+@pytest.mark.parametrize(("i", "end", "checks", "printed"), [
+    (2, 5, "1", "11.0"), (5, 5, "1", ""), (-6, 5, "1", ""), (-1, 6, "1", "8.0"), (3, 2, "1", "3.0"), (2, 5, "", "11.0"),
 ])  # fmt: skip
-def test_an_index_outside_an_array_ends_the_process_if_checked(tmp_path, python, i, end, checks, status):
+def test_an_index_outside_an_array_ends_the_process_if_checked(tmp_path, python, i, end, checks, printed):
     """SIGILL or SIGTRAP, by processor."""
     (tmp_path / "indexed.py").write_text(INDEXED.format(i=i, end=end))
     process = python("import indexed", cwd=tmp_path, env={"PATH": "", "TAILSLAP_CHECK_INDICES": checks})
-    assert (process.returncode == 0) == (status == 0)
-    assert process.returncode >= 0 or process.returncode in (status, -5)
-    assert process.stdout.strip() == ("11.0" if status == 0 else "")
+    assert process.returncode in ((0,) if printed else (-4, -5))
+    assert process.stdout.strip() == printed

@@ -24,9 +24,8 @@ from fem import (
 )
 from fem.explicit.time_loop import end_step
 from fem.laws.friction import Drag
-from fem.registry import Registry
+from fem.registry import Registry, digest_of_laws
 from fem.start.inertia_relief import statics
-from machine_code.folder import sources_of_laws
 from postprocess.report.command_report import write_report
 from solver import REACTIONS
 from tailslap.campaign.random_scenes import choices_of
@@ -201,15 +200,15 @@ def test_a_law_from_outside_belongs_to_the_code_of_its_loops_alone(registered):
     def files():
         return [end_step.path(constants) for constants in (Drag(0.3), law.constants(0.3))]
 
-    (drag, smoothed), laws = files(), sources_of_laws()
+    (drag, smoothed), laws = files(), digest_of_laws()
     FRICTION_LAWS["smoothed"] = replace(law, force=other_force)
     try:
         assert files()[0] == drag
         assert files()[1] != smoothed
-        assert sources_of_laws() != laws
+        assert digest_of_laws() != laws
     finally:
         FRICTION_LAWS["smoothed"] = law
-    assert (files(), sources_of_laws()) == ([drag, smoothed], laws)
+    assert (files(), digest_of_laws()) == ([drag, smoothed], laws)
 
 
 @pytest.mark.parametrize("name", ADDED)

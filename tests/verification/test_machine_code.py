@@ -76,9 +76,17 @@ def double(value):
     return 2.0 * value
 
 
+FACTOR = 2.0
+
+
+def by_factor(value):
+    """Use a constant and a function of the module."""
+    return FACTOR * value if value > 0.0 else double(value)
+
+
 def arguments(factor, step):
     rows = np.arange(24.0).reshape(4, 6)[:, ::step]
-    fixed = np.arange(3, dtype=np.uint8)
+    fixed = np.arange(3, dtype=np.int32)
     fixed.flags.writeable = False
     outer = Outer(Inner(np.linspace(0.0, 1.0, 5), None), (0.5, -3), (), True)
     return outer, rows, np.zeros(2, dtype=np.int32), fixed, np.array([step == 2]), factor
@@ -336,6 +344,94 @@ def test_code_depends_on_the_functions_that_it_calls(caller, tmp_path, printed):
         (tmp_path / "elsewhere" / "called.py").write_text(called)
         assert printed(f"from {caller} import twice; print(twice(1.0))") == [str(2.0 * factor)]
     assert len(list(tmp_path.glob("code/*/twice-*.code"))) == 2
+
+
+CAPTURES = {
+    "constant of another module": ("from values import K as factor", "factor * x"),
+    "attribute of a module": ("import values", "values.K * x"),
+    "attribute of a module within a package": ("import parts.inner", "parts.inner.K * x"),
+    "attribute of a class": ("from values import Table", "Table.K * x"),
+    "default of a record": ("from values import Record", "Record().k * x"),
+    "array of a file": ("import numpy as np\nTABLE = np.loadtxt('table.txt')", "TABLE[1] * x"),
+    "tuple of a closure": (
+        "from values import K\ndef make(pair):\n    return lambda x: pair[1] * x",
+        "scaled(x)",
+    ),
+    "function of a closure": (
+        "from values import K\ndef make(pair):\n    return lambda x: pair[0](x)",
+        "scaled(x)",
+    ),
+    "function two modules away": ("from parts.middle import part", "part(x)"),
+    "choice of a law": ("from values import K\nfrom laws import force, Law", "force(Law(), x)"),
+}
+"""Where the factor of a kernel comes from, and how the kernel uses it."""
+
+LAWS = """
+from typing import NamedTuple
+from machine_code.compiled import by_law
+from values import K
+class Law(NamedTuple):
+    pass
+class Laws:
+    class law:
+        inlined, force = (), lambda law, x: K * x
+    def by_type(self, kind):
+        return Laws.law if kind is Law else None
+force = by_law(Laws(), "force")
+"""
+
+
+@pytest.mark.parametrize("capture", CAPTURES)
+def test_code_depends_on_the_values_that_it_captures(capture, tmp_path, printed):
+    opening, body = CAPTURES[capture]
+    bound = "\nscaled = make((lambda x: K * x, K))" if "make" in opening else ""
+    (tmp_path / "caller.py").write_text(
+        f"{HEADER}{opening}{bound}\n@compiled\ndef kernel(x):\n    return {body}\n"
+    )
+    (tmp_path / "laws.py").write_text(LAWS)
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "middle.py").write_text("from parts.inner import part\n")
+    for factor in (3.0, 5.0, 3.0):
+        record = f"from typing import NamedTuple\nclass Record(NamedTuple):\n    k: float = {factor}\n"
+        (tmp_path / "values.py").write_text(f"K = {factor}\nclass Table:\n    K = {factor}\n{record}")
+        (tmp_path / "parts" / "inner.py").write_text(f"K = {factor}\ndef part(x):\n    return K * x\n")
+        (tmp_path / "table.txt").write_text(f"1.0 {factor}")
+        assert printed("from caller import kernel; print(kernel(2.0))") == [str(2.0 * factor)]
+    assert len(list(tmp_path.glob("code/*/kernel-*.code"))) == 2
+
+
+def test_code_of_an_edited_file_is_that_of_what_was_imported(tmp_path, printed):
+    """A changed source is refused, unless its text was read before."""
+    text = f"{HEADER}@compiled\ndef line(x):\n    return 3.0 * x\n@compiled\ndef other(x):\n    return line(x) + 1.0\n"
+    (tmp_path / "law.py").write_text(text)
+    edit = "open('law.py', 'w').write(text.replace('3.0', '7.0'))"
+    script = f"import law; text = open('law.py').read(); {{first}}; {edit}; print(law.other(1.0))"
+    refusal = f"try: {edit}; law.other(1.0)\nexcept TypeError as error: print('changed after' in str(error))"
+    assert printed(f"import law\ntext = open('law.py').read()\n{refusal}") == ["True"]
+    (tmp_path / "law.py").write_text(text)
+    assert printed(script.format(first="law.line(1.0)")) == ["4.0"]
+    (tmp_path / "law.py").write_text(text)
+    assert printed("import law; print(law.other(1.0), law.line(1.0))") == ["4.0", "3.0"]
+    (tmp_path / "law.py").write_text(text.replace("3.0", "7.0"))
+    assert printed("import law; print(law.other(1.0), law.line(1.0))") == ["8.0", "7.0"]
+
+
+def test_closures_of_one_function_have_code_of_their_own(keeping):
+    def scaled(factor):
+        return compiled(lambda x: factor * x)
+
+    kernels = [scaled(factor) for factor in (2.0, 3.0, 2.0)]
+    assert [kernel(5.0) for kernel in kernels] == [10.0, 15.0, 10.0]
+
+
+def test_a_name_with_a_new_value_is_read_anew(keeping, monkeypatch):
+    monkeypatch.setattr(sys.modules[__name__], "FACTOR", 2.0)
+    kernel = compiled(by_factor)
+    assert kernel(5.0) == 10.0
+    monkeypatch.setattr(sys.modules[__name__], "FACTOR", 3.0)
+    assert kernel(5.0) == 15.0
+    monkeypatch.setattr(sys.modules[__name__], "double", lambda value: 7.0 * value)
+    assert not kernel.is_loaded(5.0)
 
 
 def test_a_function_of_the_c_library_is_loaded_in_a_second_process(tmp_path, printed):
