@@ -95,7 +95,7 @@ class Discretisation:
 
     @property
     def cells(self) -> np.ndarray:
-        """Corner nodes of the elements, shape (elements, 3 or 4).
+        """Corner nodes of the elements, counter-clockwise, shape (elements, 3 or 4).
 
         Corner nodes come first in the numbering.
         """
@@ -114,10 +114,11 @@ def discretise(mesh: meshio.Mesh, thickness: float, kind: str = "quad4") -> Disc
         {"intorder": element_kind.order} if element_kind.order else {"quadrature": MIDDLE}
     )
     mesh_class = {"quad": skfem.MeshQuad, "triangle": skfem.MeshTri}[element_kind.cells]
-    # Without the groups of the mesh scikit-fem needs no edges of linear elements.
+    # Without the groups of the mesh scikit-fem needs no edges of linear elements. Sorted nodes would be clockwise.
     elements = mesh_class(
         np.ascontiguousarray(mesh.points[:, :2].T),
         np.ascontiguousarray(mesh.cells_dict[element_kind.cells].T),
+        sort_t=False,
     )
     scalar = skfem.CellBasis(elements, getattr(skfem, element_kind.element)(), **rule)
     positions = np.ascontiguousarray(scalar.doflocs)

@@ -161,16 +161,9 @@ def _numbers(deck: Deck) -> dict[str, object]:
         "density": deck.density,
         "nodes": deck.places.T.tolist(),
         "velocities": deck.velocities.T.tolist(),
-        "cells": (1 + _counter_clockwise(d.cells, deck.places)).tolist(),
+        "cells": (1 + d.cells).tolist(),
         "corner": list(zip((1 + nodes).tolist(), weights.tolist(), strict=True)),
         "side": (1 + d.side).tolist(),
         "step": case.duration / INCREMENTS,
         "increments": INCREMENTS + BEYOND,
     }
-
-
-def _counter_clockwise(cells: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Order the nodes of cells counter-clockwise, shape (elements, 3 or 4)."""
-    x, y = places[:, cells]
-    area = (x[:, 1] - x[:, 0]) * (y[:, 2] - y[:, 0]) - (x[:, 2] - x[:, 0]) * (y[:, 1] - y[:, 0])
-    return np.where(area[:, None] > 0.0, cells, cells[:, [0, *range(cells.shape[1] - 1, 0, -1)]])

@@ -111,7 +111,7 @@ def test_the_file_has_every_bit(tmp_path):
     [("quad9", "quad9", 9), ("tri3", "triangle", 3), ("tri6", "triangle6", 6)],
 )
 def test_cells_name_their_nodes_in_the_order_of_other_programs(element, cell_type, nodes, plate_model):
-    """Nodes on the sides lie between the corners before and after them."""
+    """Corners are counter-clockwise, nodes on the sides lie between those before and after them."""
     from meshes import plate_mesh
 
     cells = "quad" if element == "quad9" else "triangle"
@@ -127,6 +127,9 @@ def test_cells_name_their_nodes_in_the_order_of_other_programs(element, cell_typ
     for k in range(min(corners, nodes - corners)):
         between = positions[:, connectivity[:, [k, (k + 1) % corners]]].mean(axis=-1)
         assert_allclose(positions[:, connectivity[:, corners + k]], between, atol=1e-12)
+    for cells in (connectivity, model.discretisation.cells):
+        first, second, third = positions[:, cells[:, :3]].transpose(2, 0, 1)
+        assert np.linalg.det(np.array([second - first, third - second]).T).min() > 0.0
 
 
 def test_a_single_instant_is_the_end():
