@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import functools
 import io
 import json
 import os
 import statistics
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -25,6 +27,15 @@ WIDTHS = 66, 12
 
 sys.path.insert(0, str(ROOT))
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+@functools.cache
+def bytecode_folder() -> tempfile.TemporaryDirectory[str]:
+    """Return a new folder for compiled sources, closed to other users.
+
+    Python executes what it finds there. The folder is removed at the end of this process.
+    """
+    return tempfile.TemporaryDirectory(prefix="tailslap-bytecode-")
 
 
 def options(description: str | None, *positional: str | tuple[str, Any], **optional: Any) -> Any:

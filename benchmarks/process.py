@@ -24,9 +24,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import command_line
-from command_line import ROOT, TAILSLAP, row, spread
+from command_line import ROOT, TAILSLAP, bytecode_folder, row, spread
 
-BYTECODE = Path(tempfile.gettempdir()) / f"tailslap-bytecode-{os.getuid()}"
 RIGID, RUN = ("rigid", "paper-table-3"), ("run", "paper-table-3", "--no-pictures")
 SHORT = "start.angle=0.001"
 """A start so near the wall that the time loop takes a tenth of the whole."""
@@ -87,7 +86,7 @@ class Spent(NamedTuple):
 def environment(checkout: Path, cache: str = "") -> dict[str, str]:
     """Return an environment with one thread of BLAS."""
     variables = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    variables |= {"PYTHONPYCACHEPREFIX": str(BYTECODE), "OPENBLAS_NUM_THREADS": "1"}
+    variables |= {"PYTHONPYCACHEPREFIX": bytecode_folder().name, "OPENBLAS_NUM_THREADS": "1"}
     names = ("TAILSLAP_CACHE_DIR", "NUMBA_CACHE_DIR")  # the second in earlier versions
     variables |= dict.fromkeys(names, cache) if cache else {}
     return variables | {"PYTHONPATH": str(checkout)}
@@ -136,6 +135,7 @@ def first_runs(what: str, required: str, command: Sequence[str], checkouts: Sequ
     """Print the difference of first and second runs of checkouts."""
     more = []
     for checkout in checkouts:
+        process(checkout, command)  # compiles the sources
         with tempfile.TemporaryDirectory() as cache:
             first, second = (process(checkout, command, cache=cache) for _ in range(2))
         more.append(f"{first.wall - second.wall:.1f} s ({first.processor - second.processor:.1f} processor)")

@@ -11,12 +11,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from command_line import ROOT, TAILSLAP
+from command_line import ROOT, TAILSLAP, bytecode_folder
 from other_codes.plate import QUANTITIES, Plate, to_text
 from plates import ONE_THREAD
 
 BENCHMARKS = ROOT / "benchmarks"
-BYTECODE = Path(tempfile.gettempdir()) / f"tailslap-bytecode-{os.getuid()}"
 SCENE = "paper-abaqus"
 NAN = float("nan")
 
@@ -97,7 +96,7 @@ def _environment() -> dict[str, str]:
     """Environment of a user, with stored bytecode and one thread."""
     removed = ("PYTHONDONTWRITEBYTECODE", "PYTHONPATH")
     variables = {name: value for name, value in os.environ.items() if name not in removed}
-    return variables | ONE_THREAD | {"PYTHONPYCACHEPREFIX": str(BYTECODE)}
+    return variables | ONE_THREAD | {"PYTHONPYCACHEPREFIX": bytecode_folder().name}
 
 
 def _timed(

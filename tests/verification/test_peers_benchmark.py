@@ -1,10 +1,13 @@
 """Verify measures of benchmarks/peers.py, and its table."""
 
 import math
+import os
+import stat
 
 import numpy as np
+import process
 import pytest
-from comparison import entries, picture, rigid_body, table
+from comparison import entries, picture, processes, rigid_body, table
 from comparison.processes import NotMeasuredError, Turn
 from other_codes import jobs
 from other_codes.plate import Plate, Reading
@@ -42,6 +45,13 @@ class SteadyTurn:
         time = steps * self.plate.time_step
         turned = Plate(ELEMENTS, 1e-5, angle=self.plate.angle - self.plate.omega * time)
         return turned.nodes() + np.array([self.plate.speed * time, 0.0]), turned.velocities()
+
+
+@pytest.mark.parametrize("variables", [processes._environment, lambda: process.environment(process.ROOT)])
+def test_compiled_sources_are_those_of_this_user_alone(variables):
+    status = os.lstat(variables()["PYTHONPYCACHEPREFIX"])
+    assert (status.st_uid, stat.S_ISDIR(status.st_mode)) == (os.geteuid(), True)
+    assert stat.S_IMODE(status.st_mode) == 0o700
 
 
 def test_the_rigid_motion_is_the_exact_one():
