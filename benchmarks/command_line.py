@@ -33,7 +33,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 def bytecode_folder() -> tempfile.TemporaryDirectory[str]:
     """Return a new folder for compiled sources, closed to other users.
 
-    Python executes what it finds there. The folder is removed at the end of this process.
+    Python executes its files. The folder is removed at the end of this process.
     """
     return tempfile.TemporaryDirectory(prefix="tailslap-bytecode-")
 

@@ -24,7 +24,6 @@ from tailslap.case.of_arguments import (
     folder_or_temporary,
 )
 from tailslap.result import columns, load, result
-from tailslap.scene.vary import changes_of
 from tailslap.storage.folder import result_folder
 from tailslap.studies import find_study
 from tailslap.studies.study import Study, checked_options, prepared
@@ -92,7 +91,7 @@ def run(
         make_fields=report.fields,
         make_ends=report.fields_of_ends,
         make_charts=lambda: report.page(pictures=False).charts,
-        changes=changes_of(case.source),
+        changes=case.changes,
     )
     return result.of_run(data_files.plain(report.summary(True)), partial)
 
@@ -154,7 +153,7 @@ def rigid(
         text=f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{labelled_text(case.rigid_text(units), 19)}",
         fill=fill,
         make_charts=lambda: (force_chart.force_chart(case), case.drawing()),
-        changes=changes_of(case.source),
+        changes=case.changes,
     )
 
 
@@ -278,4 +277,4 @@ def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, o
     """
     report = chosen.report(chosen.compute(case, place, **options))
     text = opened(report.page.headline, *report.terminal)
-    return result.of_report(f"study {chosen.name}", report, text=text)
+    return result.of_report(f"study {chosen.name}", report, text=text, changes=case.changes)

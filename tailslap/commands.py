@@ -54,7 +54,7 @@ def takes_a_case(function: Callable[..., int]) -> Callable[..., int]:
 
 def place_of(case: Case, ending: str = "") -> Path:
     """Return the default result folder of a command on a case."""
-    return default_place(case.scene.name, changes_of(case.source), ending)
+    return default_place(case.scene.name, case.changes, ending)
 
 
 def scene_with_remarks(name: str, changes: tuple[str, ...]) -> tuple[Scene, Source]:
@@ -73,7 +73,7 @@ def remark_on(source: Source) -> None:
 def deliver(
     compute: Callable[[], Result],
     place: Path,
-    of: tuple[str, str],
+    origin: Origin,
     as_json: bool,
     units: str = "si",
     *,
@@ -83,9 +83,9 @@ def deliver(
 ) -> int:
     """Compute a result, write it to a locked folder and print it.
 
-    of: command and scene; page: file name of the page, by default that of a report.
+    page: file name of the page, by default that of a report.
     """
-    with result_folder(place, inputs, force, Origin(*of)) as folder:
+    with result_folder(place, inputs, force, origin) as folder:
         fill = compute().fill
         assert fill is not None
         report = fill(folder, True, units)
@@ -158,7 +158,7 @@ def run(
 
     scene, source = scene_with_remarks(name, changes)
     case = case_of(scene, source)
-    place, origin = out or place_of(case), Origin("run", case.scene.name)
+    place, origin = out or place_of(case), Origin("run", case.scene.name, case.changes)
     definition = {"program": program(), "scene": case.source.tables, "tolerance": tolerance}
     with result_folder(place, force=force, origin=origin) as folder:
         with checkpoints.checkpointed(place, definition, resume):
@@ -359,7 +359,7 @@ def compare(
         functools.partial(tailslap.compare, *results, **arguments),
         out or default_place("compare", ()),
     )
-    return deliver(compute, place, ("compare", ""), as_json, units, inputs=results, force=force)
+    return deliver(compute, place, Origin("compare", ""), as_json, units, inputs=results, force=force)
 
 
 @commands.command()
@@ -382,7 +382,9 @@ def confirm(case: Case, out: Path | None, force: bool, units: str, as_json: bool
     """
     place = out or place_of(case, "-confirm")
     compute = functools.partial(tailslap.confirm, case, **arguments)
-    return deliver(compute, place, ("confirm", case.scene.name), as_json, units, force=force)
+    return deliver(
+        compute, place, Origin("confirm", case.scene.name, case.changes), as_json, units, force=force
+    )
 
 
 @commands.command()
@@ -406,7 +408,9 @@ def modes(case: Case, out: Path | None, force: bool, units: str, as_json: bool, 
     """Compute the natural frequencies and mode shapes of the free plate."""
     place = out or place_of(case, "-modes")
     compute = functools.partial(tailslap.modes, case, **arguments)
-    return deliver(compute, place, ("modes", case.scene.name), as_json, units, force=force)
+    return deliver(
+        compute, place, Origin("modes", case.scene.name, case.changes), as_json, units, force=force
+    )
 
 
 @commands.command()
@@ -488,7 +492,7 @@ def paper(out: Path | None, force: bool, as_json: bool) -> int:
     from tailslap.replication.paper_page import PAGE
 
     place = out or default_place("paper", ())
-    return deliver(tailslap.paper, place, ("paper", ""), as_json, force=force, page=PAGE)
+    return deliver(tailslap.paper, place, Origin("paper", ""), as_json, force=force, page=PAGE)
 
 
 @commands.command()
@@ -499,4 +503,4 @@ def validate(out: Path | None, force: bool, as_json: bool) -> int:
     from tailslap.validation.validation_report import PAGE
 
     place = out or default_place("validation", ())
-    return deliver(tailslap.validate, place, ("validate", ""), as_json, force=force, page=PAGE)
+    return deliver(tailslap.validate, place, Origin("validate", ""), as_json, force=force, page=PAGE)

@@ -295,5 +295,6 @@ def modes(
     >>> tailslap.modes("paper-table-3", count=1).summary["modes"][0]["kind"]
     'bending'
     """
-    report = modes_report(affordable_case(scene, changes, allow_large, 6), count)
-    return of_report("modes", report, tables={"Frequencies": report.terminal[0]})
+    case = affordable_case(scene, changes, allow_large, 6)
+    report = modes_report(case, count)
+    return of_report("modes", report, tables={"Frequencies": report.terminal[0]}, changes=case.changes)

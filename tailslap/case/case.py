@@ -25,7 +25,7 @@ from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError
 from tailslap.scene import write
 from tailslap.scene.schema import Plate, Scene
-from tailslap.scene.vary import Changes, Source, vary
+from tailslap.scene.vary import Changes, Source, changes_of, vary
 
 if TYPE_CHECKING:
     from fem.model.plate_model import PlateModel
@@ -187,6 +187,11 @@ class Case(ABC):
     def varied(self, changes: Changes) -> Self:
         """Return the case of the changed scene. Raises InputError."""
         return type(self)(*vary(self.source, changes))
+
+    @property
+    def changes(self) -> tuple[str, ...]:
+        """Texts KEY=VALUE of the keys changed since the file was read."""
+        return tuple(changes_of(self.source))
 
     def quantity(self, key: str) -> str:
         """Return a quantity of the scene in the unit of its file."""

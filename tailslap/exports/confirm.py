@@ -264,9 +264,10 @@ def confirm(
     """
     if program not in SOLVERS:
         raise InputError("--with", program, one_of(program, SOLVERS))
-    case = without_friction(affordable_case(scene, changes, allow_large))
-    solver_deck = make_deck(case, program)
+    case = affordable_case(scene, changes, allow_large)
+    solver_deck = make_deck(without_friction(case), program)
     with TemporaryDirectory(prefix="tailslap-") as folder:
         confirmation = run_confirmation(solver_deck, Path(folder), time_limit)
     histories = {name: history(motion) for name, motion in confirmation.histories.items()}
-    return of_report("confirm", confirm_report(confirmation), histories=histories)
+    report = confirm_report(confirmation)
+    return of_report("confirm", report, histories=histories, changes=case.changes)

@@ -105,7 +105,9 @@ def export(
         allowed = f"{to} files have no pictures; remove one of the two options"
         raise InputError("--picture-size", Verbatim(picture_size), allowed)
     inputs = loaded.inputs if isinstance(result, Result) else (Path(result),)
-    with result_folder(place, inputs, force, Origin(f"export {to}", loaded.scene)) as unfinished:
+    with result_folder(
+        place, inputs, force, Origin(f"export {to}", loaded.scene, tuple(loaded.changes))
+    ) as unfinished:
         if fields is None:
             _write_tables(loaded, to, unfinished)
         elif to in PICTURES:
@@ -136,12 +138,11 @@ def _export_deck(scene: object, to: str, folder: object, changes: tuple[str, ...
     from tailslap.case import case_of
     from tailslap.exports.deck import make_deck, write_deck
     from tailslap.scene.read import read_scene
-    from tailslap.scene.vary import changes_of
 
     deck = make_deck(case_of(*read_scene(str(scene), changes)), to)
-    name, changed = deck.case.scene.name, changes_of(deck.case.source)
-    place = default_place(name, changed, f"-{to}") if folder is None else Path(str(folder))
-    with result_folder(place, (), force, Origin(f"export {to}", name)) as unfinished:
+    origin = Origin(f"export {to}", deck.case.scene.name, deck.case.changes)
+    place = default_place(*origin[1:], f"-{to}") if folder is None else Path(str(folder))
+    with result_folder(place, (), force, origin) as unfinished:
         write_deck(deck, unfinished)
     return place
 

@@ -177,7 +177,10 @@ def _loaded(stored: Stored) -> result.Result:
     if (rows := stored.read(SWEEP, columns.read_columns)) is not None:
         histories["table"] = columns.table(rows)
     fields = (lambda: stored.read(series.FILE, series.read_fields)) if series.FILE in stored.names else None
-    bare = result.Result(*stored.origin, {}, histories=histories, fill=stored.copy, make_fields=fields)
+    command, scene, changes = stored.origin
+    bare = result.Result(
+        command, scene, {}, histories=histories, fill=stored.copy, make_fields=fields, changes=changes
+    )
 
     def with_summary(file: BytesIO) -> result.Result:
         summary = json.load(file)

@@ -109,7 +109,7 @@ class Result:
     inputs : tuple of Path
         Files and folders from which it was read; they are never overwritten.
     changes : sequence of str
-        Changes of the scene, as texts KEY=VALUE, for the name of a folder of exports.
+        Changes of the scene, as texts KEY=VALUE.
     """
 
     command: str
@@ -309,7 +309,8 @@ class Result:
         """
         if self.fill is None:
             raise InputError("folder", str(folder), f"`tailslap {self.command}` writes no files")
-        place, origin = Path(folder), Origin(self.command, str(self.summary.get("scene", "")))
+        place, scene = Path(folder), str(self.summary.get("scene", ""))
+        origin = Origin(self.command, scene, tuple(self.changes))
         with result_folder(place, self.inputs, force, origin) as unfinished:
             self.fill(unfinished, pictures, "si")
         return place

@@ -6,14 +6,15 @@ files into a folder within, and when they are complete a log of the files that t
 replaced. Then they are renamed one by one, the manifest last, and the log is removed. The next process that opens the
 folder finishes the replacements of a log, or drops new files without one.
 
-Only an absent or empty folder is accepted, or an earlier result of the same command and scene whose files are
-unchanged: the manifest lists them (manifest.py).
+Only an absent or empty folder is accepted, or an earlier result of the same command, scene and changes whose files
+are unchanged: the manifest lists them (manifest.py).
 """
 
 import contextlib
 import hashlib
 import os
 import re
+import shlex
 import shutil
 import time
 from collections.abc import Iterable, Iterator
@@ -93,7 +94,8 @@ def demand_result(place: Path, force: bool, origin: Origin) -> None:
     earlier(place)
     present = manifest.read_origin(place)
     if present != origin and not force:
-        words = f"{present.command} {present.scene}".strip()
+        sets = " ".join(f"--set {shlex.quote(text)}" for text in present.changes)
+        words = " ".join(filter(None, (present.command, present.scene, errors.shortened(sets))))
         content = f"the result of `tailslap {words}`" if words else "the result of an earlier version"
         raise errors.InputError(
             "--out", str(place), f"the folder contains {content}; --force replaces it, or {ANOTHER}"

@@ -23,7 +23,7 @@ NAME, LOCK, NEW, LOG = ".tailslap-result.json", ".tailslap-lock", ".tailslap-new
 """Names of the manifest, and, while a command runs, of its lock, its new files, and the log of what they replace."""
 
 PROGRAM = "tailslap"
-KEYS = {"program", "version", "command", "scene", "files"}
+KEYS = {"program", "version", "command", "scene", "changes", "files"}
 """Value of the manifest's key "program", and its keys."""
 
 SUFFIX = ".tailslap"
@@ -46,13 +46,14 @@ class Entry(NamedTuple):
 
 
 class Origin(NamedTuple):
-    """Command and scene of a result.
+    """Command, scene and texts KEY=VALUE of its changes of a result.
 
-    Both are empty where they are unknown.
+    They are empty where they are unknown.
     """
 
     command: str
     scene: str
+    changes: tuple[str, ...] = ()
 
 
 def open_plain(name: str, flags: int) -> int:
@@ -117,9 +118,11 @@ def read_manifest(folder: Path) -> frozenset[Entry] | None:
 
 
 def read_origin(folder: Path) -> Origin:
-    """Return command and scene of the folder's result from its manifest."""
+    """Return the origin of the folder's result from its manifest."""
     content = read_object(folder / NAME)
-    return Origin(str(content.get("command", "")), str(content.get("scene", "")))
+    changes = content.get("changes")
+    texts = tuple(map(str, changes)) if isinstance(changes, list) else ()
+    return Origin(str(content.get("command", "")), str(content.get("scene", "")), texts)
 
 
 def write_manifest(folder: Path, entries: Iterable[Entry], origin: Origin) -> None:

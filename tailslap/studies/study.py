@@ -14,7 +14,7 @@ from tailslap.case import kind_of
 from tailslap.case.case import CORNER, Case
 from tailslap.case.resources import demand_run
 from tailslap.errors import InputError, Missing, Verbatim, one_of
-from tailslap.scene.vary import changes_of, shown
+from tailslap.scene.vary import shown
 from tailslap.storage.folder import default_place
 from tailslap.storage.manifest import Origin
 
@@ -129,5 +129,5 @@ def prepared(
     if study.needs_plate:
         demand_run(scene, case.duration, allow_large)
     ending = study.folder(options) if study.folder else study.name
-    place = out or default_place(scene.name, changes_of(case.source), f"-{ending}")
-    return place, Origin(f"study {study.name}", scene.name)
+    place = out or default_place(scene.name, case.changes, f"-{ending}")
+    return place, Origin(f"study {study.name}", scene.name, case.changes)

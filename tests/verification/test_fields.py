@@ -111,7 +111,7 @@ def test_the_file_has_every_bit(tmp_path):
     [("quad9", "quad9", 9), ("tri3", "triangle", 3), ("tri6", "triangle6", 6)],
 )
 def test_cells_name_their_nodes_in_the_order_of_other_programs(element, cell_type, nodes, plate_model):
-    """Corners are counter-clockwise, nodes on the sides lie between those before and after them."""
+    """Corners are counter-clockwise, nodes on sides lie between them."""
     from meshes import plate_mesh
 
     cells = "quad" if element == "quad9" else "triangle"

@@ -578,7 +578,10 @@ def test_numbers_that_are_committed_stay_where_pictures_fail(earlier):
 RUN = Origin("run", "a")
 
 
-@pytest.mark.parametrize("origin", [Origin("run", "b"), Origin("modes", "a"), folder.UNKNOWN])
+OTHERS = [Origin("run", "b"), Origin("modes", "a"), Origin("run", "a", ("impact.speed=20",)), folder.UNKNOWN]
+
+
+@pytest.mark.parametrize("origin", OTHERS)
 def test_a_result_of_another_command_or_scene_is_replaced_by_force_alone(tmp_path, origin):
     place = tmp_path / "a"
     write(place, OLD, origin=RUN)
@@ -590,6 +593,29 @@ def test_a_result_of_another_command_or_scene_is_replaced_by_force_alone(tmp_pat
     assert tree(place) == before
     write(place, NEWER, origin=origin, force=True)
     assert (seen(place), manifest.read_origin(place)) == (NEWER, origin)
+
+
+SET = ["--set", "corner.reaction=none", "--set", "impact.speed=20"]
+
+
+@pytest.mark.parametrize("command", ["run", "study cost", "modes", "confirm", "export abaqus"])
+def test_a_changed_scene_is_another_one(tmp_path, command, capsys):
+    """Results of a changed scene are replaced by --force alone."""
+    place, words = tmp_path / "a", [*command.split()[:1], "paper-table-3", "--out", str(tmp_path / "a"), *SET]
+    words[1:1] = {"study cost": ["cost"], "export abaqus": ["--to", "abaqus"]}.get(command, [])
+    write(place, OLD, origin=Origin(command, "paper-table-3", ("impact.speed=21",)))
+    before = tree(place)
+    assert _status(words) == 2
+    message = f"the result of `tailslap {command} paper-table-3 --set impact.speed=21`; --force replaces it"
+    assert message in capsys.readouterr().err
+    assert tree(place) == before
+
+
+def test_a_loaded_result_has_the_changes_of_its_scene(rigid_results, tmp_path):
+    changed = tailslap.rigid("paper-table-3", {"impact.speed": 20.0})
+    with pytest.raises(InputError, match="the result of `tailslap rigid paper-table-3`; --force"):
+        changed.save(rigid_results[0])
+    assert tailslap.load(changed.save(tmp_path / "a")).changes == changed.changes == ("impact.speed=20.0",)
 
 
 def test_an_input_is_never_replaced(tmp_path):
@@ -657,7 +683,7 @@ def test_an_export_over_a_rigid_result_by_force(rigid_results):
     (place / "notes.txt").write_text("mine")
     assert _status(["export", str(second), "--to", "csv", "--out", str(place), "--force"]) == 0
     assert set(texts(place)) == {"rigid.csv", "notes.txt", NAME}
-    assert manifest.read_origin(place) == ("export csv", "paper-table-3")
+    assert manifest.read_origin(place) == Origin("export csv", "paper-table-3")
 
 
 def test_a_file_is_whole_or_the_earlier_one_and_two_writers_follow_each_other(tmp_path):
