@@ -22,6 +22,8 @@ from tailslap.errors import InputError
 SAMPLES, SAMPLES_OF_SLOW = 256, 72
 """Number of vehicles, and of trains and vehicles in space."""
 
+TOO_FEW = "too few of the varied inputs have a solution"
+
 Columns = Mapping[str, Array]
 
 
@@ -43,17 +45,31 @@ def force_band(case: Case) -> ForceBand:
             item.key: item.lower + (item.upper - item.lower) * column
             for item, column in zip(ranges, drawn, strict=True)
         }
+        rows, reason = _possible(case, inputs, count)
+        if len(rows) < sampling.MIN_ROWS:
+            return ForceBand(refusal=f"{TOO_FEW}; {reason}")
+        inputs = {key: values[rows] for key, values in inputs.items()}
         columns = solve(inputs)
     except InputError as error:
         return ForceBand(refusal=str(error))
     fixed = tuple(item.key for item in every if item not in ranges)
-    return replace(_band(ranges, inputs, columns), fixed=fixed)
+    band = _band(ranges, inputs, columns)
+    return replace(band, fixed=fixed, unsolved=count - band.samples, reason=reason)
 
 
 def _contains_own(item: Range) -> bool:
     """Return whether a range contains the scene's value."""
     margin = 1e-9 * (item.upper - item.lower)
     return item.scene_value is None or item.lower - margin <= item.scene_value <= item.upper + margin
+
+
+def _possible(case: Case, inputs: Columns, count: int) -> tuple[list[int], str]:
+    """Return rows of vehicles that stand, and why another does not."""
+    if case.scene.body is None:
+        return [*range(count)], ""
+    from tailslap.campaign import space_samples
+
+    return space_samples.possible_samples(case.scene, inputs)
 
 
 def _problem(case: Any, block: int) -> tuple[tuple[Range, ...], Any]:
@@ -79,12 +95,13 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
     force = next(iter(columns.values()))
     solved = np.isfinite(force)
     if np.count_nonzero(solved) < sampling.MIN_ROWS:
-        return ForceBand(refusal="too few of the varied inputs have a solution")
+        return ForceBand(refusal=TOO_FEW)
     fractions: dict[str, float] = {}
     if "outcome" in columns:
         from solver.space import OUTCOMES
 
-        fractions = {name: float(np.mean(columns["outcome"] == k)) for k, name in enumerate(OUTCOMES)}
+        outcome = columns["outcome"][solved]
+        fractions = {name: float(np.mean(outcome == k)) for k, name in enumerate(OUTCOMES)}
     return ForceBand(
         sampling.band_of(force).percentiles,
         int(np.count_nonzero(solved)),

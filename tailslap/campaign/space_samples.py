@@ -167,6 +167,25 @@ def expanded(scene: Scene, inputs: Mapping[str, Any]) -> dict[str, Any]:
     return values
 
 
+def possible_samples(scene: Scene, inputs: Mapping[str, Array]) -> tuple[list[int], str]:
+    """Return rows of the samples that stand on their axles.
+
+    inputs: see `expanded`. The second value is the reason why the first of the others does not, or "".
+    """
+    try:
+        space_input(scene, expanded(scene, inputs))
+        return [*range(next(iter(inputs.values())).size)], ""
+    except RigidBodyError:
+        rows, reasons = list[int](), list[str]()
+    for row, values in enumerate(zip(*inputs.values(), strict=True)):
+        try:
+            space_input(scene, expanded(scene, dict(zip(inputs, map(float, values), strict=True))))
+            rows.append(row)
+        except RigidBodyError as error:
+            reasons.append(f"`{error.key}`: {error.why}")
+    return rows, reasons[0]
+
+
 def sample_answers(scene: Scene, inputs: Mapping[str, Any], names: Iterable[str]) -> dict[str, Array]:
     """Return answers of `solver.space` by name, shape (n,).
 

@@ -31,6 +31,10 @@ class ForceBand:
         Keys that are not varied, as the scene's values are outside their ranges.
     refusal : str
         Reason why there is no band, or "".
+    unsolved : int
+        Number of further vehicles, which have no solution.
+    reason : str
+        Reason why the first of them does not stand on its axles, or "".
     """
 
     percentiles: tuple[float, ...] = ()
@@ -40,6 +44,8 @@ class ForceBand:
     outcomes: Mapping[str, float] = field(default_factory=dict)
     fixed: tuple[str, ...] = ()
     refusal: str = ""
+    unsolved: int = 0
+    reason: str = ""
 
     @property
     def interval(self) -> str:
@@ -69,6 +75,8 @@ class ForceBand:
             f"not varied, since outside the range: {', '.join(f'`{key}`' for key in self.fixed)}"
             if self.fixed
             else "",
+            f"{self.unsolved} further vehicles omitted, which have no solution" if self.unsolved else "",
+            f"the first of them: {self.reason}" if self.reason else "",
         ]
         return f"{'; '.join(filter(None, parts))}."
 

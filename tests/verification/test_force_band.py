@@ -148,6 +148,29 @@ def test_a_band_that_cannot_be_computed_is_named(name, changes, key):
     assert not band.interval
 
 
+@pytest.mark.parametrize("rear", [5.26, 5.3])
+def test_vehicles_without_equilibrium_are_counted_and_named(rear):
+    """Moments about the rear axle give the load of the front one."""
+    band = band_samples.force_band(case(SPACE, f"axle.1.position={rear}"))
+    drawn = sampling.latin_hypercube(len(band.ranges), 72, np.random.default_rng(sampling.SEED))
+    values = {
+        key: low + (high - low) * column
+        for (key, (low, high, _)), column in zip(band.ranges.items(), drawn, strict=True)
+    }
+    load = values["vehicle.mass"] * (rear - values["vehicle.centre_of_mass"]) / (rear - 1.2)
+    standing = np.count_nonzero(load >= 400.0)  # its own mass
+    assert (band.samples, band.unsolved) == (standing, 72 - standing)
+    assert sum(band.outcomes.values()) == pytest.approx(1.0, abs=1e-12)
+    assert f"{band.unsolved} further vehicles omitted" in band.sentence
+    assert "`axle.0.position`: the axles cannot carry the vehicle" in band.sentence
+
+
+def test_a_band_of_too_few_vehicles_is_refused(monkeypatch):
+    monkeypatch.setattr(sampling, "MIN_ROWS", 60)
+    band = band_samples.force_band(case(SPACE, "axle.1.position=5.3"))
+    assert band.refusal.startswith(f"{band_samples.TOO_FEW}; `axle.0.position`")
+
+
 def test_no_ratio_to_loads_of_lighter_vehicles():
     """A 50 ms mean stands over MASH's load of TL-4 alone.
 
