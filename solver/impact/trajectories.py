@@ -50,6 +50,9 @@ LARGEST_ERROR = 1e-3
 LONGEST_RUN, STEP_COST, POINT_COST = 4.0, 3e-7, 2e-8
 """Longest computation of an impact, and approximate costs of a step and of a point in a step [s]."""
 
+COARSE_RUN = 0.005
+"""Longest computation of an impact with coarse steps over the longest one."""
+
 MOST_ROWS = 1_000_000
 
 WEIGHT = 0.05
@@ -168,7 +171,7 @@ def solve_trains(
     Raises
     ------
     RigidBodyError
-        Where the steps become too short, or the error remains too large.
+        For a vehicle that passes through the wall, and where the steps become too short or the error remains too large.
     """
     most = int(LONGEST_RUN / (STEP_COST + POINT_COST * train.unit.size))
     latest = longest if end is None else end
@@ -204,7 +207,7 @@ def solve_trains(
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
         clock = Timing(
             h, parts[chosen], stride, phase * math.sqrt(tolerance), floor, h / aimed_step[chosen], rate[chosen], ends,
-            after_second, latest, most, reached, counted,
+            after_second, latest, math.ceil(COARSE_RUN * most) if is_coarse else most, reached, counted,
         )  # fmt: skip
         work = workspace(out.shape[1], len(samples.hitch), samples.unit.size)
         arguments = samples, samples_tyres, out, clock, work, rows, strike_rows
@@ -224,6 +227,8 @@ def solve_trains(
         return np.maximum(error_factor[chosen] * difference, least_error[chosen])
 
     motions = run(all_samples, h.copy(), interval)
+    if end is None:
+        _demand_stopped(train, motions.state)
     error = change(motions, run(all_samples, 2.0 * h, None), all_samples)
     if step is None:
         motions = _refined(partial(run, interval=interval), change, motions, error, tolerance * h, most)
@@ -272,6 +277,18 @@ def _whole_steps(
     if varies:
         return np.minimum(TURN_OF_PARTS * math.sqrt(tolerance) / turning, 0.5 * SHORTEST)
     return PHASE * math.sqrt(tolerance) / np.maximum(rate, turning / TURN)
+
+
+def _demand_stopped(train: Train, state: Array) -> None:
+    """Raise RigidBodyError for units that are wholly behind the wall."""
+    reach = np.zeros_like(train.mass)
+    np.maximum.at(reach, train.unit, np.hypot(train.along, train.across))
+    passed = (-reach > state[..., 1].T).any(axis=0)
+    if passed.any():
+        i = int(np.argmax(passed))
+        place = f" at index {i}" if len(passed) > 1 else ""
+        why = f"the crush does not stop the vehicle, which is {-state[i, :, 1].min():.3g} m behind the wall{place}"
+        raise RigidBodyError("contact", "this law", why, "a larger stiffness or plateau force")
 
 
 def _demand_small(error: Array, steps: Array, largest: float) -> None:

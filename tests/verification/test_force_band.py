@@ -11,6 +11,7 @@ import solver
 import tailslap
 from postprocess.signals.filters import moving_mean
 from postprocess.units import SI
+from solver.impact import trajectories
 from tailslap.campaign import band_samples, planar_ranges, sampling
 from tailslap.case import case_of
 from tailslap.case.case import NO_BAND
@@ -163,6 +164,20 @@ def test_vehicles_without_equilibrium_are_counted_and_named(rear):
     assert sum(band.outcomes.values()) == pytest.approx(1.0, abs=1e-12)
     assert f"{band.unsolved} further vehicles omitted" in band.sentence
     assert "`axle.0.position`: the axles cannot carry the vehicle" in band.sentence
+
+
+def test_the_work_of_a_band_is_bounded(monkeypatch):
+    """Steep unloading requires more steps than a sample may have."""
+    seconds, compile_once = [], trajectories.compile_once
+
+    def counted(*arguments, **options):
+        clock = arguments[5]
+        seconds.append(clock.most * len(clock.step) * trajectories.STEP_COST)
+        return compile_once(*arguments, **options)
+
+    monkeypatch.setattr(trajectories, "compile_once", counted)
+    assert "leave an error" in band_samples.force_band(case(IMPACT, "contact.restitution=1e-4")).refusal
+    assert sum(seconds) < 20.0
 
 
 def test_a_band_of_too_few_vehicles_is_refused(monkeypatch):

@@ -19,6 +19,7 @@ from solver.impact import (
     solve_impact,
     solve_trains,
     train_of,
+    trajectories,
 )
 from solver.impact.solve import column_names
 from solver.impact.train import greatest_inertia
@@ -459,6 +460,14 @@ def test_no_input_takes_for_ever():
     with pytest.raises(RigidBodyError) as caught:
         impact(k=1e22, end=1.0)
     assert "leave an error" in str(caught.value)
+
+
+@pytest.mark.parametrize("plateau", [3.5e-7, 2e-4, 350.0])
+def test_a_vehicle_that_is_not_stopped_is_refused_without_refinement(plateau, monkeypatch):
+    monkeypatch.setattr(trajectories, "_refined", pytest.fail)
+    touch = first_touch(TRUCK, math.radians(15.0), SPEED)
+    with pytest.raises(RigidBodyError, match="a larger stiffness or plateau force"):
+        solve_impact(TRUCK, WallContact(CrushLaw(2e6, 0.0, 0.22, plateau), MU), touch)
 
 
 def start(y_g=2.0, v_gy=-1.0):
