@@ -12,7 +12,7 @@ from numbers import Integral, Real
 from types import UnionType
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin
 
-from tailslap.errors import InputError, Verbatim, one_of
+from tailslap.errors import InputError, Verbatim, demand_encodable, one_of
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 UnitSystem = Literal["si", "us"]
@@ -67,15 +67,15 @@ def picture_pixels(size: str | Sequence[int] | None) -> tuple[int, int] | None:
 def _demand_type(function: Callable[..., object], name: str, value: object) -> None:
     """Raise InputError for a value of another type than the annotated one.
 
-    Text must be encodable as a path.
+    Text must be encodable.
     """
     if not _is_of(value, _annotated(function, name)):
         described = re.search(rf"^ *\*?{name} : (.*)$", function.__doc__ or "", re.MULTILINE)
         allowed = described[1] if described else str(_annotated(function, name))
         raise InputError(name, Verbatim(repr(value)), f"allowed is {allowed}")
     text = os.fspath(value) if isinstance(value, os.PathLike) else value
-    if isinstance(text, str) and not _is_encodable(text):
-        raise InputError(name, text, "allowed is text without null characters and lone surrogates")
+    if isinstance(text, str):
+        demand_encodable(name, text)
 
 
 @functools.cache
@@ -111,11 +111,3 @@ def _is_of(value: object, kind: Any) -> bool:
     if origin in NUMBERS:
         return isinstance(value, NUMBERS[origin]) and not isinstance(value, bool)
     return isinstance(value, type(None) if origin is None else origin)
-
-
-def _is_encodable(text: str) -> bool:
-    """Return True for encodable text."""
-    try:
-        return b"\0" not in os.fsencode(text)
-    except UnicodeEncodeError:
-        return False

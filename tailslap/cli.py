@@ -106,6 +106,8 @@ def _run(arguments: list[str] | None) -> int:
     """
     typed = sys.argv[1:] if arguments is None else list(arguments)
     _prepare_environment()
+    for text in typed:
+        errors.demand_encodable("argument", text)
     if COMPLETE in os.environ:
         from click.shell_completion import shell_complete
 

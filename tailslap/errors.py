@@ -94,6 +94,16 @@ def one_of(name: str, options: Iterable[str], which: str = "allowed is one of") 
     return f"{which}{names}{nearest(name, options)}"
 
 
+def demand_encodable(key: str, text: str) -> None:
+    """Raise InputError for text that files of results cannot contain."""
+    try:
+        is_encodable = b"\0" not in text.encode()
+    except UnicodeEncodeError:
+        is_encodable = False
+    if not is_encodable:
+        raise InputError(key, text, "allowed is text in UTF-8 without null characters")
+
+
 def place_error(place: object, what: str, error: OSError, key: str = "--out") -> Exception:
     """Return the error for an unwritable result.
 

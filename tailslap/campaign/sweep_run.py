@@ -27,7 +27,7 @@ from tailslap.campaign.records import Record
 from tailslap.campaign.sweep_definition import Definition, make_definition, varied_source
 from tailslap.case import resources
 from tailslap.case.of_arguments import Changes, change_texts, folder_or_temporary, warn_of_numbers
-from tailslap.errors import MACHINE_FAULTS, InputError, machine_fault, place_error
+from tailslap.errors import MACHINE_FAULTS, InputError, demand_encodable, machine_fault, place_error
 from tailslap.result import columns, result
 from tailslap.scene.read import Scene
 from tailslap.scene.vary import added_names
@@ -177,6 +177,7 @@ def sweep_folder(place: Path, definition: Definition, force: bool = False) -> It
     sweep or other files.
     """
     with folder.locked(place) as place:
+        demand_encodable("--out", str(place))  # Arrow's paths are in UTF-8
         new = not _is_known(place, definition, force)
         folder.earlier(place, RESULTS)
         if new:

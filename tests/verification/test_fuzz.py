@@ -246,6 +246,9 @@ SECONDS = 5.0
         ((*LOCKED, "--set", "plate.element=quad4"), "plate.elements"), (("rigid", "large.toml"), "too large"),
         (("rigid", "deep.toml"), "deep.toml"), (("rigid", "dotted.toml"), "long line"),
         (("rigid", "digits.toml"), "digits.toml"), (("rigid", "return.toml"), "not TOML"),
+        *((words, "argument: given") for words in (
+            ("rigid", "bad\udcff.toml"), (*RIGID, "--set", "name=\udcff"), (*RUN, "--out", "bad\udcff"),
+            ("export", "bad\udcff", "--to", "csv"), ("compare", "bad\udcff.csv", "fifo.toml"))),
         (("rigid", "x" * 5000), "SCENE"), (("rigid", "x" * 300 + ".toml"), "SCENE"),
         (("rigid", "mash-tl4-sut", "--\x1b[31m"), "\\x1b[31m"),
         ((*RIGID, "--set", "\x1b]0;mine\x07=1"), "\\x1b]0;mine\\x07"),

@@ -307,6 +307,18 @@ def padded(run, *rest):
     return {"run": run, "status": "passed", "reason": "", "note": 1000 * "x"}
 
 
+def test_a_folder_whose_name_is_no_text_is_refused(tmp_path, capsys):
+    place = tmp_path / "bad\udcff" / "sweep"
+    place.parent.mkdir()
+    with contextlib.chdir(place.parent):
+        assert (
+            cli._status(["sweep", "paper-table-3", "--vary", "corner.friction=0.1,0.2", "--out", "sweep"])
+            == 2
+        )
+    assert "--out: given" in capsys.readouterr().err
+    assert not place.exists()
+
+
 def test_a_full_disk_is_told_with_the_rows_that_are_kept(monkeypatch, scene, tmp_path):
     """And the same command goes on."""
     plain, definition = Records._begin, definition_of(scene, ("corner.friction=0.1:0.5:400",))
