@@ -34,6 +34,9 @@ from tailslap.commands import COMPLETE, DONE, commands  # noqa: E402
 WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 2, 3, 130
 """Exit statuses of other commands; CANNOT_RUN: the installation or the machine is insufficient."""
 
+UNDONE = "interrupted; nothing was written, and the same command begins anew"
+"""Message of commands that save no progress."""
+
 STDERR = 2
 
 ENVIRONMENT = {
@@ -83,7 +86,7 @@ def _status(arguments: list[str] | None) -> int:
         return WRONG_INPUT
     except (KeyboardInterrupt, click.Abort) as error:
         cause = error.__cause__ if isinstance(error.__cause__, errors.Interrupted) else error
-        return _complain(str(cause) or "interrupted; nothing was written", INTERRUPTED)
+        return _complain(str(cause) or UNDONE, INTERRUPTED)
     except BrokenPipeError:
         return DONE
     except MemoryError:

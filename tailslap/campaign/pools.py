@@ -11,12 +11,13 @@ import os
 import select
 import signal
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import resource_tracker
+from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import ModuleType
@@ -24,6 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from tailslap import errors, progress
 from tailslap.campaign.records import Key, program
+from tailslap.case import resources
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -41,12 +43,20 @@ DESCRIPTORS = Path("/proc/self/fd")
 ENDING = {signal.SIGTERM, signal.SIGHUP}
 LOGGERS = ("distributed", "distributed.client", "distributed.gc", "asyncio", "tornado", "tornado.application")
 """Loggers of Dask with levels of their own, silenced because connection errors are reported here."""
+START_S = 120.0
+"""Time within which the processes of this machine must start [s]."""
 REPLY_S = 5.0
 """Time within which a scheduler must reply [s]."""
 POLL_S = 1.0
 """Interval between checks of a cluster, or of idle workers [s]."""
 
+LEAST_ADDRESS_SPACE = 512e6
+"""Address space with which the libraries of a run and of its table can be loaded [bytes]; without it they hang."""
+
 Errors = tuple[type[BaseException], ...]
+
+BROKEN: Errors = (BrokenProcessPool, EOFError, ConnectionError)
+"""Errors of starting a worker: it has died, or the process from which it is forked."""
 
 
 class LostError(OSError):
@@ -128,25 +138,48 @@ class Pool:
         context.set_forkserver_preload([__name__, *NEEDED, *LIBRARIES])
         ours, self._lifeline = context.Pipe(duplex=False)
         self._executor = ProcessPoolExecutor(self._workers, context, _begin, (ours,))
+        first: Future[str] = Future()
+
+        def start() -> None:
+            try:
+                with _server_environment(), _hidden_script():
+                    worker = self._executor.submit(make_ready)
+                first.set_result(worker.result())
+            except BaseException as error:
+                first.set_exception(error)
+
+        # It waits in the system with its signals blocked, so that another thread takes them.
+        threading.Thread(target=start, daemon=True).start()
         try:
-            with _server_environment(), _hidden_script():
-                first = self._executor.submit(make_ready)
-            first.result()
-        except BrokenProcessPool:
+            first.result(START_S)
+        except BROKEN:
+            self._end()
             raise LostError("no worker remains") from None
-        except KeyboardInterrupt:  # processes that are starting still need this one
-            self.close()
+        except TimeoutError:
+            self._end()
+            raise LostError(f"no process of workers has started within {START_S:g} s") from None
+        except KeyboardInterrupt:
+            self._end()
             raise
 
+    def _end(self) -> None:
+        """End processes that may be starting."""
+        server = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
+        if server is not None:
+            os.kill(server, signal.SIGKILL)
+        self.close()
+
     def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
-        """Submit a call to a worker."""
-        with _hidden_script():
-            try:
+        """Submit a call to a worker. Raises LostError."""
+        with _hidden_script(), contextlib.suppress(*BROKEN):
+            return self._executor.submit(function, *arguments)
+        self.close()
+        self._start()
+        try:
+            with _hidden_script():
                 return self._executor.submit(function, *arguments)
-            except BrokenProcessPool:
-                self.close()
-                self._start()
-                return self._executor.submit(function, *arguments)
+        except BROKEN:
+            raise LostError("no worker remains") from None
 
     def threads(self) -> int:
         """Return the number of workers. Raises LostError."""
@@ -234,6 +267,11 @@ def local(workers: int) -> Iterator[Pool]:
 
     Without workers or without /proc, the pool is this process. Raises LostError.
     """
+    if (limit := resources.address_space()) < LEAST_ADDRESS_SPACE:
+        raise LostError(
+            f"the address space of a process is limited to {limit / 1e6:.0f} MB (ulimit -v); "
+            f"required are {LEAST_ADDRESS_SPACE / 1e6:.0f} MB"
+        )
     if not workers or not DESCRIPTORS.is_dir():
         yield _ThisProcess()
         return

@@ -252,7 +252,11 @@ def _container() -> float:
     return limit - used
 
 
-def _own_limit() -> float:
+def address_space() -> float:
+    """Return the limit of the address space of a process [bytes]."""
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    used = float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-    return math.inf if limit == resource.RLIM_INFINITY else limit - used
+    return math.inf if limit == resource.RLIM_INFINITY else limit
+
+
+def _own_limit() -> float:
+    return address_space() - float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()

@@ -8,6 +8,7 @@ import contextlib
 import json
 import math
 import os
+import resource
 import signal
 import sqlite3
 import subprocess
@@ -301,6 +302,63 @@ def test_ended_while_processes_are_started_it_says_so_alone(scene, tmp_path, pro
     message = process.communicate(timeout=HANG)[1].decode()
     assert (process.returncode, message) == (130, "tailslap: interrupted; no run is complete\n")
     assert not (tmp_path / "sweep").exists()
+
+
+PRELOADED = """
+    import sys
+    from tailslap.campaign import pools
+    pools.LIBRARIES, pools.START_S = ("preloaded",), float(sys.argv.pop(1))
+    from tailslap.cli import main
+    main()
+"""
+"""A sweep whose processes begin with the module `preloaded`."""
+
+
+@pytest.mark.parametrize(("content", "patience", "ends", "status", "said"), [
+    ("os.kill(os.getpid(), signal.SIGKILL)", 600.0, False, 3, "no worker remains; no run is complete"),
+    ("time.sleep(1e4)", 0.5, False, 3, "no process of workers has started within 0.5 s; no run is complete"),
+    ("time.sleep(1e4)", 600.0, True, 130, "interrupted; no run is complete"),
+])  # fmt: skip
+def test_processes_that_die_or_hang_at_their_start_are_told(
+    scene, tmp_path, proc, content, patience, ends, status, said
+):
+    """No process is left."""
+    (tmp_path / "preloaded.py").write_text(
+        f"import os, signal, time\nopen('ready', 'w').close()\n{content}\n"
+    )
+    words = ["sweep", scene, "--vary", "corner.friction=0.1:0.5:40", "--workers", "2", "--out", "sweep"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(PRELOADED), str(patience), *words],
+        cwd=tmp_path, stderr=subprocess.PIPE, start_new_session=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
+    )  # fmt: skip
+    if ends:
+        wait_until((tmp_path / "ready").exists)
+        process.terminate()
+    message = process.communicate(timeout=HANG)[1].decode()
+    assert (process.returncode, message) == (status, f"tailslap: {said}\n")
+    assert not (tmp_path / "sweep").exists()
+    wait_until(lambda: not any(f" {process.pid} " in stat for stat in sessions()))
+
+
+def sessions():
+    """Text of /proc/PID/stat of all processes."""
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        with contextlib.suppress(OSError):
+            yield path.read_text()
+
+
+def test_too_little_address_space_is_told_before_libraries_hang(scene, tmp_path, proc):
+    limit = 350 * 2**20
+    process = subprocess.run(
+        [sys.executable, "-m", "tailslap", "sweep", scene, "--vary", "corner.friction=0.1:0.5:40"],
+        cwd=tmp_path, capture_output=True, text=True, timeout=HANG,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        preexec_fn=partial(resource.setrlimit, resource.RLIMIT_AS, (limit, limit)),
+    )  # fmt: skip
+    assert process.returncode == 3
+    assert "limited to 367 MB (ulimit -v); required are 512 MB; no run is complete" in process.stderr
+    assert not list(tmp_path.glob("results/*"))
 
 
 def padded(run, *rest):

@@ -372,6 +372,17 @@ def test_a_study_of_which_nothing_is_left_is_refused(tmp_path, capsys):
     assert not out.exists()
 
 
+@pytest.mark.parametrize("command", [f"study uncertainty {IMPACT}", f"study uncertainty {TRUCK}", "validate"])
+def test_interrupted_it_says_that_it_begins_anew(command, tmp_path, monkeypatch, capsys):
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sampling, "sobol_points", interrupted)
+    assert cli._status([*command.split(), "--out", str(tmp_path / "out")]) == 130
+    assert capsys.readouterr().err.endswith(f"tailslap: {cli.UNDONE}\n")
+    assert not (tmp_path / "out").exists()
+
+
 def test_the_same_call_gives_the_same_files(tmp_path):
     folders = [tmp_path / "one", tmp_path / "two"]
     for folder in folders:
