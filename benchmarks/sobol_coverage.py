@@ -1,10 +1,11 @@
 """Coverage of the 95 % intervals of Sobol indices.
 
-    .venv/bin/python benchmarks/sobol_coverage.py [--inputs N...] [--rows N...] [--repeats N]
+    .venv/bin/python benchmarks/sobol_coverage.py [--inputs N...] [--rows N...] [--repeats N] [--scene NAME]
 
 Functions have exact indices, with many randomisations of the points. For each function, number of inputs and of rows:
 the fraction of first-order and of total indices that lie in their interval, its mean width, and how often the indices
-were refused.
+were refused. With a scene of a whole impact: the fraction of the intervals of COUNTS samples that overlap those of
+60 000, over all outputs and the repeats, and the lowest of a repeat; the first repeat has the points of the study.
 """
 
 from __future__ import annotations
@@ -16,15 +17,22 @@ from typing import Any, NamedTuple
 import command_line
 import numpy as np
 
-from tailslap.campaign import sampling
+from tailslap.campaign import planar_ranges, sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import Array
+from tailslap.case import case_of
+from tailslap.scene.read import read_scene
+from tailslap.studies.uncertainty import uncertainty_study
 
 INPUTS, ROWS, REPEATS = (2, 5, 11, 21), (32, 64, 256, 1024, 4096), 40
 MOST = 400_000
 """Inputs of the largest set of tables."""
 ROUNDING = 1e-9
 """Rounding of exact zeros and ones."""
+
+
+COUNTS, REFERENCE = (288, 1000, 2000, 4000, 8000), 60_000
+"""Numbers of samples of a scene, and of the intervals that they are compared with."""
 
 
 class Function(NamedTuple):
@@ -86,12 +94,22 @@ def indicator(name: str, inputs: int, fraction: float) -> Function:
     return Function(name, lambda x: np.where(x.max(axis=0) > limit, 1.0, 0.0), rest * total, total)
 
 
+def jumps(inputs: int, fraction: float) -> Function:
+    """Return a sum that jumps by 10 where an input is large.
+
+    fraction: of each input that is large.
+    """
+    share = np.full(inputs, 1.0 / inputs)
+    return Function("jumps", lambda x: (x + 10.0 * (x > 1.0 - fraction)).sum(axis=0), share, share)
+
+
 def functions(inputs: int) -> list[Function]:
     """Return the test functions of this number of inputs."""
     unequal = 1.0 / np.arange(1.0, inputs + 1.0)
     unequal[2::3] = 0.0
     simple = [linear("linear", np.ones(inputs)), linear("linear 1/i", unequal)]
     simple += [ishigami(inputs)] if inputs >= 3 else []
+    simple += [jumps(inputs, 0.03)]
     return [*simple, product(inputs), indicator("1 of 2", inputs, 0.5), indicator("1 of 10", inputs, 0.1)]
 
 
@@ -122,9 +140,51 @@ def coverage(function: Function, rows: int, repeats: int, first_seed: int = 1) -
     }
 
 
+def intervals(case: Any, ranges: tuple[Range, ...], count: int, seed: int) -> dict[str, Array]:
+    """Return intervals by output, shape (2 kinds, inputs, 2 ends)."""
+    own_seed = sampling.SEED
+    sampling.SEED = seed
+    try:
+        _, tables = sampling.sampled(ranges, count, lambda values: uncertainty_study.solved(case, values))
+    finally:
+        sampling.SEED = own_seed
+    indexed, _ = sampling.rows_and_refusals(ranges, tables)
+    kinds = ("first_order_interval", "total_interval")
+    return {name: np.array([[row[kind] for row in rows] for kind in kinds]) for name, rows in indexed.items()}
+
+
+def overlaps(name: str, repeats: int) -> None:
+    """Print how many intervals of a scene overlap those of many samples."""
+    case = case_of(*read_scene(name))
+    ranges = planar_ranges.impact_ranges(case)  # type: ignore[arg-type]
+    reference = intervals(case, ranges, REFERENCE, sampling.SEED)
+    print(
+        f"{name}, {len(ranges)} inputs, {len(reference)} outputs: intervals that overlap those of {REFERENCE}"
+    )
+    for count in COUNTS:
+        fractions = []
+        for repeat in range(repeats):
+            computed = intervals(case, ranges, count, sampling.SEED + repeat)
+            pairs = [(computed[of], reference[of]) for of in reference if len(computed.get(of, ()))]
+            meets = [
+                np.maximum(x[..., 0], y[..., 0]) <= np.minimum(x[..., 1], y[..., 1])
+                for x, y in pairs
+                if y.size
+            ]
+            fractions.append(np.mean(meets, axis=(0, 2)) if meets else np.full(2, math.nan))
+        (first, total), (least, lowest) = np.mean(fractions, axis=0), np.min(fractions, axis=0)
+        print(
+            f"{count:6} samples: first-order {first:.1%}, total {total:.1%}; lowest {least:.1%}, {lowest:.1%}"
+        )
+
+
 def main() -> None:
     """Print the table."""
-    options = command_line.options(__doc__, inputs=INPUTS, rows=ROWS, repeats=REPEATS)
+    options = command_line.options(__doc__, inputs=INPUTS, rows=ROWS, repeats=REPEATS, scene=None)
+    if options.scene:
+        for name in options.scene:
+            overlaps(name, options.repeats)
+        return
     print("inputs   rows  function    covered: first  total   width: first  total   refused")
     everything = []
     for inputs in options.inputs:

@@ -6,7 +6,9 @@ Table 2 b). The covariance of both tables, whose expected value is zero, is a co
 the sum of the numerators of the total indices (Efron and Stein 1981, Ann. Stat. 9, 586).
 
 Few rows of a Sobol sequence have columns that coincide. Rows are therefore a Latin hypercube until each group of a
-scrambled sequence has enough of them. Intervals follow from the jackknife of the groups.
+scrambled sequence has enough of them. Intervals follow from the jackknife of the groups. Where an output jumps, few
+rows may lack the rare large changes of an input, and the jackknife does not see what is missing: upper limits include
+one further row with the largest change due to any input.
 """
 
 from __future__ import annotations
@@ -21,6 +23,8 @@ from numpy.typing import NDArray
 
 from tailslap.campaign.input_ranges import Range
 from tailslap.case import resources
+from tailslap.case.force_band import PERCENTILES as PERCENTILES
+from tailslap.case.force_band import percentile_names
 
 if TYPE_CHECKING:
     from tailslap.campaign.records import Record
@@ -44,7 +48,6 @@ TOO_FEW = "Sobol indices are not determined: too few samples differ for an error
 FEW = 10
 """Number of changed outputs below which upper limits are those of a binomial fraction."""
 
-PERCENTILES = (5, 50, 95)
 MIN_ROWS = 16
 """Rows below which there are no indices."""
 
@@ -169,9 +172,9 @@ class Band:
 
     def numbers(self) -> dict[str, float]:
         """Return the numbers of a summary."""
-        ends = zip(PERCENTILES, self.percentiles, strict=True)
+        ends = zip(percentile_names(), self.percentiles, strict=True)
         moments = {"mean": self.mean, "standard_deviation": self.standard_deviation}
-        return {**{f"percentile_{p}": x for p, x in ends}, **moments}
+        return {**dict(ends), **moments}
 
 
 def band_of(values: Array) -> Band:
@@ -214,7 +217,8 @@ def sobol_indices(table: Array) -> Indices:
     finite, inputs = np.isfinite(table).all(axis=0), len(table) - 2
     group = (np.arange(finite.size) * GROUPS // finite.size)[finite]
     table = table[:, finite] - np.mean(table[:2, finite])
-    sums = np.array([np.bincount(group, row, GROUPS) for row in _terms(table)])
+    terms = _terms(table)
+    sums = np.array([np.bincount(group, row, GROUPS) for row in terms])
     count = np.bincount(group, minlength=GROUPS)
     sums, count = sums[:, count > 0], count[count > 0]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -224,6 +228,7 @@ def sobol_indices(table: Array) -> Indices:
     low, high = ratios[:-1] + np.outer(
         (-1.0, 1.0), _quantile(0.5 + 0.5 * CONFIDENCE, count.size) * error[:-1]
     )
+    high += _further_row(terms[inputs:-3], ratios[inputs:-1])
     is_undetermined, bound = _bounds(table, ratios[inputs:-1])
     low, high = np.where(is_undetermined, 0.0, low), np.where(is_undetermined, np.maximum(bound, high), high)
     first, total, *ends = (
@@ -255,6 +260,15 @@ def _ratios(means: Array) -> Array:
     in_all = changes.sum(axis=0, keepdims=True)
     bounded = np.minimum(variance, in_all)
     return np.concatenate([first / bounded, changes / bounded, in_all / variance])
+
+
+def _further_row(changes: Array, total: Array) -> float:
+    """Return the index due to one further row with the largest change.
+
+    changes, shape (inputs, rows): terms of the total indices, whose sums are in proportion to them.
+    """
+    first = int(np.argmax(changes.sum(axis=1)))
+    return float(np.nan_to_num(total[first] * changes.max() / changes[first].sum(), nan=0.0))
 
 
 def _bounds(table: Array, total: Array) -> tuple[Array, Array]:

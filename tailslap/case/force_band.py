@@ -7,8 +7,21 @@ from dataclasses import dataclass, field
 
 from postprocess.units import measure
 
+PERCENTILES = (5, 50, 95)
+"""Percentiles of all bands, of which names and texts follow."""
+
 MOST_NAMED, LEAST_NAMED = 2, 0.05
 """Number of inputs that the sentence names, and their least fraction of the variance."""
+
+
+def percentile_names() -> tuple[str, ...]:
+    """Return the keys of percentiles in results."""
+    return tuple(f"percentile_{p:g}" for p in PERCENTILES)
+
+
+def central_part() -> str:
+    """Return the part of samples between the outer percentiles, in words."""
+    return f"{PERCENTILES[-1] - PERCENTILES[0]:g} %"
 
 
 @dataclass(frozen=True)
@@ -18,7 +31,7 @@ class ForceBand:
     Attributes
     ----------
     percentiles : tuple of float
-        5 %, 50 % and 95 % of the force [N], empty where there are none.
+        PERCENTILES of the force [N], empty where there are none.
     samples : int
         Number of vehicles.
     variance_fractions : dict of str to float
@@ -49,13 +62,13 @@ class ForceBand:
 
     @property
     def interval(self) -> str:
-        """Limits of the central 90 % in words, empty without a band."""
+        """Limits of the central part in words, empty without a band."""
         if not self.percentiles:
             return ""
         lower, _, upper = self.percentiles
         form = ".0f" if lower >= 1e5 else ".3g"
         ends = measure(lower, "N", form, named=False), measure(upper, "N", form)
-        return f"90 % of such impacts: {ends[0]} to {ends[1]}"
+        return f"{central_part()} of such impacts: {ends[0]} to {ends[1]}"
 
     @property
     def sentence(self) -> str:
@@ -82,6 +95,5 @@ class ForceBand:
 
     def numbers(self) -> dict[str, object]:
         """Return the part `force_band` of results, SI."""
-        names = ("percentile_5", "percentile_50", "percentile_95")
         further = {name: value for name, value in vars(self).items() if name != "percentiles"}
-        return dict(zip(names, self.percentiles, strict=False)) | further
+        return dict(zip(percentile_names(), self.percentiles, strict=False)) | further

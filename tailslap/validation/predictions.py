@@ -1,9 +1,9 @@
 """Predict published forces, durations, speeds and outcomes blindly.
 
-Predictions have 90 % bands. Vehicles, ranges and published values stand in parameters.toml and were fixed before the
-first prediction. The band of a prediction is the spread of rigid impacts over these ranges; nothing is adjusted to a
-published value. The plateau of the crush law is assumed and limits the force, so that each row states which fraction
-of its variance the plateaus explain alone.
+Predictions have bands of PERCENTILES. Vehicles, ranges and published values stand in parameters.toml and were fixed
+before the first prediction. The band of a prediction is the spread of rigid impacts over these ranges; nothing is
+adjusted to a published value. The plateau of the crush law is assumed and limits the force, so that each row states
+which fraction of its variance the plateaus explain alone.
 """
 
 import math
@@ -54,8 +54,8 @@ BY_THE_PLATEAU = 0.5
 class Row(NamedTuple):
     """A published value beside its prediction [SI].
 
-    predicted: median of the samples; lower, upper: 5 and 95 %; ratio: predicted over published; plateau: fraction of
-    the variance that the plateaus explain alone, None where it is not determined.
+    predicted: median of the samples; lower, upper: ends of PERCENTILES; ratio: predicted over published; plateau:
+    fraction of the variance that the plateaus explain alone, None where it is not determined.
     """
 
     case: str

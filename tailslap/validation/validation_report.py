@@ -10,6 +10,7 @@ from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
 from tailslap.arguments import checked_arguments
+from tailslap.case.force_band import PERCENTILES, central_part
 from tailslap.case.report_parts import footer
 from tailslap.result.result import Result, of_report
 from tailslap.validation import predictions
@@ -21,7 +22,8 @@ PAGE = "validation.html"
 ROWS = (
     *columns({"case": "Case", "label": "Quantity"}),
     Column("predicted", "Predicted", form=".3g", style="strong"),
-    *columns({"lower": "5 %", "upper": "95 %", "published": "Published"}, form=".3g"),
+    *columns({"lower": f"{PERCENTILES[0]:g} %", "upper": f"{PERCENTILES[-1]:g} %"}, form=".3g"),
+    Column("published", "Published", form=".3g"),
     Column("unit", "Unit"),
     Column("ratio", "Ratio", form=".2f"),
     Column("verdict", "In the band"),
@@ -114,9 +116,9 @@ def _headline(validation: Validation, scored: Sequence[Score]) -> Headline:
     """Return the numbers of values within their bands."""
     rows, independent = validation.rows, validation.independent
     answer = (
-        f"{sum(row.inside for row in rows)} of {len(rows)} published values lie in the 90 % band of their blind "
-        f"prediction. Forces: geometric mean of predicted over published {validation.geometric_mean:.2f}, spread by a "
-        f"factor of {validation.spread:.2f}, {len(validation.force_ratios)} values."
+        f"{sum(row.inside for row in rows)} of {len(rows)} published values lie in the {central_part()} band of their "
+        f"blind prediction. Forces: geometric mean of predicted over published {validation.geometric_mean:.2f}, spread "
+        f"by a factor of {validation.spread:.2f}, {len(validation.force_ratios)} values."
     )
     certainty = (
         f"{sum(row.inside for row in independent)} of {len(independent)} rows that the assumed plateaus do not decide "

@@ -4,6 +4,10 @@ Exact: stratified points, parts of the variance of linear functions, means of tr
 Agreement: the band of 256 samples with that of the study of uncertainty.
 """
 
+import json
+import os
+import sys
+
 import numpy as np
 import pytest
 
@@ -135,6 +139,33 @@ def test_results_contain_the_band(bands):
     without = tailslap.rigid(IMPACT, band=False).summary
     assert "percentile_95" not in without["force_band"]
     assert without["band"] == "Without a band of the force: not requested."
+
+
+TEXTS = """
+import json, sys
+from pathlib import Path
+from tailslap.case import force_band
+force_band.PERCENTILES = (2.5, 50, 97.5)
+import tailslap
+from tailslap.validation import validation_report
+out = [tailslap.rigid("mash-tl4-sut"), tailslap.rigid("impact-mash-tl4-sut")]
+out += [tailslap.study("uncertainty", name, samples=288) for name in ("mash-tl4-sut", "impact-mash-tl4-sut")]
+out += [tailslap.study("tipping", "impact-tipping-tl4-sut", samples=128)]
+pages = [path.read_text() for number, result in enumerate(out) for path in
+         Path(result.save(f"r{number}")).glob("*") if path.suffix in (".json", ".html", ".csv")]
+print(json.dumps([*map(str, out), *(result.text for result in out), *pages, str(validation_report.SHORT)]))
+"""
+
+
+@pytest.mark.long
+def test_keys_and_texts_follow_from_the_percentiles(python, tmp_path):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    texts = json.loads(python(TEXTS, check=True, cwd=tmp_path, env=environment).stdout)
+    everything = " ".join(texts).replace("\N{NO-BREAK SPACE}", " ")
+    for old in ('percentile_5"', "percentile_95", "90 % of", "90 % band"):
+        assert old not in everything
+    for new in ("percentile_2.5", "percentile_97.5", "95 % of such impacts", "95 % of the samples", "97.5 %"):
+        assert new in everything
 
 
 @pytest.mark.parametrize(("name", "changes", "key"), [

@@ -15,6 +15,7 @@ from postprocess.units import force, grouped
 from tailslap.campaign.planar_ranges import used_keys
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import PERCENTILES, SEED, Array, points_in_words
+from tailslap.case.force_band import central_part
 from tailslap.case.impact.strike_columns import COLUMNS, LARGEST, QUANTITIES
 from tailslap.case.report_parts import design_forces_of, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
@@ -190,8 +191,9 @@ def _corner_answer(result: Spread, inputs: list[Record]) -> tuple[str, str]:
     low, _, high = band.percentiles
     answer = (
         f"Peak lateral force at the tail-slap: mean {force(band.mean)}, standard deviation "
-        f"{force(band.standard_deviation)}; 90 % of the samples lie between {force(low)} and {force(high)}. "
-        f"The nominal case ({force(nominal)}) exceeds {100.0 * band.fraction_below(nominal):.0f} % of the samples."
+        f"{force(band.standard_deviation)}; {central_part()} of the samples lie between {force(low)} and "
+        f"{force(high)}. The nominal case ({force(nominal)}) exceeds "
+        f"{100.0 * band.fraction_below(nominal):.0f} % of the samples."
     )
     certainty = f"{grouped(result.computed)} samples"
     certainty += f"; largest part of the variance from {main_source(inputs[0])}." if inputs else "."
@@ -292,7 +294,7 @@ def _impact_answer(result: Spread) -> tuple[str, str]:
     """Return answer and certainty on the largest 50 ms mean."""
     low, _, high = result.band(LARGEST).percentiles
     answer = (
-        f"Largest 50 ms mean: 90 % of the samples lie between {force(low)} and {force(high)}; nominal "
+        f"Largest 50 ms mean: {central_part()} of the samples lie between {force(low)} and {force(high)}; nominal "
         f"case {force(result.nominal[LARGEST])}."
     )
     certainty = f"{grouped(result.computed)} impacts of the rigid vehicle."
