@@ -327,9 +327,18 @@ def export(result: Path, as_json: bool, **arguments: Any) -> int:
     "--columns",
     type=options.Text(),
     metavar="NAME=THEIRS,...",
-    help="Column names of the files, e.g. 'time=t,v_gy=-VY [mph]'; a minus reverses the sign.",
+    help="Column names of the files, or numbers of columns without names, e.g. 'time=t,v_gy=-VY [mph]'; a minus "
+    "reverses the sign. '2:time=t [ms]' is for the second result alone.",
 )
 @click.option("--only", type=options.Text(), metavar="NAME,...", help="Columns to compare.")
+@click.option(
+    "--decimal-comma",
+    "decimal_commas",
+    type=int,
+    multiple=True,
+    metavar="NUMBER",
+    help="Number of a result, from 1, that is a text file with decimal commas. Repeatable.",
+)
 @click.option("--author", type=options.Text(), metavar="NAME", help="Name on the page validation.html.")
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/compare]")
 @options.with_options(options.FORCE_READ, *options.PRINTED)
@@ -342,19 +351,21 @@ def compare(
     force: bool,
     units: str,
     as_json: bool,
+    **arguments: Any,
 ) -> int:
     """Compare results with the first one.
 
     The report has curves, differences and validation metrics. The page validation.html has the form of NCHRP W179:
     solution verification, metrics of all channels, phenomena.
 
-    A RESULT is a result folder, a text file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
-    CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV). Exit status 1 if a metric
-    exceeds the limits of NCHRP W179, or less than half of the reference's time is compared.
+    A RESULT is a result folder, a text file with columns: a history from ABAQUS, LS-DYNA or a test; an ISO-MME channel;
+    a Parquet file of export; or nodes of CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss
+    (CSV). Exit status 1 if a metric exceeds the limits of NCHRP W179, or less than half of the reference's time is
+    compared.
     """
     names = tuple(name.strip() for name in (only or "").split(",") if name.strip())
 
-    arguments: dict[str, Any] = {"columns": columns, "only": names, "author": author or "", "force": force}
+    arguments |= {"columns": columns, "only": names, "author": author or "", "force": force}
     compute, place = (
         functools.partial(tailslap.compare, *results, **arguments),
         out or default_place("compare", ()),

@@ -67,10 +67,12 @@ def compare_histories(
 
     Both have shape (instants,) and any common unit. Instants [s] rise, and need not be evenly spaced; is_known, shape
     (instants - 1,): intervals that count. Numbers that are not finite, less than two instants, and a reference that
-    is zero throughout result in NaN.
+    is zero throughout result in NaN; two histories that are zero throughout agree.
     """
     if instants.size < 2:
         return Metrics(*(5 * (math.nan,)))
+    if not (history.any() or reference.any()):
+        return Metrics(*(5 * (0.0,)))
     steps = np.diff(instants) * is_known
     weights = 0.5 * (np.append(steps, 0.0) + np.append(0.0, steps))  # [s], of the trapezoidal rule
     with np.errstate(all="ignore"):
@@ -152,19 +154,25 @@ class Beside:
     def largest(self) -> tuple[float, float]:
         """Largest difference over the reference's peak, and its instant [s]."""
         k = int(np.argmax(np.abs(self.difference)))
-        peak = float(np.abs(self.reference).max())
-        return (float(self.difference[k]) / peak if peak else float("nan")), float(self.t[k])
+        return _relative(float(self.difference[k]), float(np.abs(self.reference).max())), float(self.t[k])
 
     @property
     def at_end(self) -> float:
         """Value over reference - 1 at the last common instant."""
-        last = float(self.reference[-1])
-        return float(self.value[-1]) / last - 1.0 if last else float("nan")
+        return _relative(float(self.difference[-1]), float(self.reference[-1]))
 
     @property
     def within(self) -> bool:
         """True if all metrics and the compared duration are within limits."""
         return self.metrics.within and self.covered >= COVERED
+
+
+def _relative(difference: float, reference: float) -> float:
+    """Return a relative difference.
+
+    It is 0 for two zeros, and NaN for another difference from 0.
+    """
+    return difference / reference if reference else math.nan if difference else 0.0
 
 
 def beside(name: str, history: Mapping[str, Floats], reference: Mapping[str, Floats]) -> Beside | None:

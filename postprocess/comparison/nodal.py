@@ -48,7 +48,13 @@ NODE_COLUMN = re.compile(r".*?\s{2,}(\d+)\s.*\b(DX|DY|VX|VY)\s*")
 MAX_TITLE = 1000
 """Characters of such a title."""
 
-HEAD = re.compile(r"\s*(displacements|velocities) \(vx,vy,vz\) for set (\S+) and time\s+(\S+)\s*")
+FORTRAN = re.compile(r"([-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+))(?:[dD]([-+]?[0-9]+)|([-+][0-9]{3}))")
+"""Numbers of Fortran like 1.0D+00, and those with three digits in the exponent like 1.0-100."""
+
+HEAD = re.compile(
+    r"^[ \t]*(displacements|velocities) \(vx,vy,vz\) for set (\S+) and time\s+(\S+)\s*", re.MULTILINE
+)
+REPORT = re.compile(r"^[ \t]*Field Output Report, written", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -72,10 +78,12 @@ class NodalHistory:
 
 
 def number(cell: str) -> float:
-    """Return the number in a cell.
+    """Return the number in a cell, also of Fortran.
 
     Raises ValueError for words, NaN, and sizes above `LARGEST`.
     """
+    if (fortran := FORTRAN.fullmatch(cell)) and (fortran[2] or "." in cell):
+        cell = f"{fortran[1]}e{fortran[2] or fortran[3]}"
     try:
         value = float(cell.replace("_", " "))  # Python reads 1_0 as ten
     except ValueError:
@@ -188,10 +196,14 @@ def read_radioss(path: Path) -> NodalHistory:
     for node, indices in columns.items():
         if missing := ", ".join(name for name in COLUMNS if name not in indices):
             raise ValueError(f"columns of node {node} are missing: {missing}")
-    blocks, least = Blocks(), len(list(filter(None, header)))
+    blocks, named = Blocks(), [k for k, name in enumerate(header) if name.strip()]
     for place, row in enumerate(rows, 2):
-        if row and len(row) < least:
+        if row and len(row) <= named[-1]:
             raise ValueError(f"line {place} is cut short: {len(row)} of {len(header)} entries")
+        if any(row[named[-1] + 1 :]):
+            raise ValueError(f"line {place} has {len(row)} entries for {named[-1] + 1} names")
+        if empty := [" ".join(header[k].split()) for k in named if row and not row[k].strip()]:
+            raise ValueError(f"line {place} has no entry under {empty[0]}; its entries may be shifted")
         if row:
             (t,) = _numbers(row[:1], place)
             if t in blocks:
@@ -202,12 +214,12 @@ def read_radioss(path: Path) -> NodalHistory:
 
 
 def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
-    """Return the reader of a nodal file by its name or heading.
+    """Return the reader of a nodal file by its heading.
 
     None for other files, and for paths that are no regular files.
     """
-    if path.suffix == ".dat" or not path.is_file():
-        return read_calculix if path.suffix == ".dat" else None
+    if not path.is_file():
+        return None
     with open(path, encoding="ascii", errors="replace") as file:
         first = file.readline(MAX_HEAD)
         if '"INTERNAL ENERGY"' in first and any(
@@ -215,9 +227,8 @@ def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
         ):
             return read_radioss
         head = first + file.read(MAX_HEAD)
-    if "Field Output Report" in head:
-        return read_field_report
-    return read_nodout if INSTANT.search(head) else None
+    headings = (REPORT, read_field_report), (INSTANT, read_nodout), (HEAD, read_calculix)
+    return next((read for heading, read in headings if heading.search(head)), None)
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
@@ -254,6 +265,8 @@ def read_nodes(path: Path) -> tuple[NDArray[np.int64], Floats, Floats]:
     """
     with open(path, encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
+    if longer := [k for k, row in enumerate(rows, 2) if any(row.get(None, ()))]:
+        raise ValueError(f"{path.name}, line {longer[0]} has more entries than names")
     try:
         numbers = np.array([int(row["node"]) for row in rows])
         lines = [_numbers([row[name] for name in ("x", "y", "mass")], k) for k, row in enumerate(rows, 2)]

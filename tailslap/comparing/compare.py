@@ -21,6 +21,7 @@ def compare(
     columns: Mapping[str, str] | str | None = None,
     only: Sequence[str] = (),
     author: str = "",
+    decimal_commas: Sequence[int] = (),
     force: bool = False,
 ) -> Result:
     """Compare histories with a reference.
@@ -30,30 +31,35 @@ def compare(
     Parameters
     ----------
     reference : Result or path
-        Result of a run, its folder, a file with named columns: a history from ABAQUS, LS-DYNA or a test; or nodes of
-        CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output report) or OpenRadioss (CSV of th_to_csv).
+        Result of a run, its folder, a text file with columns: a history from ABAQUS, LS-DYNA or a test; an ISO-MME
+        channel; a Parquet file of this program; or nodes of CalculiX (.dat), LS-DYNA (nodout), ABAQUS (field output
+        report) or OpenRadioss (CSV of th_to_csv).
     *results : Result or path
         Results, folders or files that are compared with the reference.
     columns : mapping or str, optional
         Column names of the files by names of this program: {"time": "t", "v_gy": "-VY [mph]"}; a minus reverses the
-        sign, a unit in brackets holds for a file without one. Default: SI.
+        sign, a unit in brackets holds for a file without one. Default: SI. A column without a name has its number; a
+        name for one result alone follows its number, from 1: {"2:time": "t [ms]"}.
     only : sequence of str
-        Columns to compare. Default: the main columns in common.
+        Columns to compare. Default: main and mapped columns in common, and those that this program does not have.
     author : str
         Name on the page `validation.html`. Default: a blank to fill in.
+    decimal_commas : sequence of int
+        Numbers of the results, from 1, that are text files with decimal commas.
     force : bool
         Read the intact files of damaged or modified results.
 
     Returns
     -------
     Result
-        `summary["compared"]` contains the metrics by label and column, `summary["notes"]` what is missing or hardly
-        shows in them; `passed` is True if all are within the limits of NCHRP W179 over half of the reference's time.
+        `summary["compared"]` contains the metrics by label and column, `summary["notes"]` what is assumed, is missing,
+        or hardly shows in them, `summary["not_compared"]` other columns with the reason; `passed` is True if all are
+        within the limits of NCHRP W179 over half of the reference's time.
 
     Raises
     ------
     InputError
-        For unreadable or damaged results, cells without a number, units of time that differ, or no common column.
+        For unreadable or damaged results, cells without a number, columns of different dimensions, or no common column.
 
     Examples
     --------
@@ -63,7 +69,7 @@ def compare(
     True
     """
     items = (reference, *results)
-    comparison = compare_items(items, columns, only, force)
+    comparison = compare_items(items, columns, only, force, decimal_commas)
     page = with_validation(compare_report(comparison), comparison, author)
     histories = {item.label: Columns(item.columns, item.units) for item in comparison.items}
     tables = {"Metrics": page.tables["metrics.csv"]}

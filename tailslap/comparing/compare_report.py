@@ -1,8 +1,8 @@
 """Compare results with a reference."""
 
 import math
-from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import TypeVar
 
 import numpy as np
@@ -17,8 +17,9 @@ from postprocess.report.tables import Column, Table, columns
 from postprocess.svg.chart import FULL, PART, Chart
 from postprocess.units import SI, percent
 from tailslap.case.report_parts import footer
-from tailslap.comparing.source import TIME, Item, parse_mapping, read_item
-from tailslap.errors import InputError, Verbatim, one_of
+from tailslap.comparing.source import TIME, Item, parse_mapping, read_items
+from tailslap.errors import InputError, Verbatim, one_of, shortened
+from tailslap.result.columns import column_units
 
 DEFAULT_COLUMNS = (
     *("theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reaction_tangential"),
@@ -64,17 +65,25 @@ NOTE = (
 class Comparison:
     """Histories compared with the first one.
 
-    pairs: label of another item and a common column; notes: remarks.
+    pairs: label of another item and a common column; notes: remarks; not_compared: reasons by label and column.
     """
 
     items: tuple[Item, ...]
     pairs: tuple[tuple[str, Beside], ...]
     notes: tuple[str, ...] = ()
+    not_compared: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
     @property
     def reference(self) -> Item:
         """Item with which the others are compared."""
         return self.items[0]
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Notes, and the columns that are not compared."""
+        groups = ((label, _by_value(reasons.items())) for label, reasons in self.not_compared.items())
+        sentences = (f"{label}, not compared: {names} ({why})." for label, of in groups for names, why in of)
+        return (*self.notes, *sentences)
 
     @property
     def within(self) -> bool:
@@ -87,66 +96,98 @@ def compare_items(
     columns: Mapping[str, str] | str | None = None,
     only: Sequence[str] = (),
     force: bool = False,
+    decimal_commas: Sequence[int] = (),
 ) -> Comparison:
     """Compare histories with the first one.
 
-    force: include damaged ones. Raises InputError.
+    force: include damaged ones; decimal_commas: numbers of files with such. Raises InputError.
     """
     if len(sources) < 2:
         allowed = "two or more results are required; the first is the reference"
         raise InputError("RESULT", Verbatim(len(sources)), allowed)
     mapping = parse_mapping(columns) if isinstance(columns, str) else dict(columns or {})
-    items = [read_item(source, mapping, force) for source in sources]
+    items = read_items(sources, mapping, force, decimal_commas)
     labels = [item.label for item in items]
     items = [
         replace(item, label=f"{item.label} ({k})") if labels.count(item.label) > 1 else item
         for k, item in enumerate(items, 1)
     ]
-    reference, pairs = items[0], []
+    reference, pairs, not_compared = items[0], [], {}
     notes = [note for item in items for note in item.notes]
-    for item in items[1:]:
-        _demand_one_unit_of_time(item, reference)
-        compared, excluded = _in_common(item, reference, only)
+    mapped = {key.rpartition(":")[2].strip() for key in mapping}
+    for k, item in enumerate(items[1:], 2):
+        _demand_one_unit_of_time({1: reference, k: item})
+        compared, excluded = _in_common(item, reference, only, mapped)
         pairs += [(item.label, pair) for pair in compared]
         notes += _remarks(item, reference, compared, excluded)
-    return Comparison(tuple(items), tuple(pairs), tuple(dict.fromkeys(notes)))
+        finished = {TIME, *excluded, *(pair.name for pair in compared)}
+        not_compared[item.label] = _not_compared(item, reference, finished, bool(only))
+    return Comparison(tuple(items), tuple(pairs), tuple(dict.fromkeys(notes)), not_compared)
 
 
-def _demand_one_unit_of_time(item: Item, reference: Item) -> None:
+def _demand_one_unit_of_time(records: Mapping[int, Item]) -> None:
     """Refuse an implausible assumed unit of time.
 
-    Durations of the records then differ more than tenfold. Raises InputError.
+    Durations of the records then differ more than tenfold. records: reference and another, by their numbers. Raises
+    InputError.
     """
-    records = item, reference
-    spans = [float(record.columns[TIME][-1] - record.columns[TIME][0]) for record in records]
-    guessed = [record for record in records if record.unit_of_time == "assumed"]
-    if all(record.unit_of_time == "columns" for record in records):  # of which one may be in another unit
-        guessed = [item]
-    if guessed and max(spans) > MOST_RATIO * min(spans):
+    spans = {k: float(np.ptp(record.columns[TIME])) for k, record in records.items()}
+    guessed = [k for k, record in records.items() if record.unit_of_time == "assumed"]
+    if all(
+        record.unit_of_time == "columns" for record in records.values()
+    ):  # of which one may be in another unit
+        guessed = [*records]
+    if guessed and max(spans.values()) > MOST_RATIO * min(spans.values()):
+        last = " and ".join(f"{records[k].label} {spans[k]:.4g} s" for k in sorted(records, reverse=True))
+        units = {k: "ms" if spans[k] == max(spans.values()) else "s" for k in guessed}
+        advice = ",".join(f"{k}:time={records[k].time_name} [{unit}]" for k, unit in units.items())
         allowed = (
-            f"{item.label} lasts {spans[0]:.4g} s and {reference.label} {spans[1]:.4g} s if times without a unit are "
-            f'seconds; allowed is a unit in the file, or by --columns "time={guessed[0].time_name} [ms]"'
+            f"{last.replace(' ', ' lasts ', 1)} if times without a unit are seconds; allowed is a unit in the file, or "
+            f'by the number of the result, --columns "{advice}"'
         )
-        raise InputError("RESULT", guessed[0].label, allowed)
+        raise InputError("RESULT", records[guessed[-1]].label, allowed)
 
 
-def _in_common(item: Item, reference: Item, only: Sequence[str]) -> tuple[list[Beside], list[str]]:
+def _not_compared(item: Item, reference: Item, finished: Collection[str], is_limited: bool) -> dict[str, str]:
+    """Return why columns of two items are not compared, by name.
+
+    finished: compared and excluded ones; is_limited: by --only.
+    """
+    both = item.columns.keys() & reference.columns.keys()
+    reasons = dict[str, str]()
+    for record, other in ((item, reference), (reference, item)):
+        for name in (*record.columns, *record.unread):
+            if name in both:
+                why = "not in --only" if is_limited else "no main column, compared by --only"
+            else:
+                why = "; ".join(filter(None, (f"not in {other.label}", record.unread.get(name))))
+            if name not in finished:
+                reasons.setdefault(name, why)
+    return reasons
+
+
+def _in_common(
+    item: Item, reference: Item, only: Sequence[str], mapped: Collection[str]
+) -> tuple[list[Beside], list[str]]:
     """Return compared columns and names of excluded ones.
 
-    Raises InputError where no column has any.
+    They are main columns, mapped ones, and those that this program does not have. Raises InputError where no column
+    has any.
     """
     common = [name for name in reference.columns if name in item.columns and name != TIME]
     for name in only:
         if name not in common:
             raise InputError("--only", name, one_of(name, common, "allowed are the common columns,"))
-    chosen = only or [name for name in DEFAULT_COLUMNS if name in common] or common
+    main = [name for name in common if name in mapped or not column_units([name])]
+    chosen = only or [*dict.fromkeys([name for name in DEFAULT_COLUMNS if name in common] + main)] or common
     pairs = {name: beside(name, item.columns, reference.columns) for name in chosen}
     compared = [pair for pair in pairs.values() if pair]
     excluded = [name for name, pair in pairs.items() if not pair]
     if not compared or (only and excluded):
         names = ", ".join(excluded) or "no column"
         allowed = (
-            f"it has no {names} with two values at times in common with {reference.label}; see --columns"
+            f"it has no {names} with two values at times in common with {reference.label}; see --columns; its columns "
+            f"are {shortened(', '.join([*item.columns, *item.unread]))}"
         )
         raise InputError("RESULT", item.label, allowed.replace("no no", "no"))
     return compared, excluded
@@ -200,16 +241,17 @@ def compare_report(comparison: Comparison) -> Report:
         "limits": LIMITS,
         "compared": compared,
         "notes": list(comparison.notes),
+        "not_compared": comparison.not_compared,
     }
     sections = (
-        Section("Metrics", tables=(table,), sentences=comparison.notes),
+        Section("Metrics", tables=(table,), sentences=comparison.remarks),
         Section("Results at the tail-slap", tables=tuple(_quantities(comparison))),
         Section("Curves", figures=[*_curves(comparison)]),
         Section("Differences from the reference", figures=[*_curves(comparison, True)]),
     )
     below = footer("summary.json, these numbers; metrics.csv, the table; validation.html")
     page = Page("Histories side by side", opening, sections, below, passed=comparison.within)
-    return Report(page, summary, (table, *comparison.notes), tables={"metrics.csv": table})
+    return Report(page, summary, (table, *comparison.remarks), tables={"metrics.csv": table})
 
 
 def headline(comparison: Comparison) -> Headline:

@@ -1,20 +1,15 @@
 """Read histories to compare, by this program's names and in SI.
 
-They are those of a result, or of a file with named columns. Files of other programs and of tests are text with a line
-of names, separated by commas, semicolons, tabs or blanks. Units follow a name in brackets, "VY [m/s]" or "VY (m/s)", or
-are in a separate line below the names. Columns that are compared contain numbers; an empty cell or NaN is a missing
-value.
+They are those of a result, or of a file: text (`text_tables`), Parquet of this program, or nodes of other programs.
 """
 
 import csv
 import os
 import re
 import stat
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import count
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -22,27 +17,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison import nodal
+from tailslap.comparing.text_tables import MAX_BYTES, name_and_unit, read_table
+from tailslap.comparing.units import ratio
 from tailslap.errors import MACHINE_FAULTS, InputError, Verbatim, one_of, place_error, shortened
-from tailslap.result.columns import column_units
+from tailslap.result.columns import column_units, read_columns
 from tailslap.result.load import demand_listed, load
 from tailslap.result.result import FE, Result
-from tailslap.scene.read import read_text
-from tailslap.scene.units import COMMA, converted
 
 TIME = "t"
 TIMES = ("t", "time")
 """Names of a column of instants, in small or capital letters."""
 
-COMMENTS = ("#", "%", "*", "$")
-NAME_AND_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
 THEIRS = re.compile(r"(?P<minus>-?)\s*(?P<name>[^\[]+?)\s*(?:\[(?P<unit>[^\]]+)\])?")
-DECIMAL_COMMA = re.compile(r"[-+]?[0-9.]*,[0-9.,]+([eE][-+]?[0-9]+)?")
-MISSING = ("", "nan", "-nan", "na", "n/a", "null")
-"""Cells without a value, in small or capital letters."""
+OF_ONE = re.compile(r"\s*([0-9]{1,6})\s*:\s*(.+)")
+"""Name in a mapping for one of the results, by its number."""
 
-MAX_BYTES, MAX_COLUMNS = 500_000_000, 1000
-
-"""Limits of a file."""
+REMARK = re.compile(r"\s*(\[[^\]]*\]|\([^)]*\))")
+NO_FILE = (
+    "there is no file to which it applies; a result has columns of its own by its number, like 2:force=theta"
+)
+NO_NAMES = (
+    'its first line has no column names; allowed are names, or numbers of columns, --columns "time=1,v_gy=2"'
+)
+PARQUET = b"PAR1"
+"""First bytes of a Parquet file."""
 
 Floats = NDArray[np.float64]
 Read = TypeVar("Read")
@@ -57,7 +55,7 @@ class Item:
     label : str
         Name of the scene, folder or file.
     columns : dict of ndarray, shape (rows,)
-        In SI; NaN is a missing value.
+        Those of this program in SI, others in the unit of the reference; NaN is a missing value.
     units : dict of str
         Of the columns.
     summary : dict, optional
@@ -67,7 +65,10 @@ class Item:
     time_name : str
         Name of the column of instants in the file.
     unit_of_time : str
-        Source of the unit of time: "file", "columns" for the option, or "assumed".
+        Source of the unit of time: "file", also for an option for this file alone, "columns" for the option for all,
+        or "assumed".
+    unread : dict of str
+        Remarks by the names of the other columns; "" without one.
     """
 
     label: str
@@ -77,42 +78,65 @@ class Item:
     notes: tuple[str, ...] = ()
     time_name: str = TIME
     unit_of_time: str = "file"
+    unread: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
-class Cells:
-    """Cells of a file with named columns.
+class Record:
+    """Opened history with columns by the names in its file.
 
     Attributes
     ----------
-    names : list of str
-        Of the columns, as in the file.
+    number : int
+        Of the result in the command, from 1.
+    label, place : str
+        Name for pages, and for messages.
     units : dict of str
-        By name; "" without a unit.
-    rows : list of list of str
-        Cells of each row, at least to the last column with a name.
-    lines : list of int
-        Line of each row in the file, from 1.
+        By the names of the columns; "" without a unit.
+    numbers : callable
+        Function from a name to its numbers. Raises ValueError with the line of another cell.
+    lines : sequence of int
+        Of the rows, if any.
+    is_named : bool
+        False for a file without a line of names, whose columns have numbers.
+    is_result : bool
+        True for results of this program, which take mappings of their own alone.
+    remarks : dict of str
+        On missing entries, by name.
+    summary : dict, optional
+        Of a result.
     """
 
-    names: list[str]
-    units: dict[str, str]
-    rows: list[list[str]]
-    lines: list[int]
+    number: int
+    label: str
+    place: str
+    units: Mapping[str, str]
+    numbers: Callable[[str], Floats]
+    lines: Sequence[int] = ()
+    is_named: bool = True
+    is_result: bool = False
+    remarks: Mapping[str, str] = field(default_factory=dict)
+    summary: Mapping[str, Any] | None = None
 
-    def numbers(self, name: str) -> Floats:
-        """Return the numbers of a column.
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return Path(self.place).name
 
-        Missing ones are NaN. Raises ValueError with the line of a cell without number.
-        """
-        k, numbers = self.names.index(name), np.empty(len(self.rows))
-        for place, (row, line) in enumerate(zip(self.rows, self.lines, strict=True)):
-            try:
-                numbers[place] = np.nan if row[k].lower() in MISSING else nodal.number(row[k])
-            except ValueError as error:
-                allowed = f"{error}, and an empty cell where there is no value"
-                raise ValueError(f"line {line}, column {shortened(name)}: {allowed}") from None
-        return numbers
+
+@dataclass(frozen=True)
+class Choice:
+    """Column of a record that is read.
+
+    stated: source of the unit, as `Item.unit_of_time`; against: unit of a mapping that the file contradicts.
+    """
+
+    name: str
+    sign: float = 1.0
+    unit: str = ""
+    stated: str = "assumed"
+    against: str = ""
+    is_mapped: bool = False
 
 
 def parse_mapping(text: str) -> dict[str, str]:
@@ -126,14 +150,59 @@ def parse_mapping(text: str) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in pairs}
 
 
-def read_item(source: object, mapping: Mapping[str, str], force: bool = False) -> Item:
-    """Read a history from a result, its folder, or a file.
+def read_items(
+    sources: Sequence[object],
+    mapping: Mapping[str, str],
+    force: bool = False,
+    decimal_commas: Sequence[int] = (),
+) -> list[Item]:
+    """Read histories from results, their folders, or files.
 
-    force: also damaged ones. Raises InputError.
+    The first is the reference. force: also damaged ones; decimal_commas: numbers of files with such, from 1. Raises
+    InputError.
+    """
+    records = [open_record(k, source, force, k in decimal_commas) for k, source in enumerate(sources, 1)]
+    for number in decimal_commas:
+        if not (record := records[_demand_number("--decimal-comma", number, len(sources)) - 1]).lines:
+            raise InputError("--decimal-comma", number, f"{record.file} is no text; allowed are text files")
+    alone: list[dict[str, str]] = [{} for _ in records]
+    common = dict[str, str]()
+    for key, theirs in mapping.items():
+        match = OF_ONE.fullmatch(key)
+        of = alone[_demand_number("--columns", int(match[1]), len(sources)) - 1] if match else common
+        of[_time_as_t(match[2] if match else key)] = theirs
+    _demand_used(common, records)
+    choices = [
+        _chosen(record, {} if record.is_result else common, of)
+        for record, of in zip(records, alone, strict=True)
+    ]
+    names = [{*chosen, *_free(record, chosen)} for record, chosen in zip(records, choices, strict=True)]
+    common_names = [set[str]().union(*names[1:]), *(names[0] for _ in names[1:])]
+    for record, chosen, among in zip(records, choices, common_names, strict=True):
+        chosen.update({name: _choice(record, name) for name in _free(record, chosen) if name in among})
+    units = {ours: choice.unit for ours, choice in choices[0].items()}
+    return [
+        _item(record, chosen, units, among)
+        for record, chosen, among in zip(records, choices, common_names, strict=True)
+    ]
+
+
+def _demand_number(key: str, number: int, count: int) -> int:
+    """Return the number of a result. Raises InputError for another."""
+    if not 1 <= number <= count:
+        raise InputError(key, number, f"allowed are the numbers of the results, from 1 to {count}")
+    return number
+
+
+def open_record(number: int, source: object, force: bool = False, decimal_comma: bool = False) -> Record:
+    """Open a history of a result, a folder or a file.
+
+    number: of the result in the command; force: also damaged ones. Raises InputError.
     """
     if isinstance(source, Item):
-        _demand_sound(source.columns, source.label)
-        return source
+        units = {name: source.units.get(name, "") for name in source.columns} | column_units(source.columns)
+        numbers, place = _numbers_of(source.columns), source.label
+        return Record(number, place, place, units, numbers, is_result=True, summary=source.summary)
     path = Path(str(source))
     if isinstance(source, Result):
         result, label = source, source.scene
@@ -141,12 +210,29 @@ def read_item(source: object, mapping: Mapping[str, str], force: bool = False) -
         result, label = load(path, force=force), path.resolve().name
     else:
         is_listed = demand_listed(path, force)
-        return _read_file(path, {_time_as_t(name): theirs for name, theirs in mapping.items()}, is_listed)
+        return _readable(path, partial(_open_file, number, path, is_listed, decimal_comma))
     if not result.histories:
         raise InputError(str(source), Verbatim(result.command), "it has no history; allowed is a run")
     columns = result.histories.get(FE) or next(iter(result.histories.values()))
-    _demand_sound(columns, str(path))
-    return Item(label, dict(columns), columns.units, result.summary)
+    units = {name: columns.units.get(name, "") for name in columns}
+    return Record(
+        number, label, str(path), units, _numbers_of(columns), is_result=True, summary=result.summary
+    )
+
+
+def _numbers_of(columns: Mapping[str, np.ndarray]) -> Callable[[str], Floats]:
+    """Return the function from a name to numbers.
+
+    It raises ValueError for words.
+    """
+
+    def numbers(name: str) -> Floats:
+        values = columns[name]
+        if values.dtype.kind not in "fiub":
+            raise ValueError(f"column {shortened(name)} has no numbers")
+        return np.asarray(values, np.float64)
+
+    return numbers
 
 
 def _is_folder(path: Path) -> bool:
@@ -162,57 +248,50 @@ def _is_folder(path: Path) -> bool:
         raise place_error(path, "it cannot be read", error, "RESULT") from None
 
 
-def _time_as_t(name: str) -> str:
-    """Return "t" for a name of time."""
-    return TIME if name.lower() in TIMES else name
+def _open_file(number: int, path: Path, is_listed: bool, decimal_comma: bool) -> Record:
+    """Open a file by its content.
 
-
-def _read_file(path: Path, mapping: Mapping[str, str], is_listed: bool) -> Item:
-    """Read the columns of a file.
-
-    They are those of the mapping, and those that have names of this program already. A name of the mapping that the
-    file does not have, where it has the name of this program, belongs to another file; so does a unit of the mapping
-    where the file has one, as the files of this program do.
+    is_listed: of this program, in SI. Raises OSError, ValueError or csv.Error.
     """
-    names, units, lines, numbers = _read(path)
-    units = {**units, **column_units(names)} if is_listed else units
-    present = {ours for ours, theirs in mapping.items() if _parts(theirs, names)[1] in names}
-    wanted = {name: theirs for name, theirs in mapping.items() if name not in names or name in present}
-    standard = {TIME, *column_units(names)}
-    for name in names:
-        if (ours := _time_as_t(name)) in standard:
-            wanted.setdefault(ours, name)
-    si_units = column_units(wanted)
-    columns, sources, notes = {}, {}, []
-    for ours, theirs in wanted.items():
-        minus, name, mapped = _parts(theirs, names)
-        if name not in names:
-            allowed = one_of(name, names, f"{path.name} does not have this column; allowed are")
-            raise InputError("--columns", theirs, allowed)
-        unit = units.get(name) or mapped
-        sources[ours] = name, "file" if units.get(name) else "columns" if mapped else "assumed"
-        factor = (-1.0 if minus else 1.0) * _factor(ours, unit, si_units.get(ours, ""))
-        columns[ours] = factor * _readable(path, partial(numbers, name))
-        if mapped and mapped != unit:
-            notes.append(f"{path.name}: {name} is in {unit} by the file, not in {mapped}.")
-    _demand_sound(columns, str(path), lines)
-    assumed = ", ".join(
-        name for name, (_, source) in sources.items() if source == "assumed" and name in mapping
-    )
-    notes += [f"{path.name}: {assumed} without a unit, assumed in SI."] if assumed else []
-    return Item(path.stem, columns, si_units, None, tuple(notes), *sources[TIME])
+    lines: Sequence[int] = ()
+    is_named, remarks = True, dict[str, str]()
+    if _is_parquet(path):
+        units, numbers = _open_parquet(path)
+    elif nodal.reader_of(path):
+        if path.stat().st_size > MAX_BYTES:
+            raise ValueError(f"it is too large; the limit is {MAX_BYTES} bytes")
+        motion = nodal.read_centre_of_mass(path)
+        units, numbers = dict.fromkeys(motion, ""), motion.__getitem__
+    else:
+        cells = read_table(path, decimal_comma)
+        units, numbers, lines, is_named = cells.units, cells.numbers, cells.lines, cells.is_named
+        remarks = cells.missing()
+    units = units | (column_units(units) if is_listed else {})
+    return Record(number, path.stem, str(path), units, numbers, lines, is_named, False, remarks)
 
 
-def _read(path: Path) -> tuple[list[str], dict[str, str], Sequence[int], Callable[[str], Floats]]:
-    """Read columns of numbers and their names.
+def _is_parquet(path: Path) -> bool:
+    """Return True for a regular file that begins as Parquet. Raises OSError."""
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.read(len(PARQUET)) == PARQUET
 
-    Returns names, units by name, lines of the rows, if any, and a function from a name to its numbers.
+
+def _open_parquet(path: Path) -> tuple[dict[str, str], Callable[[str], Floats]]:
+    """Return units of the columns of a Parquet file, and their reader.
+
+    Raises OSError or ValueError.
     """
-    motion = _readable(path, partial(_read_nodal, path))
-    if motion is None:
-        cells = _readable(path, partial(read_table, path))
-        return [*filter(None, cells.names)], cells.units, cells.lines, cells.numbers
-    return [*motion], {}, (), motion.__getitem__
+    import pyarrow.parquet as pq
+
+    rows, schema = pq.read_metadata(path).num_rows, pq.read_schema(path)
+    if 8 * rows > MAX_BYTES:
+        raise ValueError(f"it has {rows} rows; allowed are at most {MAX_BYTES // 8}")
+
+    metadata = {field.name: field.metadata or {} for field in schema}
+    units = {name: entry.get(b"unit", b"").decode("utf-8", "replace") for name, entry in metadata.items()}
+    return units, lambda name: _numbers_of(read_columns(path, [name]))(name)
 
 
 def _readable(path: Path, read: Callable[[], Read]) -> Read:
@@ -233,34 +312,176 @@ def _readable(path: Path, read: Callable[[], Read]) -> Read:
         raise InputError("RESULT", str(path), f"{why}{advice}") from None
 
 
-def _parts(theirs: str, names: Sequence[str]) -> tuple[str, str, str]:
-    """Split a text of a mapping into minus, column name and unit."""
-    match = THEIRS.fullmatch(theirs)
-    if match is None or theirs in names:
-        return "", theirs, ""
-    return match["minus"], match["name"], match["unit"] or ""
+def _time_as_t(name: str) -> str:
+    """Return "t" for a name of time."""
+    return TIME if name.lower() in TIMES else name
 
 
-def _factor(ours: str, unit: str, si: str) -> float:
-    """Return the factor from the file's unit to SI.
+def _by_own_names(record: Record, mapped: Collection[str]) -> dict[str, str]:
+    """Return names of a record by those of this program.
 
-    It is 1 where either is unknown. Raises InputError for another dimension.
+    They are not mapped. Remarks in brackets are no part of the latter. Raises InputError for two columns of one name.
     """
-    if not unit or not si:
+    bare = {name: _time_as_t(REMARK.sub("", name).strip()) for name in record.units}
+    standard, by_name = {TIME, *column_units(bare.values())} - {*mapped}, dict[str, str]()
+    for name in sorted(record.units, key=lambda name: name != bare[name]):  # those without a remark first
+        ours = bare[name]
+        if ours in standard and by_name.setdefault(ours, name) not in (ours, name):
+            names = f'"{by_name[ours]}" and "{name}"'
+            allowed = f'it has two columns {ours}, {names}; allowed is one, or --columns "{ours}={name}"'
+            raise InputError("RESULT", record.place, allowed)
+    return by_name
+
+
+def _theirs(record: Record, theirs: str, alone: bool) -> Choice | None:
+    """Return the column of a record that a mapping names.
+
+    It is a name, or the number of a column without one. None for other columns.
+    """
+    match, names = THEIRS.fullmatch(theirs), [*record.units]
+    if theirs in names:
+        return replace(_choice(record, theirs), is_mapped=True)
+    plain, sign, mapped = theirs, 1.0, ""
+    if match:
+        plain, sign, mapped = match["name"], -1.0 if match["minus"] else 1.0, match["unit"] or ""
+    plain = plain if plain in names else name_and_unit(plain)[0]
+    if plain not in names and (alone or not record.is_named):
+        plain = {str(k): name for k, name in enumerate(names, 1)}.get(plain, plain)
+    if plain not in names:
+        return None
+    return replace(_choice(record, plain, mapped, alone), sign=sign, is_mapped=True)
+
+
+def _choice(record: Record, name: str, mapped: str = "", alone: bool = False) -> Choice:
+    """Return a column with its unit."""
+    unit = record.units[name]
+    stated = "file" if unit or record.is_result or (mapped and alone) else "columns" if mapped else "assumed"
+    return Choice(name, 1.0, unit or mapped, stated, mapped if unit and mapped != unit else "")
+
+
+def _free(record: Record, chosen: Mapping[str, Choice]) -> list[str]:
+    """Return names of a record that are not chosen."""
+    used = {choice.name for choice in chosen.values()} | chosen.keys()
+    return [name for name in record.units if name not in used]
+
+
+def _chosen(record: Record, common: Mapping[str, str], alone: Mapping[str, str]) -> dict[str, Choice]:
+    """Return columns of a record by the names in the comparison.
+
+    A column of the common mapping that is not in the file, where it has the name of this program, belongs to another
+    file. The first column of a file without names is assumed to be time. Raises InputError.
+    """
+    mapped = {**common, **alone}
+    choices = {ours: _theirs(record, theirs, ours in alone) for ours, theirs in mapped.items()}
+    chosen = {ours: choice for ours, choice in choices.items() if choice}
+    by_name = _by_own_names(record, chosen)
+    for ours in mapped.keys() - chosen.keys():
+        if ours in alone or (ours not in by_name and ours not in record.units):
+            allowed = one_of(
+                mapped[ours], record.units, f"{record.file} does not have this column; allowed are"
+            )
+            raise InputError("--columns", mapped[ours], allowed)
+        by_name.setdefault(ours, ours)
+    first = next(iter(record.units))
+    if not chosen and not record.is_named and first == "1":
+        raise InputError("RESULT", record.place, NO_NAMES)
+    if (
+        not record.is_named
+        and TIME not in chosen | by_name
+        and first not in {c.name for c in chosen.values()}
+    ):
+        by_name[TIME] = first
+    chosen |= {ours: _choice(record, name) for ours, name in by_name.items()}
+    places = {name: k for k, name in enumerate(record.units)}
+    return dict(sorted(chosen.items(), key=lambda pair: places[pair[1].name]))
+
+
+def _demand_used(mapping: Mapping[str, str], records: Sequence[Record]) -> None:
+    """Demand a file with each column of a mapping.
+
+    Raises InputError.
+    """
+    files = [record for record in records if not record.is_result]
+    for theirs in mapping.values():
+        if not any(_theirs(record, theirs, False) for record in files):
+            names = dict.fromkeys(name for record in files for name in record.units)
+            allowed = one_of(theirs, names, "no file has this column; allowed are") if names else NO_FILE
+            raise InputError("--columns", theirs, allowed)
+
+
+def _item(
+    record: Record, chosen: Mapping[str, Choice], reference: Mapping[str, str], among: set[str]
+) -> Item:
+    """Read the chosen columns of a record.
+
+    reference: units of the reference; among: names of which another record has a column. Raises InputError.
+    """
+    si, columns = column_units(chosen), dict[str, Floats]()
+    unread = {name: record.remarks.get(name, "") for name in _free(record, chosen)}
+    for ours, choice in chosen.items():
+        try:
+            values = _readable(Path(record.place), partial(record.numbers, choice.name))
+        except InputError as error:
+            if choice.is_mapped or ours in si:
+                raise
+            unread[ours] = error.allowed
+        else:
+            target = si.get(ours, reference.get(ours, choice.unit))
+            columns[ours] = choice.sign * _factor(record, ours, choice, target, ours in si) * values
+    _demand_sound(columns, record)
+    units = {name: si.get(name, reference.get(name, chosen[name].unit)) for name in columns}
+    notes = tuple(_notes(record, {ours: chosen[ours] for ours in columns if ours in among}, si))
+    time = chosen[TIME]
+    return Item(record.label, columns, units, record.summary, notes, time.name, time.stated, unread)
+
+
+def _notes(record: Record, read: Mapping[str, Choice], si: Mapping[str, str]) -> Iterator[str]:
+    """Yield what is assumed of the columns that others have, too."""
+    for ours, choice in read.items():
+        if choice.against:
+            yield f"{record.file}: {choice.name} is in {choice.unit} by the file, not in {choice.against}."
+        if ours in si and REMARK.search(choice.name) and not choice.is_mapped:
+            yield f'{record.file}: {ours} is its column "{choice.name}"; the remark is not considered.'
+    time = read.get(TIME)
+    if time and not record.is_named and not time.is_mapped and time.name not in TIMES:
+        yield f"{record.file}: its first column is assumed to be time."
+    assumed = [ours for ours, choice in read.items() if choice.stated == "assumed" and si.get(ours, "?")]
+    if assumed:
+        yield f"{record.file}: {', '.join(assumed)} without a unit, assumed in SI."
+
+
+def _factor(record: Record, ours: str, choice: Choice, target: str, is_ours: bool) -> float:
+    """Return the factor from the file's unit to the target.
+
+    A column of this program without a unit is in SI. Raises InputError for another dimension, or one unit alone.
+    """
+    unit = choice.unit
+    if unit == target or (is_ours and not (unit and target)):
         return 1.0
+    key = f"unit of {ours} of {record.label}"
+    if not (unit and target):
+        alone = f"{record.number if target else 1}:{ours}={choice.name}"
+        has = f'"{target}"' if target else "none"
+        allowed = (
+            f'the reference has {has}; allowed is a unit in both files, or by --columns "{alone} [UNIT]"'
+        )
+        raise InputError(key, unit or Verbatim("none"), allowed)
     try:
-        return converted(1.0, unit, si)
-    except ValueError:
-        raise InputError(f"unit of {ours}", unit, f"allowed is a unit of the dimension of {si}") from None
+        return ratio(unit, target)
+    except ValueError as error:
+        of = "" if is_ours else ", as the reference has"
+        raise InputError(key, unit, f"allowed is a unit of the dimension of {target}{of}: {error}") from None
 
 
-def _demand_sound(columns: Mapping[str, Floats], place: str, lines: Sequence[int] = ()) -> None:
+def _demand_sound(columns: Mapping[str, Floats], record: Record) -> None:
     """Demand increasing instants and moderate numbers.
 
     Numbers must have finite squares. Raises InputError with line or row.
     """
+    place, lines = record.place, record.lines
     if TIME not in columns:
-        allowed = "it has no time column; allowed is a column t or time, or --columns time=THEIRS"
+        names = one_of("time", record.units, "its columns are")
+        allowed = f"it has no time column; allowed is a column t or time, or --columns time=THEIRS; {names}"
         raise InputError("RESULT", place, allowed)
     where = lambda k: f"line {lines[k]}" if lines else f"row {k + 1}"  # noqa: E731
     t = columns[TIME]
@@ -273,78 +494,3 @@ def _demand_sound(columns: Mapping[str, Floats], place: str, lines: Sequence[int
         for k in np.flatnonzero(np.abs(values) > nodal.LARGEST)[:1]:  # NaN, a missing value, is not larger
             allowed = f"{where(k)}, column {shortened(name)}: {values[k]:g} in SI; {nodal.ALLOWED}"
             raise InputError("RESULT", place, allowed)
-
-
-def _read_nodal(path: Path) -> dict[str, Floats] | None:
-    """Read the mean motion of nodes.
-
-    None where the file has no nodes. Raises OSError and ValueError.
-    """
-    if nodal.reader_of(path) is None:
-        return None
-    if path.is_file() and path.stat().st_size > MAX_BYTES:
-        raise ValueError(f"it is too large; the limit is {MAX_BYTES} bytes")
-    return nodal.read_centre_of_mass(path)
-
-
-def read_table(path: Path) -> Cells:
-    """Read the cells of named columns.
-
-    Raises OSError, and ValueError or csv.Error with the reason for a file without named columns of numbers.
-    """
-    numbered = enumerate(read_text(path, MAX_BYTES, "replace").splitlines(), 1)
-    rows = [(n, line) for n, line in numbered if line.strip() and not line.lstrip().startswith(COMMENTS)]
-    if len(rows) < 3:
-        raise ValueError("it has fewer than two rows below the line of names")
-    lines, texts = zip(*rows, strict=True)
-    separator = next((mark for mark in ("\t", ";", ",") if mark in texts[0]), None)
-    if (width := len(texts[0].split(separator))) > MAX_COLUMNS:
-        raise ValueError(f"it has {width} columns; allowed are at most {MAX_COLUMNS}")
-    reader = csv.reader(texts, delimiter=separator or " ")
-    split = ((row, reader.line_num) for row in reader) if separator else zip(map(str.split, texts), count(1))
-    heads, *numbered_rows = [([cell.strip() for cell in row], lines[k - 1]) for row, k in split]
-    names, units = _names_and_units(heads[0])
-    if not any(map(_is_number, numbered_rows[0][0])):
-        units, numbered_rows = [cell.strip("[]() ") for cell in numbered_rows[0][0]], numbered_rows[1:]
-    width = max((k for k, name in enumerate(names, 1) if name), default=0)
-    _demand_whole(numbered_rows, width, len(names))
-    by_name = {name: unit for name, unit in zip(names, units, strict=False) if name}
-    return Cells(names, by_name, [row for row, _ in numbered_rows], [line for _, line in numbered_rows])
-
-
-def _names_and_units(heads: Sequence[str]) -> tuple[list[str], list[str]]:
-    """Split a line of names into names and units.
-
-    Raises ValueError for a line of numbers, or a repeated name.
-    """
-    if all(_is_number(cell) for cell in heads if cell):
-        raise ValueError("its first line has no column names")
-    matches = [NAME_AND_UNIT.fullmatch(cell) for cell in heads]
-    names = [match[1] if match else cell for cell, match in zip(heads, matches, strict=True)]
-    for name, times in Counter(filter(None, names)).items():
-        if times > 1:
-            raise ValueError(f"it has two columns {shortened(name)}")
-    return names, [match[2] if match else "" for match in matches]
-
-
-def _demand_whole(rows: Sequence[tuple[list[str], int]], least: int, most: int) -> None:
-    """Demand decimal points and a cell for each column with a name.
-
-    Raises ValueError with the line.
-    """
-    for row, line in rows:
-        if comma := next(filter(DECIMAL_COMMA.fullmatch, row), None):
-            raise ValueError(f'line {line} has "{shortened(comma)}"; {COMMA}')
-        if any(row[most:]):
-            raise ValueError(f"line {line} has {len(row)} entries for {most} names; {COMMA}")
-        if len(row) < least:
-            raise ValueError(f"line {line} is cut short: {len(row)} entries for {least} names")
-
-
-def _is_number(cell: str) -> bool:
-    """Return True for the text of a number."""
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True

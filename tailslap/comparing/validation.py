@@ -182,7 +182,7 @@ def validation_page(comparison: Comparison, author: str = "") -> Page:
         Section(
             "Metrics of single channels and of all together",
             tables=(_metrics_table(comparison, weighted),),
-            sentences=comparison.notes,
+            sentences=comparison.remarks,
         ),
         Section("Phenomena", tables=(_phenomena_table(comparison),)),
     )

@@ -10,9 +10,11 @@ import pytest
 
 import tailslap
 from tailslap import InputError, cli
-from tailslap.comparing import source
+from tailslap.comparing import text_tables
 from tailslap.comparing.compare_report import compare_items
-from tailslap.comparing.source import Item, parse_mapping, read_table
+from tailslap.comparing.source import Item, parse_mapping
+from tailslap.comparing.text_tables import read_table
+from tailslap.result.columns import column_units
 
 
 @pytest.fixture(scope="module")
@@ -143,7 +145,7 @@ def test_devices_and_pipes_are_refused(folder, tmp_path, capsys):
 def test_a_large_file_is_refused(monkeypatch, tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("t,v\n0,1\n1,2\n")
-    monkeypatch.setattr(source, "MAX_BYTES", 5)
+    monkeypatch.setattr(text_tables, "MAX_BYTES", 5)
     with pytest.raises(ValueError, match="too large; the limit is 5 bytes"):
         read_table(path)
 
@@ -186,7 +188,8 @@ def test_columns_apart_by_blanks_and_missing_values(tmp_path):
 
 def written(path, t, unit="s", **columns):
     """A file with these columns of motion, empty where they are NaN."""
-    heads = ",".join([f"time [{unit}]" if unit else "time", *columns])
+    units = column_units(columns)
+    heads = ",".join([f"time [{unit}]" if unit else "time", *(f"{name} [{units[name]}]" for name in columns)])
     rows = np.column_stack([t, *columns.values()]).tolist()
     lines = (",".join(f"{x:.10g}" for x in row).replace("nan", "") for row in rows)
     path.write_text("\n".join([heads, *lines, ""]))
@@ -272,7 +275,11 @@ def test_a_few_rows_of_the_record_are_not_enough(result, folder, tmp_path, capsy
     assert "Failed: compared for less than 50 % of the time of the reference: v_gy of their." in output
     assert "their: v_gy compared for 0.7 % of the 0.384 s of reference." in output
     assert command(str(folder), str(written(path, t, "", v_gy=v_gy))) == 2
-    assert "time [ms]" in capsys.readouterr().err
+    advice = capsys.readouterr().err.rpartition("--columns ")[2].strip().strip('"')
+    assert advice == "2:time=time [s]"
+    assert (
+        command(str(folder), str(path), "--columns", advice, "--out", str(tmp_path / "page"), "--force") == 1
+    )
 
 
 def test_half_of_the_record_is_enough_and_named(result, folder, tmp_path):
@@ -309,7 +316,7 @@ def test_missing_values_and_gaps_are_named_everywhere(result, folder, tmp_path, 
 
 def test_a_column_without_values_is_named(result, folder, tmp_path):
     t, v_gy = part_of(result)
-    path = written(tmp_path / "their.csv", t, v_gy=v_gy, v_gx=np.nan * t)
+    path = written(tmp_path / "their.csv", t, v_gx=np.nan * t, v_gy=v_gy)
     comparison = tailslap.compare(folder, path)
     assert comparison.summary["notes"] == ["their: no values at times of reference, not compared: v_gx."]
     with pytest.raises(InputError, match="it has no v_gx with two values"):

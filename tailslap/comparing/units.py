@@ -1,0 +1,108 @@
+"""Read units of columns as people write them.
+
+Names are those of `pint`, the grammar that of `tailslap.scene.units`. Units of scenes mean the same here.
+"""
+
+import re
+from functools import cache
+from itertools import product
+from typing import Any
+
+from tailslap.scene.units import unit_factors
+
+MEANINGS = {
+    "g": ("gram", "g_0"),
+    "G": ("g_0",),
+    "gn": ("g_0",),
+    "dps": ("degree/second",),
+    "psf": ("lbf/ft**2",),
+    "Nm": ("N*m",),
+    "kNm": ("kN*m",),
+}
+"""Names that pint does not have, or only in another meaning; g is a mass or the standard gravity, by the dimension."""
+
+AMBIGUOUS = {"ton": "t, tonne, short_ton or long_ton", "tons": "t, tonne, short_ton or long_ton"}
+"""Names of several units of one dimension, with those that are allowed."""
+
+DIMENSIONLESS = ("1", "-", "\N{EN DASH}")
+SPELLINGS = (
+    (r"[\N{MASCULINE ORDINAL INDICATOR}\N{RING ABOVE}]", "\N{DEGREE SIGN}"),
+    (r"\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}"),
+    ("\N{SUPERSCRIPT TWO}", "2"),
+    ("\N{SUPERSCRIPT THREE}", "3"),
+    (r"\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}", "-1"),
+    (r"\N{SUPERSCRIPT MINUS}", "-"),
+    (r"/\s*\(([^()/]+)\)", lambda match: "/" + re.sub(r"\s*\*\s*(?!\*)|\s+", "/", match[1].strip())),
+    (r"(?<=[^\W\d_])(?=-?\d)", "^"),
+    (r"(?<=[\w\N{DEGREE SIGN}])\s*[-.\N{MIDDLE DOT}\N{DOT OPERATOR}]\s*(?=[^\W\d_])", "*"),
+)
+"""Patterns of other spellings and their replacements, in order, like m/(s*s), m/s2 and kN-m."""
+
+
+def meanings(unit: str) -> tuple[tuple[float, str], ...]:
+    """Return factors to SI and the base units of a unit.
+
+    There are several for g. Raises ValueError for text that is not a unit.
+    """
+    text = unit.strip().rstrip(".")
+    if text in DIMENSIONLESS:
+        return ((1.0, "dimensionless"),)
+    for pattern, replacement in SPELLINGS:
+        text = re.sub(pattern, replacement, text)
+    factors = unit_factors(text)
+    alternatives = [[(name, power) for name in MEANINGS.get(name, (name,))] for name, power in factors]
+    return tuple(_in_base_units(chosen) for chosen in product(*alternatives))
+
+
+def _in_base_units(factors: tuple[tuple[str, int], ...]) -> tuple[float, str]:
+    """Return the factor and base units of a product. Raises ValueError."""
+    quantity = _registry().Quantity(1.0)
+    for name, power in factors:
+        quantity = quantity * _quantity(name) ** power
+    return float(quantity.magnitude), str(quantity.units)
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(on_redefinition="ignore")
+
+
+@cache
+def _quantity(name: str) -> Any:
+    """Return one of a unit in base units.
+
+    Raises ValueError for an unknown name, and for scales with an offset or logarithm.
+    """
+    if name in AMBIGUOUS:
+        raise ValueError(f'"{name}" has several meanings; allowed are {AMBIGUOUS[name]}')
+    try:
+        zero, one = (_registry().Quantity(value, name).to_base_units() for value in (0.0, 1.0))
+    except Exception as error:  # pint raises errors of many classes, AssertionError among them
+        raise ValueError(f'"{name}" is no unit that is known') from error
+    if zero.magnitude:
+        raise ValueError(f'"{name}" is not proportional to its base unit')
+    return one
+
+
+def is_unit(text: str) -> bool:
+    """Return True for the text of a unit."""
+    try:
+        return bool(meanings(text))
+    except ValueError:
+        return False
+
+
+def ratio(unit: str, target: str) -> float:
+    """Return the factor from a unit to another.
+
+    Raises ValueError for units of different dimensions, and for text that is not a unit.
+    """
+    if unit == target:
+        return 1.0
+    for factor, base in meanings(unit):
+        for target_factor, target_base in meanings(target):
+            if base == target_base:
+                return factor / target_factor
+    raise ValueError(f"the dimension of {unit} is not that of {target}")
