@@ -10,7 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import count
+from itertools import count, takewhile
 from pathlib import Path
 
 import numpy as np
@@ -120,10 +120,9 @@ def read_table(path: Path, decimal_comma: bool = False) -> Cells:
     filled = [(number, line) for number, line in lines if line.strip()]
     heads = [line.partition(":")[0].strip().lower() for _, line in filled[:100]]
     if ISO_CODE in heads and ISO_TIME[1] in heads:
-        return _read_iso_mme(filled, decimal_comma)
-    comments: list[str] = []
-    while filled and filled[0][1].lstrip().startswith(COMMENTS):
-        comments.append(filled.pop(0)[1].strip().lstrip("".join(COMMENTS)).strip())
+        return _read_iso_mme(filled)
+    above = takewhile(lambda row: row[1].lstrip().startswith(COMMENTS), filled)
+    comments = [line.lstrip("".join(COMMENTS) + " \t").rstrip() for _, line in above]
     rows = [(number, line) for number, line in filled if not line.lstrip().startswith(COMMENTS)]
     separator = ""
     if rows and (match := EXCEL.fullmatch(rows[0][1])):
@@ -247,7 +246,7 @@ def _demand_whole(rows: Sequence[tuple[list[str], int]], least: int, most: int) 
         raise ValueError(f"{why}, as in rows without one of the columns; allowed are names of filled columns")
 
 
-def _read_iso_mme(filled: Lines, decimal_comma: bool) -> Cells:
+def _read_iso_mme(filled: Lines) -> Cells:
     """Return the cells of an ISO-MME channel, with its instants.
 
     Raises ValueError for a channel over another one, or with another number of samples than stated.
@@ -267,10 +266,8 @@ def _read_iso_mme(filled: Lines, decimal_comma: bool) -> Cells:
     stated = {key: entry for key, (_, entry) in heads.items() if entry.upper() != "NOVALUE"}
     name = stated.get(ISO_CODE) or stated.get(ISO_NAME) or "2"
     rows = [[repr(start + k * interval), line.strip()] for k, (_, line) in enumerate(filled[first:])]
-    if decimal_comma:
-        rows = [[t.replace(".", ","), sample] for t, sample in rows]
     lines = [number for number, _ in filled[first:]]
-    return Cells(["t", name], {"t": "s", name: stated.get(ISO_UNIT, "")}, rows, lines, False, decimal_comma)
+    return Cells(["t", name], {"t": "s", name: stated.get(ISO_UNIT, "")}, rows, lines, False)
 
 
 def _iso_number(heads: dict[str, tuple[int, str]], key: str) -> float:

@@ -225,6 +225,16 @@ def test_the_advice_on_time_is_followed_once(tmp_path):
             assert agrees(compared(*files, columns=f"{columns},{advice}")[1]["v_gy"])
 
 
+def test_units_of_time_that_are_stated_are_not_doubted(tmp_path):
+    """Both are stated, and one record is a twentieth of the other."""
+    t = np.linspace(0.0, 0.4, 81)
+    a, b = (table(tmp_path / f"{k}.csv", t[:k], -3.0 - t[:k], head="t,v_gy") for k in (81, 5))
+    numbers = compared(a, b, columns="1:time=t [s],2:time=t [s]")[1]["v_gy"]
+    assert (agrees(numbers), numbers["covered"]) == (True, pytest.approx(0.05))
+    with pytest.raises(InputError, match=r"lasts 0\.02 s"):
+        tailslap.compare(a, b, columns="time=t [s]")
+
+
 def test_what_is_not_compared_is_named_with_its_reason(tmp_path, capsys):
     a = table(tmp_path / "a.csv", T, V, V, V, head="t [s],v_gy [m/s],slide [m],kinetic_energy [J]")
     b = tmp_path / "b.csv"

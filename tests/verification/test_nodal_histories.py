@@ -176,6 +176,9 @@ CUT = [
     ("abaqus.rpt", lambda text: text.replace("V.V2", "V.V3"), f"V.V2 are missing; the columns are {COLUMNS_LEFT}"),
     ("abaqus.rpt", lambda text: text + text, "0.1 s is there twice; allowed is one step"),
     ("plateT01.csv", lambda text: text[:-20], "line 4 is cut short: 21 of 23 entries"),
+    ("plateT01.csv", lambda text: re.sub(r"\n([0-9.]+),0.000000,", r"\n\1,", text).replace("\n", ",\n"),
+     "line 2 has no entry under plate 2 4 node 4 VY; its entries may be shifted"),
+    ("plateT01.csv", lambda text: text.replace(",0.000000,", ",0.000000,7.0,", 1), "line 2 has 24 entries for 23"),
     ("plateT01.csv", lambda text: text.replace("  VY   ", "  VZ   "), "node 1 are missing: VY"),
 ]  # fmt: skip
 
@@ -212,6 +215,7 @@ def test_instants_that_are_no_numbers_are_refused_by_line(name, tmp_path, compar
 
 @pytest.mark.parametrize(("row", "words"), [
     ("4,0.0,2.0,nan", 'line 5: given "nan"'), ("4,0.0,2.0,0", "line 5: the mass of a node must be positive"),
+    ("4,0.0,2.0,2.0,7", "line 5 has more entries than names"),
     ("4,0.0,inf,2.0", 'line 5: given "inf"'), ("4,0.0", "must have the columns"), ("3,0.0,2.0,2.0", "has a node twice"),
 ])  # fmt: skip
 def test_wrong_nodes_are_refused(row, words, tmp_path, compared):
