@@ -27,7 +27,7 @@ from tailslap.studies import study_names
 
 HEAVY = (
     *("gmsh", "skfem", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
-    *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pyarrow"),
+    *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pint", "pyarrow"),
 )
 FILES = {
     "summary.json", "history.csv", "rigid.csv", "report.html", "set-up.svg", ".tailslap-result.json", CRATE,
