@@ -1,11 +1,12 @@
 """True over stated numerical error of constrained corners.
 
-    .venv/bin/python benchmarks/stated_error.py [COUNT [SEED]] [--keep FILE]
+    .venv/bin/python benchmarks/stated_error.py [COUNT [SEED]] [--unstressed] [--keep FILE]
 
 Plates are coarse, wide, soft and steep. Each scene is run as a user would, and held against references on finer meshes,
 of quadratic elements and of linear ones, exactly constrained, without damping where it does not flutter. The difference
-of the references is not judged: a true error counts as far as it is beyond that. FILE holds a line of JSON a scene,
-and takes a campaign up again.
+of the references is not judged: a true error counts as far as it is beyond that. With --unstressed two of three start
+so, with springs and dashpots at the corner, which their references have too, row-sum masses and stiffer plates. FILE
+holds a line of JSON a scene, and takes a campaign up again.
 """
 
 from __future__ import annotations
@@ -36,8 +37,11 @@ PATIENCE_S = 20.0
 Record = dict[str, Any]
 
 
-def draw(seed: int, number: int) -> tuple[str, ...]:
-    """Draw the changes of a scene."""
+def draw(seed: int, number: int, unstressed: bool = False) -> tuple[str, ...]:
+    """Draw the changes of a scene.
+
+    unstressed: whether two of three start so, with springs, dashpots and row-sum masses.
+    """
     random = np.random.default_rng((seed, number))
     even, ratio = random.uniform, lambda low, high: float(np.exp(random.uniform(np.log(low), np.log(high))))
     length = even(5.0, 20.0)
@@ -68,6 +72,12 @@ def draw(seed: int, number: int) -> tuple[str, ...]:
         changes.append(f"plate.distortion={even(0.0, 0.05)}")
     if random.random() < 0.3:
         changes.append("damping.kind=none")
+    if unstressed:
+        changes += ["corner.constraint=penalty", f"corner.penalty_scale={ratio(0.3, 30.0)}"]
+        changes += [f"plate.first_frequency={ratio(0.4, 60.0)} Hz"]
+        changes += [f"corner.damping_ratio={even(0.05, 0.3)}"] * bool(random.random() < 0.7)
+        changes += ["plate.start=unstressed"] * bool(number % 3)
+        changes += ["plate.element=quad4", "plate.lumping=row-sum"] * bool(random.random() < 0.5)
     return tuple(changes)
 
 
@@ -77,14 +87,16 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
     from tailslap.case.resources import expected_effort
 
     plate = outcome.fe_plan.plate
+    # An unstressed plate oscillates with its spring and dashpot.
+    support = ("corner.penalty_scale", "corner.damping_ratio") if outcome.relieved else ()
     for element, order in (("quad9", 2), ("quad4", 1)):
         finest = math.sqrt(MOST_NODES / math.prod(plate.counts)) / order
         scale = min(finest, max(2.0, 24.0 / max(plate.counts)) * (2.0 / order))
         counts = tuple(max(2, round(scale * count)) for count in plate.counts)
         for ratio in (0.0, 0.05):
             changes = {
-                **dict.fromkeys(("damping", "corner.penalty_scale", "corner.damping_ratio", "plate.lumping")),
-                "corner.constraint": "exact",
+                **dict.fromkeys(("damping", "plate.lumping", *support)),
+                **({"corner.constraint": "exact"} if outcome.relieved else {}),
                 "plate.elements": counts,
                 "plate.element": element,
                 "plate.distortion": 0.0,
@@ -103,12 +115,12 @@ def references(case: Any, outcome: Any) -> Iterator[Mapping[str, float]]:
                 break
 
 
-def judge(seed: int, number: int) -> Record:
+def judge(seed: int, number: int, unstressed: bool) -> Record:
     """Return the outcome of a scene with stated and true errors."""
     from postprocess.comparison.quantities import largest
 
     try:
-        case = corner_case(SCENE, *draw(seed, number))
+        case = corner_case(SCENE, *draw(seed, number, unstressed))
         outcome = case.run()
     except InputError as error:
         return {"number": number, "end": "refused", "why": error.key}
@@ -121,9 +133,9 @@ def judge(seed: int, number: int) -> Record:
         return record
     finer = list(references(case, outcome))
     if len(finer) < 2:
-        return record | {"true": None, "unsure": None}
-    true = min(_distance(outcome.difference, difference) for difference in finer)
-    return record | {"true": true, "unsure": _distance(*finer)}
+        return record | {"true": None}
+    true, farther = sorted(_distance(outcome.difference, difference) for difference in finer)
+    return record | {"true": true, "farther": farther, "unsure": _distance(*finer)}
 
 
 def _distance(first: Mapping[str, float], second: Mapping[str, float]) -> float:
@@ -138,14 +150,14 @@ def print_table(records: list[Record]) -> int:
     uncaught = [r for r in above if r["true"] - r["unsure"] > ABOVE]
     failed = [r for r in judged if r["end"] == "failed"]
     # As the study of stability: with a safety factor of three, of two meshes, its error would still be allowed.
-    good = [r for r in failed if 3.0 * r["true"] <= FLOOR + FRACTION * r["difference"]]
+    good = [r for r in failed if 3.0 * r["farther"] <= FLOOR + FRACTION * r["difference"]]
     close = [r for r in failed if r["true"] <= ABOVE]
     print(f"scenes {len(records)}: {dict(Counter(r['end'] for r in records))}; with references {len(judged)}")
     bounded = 100.0 * (1.0 - len(above) / max(1, len(passed)))
     parts = [f"{100.0 * len(these) / max(1, len(judged)):.1f} %" for these in (good, close)]
     row("passing runs whose true error is at most the stated one", "99 %", f"{bounded:.1f} %")
     row(f"passing runs beyond it and beyond {ABOVE:g}", "0", str(len(uncaught)))
-    row("failed although correct: a third of the allowed error", "3 %", parts[0])
+    row("failed although correct by both references: a third of the allowed error", "2 %", parts[0])
     row(f"failed and true to {ABOVE:g}", "", parts[1])
     print(*(above + good), sep="\n")
     return bool(uncaught)
@@ -153,10 +165,10 @@ def print_table(records: list[Record]) -> int:
 
 def main() -> int:
     """Run and print."""
-    options = command_line.options(__doc__, ("count", 600), ("seed", 28), keep=Path)
+    options = command_line.options(__doc__, ("count", 600), ("seed", 28), unstressed=False, keep=Path)
     records = read_records(options.keep)
     for number in range(len(records), options.count):
-        records.append(judge(options.seed, number))
+        records.append(judge(options.seed, number, options.unstressed))
         add_record(options.keep, records[-1])
     return print_table(records)
 

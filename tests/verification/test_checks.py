@@ -175,6 +175,15 @@ def test_work_that_friction_did_not_do(outcome, reaction):
         assert failing == {"friction work", *more}
 
 
+@pytest.mark.parametrize(("factor", "more"), [(1.1, set()), (3.0, {"friction work against rigid"})])
+def test_friction_that_changes_no_velocity_need_not_be_the_rigid_body_s(outcome, factor, more):
+    """A tenth of weak friction is no error of the motion."""
+    result = outcome("paper-table-3", "corner.friction=0.1")
+    work = result.run.history["friction_work"]
+    paid = {"kinetic_energy": lambda e: e + (factor - 1.0) * work}
+    assert failed(result, friction_work=lambda w: factor * w, **paid) == {"friction work", *more}
+
+
 def test_friction_work_that_is_another_body_s(result):
     """Force, work and energy agree with a friction 10 % higher."""
     work, law = result.run.history["friction_work"], result.fe_plan.case.scene.corner

@@ -21,7 +21,13 @@ from tailslap.case.check import evaluated
 from tailslap.case.corner import decisions
 from tailslap.case.corner.corner_checks import CHECKS, rings
 from tailslap.case.corner.corner_plan import CornerPlan, make_corner_plan
-from tailslap.case.corner.numerical_error import CORRUPTED, Companion, distance_in_motion, friction_by_ringing
+from tailslap.case.corner.numerical_error import (
+    CORRUPTED,
+    FLOOR,
+    Companion,
+    distance_in_motion,
+    friction_by_ringing,
+)
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.rigid_stages import RigidStages
 from tailslap.case.plate_input import refined
@@ -88,8 +94,8 @@ def with_companions(outcome: CornerOutcome) -> CornerOutcome:
 def companion_plates(fe_plan: CornerPlan) -> Iterator[tuple[Plate, float]]:
     """Yield plates of companions and their refinement.
 
-    Half as many elements along both sides first, then more of them. Where linear elements lock, elements of higher
-    order, since two meshes that lock may agree.
+    Half as many elements along both sides first, then more of them, and still more where half as many make no model.
+    Where linear elements lock, elements of higher order, since two meshes that lock may agree.
     """
     plate, higher = fe_plan.plate, kinds.ELEMENT_KINDS[fe_plan.plate.element].higher_order
     if higher and not fe_plan.mesh.fine_enough:
@@ -97,21 +103,24 @@ def companion_plates(fe_plan: CornerPlan) -> Iterator[tuple[Plate, float]]:
         return
     is_large = 4 * math.prod(plate.counts) > MOST_ELEMENTS
     is_coarse = math.prod(plate.counts) < math.prod(HALVED) or min(plate.counts) < min(HALVED)
-    factors = (2.0, 4.0) if is_coarse else (0.5, 0.25) if is_large else (0.5, 2.0)
+    factors = (2.0, 4.0) if is_coarse else (0.5, 0.25) if is_large else (0.5, 2.0, 4.0)
     yield from ((refined(plate, factor), factor) for factor in factors)
 
 
 def companion(outcome: CornerOutcome, plate: Plate, refinement: float) -> Companion | None:
     """Run the companion of a run on the mesh of a plate.
 
-    Returns None where it has no model. It has the damping of the run. Where it oscillates with that, its damping is
-    open if that of the scene is, or if the plate starts with the elastic state, which damping does not change.
+    Returns None where it has no model. It has the damping of the run. Where it oscillates with that, or further than
+    the run by friction, its damping is open if that of the scene is, or if the plate starts with the elastic state,
+    which damping does not change.
     """
     fe_plan = outcome.fe_plan
     case = on_plate(fe_plan, plate)
     try:
         companion = attempt(with_damping_of(fe_plan, case), growth=fe_plan.growth)
-        if (decisions.damping_is_open(fe_plan.original.scene) or plate.relieved) and rings(companion):
+        flutters = companion.rectified - outcome.rectified > FLOOR
+        is_open = decisions.damping_is_open(fe_plan.original.scene) or plate.relieved
+        if is_open and (rings(companion) or flutters):
             companion = damped_run(with_open_damping(case))
     except InputError:
         return None

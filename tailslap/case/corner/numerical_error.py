@@ -215,10 +215,18 @@ def _rigid_rows(rigid: Columns) -> NDArray[np.bool_]:
 def friction_by_ringing(fe_plan: corner_plan.CornerPlan, row: Mapping[str, float]) -> float:
     """Return the relative loss of velocity by oscillations of the reaction N.
 
-    It is that of v_GX or omega, the larger one. Friction follows |N|: where N oscillates through zero it brakes more
-    than the mean reaction would. row: of the history.
+    Friction follows |N|: where N oscillates through zero it brakes more than the mean reaction would. row: of the
+    history.
     """
     rectified = row["normal_impulse_magnitude"] - abs(row["normal_impulse"])
-    speed = fe_plan.case.scene.corner_friction * rectified / fe_plan.model.mass
-    radius, strike = fe_plan.case.body.corner_radius, fe_plan.case.motion.strike
-    return max(abs(speed / (strike.v_gx or math.inf)), 0.75 * abs(speed) / (radius * strike.omega))
+    return change_by_friction(fe_plan, fe_plan.case.scene.corner_friction * rectified)
+
+
+def change_by_friction(fe_plan: corner_plan.CornerPlan, impulse: float) -> float:
+    """Return the relative change of v_GX or omega by an impulse.
+
+    It is the larger one. impulse: along the wall [N s].
+    """
+    speed, strike = impulse / fe_plan.model.mass, fe_plan.case.motion.strike
+    turning = fe_plan.case.body.corner_radius * strike.omega
+    return max(abs(speed / (strike.v_gx or math.inf)), 0.75 * abs(speed) / turning)

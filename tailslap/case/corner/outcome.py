@@ -85,14 +85,18 @@ class CornerOutcome(Outcome):
         """Friction law of the scene."""
         return FRICTION_LAWS[self.fe_plan.case.scene.corner.reaction]
 
-    @cached_property
+    @property
     def ringing(self) -> float:
         """Effect of friction by an oscillating reaction, at the end.
 
         It is 0 for an unstressed start, which oscillates in any case.
         """
-        last = {name: float(column[-1]) for name, column in self.history.items()}
-        return friction_by_ringing(self.fe_plan, last) if self.relieved else 0.0
+        return self.rectified if self.relieved else 0.0
+
+    @cached_property
+    def rectified(self) -> float:
+        """Effect of friction by an oscillating reaction after any start."""
+        return friction_by_ringing(self.fe_plan, {k: float(column[-1]) for k, column in self.history.items()})
 
     @cached_property
     def error(self) -> NumericalError:
