@@ -71,6 +71,7 @@ def strikes_of(
     tangential_by_corner: Mapping[str, Array] | None = None,
     station_by_corner: Mapping[str, Array] | None = None,
     position_by_corner: Mapping[str, Array] | None = None,
+    light: float = LIGHT,
 ) -> tuple[Strike, ...]:
     """Return strikes from sampled forces.
 
@@ -79,7 +80,7 @@ def strikes_of(
     Every sample is the mean over an interval, the increment of the impulse over the time between two instants, so that
     impulses are exact. The start lies within the first interval with a force, at the foot of the linear rise with the
     means of that interval and the next, and the end likewise. The peak is that of the parabola with the means of the
-    highest sample and its neighbours.
+    highest sample and its neighbours, of equal length.
 
     Parameters
     ----------
@@ -91,6 +92,8 @@ def strikes_of(
         The same along the wall, on the vehicle [N].
     station_by_corner, position_by_corner : dict of ndarray, shape (n,), or None
         Points of attack, behind the front and along the wall [m].
+    light : float
+        Impulse of later touches over that of the strike, from which they prolong it.
 
     Returns
     -------
@@ -101,12 +104,12 @@ def strikes_of(
     strikes = []
     for corner, force in force_by_corner.items():
         further = [values.get(corner) for values in (tangential, station, position_by_corner or {})]
-        touches = _touches(np.asarray(t), np.asarray(force))
+        touches = _touches(np.asarray(t), np.asarray(force), light)
         strikes += [_sampled(corner, np.asarray(t), np.asarray(force), touch, further) for touch in touches]
     return tuple(sorted(strikes, key=lambda strike: strike.start))
 
 
-def _touches(t: Array, force: Array) -> list[tuple[int, int, int]]:
+def _touches(t: Array, force: Array, light: float) -> list[tuple[int, int, int]]:
     """Return the samples of each strike.
 
     The first, the end of those that prolong it, and the end of all.
@@ -119,7 +122,7 @@ def _touches(t: Array, force: Array) -> list[tuple[int, int, int]]:
             strikes.append((first, last, last))
             continue
         start, until, _ = strikes[-1]
-        is_light = impulse[last] - impulse[until] < LIGHT * (impulse[last] - impulse[start])
+        is_light = impulse[last] - impulse[until] < light * (impulse[last] - impulse[start])
         strikes[-1] = start, until if is_light else last, last
     return strikes
 
@@ -136,7 +139,7 @@ def _sampled(
     along = math.nan if tangential is None else float(tangential @ step)
     total = float(impulse.sum())
     means = [math.nan if v is None else float(v @ impulse) / total for v in (station, position)]
-    peak = _parabola_peak(t, force, (first, until))
+    peak = _parabola_peak(force, (first, until))
     cut = bool(until == force.size or over_from.py_func(t[first], t[last]) > t[-1])
     return Strike(corner, float(start), float(end), peak, total, along, means[0], means[1], cut=cut)
 
@@ -152,21 +155,19 @@ def _pressed_fraction(force: Array) -> float:
     return ratio + math.sqrt(ratio * (ratio + 1.0))
 
 
-def _parabola_peak(t: Array, force: Array, run: tuple[int, int]) -> float:
+def _parabola_peak(force: Array, run: tuple[int, int]) -> float:
     """Return the peak of a fitted parabola.
 
-    They are the highest sample and its neighbours; with fewer samples it is the highest.
+    Its means are the highest sample and its neighbours; with fewer samples it is the highest. The top is above that no
+    further than by the least curvature there, since a force that drops from one sample to the next has its peak before.
     """
     k = run[0] + int(np.argmax(force[slice(*run)]))
-    if k <= run[0] or k >= run[1] - 1:
+    bends = -np.diff(force[max(k - 2, run[0]) : min(k + 3, run[1])], 2)
+    if k <= run[0] or k >= run[1] - 1 or bends.min() <= 0.0:
         return float(force[k])
-    edges = t[k - 1 : k + 3] - t[k]
-    impulse = np.concatenate([[0.0], np.cumsum(force[k - 1 : k + 2] * np.diff(edges))])
-    cubic = np.polyfit(edges, impulse, 3)  # of the impulse; its slope is the force
-    if cubic[0] >= 0.0:
-        return float(force[k])
-    top = float(np.clip(-cubic[1] / (3.0 * cubic[0]), edges[0], edges[3]))
-    return float(np.polyval(np.polyder(cubic), top))
+    before, top, after = force[k - 1 : k + 2]
+    bend = 2.0 * top - before - after
+    return float(top + min(bend / 24.0 + (after - before) ** 2 / (8.0 * bend), bends.min() / 6.0))
 
 
 def corner_name(unit: int, corner: int) -> str:

@@ -32,6 +32,17 @@ def test_a_half_sine(shift):
     assert math.isnan(strike.impulse_tangential)
 
 
+@pytest.mark.parametrize("dropped", [0.1, 0.5, 0.9])
+def test_a_force_that_drops_has_its_peak_before(dropped):
+    """Without restitution it drops at any part of a sample."""
+    t = np.linspace(0.0, 0.1, 101)
+    for last in (50, 58, 59):
+        force = np.where(np.arange(100) <= last, half_sine(t, 0.02, 0.08, 1e5), 0.0)
+        force[last + 1] = dropped * force[last]
+        (strike,) = strikes_of(t, {"front": force})
+        assert force.max() <= strike.peak_force < 1e5 * math.sin(math.pi * (last - 19) / 80) * (1.0 + 1e-6)
+
+
 def test_a_jump_is_found_within_a_sample():
     t = np.linspace(0.0, 0.1, 101)
     force = np.where((t[:-1] > 0.0205) & (t[:-1] < 0.0595), 3e5, 0.0)
