@@ -92,10 +92,10 @@ def test_the_set_up_counts_the_elements_of_both_plates():
 
 
 @pytest.mark.long
-def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
+def test_the_error_of_the_first_two_strikes_and_of_those_near_the_largest_is_stated():
     outcome = case(plate__elements=(6, 2), plate__element="quad9", time__end=1.0).run()
-    corners = [strike.corner for strike in error.assessed_strikes(outcome.fe.strikes)]
-    assert corners == ["front", "trailer front", "trailer rear"]
+    corners = [strike.corner for strike in error.assessed_strikes(outcome.fe)]
+    assert corners == ["front", "trailer front", "rear", "trailer rear"]  # the third presses with the second
     (hinge,), table = outcome.hinge_error, report.hinges_table(outcome)
     assert 1e-3 < hinge < 0.05
     assert report.ImpactReport(outcome).summary(pictures=False)["numerical_error"]["hinges"] == [hinge]
@@ -104,7 +104,7 @@ def test_the_error_of_the_first_two_strikes_and_of_the_largest_is_stated():
     finer = case(**quadratic, time__end=1.0, verify__companion=False).run()
     mean, finer_mean = (result.fe.hinges[0]["mean_50ms"] for result in (outcome, finer))
     assert abs(finer_mean / mean - 1.0) < hinge
-    assert {name.split(".")[0] for name in outcome.mesh_error} == {"strike_1", "strike_2", "strike_3"}
+    assert {name.split(".")[0] for name in outcome.mesh_error} == {f"strike_{k}" for k in range(1, 5)}
     (advice,) = {check.advice for check in outcome.checks if check.name in checks.MESH_CHECKS.values()}
     assert "hitch_length" in advice
     assert [check.name for check in outcome.checks if not check.passed] == []

@@ -5,7 +5,7 @@ Strikes, filtered forces and their peaks, the duration of the second strike, occ
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from postprocess.signals import filters, occupant, strike_duration
 from solver.impact import CORNERS, ImpactMotion, ImpactVehicle, Strike, corner_name, strikes_of
+from solver.impact.counting import LIGHT
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
 """Columns of the state at the end of an impact."""
@@ -22,6 +23,9 @@ COMPARED = ("impulse", "peak_force", "duration")
 
 WEIGHT = 0.05
 """Impulse of a strike over the largest, from which it is judged; others come and go with the mesh."""
+
+ABOUT = 1.0 / 1.5, 1.0 / 1.2, 1.2, 1.5
+"""Factors on `LIGHT`: the impulses of touches of a vehicle that leans on the wall vary so from mesh to mesh."""
 
 STRIKE = ("corner", "start", "end", "duration", "peak_force", "impulse")
 """First quantities of a strike in a summary; more follow."""
@@ -54,11 +58,14 @@ class ImpactAnswer:
         before, and more; even instants.
     units : int
         Of a train; 1 of a single vehicle.
+    pushes : dict of ndarray, shape (rows - 1,)
+        Normal force of each corner that touches the wall [N], mean between two rows; empty for the rigid vehicle.
     """
 
     strikes: tuple[Strike, ...]
     history: Columns
     units: int = 1
+    pushes: Columns = field(default_factory=dict)
 
     @property
     def counted(self) -> int:
@@ -88,6 +95,21 @@ class ImpactAnswer:
     def interval(self) -> float:
         """Time between rows [s]."""
         return float(self.history["t"][1] - self.history["t"][0])
+
+    def resampled(self, rows: int = 1, light: float = LIGHT) -> tuple[Strike, ...]:
+        """Return the strikes by joined rows.
+
+        rows: joined to one; light: see `strikes_of`.
+        """
+        t = self.history["t"][::rows]
+        joined = {corner: push[: rows * (t.size - 1)] for corner, push in self.pushes.items()}
+        means = {corner: push.reshape(-1, rows).mean(axis=1) for corner, push in joined.items()}
+        return strikes_of(t, means, light=light)
+
+    @cached_property
+    def by_other_touches(self) -> tuple[Strike, ...]:
+        """Strikes that lighter, and that heavier touches alone prolong."""
+        return tuple(strike for factor in ABOUT for strike in self.resampled(1, factor * LIGHT))
 
     @property
     def cut(self) -> list[int]:
@@ -335,7 +357,7 @@ def sampled_answer(
         stations[name] = force @ -points[0, members] / weight
         places[name] = (force * place[1:, members]).sum(axis=1) / weight
     strikes = strikes_of(history["t"], pushes, drags, stations, places)
-    return ImpactAnswer(strikes, history, 1 + int(corner.max()) // len(CORNERS))
+    return ImpactAnswer(strikes, history, 1 + int(corner.max()) // len(CORNERS), pushes)
 
 
 def nearest_corner(points: np.ndarray, length: float) -> np.ndarray:

@@ -42,6 +42,13 @@ COARSEST = 2
 COARSEST_THIRD = 4
 """Least number of quadratic elements across of a third mesh that is coarser than the others."""
 
+NEAR = 0.9
+"""Impulse or 50 ms mean of a strike over the largest, from which its error is stated."""
+
+PARTS = 10
+"""Equal parts of a strike in which the impulses on two meshes are compared: longer than the fall of a force without
+restitution, which is earlier or later."""
+
 LATER = 1.1
 """Durations of a strike after which it is over on other meshes as well; it may last a little longer there."""
 
@@ -49,15 +56,21 @@ FINER_UP_TO = 2000
 """Largest number of elements of a third mesh, and of a chosen mesh that is refined."""
 
 
-def assessed_strikes(strikes: Sequence[Strike]) -> list[Strike]:
-    """Return the first two heavy strikes.
+def assessed_strikes(answer: ImpactAnswer) -> list[Strike]:
+    """Return the first two heavy strikes and those near the largest.
 
-    For a train the largest is included, which may be that of the trailer's rear.
+    These have `NEAR` of the largest impulse or 50 ms mean.
     """
-    major = heavy(strikes)
-    largest = max((strike.impulse for strike in major), default=0.0)
-    is_train = any("trailer" in strike.corner for strike in strikes)
-    return major[:2] + [strike for strike in major[2:] if is_train and strike.impulse == largest]
+    major, has_means = heavy(answer.strikes), is_finite(answer)
+    means = [mean_peak(answer, strike) if has_means else math.nan for strike in major]
+    sizes = np.array([[strike.impulse for strike in major], means])
+    is_near = (sizes >= NEAR * sizes.max(axis=1, initial=0.0, keepdims=True)).any(axis=0)
+    return [strike for k, strike in enumerate(major) if k < 2 or is_near[k]]
+
+
+def is_finite(answer: ImpactAnswer) -> bool:
+    """Return False for an impact that diverged."""
+    return bool(np.isfinite(answer.history["force_normal"]).all())
 
 
 def of_weight(differences: Mapping[str, float], strikes: Sequence[Strike]) -> dict[str, float]:
@@ -72,13 +85,12 @@ def of_weight(differences: Mapping[str, float], strikes: Sequence[Strike]) -> di
 def judged_until(answer: ImpactAnswer) -> float:
     """Return the end of a run on another mesh [s].
 
-    A judged or the largest strike may be resumed until then, and its 50 ms mean reaches as far. It is the end for a
-    single strike, and for a train, whose hinges may have their largest force there.
+    An assessed strike may be resumed until then, and its 50 ms mean reaches as far. It is the end for a single strike,
+    and for a train, whose hinges may have their largest force there.
     """
-    end, strikes = float(answer.history["t"][-1]), answer.strikes
-    if len(assessed_strikes(strikes)) < 2 or answer.units > 1:
+    end, judged = float(answer.history["t"][-1]), assessed_strikes(answer)
+    if len(judged) < 2 or answer.units > 1:
         return end
-    judged = (*assessed_strikes(strikes), max(strikes, key=lambda strike: strike.impulse))
     return min(end, max(strike.end + max(LATER * strike.duration, MEAN_WINDOW) for strike in judged))
 
 
@@ -117,25 +129,67 @@ def finer(plate: Plate) -> Plate | None:
     return finest if math.prod(finest.counts) <= FINER_UP_TO else None
 
 
+def counterparts(one: ImpactAnswer, other: ImpactAnswer) -> list[Strike]:
+    """Return the strikes of another impact that correspond to the assessed ones.
+
+    The list is empty where other corners strike, or where an impact diverged. The first two are those of the other in
+    their order, further ones the nearest in time.
+    """
+    strikes, matched = assessed_strikes(one), heavy(other.strikes)[:2]
+    matched += [same for strike in strikes[2:] if (same := nearest(other, strike))]
+    agree = [strike.corner for strike in strikes] == [strike.corner for strike in matched]
+    return matched if agree and is_finite(one) and is_finite(other) else []
+
+
+def nearest(other: ImpactAnswer, strike: Strike) -> Strike | None:
+    """Return the strike of the corner that is nearest in time."""
+    same = [candidate for candidate in other.strikes if candidate.corner == strike.corner]
+    return min(same, key=lambda candidate: abs(candidate.start - strike.start), default=None)
+
+
 def changes(one: ImpactAnswer, other: ImpactAnswer) -> dict[str, float]:
     """Return relative changes from one impact to another.
 
-    Keys are `strike_1.impulse` and so on. Changes are infinite where other corners strike, or where one diverged.
+    Keys are `strike_1.impulse` and so on. Changes are infinite without `counterparts`.
     """
-    strikes = assessed_strikes(one.strikes)
-    counterparts = assessed_strikes(other.strikes)[:2]
-    for strike in strikes[2:]:  # the largest of the other train may be another one
-        candidates = [candidate for candidate in other.strikes if candidate.corner == strike.corner]
-        apart = [abs(candidate.start - strike.start) for candidate in candidates]
-        counterparts += [candidates[int(np.argmin(apart))]] if candidates else []
-    same = [strike.corner for strike in strikes] == [strike.corner for strike in counterparts]
-    same = same and all(np.isfinite(answer.history["force_normal"]).all() for answer in (one, other))
-    relative = {}
-    for k, strike in enumerate(strikes):
-        for name in QUANTITIES:
-            moved = value(other, counterparts[k], name) / value(one, strike, name) - 1.0 if same else math.inf
-            relative[f"strike_{k + 1}.{name}"] = moved
-    return relative
+    matched = counterparts(one, other)
+    return {
+        f"strike_{k + 1}.{name}": value(other, matched[k], name) / value(one, strike, name) - 1.0
+        if matched
+        else math.inf
+        for k, strike in enumerate(assessed_strikes(one))
+        for name in QUANTITIES
+    }
+
+
+Occurrence = tuple[ImpactAnswer, Strike]
+"""A strike and its impact."""
+
+
+def reshaped(base: Occurrence, one: Occurrence, other: Occurrence) -> tuple[float, float]:
+    """Return how far the forces of a strike on two meshes differ.
+
+    These are the sums of the differences of the impulses in `PARTS` parts of its duration, up to that with the peak and
+    to the end, over the impulse until then. base: the strike; one, other: the same on two meshes.
+    """
+    after = np.linspace(0.0, base[1].duration, PARTS + 1)
+    impulses = []
+    for answer, strike in (base, one, other):
+        total = np.concatenate([[0.0], np.cumsum(answer.pushes[strike.corner]) * answer.interval])
+        impulses.append(np.diff(np.interp(strike.start + after, answer.history["t"], total)))
+    sums, apart = np.cumsum(impulses[0]), np.cumsum(np.abs(impulses[1] - impulses[2]))
+    peak = np.argmax(impulses[0])
+    return float(apart[peak] / sums[peak]), float(apart[-1] / sums[-1])
+
+
+def unsure_end(answer: ImpactAnswer, strike: Strike) -> float:
+    """Return the part of a duration that light touches decide on."""
+    same = (
+        candidate
+        for candidate in answer.by_other_touches
+        if candidate.corner == strike.corner and candidate.start <= strike.start < candidate.end
+    )
+    return max((abs(candidate.duration / strike.duration - 1.0) for candidate in same), default=math.inf)
 
 
 def value(answer: ImpactAnswer, strike: Strike, name: str) -> float:
@@ -149,16 +203,27 @@ def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, 
     base: impact whose error is estimated; sequence: of two or three meshes, each twice as fine as the one before.
     Errors are by `strike_1.impulse` and so on, relative: the distance from the finest mesh, plus the error of that. A
     step between meshes counts as the geometric mean with the largest step of its strike, as it may be small by chance.
+    A peak is a single point of a curve: its step counts as no less than a third of `reshaped`. Half a row, in which a
+    strike ends, and `unsure_end` are added to a duration.
     """
-    moved = [changes(base, answer) for answer in sequence]
-    apart = {key: [distances[key] for distances in moved] for key in moved[0]}
-    steps = {key: abs(distances[-1] - distances[-2]) for key, distances in apart.items()}
+    strikes, matched = assessed_strikes(base), [counterparts(base, answer) for answer in sequence]
+    keys = [f"strike_{k + 1}.{name}" for k in range(len(strikes)) for name in QUANTITIES]
+    if not all(matched):
+        return dict.fromkeys(keys, math.inf)
     errors: dict[str, float] = {}
-    for k, strike in enumerate(assessed_strikes(base.strikes), 1):
-        keys = [f"strike_{k}.{name}" for name in QUANTITIES]
-        largest = max(steps[key] for key in keys)
-        errors |= {key: _judged(apart[key], math.sqrt(steps[key] * largest)) for key in keys}
-        errors[f"strike_{k}.duration"] += 0.5 * base.interval / strike.duration  # of a row, in which it ends
+    for k, (strike, *finer_strikes) in enumerate(zip(strikes, *matched, strict=True), 1):
+        same = list(zip(sequence, finer_strikes, strict=True))
+        before_peak, in_all = reshaped((base, strike), *same[-2:])
+        values = {name: value(base, strike, name) for name in QUANTITIES}
+        apart = {name: [value(*one, name) / values[name] - 1.0 for one in same] for name in QUANTITIES}
+        steps = {name: abs(distances[-1] - distances[-2]) for name, distances in apart.items()}
+        shape = {"peak_force": before_peak, "duration": 0.0}
+        for name, step in steps.items():
+            step = math.sqrt(step * max(*steps.values(), shape.get(name, in_all)))
+            least = before_peak / TWO_MESHES if name == "peak_force" else 0.0
+            errors[f"strike_{k}.{name}"] = _judged(apart[name], max(step, least))
+        unsure = max(unsure_end(*one) for one in ((base, strike), *same))
+        errors[f"strike_{k}.duration"] += 0.5 * base.interval / strike.duration + unsure
     return errors
 
 
@@ -217,8 +282,10 @@ def _judged(apart: Sequence[float], step: float) -> float:
     if not all(map(math.isfinite, apart)):
         return math.inf
     *before, last = (later - earlier for earlier, later in pairwise(apart))
-    factor = safety(before[0] / last if last else math.inf) if before else TWO_MESHES / (2.0**ORDER - 1.0)
-    return RESOLVED + abs(apart[-1]) + factor * step
+    if not before:
+        return RESOLVED + abs(apart[-1]) + TWO_MESHES / (2.0**ORDER - 1.0) * step
+    step = max(step, abs(before[0]) / 2.0**ORDER)  # a smaller last step is of chance
+    return RESOLVED + abs(apart[-1]) + safety(before[0] / last if last else math.inf) * step
 
 
 def safety(ratio: float) -> float:

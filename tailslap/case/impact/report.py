@@ -254,7 +254,7 @@ def _uncertain(outcome: run.ImpactOutcome) -> str:
 
 def errors_table(outcome: run.ImpactOutcome) -> Table:
     """Return the stated errors of strikes, if any."""
-    strikes = error.assessed_strikes(outcome.fe.strikes) if outcome.mesh_error else []
+    strikes = error.assessed_strikes(outcome.fe) if outcome.mesh_error else []
     rows = [
         {"strike": f"{1 + outcome.fe.strikes.index(strike)} {strike.corner}"}
         | {name: outcome.mesh_error[f"strike_{number}.{name}"] for name in error.QUANTITIES}

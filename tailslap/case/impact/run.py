@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 REFINEMENTS = 2
 """Largest number of refinements of a chosen mesh."""
 
-REACHABLE = 4.0
-"""Error over its limit up to which a mesh is refined a second time, which takes minutes for trains: second order."""
+REACHABLE, REACHABLE_BY_TRAIN = 8.0, 4.0
+"""Error over its limit up to which a mesh is refined a second time, which takes minutes for trains."""
 
 BEYOND = 1.5
 """Multiples of the rigid vehicle's time after which a plate without a second strike is not continued."""
@@ -184,7 +184,8 @@ def assessed(case: RigidImpact) -> ImpactOutcome:
     """Run the plate, with its error by other meshes.
 
     A mesh that the scene leaves open is refined, at most `REFINEMENTS` times, while the error exceeds the limit; the
-    second time only where the error is at most `REACHABLE` times the limit. Raises InputError.
+    second time only where the error is at most `REACHABLE` times the limit, and not where light touches decide on a
+    duration, which they do on finer meshes too. Raises InputError.
     """
     outcome, computed = attempt(case), Computed()
     if case.scene.needed_plate.elements is None:
@@ -193,7 +194,12 @@ def assessed(case: RigidImpact) -> ImpactOutcome:
                 break
             outcome = with_errors(outcome, computed, meshes=2)
             stated, limit = outcome.stated_error, case.scene.verify.mesh
-            if not stated > limit or (refinements > 1 and stated > REACHABLE * limit):
+            unsure = max(
+                (error.unsure_end(outcome.fe, strike) for strike in error.assessed_strikes(outcome.fe)),
+                default=0.0,
+            )
+            reachable = (REACHABLE_BY_TRAIN if outcome.fe.units > 1 else REACHABLE) * limit
+            if not stated > limit or unsure > limit or (refinements > 1 and stated > reachable):
                 return outcome
             computed[outcome.fe_plan.plate.element, outcome.fe_plan.plate.counts] = outcome.fe
             outcome = attempt(case, refinements)
@@ -217,7 +223,7 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
         Impacts on coarser meshes, used where they last long enough; others are added.
     meshes : int
         With 3 a mesh finer than both is run where the error may then be within the limit and a coarser third is
-        impossible.
+        impossible. One that was run already is always the third.
     """
     limit, computed = outcome.fe_plan.case.scene.verify.mesh, {} if computed is None else computed
     for coarse, fine in error.companions(outcome.fe_plan.plate):
@@ -228,11 +234,12 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
         estimated = _estimated(outcome, sequence)
         moved = list(error.changes(outcome.fe, sequence[-1]).values())
         moved += [distances[-1] for distances in error.hinge_changes(outcome.fe, sequence)]
-        if max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values()):
-            if coarsest := error.coarser(coarse):
-                estimated = _estimated(outcome, [_on(outcome, coarsest, computed), *sequence])
-            elif meshes > 2 and (finest := error.finer(fine)):
-                estimated = _estimated(outcome, [*sequence, _on(outcome, finest, computed)])
+        hopeful = max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values())
+        coarsest = error.coarser(coarse)
+        if coarsest and (hopeful or (coarsest.element, coarsest.counts) in computed):
+            estimated = _estimated(outcome, [_on(outcome, coarsest, computed), *sequence])
+        elif hopeful and not coarsest and meshes > 2 and (finest := error.finer(fine)):
+            estimated = _estimated(outcome, [*sequence, _on(outcome, finest, computed)])
         return estimated
     return outcome
 
@@ -273,6 +280,6 @@ def cut_alone(answer: answers.ImpactAnswer, main: answers.ImpactAnswer) -> bool:
 
     All assessed strikes of the run itself are complete.
     """
-    return any(strike.cut for strike in error.assessed_strikes(answer.strikes)) and not any(
-        strike.cut for strike in error.assessed_strikes(main.strikes)
+    return any(strike.cut for strike in error.assessed_strikes(answer)) and not any(
+        strike.cut for strike in error.assessed_strikes(main)
     )

@@ -52,11 +52,10 @@ def columns_of_many(impacts: Impacts, interval: float, units: int) -> dict[str, 
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
-def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[str, float]:
+def both_strikes(answer: ImpactAnswer) -> dict[str, float]:
     """Return the `COLUMNS` and `LARGEST` of an impact [SI].
 
-    A missing strike is NaN. forces: of each corner, shape (rows,) [N], where several touch at once; otherwise the
-    total force is filtered.
+    A missing strike is NaN. Filters are applied to the force of the corner, for the rigid vehicle to the total force.
     """
     corners = "front", corner_name(answer.units - 1, 1)
     contacts = np.array([(strike.start, strike.end, strike.impulse) for strike in answer.strikes])
@@ -67,10 +66,10 @@ def both_strikes(answer: ImpactAnswer, forces: Columns | None = None) -> dict[st
         )
         for corner in corners
     ]
-    total = answer.history["force_normal"]
+    total = answer.history["force_normal"][1:]
     curves = [
-        filters.force_curves(force[None, 1:], answer.interval, FORCES)
-        for force in (total, *((forces or {}).get(corner, total) for corner in corners))
+        filters.force_curves(force[None], answer.interval, FORCES)
+        for force in (total, *(answer.pushes.get(corner, total) for corner in corners))
     ]
     values = {LARGEST: curves[0]["mean_50ms"].max(axis=-1)} | _columns(strikes, curves[1:], answer.interval)
     return {name: float(column[0]) for name, column in values.items()}

@@ -10,9 +10,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from solver.impact import corner_name
 from tailslap.campaign import engine, levels
 from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
@@ -21,7 +18,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.checks import failed_but_mesh
 from tailslap.case.impact.plan import ImpactPlan, chosen_lengths
 from tailslap.case.impact.rigid import RigidImpact
-from tailslap.case.impact.run import attempt, corners_of
+from tailslap.case.impact.run import attempt
 from tailslap.case.impact.strike_columns import COLUMNS, both_strikes
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.flexibility import plate_runs
@@ -159,14 +156,9 @@ def measure_plate(source: Source, frequency: float, coarse: Changes, fine: Chang
 
 
 def both_record(case: ImpactCase) -> Record:
-    """Return values and failed checks of a single run.
-
-    Filters are applied to the force of the points nearest to each corner.
-    """
+    """Return values and failed checks of a single run."""
     outcome = attempt(case)
-    corner, force = corners_of(outcome.fe_plan, outcome.run), outcome.run.normal
-    forces = {corner_name(*divmod(int(n), 4)): force[:, corner == n].sum(axis=1) for n in np.unique(corner)}
-    return {"values": both_strikes(outcome.fe, forces), "failed": failed_but_mesh(outcome)}
+    return {"values": both_strikes(outcome.fe), "failed": failed_but_mesh(outcome)}
 
 
 def plate_record(

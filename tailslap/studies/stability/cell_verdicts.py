@@ -234,7 +234,7 @@ def _corners_agree(*answers: ImpactAnswer) -> bool:
 
 def _judged(difference: Mapping[str, float], answer: ImpactAnswer) -> float:
     """Return the largest difference with a stated error."""
-    stated = {f"strike_{1 + answer.strikes.index(strike)}" for strike in assessed_strikes(answer.strikes)}
+    stated = {f"strike_{1 + answer.strikes.index(strike)}" for strike in assessed_strikes(answer)}
     return _largest({name: value for name, value in difference.items() if name.partition(".")[0] in stated})
 
 
