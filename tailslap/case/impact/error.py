@@ -220,7 +220,9 @@ def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, 
         shape = {"peak_force": before_peak, "duration": 0.0}
         for name, step in steps.items():
             step = math.sqrt(step * max(*steps.values(), shape.get(name, in_all)))
-            least = before_peak / TWO_MESHES if name == "peak_force" else 0.0
+            least = before_peak / TWO_MESHES
+            if name != "peak_force":  # a step that is less than by the order is of chance
+                least = abs(apart[name][-2] - apart[name][0]) / 2.0**ORDER
             errors[f"strike_{k}.{name}"] = _judged(apart[name], max(step, least))
         unsure = max(unsure_end(*one) for one in ((base, strike), *same))
         errors[f"strike_{k}.duration"] += 0.5 * base.interval / strike.duration + unsure
@@ -282,10 +284,8 @@ def _judged(apart: Sequence[float], step: float) -> float:
     if not all(map(math.isfinite, apart)):
         return math.inf
     *before, last = (later - earlier for earlier, later in pairwise(apart))
-    if not before:
-        return RESOLVED + abs(apart[-1]) + TWO_MESHES / (2.0**ORDER - 1.0) * step
-    step = max(step, abs(before[0]) / 2.0**ORDER)  # a smaller last step is of chance
-    return RESOLVED + abs(apart[-1]) + safety(before[0] / last if last else math.inf) * step
+    factor = safety(before[0] / last if last else math.inf) if before else TWO_MESHES / (2.0**ORDER - 1.0)
+    return RESOLVED + abs(apart[-1]) + factor * step
 
 
 def safety(ratio: float) -> float:

@@ -223,7 +223,7 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
         Impacts on coarser meshes, used where they last long enough; others are added.
     meshes : int
         With 3 a mesh finer than both is run where the error may then be within the limit and a coarser third is
-        impossible. One that was run already is always the third.
+        impossible.
     """
     limit, computed = outcome.fe_plan.case.scene.verify.mesh, {} if computed is None else computed
     for coarse, fine in error.companions(outcome.fe_plan.plate):
@@ -234,12 +234,11 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
         estimated = _estimated(outcome, sequence)
         moved = list(error.changes(outcome.fe, sequence[-1]).values())
         moved += [distances[-1] for distances in error.hinge_changes(outcome.fe, sequence)]
-        hopeful = max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values())
-        coarsest = error.coarser(coarse)
-        if coarsest and (hopeful or (coarsest.element, coarsest.counts) in computed):
-            estimated = _estimated(outcome, [_on(outcome, coarsest, computed), *sequence])
-        elif hopeful and not coarsest and meshes > 2 and (finest := error.finer(fine)):
-            estimated = _estimated(outcome, [*sequence, _on(outcome, finest, computed)])
+        if max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values()):
+            if coarsest := error.coarser(coarse):
+                estimated = _estimated(outcome, [_on(outcome, coarsest, computed), *sequence])
+            elif meshes > 2 and (finest := error.finer(fine)):
+                estimated = _estimated(outcome, [*sequence, _on(outcome, finest, computed)])
         return estimated
     return outcome
 
