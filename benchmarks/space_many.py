@@ -19,7 +19,7 @@ import numpy as np
 from command_line import row
 from space_vehicles import ANGLE, MASS, SPEED, truck, truck_unit
 
-from solver.space import SpaceVehicle, SpaceWall, lowest_walls, solve_space, solve_spaces
+from solver.space import SpaceVehicle, SpaceWall, lowest_wall, lowest_walls, solve_space, solve_spaces
 from tailslap.case import case_of
 from tailslap.case.impact.space import space_input
 from tailslap.scene.read import read_scene
@@ -63,7 +63,12 @@ def least_time(solve: Callable[[], object], repeats: int = 9) -> float:
 def single(scene: str) -> None:
     """Print the time of one motion and of the lowest wall."""
     arguments = space_input(case_of(*read_scene(scene)).scene).arguments
-    for name, solve in (("one motion with its error", solve_space), ("lowest wall", lowest_walls)):
+    for name, solve in (
+        ("one motion, step of 0.25 ms", partial(solve_space, step=2.5e-4, points=1)),
+        ("one motion with its error", solve_space),
+        ("lowest wall", lowest_walls),
+        ("lowest wall with its error", lowest_wall),
+    ):
         solve(*arguments)  # compiles
         row(f"{name}, {scene}", "30 ms", f"{1e3 * least_time(partial(solve, *arguments)):.1f} ms")
 

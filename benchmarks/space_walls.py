@@ -4,7 +4,7 @@
 
 Printed are, for each height [in] and named profile, the largest roll [deg], or the outcome if the vehicle does not
 remain upright, the largest 50 ms mean of the lateral force [kN] and the height of its resultant [m]; then the largest
-stated error, and for each profile the lowest wall that keeps the vehicle upright [m].
+stated error, and for each profile the lowest wall that keeps the vehicle upright with its error [m].
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import command_line
 
-from solver.space import PROFILES, SpaceMotion, lowest_walls, solve_space
+from solver.space import PROFILES, SpaceMotion, lowest_wall, solve_space
 from tailslap.case.impact.space import SpaceInput, space_input
 from tailslap.scene.read import read_scene
 
@@ -32,7 +32,7 @@ def entry(motion: SpaceMotion) -> str:
     """Return roll or outcome, 50 ms mean and height of a motion."""
     answers = motion.answers
     roll = f"{math.degrees(answers.largest_roll):.0f}" if motion.outcome == "upright" else motion.outcome
-    return f"{roll}; {1e-3 * answers.mean_50ms:.0f}; {answers.height:.2f}"
+    return f"{roll}; {1e-3 * answers.mean_50ms:.0f}; {' or '.join(f'{h:.2f}' for h in motion.heights)}"
 
 
 def main() -> None:
@@ -48,8 +48,10 @@ def main() -> None:
         motions = [on_wall(inputs, profile, height) for height in options.heights]
         error = max(error, *(motion.error for motion in motions))
         wall = replace(inputs.wall, profile=profile)
-        lowest = float(lowest_walls(inputs.vehicle, wall, inputs.speed, inputs.angle)[0])
-        print(f"| {profile} | {' | '.join(map(entry, motions))} | {lowest:.2f} |", flush=True)
+        lowest, uncertain = lowest_wall(inputs.vehicle, wall, inputs.speed, inputs.angle)
+        print(
+            f"| {profile} | {' | '.join(map(entry, motions))} | {lowest:.3f} ± {uncertain:.3f} |", flush=True
+        )
     print(f"largest stated error {error:.1e}")
 
 

@@ -1,19 +1,14 @@
 """Vehicles in space that strike a wall, with roll and pitch."""
 
-from solver.space.solve import (
-    OUTCOMES,
-    SpaceAnswers,
-    SpaceMotion,
-    lowest_walls,
-    solve_space,
-    solve_spaces,
-)
+from solver.space.motion import UNDECIDED, SpaceMotion, lowest_wall, solve_space
+from solver.space.solve import OUTCOMES, SpaceAnswers, lowest_walls, solve_spaces
 from solver.space.vehicle import SpaceAxle, SpaceStrip, SpaceUnit, SpaceVehicle, SpaceWall
 from solver.space.wall import PROFILES, profile_points
 
 __all__ = [
     "OUTCOMES",
     "PROFILES",
+    "UNDECIDED",
     "SpaceAnswers",
     "SpaceAxle",
     "SpaceMotion",
@@ -21,6 +16,7 @@ __all__ = [
     "SpaceUnit",
     "SpaceVehicle",
     "SpaceWall",
+    "lowest_wall",
     "lowest_walls",
     "profile_points",
     "solve_space",

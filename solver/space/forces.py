@@ -19,6 +19,7 @@ from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
 
 EDGE = 0.02
+INWARD = 0.5 / EDGE
 """Least half height of a point of a strip [m].
 
 Over it the point leaves the face at the top and at an edge of the profile.
@@ -206,48 +207,88 @@ def _press_strip(
     """
     ax, ay, az, auy, auz = _end(strip, col.START, side, centre, q)
     bx, by, bz, buy, buz = _end(strip, col.END, side, centre, q)
-    sx, sy, sz = rotated(b, ax, ay, az)
-    ex, ey, ez = rotated(b, bx, by, bz)
-    sy, sz, ey, ez = sy + b[col.AT + 1], sz + b[col.AT + 2], ey + b[col.AT + 1], ez + b[col.AT + 2]
+    sy, ey = (
+        b[3] * ax + b[4] * ay + b[5] * az + b[col.AT + 1],
+        b[3] * bx + b[4] * by + b[5] * bz + b[col.AT + 1],
+    )
     toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
     if min(sy, ey) > toe:
+        if memories[0, col.RAISED] > 0.0:
+            for n in range(memories.shape[0]):
+                memories[n, col.ABOVE] = 0.0
+            memories[0, col.RAISED] = 0.0
         return False
-    points = memories.shape[0]
+    sx, _, sz = rotated(b, ax, ay, az)
+    ex, _, ez = rotated(b, bx, by, bz)
+    sz, ez = sz + b[col.AT + 2], ez + b[col.AT + 2]
+    points, inner = memories.shape[0], edge - 2.0 * EDGE
     spacing = 1.0 / points
-    half = max(0.5 * abs(ez - sz) * spacing, EDGE)
-    if min(sz, ez) - half > top and max(sy, ey) < edge:
+    rise = 0.5 * (ez - sz) * spacing
+    half = np.sqrt(rise * rise + strip[col.THICK] * strip[col.THICK])
+    if min(sz, ez) - half > top and max(sy, ey) < inner:
         for n in range(points):
             memories[n, col.ABOVE] = 1.0
+        memories[0, col.RAISED] = 1.0
         return False
+    upward = 0.5 / half
     crush = _crush_of(strip, strip[col.LENGTH] * spacing)
     stopping = STICKING / (h * points * (mobility + of_axle))
-    touches, pressed, spread, work, lost = False, False, 0.0, 0.0, 0.0
+    touches, pressed, begin, end = False, False, points, 0  # points in part on the top
+    raised, spread, work, lost = False, 0.0, 0.0, 0.0
     fsx, fsy, fsz, fex, fey, fez = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     svx, svy, svz, evx, evy, evz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for n in range(points):
-        p = spacing * (n + 0.5)
-        o = 1.0 - p
-        y, z, memory = o * sy + p * ey, o * sz + p * ez, memories[n]
-        depth, ny, nz, weight, column = _depth(memory, wall, facets, y, z, half)
-        if depth <= 0.0:
-            continue
-        touches = True
-        inverse = h * h * points * (mobility + nz * nz * of_axle)
-        force = _point_force(crush, memory, column, depth, weight, inverse)
-        if force <= 0.0:
-            continue
-        if not pressed:
-            pressed = True
-            svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
-            evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
-            sx, ex = sx + b[col.AT] - origin, ex + b[col.AT] - origin
-        vx, vy, vz = o * svx + p * evx, o * svy + p * evy, o * svz + p * evz
-        fx, fy, fz, approach, loss = _wall_force(vx, vy, vz, ny, nz, force, coefficient * force, stopping)
-        fsx, fsy, fsz = fsx + o * fx, fsy + o * fy, fsz + o * fz
-        fex, fey, fez = fex + p * fx, fey + p * fy, fez + p * fz
-        spread += fy * (o * sx + p * ex) ** 2
-        work += force * approach
-        lost += loss
+    for column in (col.FACE, col.TOP):
+        for n in range(0 if column == col.FACE else begin, points if column == col.FACE else end):
+            p = spacing * (n + 0.5)
+            o = 1.0 - p
+            y, z, memory = o * sy + p * ey, o * sz + p * ez, memories[n]
+            share, weight = memory[col.ABOVE], 1.0
+            if column == col.FACE:
+                if y > toe:  # clear of the wall at any height
+                    memory[col.ABOVE] = 0.0
+                    continue
+                if z + half > top or share > 0.0:
+                    if z - half > top and y < inner:
+                        memory[col.ABOVE], raised = 1.0, True
+                        continue
+                    above = min(max(0.5 + (z - top) * upward, 0.0), 1.0)
+                    share = min(max(share, above), min(max((edge - y) * INWARD, 0.0), 1.0))
+                    memory[col.ABOVE], weight = share, 1.0 - max(above, share)
+                    if share > 0.0:
+                        raised = True
+                        if top - z + half * (2.0 * share - 1.0) > 0.0:
+                            begin, end = min(begin, n), n + 1
+                    if weight <= 0.0:
+                        continue
+                face, k = point_of_face(wall, facets, z)
+                if face <= y:
+                    continue
+                ny, nz = _face(wall, facets, k, z - half, z + half)
+                depth = (face - y) * ny
+            else:
+                lowest = top - z + half * (2.0 * share - 1.0)  # depth of the lowest part that was above
+                sunk = min(lowest, 2.0 * half * share)
+                if sunk <= 0.0:
+                    continue
+                ny, nz, depth, weight = 0.0, 1.0, lowest - 0.5 * sunk, sunk * upward
+            touches = True
+            inverse = h * h * points * (mobility + nz * nz * of_axle)
+            force = _point_force(crush, memory, column, depth, weight, inverse)
+            if force <= 0.0:
+                continue
+            if not pressed:
+                pressed = True
+                svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
+                evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
+                sx, ex = sx + b[col.AT] - origin, ex + b[col.AT] - origin
+            vx, vy, vz = o * svx + p * evx, o * svy + p * evy, o * svz + p * evz
+            fx, fy, fz, approach, loss = _wall_force(vx, vy, vz, ny, nz, force, coefficient * force, stopping)
+            fsx, fsy, fsz = fsx + o * fx, fsy + o * fy, fsz + o * fz
+            fex, fey, fez = fex + p * fx, fey + p * fy, fez + p * fz
+            spread += fy * (o * sx + p * ex) ** 2
+            work += force * approach
+            lost += loss
+    memories[0, col.RAISED] = 1.0 if raised else 0.0
     if not pressed:
         return touches
     sums[col.LATERAL] += fsy + fey
@@ -273,31 +314,6 @@ def _crush_of(strip, length):
     """Return the crush law of this length of a strip [m]."""
     stiffness, plateau = strip[col.STIFFNESS] * length, strip[col.PLATEAU] * length
     return PointCrush(stiffness, 0.0, strip[col.RETURNED], plateau, strip[col.UNLOADING] * length)
-
-
-@inlined
-def _depth(memory, wall, facets, y, z, half):
-    """Return depth, normal, weight and column of a point in contact.
-
-    The depth is 0 for a point that is clear of the wall. The weight is the fraction of its length, twice `half`, below
-    the top of the wall.
-    """
-    toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
-    if y > toe:  # clear of the wall at any height
-        memory[col.ABOVE] = 0.0
-        return 0.0, 0.0, 0.0, 0.0, col.TOP
-    if z - half > top:
-        memory[col.ABOVE] = 1.0 if y < edge else 0.0
-        return 0.0, 0.0, 0.0, 0.0, col.TOP
-    if y > edge:
-        memory[col.ABOVE] = 0.0
-    if memory[col.ABOVE] != 0.0:
-        return top - z, 0.0, 1.0, 1.0, col.TOP
-    face, k = point_of_face(wall, facets, z)
-    if face <= y:
-        return 0.0, 0.0, 0.0, 0.0, col.FACE
-    ny, nz, weight = _face(wall, facets, k, z - half, z + half)
-    return (face - y) * ny, ny, nz, weight, col.FACE
 
 
 @inlined
@@ -334,18 +350,17 @@ def _wall_force(vx, vy, vz, ny, nz, force, limit, stopping):
 def _face(wall, facets, k, low, high):
     """Return the mean normal of the face between two heights.
 
-    The third value is the fraction of the interval below the top. k: facet of the middle.
+    k: facet of the middle.
     """
     if high <= wall[k, 3] and (k == 0 or low >= wall[k, 1]):
-        return wall[k, 4], wall[k, 5], 1.0
-    ny, nz, weight = 0.0, 0.0, 0.0
+        return wall[k, 4], wall[k, 5]
+    ny, nz = 0.0, 0.0
     for j in range(facets):
         bottom = wall[j, 1] if j > 0 else min(low, wall[j, 1])
-        part = max(min(high, wall[j, 3]) - max(low, bottom), 0.0) / (high - low)
-        if part > 0.0:
-            ny, nz, weight = ny + part * wall[j, 4], nz + part * wall[j, 5], weight + part
+        part = max(min(high, wall[j, 3]) - max(low, bottom), 0.0)
+        ny, nz = ny + part * wall[j, 4], nz + part * wall[j, 5]
     size = np.sqrt(ny * ny + nz * nz)
-    return (ny / size, nz / size, weight) if size > 0.0 else (1.0, 0.0, 0.0)
+    return (ny / size, nz / size) if size > 0.0 else (1.0, 0.0)
 
 
 @compiled

@@ -1,7 +1,6 @@
-"""Motions in space of vehicles striking a wall."""
+"""Motions in space of many vehicles striking a wall, and lowest walls."""
 
 import math
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from machine_code.compiled import OnCompile, compile_once, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, Number
 from solver.space import state
+from solver.space.looks import WINDOW
 from solver.space.state import Clock, Fleet, SpaceWork, row_columns, workspace
 from solver.space.step import advance
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
@@ -18,25 +18,14 @@ from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 OUTCOMES = ("upright", "on its side", "over the wall")
 """Outcomes by their number in compiled code."""
 
-WINDOW, LONGEST = 0.05, 4.0
-"""Duration of the mean of the design force, and latest end of a motion [s]."""
+LONGEST = 4.0
+"""Latest end of a motion [s]."""
 
-INTERVAL, MANY_INTERVAL = 1e-3, 2e-3
-"""Time between rows of one motion, and of many and in the search for a wall [s]."""
+INTERVAL, PHASE = 2e-3, 0.4
+"""Time between rows of many motions [s], and step times the rate of the fastest oscillation [rad]."""
 
-PHASE, MANY_PHASE = 0.2, 0.4
-"""Step times the rate of the fastest oscillation on the first attempt at one motion, and of many [rad]."""
-
-TOLERANCE, HALVINGS, MOST_PARTS = 1e-3, 6, 4096
-"""Largest error of one motion, number of halvings of its step, and most steps of an interval."""
-
-COMPARED = {"largest_roll": 0.05, "mean_50ms": 1e3, "height": 0.05}
-"""Quantities by which the error is judged, with the sizes below which their change is not relative [rad, N, m]."""
-
-SAFETY, FORMER, UNRESOLVED, LEAST_ERROR = 2.0, 0.25, 0.1, 2e-4
-"""Error over the last change by half the step; the part of the change before it that counts, as in a scheme of second
-order; the change from which a step does not resolve the motion and does not count; least error of a chosen step. A
-single change may be small by chance."""
+MOST_PARTS = 4096
+"""Most steps of an interval."""
 
 NO_PUSH = np.zeros((0, 5))
 """No force besides that of the wall."""
@@ -93,112 +82,8 @@ class SpaceAnswers(NamedTuple):
     unit_rolls: Array
 
 
-@dataclass(frozen=True)
-class SpaceMotion:
-    """One motion in space.
-
-    Attributes
-    ----------
-    outcome : str
-        One of `OUTCOMES`.
-    answers : SpaceAnswers
-        Answers of this motion, floats in place of arrays.
-    history : dict of ndarray, shape (rows,)
-        Columns by name: t and the columns of `state` [SI]; those of later units end with "_2" and so on, those of axles
-        with the number of the axle from 1.
-    step : float
-        Time step [s].
-    error : float
-        Twice the last change of `COMPARED` by half the step or a quarter of the change before it, whichever is larger,
-        and at least `LEAST_ERROR`; with a prescribed step twice the change against twice that; infinite where the
-        outcome changes [-].
-    """
-
-    outcome: str
-    answers: SpaceAnswers
-    history: dict[str, Array]
-    step: float
-    error: float
-
-
-def column_names(units: int, axles: int) -> tuple[str, ...]:
-    """Return the column names of a row."""
-    ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
-    poses = [f"{name}{end}" for end in ends for name in state.POSE]
-    wheels = [f"{name}_{axle}" for axle in range(1, axles + 1) for name in state.WHEELS]
-    return (*state.FORCES, *state.WORKS, *state.ENERGIES, *poses, *wheels)
-
-
-def solve_space(
-    vehicle: SpaceVehicle,
-    wall: SpaceWall,
-    speed: float,
-    angle: float,
-    *,
-    interval: float = INTERVAL,
-    step: float | None = None,
-    end: float | None = None,
-    push: Array = NO_PUSH,
-    tolerance: float = TOLERANCE,
-    on_compile: OnCompile = ignore_compiling,
-) -> SpaceMotion:
-    """Solve one motion in space with its history.
-
-    Parameters
-    ----------
-    vehicle, wall : SpaceVehicle, SpaceWall
-        With floats.
-    speed, angle : float
-        Speed [m/s] and angle [rad] before the impact.
-    interval : float
-        Time between rows [s].
-    step : float or None
-        Largest step [s]; None: chosen, and halved while the error exceeds the tolerance.
-    end : float or None
-        End of the motion [s]; None: when the vehicle no longer leans on the wall or rolls.
-    push : ndarray, shape (rows, 5)
-        Force on the first unit in each interval: along, across and up [N], its place ahead of the centre of mass along
-        the wall and its height [m], NaN for that of the centre.
-    tolerance : float
-        Tolerance by which the step is chosen [-].
-    on_compile : callable
-        Called when code is compiled, see `machine_code.compiled.compile_once`.
-
-    Returns
-    -------
-    SpaceMotion
-        Motion with its error.
-
-    Raises
-    ------
-    RigidBodyError
-        For impossible values, where no strip reaches the face of the wall, and where the steps become too short.
-    """
-    fleet = fleet_of(vehicle, wall, speed, angle)
-    parts = _parts(fleet, interval, PHASE, step)
-
-    def run(parts: NDArray[np.int64]) -> tuple[SpaceAnswers, Array]:
-        return _run(fleet, interval, parts, end, push, on_compile, with_rows=True)
-
-    coarse, last_change = (run(parts // 2)[0] if parts[0] > 1 else None), math.inf
-    for _ in range(1 if step else HALVINGS + 1):
-        answers, rows = run(parts)
-        change = math.inf if coarse is None else _change(coarse, answers)
-        error = SAFETY * max(change, FORMER * last_change if last_change < UNRESOLVED else 0.0)
-        error = error if step else max(error, LEAST_ERROR)
-        if error <= tolerance:
-            break
-        coarse, last_change, parts = answers, change, 2 * parts
-    one = SpaceAnswers(*(values[0] for values in answers))
-    Gate().demand(rules.NO_CONTACT, bool(one.rows), float(fleet.height[0]))
-    table = rows[: int(one.rows)]
-    names = column_names(fleet.units.shape[1], fleet.axles.shape[1])
-    history = {"t": interval * np.arange(len(table)), **dict(zip(names, table.T, strict=True))}
-    return SpaceMotion(OUTCOMES[int(one.outcome)], one, history, interval / int(parts[0]), error)
-
-
 def solve_spaces(
-    vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number, *, refine: int = 1
+    vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number, *, refine: int = 1, finer: float = 1
 ) -> SpaceAnswers:
     """Solve motions in space of n vehicles.
 
@@ -212,6 +97,8 @@ def solve_spaces(
         Speed [m/s] and angle [rad] before the impact.
     refine : int
         Steps in place of each chosen one.
+    finer : float
+        Points of a strip in place of each.
 
     Returns
     -------
@@ -223,9 +110,9 @@ def solve_spaces(
     RigidBodyError
         For impossible values, and where the steps become too short.
     """
-    fleet = fleet_of(vehicle, wall, speed, angle)
-    parts = refine * _parts(fleet, MANY_INTERVAL, MANY_PHASE, None)
-    return _run(fleet, MANY_INTERVAL, parts, None, NO_PUSH, ignore_compiling, with_rows=False)[0]
+    fleet = with_points(fleet_of(vehicle, wall, speed, angle), finer)
+    parts = refine * steps_of(fleet, INTERVAL, PHASE, None)
+    return run(fleet, INTERVAL, parts, None, NO_PUSH, ignore_compiling, with_rows=False)[0]
 
 
 def lowest_walls(
@@ -235,6 +122,8 @@ def lowest_walls(
     angle: Number,
     *,
     scan: float = SCAN,
+    refine: float = 1,
+    finer: float = 1,
     on_compile: OnCompile = ignore_compiling,
 ) -> Array:
     """Return the lowest walls above which n vehicles remain upright [m].
@@ -251,22 +140,26 @@ def lowest_walls(
         Speed [m/s] and angle [rad] before the impact.
     scan : float
         Step of the search before the bisection to 1 mm [m].
+    refine, finer : float
+        Steps in place of each chosen one, and points of a strip.
     on_compile : callable
         See `solve_space`.
 
     Returns
     -------
-    ndarray, shape (n,)
-        NaN where a wall as high as the highest centre of mass does not suffice; 0.1 where any wall does.
+    ndarray, shape (n, 2)
+        Lowest walls, NaN where a wall as high as the highest centre of mass does not suffice, 0.1 where any does; and
+        the highest tried wall on which the vehicle almost tips, although a lower one suffices, 0 without.
 
     Raises
     ------
     RigidBodyError
         As `solve_spaces`.
     """
-    fleet = fleet_of(vehicle, wall, speed, angle)
-    clock = _clock(MANY_INTERVAL, _parts(fleet, MANY_INTERVAL, MANY_PHASE, None), None, NO_PUSH)
-    lowest, none = np.empty(len(fleet.units)), np.empty((0, 0))
+    fleet = with_points(fleet_of(vehicle, wall, speed, angle), finer)
+    parts = np.ceil(refine * steps_of(fleet, INTERVAL, PHASE, None)).astype(np.int64)
+    clock = _clock(INTERVAL, parts, None, NO_PUSH)
+    lowest, none = np.empty((len(fleet.units), 2)), np.empty((0, 0))
     arguments = fleet, clock, _workspace(fleet, clock), np.empty((0, 0, 0)), none, none, scan, lowest
     compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
     return lowest
@@ -286,7 +179,7 @@ def _workspace(fleet: Fleet, clock: Clock) -> SpaceWork:
     return workspace(fleet.units.shape[1], fleet.axles.shape[1], points, len(fleet.profile), rows)
 
 
-def _run(
+def run(
     fleet: Fleet,
     interval: float,
     parts: NDArray[np.int64],
@@ -300,7 +193,7 @@ def _run(
     work = _workspace(fleet, clock)
     rows = np.zeros((1, len(work.windows) if with_rows else 0, row_columns(units, fleet.axles.shape[1])))
     answers, rolls = np.zeros((n, state.ANSWERS)), np.zeros((n, units))
-    arguments = fleet, clock, work, rows, answers, rolls, 0.0, np.empty(0)
+    arguments = fleet, clock, work, rows, answers, rolls, 0.0, np.empty((0, 2))
     compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
     Gate().demand(rules.SPACE_LOST, answers[:, state.OUTCOME] != state.LOST, _fastest(fleet))
     columns: dict[str, Any] = dict(zip(SpaceAnswers._fields[:-1], answers.T, strict=True))
@@ -308,21 +201,12 @@ def _run(
     return SpaceAnswers(**columns, unit_rolls=rolls), rows[0]
 
 
-def _change(coarse: SpaceAnswers, fine: SpaceAnswers) -> float:
-    """Return the largest relative change of the compared quantities.
-
-    It is infinite where the outcome changes.
-    """
-    if coarse.outcome[0] != fine.outcome[0]:
-        return math.inf
-    changes = []
-    for name, least in COMPARED.items():
-        before, after = (float(getattr(answers, name)[0]) for answers in (coarse, fine))
-        changes.append(abs(after - before) / max(abs(after), least))
-    return max(changes)
+def with_points(fleet: Fleet, finer: float) -> Fleet:
+    """Return a fleet with more or fewer points of the strips."""
+    return fleet._replace(strip_points=np.ceil(finer * fleet.strip_points).astype(np.int64))
 
 
-def _parts(fleet: Fleet, interval: float, phase: float, step: float | None) -> NDArray[np.int64]:
+def steps_of(fleet: Fleet, interval: float, phase: float, step: float | None) -> NDArray[np.int64]:
     """Return the steps of an interval by the fastest oscillation.
 
     Returns shape (n,). Raises RigidBodyError for too many.

@@ -27,7 +27,7 @@ centre and the lowest points of its unloaded tyres below the roll centre [m]; ha
 and cornering coefficient [-].
 """
 
-START, END, STIFFNESS, PLATEAU, RETURNED, UNLOADING, LENGTH = 0, 3, 6, 7, 8, 9, 10
+START, END, STIFFNESS, PLATEAU, RETURNED, UNLOADING, LENGTH, THICK = 0, 3, 6, 7, 8, 9, 10, 11
 """Columns of a strip.
 
 Both ends, in the body's axes or about the roll centre of its axle, y to the left [m]; per metre of its length stiffness
@@ -35,12 +35,13 @@ Both ends, in the body's axes or about the roll centre of its axle, y to the lef
 [m].
 """
 
-FACE, TOP, ABOVE = 0, 3, 6
+FACE, TOP, ABOVE, RAISED = 0, 3, 6, 7
 FOOT, SLOPE = 1, 2
 """Columns of a point of a strip.
 
 For the face and for the top the deepest penetration, then the depth at which unloading ends [m] and its slope [N/m], 0
-before; 1 after it was above the top behind the edge of the face.
+before; part of the point that was above the top behind the edge of the face; of the first point of a strip, 1 where
+any of it was.
 """
 
 LATERAL, ALONG, UP, MOMENT, STATION, SPREAD, WALL_WORK, FRICTION_WORK, TYRE_WORK, DAMPING_WORK = range(10)
@@ -103,7 +104,7 @@ cosine and sine of the roll.
 class Fleet(NamedTuple):
     """Vehicles of n samples, with columns named above.
 
-    units: shape (n, units, 15); axles: (n, axles, 14); strips: (n, strips, 11), of the right side; axle_unit,
+    units: shape (n, units, 15); axles: (n, axles, 14); strips: (n, strips, 12), of the right side; axle_unit,
     strip_unit: unit of each; strip_axle: axle of each or -1; strip_points: points of each; profile, shape (points, 2):
     of all walls; height, friction: of each wall; speed, angle: of the train at first touch.
     """
@@ -142,7 +143,7 @@ class SpaceWork(NamedTuple):
     """Workspace of one sample.
 
     bodies, shape (units, 76); joints, shape (axles, 29); wall, (facets, 7): from y, z to y, z, normal and dy/dz;
-    memory, (points of both sides, 7); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of
+    memory, (points of both sides, 8); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of
     both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 6): means of the rows so far;
     before, (10,): sums before the step; answer, rolls: of one motion in a search for a wall.
     """
@@ -165,7 +166,7 @@ def workspace(units: int, axles: int, points: int, facets: int, rows: int) -> Sp
     hinges = units - 1
     return SpaceWork(
         np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 7)),
-        np.zeros((2 * points, 7)), np.zeros(10), np.zeros((6 * hinges, 6)),
+        np.zeros((2 * points, 8)), np.zeros(10), np.zeros((6 * hinges, 6)),
         np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 6)), np.zeros(10), np.zeros(ANSWERS), np.zeros(units),
     )  # fmt: skip
 

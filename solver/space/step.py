@@ -15,7 +15,6 @@ from solver.body import GRAVITY
 from solver.space import state as col
 from solver.space.dynamics import assemble, begin_step, close_hinges, cross, kick, move, rotated, turned_back
 from solver.space.forces import (
-    EDGE,
     add_force,
     point_of_face,
     point_velocity,
@@ -32,8 +31,8 @@ which a vehicle merely leans on the wall."""
 LEVEL = 0.02
 """Sine of the roll up to which a unit counts as rolling back."""
 
-RESOLUTION, LOWEST_WALL = 1e-3, 0.1
-"""Resolution and lowest height of the search for a wall [m]."""
+RESOLUTION, LOWEST_WALL, ALMOST = 1e-3, 0.1, np.radians(65.0)
+"""Resolution and lowest height of the search for a wall [m], and roll from which a vehicle almost tips [rad]."""
 
 
 @compact
@@ -41,13 +40,13 @@ def advance(fleet, clock, work, rows, answers, rolls, scan, lowest):
     """Follow every sample to its end, or search for the lowest wall.
 
     rows, shape (1 or n, rows, columns): as many as fit; answers, shape (n, columns); rolls, shape (n, units): largest
-    of each unit [rad]. lowest: empty, or of shape (n,) for the lowest wall above which each sample remains upright,
-    NaN where a wall as high as its highest centre of mass does not suffice; scan: steps downwards from there, before
-    the bisection [m].
+    of each unit [rad]. lowest: empty, or of shape (n, 2) for the lowest wall above which each sample remains upright,
+    NaN where a wall as high as its highest centre of mass does not suffice, and the highest tried one on which it
+    almost tips although a lower one suffices, 0 without; scan: steps downwards from there, before the bisection [m].
     """
     for i in range(fleet.units.shape[0]):
         if lowest.size > 0:
-            lowest[i] = _lowest_wall(fleet, clock, i, work, scan)
+            lowest[i, 0], lowest[i, 1] = _lowest_wall(fleet, clock, i, work, scan)
         else:
             row = rows[min(i, rows.shape[0] - 1)]
             _follow(fleet, clock, i, fleet.height[i], work, row, answers[i], rolls[i])
@@ -55,18 +54,23 @@ def advance(fleet, clock, work, rows, answers, rolls, scan, lowest):
 
 @compiled
 def _lowest_wall(fleet, clock, i, work, scan):
-    """Return the lowest wall above which sample i remains upright."""
-    holds, fails = np.nan, LOWEST_WALL
+    """Return the lowest wall above which sample i remains upright.
+
+    The second value is the highest tried wall on which it almost tips, see `advance`.
+    """
+    holds, fails, almost, latest = np.nan, LOWEST_WALL, 0.0, 0.0
     for u in range(fleet.units.shape[1]):
         centre = fleet.units[i, u, col.HEIGHT] + fleet.units[i, u, col.WHOLE_Z]
         holds = centre if u == 0 else max(holds, centre)
     if not _is_upright(fleet, clock, i, holds, work):
-        return np.nan
+        return np.nan, 0.0
     height = holds - scan
     while height > LOWEST_WALL:
         if not _is_upright(fleet, clock, i, height, work):
             fails = height
             break
+        almost = max(almost, latest)
+        latest = height if abs(work.answer[col.ROLL]) > ALMOST else 0.0
         holds, height = height, height - scan
     while holds - fails > RESOLUTION:
         height = 0.5 * (holds + fails)
@@ -74,7 +78,7 @@ def _lowest_wall(fleet, clock, i, work, scan):
             holds = height
         else:
             fails = height
-    return holds
+    return holds, almost
 
 
 @compiled
@@ -195,7 +199,7 @@ def _begin(fleet, i, units, axles, strips, facets, anywhere, work):
     for k in range(strips.shape[0]):
         u, a, strip, points = fleet.strip_unit[k], fleet.strip_axle[k], strips[k], fleet.strip_points[k]
         raised = axles[a, col.CENTRE] if a >= 0 else 0.0
-        half = max(0.5 * abs(strip[col.END + 2] - strip[col.START + 2]) / points, EDGE)
+        half = max(0.5 * abs(strip[col.END + 2] - strip[col.START + 2]) / points, strip[col.THICK])
         for n in range(points):
             p = (n + 0.5) / points
             x = strip[col.START] + p * (strip[col.END] - strip[col.START])

@@ -7,7 +7,7 @@ from the levers of the axles, of more than two from loads that vary linearly alo
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +17,7 @@ from solver.body import GRAVITY
 from solver.conditions import Array, Gate, Number, RigidBodyError, demand, number
 from solver.impact.tyres import CORNERING, axle_loads
 from solver.space.state import Fleet
+from solver.space.strips import SpaceStrip, joined
 from solver.space.wall import profile_points
 
 GYRATION = 0.45
@@ -34,8 +35,11 @@ OF_BODY = ("centre_height", "roll_inertia", "pitch_inertia")
 SLACK = 1.0
 """Largest heave of an axle that is assumed where the distance from the wall is judged [m]."""
 
-LONGEST_UPRIGHT, LONGEST_ALONG = 0.05, 0.25
+LONGEST_UPRIGHT, LONGEST_ALONG = 0.06, 0.4
 """Largest lengths of a point of a strip, upright and along the vehicle [m]."""
+
+EDGE, LEAST = 0.02, 1e-4
+"""Half heights within which a strip along the vehicle passes the top, and of an upright point at least [m]."""
 
 DAMPING_RATIO, ROLL_CENTRE = 0.15, 0.6
 """Assumed damping of a spring to critical for the mass on it [-], and height of the roll centre [m]."""
@@ -119,43 +123,6 @@ class SpaceAxle:
 
 
 @dataclass(frozen=True)
-class SpaceStrip:
-    """Line of a body or axle that can touch the wall.
-
-    There is one on each side.
-
-    Parameters
-    ----------
-    at : tuple of two floats or ndarrays
-        Places of both ends behind the front of its unit [m]; equal for an upright strip.
-    height : tuple of two floats or ndarrays
-        Heights of both ends at rest [m].
-    inset : float or ndarray
-        Distance inwards from the side of the unit [m].
-    stiffness, plateau : float or ndarray
-        Stiffness and plateau of the crush law per metre of length [N/m^2], [N/m].
-    restitution : float or ndarray
-        Unloading returns its square of the energy [-].
-    unloading : float or ndarray
-        Slope of unloading per metre in place of the restitution [N/m^2], or 0.
-    axle : int
-        Number of the axle to which it belongs, or -1 for the body.
-    unit : int
-        Number of its unit, from 0.
-    """
-
-    at: tuple[Number, Number]
-    height: tuple[Number, Number]
-    stiffness: Number
-    inset: Number = 0.0
-    plateau: Number = math.inf
-    restitution: Number = 0.0
-    unloading: Number = 0.0
-    axle: int = -1
-    unit: int = 0
-
-
-@dataclass(frozen=True)
 class SpaceWall:
     """A wall with a profile.
 
@@ -211,6 +178,9 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
     units = _columns([_unit(vehicle, index) for index in range(len(vehicle.units))], n)
     loads = _loads(vehicle, n)
     axles = _columns([_axle(vehicle, a, loads[a]) for a in range(len(vehicle.axles))], n)
+    for index, strip in enumerate(vehicle.strips):
+        _demand_strip(vehicle, index, vehicle.units[strip.unit])
+    vehicle = replace(vehicle, strips=joined(vehicle.strips))
     strips = _columns([_strip(vehicle, k) for k in range(len(vehicle.strips))], n)
     axle_units, strip_units, strip_axles, points = (
         np.array(values, dtype=np.int64)
@@ -380,10 +350,9 @@ def _axle(vehicle: SpaceVehicle, index: int, load: Array) -> list[Number]:
 
 
 def _strip(vehicle: SpaceVehicle, index: int) -> list[Number]:
-    """Return the columns of a strip, see `state`. Raises RigidBodyError."""
+    """Return the columns of a strip, see `state`."""
     strip = vehicle.strips[index]
     unit, (_, place, height) = vehicle.units[strip.unit], _sprung(vehicle, strip.unit)
-    _demand_strip(vehicle, index, unit)
     base = height if strip.axle < 0 else vehicle.axles[strip.axle].roll_centre
     ends = [
         value
@@ -391,7 +360,16 @@ def _strip(vehicle: SpaceVehicle, index: int) -> list[Number]:
         for value in (-at - place, 0.5 * unit.width - strip.inset, level - base)
     ]
     length = np.hypot(strip.at[1] - strip.at[0], strip.height[1] - strip.height[0])
-    return [*ends, strip.stiffness, strip.plateau, np.square(strip.restitution), strip.unloading, length]
+    thick = np.maximum(EDGE * np.abs(strip.at[1] - strip.at[0]) / length, LEAST)
+    return [
+        *ends,
+        strip.stiffness,
+        strip.plateau,
+        np.square(strip.restitution),
+        strip.unloading,
+        length,
+        thick,
+    ]
 
 
 def _demand_strip(vehicle: SpaceVehicle, index: int, unit: SpaceUnit) -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from postprocess.units import measure
 
@@ -12,6 +15,19 @@ PERCENTILES = (5, 50, 95)
 
 MOST_NAMED, LEAST_NAMED = 2, 0.05
 """Number of inputs that the sentence names, and their least fraction of the variance."""
+
+CONFIDENCE = 0.95
+"""Probability of the intervals of fractions due to the number of samples."""
+
+
+def binomial_interval(successes: np.ndarray, trials: int) -> np.ndarray:
+    """Return the interval of Clopper and Pearson of fractions, shape (2, n)."""
+    from scipy.special import betaincinv
+
+    tail, successes = 0.5 * (1.0 - CONFIDENCE), np.asarray(successes, dtype=float)
+    low = betaincinv(successes, np.maximum(trials - successes + 1.0, 0.5), tail)
+    high = betaincinv(successes + 1.0, np.maximum(trials - successes, 0.5), 1.0 - tail)
+    return np.array([np.where(successes == 0.0, 0.0, low), np.where(successes == trials, 1.0, high)])
 
 
 def percentile_names() -> tuple[str, ...]:
@@ -83,7 +99,7 @@ class ForceBand:
         ]
         parts = [
             f"Band of {self.samples} rigid vehicles over {len(self.ranges)} inputs, {assumed} with assumed ranges",
-            ", ".join(f"{100.0 * fraction:.0f} % {name}" for name, fraction in self.outcomes.items()),
+            self._outcomes,
             f"largest parts of the variance: {', '.join(largest)}" if largest else "",
             f"not varied, since outside the range: {', '.join(f'`{key}`' for key in self.fixed)}"
             if self.fixed
@@ -92,6 +108,24 @@ class ForceBand:
             f"the first of them: {self.reason}" if self.reason else "",
         ]
         return f"{'; '.join(filter(None, parts))}."
+
+    @property
+    def _outcomes(self) -> str:
+        """Fractions of the outcomes with their bounds by the number of samples, in words."""
+        if not self.outcomes:
+            return ""
+        one_sided = 1e3 * (1.0 - CONFIDENCE) ** (1.0 / self.samples)  # Clopper and Pearson, none or all
+        words = {0.0: f"at most {0.1 * math.ceil(1e3 - one_sided):.1f} %"}
+        words[1.0] = f"at least {0.1 * math.floor(one_sided):.1f} %"
+        parts = []
+        for name, fraction in self.outcomes.items():
+            if fraction not in words:
+                ends = 100.0 * binomial_interval(np.array([fraction * self.samples]), self.samples)[:, 0]
+                words[fraction] = (
+                    f"{100.0 * fraction:.0f} % ({math.floor(ends[0])} to {math.ceil(ends[1])} %)"
+                )
+            parts.append(f"{words[fraction]} {name}")
+        return f"{', '.join(parts)} (95 % confidence by their number)"
 
     def numbers(self) -> dict[str, object]:
         """Return the part `force_band` of results, SI."""

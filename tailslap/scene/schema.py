@@ -316,7 +316,10 @@ class Contact(SceneTable):
     enforcement and penalty_scale then apply.
     """
 
-    stiffness: Stiffness | None = key("crush stiffness k of each corner; default: no crush")
+    stiffness: Stiffness | None = key(
+        "crush stiffness k of each corner; default: no crush; with [body] and unloading that of the foremost "
+        "strips"
+    )
     strike_duration: Duration | None = key(
         "duration of a strike of the rear corner, which defines the crush stiffness in place of stiffness"
     )

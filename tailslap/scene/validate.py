@@ -1,5 +1,6 @@
 """Validate keys and combinations of keys."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -33,7 +34,8 @@ MOST_TRAILERS = 7
 SUBSTITUTES = {
     "impact.speed": "[start] with angle, omega and corner_speed may replace [impact]",
     "plate.youngs_modulus": "plate.first_frequency may replace plate.youngs_modulus",
-    "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate]",
+    "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate], or with "
+    "[[strip]] and [body]",
     "contact.restitution": "contact.unloading_stiffness may replace it",
     "wall.height": "without [wall] the wall of a whole impact is rigid",
 }
@@ -71,6 +73,7 @@ def validate(data: Mapping[str, object]) -> schema.Scene:
     scene = key_by_key(data)
     if missing := missing_keys(data):
         raise _missing_error(missing)
+    scene = _with_stiffness_of_strips(scene)
     if scene.contact is not None:
         _check_impact(scene, scene.contact)
     else:
@@ -107,8 +110,9 @@ def missing_keys(tables: Mapping[str, object]) -> list[str]:
         required = [key for key, field in schema.TABLES[name].model_fields.items() if field.is_required()]
         missing += absent(*(f"{place}.{key}" for place in places or [name] for key in required))
     if "contact" in present:
-        crushes = len(absent("contact.stiffness", "contact.strike_duration")) < 2
         unloads = len(absent("contact.restitution", "contact.unloading_stiffness")) < 2
+        of_strips = {"body", "strip"} <= present and (unloads or "plate" not in present)
+        crushes = of_strips or len(absent("contact.stiffness", "contact.strike_duration")) < 2
         missing += absent("contact.restitution") if crushes and not unloads else []
         missing += absent("contact.stiffness") if "plate" not in present and not crushes else []
         missing += _missing_of_wall(present, absent)
@@ -343,6 +347,29 @@ def _with_crush_stiffness(scene: schema.Scene) -> schema.Scene:
         raise InputError("contact.strike_duration", contact.strike_duration, allowed)
     values = dict(contact) | {"stiffness": stiffness}
     # The stiffness is not marked as set, so that variations of the scene compute it again.
+    derived = schema.Contact.model_construct(_fields_set=contact.model_fields_set, **values)
+    return scene.model_copy(update={"contact": derived})
+
+
+def _with_stiffness_of_strips(scene: schema.Scene) -> schema.Scene:
+    """Return the scene with the crush stiffness of its foremost strips.
+
+    It is that of the corners in the plane of a vehicle in space, where the scene has none; with a plate only if the
+    scene has an unloading, for a plate may have no crush.
+    """
+    contact, strips = scene.contact, [strip for strip in scene.strip if strip.unit == 1]
+    if contact is None or contact.crushes or not strips or scene.body is None:
+        return scene
+    if scene.plate is not None and contact.restitution is None and contact.unloading_stiffness is None:
+        return scene
+    place = min(strip.at[0] for strip in strips)
+    stiffness = math.fsum(
+        strip.stiffness * math.hypot(strip.at[1] - strip.at[0], strip.height[1] - strip.height[0])
+        for strip in strips
+        if strip.at[0] == place
+    )
+    low, high = schema.STIFFNESS_BOUNDS
+    values = dict(contact) | {"stiffness": min(max(stiffness, low), high)}
     derived = schema.Contact.model_construct(_fields_set=contact.model_fields_set, **values)
     return scene.model_copy(update={"contact": derived})
 

@@ -19,6 +19,7 @@ from solver.impact import trajectories
 from tailslap.campaign import band_samples, planar_ranges, sampling
 from tailslap.case import case_of
 from tailslap.case.case import NO_BAND
+from tailslap.case.force_band import ForceBand
 from tailslap.case.impact import strike_columns
 from tailslap.scene.read import read_scene
 
@@ -118,6 +119,15 @@ def test_a_value_outside_its_range_is_not_varied(name, change, key):
     assert band.percentiles[0] < force < band.percentiles[2]
 
 
+def test_fractions_have_their_bounds_by_the_number_of_samples():
+    """One-sided for none and all, 0.05^(1/n); two-sided between: 0, 5 and 10 of 10 by Clopper and Pearson (1934)."""
+    all_upright = ForceBand((1.0, 2.0, 3.0), 72, outcomes={"upright": 1.0, "on its side": 0.0}).sentence
+    assert 0.959 < 0.05 ** (1.0 / 72.0) < 0.960
+    assert "at least 95.9 % upright, at most 4.1 % on its side (95 % confidence" in all_upright
+    half = ForceBand((1.0, 2.0, 3.0), 10, outcomes={"upright": 0.5, "on its side": 0.5}).sentence
+    assert "50 % (18 to 82 %) upright" in half
+
+
 def test_the_first_screen_has_band_origin_and_outcomes(bands):
     for name, band in bands.items():
         lower, middle, upper = band.percentiles
@@ -129,7 +139,7 @@ def test_the_first_screen_has_band_origin_and_outcomes(bands):
         first = next(iter(band.variance_fractions))
         assert f"largest parts of the variance: `{first}` " in headline.band
     assert sum(bands[SPACE].outcomes.values()) == pytest.approx(1.0, abs=1e-12)
-    assert f"{100.0 * bands[SPACE].outcomes['upright']:.0f} % upright" in bands[SPACE].sentence
+    assert f"{100.0 * bands[SPACE].outcomes['upright']:.0f} %" in bands[SPACE].sentence
     assert not bands[IMPACT].outcomes
 
 

@@ -3,6 +3,7 @@
 import math
 import tomllib
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,13 @@ import pytest
 from space_vehicles import truck, truck_unit
 
 import tailslap
+from postprocess.units import SYSTEMS, percent_up
 from solver import RigidBodyError
 from solver.space import SpaceWall, profile_points, solve_space, solve_spaces
 from solver.space.wall import face_at
+from tailslap.case.impact.space import SpaceAnswer, space_input
+from tailslap.case.of_arguments import case_of_scene
+from tailslap.scene.read import read_scene
 
 SCENE, TRAIN = "impact-tipping-tl4-sut", "examples/train-in-space.toml"
 
@@ -119,10 +124,70 @@ def test_named_profiles_have_their_published_points():
 
 def test_results_have_the_keys_of_the_interface():
     space = tailslap.rigid(SCENE).summary["space"]
-    assert space["outcome"] in ("upright", "on its side", "over the wall")
+    assert space["outcome"] in ("upright", "on its side", "over the wall", "undecided")
+    assert space["step_error"] + space["strip_error"] <= space["error"]
+    assert space["force"]["heights"][0] == space["force"]["height"]
+    assert 2e-3 <= space["lowest_wall_error"] < 0.05
     assert {"raw", "mean_50ms", "height", "length"} <= set(space["force"])
     assert 0.1 <= space["lowest_wall"] <= 0.914
     assert 0.0 < space["largest_roll"] < math.pi / 2
+
+
+def test_strips_have_the_stiffness_of_corners_that_the_scene_lacks():
+    """Stiffness times length of the foremost strips is that of a corner, stated as assumed."""
+    changes = {"contact.stiffness": None, "contact.plateau_force": None}
+    case = case_of_scene(SCENE, changes)
+    front = [strip for strip in case.scene.strip if strip.at[0] == 0.0]
+    expected = sum(strip.stiffness * (strip.height[1] - strip.height[0]) for strip in front)
+    assert case.scene.contact.stiffness == pytest.approx(expected)
+    assert any("foremost strips (assumed)" in part for part in case.details())
+
+
+def answer(outcome="upright", lowest=0.6, error=2e-3, wall=0.9, heights=(0.65,)):
+    """Return an answer with these statements."""
+    inputs = space_input(read_scene(SCENE, [f"wall.height={wall}"])[0])
+    motion = SimpleNamespace(
+        outcome=outcome, heights=heights, error=0.0064, step_error=0.004, strip_error=0.0024, other_error=0.0,
+        answers=SimpleNamespace(largest_roll=0.5),
+    )  # fmt: skip
+    return SpaceAnswer(inputs, motion, lowest, error)  # type: ignore[arg-type]  # a motion without history
+
+
+@pytest.mark.parametrize(
+    ("values", "outcome", "words"),
+    [
+        ({}, "upright", "Lowest wall for these inputs: 0.600 m (23.6 in), error at most 2 mm"),
+        ({"lowest": math.nan, "error": 0.0}, "upright", "lower ones may. A lowest wall is not stated."),
+        (
+            {"lowest": math.nan, "error": math.inf},
+            "upright",
+            "It is undecided whether a wall as high as the centre",
+        ),
+        ({"wall": 0.61, "error": 0.02}, "undecided", "error at most 20 mm"),
+        ({"wall": 0.5}, "upright", "The wall of the scene is an exception"),
+        ({"outcome": "over the wall"}, "over the wall", "The wall of the scene is an exception"),
+    ],
+)
+def test_statements_on_walls_do_not_contradict_each_other(values, outcome, words):
+    statement = answer(**values)
+    assert statement.outcome == outcome
+    assert words in SYSTEMS["si"].rendered(statement.lowest)
+    assert "No wall" not in statement.lowest
+    assert ("undecided" in statement.verdict) == (outcome == "undecided")
+
+
+def test_equal_strikes_have_both_heights_in_words():
+    assert SYSTEMS["si"].rendered(answer(heights=(0.65, 0.43)).heights) == "0.43 or 0.65 m"
+
+
+def test_the_page_states_the_error_in_space():
+    """The headline has the error of the motion whose force it states, and names that in the plane."""
+    case = case_of_scene(SCENE, None)
+    words = SYSTEMS["si"].rendered(str(case.headline()))
+    assert (
+        f"Rigid vehicle in space; {SYSTEMS['si'].rendered(case.space.accuracy)}. In the plane; error" in words
+    )
+    assert percent_up(case.space.motion.error) in case.space.accuracy
 
 
 def test_scene_without_a_body_loads_no_space():
@@ -197,4 +262,4 @@ def test_checks_of_a_run_judge_the_motion_in_space():
     assert failed(replace(motion, history=motion.history | {"friction_work": 0.0 * motion.history["t"]})) == [
         names[0]
     ]
-    assert failed(replace(motion, error=0.03)) == [names[1]]
+    assert failed(replace(motion, other_error=0.03)) == [names[1]]

@@ -158,7 +158,7 @@ def _error_in_space(outcome: run.ImpactOutcome) -> check.Evaluation | None:
     space = outcome.fe_plan.case.space
     if space is None:
         return None
-    meaning = "error of roll, force and height of the vehicle in space by the time step; limit: verify.mesh"
+    meaning = "error of roll, force and height of the vehicle in space by step and points; limit: verify.mesh"
     return check.Evaluation(space.motion.error, outcome.fe_plan.case.scene.verify.mesh, meaning)
 
 

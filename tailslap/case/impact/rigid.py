@@ -256,6 +256,9 @@ class RigidImpact(Case):
         law = "penalty contact" if contact.enforcement == "penalty" else "exact contact"
         if contact.strike_duration is not None:
             law = f"crush stiffness of a rear strike of {self.quantity('contact.strike_duration')}"
+        elif "stiffness" not in contact.model_fields_set and contact.crushes:
+            stiffness = measure(float(contact.stiffness or 0.0), "N/m", ".4g")
+            law = f"crush stiffness {stiffness} a corner, that of the foremost strips (assumed)"
         elif contact.crushes:
             law = f"crush stiffness {self.quantity('contact.stiffness')} a corner"
         parts = [law]
@@ -311,17 +314,17 @@ class RigidImpact(Case):
         if not self.space:
             return f"{name}: {least}{force(peak)}{interval} in {where}{self.design_ratio(peak)}."
         mean = float(self.space.motion.answers.mean_50ms)
-        height = measure(float(self.space.motion.answers.height), "m", ".2f")
-        in_space = f"{force(mean)}{interval} at a height of {height}{self.design_ratio(mean)}"
+        in_space = f"{force(mean)}{interval} at a height of {self.space.heights}{self.design_ratio(mean)}"
         return f"{self.force_words}: {in_space}. {self.space.verdict}"
 
     def headline(self, band: ForceBand = NO_BAND) -> Headline:
         """Return the rigid vehicle's largest 50 ms mean."""
+        in_space = f" in space; {self.space.accuracy}. In the plane" if self.space else ""
         return Headline(
             f"Impact force: {self.subject}",
             self.force_sentence(self.answer, band=band),
             self.set_up,
-            f"Rigid vehicle; error by the time step at most {percent_up(self.motion.error)}.",
+            f"Rigid vehicle{in_space}; error by the time step at most {percent_up(self.motion.error)}.",
             band.sentence,
         )
 
@@ -398,7 +401,7 @@ class RigidImpact(Case):
             ]
             lines.append(value_line("work", float(answer.history["tyre_work"][-1]), "J", units, DIGITS))
         if self.space:
-            lines = [*self.space.text(units), "", *lines]
+            lines = [*self.space.text(units), "", "In the plane, by the corners alone", *lines]
         if remarks := answers.remarks(answer):
             lines += ["", *remarks]
         return lines + paper_lines(paper_method(self.scene, answer), units)

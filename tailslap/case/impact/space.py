@@ -14,7 +14,14 @@ from postprocess.signals import filters
 from postprocess.units import INCH, SYSTEMS, measure, percent_up
 from solver import space
 from solver.conditions import Number
-from solver.space.vehicle import DAMPING_RATIO, GYRATION, ROLL_CENTRE, ROLL_STIFFNESS, fleet_of
+from solver.space.vehicle import (
+    DAMPING_RATIO,
+    GYRATION,
+    LONGEST_UPRIGHT,
+    ROLL_CENTRE,
+    ROLL_STIFFNESS,
+    fleet_of,
+)
 from tailslap import progress
 from tailslap.case.impact import space_figures
 from tailslap.case.impact.answers import ImpactAnswer
@@ -144,13 +151,28 @@ class SpaceAnswer:
         Of the motion.
     motion : SpaceMotion
         With its history.
-    lowest_wall : float
-        Lowest wall above which the vehicle remains upright [m]; NaN where no wall does.
+    lowest_wall, lowest_wall_error : float
+        Lowest wall above which the vehicle remains upright and its error [m], see `solver.space.lowest_wall`.
     """
 
     inputs: SpaceInput
     motion: space.SpaceMotion
     lowest_wall: float
+    lowest_wall_error: float
+
+    @property
+    def outcome(self) -> str:
+        """Outcome, undecided on a wall within the error of the lowest one."""
+        is_near = abs(float(self.inputs.wall.height) - self.lowest_wall) <= self.lowest_wall_error
+        return space.UNDECIDED if is_near else self.motion.outcome
+
+    @property
+    def heights(self) -> str:
+        """Heights of the resultant, of strikes with equal means."""
+        *others, last = sorted({round(height, 2) for height in self.motion.heights})
+        return " or ".join(
+            (*(measure(h, "m", ".2f", named=False) for h in others), measure(last, "m", ".2f"))
+        )
 
     @cached_property
     def curves(self) -> dict[str, dict[str, np.ndarray]]:
@@ -199,13 +221,14 @@ class SpaceAnswer:
         peaks = {name: float(curve.max()) for name, curve in self.curves["lateral"].items()}
         works = ("wall_work", "friction_work", "tyre_work", "damping_work", "kinetic_energy")
         return {
-            "outcome": self.motion.outcome,
+            "outcome": self.outcome,
             "largest_roll": float(result.largest_roll),
             "roll_time": float(result.roll_time),
             "largest_pitch": float(result.largest_pitch),
             "pitch_time": float(result.pitch_time),
             "unit_rolls": result.unit_rolls.tolist(),
             "lowest_wall": self.lowest_wall,
+            "lowest_wall_error": self.lowest_wall_error,
             "force": {
                 **peaks,
                 "mean_50ms": float(result.mean_50ms),
@@ -213,6 +236,7 @@ class SpaceAnswer:
                 "longitudinal": -float(result.longitudinal),
                 "vertical": float(result.vertical),
                 "height": float(result.height),
+                "heights": list(self.motion.heights),
                 "length": float(result.length),
             },
             "exit": {
@@ -225,6 +249,8 @@ class SpaceAnswer:
             "lifted": self.lifted,
             "energy": {name: float(history[name][-1]) for name in works},
             "step": self.motion.step,
+            "step_error": self.motion.step_error,
+            "strip_error": self.motion.strip_error,
             "error": self.motion.error,
         }
 
@@ -237,15 +263,43 @@ class SpaceAnswer:
             "upright": f"The vehicle remains upright on {wall} with a roll of {roll}.",
             "on its side": f"The vehicle rolls on its side on {wall}.",
             "over the wall": f"The vehicle rolls over {wall}.",
-        }[self.motion.outcome]
+            space.UNDECIDED: f"It is undecided whether the vehicle remains upright on {wall}: within the numerical "
+            "error the outcome differs, or a slightly different wall is the lowest one.",
+        }[self.outcome]
 
     @property
     def lowest(self) -> str:
         """Sentence on the lowest wall that keeps the vehicle upright."""
-        if not math.isfinite(self.lowest_wall):
-            return "No wall up to the height of its centre of mass keeps the vehicle upright."
-        height = _height(self.lowest_wall)
-        return f"Lowest wall for these inputs: {height}; over varied inputs: `tailslap study tipping`."
+        centre = _height(max(float(unit.centre_height) for unit in self.inputs.vehicle.units))
+        if math.isinf(self.lowest_wall_error):
+            return f"It is undecided whether a wall as high as the centre of mass, {centre}, keeps the vehicle upright."
+        if math.isnan(self.lowest_wall):
+            return (
+                f"A wall as high as the centre of mass, {centre}, does not keep the vehicle upright; lower ones may. A "
+                "lowest wall is not stated."
+            )
+        error = f"{1e3 * self.lowest_wall_error:.0f} mm"
+        height, is_above = _height(self.lowest_wall), float(self.inputs.wall.height) > self.lowest_wall
+        exception = ""
+        if self.outcome != space.UNDECIDED and is_above != (self.outcome == "upright"):
+            exception = (
+                " The wall of the scene is an exception: between the heights that are tried, or beyond them."
+            )
+        return (
+            f"Lowest wall for these inputs: {height}, error at most {error}; over varied inputs: `tailslap study "
+            f"tipping`.{exception}"
+        )
+
+    @property
+    def accuracy(self) -> str:
+        """Stated error of roll, force and height by its parts."""
+        motion = self.motion
+        what = "force and height" if self.outcome == space.UNDECIDED else "roll, force and height"
+        step, strip = (percent_up(error) for error in (motion.step_error, motion.strip_error))
+        other = (
+            f", {percent_up(motion.other_error)} with other ones than halves" if motion.other_error else ""
+        )
+        return f"error of {what} at most {percent_up(motion.error)}: {step} by the step, {strip} by the points{other}"
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -270,8 +324,8 @@ class SpaceAnswer:
             f"Wheels off the ground: {'; '.join(lifts) or 'none'}.",
             f"Last contact at {result.last_contact:.2f} s: speed {speed}, direction {direction} and heading {yaw} away "
             "from the wall.",
-            f"Time step {self.motion.step:.1e} s; error of roll, force and height by the step at most "
-            f"{percent_up(self.motion.error)}.",
+            f"Time step {self.motion.step:.1e} s, points of upright strips at most "
+            f"{measure(1e3 * LONGEST_UPRIGHT / self.motion.points, 'mm', '.1f')} apart; {self.accuracy}.",
         )
 
     def text(self, units: str) -> list[str]:
@@ -306,8 +360,7 @@ def solve(inputs: SpaceInput) -> SpaceAnswer:
     Raises RigidBodyError for steps that are too short.
     """
     motion = space.solve_space(*inputs.arguments, on_compile=progress.compiling)
-    lowest = float(space.lowest_walls(*inputs.arguments, on_compile=progress.compiling)[0])
-    return SpaceAnswer(inputs, motion, lowest)
+    return SpaceAnswer(inputs, motion, *space.lowest_wall(*inputs.arguments, on_compile=progress.compiling))
 
 
 def plane_table(answer: SpaceAnswer, plane: ImpactAnswer) -> Table:

@@ -1,5 +1,6 @@
 """Report of the study `tipping`."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 
@@ -117,10 +118,11 @@ def report(result: TippingResult) -> Report:
 def headline(result: TippingResult) -> Headline:
     """Return the headline with the wall that keeps 95 % upright."""
     lowest, *ends = result.keeps(LEVELS[-1])
-    middle = result.keeps(LEVELS[1])[0]
+    middle, error = result.keeps(LEVELS[1])[0], result.nominal.lowest_wall_error
     answer = (
         f"Lowest wall that keeps 95 % of the samples upright: {_height(lowest, result)}; 50 %: "
-        f"{_height(middle, result)}; all values nominal: {_height(result.nominal.lowest_wall)}."
+        f"{_height(middle, result)}; all values nominal: {_height(result.nominal.lowest_wall)}"
+        f"{f', error at most {1e3 * error:.0f} mm' if 0.0 < error < math.inf else ''}."
     )
     certainty = f"By the number of samples, {result.count}, the wall lies {_between(ends, result)}."
     certainty += _decrease(result)
@@ -137,7 +139,7 @@ def _height(height: float, result: TippingResult | None = None) -> str:
     NaN is above the highest wall.
     """
     if height != height:
-        return "none" if result is None else f"above {_height(float(result.walls[-1]))}"
+        return "not stated" if result is None else f"above {_height(float(result.walls[-1]))}"
     if result is not None and height == result.walls[0]:
         return f"at most {_height(height)}"
     return f"{measure(height, 'm', '.2f')} ({height / INCH:.1f} in)"

@@ -22,6 +22,7 @@ from tailslap.campaign import engine, sampling, space_samples
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array
+from tailslap.case.force_band import binomial_interval
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.space import SpaceAnswer
 from tailslap.errors import InputError, Missing
@@ -44,9 +45,6 @@ BLOCK = 64
 
 LEVELS = (0.05, 0.5, 0.95)
 """Fractions of the samples that the lines keep upright."""
-
-CONFIDENCE = 0.95
-"""Probability of the intervals of fractions and walls due to the number of samples."""
 
 OUTPUTS = {"roll": "the largest roll", "mean_50ms": "the largest 50 ms mean"}
 """Quantities with Sobol indices, at the scene's wall."""
@@ -140,16 +138,6 @@ class TippingResult:
     def band(self, name: str) -> Array:
         """Return the percentiles of an answer by wall, shape (3, n)."""
         return np.percentile(self.answers[name], sampling.PERCENTILES, axis=1)
-
-
-def binomial_interval(successes: Array, trials: int) -> Array:
-    """Return the interval of Clopper and Pearson of fractions, shape (2, n)."""
-    from scipy.special import betaincinv
-
-    tail, successes = 0.5 * (1.0 - CONFIDENCE), np.asarray(successes, dtype=float)
-    low = betaincinv(successes, np.maximum(trials - successes + 1.0, 0.5), tail)
-    high = betaincinv(successes + 1.0, np.maximum(trials - successes, 0.5), 1.0 - tail)
-    return np.array([np.where(successes == 0.0, 0.0, low), np.where(successes == trials, 1.0, high)])
 
 
 def lowest_wall(walls: Array, fractions: Array, level: float) -> float:

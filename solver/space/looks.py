@@ -1,0 +1,97 @@
+"""Motions of one vehicle with different steps and points, and how far they are apart.
+
+The largest 50 ms mean may belong to another strike for a change of force by less than the error. Motions are
+therefore compared strike by strike, and all strikes within the error of the largest have a height.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from solver.conditions import Array
+from solver.space import state
+
+WINDOW = 0.05
+"""Duration of the mean of the design force [s]."""
+
+COMPARED = {"largest_roll": 0.05, "mean_50ms": 1e3, "height": 0.05}
+"""Quantities by which the error is judged, with the sizes below which their change is not relative [rad, N, m]."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """One motion with its rows up to the end.
+
+    Attributes
+    ----------
+    outcome : int
+        Outcome by its number in compiled code.
+    roll, mean, height, time : float
+        Largest roll, 90 deg unless upright [rad], largest 50 ms mean [N], height of its resultant [m] and its end [s].
+    rows : ndarray, shape (rows, columns)
+        See `state`.
+    interval : float
+        Time between rows [s].
+    """
+
+    outcome: int
+    roll: float
+    mean: float
+    height: float
+    time: float
+    rows: Array
+    interval: float
+
+    @cached_property
+    def strikes(self) -> tuple[Array, Array]:
+        """Means [N] and heights of their resultants [m] by their ends, shape (rows,)."""
+        window = max(1, round(WINDOW / self.interval))
+        sums = np.cumsum(self.rows[:, [state.LATERAL, state.MOMENT]], axis=0)
+        sums[window:] -= sums[:-window].copy()
+        force, moment = sums.T
+        heights = np.divide(moment, force, out=np.zeros_like(force), where=force > 0.0)
+        return force / window, heights
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Return mean and height of the strike about a time [s]."""
+        means, heights = self.strikes
+        half = round(0.5 * WINDOW / self.interval)
+        middle = round(time / self.interval)
+        first = min(max(middle - half, 0), len(means) - 1)
+        row = first + int(np.argmax(means[first : middle + half + 1]))
+        return float(means[row]), float(heights[row])
+
+    def changes(self, other: "Look") -> tuple[float, float, float]:
+        """Return relative changes of `COMPARED` from another motion."""
+        roll, mean, height = COMPARED.values()
+        force, place = self.at(other.time)
+        return (
+            abs(other.roll - self.roll) / max(self.roll, roll),
+            abs(other.mean - force) / max(force, mean),
+            abs(other.height - place) / max(place, height),
+        )
+
+    def heights(self, error: float) -> tuple[float, ...]:
+        """Return heights of strikes within an error of the largest mean.
+
+        The height of the largest mean is the first one [m]. Other strikes are at least a window apart.
+        """
+        means, places = self.strikes[0].copy(), self.strikes[1]
+        window, result = round(WINDOW / self.interval), [self.height]
+        row = round(self.time / self.interval)
+        while True:
+            means[max(row - window, 0) : row + window + 1] = -np.inf
+            row = int(np.argmax(means))
+            if means[row] < (1.0 - error) * self.mean:
+                return tuple(result)
+            result.append(float(places[row]))
+
+
+def look_at(answers: Any, rows: Array, interval: float) -> Look:
+    """Return the first of motions with its rows."""
+    outcome = int(answers.outcome[0])
+    roll = min(abs(float(answers.largest_roll[0])), 0.5 * np.pi) if outcome == state.UPRIGHT else 0.5 * np.pi
+    values = (float(v[0]) for v in (answers.mean_50ms, answers.height, answers.mean_time))
+    return Look(outcome, roll, *values, rows[: int(answers.rows[0])], interval)

@@ -1,0 +1,244 @@
+"""One motion in space, refined until its error is small.
+
+Steps and points of the strips are halved apart from each other. As the change by half of either may be small by
+chance, a further motion has other steps and points than halves. An outcome is decided where all these motions, and
+those on walls a little lower and higher, have the same.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from machine_code.compiled import OnCompile, ignore_compiling
+from solver import rules
+from solver.conditions import Array, Gate
+from solver.space import state
+from solver.space.looks import Look, look_at
+from solver.space.solve import NO_PUSH, OUTCOMES, SCAN, SpaceAnswers, lowest_walls, run, steps_of, with_points
+from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
+
+UNDECIDED = "undecided"
+"""Outcome that changes with step, points, or the height of the wall by `MARGIN`."""
+
+INTERVAL, PHASE = 1e-3, 0.2
+"""Time between rows [s], and first step times the rate of the fastest oscillation [rad]."""
+
+TOLERANCE, REFINEMENTS, POINTS, MOST_POINTS = 1e-3, 6, 2, 8
+"""Largest error, most refinements of step or points, first and most points of a strip over those of many motions."""
+
+SAFETY, FORMER, UNRESOLVED, LEAST_ERROR = 2.5, 0.25, 0.1, 2e-4
+"""Error over the last change by half the step or points; the part of the change before it that counts, as in a scheme
+of second order; the change from which a step does not resolve the motion and does not count; least error of a chosen
+step. A single change may be small by chance."""
+
+OTHER_STEPS, OTHER_POINTS = 2.0 / 3.0, 0.75
+"""Steps and points of the further motion over those of the answer."""
+
+LOWEST_WALLS = (1.0, 1.0), (1.5, 2.0), (2.0, 4.0)
+"""Steps and points over those of many motions with which a lowest wall is searched."""
+
+MARGIN = 2e-3
+"""Change of the height of the wall within which the outcome must be the same, and least error of a lowest wall [m]."""
+
+
+@dataclass(frozen=True)
+class SpaceMotion:
+    """One motion in space.
+
+    Attributes
+    ----------
+    outcome : str
+        One of `OUTCOMES`, or `UNDECIDED`.
+    answers : SpaceAnswers
+        Answers of this motion, floats in place of arrays.
+    history : dict of ndarray, shape (rows,)
+        Columns by name: t and the columns of `state` [SI]; those of later units end with "_2" and so on, those of axles
+        with the number of the axle from 1.
+    step : float
+        Time step [s].
+    points : float
+        Points of the strips over those of many motions [-].
+    step_error, strip_error : float
+        `SAFETY` times the last change of `COMPARED` by half the steps or half the points, or a quarter of the change
+        before it if that is larger; with a chosen step at least `LEAST_ERROR` in all; the second is 0 with a prescribed
+        step [-].
+    other_error : float
+        `SAFETY` times the change by `OTHER_STEPS` and `OTHER_POINTS`, 0 with a prescribed step [-].
+    heights : tuple of float
+        Height of the resultant, and of that of other strikes with a mean within the error of the largest [m].
+    """
+
+    outcome: str
+    answers: SpaceAnswers
+    history: dict[str, Array]
+    step: float
+    points: float
+    step_error: float
+    strip_error: float
+    other_error: float
+    heights: tuple[float, ...]
+
+    @property
+    def error(self) -> float:
+        """Stated relative error of largest roll, 50 ms mean and height."""
+        return max(self.step_error + self.strip_error, self.other_error)
+
+
+def column_names(units: int, axles: int) -> tuple[str, ...]:
+    """Return the column names of a row."""
+    ends = ("", *(f"_{unit}" for unit in range(2, units + 1)))
+    poses = [f"{name}{end}" for end in ends for name in state.POSE]
+    wheels = [f"{name}_{axle}" for axle in range(1, axles + 1) for name in state.WHEELS]
+    return (*state.FORCES, *state.WORKS, *state.ENERGIES, *poses, *wheels)
+
+
+def solve_space(
+    vehicle: SpaceVehicle,
+    wall: SpaceWall,
+    speed: float,
+    angle: float,
+    *,
+    interval: float = INTERVAL,
+    step: float | None = None,
+    points: float = POINTS,
+    end: float | None = None,
+    push: Array = NO_PUSH,
+    tolerance: float = TOLERANCE,
+    on_compile: OnCompile = ignore_compiling,
+) -> SpaceMotion:
+    """Solve one motion in space with its history.
+
+    Parameters
+    ----------
+    vehicle, wall : SpaceVehicle, SpaceWall
+        With floats.
+    speed, angle : float
+        Speed [m/s] and angle [rad] before the impact.
+    interval : float
+        Time between rows [s].
+    step : float or None
+        Largest step [s]; None: chosen, and refined with the points while the error exceeds the tolerance.
+    points : float
+        Points of the strips over those of many motions, of the first attempt without a step [-].
+    end : float or None
+        End of the motion [s]; None: when the vehicle no longer leans on the wall or rolls.
+    push : ndarray, shape (rows, 5)
+        Force on the first unit in each interval: along, across and up [N], its place ahead of the centre of mass along
+        the wall and its height [m], NaN for that of the centre.
+    tolerance : float
+        Tolerance by which step and points are chosen [-].
+    on_compile : callable
+        Called when code is compiled, see `machine_code.compiled.compile_once`.
+
+    Returns
+    -------
+    SpaceMotion
+        Motion with its error.
+
+    Raises
+    ------
+    RigidBodyError
+        For impossible values, where no strip reaches the face of the wall, and where the steps become too short.
+    """
+    fleet = fleet_of(vehicle, wall, speed, angle)
+    parts = int(steps_of(fleet, interval, PHASE, step)[0])
+
+    @cache
+    def solved(parts: int, points: float, higher: float = 0.0) -> tuple[SpaceAnswers, Array, Look]:
+        other = with_points(fleet, points)._replace(height=fleet.height + higher)
+        answers, rows = run(other, interval, np.array([parts]), end, push, on_compile, with_rows=True)
+        Gate().demand(rules.NO_CONTACT, bool(answers.rows[0]), float(fleet.height[0]))
+        return answers, rows, look_at(answers, rows, interval)
+
+    def look(*of: float) -> Look:
+        return solved(*of)[2]
+
+    strip_error, other_error, outcomes = 0.0, 0.0, set[int]()
+    if step:
+        step_error = SAFETY * max(look(parts, points).changes(look(max(parts // 2, 1), points)))
+    else:
+        parts, points, step_error, strip_error = _refined(look, parts, points, tolerance)
+    answers, rows, one = solved(parts, points)
+    if not step:
+        other = look(max(1, round(OTHER_STEPS * parts)), OTHER_POINTS * points)
+        coarse = look(max(parts // 2, 1), points), look(parts, 0.5 * points)
+        walls = [look(parts, points, higher) for higher in (-MARGIN, MARGIN)]
+        other_error = SAFETY * max(one.changes(other))
+        outcomes |= {motion.outcome for motion in (other, *coarse, *walls)}
+        step_error = max(step_error, LEAST_ERROR - strip_error)
+    error = max(step_error + strip_error, other_error)
+    table, names = rows[: int(answers.rows[0])], column_names(fleet.units.shape[1], fleet.axles.shape[1])
+    return SpaceMotion(
+        UNDECIDED if outcomes - {one.outcome} else OUTCOMES[one.outcome],
+        SpaceAnswers(*(values[0] for values in answers)),
+        {"t": interval * np.arange(len(table)), **dict(zip(names, table.T, strict=True))},
+        interval / parts, points, step_error, strip_error, other_error, one.heights(error),
+    )  # fmt: skip
+
+
+def lowest_wall(
+    vehicle: SpaceVehicle,
+    wall: SpaceWall,
+    speed: float,
+    angle: float,
+    *,
+    on_compile: OnCompile = ignore_compiling,
+) -> tuple[float, float]:
+    """Return the lowest wall above which a vehicle remains upright, and its error.
+
+    Parameters
+    ----------
+    vehicle, wall, speed, angle, on_compile
+        See `solve_space`; the height of the wall is not used.
+
+    Returns
+    -------
+    tuple of float
+        Height as of `lowest_walls` and error: `SAFETY` times its range by steps and points, or up to the next tried
+        wall above one on which the vehicle almost tips [m]; infinite where only some of these motions are upright on a
+        wall as high as the highest centre of mass.
+
+    Raises
+    ------
+    RigidBodyError
+        As `solve_space`.
+    """
+    walls = np.array(
+        [
+            lowest_walls(vehicle, wall, speed, angle, refine=k, finer=n, on_compile=on_compile)[0]
+            for k, n in LOWEST_WALLS
+        ]
+    )
+    height, unstated = float(walls[-1, 0]), np.isnan(walls[:, 0])
+    if unstated.any():
+        return height, 0.0 if unstated.all() else math.inf
+    error = MARGIN + SAFETY * float(np.ptp(walls[:, 0]))
+    almost = float(walls[:, 1].max())
+    return height, max(error, almost + SCAN - height if almost else 0.0)
+
+
+def _refined(
+    look: Callable[..., Look], parts: int, points: float, tolerance: float
+) -> tuple[int, float, float, float]:
+    """Refine steps or points, whichever have the larger error.
+
+    Returns the steps of an interval, the points, and the errors by both.
+    """
+    parts, former, errors = max(parts, 2), [math.inf, math.inf], [math.inf, 0.0]
+    for attempt in range(REFINEMENTS + 1):
+        if attempt and errors[0] < errors[1]:
+            points, former[0] = 2.0 * points, math.inf
+        elif attempt:
+            parts, former[1] = 2 * parts, math.inf
+        one, coarse = look(parts, points), (look(parts // 2, points), look(parts, 0.5 * points))
+        for k, other in enumerate(coarse):
+            before = FORMER * former[k] if former[k] < UNRESOLVED else 0.0
+            former[k] = max(one.changes(other))
+            errors[k] = SAFETY * max(former[k], before)
+        is_same = all(other.outcome == one.outcome for other in coarse)
+        if (sum(errors) <= tolerance and is_same) or (errors[0] < errors[1] and points >= MOST_POINTS):
+            break
+    return parts, points, errors[0], errors[1]
