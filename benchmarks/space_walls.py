@@ -48,7 +48,7 @@ def main() -> None:
         motions = [on_wall(inputs, profile, height) for height in options.heights]
         error = max(error, *(motion.error for motion in motions))
         wall = replace(inputs.wall, profile=profile)
-        lowest, uncertain = lowest_wall(inputs.vehicle, wall, inputs.speed, inputs.angle)
+        lowest, uncertain = lowest_wall(*replace(inputs, wall=wall).arguments)
         print(
             f"| {profile} | {' | '.join(map(entry, motions))} | {lowest:.3f} ± {uncertain:.3f} |", flush=True
         )

@@ -1,4 +1,4 @@
-"""Motions of one vehicle with different steps and points, and how far they are apart.
+"""Compare motions of one vehicle with different steps and points.
 
 The largest 50 ms mean may belong to another strike for a change of force by less than the error. Motions are
 therefore compared strike by strike, and all strikes within the error of the largest have a height.
@@ -46,7 +46,10 @@ class Look:
 
     @cached_property
     def strikes(self) -> tuple[Array, Array]:
-        """Means [N] and heights of their resultants [m] by their ends, shape (rows,)."""
+        """Means and heights of their resultants by their ends.
+
+        Two arrays of shape (rows,) [N], [m].
+        """
         window = max(1, round(WINDOW / self.interval))
         sums = np.cumsum(self.rows[:, [state.LATERAL, state.MOMENT]], axis=0)
         sums[window:] -= sums[:-window].copy()
@@ -73,6 +76,17 @@ class Look:
             abs(other.height - place) / max(place, height),
         )
 
+    def spread(self, error: float) -> float:
+        """Return the largest change of the height among equal means.
+
+        They are within an error of the largest mean and in its strike; the change is relative.
+        """
+        means, places = self.strikes
+        row, window = round(self.time / self.interval), round(WINDOW / self.interval)
+        strike = slice(max(row - window, 0), row + window + 1)
+        near = places[strike][means[strike] >= (1.0 - error) * self.mean]
+        return float(np.abs(near - self.height).max(initial=0.0) / max(self.height, COMPARED["height"]))
+
     def heights(self, error: float) -> tuple[float, ...]:
         """Return heights of strikes within an error of the largest mean.
 
@@ -93,5 +107,5 @@ def look_at(answers: Any, rows: Array, interval: float) -> Look:
     """Return the first of motions with its rows."""
     outcome = int(answers.outcome[0])
     roll = min(abs(float(answers.largest_roll[0])), 0.5 * np.pi) if outcome == state.UPRIGHT else 0.5 * np.pi
-    values = (float(v[0]) for v in (answers.mean_50ms, answers.height, answers.mean_time))
-    return Look(outcome, roll, *values, rows[: int(answers.rows[0])], interval)
+    mean, height, time = (float(v[0]) for v in (answers.mean_50ms, answers.height, answers.mean_time))
+    return Look(outcome, roll, mean, height, time, rows[: int(answers.rows[0])], interval)

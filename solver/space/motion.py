@@ -66,7 +66,8 @@ class SpaceMotion:
         before it if that is larger; with a chosen step at least `LEAST_ERROR` in all; the second is 0 with a prescribed
         step [-].
     other_error : float
-        `SAFETY` times the change by `OTHER_STEPS` and `OTHER_POINTS`, 0 with a prescribed step [-].
+        `SAFETY` times the change by `OTHER_STEPS` and `OTHER_POINTS`, or the change of the height between means
+        that are equal within their error if that is larger; 0 with a prescribed step [-].
     heights : tuple of float
         Height of the resultant, and of that of other strikes with a mean within the error of the largest [m].
     """
@@ -166,15 +167,18 @@ def solve_space(
         other = look(max(1, round(OTHER_STEPS * parts)), OTHER_POINTS * points)
         coarse = look(max(parts // 2, 1), points), look(parts, 0.5 * points)
         walls = [look(parts, points, higher) for higher in (-MARGIN, MARGIN)]
-        other_error = SAFETY * max(one.changes(other))
+        of_mean = SAFETY * max(one.changes(motion)[1] for motion in (other, *coarse))
+        other_error = max(SAFETY * max(one.changes(other)), one.spread(of_mean))
         outcomes |= {motion.outcome for motion in (other, *coarse, *walls)}
         step_error = max(step_error, LEAST_ERROR - strip_error)
     error = max(step_error + strip_error, other_error)
     table, names = rows[: int(answers.rows[0])], column_names(fleet.units.shape[1], fleet.axles.shape[1])
+    instants: Array = interval * np.arange(len(table), dtype=np.float64)
+    history = {"t": instants, **dict(zip(names, table.T, strict=True))}
     return SpaceMotion(
         UNDECIDED if outcomes - {one.outcome} else OUTCOMES[one.outcome],
         SpaceAnswers(*(values[0] for values in answers)),
-        {"t": interval * np.arange(len(table)), **dict(zip(names, table.T, strict=True))},
+        history,
         interval / parts, points, step_error, strip_error, other_error, one.heights(error),
     )  # fmt: skip
 
@@ -187,12 +191,16 @@ def lowest_wall(
     *,
     on_compile: OnCompile = ignore_compiling,
 ) -> tuple[float, float]:
-    """Return the lowest wall above which a vehicle remains upright, and its error.
+    """Return the lowest wall that keeps a vehicle upright, with its error.
 
     Parameters
     ----------
-    vehicle, wall, speed, angle, on_compile
-        See `solve_space`; the height of the wall is not used.
+    vehicle, wall : SpaceVehicle, SpaceWall
+        With floats; the height of the wall is not used.
+    speed, angle : float
+        Speed [m/s] and angle [rad] before the impact.
+    on_compile : callable
+        See `solve_space`.
 
     Returns
     -------

@@ -41,7 +41,7 @@ FOOT, SLOPE = 1, 2
 
 For the face and for the top the deepest penetration, then the depth at which unloading ends [m] and its slope [N/m], 0
 before; part of the point that was above the top behind the edge of the face; of the first point of a strip, 1 where
-any of it was.
+any point was.
 """
 
 LATERAL, ALONG, UP, MOMENT, STATION, SPREAD, WALL_WORK, FRICTION_WORK, TYRE_WORK, DAMPING_WORK = range(10)

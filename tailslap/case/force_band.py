@@ -111,7 +111,7 @@ class ForceBand:
 
     @property
     def _outcomes(self) -> str:
-        """Fractions of the outcomes with their bounds by the number of samples, in words."""
+        """Fractions of the outcomes in words, with bounds by their number."""
         if not self.outcomes:
             return ""
         one_sided = 1e3 * (1.0 - CONFIDENCE) ** (1.0 / self.samples)  # Clopper and Pearson, none or all

@@ -120,7 +120,10 @@ def test_a_value_outside_its_range_is_not_varied(name, change, key):
 
 
 def test_fractions_have_their_bounds_by_the_number_of_samples():
-    """One-sided for none and all, 0.05^(1/n); two-sided between: 0, 5 and 10 of 10 by Clopper and Pearson (1934)."""
+    """Bounds are one-sided for none and all, and two-sided between.
+
+    The latter are those of 5 of 10 by Clopper and Pearson (1934).
+    """
     all_upright = ForceBand((1.0, 2.0, 3.0), 72, outcomes={"upright": 1.0, "on its side": 0.0}).sentence
     assert 0.959 < 0.05 ** (1.0 / 72.0) < 0.960
     assert "at least 95.9 % upright, at most 4.1 % on its side (95 % confidence" in all_upright

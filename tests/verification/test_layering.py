@@ -29,6 +29,7 @@ COMPILED = {
     "solver.space.forces",
     "solver.space.step",
     "solver.space.dynamics",
+    "solver.space.motion",
     "solver.space.solve",
     *(f"solver.impact.{name}" for name in STEPS),
 }

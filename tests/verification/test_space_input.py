@@ -134,9 +134,9 @@ def test_results_have_the_keys_of_the_interface():
 
 
 def test_strips_have_the_stiffness_of_corners_that_the_scene_lacks():
-    """Stiffness times length of the foremost strips is that of a corner, stated as assumed."""
+    """It is stiffness times length of the foremost strips, assumed."""
     changes = {"contact.stiffness": None, "contact.plateau_force": None}
-    case = case_of_scene(SCENE, changes)
+    case: Any = case_of_scene(SCENE, changes)
     front = [strip for strip in case.scene.strip if strip.at[0] == 0.0]
     expected = sum(strip.stiffness * (strip.height[1] - strip.height[0]) for strip in front)
     assert case.scene.contact.stiffness == pytest.approx(expected)
@@ -181,8 +181,8 @@ def test_equal_strikes_have_both_heights_in_words():
 
 
 def test_the_page_states_the_error_in_space():
-    """The headline has the error of the motion whose force it states, and names that in the plane."""
-    case = case_of_scene(SCENE, None)
+    """The error is that of the motion in space."""
+    case: Any = case_of_scene(SCENE, None)
     words = SYSTEMS["si"].rendered(str(case.headline()))
     assert (
         f"Rigid vehicle in space; {SYSTEMS['si'].rendered(case.space.accuracy)}. In the plane; error" in words

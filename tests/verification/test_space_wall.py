@@ -131,7 +131,7 @@ def test_strip_in_front_of_the_face_does_not_land():
 
 
 def pieces(count, unequal=0.0):
-    """Return the shipped truck with each strip in pieces, of equal stiffness or almost."""
+    """Return the truck with strips in pieces of almost equal stiffness."""
     strips = []
     for strip in truck().strips:
         ends = [np.linspace(*pair, count + 1) for pair in (strip.at, strip.height)]
@@ -144,7 +144,7 @@ def pieces(count, unequal=0.0):
 
 @pytest.mark.parametrize("count", [2, 8])
 def test_abutting_pieces_of_a_strip_are_one_strip(count):
-    """Pieces with equal laws have the points of the strip, others do not."""
+    """Pieces with equal laws have the points of the strip."""
     whole, cut = (fleet_of(vehicle, SpaceWall(0.9), SPEED, ANGLE) for vehicle in (truck(), pieces(count)))
     assert cut.strip_points.tolist() == whole.strip_points.tolist()
     assert cut.strips == pytest.approx(whole.strips, rel=1e-12)
@@ -168,7 +168,9 @@ def test_abutting_pieces_of_a_strip_are_one_strip(count):
     ],
 )
 def test_stated_error_bounds_that_of_step_and_points(profile, height, count, most):
-    """Pieces with points of their own agree with an eighth of the step and 16 times the points of samples.
+    """Pieces agree with a finer motion of whole strips.
+
+    It has an eighth of the step and 16 times the points of samples.
 
     Before, points were no part of the stated error: rolls were 1 % and heights 0.2 m apart, 2e-4 was stated.
     """
@@ -200,7 +202,7 @@ def test_outcome_within_two_millimetres_of_the_boundary_is_undecided():
 
 
 def test_strikes_with_equal_means_have_both_heights():
-    """The lower of two strikes counts within the error, and one beside the largest does not."""
+    """Another strike counts within the error."""
     rows = np.zeros((400, 14))
     rows[50:100, 0], rows[250:300, 0] = 1.0, 0.999
     rows[:, 3] = np.where(np.arange(400) < 200, 0.6, 0.4) * rows[:, 0]
@@ -214,7 +216,7 @@ def test_strikes_with_equal_means_have_both_heights():
 
 
 def test_part_of_a_strip_above_the_top_lands_on_it():
-    """A strip half above the top pushes up by the integral of the depth of that half, and no longer by the face."""
+    """It pushes up by the integral of the depth of that part."""
     strip = (SpaceStrip((0.0, 0.0), (0.6, 1.2), 1e5), SpaceStrip((0.0, 10.0), (0.05, 0.05), 1.0))
     held = truck_unit(roll_inertia=1e14, pitch_inertia=1e14, yaw_inertia=1e14)
     axles = tuple(axle(at, damping_ratio=0.5) for at in (2.0, 8.0))

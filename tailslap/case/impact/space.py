@@ -168,11 +168,9 @@ class SpaceAnswer:
 
     @property
     def heights(self) -> str:
-        """Heights of the resultant, of strikes with equal means."""
-        *others, last = sorted({round(height, 2) for height in self.motion.heights})
-        return " or ".join(
-            (*(measure(h, "m", ".2f", named=False) for h in others), measure(last, "m", ".2f"))
-        )
+        """Heights of the resultant in words."""
+        *lower, last = sorted({round(height, 2) for height in self.motion.heights})
+        return " or ".join((*(measure(h, "m", ".2f", named=False) for h in lower), measure(last, "m", ".2f")))
 
     @cached_property
     def curves(self) -> dict[str, dict[str, np.ndarray]]:
