@@ -233,3 +233,5 @@ def test_part_of_a_strip_above_the_top_lands_on_it():
     mean = 0.5e5 * sunk**2
     assert rows.size > 10
     assert h["force_vertical"][rows] == pytest.approx(0.5 * (mean[rows] + mean[rows - 1]), rel=2e-2)
+    facing = 1e5 * 0.3 * 0.5 * (behind[rows] + behind[rows - 1])  # the part that stayed below the top
+    assert h["force_normal"][rows] == pytest.approx(facing, rel=2e-2)
