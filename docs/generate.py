@@ -190,6 +190,8 @@ SUMMARY = (
     ("force_band.outcomes.*", "", "fraction of samples by outcome, with `[body]`"),
     ("force_band.fixed", "", "keys that are not varied, with values outside their ranges"),
     ("force_band.refusal", "", "reason for no band"),
+    ("force_band.unsolved", "", "number of further vehicles, which have no solution and are omitted"),
+    ("force_band.reason", "", "reason why the first of them does not stand on its axles"),
     ("checks[].*", "", "name, value, limit, outcome, meaning and advice of a check"),
     (
         "design_forces[].*",

@@ -34,7 +34,7 @@ from tailslap.commands import COMPLETE, DONE, commands  # noqa: E402
 WRONG_INPUT, CANNOT_RUN, INTERRUPTED = 2, 3, 130
 """Exit statuses of other commands; CANNOT_RUN: the installation or the machine is insufficient."""
 
-UNDONE = "interrupted; nothing was written, and the same command begins anew"
+UNDONE = "interrupted; nothing was written, and no progress is saved"
 """Message of commands that save no progress."""
 
 STDERR = 2

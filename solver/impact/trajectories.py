@@ -283,10 +283,10 @@ def _demand_stopped(train: Train, state: Array) -> None:
     """Raise RigidBodyError for units that are wholly behind the wall."""
     reach = np.zeros_like(train.mass)
     np.maximum.at(reach, train.unit, np.hypot(train.along, train.across))
-    passed = (-reach > state[..., 1].T).any(axis=0)
-    if passed.any():
-        i = int(np.argmax(passed))
-        place = f" at index {i}" if len(passed) > 1 else ""
+    passed = np.flatnonzero((state[..., 1].T + reach < 0.0).any(axis=0))
+    if passed.size:
+        i = int(passed[0])
+        place = f" at index {i}" if len(state) > 1 else ""
         why = f"the crush does not stop the vehicle, which is {-state[i, :, 1].min():.3g} m behind the wall{place}"
         raise RigidBodyError("contact", "this law", why, "a larger stiffness or plateau force")
 

@@ -7,8 +7,8 @@ the sum of the numerators of the total indices (Efron and Stein 1981, Ann. Stat.
 
 Few rows of a Sobol sequence have columns that coincide. Rows are therefore a Latin hypercube until each group of a
 scrambled sequence has enough of them. Intervals follow from the jackknife of the groups. Where an output jumps, few
-rows may lack the rare large changes of an input, and the jackknife does not see what is missing: upper limits include
-one further row with the largest change due to any input.
+rows may not contain the rare large changes of an input, which the jackknife cannot see: upper limits include one
+further row with the largest change due to any input.
 """
 
 from __future__ import annotations

@@ -12,7 +12,8 @@ INTERVAL = "95 %"
 
 INDEX_METHOD = (
     "Sobol indices are fractions of the variance due to an input: without (first order) and with its interactions "
-    f"(total). The 95 % confidence intervals are from {GROUPS} groups of samples (jackknife, Student's t)."
+    f"(total). The 95 % confidence intervals are from {GROUPS} groups of samples (jackknife, Student's t); "
+    "upper limits include one further sample with the largest change due to any input."
 )
 """Explanation of the indices."""
 

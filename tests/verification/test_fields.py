@@ -127,8 +127,8 @@ def test_cells_name_their_nodes_in_the_order_of_other_programs(element, cell_typ
     for k in range(min(corners, nodes - corners)):
         between = positions[:, connectivity[:, [k, (k + 1) % corners]]].mean(axis=-1)
         assert_allclose(positions[:, connectivity[:, corners + k]], between, atol=1e-12)
-    for cells in (connectivity, model.discretisation.cells):
-        first, second, third = positions[:, cells[:, :3]].transpose(2, 0, 1)
+    for elements in (connectivity, model.discretisation.cells):
+        first, second, third = positions[:, elements[:, :3]].transpose(2, 0, 1)
         assert np.linalg.det(np.array([second - first, third - second]).T).min() > 0.0
 
 

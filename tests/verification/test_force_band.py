@@ -195,7 +195,7 @@ def test_a_band_that_cannot_be_computed_is_named(name, changes, key):
 
 @pytest.mark.parametrize("rear", [5.26, 5.3])
 def test_vehicles_without_equilibrium_are_counted_and_named(rear):
-    """Moments about the rear axle give the load of the front one."""
+    """Loads follow from moments about the rear axle."""
     band = band_samples.force_band(case(SPACE, f"axle.1.position={rear}"))
     drawn = sampling.latin_hypercube(len(band.ranges), 72, np.random.default_rng(sampling.SEED))
     values = {

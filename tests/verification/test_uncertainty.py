@@ -203,7 +203,7 @@ def test_the_intervals_are_those_of_the_jackknife_of_groups():
 
 @pytest.mark.parametrize(("inputs", "rows"), [(5, 64), (14, 64), (14, 128)])
 def test_the_intervals_cover_indices_of_rare_jumps(inputs, rows):
-    """Few rows lack jumps of some inputs."""
+    """Few rows do not contain jumps of all inputs."""
     covered = benchmark.coverage(benchmark.jumps(inputs, 0.003), rows, 12)["covered"]
     assert np.min(covered) >= 0.95
 
@@ -382,7 +382,7 @@ def test_a_study_of_which_nothing_is_left_is_refused(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("command", [f"study uncertainty {IMPACT}", f"study uncertainty {TRUCK}", "validate"])
-def test_interrupted_it_says_that_it_begins_anew(command, tmp_path, monkeypatch, capsys):
+def test_interrupted_it_says_that_no_progress_is_saved(command, tmp_path, monkeypatch, capsys):
     def interrupted(*arguments):
         raise KeyboardInterrupt
 
