@@ -21,6 +21,9 @@ BLOCK_SIZE = 64
 VECTOR_SIZE = 8
 """Slots that are computed as a vector; the last vector of a block may be partly idle."""
 
+ANY_NODE = 2**31 - 1
+"""Bits of a node number; with them the compiler knows that no number is negative."""
+
 
 class Lattice(NamedTuple):
     """Numbering of elements that rises by one per slot.
@@ -110,7 +113,7 @@ def gather(values, connectivity, lattice, first, count, rows):
                     target[slot] = source[slot]
         else:
             for slot in range(count):
-                node = connectivity[a, first + slot]
+                node = connectivity[a, first + slot] & ANY_NODE
                 rows[2 * a * BLOCK_SIZE + slot] = values[0, node]
                 rows[(2 * a + 1) * BLOCK_SIZE + slot] = values[1, node]
 
@@ -160,7 +163,7 @@ def scatter(force, connectivity, lattice, first, count, rows):
                     target[slot] -= source[slot]
         else:
             for slot in range(count):
-                node = connectivity[a, first + slot]
+                node = connectivity[a, first + slot] & ANY_NODE
                 force[0, node] -= rows[2 * a * BLOCK_SIZE + slot]
                 force[1, node] -= rows[(2 * a + 1) * BLOCK_SIZE + slot]
 
