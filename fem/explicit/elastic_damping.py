@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from machine_code.compiled import compiled, implements, optional
+from machine_code.compiled import compiled, implements, optional, reordered
 
 SUMS = 6
 """Number of sums over the nodes.
@@ -69,6 +69,7 @@ def power_correction(damping, sums, state, time_step, begin, end, force):
 
 
 @implements(sum_motion, ElasticDamping)
+@reordered
 def _sum_motion(damping, positions, velocities, mass, begin, end, sums):
     x, y, m = positions[0, begin:end], positions[1, begin:end], mass[begin:end]
     v_x, v_y = velocities[0, begin:end], velocities[1, begin:end]
@@ -98,6 +99,7 @@ def rigid_motion(damping, sums, time_step):
 
 
 @implements(add_damping_force, ElasticDamping)
+@reordered
 def _add_damping_force(damping, sums, positions, velocities, mass, time_step, begin, end, force):
     a, b, spin, lag = rigid_motion(damping, sums, time_step)
     x, y, m = positions[0, begin:end], positions[1, begin:end], mass[begin:end]
@@ -114,6 +116,7 @@ def _add_damping_force(damping, sums, positions, velocities, mass, time_step, be
 
 
 @implements(power_correction, ElasticDamping)
+@reordered
 def _power_correction(damping, sums, state, time_step, begin, end, force):
     a, b, spin, lag = rigid_motion(damping, sums, time_step)
     x, y = state.positions[0, begin:end], state.positions[1, begin:end]

@@ -10,7 +10,7 @@ import math
 from fem.explicit.columns import Measures
 from fem.explicit.time_loop import HOURGLASS, STRAIN, WORK, advance_to_row, copy_nodal, describe_forces
 from fem.laws.constraints import add_corner_reaction, constraint_energy, weighted
-from machine_code.compiled import compiled
+from machine_code.compiled import compiled, reordered
 
 
 @compiled
@@ -61,7 +61,7 @@ def measures_of(state, parameters, reference, force, last):
     )
 
 
-@compiled
+@reordered
 def motion(positions, velocities, force, mass, time_step, reference):
     """Return rigid motion and kinetic energies of the plate.
 
