@@ -49,6 +49,7 @@ FIGURES: Mapping[str, Sequence[str]] = {
     "benchmarks/tolerance.py": ("the 200 scenes of the tolerance",),
     "benchmarks/size.py": ("a million elements: time per step",),
     "benchmarks/stated_error.py 600": ("Numerical error", "600 coarse, wide, soft"),
+    "benchmarks/stated_error.py 150 9 --unstressed": ("150 of the same, two of three",),
     "-m tailslap confirm paper-table-3 --set corner.reaction=none": ("Another solver",),
     SPEED: ("element updates per second", "distorted mesh, 122 880", "speed-up by two threads"),
     PEERS: (
