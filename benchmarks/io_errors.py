@@ -36,7 +36,7 @@ from failing_calls import Call, run_in_child
 
 ERRORS = (errno.ENOMEM, errno.EACCES, errno.ESTALE, errno.ENOSPC, errno.EIO, errno.EMFILE)
 CHANGES = ("--set", "plate.elements=[2,1]", "--set", "output.fields=2", "--no-pictures")
-RUN = ("run", "{root}/scene.toml", *CHANGES, "--out", "{root}/out")
+RUN = ("run", "{root}/scene.toml", *CHANGES, "--force", "--out", "{root}/out")
 OTHER_RUN = (*RUN, "--set", "corner.friction=0.2")
 INTERRUPTED_RUN = (*RUN, "--set", "corner.friction=0.3")
 COMPARE = ("compare", "{root}/first", "{root}/second", "{root}/measured.csv", "--out", "{root}/out")
@@ -62,7 +62,7 @@ class Trial(NamedTuple):
 
 
 def _export(format_: str, source: str = "first") -> tuple[str, ...]:
-    return ("export", f"{{root}}/{source}", "--to", format_, "--out", "{root}/out")
+    return ("export", f"{{root}}/{source}", "--to", format_, "--force", "--out", "{root}/out")
 
 
 TRIALS = {

@@ -334,7 +334,7 @@ def export(result: Path, as_json: bool, **arguments: Any) -> int:
 @click.option(
     "--decimal-comma",
     "decimal_commas",
-    type=int,
+    type=options.Whole(min=1),
     multiple=True,
     metavar="NUMBER",
     help="Number of a result, from 1, that is a text file with decimal commas. Repeatable.",

@@ -185,13 +185,16 @@ def test_a_stiff_plate_s_impact_is_right_and_what_cannot_be_is_refused():
     assert verdict_of(scene, {"time.safety_factor": 1.2})["kind"] == "refused"
 
 
+WITHOUT_MEANS = {"force_normal": [math.nan]}
+
+
 def impact(impulse, error, passed=True, corner="rear"):
     """As much of an outcome as is judged."""
 
     def answer(corner, impulse):
         strikes = [("front", 1.0), (corner, 1.0 + impulse)]
         impacts = [SimpleNamespace(corner=c, impulse=j, peak_force=1.0, duration=1.0) for c, j in strikes]
-        return SimpleNamespace(strikes=impacts, counted=2)
+        return SimpleNamespace(strikes=impacts, counted=2, history=WITHOUT_MEANS)
 
     plate = SimpleNamespace(element="quad9", counts=(4, 2))
     case = SimpleNamespace(scene=read_scene(TRUCK)[0])
@@ -224,7 +227,7 @@ def test_a_train_is_judged_by_the_strikes_whose_error_is_stated():
     strikes = ("front", 1.0), ("trailer front", 2.0), ("trailer rear", 3.0), ("rear", 0.5)
     answer = impact(0.0, 0.0)
     answer.fe = answer.rigid = SimpleNamespace(
-        strikes=[SimpleNamespace(corner=c, impulse=j) for c, j in strikes]
+        strikes=[SimpleNamespace(corner=c, impulse=j) for c, j in strikes], history=WITHOUT_MEANS
     )
     answer.difference = {"strike_3.impulse": 2e-3, "strike_4.impulse": 0.3}
     distance = cell_verdicts.against_rigid(answer, 1e-2)
