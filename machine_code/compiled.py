@@ -138,10 +138,10 @@ class Kernel:
             if self._captures.get(kinds) is not captures:
                 path, identity = self._file(kinds, captures)
                 code = object_code.decoded(folder.read(path, object_code.LARGEST), identity)
-                self._binds.pop(kinds, None)
+                self._binds.pop(kinds, None)  # before the captures, which other threads compare
+                self._captures[kinds] = captures
                 with suppress(LookupError):  # of another kernel
                     self._binds |= {kinds: object_code.load_code(code)} if code else {}
-                self._captures[kinds] = captures
             return self._binds.get(kinds)
 
     def _bind_for(self, kinds: Kinds) -> Bind:

@@ -96,6 +96,10 @@ def _status(arguments: list[str] | None) -> int:
     except OSError as error:
         return _complain(errors.machine_fault(error), CANNOT_RUN)
     except Exception as error:  # a fault of the program, whose traceback is printed on demand
+        from machine_code.values import TranslationError
+
+        if isinstance(error, TranslationError):  # a law from outside
+            return _complain(str(error), WRONG_INPUT)
         if os.environ.get("TAILSLAP_TRACEBACK"):
             raise
         why = f"internal error, {type(error).__name__}: {errors.shortened(str(error))}"

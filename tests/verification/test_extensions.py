@@ -36,6 +36,7 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.report import ImpactReport
 from tailslap.case.impact.run import attempt
 from tailslap.case.resources import loop_seconds
+from tailslap.cli import _status
 from tailslap.errors import InputError
 from tailslap.result.columns import impact_columns
 from tailslap.scene.read import read_scene
@@ -209,6 +210,27 @@ def test_a_law_from_outside_belongs_to_the_code_of_its_loops_alone(registered):
     finally:
         FRICTION_LAWS["smoothed"] = law
     assert (files(), digest_of_laws()) == ([drag, smoothed], laws)
+
+
+def force_as_list(law: Any, normal: float, stopping: float) -> Any:
+    return [stopping]
+
+
+def test_a_law_that_cannot_be_compiled_ends_a_command_with_its_line(registered, tmp_path, capsys):
+    law = FRICTION_LAWS["smoothed"]
+    FRICTION_LAWS["smoothed"] = replace(law, force=force_as_list)
+    try:
+        assert (
+            _status(
+                ["run", "paper-table-3", "--set", "corner.reaction=smoothed", "--out", str(tmp_path / "out")]
+            )
+            == 2
+        )
+    finally:
+        FRICTION_LAWS["smoothed"] = law
+    place = f"{__file__}:{force_as_list.__code__.co_firstlineno + 1}"
+    assert f"tailslap: {place}: a kernel cannot have [stopping]\n" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("name", ADDED)
