@@ -19,7 +19,7 @@ from machine_code.object_code import UnknownTypeError
 from machine_code.values import Array, TranslationError
 
 WEIGHTS = np.array([[0.25, -0.5], [0.75, 2.0]])
-ROTATION = 0.6 + 0.8j
+ROTATION, TURNED, HUGE = 0.6 + 0.8j, 2.0j, 1e200 - 3e200j
 
 
 @pytest.fixture(autouse=True)
@@ -228,7 +228,8 @@ def numbers(x, y):
     z = ROTATION * x
     z = z + y - z / (z * z + 2.0)
     z *= 1.0 + 0.5j
-    return abs(z), z.real, (-z).imag
+    turned, small = z / TURNED, 1e200 * z / HUGE
+    return abs(z), z.real, (-z).imag, turned.real, turned.imag, small.real, small.imag
 
 
 def records(part):
