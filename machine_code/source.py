@@ -200,7 +200,7 @@ def parameters_of(node: Function) -> list[str]:
     """
     arguments = node.args
     if arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.defaults:
-        raise TranslationError("a kernel has plain parameters without defaults")
+        raise TranslationError("parameters with defaults, by name alone, or in any number")
     return [argument.arg for argument in (*arguments.posonlyargs, *arguments.args)]
 
 

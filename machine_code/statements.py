@@ -51,7 +51,8 @@ class Statements(Expressions):
 
     def run(self, arguments: Arguments) -> Value:
         """Translate the function for these arguments and return its result."""
-        parameters = source.parameters_of(self.node)
+        with self._located(self.node):
+            parameters = source.parameters_of(self.node)
         if len(parameters) != len(arguments):
             refuse(
                 f"{self.function.__qualname__} has {len(parameters)} parameters, and {len(arguments)} arguments"
@@ -65,8 +66,9 @@ class Statements(Expressions):
             return self._returned(returns[0])
         self._end = self.code.new_block()
         self._block(statements)
-        if self.code.is_reached and self._result and not isinstance(self._result.value, Nothing):
-            refuse(f"an end of {self.function.__qualname__} without return, where others return a value")
+        with self._located(self.node):
+            if self.code.is_reached and self._result and not isinstance(self._result.value, Nothing):
+                refuse(f"an end of {self.function.__qualname__} without return, where others return a value")
         self.code.jump(self._end)
         self.code.begin(self._end)
         return self._load(self._result) if self._result else NOTHING
@@ -83,8 +85,8 @@ class Statements(Expressions):
                 translate(statement)
 
     @contextmanager
-    def _located(self, node: ast.stmt) -> Iterator[None]:
-        """Name the line of a statement in an error within it."""
+    def _located(self, node: ast.stmt | source.Function) -> Iterator[None]:
+        """Name the line of a statement or function in an error within it."""
         try:
             yield
         except TranslationError as error:

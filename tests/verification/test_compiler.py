@@ -396,11 +396,14 @@ def test_what_a_kernel_cannot_have_is_named_with_its_line(statement):
     assert LINE.match(str(caught.value))
 
 
-def test_a_function_that_may_end_without_return_is_refused():
-    with pytest.raises(
-        TranslationError, match="an end of kernel without return, where others return a value"
-    ):
-        Kernel(function_of("def kernel(n):\n    if n > 1:\n        return 1.0\n"))(2)
+@pytest.mark.parametrize(("text", "message"), [
+    ("def kernel(n):\n    if n > 1:\n        return 1.0\n", "an end of kernel without return"),
+    ("def kernel(n, *x):\n    return n\n", "parameters with defaults, by name alone, or in any number"),
+])  # fmt: skip
+def test_a_function_that_cannot_be_a_kernel_is_named_with_its_line(text, message):
+    with pytest.raises(TranslationError, match=message) as caught:
+        Kernel(function_of(text))(2)
+    assert LINE.match(str(caught.value))
 
 
 @pytest.mark.parametrize("dtype", ["f4", "i2", "i1", "u1", "u8", "f2"])
