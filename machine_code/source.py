@@ -23,7 +23,8 @@ Place = tuple[tuple[int, int], ...]
 def tree_of(function: FunctionType) -> Function:
     """Return the syntax tree of a function or lambda.
 
-    Raises TranslationError where its source is not available, or no longer that of the function.
+    Raises TranslationError where its source is not available, or no longer that of the function, and for other than
+    plain parameters.
     """
     code = function.__code__
     node = _node(code)
@@ -35,6 +36,10 @@ def tree_of(function: FunctionType) -> Function:
             f"the source of {function.__qualname__} is not available, or was changed after its import: "
             f"{code.co_filename}:{code.co_firstlineno}"
         )
+    arguments = node.args
+    if arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.defaults:
+        what = "parameters with defaults, by name alone, or in any number"
+        raise TranslationError(what, f"{code.co_filename}:{code.co_firstlineno}")
     if isinstance(node, ast.FunctionDef) and not hasattr(node, "is_separated"):
         node.is_separated = True  # type: ignore[attr-defined]
         body = list(map(_Part, node.body))
@@ -194,14 +199,8 @@ def _variables(name: str, events: list[_Part], count: Iterator[int]) -> Iterator
 
 
 def parameters_of(node: Function) -> list[str]:
-    """Return the names of a function's parameters.
-
-    Raises TranslationError for other than plain ones.
-    """
-    arguments = node.args
-    if arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.defaults:
-        raise TranslationError("parameters with defaults, by name alone, or in any number")
-    return [argument.arg for argument in (*arguments.posonlyargs, *arguments.args)]
+    """Return the names of a function's parameters."""
+    return [argument.arg for argument in (*node.args.posonlyargs, *node.args.args)]
 
 
 def body_of(node: Function) -> list[ast.stmt]:

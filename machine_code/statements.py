@@ -51,8 +51,7 @@ class Statements(Expressions):
 
     def run(self, arguments: Arguments) -> Value:
         """Translate the function for these arguments and return its result."""
-        with self._located(self.node):
-            parameters = source.parameters_of(self.node)
+        parameters = source.parameters_of(self.node)
         if len(parameters) != len(arguments):
             refuse(
                 f"{self.function.__qualname__} has {len(parameters)} parameters, and {len(arguments)} arguments"
@@ -86,7 +85,7 @@ class Statements(Expressions):
 
     @contextmanager
     def _located(self, node: ast.stmt | source.Function) -> Iterator[None]:
-        """Name the line of a statement or function in an error within it."""
+        """Name the line of a statement or function in its errors."""
         try:
             yield
         except TranslationError as error:
