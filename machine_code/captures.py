@@ -22,6 +22,9 @@ Choose = Callable[..., Any]
 CHOICES: dict[object, list[tuple[Choose, bool]]] = {}
 """Choices of the implementations of generic functions, and whether their code is merged into the caller."""
 
+Read = tuple[Callable[[Any], object], Any, object]
+"""Function that reads a name, the name, and its value."""
+
 SCALARS = (bool, int, float, complex, str, type(None), np.generic)
 
 STANDARD, NUMPY = os.path.dirname(os.__file__) + os.sep, os.path.dirname(np.__file__) + os.sep
@@ -40,7 +43,8 @@ class Captures:
         self._values: list[Any] = []
         self._laws: list[Any] = []
         self._kinds: list[type] = []
-        self._reads: tuple[list[tuple[Callable[[Any], object], Any, object]], ...] = ([], [])
+        self._data: dict[tuple[int, int], Read] = {}
+        self._objects: dict[tuple[int, int], Read] = {}
         texts = [self._text(root), *map(self._text, sorted(kinds, key=_name))]
         chosen: set[tuple[int, type]] = set()
         for value in self._values:  # to which values are added
@@ -49,7 +53,7 @@ class Captures:
                 for laws, kind in product(self._laws, self._kinds):
                     if (id(laws), kind) not in chosen:
                         chosen.add((id(laws), kind))
-                        law = self._read(laws.by_type, kind)
+                        law = laws.by_type(kind)
                         texts += self._fields(vars(law)) if law is not None else ()
         self.digest = hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
@@ -58,12 +62,13 @@ class Captures:
 
         Items of arrays are not compared. with_functions: False for names of data alone.
         """
-        data, objects = self._reads
-        return all(read(name) is value for read, name, value in (data + objects if with_functions else data))
+        reads = (self._data, self._objects) if with_functions else (self._data,)
+        return all(read(name) is value for part in reads for read, name, value in part.values())
 
-    def _read(self, read: Callable[[Any], Any], name: Any) -> Any:
+    def _read(self, owner: Any, read: Callable[[Any], Any], name: Any) -> Any:
         value = read(name)
-        self._reads[not isinstance(value, (*SCALARS, tuple, np.ndarray))].append((read, name, value))
+        reads = self._data if isinstance(value, (*SCALARS, tuple, np.ndarray)) else self._objects
+        reads[id(owner), id(name)] = read, name, value
         return value
 
     def follows(self, function: FunctionType) -> bool:
@@ -96,6 +101,10 @@ class Captures:
             yield self._text(value.intrinsic)
         elif hasattr(value, "by_type"):
             self._laws.append(value)
+            if isinstance(value, dict):
+                self._read(value, len, value)
+                for name in value:
+                    self._read(value, value.get, name)
         elif isinstance(value, type):
             self._kinds.append(value)
             yield from self._fields(getattr(value, "_field_defaults", {}))
@@ -105,18 +114,18 @@ class Captures:
 
     def _function(self, function: FunctionType) -> Iterator[str]:
         yield code_text(function.__code__)
-        for choose, is_merged in self._read(CHOICES.get, function) or ():
+        for choose, is_merged in self._read(CHOICES, CHOICES.get, function) or ():
             yield f"choice {is_merged} {self._text(choose)}"
         codes = list(nested_codes(function.__code__))
         self._codes.update(codes)
         names = dict.fromkeys(name for code in codes for name in code.co_names)
         cells = dict(zip(function.__code__.co_freevars, function.__closure__ or (), strict=True))
         for name, cell in cells.items():
-            yield from self._named(name, self._read(_content, cell), names, set())
+            yield from self._named(name, self._read(cell, _content, cell), names, set())
         for name in names:
             for scope in (function.__globals__, vars(builtins)):
                 if name in scope:
-                    yield from self._named(name, self._read(scope.get, name), names, set())
+                    yield from self._named(name, self._read(scope, scope.get, name), names, set())
                     break
 
     def _named(self, name: str, value: Any, names: Iterable[str], above: set[int]) -> Iterator[str]:
@@ -129,7 +138,7 @@ class Captures:
             for owner in getattr(value, "__mro__", (value,)):
                 for attribute in names:
                     if attribute in vars(owner):
-                        content = self._read(vars(owner).get, attribute)
+                        content = self._read(owner, vars(owner).get, attribute)
                         yield from self._named(attribute, content, names, above | {id(value)})
 
 

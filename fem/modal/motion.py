@@ -10,7 +10,7 @@ import math
 from typing import NamedTuple
 
 from fem.laws.friction import FRICTION_LAWS
-from machine_code.compiled import by_law, compiled
+from machine_code.compiled import by_law, compiled, reordered
 
 
 class ModalMeasures(NamedTuple):
@@ -67,7 +67,7 @@ def reaction(place, speed, model):
     return Reaction(-gap / compliance, sigma, compliance, z_xx, z_xy, z_yy, d_x, d_y)
 
 
-@compiled
+@reordered
 def accelerate(place, speed, model, workspace, result):
     """Fill `result` with the accelerations, shape (3 + modes,).
 
@@ -133,7 +133,7 @@ def accelerate(place, speed, model, workspace, result):
     result[2] = wdot
 
 
-@compiled
+@reordered
 def measure_state(place, speed, model):
     """Return the `ModalMeasures` of a state."""
     phi, kappa = model.corner, model.flexibility[2, 2]

@@ -14,7 +14,7 @@ from fem.laws.materials import energy_density, green_strain, stress
 from fem.model.plate_model import PlateModel
 from fem.plate.lanczos import fixed_vector, largest_eigenpair
 from fem.start.inertia_relief import to_global
-from machine_code.compiled import compact, compiled, inlined
+from machine_code.compiled import compact, compiled, inlined, reordered
 from machine_code.object_code import Prepared
 
 TOLERANCE, BASIS = 1e-3, 8
@@ -132,7 +132,7 @@ def _orthogonalise(rows, projected, row):
     return length
 
 
-@compiled
+@reordered
 def _overlap(rows, first, second):
     overlap = 0.0
     for unknown in range(rows.shape[1]):

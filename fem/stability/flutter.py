@@ -25,7 +25,7 @@ from fem.model.plate_model import PlateModel
 from fem.plate.elastic import Inverse
 from fem.plate.properties import RigidStart
 from fem.start.inertia_relief import to_global
-from machine_code.compiled import compact, compiled
+from machine_code.compiled import compact, compiled, reordered
 
 MAX_UNKNOWNS = 1200
 """Largest number of unknowns whose modes are computed.
@@ -229,7 +229,7 @@ def growing_modes(squares, residues, stiffness, dashpot, viscous, rate, top):
     return round(abs(turned) / math.pi)
 
 
-@compiled
+@reordered
 def _response(squares, residues, stiffness, dashpot, exact, real, imaginary):
     """Return both parts of f(s) at s = real + i imaginary.
 
