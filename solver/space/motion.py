@@ -29,7 +29,7 @@ INTERVAL, PHASE = 1e-3, 0.2
 TOLERANCE, REFINEMENTS, POINTS, MOST_POINTS = 1e-3, 6, 2, 8
 """Largest error, most refinements of step or points, first and most points of a strip over those of many motions."""
 
-SAFETY, FORMER, UNRESOLVED, LEAST_ERROR = 2.5, 0.25, 0.1, 2e-4
+SAFETY, FORMER, UNRESOLVED, LEAST_ERROR = 3.0, 0.25, 0.1, 2e-4
 """Error over the last change by half the step or points; the part of the change before it that counts, as in a scheme
 of second order; the change from which a step does not resolve the motion and does not count; least error of a chosen
 step. A single change may be small by chance."""
