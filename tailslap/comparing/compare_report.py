@@ -3,13 +3,13 @@
 import math
 from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 import tailslap
 from postprocess.comparison.metrics import COVERED, LIMITS, Beside, beside
-from postprocess.comparison.quantities import QUANTITIES
+from postprocess.comparison.quantities import FORCE, QUANTITIES
 from postprocess.figures.histories import COMPARED, Curve, draw_overlay
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section
@@ -37,12 +37,19 @@ WHOLE = 0.9
 """Part of the reference's time below which a remark states the compared part."""
 
 Value = TypeVar("Value", bound=Hashable)
+
+
+def yes(within: bool) -> str:
+    """Return the word for a criterion."""
+    return "yes" if within else "NO"
+
+
 HEADS = {"magnitude": "M", "phase": "P", "combined": "C", "mean_residual": "Mean", "deviation": "SD"}
 METRICS = (
     *columns({"item": "Result", "name": "Column"}),
     *columns({**HEADS, "largest": "Largest"}, form=lambda ratio: percent(ratio).removesuffix(" %")),
     Column("covered", "Time", form=lambda part: f"{100.0 * part:.0f}"),
-    Column("within", "Within", form=lambda within: "yes" if within else "NO"),
+    Column("within", "Within", form=yes),
 )
 WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
     "x_g": ("x_G", "Position of the centre of mass along the wall"),
@@ -53,11 +60,19 @@ WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
 """Symbol and caption of the curves, by column."""
 
 NOTE = (
-    "M, P, C: Sprague-Geers magnitude, phase and comprehensive metrics. Mean, standard deviation (SD) and largest "
-    "value of the differences, relative to the peak of the reference, as in NCHRP W179. Limits: "
-    f"{100 * LIMITS['magnitude']:.0f} % for M, P and C, {100 * LIMITS['mean_residual']:.0f} % for the mean, "
-    f"{100 * LIMITS['deviation']:.0f} % for SD. Time: compared part of the time of the reference, at least "
-    f"{100 * COVERED:.0f} %."
+    (
+        "M, P, C: Sprague-Geers magnitude, phase and comprehensive metrics. Mean, standard deviation (SD) and largest "
+        "value of the differences, relative to the peak of the reference, as in NCHRP W179. Limits: "
+        "{magnitude:.0%} for M, P and C, {mean_residual:.0%} for the mean, {deviation:.0%} for SD. Time: compared part of "
+        f"the time of the reference, at least {COVERED:.0%}."
+    )
+    .format(**LIMITS)
+    .replace("%", " %")
+)
+
+WEIGHTED = (
+    "Weight: largest change of momentum of the channel in the reference (angular velocity: over the radius of "
+    "gyration); weighted: mean of the sizes of the metrics. Channels are velocities, where W179 uses accelerations."
 )
 
 
@@ -77,6 +92,11 @@ class Comparison:
     def reference(self) -> Item:
         """Item with which the others are compared."""
         return self.items[0]
+
+    @property
+    def labels(self) -> list[str]:
+        """Labels of the others."""
+        return [item.label for item in self.items[1:]]
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -116,7 +136,7 @@ def compare_items(
     notes = [note for item in items for note in item.notes]
     mapped = {key.rpartition(":")[2].strip() for key in mapping}
     for k, item in enumerate(items[1:], 2):
-        _demand_one_unit_of_time({1: reference, k: item})
+        _demand_one_unit_of_time(reference, item, k)
         compared, excluded = _in_common(item, reference, only, mapped)
         pairs += [(item.label, pair) for pair in compared]
         notes += _remarks(item, reference, compared, excluded)
@@ -125,27 +145,24 @@ def compare_items(
     return Comparison(tuple(items), tuple(pairs), tuple(dict.fromkeys(notes)), not_compared)
 
 
-def _demand_one_unit_of_time(records: Mapping[int, Item]) -> None:
+def _demand_one_unit_of_time(reference: Item, item: Item, number: int) -> None:
     """Refuse an implausible assumed unit of time.
 
-    Durations of the records then differ more than tenfold. records: reference and another, by their numbers. Raises
-    InputError.
+    Durations then differ more than tenfold. number: of the item. Raises InputError.
     """
+    records = {1: reference, number: item}
     spans = {k: float(np.ptp(record.columns[TIME])) for k, record in records.items()}
-    guessed = [k for k, record in records.items() if record.unit_of_time == "assumed"]
-    if all(
-        record.unit_of_time == "columns" for record in records.values()
-    ):  # of which one may be in another unit
-        guessed = [*records]
-    if guessed and max(spans.values()) > MOST_RATIO * min(spans.values()):
-        last = " and ".join(f"{records[k].label} {spans[k]:.4g} s" for k in sorted(records, reverse=True))
-        units = {k: "ms" if spans[k] == max(spans.values()) else "s" for k in guessed}
-        advice = ",".join(f"{k}:time={records[k].time_name} [{unit}]" for k, unit in units.items())
-        allowed = (
-            f"{last.replace(' ', ' lasts ', 1)} if times without a unit are seconds; allowed is a unit in the file, or "
-            f'by the number of the result, --columns "{advice}"'
-        )
-        raise InputError("RESULT", records[guessed[-1]].label, allowed)
+    is_of_all = all(record.unit_of_time == "columns" for record in records.values())  # one may have another
+    guessed = [k for k, record in records.items() if is_of_all or record.unit_of_time == "assumed"]
+    if not guessed or max(spans.values()) <= MOST_RATIO * min(spans.values()):
+        return
+    units = {k: "ms" if span == max(spans.values()) else "s" for k, span in spans.items()}
+    advice = ",".join(f"{k}:time={records[k].time_name} [{units[k]}]" for k in guessed)
+    allowed = (
+        f"{item.label} lasts {spans[number]:.4g} s and {reference.label} {spans[1]:.4g} s if times without a unit are "
+        f'seconds; allowed is a unit in the file, or by the number of the result, --columns "{advice}"'
+    )
+    raise InputError("RESULT", records[guessed[-1]].label, allowed)
 
 
 def _not_compared(item: Item, reference: Item, finished: Collection[str], is_limited: bool) -> dict[str, str]:
@@ -153,17 +170,13 @@ def _not_compared(item: Item, reference: Item, finished: Collection[str], is_lim
 
     finished: compared and excluded ones; is_limited: by --only.
     """
-    both = item.columns.keys() & reference.columns.keys()
-    reasons = dict[str, str]()
+    limited = "not in --only" if is_limited else "no main column, compared by --only"
+    reasons = dict.fromkeys((name for name in item.columns if name in reference.columns), limited)
     for record, other in ((item, reference), (reference, item)):
         for name in (*record.columns, *record.unread):
-            if name in both:
-                why = "not in --only" if is_limited else "no main column, compared by --only"
-            else:
-                why = "; ".join(filter(None, (f"not in {other.label}", record.unread.get(name))))
-            if name not in finished:
-                reasons.setdefault(name, why)
-    return reasons
+            remark = record.unread.get(name)
+            reasons.setdefault(name, f"not in {other.label}" + (f"; {remark}" if remark else ""))
+    return {name: why for name, why in reasons.items() if name not in finished}
 
 
 def _in_common(
@@ -231,7 +244,7 @@ def _by_value(pairs: Iterable[tuple[str, Value]]) -> Iterator[tuple[str, Value]]
 def compare_report(comparison: Comparison) -> Report:
     """Report a comparison."""
     table, opening = metrics_table(comparison), headline(comparison)
-    compared: dict[str, dict[str, object]] = {item.label: {} for item in comparison.items[1:]}
+    compared: dict[str, dict[str, object]] = {label: {} for label in comparison.labels}
     for label, pair in comparison.pairs:
         compared[label][pair.name] = _numbers(pair)
     summary = {
@@ -259,28 +272,44 @@ def headline(comparison: Comparison) -> Headline:
     sizes = [abs(pair.largest[0]) for _, pair in comparison.pairs]
     position = max(range(len(sizes)), key=lambda k: sizes[k] if math.isfinite(sizes[k]) else math.inf)
     label, worst = comparison.pairs[position]
-    outside = [f"{pair.name} of {label}" for label, pair in comparison.pairs if not pair.metrics.within]
-    short = [f"{pair.name} of {label}" for label, pair in comparison.pairs if pair.covered < COVERED]
+    of = {f"{pair.name} of {label}": pair for label, pair in comparison.pairs}
+    outside = ", ".join(name for name, pair in of.items() if not pair.metrics.within)
+    short = ", ".join(name for name, pair in of.items() if pair.covered < COVERED)
     part = f"compared for less than {100 * COVERED:.0f} % of the time of the reference"
-    faults = [f"beyond the limits of NCHRP W179: {', '.join(outside)}"] if outside else []
-    faults += [f"{part}: {', '.join(short)}"] if short else []
-    answer = f"All {len(sizes)} histories are within the limits of NCHRP W179."
-    if faults:
-        answer = f"Failed: {'; '.join(faults)}."
-    difference = (
-        f"Largest difference: {worst.name} of {label}, {percent(worst.largest[0])} of the peak, at "
-        f"{worst.largest[1]:.4g} s."
-    )
-    labels = ", ".join(item.label for item in comparison.items[1:])
+    faults = [f"beyond the limits of NCHRP W179: {outside}"] if outside else []
+    faults += [f"{part}: {short}"] if short else []
+    within = f"All {len(sizes)} histories are within the limits of NCHRP W179."
+    answer = f"Failed: {'; '.join(faults)}." if faults else within
+    largest = f"{worst.name} of {label}, {percent(worst.largest[0])} of the peak, at {worst.largest[1]:.4g} s"
+    labels = ", ".join(comparison.labels)
     set_up = f"Compared: {labels}; reference: {comparison.reference.label}."
-    return Headline(f"Comparison of {labels} with {comparison.reference.label}", answer, set_up, difference)
+    return Headline(
+        f"Comparison of {labels} with {comparison.reference.label}",
+        answer,
+        set_up,
+        f"Largest difference: {largest}.",
+    )
 
 
-def metrics_table(comparison: Comparison) -> Table:
-    """Return the table of metrics, one row per item and column."""
-    rows = [{"item": label, **_numbers(pair)} for label, pair in comparison.pairs]
-    title = f"Differences from {comparison.reference.label}, in %"
-    return Table(METRICS, rows, title, notes=(NOTE,), marks=failed(rows, "within"))
+def metrics_table(comparison: Comparison, weighted: Mapping[str, Mapping[str, Any]] | None = None) -> Table:
+    """Return the table of metrics, one row per item and column.
+
+    weighted: weights and metrics of all columns together by label, which then have a row.
+    """
+    rows: list[dict[str, Any]] = []
+    for label in comparison.labels:
+        together = (weighted or {}).get(label, {})
+        weights = together.get("weights", {})
+        compared = [pair for name, pair in comparison.pairs if name == label]
+        rows += [{"item": label, "weight": weights.get(pair.name), **_numbers(pair)} for pair in compared]
+        if weights:
+            row = {"item": label, "name": "weighted", "weight": 1.0, "largest": None, "covered": None}
+            rows.append({**row, **together})
+    title, marks = f"Differences from {comparison.reference.label}, in %", failed(rows, "within")
+    if weighted is None:
+        return Table(METRICS, rows, title, (NOTE,), marks)
+    heads = (*METRICS[:2], Column("weight", "Weight", form=".3f"), *METRICS[2:])
+    return Table(heads, rows, title, (f"{NOTE} {WEIGHTED}",), marks)
 
 
 def failed(rows: Sequence[Mapping[str, object]], key: str) -> dict[int, str]:
@@ -304,19 +333,16 @@ def _quantities(comparison: Comparison) -> Iterator[Table]:
         for label, summary in summaries.items()
         if "t" in summary.get("fe", {})
     }
-    if len(results) < 2:
-        return
-    heads = (
-        Column("title", "At the tail-slap, FE"),
-        Column("unit", "Unit", is_unit=True),
-        *(Column(str(k), label, form=".7g", unit_key="unit") for k, label in enumerate(results)),
-    )
-    numbered = [(str(k), fe) for k, fe in enumerate(results.values())]
-    rows = [
-        *map(vars, QUANTITIES.values()),
-        {"key": "peak_force", "title": "Peak lateral force", "unit": "N"},
-    ]
-    yield Table(heads, [{**row, **{k: fe[row["key"]] for k, fe in numbered}} for row in rows])
+    if len(results) > 1:
+        heads = (
+            Column("title", "At the tail-slap, FE"),
+            Column("unit", "Unit", is_unit=True),
+            *columns({f"of {label}": label for label in results}, form=".7g", unit_key="unit"),
+        )
+        rows = ((key, vars(quantity)) for key, quantity in (QUANTITIES | FORCE).items())
+        yield Table(
+            heads, [row | {f"of {label}": fe[key] for label, fe in results.items()} for key, row in rows]
+        )
 
 
 def _curves(comparison: Comparison, less: bool = False) -> Iterator[Chart]:
@@ -330,16 +356,11 @@ def _curves(comparison: Comparison, less: bool = False) -> Iterator[Chart]:
         symbol, caption = WORDS.get(name, (name, f"Column `{name}`"))
         if less:
             curves = [Curve(label, x.t, x.difference) for label, x in comparison.pairs if x.name == name]
-            file, title = f"difference_{name}", f"difference of {symbol}"
             caption = f"{caption.partition(',')[0]}, difference from {comparison.reference.label}"
         else:
-            curves = [
-                Curve(i.label, i.columns[TIME], i.columns[name])
-                for i in comparison.items
-                if name in i.columns
-            ]
-            file, title = name, symbol
+            items = [item for item in comparison.items if name in item.columns]
+            curves = [Curve(item.label, item.columns[TIME], item.columns[name]) for item in items]
         unit = comparison.reference.units.get(name)
-        heading = f"{title} [{unit}]" if unit else title
-        width = FULL if name == main and not less else PART
+        heading = ("difference of " if less else "") + symbol + (f" [{unit}]" if unit else "")
+        file, width = f"difference_{name}" if less else name, FULL if name == main and not less else PART
         yield draw_overlay(file, heading, curves, caption, width).in_units(SI)

@@ -7,11 +7,11 @@ cell or NaN is a missing value. A channel of ISO-MME (ISO/TS 13499) has one colu
 
 import csv
 import re
-from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import count, takewhile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import takewhile, zip_longest
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from tailslap.scene.read import read_text
 from tailslap.scene.units import COMMA
 
 COMMENTS, MARKS = ("#", "%", "*", "$"), "\t;,"
-BRACKETS = re.compile(r"\[([^\]]*)\]|\(([^)]*)\)")
+BRACKETS = re.compile(r"\[[^\]]*\]|\([^)]*\)")
 BLANK_NAMES = re.compile(r'"[^"]*"|\S+?(?:\s*[\[(][^\])]*[\])])+|\S+')
 """Names that are separated by blanks, with their units in brackets."""
 
@@ -38,9 +38,10 @@ MISSING = ("", "nan", "-nan", "na", "n/a", "null")
 MAX_BYTES, MAX_COLUMNS, MAX_NAME, MAX_NAMES = 500_000_000, 1000, 1000, 20_000
 """Limits of a file, and characters of a name and of a line of names that are apart by blanks."""
 
-ISO_CODE, ISO_NAME, ISO_UNIT = "channel code", "name of the channel", "unit"
 ISO_TIME = ("time of first sample", "sampling interval", "number of samples")
 """Lines of an ISO-MME channel, in small letters."""
+
+FEW = "it has fewer than two rows of numbers"
 
 Floats = NDArray[np.float64]
 Lines = Sequence[tuple[int, str]]
@@ -48,125 +49,107 @@ Lines = Sequence[tuple[int, str]]
 
 
 @dataclass(frozen=True)
-class Cells:
-    """Cells of a file with columns.
+class Source:
+    """Opened history with columns by the names in its file.
 
     Attributes
     ----------
-    names : list of str
-        Of the columns, as in the file; columns without a name have their number, from 1.
     units : dict of str
-        By name; "" without a unit.
-    rows : list of list of str
-        Cells of each row, at least to the last column with a name.
-    lines : list of int
-        Line of each row in the file, from 1.
+        By the names of the columns; "" without a unit. Columns without a name have their number, from 1.
+    numbers : callable
+        Function from a name to its numbers. Raises ValueError with the line of another cell.
+    lines : sequence of int
+        Of the rows, if any.
     is_named : bool
         False without a line of names, or with one that is a comment.
-    decimal_comma : bool
-        True if numbers have a decimal comma.
+    remarks : dict of str
+        On missing entries, by name.
+    number : int
+        Of the result in the command, from 1.
+    label, place : str
+        Name for pages, and for messages.
+    is_result : bool
+        True for results of this program, which take mappings of their own alone.
+    summary : dict, optional
+        Of a result.
     """
 
-    names: list[str]
-    units: dict[str, str]
-    rows: list[list[str]]
-    lines: list[int]
+    units: Mapping[str, str]
+    numbers: Callable[[str], Floats]
+    lines: Sequence[int] = ()
     is_named: bool = True
-    decimal_comma: bool = False
+    remarks: Mapping[str, str] = field(default_factory=dict)
+    number: int = 0
+    label: str = ""
+    place: str = ""
+    is_result: bool = False
+    summary: Mapping[str, Any] | None = None
 
-    def numbers(self, name: str) -> Floats:
-        """Return the numbers of a column.
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns, in their order."""
+        return [*self.units]
 
-        Missing ones are NaN. Raises ValueError with the line of a cell without number.
-        """
-        k, numbers = self.names.index(name), np.empty(len(self.rows))
-        for place, (row, line) in enumerate(zip(self.rows, self.lines, strict=True)):
-            cell = row[k] if k < len(row) else ""
-            try:
-                numbers[place] = np.nan if cell.lower() in MISSING else self._number(cell)
-            except ValueError as error:
-                raise ValueError(f"line {line}, column {shortened(name)}: {error}") from None
-        return numbers
-
-    def missing(self) -> dict[str, str]:
-        """Return remarks on columns without an entry in some rows, by name."""
-        remarks = {}
-        for k, name in enumerate(self.names):
-            lines = [line for row, line in zip(self.rows, self.lines, strict=True) if not any(row[k : k + 1])]
-            if lines:
-                remarks[name] = (
-                    f"without an entry in {len(lines)} of {len(self.rows)} rows, first in line {lines[0]}"
-                )
-        return remarks
-
-    def _number(self, cell: str) -> float:
-        """Return the number in a cell. Raises ValueError."""
-        if self.decimal_comma and "." in cell:
-            raise ValueError(f'given "{shortened(cell)}"; allowed are decimal commas, by --decimal-comma')
-        if not self.decimal_comma and DECIMAL_COMMA.fullmatch(cell):
-            raise ValueError(f'given "{shortened(cell)}"; {COMMA}; allowed are commas by --decimal-comma')
-        try:
-            return nodal.number(cell.replace(",", ".") if self.decimal_comma else cell)
-        except ValueError as error:
-            raise ValueError(f"{error}, and an empty cell where there is no value") from None
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return Path(self.place).name
 
 
-def read_table(path: Path, decimal_comma: bool = False) -> Cells:
-    """Read the cells of a table or of an ISO-MME channel.
+def read_table(path: Path, decimal_comma: bool = False) -> Source:
+    """Read a table or an ISO-MME channel.
 
     Raises OSError, and ValueError or csv.Error with the reason for a file without columns of numbers.
     """
     lines = enumerate(read_text(path, MAX_BYTES, "replace").splitlines(), 1)
     filled = [(number, line) for number, line in lines if line.strip()]
-    heads = [line.partition(":")[0].strip().lower() for _, line in filled[:100]]
-    if ISO_CODE in heads and ISO_TIME[1] in heads:
+    if {"channel code", ISO_TIME[1]} <= {line.partition(":")[0].strip().lower() for _, line in filled[:100]}:
         return _read_iso_mme(filled)
-    above = takewhile(lambda row: row[1].lstrip().startswith(COMMENTS), filled)
-    comments = [line.lstrip("".join(COMMENTS) + " \t").rstrip() for _, line in above]
-    rows = [(number, line) for number, line in filled if not line.lstrip().startswith(COMMENTS)]
+    comments = [line for _, line in takewhile(_is_comment, filled)]
+    rows = [row for row in filled if not _is_comment(row)]
     separator = ""
     if rows and (match := EXCEL.fullmatch(rows[0][1])):
         separator, rows = match[1], rows[1:]
-    if len(rows) < 2:
-        raise ValueError("it has fewer than two rows of numbers")
-    unquoted = re.sub(r'"[^"]*"', "", rows[0][1])
+    unquoted = re.sub(r'"[^"]*"', "", rows[0][1]) if rows else ""
     marks = [mark for mark in MARKS if mark in unquoted and not (decimal_comma and mark == ",")]
-    return _cells(rows, comments, separator or next(iter(marks), ""), decimal_comma)
+    return _read_rows(rows, comments, separator or next(iter(marks), ""), decimal_comma)
 
 
-def _cells(rows: Lines, comments: Sequence[str], separator: str, decimal_comma: bool) -> Cells:
-    """Return the cells of rows and the names above them.
+def _is_comment(row: tuple[int, str]) -> bool:
+    return row[1].lstrip().startswith(COMMENTS)
+
+
+def _read_rows(rows: Lines, comments: Sequence[str], separator: str, decimal_comma: bool) -> Source:
+    """Read rows and the names above them.
 
     Raises ValueError or csv.Error.
     """
-    if (width := len(rows[0][1].split(separator or None))) > MAX_COLUMNS:
-        raise ValueError(f"it has {width} columns; allowed are at most {MAX_COLUMNS}")
     split = _split(rows, separator)
-    first = split[0][0]
-    width = max((k for k, cell in enumerate(first, 1) if cell), default=0)
-    is_named = not NUMBER.fullmatch(next(filter(None, first), ""))
-    if is_named:
-        heads = first if separator else _names(rows[0][1], "", len(split[1][0])) or first
-        unit_row = split[1][0] if _is_unit_row(split[1][0]) else []
-        split = split[2:] if unit_row else split[1:]
-    else:
-        above = [_names(line, separator, width) for line in comments[-2:]]
-        unit_row = above.pop() if len(above) == 2 and all(above) and _is_unit_row(above[1]) else []
-        heads = above[-1] if above else []
     if len(split) < 2:
-        raise ValueError("it has fewer than two rows below the line of names")
-    names, units = _names_and_units(heads or width * [""], unit_row)
-    _demand_whole(split, max((k for k, head in enumerate(heads, 1) if head), default=width), len(names))
-    cells, lines = zip(*split, strict=True)
-    return Cells(names, units, [*cells], [*lines], is_named, decimal_comma)
+        raise ValueError(FEW)
+    (first, _), (second, _) = split[:2]
+    width = max((k for k, cell in enumerate(first, 1) if cell), default=0)
+    if is_named := not NUMBER.fullmatch(next(filter(None, first), "")):
+        above = [first if separator else _names(rows[0][1], "", len(second)) or first, second]
+    else:
+        above = [_names(line.lstrip("".join(COMMENTS) + " \t"), separator, width) for line in comments[-2:]]
+    unit_row = above[1] if len(above) == 2 and all(above) and _is_unit_row(above[1]) else []
+    heads = above[0 if is_named or unit_row else -1] if above else []
+    split = split[1 + bool(unit_row) :] if is_named else split
+    units = _units(heads or width * [""], unit_row)
+    _demand_whole(split, max((k for k, head in enumerate(heads, 1) if head), default=width), len(units))
+    cells, lines = map(list, zip(*split, strict=True))
+    columns = {name: column for name, *column in zip_longest(units, *cells, fillvalue="") if name}
+    numbers = lambda name: _numbers(name, columns[name], lines, decimal_comma)  # noqa: E731
+    remarks = {name: _missing(column, lines) for name, column in columns.items()}
+    return Source(units, numbers, lines, is_named, remarks)
 
 
 def _split(rows: Lines, separator: str) -> list[tuple[list[str], int]]:
     """Return the cells of rows with their lines. Raises csv.Error."""
-    lines, texts = zip(*rows, strict=True)
-    reader = csv.reader(texts, delimiter=separator or " ")
-    split = ((row, reader.line_num) for row in reader) if separator else zip(map(str.split, texts), count(1))
-    return [([cell.strip() for cell in row], lines[k - 1]) for row, k in split]
+    texts = (line if separator else "\t".join(line.split()) for _, line in rows)
+    reader = csv.reader(texts, delimiter=separator or "\t")
+    return [([cell.strip() for cell in row], rows[reader.line_num - 1][0]) for row in reader]
 
 
 def _names(line: str, separator: str, width: int) -> list[str]:
@@ -188,30 +171,30 @@ def _is_unit_row(cells: Sequence[str]) -> bool:
     None of its cells is a number except 1, the unit of a number, beside units.
     """
     filled = [cell.strip("[]() ") for cell in cells if cell]
-    if any(NUMBER.fullmatch(cell) and cell not in DIMENSIONLESS for cell in filled):
-        return False
     words = [cell for cell in filled if cell not in DIMENSIONLESS]
-    return bool(words) and (len(words) == len(filled) or all(map(is_unit, words)))
+    if not words or any(map(NUMBER.fullmatch, words)):
+        return False
+    return len(words) == len(filled) or all(map(is_unit, words))
 
 
-def _names_and_units(heads: Sequence[str], unit_row: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    """Split headings into names and units.
+def _units(heads: Sequence[str], unit_row: Sequence[str]) -> dict[str, str]:
+    """Return the units of headings by name.
 
-    Raises ValueError for a repeated name, or two units of one column.
+    Raises ValueError for many or repeated names, or two units of one column.
     """
-    split = [name_and_unit(head) if head else (str(k), "") for k, head in enumerate(heads, 1)]
-    names, units = [name for name, _ in split], {}
-    for name, times in Counter(names).items():
-        if times > 1:
+    if len(heads) > MAX_COLUMNS:
+        raise ValueError(f"it has {len(heads)} columns; allowed are at most {MAX_COLUMNS}")
+    units = dict[str, str]()
+    for k, (head, below) in enumerate(zip(heads, (*unit_row, *len(heads) * [""]), strict=False), 1):
+        name, unit = name_and_unit(head) if head else (str(k), "")
+        other = below.strip("[]() ")
+        if name in units:
             raise ValueError(f"it has two columns {shortened(name)}")
-    below = [cell.strip("[]() ") for cell in unit_row] + len(names) * [""]
-    for (name, unit), other in zip(split, below, strict=False):
         if unit and other and unit != other:
-            raise ValueError(
-                f"column {shortened(name)} has two units, {shortened(unit)} and {shortened(other)}"
-            )
+            both = f"{shortened(unit)} and {shortened(other)}"
+            raise ValueError(f"column {shortened(name)} has two units, {both}")
         units[name] = unit or other
-    return names, units
+    return units
 
 
 def name_and_unit(head: str) -> tuple[str, str]:
@@ -222,60 +205,84 @@ def name_and_unit(head: str) -> tuple[str, str]:
     """
     if len(head) > MAX_NAME:
         raise ValueError(f'it has the name "{shortened(head)}"; allowed are at most {MAX_NAME} characters')
-    squares = [match for match in BRACKETS.finditer(head) if match[1] is not None]
-    rounds = [match for match in BRACKETS.finditer(head) if match[2] and match[2] not in DIMENSIONLESS[:1]]
-    units = (match for match in (*squares, *rounds) if is_unit(match[1] or match[2] or ""))
-    bracket = next(units, None) or next(iter(squares), None)
-    if bracket is None or not (name := head[: bracket.start()] + head[bracket.end() :]).strip():
-        return " ".join(head.split()), ""
-    return " ".join(name.split()), (bracket[1] or bracket[2] or "").strip()
+    squares, rounds = ([match for match in BRACKETS.finditer(head) if match[0][0] == mark] for mark in "[(")
+    units = [match for match in (*squares, *rounds) if match[0] != "(1)" and is_unit(match[0][1:-1])]
+    for match in (units or squares)[:1]:
+        if name := " ".join((head[: match.start()] + head[match.end() :]).split()):
+            return name, match[0][1:-1].strip()
+    return " ".join(head.split()), ""
 
 
 def _demand_whole(rows: Sequence[tuple[list[str], int]], least: int, most: int) -> None:
-    """Demand a cell for each column with a name, and none beyond.
+    """Demand two rows with a cell for each column with a name, and none beyond.
 
     Raises ValueError with the line.
     """
+    if len(rows) < 2:
+        raise ValueError(FEW)
     for row, line in rows:
-        if any(row[most:]):
-            raise ValueError(f"line {line} has {len(row)} entries for {most} names")
-        if len(row) < least:
-            raise ValueError(f"line {line} is cut short: {len(row)} entries for {least} names")
+        if any(row[most:]) or len(row) < least:
+            what = "is cut short:" if len(row) < least else "has"
+            raise ValueError(f"line {line} {what} {len(row)} entries for {least} names")
     if not any(row[least - 1] for row, _ in rows):
         why = f"neither line {rows[0][1]} nor another has an entry under the last of {least} names"
         raise ValueError(f"{why}, as in rows without one of the columns; allowed are names of filled columns")
 
 
-def _read_iso_mme(filled: Lines) -> Cells:
-    """Return the cells of an ISO-MME channel, with its instants.
+def _read_iso_mme(filled: Lines) -> Source:
+    """Read an ISO-MME channel, with its instants.
 
     Raises ValueError for a channel over another one, or with another number of samples than stated.
     """
     first = next((k for k, (_, line) in enumerate(filled) if ":" not in line), len(filled))
-    heads = {}
-    for number, line in filled[:first]:
-        key, _, entry = line.partition(":")
-        heads[key.strip().lower()] = (number, entry.strip())
-    number, entry = heads.get("reference channel", (0, "implicit"))
+    split = [(number, *line.partition(":")) for number, line in filled[:first]]
+    heads = {key.strip().lower(): (f"line {number}", entry.strip()) for number, key, _, entry in split}
+    where, entry = heads.get("reference channel", ("", "implicit"))
     if entry.lower() not in ("implicit", "novalue", ""):
-        raise ValueError(f'line {number}: reference channel "{shortened(entry)}"; allowed is implicit')
-    start, interval, samples = (_iso_number(heads, key) for key in ISO_TIME)
+        raise ValueError(f'{where}: reference channel "{shortened(entry)}"; allowed is implicit')
+    start, interval, samples = (_iso_number(key, *heads.get(key, ("its head", ""))) for key in ISO_TIME)
     if samples != len(filled) - first:
-        why = f"it has {len(filled) - first} lines of samples, by line {heads[ISO_TIME[2]][0]} {samples:g}"
+        why = f"it has {len(filled) - first} lines of samples, by {heads[ISO_TIME[2]][0]} {samples:g}"
         raise ValueError(f"{why}; allowed is a whole channel")
     stated = {key: entry for key, (_, entry) in heads.items() if entry.upper() != "NOVALUE"}
-    name = stated.get(ISO_CODE) or stated.get(ISO_NAME) or "2"
-    rows = [[repr(start + k * interval), line.strip()] for k, (_, line) in enumerate(filled[first:])]
-    lines = [number for number, _ in filled[first:]]
-    return Cells(["t", name], {"t": "s", name: stated.get(ISO_UNIT, "")}, rows, lines, False)
+    name = stated.get("channel code") or stated.get("name of the channel") or "2"
+    instants = ((k, repr(start + k * interval)) for k in range(len(filled) - first))
+    rows = [(filled[first + k][0], f"{t}\t{filled[first + k][1].strip()}") for k, t in instants]
+    return _read_rows(rows, [f"t [s]\t{name} [{stated.get('unit', '')}]"], "\t", False)
 
 
-def _iso_number(heads: dict[str, tuple[int, str]], key: str) -> float:
+def _iso_number(key: str, where: str, entry: str) -> float:
     """Return the number in a line of an ISO-MME channel. Raises ValueError."""
-    number, entry = heads.get(key, (0, ""))
-    if not number:
-        raise ValueError(f'it has no line "{key.capitalize()}", which an ISO-MME channel requires')
     try:
         return nodal.number(entry)
     except ValueError as error:
-        raise ValueError(f"line {number}, {key}: {error}") from None
+        raise ValueError(f"{where}, {key}: {error}") from None
+
+
+def _missing(cells: Sequence[str], lines: Sequence[int]) -> str:
+    """Return a remark on missing entries, if any."""
+    empty = [line for cell, line in zip(cells, lines, strict=True) if not cell]
+    return f"without an entry in {len(empty)} of {len(cells)} rows, first in line {empty[0]}" if empty else ""
+
+
+def _numbers(name: str, cells: Sequence[str], lines: Sequence[int], decimal_comma: bool) -> Floats:
+    """Return the numbers of a column.
+
+    Missing ones are NaN. Raises ValueError with the line of a cell without number.
+    """
+    numbers = np.empty(len(cells))
+    for k, (cell, line) in enumerate(zip(cells, lines, strict=True)):
+        try:
+            numbers[k] = np.nan if cell.lower() in MISSING else _number(cell, decimal_comma)
+        except ValueError as error:
+            why = f"{error}, and an empty cell where there is no value"
+            raise ValueError(f"line {line}, column {shortened(name)}: {why}") from None
+    return numbers
+
+
+def _number(cell: str, decimal_comma: bool) -> float:
+    """Return the number in a cell. Raises ValueError."""
+    if "." in cell if decimal_comma else DECIMAL_COMMA.fullmatch(cell):
+        why = "" if decimal_comma else f"{COMMA}; "
+        raise ValueError(f'given "{shortened(cell)}"; {why}allowed are decimal commas, by --decimal-comma')
+    return nodal.number(cell.replace(",", ".") if decimal_comma else cell)

@@ -10,31 +10,21 @@ from typing import Any
 
 from tailslap.scene.units import unit_factors
 
-MEANINGS = {
-    "g": ("gram", "g_0"),
-    "G": ("g_0",),
-    "gn": ("g_0",),
-    "dps": ("degree/second",),
-    "psf": ("lbf/ft**2",),
-    "Nm": ("N*m",),
-    "kNm": ("kN*m",),
-}
+MEANINGS = {"g": ("gram", "g_0"), "G": ("g_0",), "gn": ("g_0",), "dps": ("degree/second",)}
+MEANINGS |= {"psf": ("lbf/ft**2",), "Nm": ("N*m",), "kNm": ("kN*m",)}
 """Names that pint does not have, or only in another meaning; g is a mass or the standard gravity, by the dimension."""
 
 AMBIGUOUS = {"ton": "t, tonne, short_ton or long_ton", "tons": "t, tonne, short_ton or long_ton"}
 """Names of several units of one dimension, with those that are allowed."""
 
 DIMENSIONLESS = ("1", "-", "\N{EN DASH}")
+CHARACTERS = str.maketrans("º˚µ²³¹⁻·⋅", "°°μ231-..")
+"""Other characters of units: degree and micro signs, superscripts and points."""
+
 SPELLINGS = (
-    (r"[\N{MASCULINE ORDINAL INDICATOR}\N{RING ABOVE}]", "\N{DEGREE SIGN}"),
-    (r"\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}"),
-    ("\N{SUPERSCRIPT TWO}", "2"),
-    ("\N{SUPERSCRIPT THREE}", "3"),
-    (r"\N{SUPERSCRIPT MINUS}\N{SUPERSCRIPT ONE}", "-1"),
-    (r"\N{SUPERSCRIPT MINUS}", "-"),
     (r"/\s*\(([^()/]+)\)", lambda match: "/" + re.sub(r"\s*\*\s*(?!\*)|\s+", "/", match[1].strip())),
     (r"(?<=[^\W\d_])(?=-?\d)", "^"),
-    (r"(?<=[\w\N{DEGREE SIGN}])\s*[-.\N{MIDDLE DOT}\N{DOT OPERATOR}]\s*(?=[^\W\d_])", "*"),
+    (r"(?<=[\w°])\s*[-.]\s*(?=[^\W\d_])", "*"),
 )
 """Patterns of other spellings and their replacements, in order, like m/(s*s), m/s2 and kN-m."""
 
@@ -44,7 +34,7 @@ def meanings(unit: str) -> tuple[tuple[float, str], ...]:
 
     There are several for g. Raises ValueError for text that is not a unit.
     """
-    text = unit.strip().rstrip(".")
+    text = unit.translate(CHARACTERS).strip().rstrip(".")
     if text in DIMENSIONLESS:
         return ((1.0, "dimensionless"),)
     for pattern, replacement in SPELLINGS:

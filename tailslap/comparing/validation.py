@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 
 import tailslap
-from postprocess.comparison.metrics import COVERED, LIMITS, weighted_metrics
+from postprocess.comparison.metrics import weighted_metrics
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Page, Section, page_text
 from postprocess.report.tables import Column, Table, columns, pairs
 from postprocess.units import percent
 from tailslap.case.report_parts import footer
-from tailslap.comparing.compare_report import METRICS, WORDS, Comparison, failed
+from tailslap.comparing.compare_report import WORDS, Comparison, failed, metrics_table, yes
 from tailslap.comparing.source import Item
 
 Row = dict[str, Any]
@@ -40,6 +40,20 @@ TRANSLATION, ROTATION = ("v_gx", "v_gy"), "omega"
 POSITIONS = ("x_g", "y_g")
 """Integrals of channels, without a row among the phenomena."""
 
+VERIFICATION = (
+    *columns({"item": "Result", "name": "At the end of the run"}),
+    Column("value", "Value [%]", form=lambda ratio: f"{100.0 * ratio:.2g}"),
+    Column("limit", "Limit [%]", form=lambda ratio: f"{100.0 * ratio:g}"),
+    Column("passed", "Within", form=yes),
+)
+PHENOMENA = (
+    *columns({"item": "Result", "name": "Phenomenon"}),
+    *columns({"reference": "Reference", "value": "Value"}, form=".4g", unit_key="unit"),
+    Column("unit", "Unit", is_unit=True),
+    Column("difference", "Difference", form=percent),
+    *columns({"agrees": "Agrees"}, form=yes),
+    Column("how", "Validated by"),
+)
 NOT_IN_THE_MODEL = (
     "Not in the planar model and not validated: pitch, suspension and tyres, failure of parts of vehicle and wall; the "
     "crush law of a whole impact is assumed."
@@ -52,19 +66,15 @@ def radius_of_gyration(items: Sequence[Item]) -> float | None:
     It follows from the kinetic energy at the largest angular velocity.
     """
     for item in items:
-        columns = item.columns
-        mass = ((item.summary or {}).get("plate") or {}).get("mass")
-        if (
-            mass
-            and {"kinetic_energy", *TRANSLATION, ROTATION} <= columns.keys()
-            and "articulation_1" not in columns
-        ):
-            k = int(np.argmax(np.abs(np.nan_to_num(columns[ROTATION]))))
-            rotational = 2.0 * columns["kinetic_energy"][k] / mass - sum(
-                columns[name][k] ** 2 for name in TRANSLATION
-            )
-            if rotational > 0.0 and abs(columns[ROTATION][k]) > 0.0:
-                return math.sqrt(rotational) / abs(float(columns[ROTATION][k]))
+        columns, mass = item.columns, ((item.summary or {}).get("plate") or {}).get("mass")
+        has_energy = {"kinetic_energy", *TRANSLATION, ROTATION} <= columns.keys()
+        if not mass or not has_energy or "articulation_1" in columns:
+            continue
+        k = int(np.argmax(np.abs(np.nan_to_num(columns[ROTATION]))))
+        spin, squares = abs(float(columns[ROTATION][k])), (columns[name][k] ** 2 for name in TRANSLATION)
+        rotational = 2.0 * columns["kinetic_energy"][k] / mass - sum(squares)
+        if rotational > 0.0 and spin > 0.0:
+            return math.sqrt(rotational) / spin
     return None
 
 
@@ -76,17 +86,13 @@ def multi_channel(comparison: Comparison) -> dict[str, dict[str, Any]]:
     """
     gyration, metrics_of_all = radius_of_gyration(comparison.items), {}
     factors = dict.fromkeys(TRANSLATION, 1.0) | ({ROTATION: gyration} if gyration else {})
-    for label in dict.fromkeys(label for label, _ in comparison.pairs):
+    for label in comparison.labels:
         channels = [pair for name, pair in comparison.pairs if name == label and pair.name in factors]
         momenta = [factors[channel.name] * float(np.ptp(channel.reference)) for channel in channels]
         if sum(momenta):
-            weights = [momentum / sum(momenta) for momentum in momenta]
             metrics = weighted_metrics([channel.metrics for channel in channels], momenta)
-            metrics_of_all[label] = {
-                "weights": {channel.name: weight for channel, weight in zip(channels, weights, strict=True)},
-                **asdict(metrics),
-                "within": metrics.within,
-            }
+            weights = {x.name: momentum / sum(momenta) for x, momentum in zip(channels, momenta, strict=True)}
+            metrics_of_all[label] = {"weights": weights, **asdict(metrics), "within": metrics.within}
     return metrics_of_all
 
 
@@ -128,21 +134,15 @@ def phenomena(comparison: Comparison) -> list[Row]:
         if pair.name in POSITIONS:
             continue
         title = WORDS.get(pair.name, ("", f"Column {pair.name}"))[1].partition(",")[0]
-        extreme = pair.name.startswith(("force", "reaction"))
-        histories = pair.reference, pair.value
-        reference, value = (float(np.abs(v).max() if extreme else v[-1]) for v in histories)
-        rows.append(
-            {
-                "item": label,
-                "name": f"{title}, largest" if extreme else title,
-                "reference": reference,
-                "value": value,
-                "unit": comparison.reference.units.get(pair.name, ""),
-                "difference": value / reference - 1.0 if reference else None,
-                "agrees": yes(pair.within),
-                "how": f"history to {pair.t[-1]:.4g} s, metrics",
-            }
+        is_force = pair.name.startswith(("force", "reaction"))
+        name, how = f"{title}, largest" if is_force else title, f"history to {pair.t[-1]:.4g} s, metrics"
+        reference, value = (
+            float(np.abs(v).max() if is_force else v[-1]) for v in (pair.reference, pair.value)
         )
+        row: Row = {"item": label, "name": name, "how": how, "reference": reference, "value": value}
+        row["difference"] = value / reference - 1.0 if reference else None
+        row |= {"unit": comparison.reference.units.get(pair.name, ""), "agrees": pair.within}
+        rows.append(row)
     return rows
 
 
@@ -167,104 +167,36 @@ def validation_page(comparison: Comparison, author: str = "") -> Page:
     """
     verified, weighted = solution_verification(comparison), multi_channel(comparison)
     passed = comparison.within and all(row["passed"] for row in verified)
-    labels = ", ".join(item.label for item in comparison.items[1:])
-    answer = "Valid" if passed else "Not valid"
     together = {True: "within", False: "beyond"}
     multi = "; ".join(f"{label} {together[metrics['within']]} them" for label, metrics in weighted.items())
     headline = Headline(
-        f"Validation of {labels} with {comparison.reference.label}",
-        f"{answer} by the criteria of NCHRP W179 for the channels below.",
+        f"Validation of {', '.join(comparison.labels)} with {comparison.reference.label}",
+        f"{'Valid' if passed else 'Not valid'} by the criteria of NCHRP W179 for the channels below.",
         f"Weighted metrics of all channels with the same limits: {multi}." if multi else "",
     )
+    program = f"tailslap {tailslap.__version__}, Python {platform.python_version()}, {platform.system()}"
+    today = datetime.datetime.now(datetime.UTC).date().isoformat()
+    basic = pairs({"Validated by": author or BLANK, "Date": today, "Program": program})
+    metrics = metrics_table(comparison, weighted)
+    notes = (f"Values other than the largest: at the end of the common time. {NOT_IN_THE_MODEL}",)
     sections = (
-        Section("Basic information", tables=(_basic(author),), layout="half"),
+        Section("Basic information", tables=(basic,), layout="half"),
         Section("Solution verification", tables=(_verification_table(comparison, verified),), layout="half"),
         Section(
-            "Metrics of single channels and of all together",
-            tables=(_metrics_table(comparison, weighted),),
-            sentences=comparison.remarks,
+            "Metrics of single channels and of all together", tables=(metrics,), sentences=comparison.remarks
         ),
-        Section("Phenomena", tables=(_phenomena_table(comparison),)),
+        Section("Phenomena", tables=(Table(PHENOMENA, phenomena(comparison), notes=notes),)),
     )
-    return Page(
-        "Validation by NCHRP W179",
-        headline,
-        sections,
-        footer("summary.json"),
-        passed=passed,
-        checked="criteria",
-    )
-
-
-def _basic(author: str) -> Table:
-    """Return the table of author, date and program."""
-    entries = {
-        "Validated by": author or BLANK,
-        "Date": datetime.datetime.now(datetime.UTC).date().isoformat(),
-        "Program": f"tailslap {tailslap.__version__}, Python {platform.python_version()}, {platform.system()}",
-    }
-    return pairs(entries)
+    below = footer("summary.json")
+    return Page("Validation by NCHRP W179", headline, sections, below, passed=passed, checked="criteria")
 
 
 def _verification_table(comparison: Comparison, rows: Sequence[Row]) -> Table:
     """Return the table of the solution verification."""
-    heads = columns({"item": "Result", "name": "At the end of the run"})
-    heads += columns({"value": "Value [%]"}, form=lambda ratio: f"{100.0 * ratio:.2g}")
-    heads += columns({"limit": "Limit [%]"}, form=lambda ratio: f"{100.0 * ratio:g}")
-    heads += (Column("passed", "Within", form=yes),)
-    unverified = [item.label for item in comparison.items if item.label not in {row["item"] for row in rows}]
-    notes = [
-        "Limits: W179, Table E-1. The change excludes the work of friction and damping; mass is not scaled."
-    ]
-    if unverified:
-        notes.append(f"Histories alone, to be verified in their program: {', '.join(unverified)}.")
-    return Table(heads, rows, notes=(" ".join(notes),), marks=failed(rows, "passed"))
-
-
-def yes(within: bool) -> str:
-    """Return the word for a criterion."""
-    return "yes" if within else "NO"
-
-
-def _metrics_table(comparison: Comparison, weighted: dict[str, dict[str, Any]]) -> Table:
-    """Return the table of metrics of channels and their weighted means."""
-    rows = []
-    for label in dict.fromkeys(label for label, _ in comparison.pairs):
-        weights = weighted.get(label, {}).get("weights", {})
-        rows += [
-            {"item": label, "name": pair.name, "weight": weights.get(pair.name), **asdict(pair.metrics)}
-            | {"largest": pair.largest[0], "covered": pair.covered, "within": pair.within}
-            for name, pair in comparison.pairs
-            if name == label
-        ]
-        if weights:
-            rows.append(
-                {"item": label, "name": "weighted", "weight": 1.0, "largest": None, "covered": None}
-                | weighted[label]
-            )
-    heads = (*METRICS[:2], Column("weight", "Weight", form=".3f"), *METRICS[2:])
-    sizes = (100 * LIMITS[name] for name in ("magnitude", "mean_residual", "deviation"))
-    limits = "{:.0f}, {:.0f} and {:.0f} %".format(*sizes)
     note = (
-        f"In %; limits {limits} for Sprague-Geers M, P and C, mean and standard deviation of the residuals. Weight: "
-        "largest change of momentum of the channel in the reference (angular velocity: over the radius of gyration); "
-        f"weighted: mean of the sizes of the metrics. Time: compared part of the time of the reference, at least "
-        f"{100 * COVERED:.0f} %. Channels are velocities, where W179 uses accelerations."
+        "Limits: W179, Table E-1. The change excludes the work of friction and damping; mass is not scaled."
     )
-    return Table(heads, rows, notes=(note,), marks=failed(rows, "within"))
-
-
-def _phenomena_table(comparison: Comparison) -> Table:
-    """Return the table of phenomena."""
-    heads = (
-        *columns({"item": "Result", "name": "Phenomenon"}),
-        *columns({"reference": "Reference", "value": "Value"}, form=".4g", unit_key="unit"),
-        Column("unit", "Unit", is_unit=True),
-        Column("difference", "Difference", form=percent),
-        *columns({"agrees": "Agrees", "how": "Validated by"}),
-    )
-    return Table(
-        heads,
-        phenomena(comparison),
-        notes=(f"Values other than the largest: at the end of the common time. {NOT_IN_THE_MODEL}",),
-    )
+    verified = {row["item"] for row in rows}
+    if unverified := ", ".join(item.label for item in comparison.items if item.label not in verified):
+        note += f" Histories alone, to be verified in their program: {unverified}."
+    return Table(VERIFICATION, rows, notes=(note,), marks=failed(rows, "passed"))
