@@ -1,9 +1,9 @@
 """Compare results with a reference."""
 
 import math
-from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -36,8 +36,6 @@ MOST_RATIO = 10.0
 WHOLE = 0.9
 """Part of the reference's time below which a remark states the compared part."""
 
-Value = TypeVar("Value", bound=Hashable)
-
 
 def yes(within: bool) -> str:
     """Return the word for a criterion."""
@@ -59,17 +57,13 @@ WORDS = {panel.name: (panel.symbol, panel.caption) for panel in COMPARED} | {
 }
 """Symbol and caption of the curves, by column."""
 
+SIZE, MEAN, SD = (f"{100 * LIMITS[name]:.0f} %" for name in ("combined", "mean_residual", "deviation"))
 NOTE = (
-    (
-        "M, P, C: Sprague-Geers magnitude, phase and comprehensive metrics. Mean, standard deviation (SD) and largest "
-        "value of the differences, relative to the peak of the reference, as in NCHRP W179. Limits: "
-        "{magnitude:.0%} for M, P and C, {mean_residual:.0%} for the mean, {deviation:.0%} for SD. Time: compared part of "
-        f"the time of the reference, at least {COVERED:.0%}."
-    )
-    .format(**LIMITS)
-    .replace("%", " %")
+    "M, P, C: Sprague-Geers magnitude, phase and comprehensive metrics. Mean, standard deviation (SD) and largest "
+    "value of the differences, relative to the peak of the reference, as in NCHRP W179. Limits: "
+    f"{SIZE} for M, P and C, {MEAN} for the mean, {SD} for SD. Time: compared part of the time of the reference, at "
+    f"least {100 * COVERED:.0f} %."
 )
-
 WEIGHTED = (
     "Weight: largest change of momentum of the channel in the reference (angular velocity: over the radius of "
     "gyration); weighted: mean of the sizes of the metrics. Channels are velocities, where W179 uses accelerations."
@@ -128,20 +122,18 @@ def compare_items(
     mapping = parse_mapping(columns) if isinstance(columns, str) else dict(columns or {})
     items = read_items(sources, mapping, force, decimal_commas)
     labels = [item.label for item in items]
-    items = [
-        replace(item, label=f"{item.label} ({k})") if labels.count(item.label) > 1 else item
-        for k, item in enumerate(items, 1)
-    ]
+    unique = (f"{label} ({k})" if labels.count(label) > 1 else label for k, label in enumerate(labels, 1))
+    items = [replace(item, label=label) for item, label in zip(items, unique, strict=True)]
     reference, pairs, not_compared = items[0], [], {}
     notes = [note for item in items for note in item.notes]
     mapped = {key.rpartition(":")[2].strip() for key in mapping}
     for k, item in enumerate(items[1:], 2):
         _demand_one_unit_of_time(reference, item, k)
-        compared, excluded = _in_common(item, reference, only, mapped)
+        among = _pairs(item, reference, only, mapped)
+        compared = [pair for pair in among.values() if pair]
         pairs += [(item.label, pair) for pair in compared]
-        notes += _remarks(item, reference, compared, excluded)
-        finished = {TIME, *excluded, *(pair.name for pair in compared)}
-        not_compared[item.label] = _not_compared(item, reference, finished, bool(only))
+        notes += _remarks(item, reference, compared, [name for name in among if not among[name]])
+        not_compared[item.label] = _not_compared(item, reference, {TIME, *among}, bool(only))
     return Comparison(tuple(items), tuple(pairs), tuple(dict.fromkeys(notes)), not_compared)
 
 
@@ -179,10 +171,8 @@ def _not_compared(item: Item, reference: Item, finished: Collection[str], is_lim
     return {name: why for name, why in reasons.items() if name not in finished}
 
 
-def _in_common(
-    item: Item, reference: Item, only: Sequence[str], mapped: Collection[str]
-) -> tuple[list[Beside], list[str]]:
-    """Return compared columns and names of excluded ones.
+def _pairs(item: Item, reference: Item, only: Sequence[str], mapped: set[str]) -> dict[str, Beside | None]:
+    """Return compared columns by name, None for excluded ones.
 
     They are main columns, mapped ones, and those that this program does not have. Raises InputError where no column
     has any.
@@ -192,18 +182,16 @@ def _in_common(
         if name not in common:
             raise InputError("--only", name, one_of(name, common, "allowed are the common columns,"))
     main = [name for name in common if name in mapped or not column_units([name])]
-    chosen = only or [*dict.fromkeys([name for name in DEFAULT_COLUMNS if name in common] + main)] or common
+    chosen = only or dict.fromkeys([name for name in DEFAULT_COLUMNS if name in common] + main) or common
     pairs = {name: beside(name, item.columns, reference.columns) for name in chosen}
-    compared = [pair for pair in pairs.values() if pair]
-    excluded = [name for name, pair in pairs.items() if not pair]
-    if not compared or (only and excluded):
-        names = ", ".join(excluded) or "no column"
+    excluded = ", ".join(name for name, pair in pairs.items() if not pair)
+    if not any(pairs.values()) or (only and excluded):
         allowed = (
-            f"it has no {names} with two values at times in common with {reference.label}; see --columns; its columns "
-            f"are {shortened(', '.join([*item.columns, *item.unread]))}"
+            f"it has no {excluded or 'column'} with two values at times in common with {reference.label}"
         )
-        raise InputError("RESULT", item.label, allowed.replace("no no", "no"))
-    return compared, excluded
+        names = shortened(", ".join([*item.columns, *item.unread]))
+        raise InputError("RESULT", item.label, f"{allowed}; see --columns; its columns are {names}")
+    return pairs
 
 
 def _remarks(
@@ -219,23 +207,19 @@ def _remarks(
             yield f"{record.label}: {names} without a value in {rows} of {count} rows, interpolated or excluded."
     for names, (begin, end) in _by_value((x.name, gap) for x in compared for gap in x.gaps):
         yield f"{item.label}: {names} not compared from {begin:.4g} to {end:.4g} s, a gap of one of both."
-    t = reference.columns[TIME]
-    for names, covered in _by_value(
-        (x.name, round(100.0 * x.covered, 1)) for x in compared if x.covered < WHOLE
-    ):
-        yield f"{item.label}: {names} compared for {covered:g} % of the {t[-1] - t[0]:.4g} s of {reference.label}."
+    short, span = (x for x in compared if x.covered < WHOLE), float(np.ptp(reference.columns[TIME]))
+    for names, covered in _by_value((x.name, round(100.0 * x.covered, 1)) for x in short):
+        yield f"{item.label}: {names} compared for {covered:g} % of the {span:.4g} s of {reference.label}."
     for pair in compared:
         size, at = abs(pair.largest[0]), pair.largest[1]
         if pair.metrics.within and size > LIMITS["deviation"]:
-            yield (
-                f"{item.label}: {pair.name} differs by {100.0 * size:.0f} % of the peak at {at:.4g} s; the metrics, "
-                "means over time, are within their limits."
-            )
+            where = f"{item.label}: {pair.name} differs by {100.0 * size:.0f} % of the peak at {at:.4g} s"
+            yield f"{where}; the metrics, means over time, are within their limits."
 
 
-def _by_value(pairs: Iterable[tuple[str, Value]]) -> Iterator[tuple[str, Value]]:
+def _by_value(pairs: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
     """Yield names with the same value, separated by commas, and the value."""
-    names: dict[Value, list[str]] = {}
+    names: dict[Any, list[str]] = {}
     for name, value in pairs:
         names.setdefault(value, []).append(name)
     return ((", ".join(same), value) for value, same in names.items())
@@ -247,15 +231,9 @@ def compare_report(comparison: Comparison) -> Report:
     compared: dict[str, dict[str, object]] = {label: {} for label in comparison.labels}
     for label, pair in comparison.pairs:
         compared[label][pair.name] = _numbers(pair)
-    summary = {
-        "version": tailslap.__version__,
-        "reference": comparison.reference.label,
-        "passed": comparison.within,
-        "limits": LIMITS,
-        "compared": compared,
-        "notes": list(comparison.notes),
-        "not_compared": comparison.not_compared,
-    }
+    verdict = {"version": tailslap.__version__, "passed": comparison.within, "limits": LIMITS}
+    remarks = {"notes": list(comparison.notes), "not_compared": comparison.not_compared}
+    summary = {**verdict, "reference": comparison.reference.label, "compared": compared, **remarks}
     sections = (
         Section("Metrics", tables=(table,), sentences=comparison.remarks),
         Section("Results at the tail-slap", tables=tuple(_quantities(comparison))),
@@ -280,15 +258,11 @@ def headline(comparison: Comparison) -> Headline:
     faults += [f"{part}: {short}"] if short else []
     within = f"All {len(sizes)} histories are within the limits of NCHRP W179."
     answer = f"Failed: {'; '.join(faults)}." if faults else within
-    largest = f"{worst.name} of {label}, {percent(worst.largest[0])} of the peak, at {worst.largest[1]:.4g} s"
-    labels = ", ".join(comparison.labels)
-    set_up = f"Compared: {labels}; reference: {comparison.reference.label}."
-    return Headline(
-        f"Comparison of {labels} with {comparison.reference.label}",
-        answer,
-        set_up,
-        f"Largest difference: {largest}.",
-    )
+    size = f"{percent(worst.largest[0])} of the peak, at {worst.largest[1]:.4g} s"
+    labels, reference = ", ".join(comparison.labels), comparison.reference.label
+    set_up, largest = f"Compared: {labels}; reference: {reference}.", f"{worst.name} of {label}, {size}"
+    title = f"Comparison of {labels} with {reference}"
+    return Headline(title, answer, set_up, f"Largest difference: {largest}.")
 
 
 def metrics_table(comparison: Comparison, weighted: Mapping[str, Mapping[str, Any]] | None = None) -> Table:
@@ -327,22 +301,24 @@ def _numbers(pair: Beside) -> dict[str, object]:
 
 def _quantities(comparison: Comparison) -> Iterator[Table]:
     """Yield the table of tail-slap quantities."""
-    summaries = {item.label: item.summary or {} for item in comparison.items}
+    summaries = [(item.label, item.summary or {}) for item in comparison.items]
     results = {
-        label: {**summary["fe"], "peak_force": summary.get("peak_force", {}).get("fe")}
-        for label, summary in summaries.items()
+        f"of {label}": {**summary["fe"], "peak_force": summary.get("peak_force", {}).get("fe")}
+        for label, summary in summaries
         if "t" in summary.get("fe", {})
     }
     if len(results) > 1:
-        heads = (
+        heads: tuple[Column, ...] = (
             Column("title", "At the tail-slap, FE"),
             Column("unit", "Unit", is_unit=True),
-            *columns({f"of {label}": label for label in results}, form=".7g", unit_key="unit"),
         )
-        rows = ((key, vars(quantity)) for key, quantity in (QUANTITIES | FORCE).items())
-        yield Table(
-            heads, [row | {f"of {label}": fe[key] for label, fe in results.items()} for key, row in rows]
-        )
+        labels = {key: key.removeprefix("of ") for key in results}
+        heads += columns(labels, form=".7g", unit_key="unit")
+        rows = [
+            vars(entry) | {of: fe[key] for of, fe in results.items()}
+            for key, entry in (QUANTITIES | FORCE).items()
+        ]
+        yield Table(heads, rows)
 
 
 def _curves(comparison: Comparison, less: bool = False) -> Iterator[Chart]:

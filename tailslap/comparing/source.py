@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +37,8 @@ TIMES = ("t", "time")
 OF_ONE = re.compile(r"\s*([0-9]{1,6})\s*:\s*(.+)")
 """Name in a mapping for one of the results, by its number."""
 
-NO_FILE = (
-    "there is no file to which it applies; a result has columns of its own by its number, like 2:force=theta"
-)
-NO_NAMES = (
-    'its first line has no column names; allowed are names, or numbers of columns, --columns "time=1,v_gy=2"'
-)
+NO_FILE = "there is no file to which it applies; a result has columns by its number, like 2:force=theta"
+NO_NAMES = 'its first line has no column names; allowed are names, or numbers, --columns "time=1,v_gy=2"'
 PARQUET = b"PAR1"
 """First bytes of a Parquet file."""
 
@@ -109,10 +106,7 @@ def parse_mapping(text: str) -> dict[str, str]:
 
 
 def read_items(
-    sources: Sequence[object],
-    mapping: Mapping[str, str],
-    force: bool = False,
-    decimal_commas: Sequence[int] = (),
+    sources: Sequence[object], mapping: Mapping[str, str], force: bool, decimal_commas: Sequence[int]
 ) -> list[Item]:
     """Read histories from results, their folders, or files.
 
@@ -143,9 +137,8 @@ def open_source(number: int, given: object, force: bool = False, decimal_comma: 
     """
     if isinstance(given, Item):
         units = {name: given.units.get(name, "") for name in given.columns} | column_units(given.columns)
-        source = Source(
-            units, lambda name: _numbers(name, given.columns), is_result=True, summary=given.summary
-        )
+        numbers = partial(_numbers, given.columns)
+        source = Source(units, numbers, is_result=True, summary=given.summary)
         return replace(source, number=number, label=given.label, place=given.label)
     path = Path(str(given))
     with _reading(path):
@@ -164,7 +157,7 @@ def open_source(number: int, given: object, force: bool = False, decimal_comma: 
     return replace(open_source(number, Item(label, columns, columns.units, result.summary)), place=str(path))
 
 
-def _numbers(name: str, columns: Mapping[str, np.ndarray]) -> Floats:
+def _numbers(columns: Mapping[str, np.ndarray], name: str) -> Floats:
     """Return the numbers of a column. Raises ValueError for words."""
     if columns[name].dtype.kind not in "fiub":
         raise ValueError(f"column {shortened(name)} has no numbers")
@@ -193,10 +186,9 @@ def _open_parquet(path: Path) -> Source:
     rows, schema = pq.read_metadata(path).num_rows, pq.read_schema(path)
     if 8 * rows > MAX_BYTES:
         raise ValueError(f"it has {rows} rows; allowed are at most {MAX_BYTES // 8}")
-    units = {
-        entry.name: (entry.metadata or {}).get(b"unit", b"").decode("utf-8", "replace") for entry in schema
-    }
-    return Source(units, lambda name: _numbers(name, read_columns(path, [name])))
+    metadata = {entry.name: entry.metadata or {} for entry in schema}
+    units = {name: of.get(b"unit", b"").decode("utf-8", "replace") for name, of in metadata.items()}
+    return Source(units, lambda name: _numbers(read_columns(path, [name]), name))
 
 
 @contextmanager

@@ -44,7 +44,7 @@ VERIFICATION = (
     *columns({"item": "Result", "name": "At the end of the run"}),
     Column("value", "Value [%]", form=lambda ratio: f"{100.0 * ratio:.2g}"),
     Column("limit", "Limit [%]", form=lambda ratio: f"{100.0 * ratio:g}"),
-    Column("passed", "Within", form=yes),
+    *columns({"passed": "Within"}, form=yes),
 )
 PHENOMENA = (
     *columns({"item": "Result", "name": "Phenomenon"}),
@@ -151,12 +151,9 @@ def with_validation(report: Report, comparison: Comparison, author: str) -> Repo
 
     Its page is added, and its numbers to the summary.
     """
-    summary = {
-        "multi_channel": multi_channel(comparison),
-        "solution_verification": solution_verification(comparison),
-    }
-    texts = {PAGE: page_text(validation_page(comparison, author))}
-    return replace(report, summary={**report.summary, **summary}, texts=texts)
+    verified = {"solution_verification": solution_verification(comparison)}
+    summary = {**report.summary, "multi_channel": multi_channel(comparison), **verified}
+    return replace(report, summary=summary, texts={PAGE: page_text(validation_page(comparison, author))})
 
 
 def validation_page(comparison: Comparison, author: str = "") -> Page:
