@@ -111,21 +111,20 @@ def read_calculix(path: Path) -> NodalHistory:
     """
     blocks: dict[str, Blocks] = {"displacements": {}, "velocities": {}}
     block: dict[int, list[float]] | None = None
-    with open(path, encoding="ascii", errors="replace") as lines:
-        for place, line in enumerate(lines, 1):
-            if head := HEAD.fullmatch(line):
-                (t,) = _numbers([head[3]], place)
-                block = blocks[head[1]].setdefault(t, {})
-            elif (cells := line.split()) and not cells[0].isdigit():
-                block = None
-            elif cells and block is not None:
-                if len(cells) != 4:
-                    raise ValueError(f"line {place} is cut short: {line.strip()!r}")
-                block[int(cells[0])] = _numbers(cells[1:], place)[:2]
+    for place, line in _numbered(path):
+        if head := HEAD.fullmatch(line):
+            (t,) = _numbers([head[3]], place)
+            block = blocks[head[1]].setdefault(t, {})
+        elif (cells := line.split()) and not cells[0].isdigit():
+            block = None
+        elif cells and block is not None:
+            if len(cells) != 4:
+                raise ValueError(f"line {place} is cut short: {line.strip()!r}")
+            block[int(cells[0])] = _numbers(cells[1:], place)[:2]
     displacements, velocities = blocks["displacements"], blocks["velocities"]
     if not velocities or not displacements:
         raise ValueError(
-            "it has no displacements or no velocities of nodes; print both by *NODE PRINT, U and V"
+            "it has no displacements or no velocities of nodes; allowed are U and V of *NODE PRINT"
         )
     if displacements.keys() != velocities.keys():
         t = max(displacements.keys() ^ velocities.keys())
@@ -222,11 +221,10 @@ def reader_of(path: Path) -> Callable[[Path], NodalHistory] | None:
         return None
     with open(path, encoding="ascii", errors="replace") as file:
         first = file.readline(MAX_HEAD)
-        if '"INTERNAL ENERGY"' in first and any(
-            NODE_COLUMN.fullmatch(name[-MAX_TITLE:]) for name in first.split('"')
-        ):
-            return read_radioss
+        names = first.split('"') if '"INTERNAL ENERGY"' in first else []
         head = first + file.read(MAX_HEAD)
+    if any(NODE_COLUMN.fullmatch(name[-MAX_TITLE:]) for name in names):
+        return read_radioss
     headings = (REPORT, read_field_report), (INSTANT, read_nodout), (HEAD, read_calculix)
     return next((read for heading, read in headings if heading.search(head)), None)
 

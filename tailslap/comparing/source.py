@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +92,10 @@ class Choice:
     sign: float = 1.0
     against: str = ""
     is_mapped: bool = False
+
+
+Choices = Mapping[str, Choice]
+"""Columns by the names in the comparison."""
 
 
 def parse_mapping(text: str) -> dict[str, str]:
@@ -207,6 +211,7 @@ def _reading(path: Path) -> Iterator[None]:
         raise InputError("RESULT", str(path), f"{why}{advice}") from None
 
 
+@cache
 def _own_name(name: str) -> str:
     """Return the name of a column in this program, if it has one.
 
@@ -269,7 +274,7 @@ def _theirs(source: Source, theirs: str, alone: bool) -> Choice | None:
     return replace(own, unit=mapped, stated="file" if alone or source.is_result else "columns")
 
 
-def _choices(source: Source, mapped: Mapping[str, Choice]) -> dict[str, Choice]:
+def _choices(source: Source, mapped: Choices) -> dict[str, Choice]:
     """Return all columns by the names in the comparison: mapped, of this program, or of the file.
 
     The first column of a file without names is assumed to be time. Raises InputError for two columns of one name.
@@ -281,9 +286,8 @@ def _choices(source: Source, mapped: Mapping[str, Choice]) -> dict[str, Choice]:
     if not source.is_named and first not in used and TIME not in {*mapped, *map(_own_name, source.names)}:
         chosen[TIME] = _own(source, first)
         used.add(first)
-    for name in sorted(
-        source.names, key=lambda name: name != _own_name(name)
-    ):  # those without a remark first
+    exact_first = sorted(source.names, key=lambda name: name != _own_name(name))
+    for name in exact_first:
         ours = _own_name(name)
         if ours in mapped or (ours in chosen and chosen[ours].name == ours):
             ours = name
@@ -296,9 +300,7 @@ def _choices(source: Source, mapped: Mapping[str, Choice]) -> dict[str, Choice]:
     return dict(sorted(chosen.items(), key=lambda pair: source.names.index(pair[1].name)))
 
 
-def _item(
-    source: Source, choices: Mapping[str, Choice], others: set[str], reference: Mapping[str, str]
-) -> Item:
+def _item(source: Source, choices: Choices, others: set[str], reference: Mapping[str, str]) -> Item:
     """Read columns of a history: those of this program, mapped ones, and those that others have.
 
     reference: units of the reference; others: names of their columns. Raises InputError.
@@ -321,12 +323,11 @@ def _item(
             columns[ours] = choice.sign * _factor(source, ours, choice, units[ours], ours in si) * values
     _demand_sound(columns, source)
     notes = tuple(_notes(source, {ours: choices[ours] for ours in columns if ours in others}, si))
-    time = choices[TIME]
-    of = {name: units[name] for name in columns}
-    return Item(source.label, columns, of, source.summary, notes, time.name, time.stated, unread)
+    time, units = choices[TIME], {name: units[name] for name in columns}
+    return Item(source.label, columns, units, source.summary, notes, time.name, time.stated, unread)
 
 
-def _notes(source: Source, read: Mapping[str, Choice], si: Mapping[str, str]) -> Iterator[str]:
+def _notes(source: Source, read: Choices, si: Mapping[str, str]) -> Iterator[str]:
     """Yield what is assumed of the columns that others have, too."""
     for ours, choice in read.items():
         if choice.against:

@@ -3,6 +3,7 @@
 Names are those of `pint`, the grammar that of `tailslap.scene.units`. Units of scenes mean the same here.
 """
 
+import math
 import re
 from functools import cache
 from itertools import product
@@ -39,17 +40,12 @@ def meanings(unit: str) -> tuple[tuple[float, str], ...]:
         return ((1.0, "dimensionless"),)
     for pattern, replacement in SPELLINGS:
         text = re.sub(pattern, replacement, text)
-    factors = unit_factors(text)
-    alternatives = [[(name, power) for name in MEANINGS.get(name, (name,))] for name, power in factors]
-    return tuple(_in_base_units(chosen) for chosen in product(*alternatives))
-
-
-def _in_base_units(factors: tuple[tuple[str, int], ...]) -> tuple[float, str]:
-    """Return the factor and base units of a product. Raises ValueError."""
-    quantity = _registry().Quantity(1.0)
-    for name, power in factors:
-        quantity = quantity * _quantity(name) ** power
-    return float(quantity.magnitude), str(quantity.units)
+    alternatives = [
+        [(name, power) for name in MEANINGS.get(name, (name,))] for name, power in unit_factors(text)
+    ]
+    products = ([_quantity(name) ** power for name, power in chosen] for chosen in product(*alternatives))
+    quantities: list[Any] = [math.prod(factors) for factors in products]
+    return tuple((float(quantity.magnitude), str(quantity.units)) for quantity in quantities)
 
 
 @cache
@@ -89,10 +85,7 @@ def ratio(unit: str, target: str) -> float:
 
     Raises ValueError for units of different dimensions, and for text that is not a unit.
     """
-    if unit == target:
-        return 1.0
-    for factor, base in meanings(unit):
-        for target_factor, target_base in meanings(target):
-            if base == target_base:
-                return factor / target_factor
+    for (factor, base), (target_factor, target_base) in product(meanings(unit), meanings(target)):
+        if base == target_base:
+            return factor / target_factor
     raise ValueError(f"the dimension of {unit} is not that of {target}")
