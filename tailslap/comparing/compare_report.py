@@ -130,9 +130,8 @@ def compare_items(
     for k, item in enumerate(items[1:], 2):
         _demand_one_unit_of_time(reference, item, k)
         among = _pairs(item, reference, only, mapped)
-        compared = [pair for pair in among.values() if pair]
-        pairs += [(item.label, pair) for pair in compared]
-        notes += _remarks(item, reference, compared, [name for name in among if not among[name]])
+        pairs += [(item.label, pair) for pair in among.values() if pair]
+        notes += _remarks(item, reference, among)
         not_compared[item.label] = _not_compared(item, reference, {TIME, *among}, bool(only))
     return Comparison(tuple(items), tuple(pairs), tuple(dict.fromkeys(notes)), not_compared)
 
@@ -186,18 +185,15 @@ def _pairs(item: Item, reference: Item, only: Sequence[str], mapped: set[str]) -
     pairs = {name: beside(name, item.columns, reference.columns) for name in chosen}
     excluded = ", ".join(name for name, pair in pairs.items() if not pair)
     if not any(pairs.values()) or (only and excluded):
-        allowed = (
-            f"it has no {excluded or 'column'} with two values at times in common with {reference.label}"
-        )
-        names = shortened(", ".join([*item.columns, *item.unread]))
-        raise InputError("RESULT", item.label, f"{allowed}; see --columns; its columns are {names}")
+        label, names = reference.label, shortened(", ".join([*item.columns, *item.unread]))
+        why = f"it has no {excluded or 'column'} with two values at times in common with {label}"
+        raise InputError("RESULT", item.label, f"{why}; see --columns; its columns are {names}")
     return pairs
 
 
-def _remarks(
-    item: Item, reference: Item, compared: Sequence[Beside], excluded: Sequence[str]
-) -> Iterator[str]:
+def _remarks(item: Item, reference: Item, pairs: Mapping[str, Beside | None]) -> Iterator[str]:
     """Yield remarks on excluded data and local differences."""
+    compared, excluded = [x for x in pairs.values() if x], [name for name, pair in pairs.items() if not pair]
     if excluded:
         yield f"{item.label}: no values at times of {reference.label}, not compared: {', '.join(excluded)}."
     for record in (item, reference):
@@ -301,24 +297,17 @@ def _numbers(pair: Beside) -> dict[str, object]:
 
 def _quantities(comparison: Comparison) -> Iterator[Table]:
     """Yield the table of tail-slap quantities."""
-    summaries = [(item.label, item.summary or {}) for item in comparison.items]
-    results = {
-        f"of {label}": {**summary["fe"], "peak_force": summary.get("peak_force", {}).get("fe")}
-        for label, summary in summaries
-        if "t" in summary.get("fe", {})
-    }
-    if len(results) > 1:
-        heads: tuple[Column, ...] = (
-            Column("title", "At the tail-slap, FE"),
-            Column("unit", "Unit", is_unit=True),
-        )
-        labels = {key: key.removeprefix("of ") for key in results}
-        heads += columns(labels, form=".7g", unit_key="unit")
-        rows = [
-            vars(entry) | {of: fe[key] for of, fe in results.items()}
-            for key, entry in (QUANTITIES | FORCE).items()
-        ]
-        yield Table(heads, rows)
+    summaries = {f"of {item.label}": item.summary or {} for item in comparison.items}
+    runs = {key: summary for key, summary in summaries.items() if "t" in summary.get("fe", {})}
+    if len(runs) > 1:
+        texts = (Column("title", "At the tail-slap, FE"), Column("unit", "Unit", is_unit=True))
+        labels = {key: key.removeprefix("of ") for key in runs}
+        rows: list[dict[str, Any]] = [vars(quantity).copy() for quantity in (QUANTITIES | FORCE).values()]
+        for key, run in runs.items():
+            values = {**run["fe"], "peak_force": run.get("peak_force", {}).get("fe")}
+            for row in rows:
+                row[key] = values[row["key"]]
+        yield Table((*texts, *columns(labels, form=".7g", unit_key="unit")), rows)
 
 
 def _curves(comparison: Comparison, less: bool = False) -> Iterator[Chart]:

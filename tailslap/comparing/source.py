@@ -15,15 +15,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.comparison import nodal
-from tailslap.comparing.text_tables import (
-    BRACKETS,
-    MAX_BYTES,
-    MAX_NAME,
-    Floats,
-    Source,
-    name_and_unit,
-    read_table,
-)
+from tailslap.comparing.text_tables import BRACKETS, MAX_BYTES, Floats, Source, name_and_unit, read_table
 from tailslap.comparing.units import ratio
 from tailslap.errors import MACHINE_FAULTS, InputError, Verbatim, one_of, shortened
 from tailslap.result.columns import column_units, read_columns
@@ -263,7 +255,7 @@ def _theirs(source: Source, theirs: str, alone: bool) -> Choice | None:
     sign, name, mapped = 1.0, theirs, ""
     if theirs not in source.units:
         sign = -1.0 if theirs.startswith("-") else 1.0
-        name, mapped = name_and_unit(theirs.removeprefix("-")[:MAX_NAME])
+        name, mapped = name_and_unit(theirs.removeprefix("-"))
     if name not in source.units and (alone or not source.is_named):
         name = {str(k): name for k, name in enumerate(source.units, 1)}.get(name, name)
     if name not in source.units:
@@ -355,9 +347,7 @@ def _factor(source: Source, ours: str, choice: Choice, target: str, is_ours: boo
             return ratio(unit, target)
         alone = f"{source.number if target else 1}:{ours}={choice.name}"
         has = f'"{target}"' if target else "none"
-        allowed = (
-            f'the reference has {has}; allowed is a unit in both files, or by --columns "{alone} [UNIT]"'
-        )
+        allowed = f'the reference has {has}; allowed is a unit in both files, or --columns "{alone} [UNIT]"'
     except ValueError as error:
         allowed = f"allowed is a unit of the dimension of {target}{of}: {error}"
     raise InputError(f"unit of {ours} of {source.label}", unit or Verbatim("none"), allowed)

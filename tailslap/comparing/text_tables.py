@@ -180,13 +180,17 @@ def _is_unit_row(cells: Sequence[str]) -> bool:
 def _units(heads: Sequence[str], unit_row: Sequence[str]) -> dict[str, str]:
     """Return the units of headings by name.
 
-    Raises ValueError for many or repeated names, or two units of one column.
+    Raises ValueError for many, long or repeated names, or two units of one column.
     """
     if len(heads) > MAX_COLUMNS:
         raise ValueError(f"it has {len(heads)} columns; allowed are at most {MAX_COLUMNS}")
     units = dict[str, str]()
     for k, (head, below) in enumerate(zip(heads, (*unit_row, *len(heads) * [""]), strict=False), 1):
         name, unit = name_and_unit(head) if head else (str(k), "")
+        if len(head) > MAX_NAME:
+            raise ValueError(
+                f'it has the name "{shortened(head)}"; allowed are at most {MAX_NAME} characters'
+            )
         other = below.strip("[]() ")
         if name in units:
             raise ValueError(f"it has two columns {shortened(name)}")
@@ -201,11 +205,10 @@ def name_and_unit(head: str) -> tuple[str, str]:
     """Split a heading into name and unit.
 
     The unit is the first text in brackets that is one, else that in square brackets; other brackets belong to the name.
-    Raises ValueError for a long name.
     """
-    if len(head) > MAX_NAME:
-        raise ValueError(f'it has the name "{shortened(head)}"; allowed are at most {MAX_NAME} characters')
-    squares, rounds = ([match for match in BRACKETS.finditer(head) if match[0][0] == mark] for mark in "[(")
+    squares, rounds = (
+        [match for match in BRACKETS.finditer(head[:MAX_NAME]) if match[0][0] == mark] for mark in "[("
+    )
     units = [match for match in (*squares, *rounds) if match[0] != "(1)" and is_unit(match[0][1:-1])]
     for match in (units or squares)[:1]:
         if name := " ".join((head[: match.start()] + head[match.end() :]).split()):

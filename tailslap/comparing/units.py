@@ -40,10 +40,8 @@ def meanings(unit: str) -> tuple[tuple[float, str], ...]:
         return ((1.0, "dimensionless"),)
     for pattern, replacement in SPELLINGS:
         text = re.sub(pattern, replacement, text)
-    alternatives = [
-        [(name, power) for name in MEANINGS.get(name, (name,))] for name, power in unit_factors(text)
-    ]
-    products = ([_quantity(name) ** power for name, power in chosen] for chosen in product(*alternatives))
+    names = [[(name, power) for name in MEANINGS.get(name, (name,))] for name, power in unit_factors(text)]
+    products = ([_quantity(name) ** power for name, power in chosen] for chosen in product(*names))
     quantities: list[Any] = [math.prod(factors) for factors in products]
     return tuple((float(quantity.magnitude), str(quantity.units)) for quantity in quantities)
 

@@ -136,9 +136,8 @@ def phenomena(comparison: Comparison) -> list[Row]:
         title = WORDS.get(pair.name, ("", f"Column {pair.name}"))[1].partition(",")[0]
         is_force = pair.name.startswith(("force", "reaction"))
         name, how = f"{title}, largest" if is_force else title, f"history to {pair.t[-1]:.4g} s, metrics"
-        reference, value = (
-            float(np.abs(v).max() if is_force else v[-1]) for v in (pair.reference, pair.value)
-        )
+        histories = pair.reference, pair.value
+        reference, value = (float(np.abs(v).max() if is_force else v[-1]) for v in histories)
         row: Row = {"item": label, "name": name, "how": how, "reference": reference, "value": value}
         row["difference"] = value / reference - 1.0 if reference else None
         row |= {"unit": comparison.reference.units.get(pair.name, ""), "agrees": pair.within}
@@ -174,14 +173,12 @@ def validation_page(comparison: Comparison, author: str = "") -> Page:
     program = f"tailslap {tailslap.__version__}, Python {platform.python_version()}, {platform.system()}"
     today = datetime.datetime.now(datetime.UTC).date().isoformat()
     basic = pairs({"Validated by": author or BLANK, "Date": today, "Program": program})
-    metrics = metrics_table(comparison, weighted)
+    metrics, remarks = metrics_table(comparison, weighted), comparison.remarks
     notes = (f"Values other than the largest: at the end of the common time. {NOT_IN_THE_MODEL}",)
     sections = (
         Section("Basic information", tables=(basic,), layout="half"),
         Section("Solution verification", tables=(_verification_table(comparison, verified),), layout="half"),
-        Section(
-            "Metrics of single channels and of all together", tables=(metrics,), sentences=comparison.remarks
-        ),
+        Section("Metrics of single channels and of all together", tables=(metrics,), sentences=remarks),
         Section("Phenomena", tables=(Table(PHENOMENA, phenomena(comparison), notes=notes),)),
     )
     below = footer("summary.json")
@@ -190,9 +187,7 @@ def validation_page(comparison: Comparison, author: str = "") -> Page:
 
 def _verification_table(comparison: Comparison, rows: Sequence[Row]) -> Table:
     """Return the table of the solution verification."""
-    note = (
-        "Limits: W179, Table E-1. The change excludes the work of friction and damping; mass is not scaled."
-    )
+    note = "Limits: W179, Table E-1. The change excludes work of friction and damping; mass is not scaled."
     verified = {row["item"] for row in rows}
     if unverified := ", ".join(item.label for item in comparison.items if item.label not in verified):
         note += f" Histories alone, to be verified in their program: {unverified}."
