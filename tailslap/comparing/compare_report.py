@@ -227,9 +227,9 @@ def compare_report(comparison: Comparison) -> Report:
     compared: dict[str, dict[str, object]] = {label: {} for label in comparison.labels}
     for label, pair in comparison.pairs:
         compared[label][pair.name] = _numbers(pair)
-    verdict = {"version": tailslap.__version__, "passed": comparison.within, "limits": LIMITS}
+    verdict = {"reference": comparison.reference.label, "passed": comparison.within, "limits": LIMITS}
     remarks = {"notes": list(comparison.notes), "not_compared": comparison.not_compared}
-    summary = {**verdict, "reference": comparison.reference.label, "compared": compared, **remarks}
+    summary = {"version": tailslap.__version__, **verdict, "compared": compared, **remarks}
     sections = (
         Section("Metrics", tables=(table,), sentences=comparison.remarks),
         Section("Results at the tail-slap", tables=tuple(_quantities(comparison))),

@@ -44,7 +44,7 @@ class Item:
     label : str
         Name of the scene, folder or file.
     columns : dict of ndarray, shape (rows,)
-        Those of this program in SI, others in the unit of the reference; NaN is a missing value.
+        Those of this program in SI, common in the unit of the reference; NaN is a missing value.
     units : dict of str
         Of the columns.
     summary : dict, optional
@@ -114,9 +114,9 @@ def read_items(
         if not (text := _numbered(opened, number, "--decimal-comma")).lines:
             raise InputError("--decimal-comma", number, f"{text.file} is no text; allowed are text files")
     choices = [*map(_choices, opened, _mapped(opened, mapping))]
-    others = [set[str]().union(*choices[1:]), *({*choices[0]} for _ in choices[1:])]
+    common = [set[str]().union(*choices[1:]), *({*choices[0]} for _ in choices[1:])]
     units = {ours: choice.unit for ours, choice in choices[0].items()}
-    return [_item(*parts, units) for parts in zip(opened, choices, others, strict=True)]
+    return [_item(*parts, units) for parts in zip(opened, choices, common, strict=True)]
 
 
 def _numbered(opened: Sequence[Source], number: int, option: str) -> Source:
@@ -126,30 +126,32 @@ def _numbered(opened: Sequence[Source], number: int, option: str) -> Source:
     return opened[number - 1]
 
 
-def open_source(number: int, given: object, force: bool = False, decimal_comma: bool = False) -> Source:
+def open_source(number: int, history: object, force: bool = False, decimal_comma: bool = False) -> Source:
     """Open a history of a result, a folder or a file.
 
     number: of the result in the command; force: also damaged ones. Raises InputError.
     """
-    if isinstance(given, Item):
-        units = {name: given.units.get(name, "") for name in given.columns} | column_units(given.columns)
-        numbers = partial(_numbers, given.columns)
-        source = Source(units, numbers, is_result=True, summary=given.summary)
-        return replace(source, number=number, label=given.label, place=given.label)
-    path = Path(str(given))
+    if isinstance(history, Item):
+        units = {name: history.units.get(name, "") for name in history.columns} | column_units(
+            history.columns
+        )
+        numbers = partial(_numbers, history.columns)
+        source = Source(units, numbers, is_result=True, summary=history.summary)
+        return replace(source, number=number, label=history.label, place=history.label)
+    path = Path(str(history))
     with _reading(path):
-        is_file = not isinstance(given, Result) and not path.is_dir()
+        is_file = not isinstance(history, Result) and not path.is_dir()
     if is_file:
         is_listed = demand_listed(path, force)
         with _reading(path):
             source = _open_file(path, decimal_comma)
         units = {**source.units, **(column_units(source.units) if is_listed else {})}
         return replace(source, units=units, number=number, label=path.stem, place=str(path))
-    result = given if isinstance(given, Result) else load(path, force=force)
+    result = history if isinstance(history, Result) else load(path, force=force)
     if not result.histories:
-        raise InputError(str(given), Verbatim(result.command), "it has no history; allowed is a run")
+        raise InputError(str(history), Verbatim(result.command), "it has no history; allowed is a run")
     columns = result.histories.get(FE) or next(iter(result.histories.values()))
-    label = result.scene if result is given else path.resolve().name
+    label = result.scene if result is history else path.resolve().name
     return replace(open_source(number, Item(label, columns, columns.units, result.summary)), place=str(path))
 
 
@@ -205,9 +207,9 @@ def _reading(path: Path) -> Iterator[None]:
 
 @cache
 def _own_name(name: str) -> str:
-    """Return the name of a column in this program, if it has one.
+    """Return this program's name of a column.
 
-    Remarks in brackets are no part of it.
+    It is without remarks in brackets. Other columns keep their name.
     """
     bare = " ".join(BRACKETS.sub(" ", name).split())
     bare = TIME if bare.lower() in TIMES else bare
@@ -215,7 +217,7 @@ def _own_name(name: str) -> str:
 
 
 def _mapped(opened: Sequence[Source], mapping: Mapping[str, str]) -> list[dict[str, Choice]]:
-    """Return the columns of each history that a mapping names, by the names of this program.
+    """Return mapped columns of each history, by this program's names.
 
     Names for one history hold against those for all files. A column that is not in a file, which has one of this
     program's name, belongs to another file. Raises InputError.
@@ -248,9 +250,9 @@ def _own(source: Source, name: str) -> Choice:
 
 
 def _theirs(source: Source, theirs: str, alone: bool) -> Choice | None:
-    """Return the column that a mapping names, or numbers where it has no name.
+    """Return the column that a mapping names, None without one.
 
-    None for other columns.
+    Columns without a name have their number.
     """
     sign, name, mapped = 1.0, theirs, ""
     if theirs not in source.units:
@@ -260,16 +262,16 @@ def _theirs(source: Source, theirs: str, alone: bool) -> Choice | None:
         name = {str(k): name for k, name in enumerate(source.units, 1)}.get(name, name)
     if name not in source.units:
         return None
-    own = replace(_own(source, name), sign=sign, is_mapped=True)
-    if own.unit or not mapped:
-        return replace(own, against=mapped if mapped != own.unit else "")
-    return replace(own, unit=mapped, stated="file" if alone or source.is_result else "columns")
+    choice = replace(_own(source, name), sign=sign, is_mapped=True)
+    if choice.unit or not mapped:
+        return replace(choice, against=mapped if mapped != choice.unit else "")
+    return replace(choice, unit=mapped, stated="file" if alone or source.is_result else "columns")
 
 
 def _choices(source: Source, mapped: Choices) -> dict[str, Choice]:
-    """Return all columns by the names in the comparison: mapped, of this program, or of the file.
+    """Return all columns of a history by the names in the comparison.
 
-    The first column of a file without names is assumed to be time. Raises InputError for two columns of one name.
+    They are those of a mapping, of this program, or of the file. The first column of a file without names is assumed to be time. Raises InputError for two columns of one name.
     """
     chosen, used = dict(mapped), {choice.name for choice in mapped.values()}
     first = source.names[0]
@@ -292,16 +294,17 @@ def _choices(source: Source, mapped: Choices) -> dict[str, Choice]:
     return dict(sorted(chosen.items(), key=lambda pair: source.names.index(pair[1].name)))
 
 
-def _item(source: Source, choices: Choices, others: set[str], reference: Mapping[str, str]) -> Item:
-    """Read columns of a history: those of this program, mapped ones, and those that others have.
+def _item(source: Source, choices: Choices, common: set[str], reference: Mapping[str, str]) -> Item:
+    """Read columns of a history.
 
-    reference: units of the reference; others: names of their columns. Raises InputError.
+    They are those of this program, mapped ones, and common ones. common: columns that others have, too; reference:
+    units of the reference. Raises InputError.
     """
     si, columns, unread = column_units(choices), dict[str, Floats](), dict[str, str]()
     units = {ours: si.get(ours, reference.get(ours, choice.unit)) for ours, choice in choices.items()}
     for ours, choice in choices.items():
         is_demanded = choice.is_mapped or ours in si
-        if not is_demanded and ours not in others:
+        if not is_demanded and ours not in common:
             unread[ours] = source.remarks.get(ours, "")
             continue
         try:
@@ -314,7 +317,7 @@ def _item(source: Source, choices: Choices, others: set[str], reference: Mapping
         else:
             columns[ours] = choice.sign * _factor(source, ours, choice, units[ours], ours in si) * values
     _demand_sound(columns, source)
-    notes = tuple(_notes(source, {ours: choices[ours] for ours in columns if ours in others}, si))
+    notes = tuple(_notes(source, {ours: choices[ours] for ours in columns if ours in common}, si))
     time, units = choices[TIME], {name: units[name] for name in columns}
     return Item(source.label, columns, units, source.summary, notes, time.name, time.stated, unread)
 

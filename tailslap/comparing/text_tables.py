@@ -217,7 +217,7 @@ def name_and_unit(head: str) -> tuple[str, str]:
 
 
 def _demand_whole(rows: Sequence[tuple[list[str], int]], least: int, most: int) -> None:
-    """Demand two rows with a cell for each column with a name, and none beyond.
+    """Demand two rows with a cell for each name, and none beyond.
 
     Raises ValueError with the line.
     """
