@@ -271,7 +271,8 @@ def _theirs(source: Source, theirs: str, alone: bool) -> Choice | None:
 def _choices(source: Source, mapped: Choices) -> dict[str, Choice]:
     """Return all columns of a history by the names in the comparison.
 
-    They are those of a mapping, of this program, or of the file. The first column of a file without names is assumed to be time. Raises InputError for two columns of one name.
+    They are those of a mapping, of this program, or of the file. The first column of a file without names is assumed
+    to be time. Raises InputError for two columns of one name.
     """
     chosen, used = dict(mapped), {choice.name for choice in mapped.values()}
     first = source.names[0]

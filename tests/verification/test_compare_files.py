@@ -170,6 +170,8 @@ REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
     "of a result": ("t,v_gy\n0,1\n1,2\n", {"columns": "3:v_gy=2"}, "allowed are the numbers of the results, from 1"),
     "alone": ("t,v_gy\n0,1\n1,2\n", {"columns": "2:v_gy=VY"}, "does not have this column"),
     "no time": ("a,v_gy\n0,1\n1,2\n", {}, "its columns are a, v_gy"),
+    "an open quote": ('t,"v_gy\n0,1\n1,2\n', {}, "it has fewer than two rows of numbers"),
+    "a long mapping": ("t,v_gy\n0,1\n1,2\n", {"columns": {"v_gy": 2000 * "x"}}, "no file has this column"),
     "a long name": ("t," + "[" * 100_000 + "\n0,1\n1,2\n", {}, "allowed are at most 1000 characters"),
     "cut channel": (CHANNEL.rsplit("\n", 2)[0] + "\n", {}, "it has 8 lines of samples, by line 8 9"),
     "channel over another": (CHANNEL.replace("implicit", "explicit"), {}, "line 5: reference channel \"explicit\""),
