@@ -4,6 +4,6 @@ The plate is meshed in its body frame: corner P at the origin, the side PE along
 mesh itself is the plate at the tail-slap. Importing this package loads neither gmsh nor meshio.
 """
 
-from meshes.rectangle import distorted, plate_mesh, wall_mesh, write_mesh
+from meshes.rectangle import distorted, plate_mesh, wall_mesh
 
-__all__ = ["distorted", "plate_mesh", "wall_mesh", "write_mesh"]
+__all__ = ["distorted", "plate_mesh", "wall_mesh"]

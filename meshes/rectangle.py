@@ -1,7 +1,7 @@
 """Rectangles of transfinite quadrilaterals with named groups.
 
 The plate PEHK in its body frame, and the rigid wall. Sessions of gmsh print nothing, work in any thread and are
-always closed. Meshes can be written for other programs.
+always closed.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import signal
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
@@ -28,9 +27,6 @@ Pair = tuple[float, float]
 
 # gmsh has one global state per process, so that one thread at a time may use it.
 _LOCK = threading.Lock()
-
-FORMATS = {".msh": "gmsh", ".vtu": "vtu"}
-"""File endings that can be written, with meshio's names of the formats."""
 
 CELL_TYPES = {1: "line", 2: "triangle", 3: "quad", 15: "vertex"}
 """Element types of gmsh in a transfinite rectangle, with meshio's names."""
@@ -81,55 +77,6 @@ def gmsh_model(name: str) -> Iterator[ModuleType]:
             else:
                 gmsh.model.remove()
                 gmsh.option.setNumber("General.Terminal", terminal)
-
-
-def write_mesh(mesh: meshio.Mesh, path: Path) -> None:
-    """Write a mesh with its groups.
-
-    As physical tags with names (.msh), or as the integer cell array `group` (.vtu).
-
-    Parameters
-    ----------
-    mesh : meshio.Mesh
-        Mesh of `plate_mesh` or `wall_mesh`.
-    path : Path
-        File with the ending .msh (Gmsh 4.1) or .vtu.
-
-    Raises
-    ------
-    ValueError
-        For another ending.
-    """
-    import meshio
-
-    if path.suffix not in FORMATS:
-        raise ValueError(f"{path.name}: a mesh is written as {' or '.join(FORMATS)}")
-    tags = [np.full(len(block.data), number) for number, block in enumerate(mesh.cells, start=1)]
-    if path.suffix == ".vtu":
-        tagged = meshio.Mesh(mesh.points, mesh.cells, cell_data={"group": tags})
-    else:
-        tagged = meshio.Mesh(
-            mesh.points,
-            mesh.cells,
-            cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags},
-            field_data={
-                name: np.array([number, mesh.cells[number - 1].dim])
-                for number, name in enumerate(mesh.cell_sets, start=1)
-            },
-            point_data={"gmsh:dim_tags": _dimension_and_tag(mesh)},
-        )
-    tagged.write(path, file_format=FORMATS[path.suffix])
-
-
-def _dimension_and_tag(mesh: meshio.Mesh) -> Indices:
-    """Return the entity that owns each node, shape (nodes, 2).
-
-    It is the one of lowest dimension, as Gmsh 4.1 requires.
-    """
-    owner = np.zeros((len(mesh.points), 2), dtype=np.int64)
-    for number, block in sorted(enumerate(mesh.cells, start=1), key=lambda item: -item[1].dim):
-        owner[np.unique(block.data)] = block.dim, number
-    return owner
 
 
 def rectangle_mesh(

@@ -3,11 +3,10 @@
 import threading
 
 import gmsh
-import meshio
 import numpy as np
 import pytest
 
-from meshes import plate_mesh, wall_mesh, write_mesh
+from meshes import plate_mesh, wall_mesh
 from meshes.rectangle import gmsh_model
 
 PLATE_GROUPS = {"plate", "side_pe", "side_kp", "side_hk", "side_eh"}
@@ -90,30 +89,6 @@ def test_the_callers_own_session_stays_open_and_as_it_was():
         assert (gmsh.model.list(), gmsh.model.getCurrent()) == (["", "theirs"], "theirs")
     finally:
         gmsh.finalize()
-
-
-def test_msh_file_is_read_by_gmsh_with_its_groups(tmp_path):
-    path = tmp_path / "plate.msh"
-    write_mesh(plate_mesh(10.0, 2.438, (20, 6)), path)
-    with gmsh_model("read"):
-        gmsh.merge(str(path))
-        names = {gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups()}
-        nodes = len(gmsh.model.mesh.getNodes()[0])
-    assert (names, nodes) == (PLATE_GROUPS, 147)
-
-
-def test_vtu_file_holds_the_mesh(tmp_path):
-    mesh = plate_mesh(10.0, 2.438, (20, 6))
-    write_mesh(mesh, tmp_path / "plate.vtu")
-    read = meshio.read(tmp_path / "plate.vtu")
-    np.testing.assert_array_equal(read.points, mesh.points)
-    np.testing.assert_array_equal(read.cells_dict["quad"], mesh.cells_dict["quad"])
-
-
-def test_another_format_is_refused(tmp_path):
-    with pytest.raises(ValueError, match=r"\.msh or \.vtu"):
-        write_mesh(plate_mesh(1.0, 1.0, (1, 1)), tmp_path / "plate.stl")
-    assert not list(tmp_path.iterdir())
 
 
 def test_a_mesh_leaves_the_signal_handlers_as_they_are(python):
