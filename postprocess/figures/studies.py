@@ -1,12 +1,11 @@
 """Charts of studies.
 
-Bars and bands in named rows, histogram, one input at a time. On logarithmic axes: error over run time, one line per
+Bars and bands in named rows, histogram. On logarithmic axes: error over run time, one line per
 method; sizes over the first frequency of a plate, stiff plates on the left.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import cycle
 from typing import Any, NamedTuple
 
@@ -33,21 +32,6 @@ COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
 
 PRECISION_HEIGHT = 460.0
 """Height of the work-precision diagram [pixels]."""
-
-
-class InputPanel(NamedTuple):
-    """Results of both strikes against one input.
-
-    values: of the input; nominal: that of the scene; lines: label of the axis -> strike -> name of the quantity ->
-    values, shape (n,).
-    """
-
-    name: str
-    label: str
-    values: Floats
-    nominal: float
-    logarithmic: bool
-    lines: Mapping[str, Mapping[int, Mapping[str, Floats]]]
 
 
 class BandBar(NamedTuple):
@@ -133,47 +117,6 @@ def draw_sensitivity(inputs: Sequence[Mapping[str, Any]], of: str = "the peak fo
         marks.append(Line("", np.ravel(intervals), np.repeat(rows, 3), "ink", 1.4))
     plot = _row_plot(names, marks, 34.0)
     return chart.Chart("sensitivity", caption, (plot,), chart.Axis("Sobol index"), "Sensitivity", chart.HALF)
-
-
-def draw_inputs(caption: str, panels: Sequence[InputPanel]) -> list[chart.Chart]:
-    """Draw a chart of each input, preceded by their legend.
-
-    A chart has a plot for each kind of quantity.
-    """
-    first = next(iter(panels[0].lines.values()))
-    lines = [replace(line, x=np.zeros(0), y=np.zeros(0)) for line in _lines(panels[0].values, first)]
-    keys = [*lines, key("the scene's own", "grey", 1.0, "2 2")]
-    key_caption = "Key of the lines; impulse and duration are drawn as the first peak of their strike"
-    drawn = [chart.draw_legend("inputs-legend", key_caption, keys)]
-    for panel in panels:
-        scene_line = Span("", panel.nominal, panel.nominal, "grey")
-        plots = [
-            chart.Plot(
-                (*_lines(panel.values, strikes), scene_line),
-                chart.Axis(label, low=0.0),
-                110.0,
-                has_legend=False,
-            )
-            for label, strikes in panel.lines.items()
-        ]
-        x = chart.Axis(panel.label, is_log=panel.logarithmic, margin=0.0)
-        heading = f"{caption} {panel.label.partition(' [')[0]}"
-        drawn.append(chart.Chart(panel.name, heading, plots, x))
-    return drawn
-
-
-def _lines(x: Floats, strikes: Mapping[int, Mapping[str, Floats]]) -> list[Line]:
-    return [
-        Line(
-            f"{STRIKES[strike][0]}, {name}",
-            x,
-            values,
-            STRIKES[strike][1],
-            **line_style(3 * (strike - 1) + number),
-        )
-        for strike, quantities in strikes.items()
-        for number, (name, values) in enumerate(quantities.items())
-    ]
 
 
 def draw_bands(bars: Sequence[BandBar]) -> chart.Chart:

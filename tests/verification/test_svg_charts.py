@@ -321,21 +321,6 @@ def test_bands_say_their_ends_and_the_rows_of_the_paper():
     assert first[3] < second[1]
 
 
-def test_inputs_have_a_chart_each_and_one_legend():
-    x = np.linspace(0.5, 5.0, 4)
-    peaks = {1: {"raw": x, "50 ms": 2 * x}, 2: {"raw": 3 * x}}
-    lines = {"peak [kN]": peaks, "duration [ms]": {1: {"duration": x}}}
-    panels = [studies.InputPanel(f"against-{n}", f"input {n} [m]", x, 2.0, n == 1, lines) for n in (0, 1)]
-    legend, *charts = studies.draw_inputs("Against", panels)
-    assert [chart.name for chart in charts] == ["against-0", "against-1"]
-    first = ["first strike, raw", "first strike, 50 ms"]
-    assert (texts_of(legend), shown(legend)) == ([*first, "second strike, raw", "the scene's own"], {})
-    assert "first strike, raw" not in texts_of(charts[0])
-    assert shown(charts[0])["second strike, raw"] == ["1.5", "6", "10.5", "15"]
-    assert {"0.5", "1", "2", "5"} <= set(texts_of(charts[1])), "round ticks of a logarithmic axis"
-    assert charts[0].caption == "Against input 0"
-
-
 def test_plates_that_are_not_to_be_relied_on_are_red():
     panels = {"peak [kN]": {1: ([9.0, 5.0, 4.0], 4.0)}}
     chart = studies.draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
@@ -614,15 +599,12 @@ def many_lines():
     t = np.linspace(0.0, 0.4, 9)
     fe, rigid = histories(50)
     curves = [Curve(f"result {k}", t, t) for k in range(7)]
-    forces = {"F [kN]": {k: dict.fromkeys("abc", t) for k in (1, 2)}}
-    inputs = studies.InputPanel("i", "x [m]", t, 0.2, False, forces)
     axis = studies.SweepAxis([100.0, 10.0, 1.0], [True] * 3, 30.0)
     lines = [studies.SweepLine(n, [1e-3] * 3) for n in "abcde"]
     return {
         "forces": draw_forces("", [Forces("f", t, dict.fromkeys(LINES, 1e3 * t))]),
         "results": draw_overlay("o", "F [kN]", curves, "", 340.0),
         "energies": next(c for c in draw_histories(fe, rigid) if c.name == "energy_stored"),
-        "inputs": studies.draw_inputs("", [inputs])[1],
         "sweep": studies.draw_sweep("s", axis, lines, "size", "", ()),
     }
 

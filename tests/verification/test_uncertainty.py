@@ -706,15 +706,6 @@ def test_another_test_level_has_no_rows():
     assert uncertainty_study.spread(plan, planar_ranges.impact_ranges(plan), 288).paper_rows == ()
 
 
-def test_curves_go_through_the_scenes_own_values(impacts):
-    keys = [curve["key"] for curve in impacts.curves]
-    assert [curve["key"] for curve in uncertainty_study.input_curves(impacts.case)] == keys
-    for curve in impacts.curves:
-        for name in ("strike_1.raw", "strike_2.impulse"):
-            interpolated = np.interp(curve["own"], curve["values"], curve["columns"][name])
-            assert interpolated == pytest.approx(impacts.nominal[name], rel=0.02), (curve["key"], name)
-
-
 def test_contacts_that_the_study_cannot_vary_are_refused(refused):
     for changes in (
         {"contact.side_stiffness": 1e10},
@@ -742,15 +733,13 @@ def test_page_files_and_terminal_of_a_whole_impact(impacts, tmp_path):
     write_report(study_report, tmp_path)
     page = (tmp_path / "report.html").read_text()
     drawn = {path.stem for path in tmp_path.glob("*.svg")}
-    assert {"bands", "sensitivity", "inputs-legend", "against-contact-friction"} <= drawn
-    assert page.count("<svg") - page.count("<template>") == len(drawn) == 4 + len(impacts.curves)
+    assert {"bands", "sensitivity"} <= drawn
+    assert page.count("<svg") - page.count("<template>") == len(drawn) == 3
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["own"] == pytest.approx(dict(impacts.nominal))
     assert {row["u_d"] for row in summary["rows"]} == {None}
     with (tmp_path / "samples.csv").open() as file:
         assert len(list(csv.DictReader(file))) == 2 * impacts.rows
-    with (tmp_path / "curves.csv").open() as file:
-        assert {line["input"] for line in csv.DictReader(file)} == {row["key"] for row in impacts.curves}
     assert max(map(len, printed(study_report.terminal).splitlines())) <= 96
 
 

@@ -14,9 +14,9 @@ from postprocess.svg.chart import Chart
 from postprocess.units import force, grouped
 from tailslap.campaign.planar_ranges import used_keys
 from tailslap.campaign.records import Record
-from tailslap.campaign.sampling import PERCENTILES, SEED, Array, points_in_words
+from tailslap.campaign.sampling import PERCENTILES, SEED, points_in_words
 from tailslap.case.force_band import central_part
-from tailslap.case.impact.strike_columns import COLUMNS, LARGEST, QUANTITIES
+from tailslap.case.impact.strike_columns import LARGEST, QUANTITIES
 from tailslap.case.report_parts import design_forces_of, short, study_page, study_summary
 from tailslap.scene.write import scene_inputs
 from tailslap.studies.sobol_tables import (
@@ -29,6 +29,7 @@ from tailslap.studies.sobol_tables import (
 from tailslap.studies.uncertainty.uncertainty_study import LEVEL, TABLES, Spread
 
 BINS = 60
+FILES = "summary.json (results in SI); samples.csv (samples)"
 INPUTS = (
     Column("key", "Input"),
     Column("range", "Range", form=str),
@@ -43,22 +44,6 @@ LEVELS = (
     Column("above", "Impacts above it", form=lambda part: f"{100.0 * part:.1f} %"),
     Column("source", "Source", style="soft"),
 )
-CURVES = {
-    "contact.stiffness": ("crush stiffness", "MN/m", 1e6),
-    "contact.plateau_force": ("plateau of the crush force", "kN", 1e3),
-    "contact.restitution": ("restitution", "", 1.0),
-    "contact.friction": ("friction", "", 1.0),
-    "vehicle.mass": ("mass", "t", 1e3),
-    "impact.speed": ("speed", "m/s", 1.0),
-    "impact.angle": ("angle", "deg", np.pi / 180.0),
-    "vehicle.centre_of_mass": ("centre of mass behind the front", "m", 1.0),
-    "stiffness": ("crush stiffness", "MN/m", 1e6),
-    "yaw_inertia": ("yaw inertia", "t m^2", 1e3),
-}
-"""Label, displayed unit and its value in SI of the varied inputs, those of trailers last."""
-
-CURVE_AXES: dict[str, tuple[str, ...]] = {"peak [kN]": ("mean_50ms", "raw", "cfc60")}
-CURVE_AXES |= {"impulse [kN s]": ("impulse",), "duration [ms]": ("duration",)}
 BANDS = (
     *columns({"strike": "Strike", "quantity": "Quantity"}),
     Column("own", "Scene", form=".1f", style="strong", unit_key="unit"),
@@ -110,21 +95,18 @@ def _report(
     sections: Sequence[Section],
     numbers: Mapping[str, object],
     terminal: Sequence[Part],
-    **curves: Table,
 ) -> Report:
     """Return page, summary and files.
 
     `sentences` are answer and certainty.
     """
     headline = Headline(f"Uncertainty: {result.case.subject}", sentences[0], result.case.set_up, sentences[1])
-    files = ["summary.json (results in SI)", "samples.csv (samples)"] + ["curves.csv (curves)"] * bool(curves)
     head, cost = study_summary("uncertainty", result.case), {"seconds": result.seconds}
     return Report(
-        study_page(result.case, kicker, headline, sections, "; ".join(files)),
+        study_page(result.case, kicker, headline, sections, FILES),
         {**head, "seed": SEED, **numbers, "cost": cost},
         tuple(terminal),
-        {f"{name}.csv": table for name, table in curves.items()},
-        {"samples.csv": result.samples},
+        histories={"samples.csv": result.samples},
     )
 
 
@@ -253,7 +235,6 @@ def impact_report(result: Spread) -> Report:
         Section("Sensitivity of the largest 50 ms mean", figures=sensitivity, layout="half"),
         Section("Method", "", (), (), _impact_sentences(result, single), "half"),
         Section("Comparison with Tables 4 and 5 of the paper", "" if compared else NOT_TL_4, tables=[rows]),
-        Section("Variation of single inputs", figures=_curve_figures(result)),
     )
     kinds, numbers = ("first_order", "first_order_interval", "total", "total_interval"), {}
     for name in result.tables:
@@ -276,7 +257,7 @@ def impact_report(result: Spread) -> Report:
         f"Cost:   {result.computed} impacts in {result.seconds:.1f} s",
     ]
     kicker = "Uncertainty of both strikes of a whole impact"
-    return _report(result, kicker, sentences, sections, summary, terminal, curves=_curves_table(result))
+    return _report(result, kicker, sentences, sections, summary, terminal)
 
 
 def _levels(result: Spread) -> Table:
@@ -374,42 +355,6 @@ def _inputs_table(result: Spread, short: bool = False) -> Table:
 def _refused_indices(result: Spread) -> list[str]:
     """Return the quantities with refused indices, and the reasons."""
     return [f"{name}: {why}" for name, why in result.refused_sources.items()]
-
-
-def _curves_table(result: Spread) -> Table:
-    """Return the impacts of the curves, in SI."""
-    heads = columns({"input": "Input", "value": "Value"} | {name: name for name in COLUMNS})
-    rows = [
-        {"input": curve["key"], "value": value, **{n: float(curve["columns"][n][i]) for n in COLUMNS}}
-        for curve in result.curves
-        for i, value in enumerate(curve["values"].tolist())
-    ]
-    return Table(heads, rows)
-
-
-def _curve_figures(result: Spread) -> list[Chart]:
-    """Return the charts of all quantities over each input."""
-    panels = []
-    for curve in result.curves:
-        key = curve["key"]
-        label, unit, scale = CURVES.get(key) or CURVES[key.rpartition(".")[2]]
-        if key.startswith("trailer"):
-            label = f"trailer {int(key.split('.')[1]) + 1}: {label}"
-        lines = {
-            axis: {k: dict(_curve(curve, f"strike_{k}.{name}") for name in names) for k in (1, 2)}
-            for axis, names in CURVE_AXES.items()
-        }
-        name = "against-" + key.replace(".", "-").replace("_", "-")
-        heading = f"{label} [{unit}]" if unit else label
-        values, nominal = curve["values"] / scale, curve["own"] / scale
-        panels.append(figures.InputPanel(name, heading, values, nominal, key.endswith("stiffness"), lines))
-    return figures.draw_inputs("Both strikes over", panels)
-
-
-def _curve(curve: Record, column: str) -> tuple[str, Array]:
-    """Return label and displayed values of a quantity."""
-    label, _, scale = QUANTITIES[column.split(".")[1]]
-    return label, curve["columns"][column] / scale
 
 
 def _band_figure(result: Spread) -> Chart:

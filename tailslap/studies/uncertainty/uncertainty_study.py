@@ -25,7 +25,6 @@ from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array, Band
 from tailslap.case.case import Case
 from tailslap.case.impact import strike_columns
-from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError, Verbatim
 from tailslap.replication import paper_values
 
@@ -35,10 +34,6 @@ CORNER_SAMPLES, IMPACT_SAMPLES = 100_000, 4_000
 
 CORNER_BLOCK, IMPACT_BLOCK = 2048, 512
 """Samples at a time, so that intermediate values fit the processor's cache and histories are small."""
-
-CURVE_POINTS = 25
-"""Points of a curve over one input."""
-
 
 LEVEL = "TL-4"
 """Test level of the single-unit truck in Tables 4 and 5."""
@@ -68,8 +63,6 @@ class Spread:
         Results of the scene's own values by name [SI].
     refusal : str
         Reason of the first sample without a solution, or "".
-    curves : list of dict
-        Of a whole impact, variation of each input alone, with its key, values, nominal value and columns.
     paper_rows : list of dict
         Rows a to f of the paper's Tables 4 and 5, none for another test level.
     """
@@ -83,7 +76,6 @@ class Spread:
     nominal: Mapping[str, float]
     seconds: float
     refusal: str = ""
-    curves: tuple[Record, ...] = ()
     paper_rows: tuple[Record, ...] = ()
 
     @property
@@ -142,7 +134,6 @@ def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
     importlib.import_module("scipy.stats")  # takes longer than the study
     began = time.perf_counter()
     with progress.progress_bar(f"{case.scene.name}: impacts" if impact else "combinations") as show:
-        curves = input_curves(case) if isinstance(case, ImpactCase) else ()
         inputs, tables = sampling.sampled(ranges, at_least, lambda values: solved(case, values, show))
     main = tables["strike_2.impulse" if impact else "peak_force"]
     refusal = "" if impact else _first_refusal(case, inputs, main.ravel())
@@ -155,9 +146,7 @@ def spread(case: Case, ranges: tuple[Range, ...], at_least: int) -> Spread:
         raise InputError(
             "--range", Verbatim("these ranges"), "the peak force is constant within these ranges"
         )
-    result = Spread(
-        case, ranges, inputs, tables, sources, reasons, nominal_columns(case), 0.0, refusal, curves
-    )
+    result = Spread(case, ranges, inputs, tables, sources, reasons, nominal_columns(case), 0.0, refusal)
     compared = paper_rows(result) if impact else ()
     return replace(result, paper_rows=compared, seconds=time.perf_counter() - began)
 
@@ -191,37 +180,6 @@ def _first_refusal(case: Case, inputs: Mapping[str, Array], forces: Array) -> st
         except InputError as error:
             return str(error)
     return ""
-
-
-def input_curves(case: ImpactCase) -> tuple[Record, ...]:
-    """Vary each input alone over a wide range."""
-    nominal = case.inputs
-    stiffness, angle = nominal["contact.stiffness"], nominal["impact.angle"]
-    plateau = nominal.get("contact.plateau_force", math.nan)
-    length, mass, speed = (nominal[key] for key in ("vehicle.length", "vehicle.mass", "impact.speed"))
-    wide = {
-        "contact.stiffness": (min(0.3e6, 0.5 * stiffness), max(5e6, 2.0 * stiffness)),
-        "contact.plateau_force": (0.5 * plateau, 2.0 * plateau),
-        "contact.restitution": (0.05, 0.6),
-        "contact.friction": (0.1, 0.8),
-        "vehicle.mass": (0.75 * mass, 1.25 * mass),
-        "impact.speed": (0.75 * speed, 1.25 * speed),
-        "impact.angle": (0.5 * angle, min(1.6 * angle, 0.5 * (angle + 0.5 * math.pi))),
-        "vehicle.centre_of_mass": (0.4 * length, 0.6 * length),
-    }
-    for number, unit in enumerate(case.trailers):
-        crush, inertia = unit.contact.crush.stiffness, unit.vehicle.inertia
-        wide |= {
-            f"trailer.{number}.stiffness": (min(0.3e6, 0.5 * crush), max(5e6, 2.0 * crush)),
-            f"trailer.{number}.yaw_inertia": (0.6 * inertia, 1.3 * inertia),
-        }
-    curves = []
-    for key, ends in ((key, ends) for key, ends in wide.items() if key in nominal):
-        spaced = np.geomspace if key.endswith("stiffness") else np.linspace
-        values = spaced(*ends, CURVE_POINTS)
-        columns = solved(case, {key: values})
-        curves.append({"key": key, "values": values, "own": nominal[key], "columns": columns})
-    return tuple(curves)
 
 
 def paper_rows(result: Spread) -> tuple[Record, ...]:
