@@ -1,13 +1,13 @@
 """Charts of a sweep.
 
-Results against a key, maps over two keys, and all keys as parallel scales. The rigid solution of each row is drawn
-beside its FE result. Curves omit rows without a result.
+Results against a key, and maps over two keys. The rigid solution of each row is drawn beside its FE result. Curves
+omit rows without a result.
 """
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,8 @@ from postprocess.comparison import quantities
 from postprocess.comparison.records import Compared
 from postprocess.svg.areas import Boxes
 from postprocess.svg.chart import FULL, PART, Axis, Chart, Plot
-from postprocess.svg.marks import Line, Mark, Swatch, Words
-from postprocess.svg.scales import Scale, Shades, cells_about, power_text
+from postprocess.svg.marks import Line, Swatch
+from postprocess.svg.scales import Shades, cells_about
 from postprocess.units import measure
 
 Values = NDArray[Any]
@@ -25,8 +25,6 @@ Values = NDArray[Any]
 STATUS_COLOURS = {"passed": "green", "failed": "red", "refused": "grey", "error": "ink"}
 MAX_DRAWN = 1500
 """Largest number of rows drawn, or shown on pages, which limits their size."""
-TICKS = 4
-"""Ticks of a scale."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,7 @@ class SweepRows:
 def draw_sweep(rows: SweepRows) -> tuple[Chart, ...]:
     """Draw all charts that these rows allow.
 
-    Results against each numerical key, maps of two keys, parallel scales of three or more.
+    Results against each numerical key, and maps of two keys.
     """
     results = rows.worst if rows.fe else rows.rigid[rows.compared.mapped]
     if not np.isfinite(results).any():
@@ -95,8 +93,6 @@ def draw_sweep(rows: SweepRows) -> tuple[Chart, ...]:
     charts = [chart for item in numbers for chart in draw_against(rows, item)]
     if len(numbers) == len(rows.varied) == 2:
         charts += draw_maps(rows, numbers[0], numbers[1])
-    if len(rows.varied) > 2:
-        charts.append(draw_parallels(rows))
     return tuple(charts)
 
 
@@ -227,98 +223,3 @@ def _ends(item: Varied, is_grid: bool) -> Values:
     values = np.log(item.values) if item.logarithmic else item.values
     ends = values[:, None] + np.ptp(values) / 80.0 * np.array([-1.0, 1.0])
     return np.exp(ends) if item.logarithmic else ends
-
-
-class Scaled(NamedTuple):
-    """One of several parallel scales.
-
-    Values of the rows, their heights from 0 to 1, and ticks with their heights.
-    """
-
-    label: str
-    values: Values
-    heights: Values
-    ticks: Sequence[tuple[float, str]]
-
-
-def scaled(label: str, values: Values, is_log: bool) -> Scaled:
-    """Return the scale of numbers, or of words at even heights."""
-    if not np.issubdtype(values.dtype, np.number):
-        names = list(dict.fromkeys(values.tolist()))
-        places = {word: (i + 0.5) / len(names) for i, word in enumerate(names)}
-        heights = np.array([places[word] for word in values])
-        return Scaled(label, values, heights, [(place, word) for word, place in places.items()])
-    numbers = np.unique(values[np.isfinite(values)]).astype(float)
-    if numbers.size < 2:
-        return Scaled(label, values, 0.5 + 0.0 * values, [(0.5, power_text(value)) for value in numbers])
-    scale = Scale(float(numbers[0]), float(numbers[-1]), is_log=is_log)
-    ticks = [(float(scale.at(tick)), power_text(tick)) for tick in scale.ticks(TICKS)]
-    return Scaled(label, values, np.asarray(scale.at(values)), ticks)
-
-
-def draw_parallels(rows: SweepRows) -> Chart:
-    """Draw rows as lines across parallel scales.
-
-    The scales are its inputs, its FE results and its largest difference, which colours it; failed rows are red. The
-    rigid solution is drawn below these lines.
-    """
-    caption = (
-        "Each line is a row: its inputs, FE results, and the largest difference from the rigid solution of the same "
-        "row, which colours the line (dark: small); red: a check failed. Behind it, in orange, that rigid solution"
-    )
-    if not rows.fe:
-        caption = "Each line is a row: its inputs, and results of the rigid vehicle; the last scale colours the line"
-    inputs = [scaled(item.label, item.values, item.logarithmic) for item in rows.varied]
-    count, results, rigid = len(rows.status), [], []
-    for key, quantity in rows.compared.quantities.items():
-        combined = scaled(quantity.label, np.concatenate((rows.best[key], rows.rigid[key])), False)
-        results.append(combined._replace(values=combined.values[:count], heights=combined.heights[:count]))
-        rigid.append(combined.heights[count:])
-    worst = scaled("difference", np.where(rows.worst > 0.0, rows.worst, np.nan), True)
-    last = worst if rows.fe else results[list(rows.compared.quantities).index(rows.compared.mapped)]
-    scales = [*inputs, *results, last]
-    heights = np.array([scale.heights for scale in scales])
-    chosen = _drawn_rows(rows, rows.varied[0])
-    complete = chosen[np.isfinite(heights[:, chosen]).all(axis=0)]
-    lines = _lines(heights[:, complete], rows.status[complete] == "failed")
-    if rows.fe:
-        places = np.arange(len(inputs), len(scales) - 1)
-        lines.insert(0, _across(places, np.array(rigid)[:, complete], "rigid", 2.2))
-    axes: list[Mark] = []
-    for place, scale in enumerate(scales):
-        axes.append(Line("", np.full(2, float(place)), np.array([0.0, 1.0]), "grey", 0.8))
-        axes += [Words(text, place, height, (4.0, 3.5)) for height, text in scale.ticks]
-    labels = [scale.label.replace(".", ".\n").replace(" [", "\n[") for scale in scales]
-    x = Axis(low=-0.15, high=len(scales) - 0.4, named=tuple(enumerate(labels)))
-    y = Axis(low=-0.04, high=1.04, named=())
-    marks = (*lines, *axes, _points(scales, complete))
-    plot = Plot(marks, y, 330.0, nearest="xy", has_grid=False, has_legend=False)
-    return Chart("parallels", caption, (plot,), x, "All keys side by side", FULL)
-
-
-def _lines(heights: Values, failed: Values) -> list[Mark]:
-    """Return the lines of rows in the colour of their last value.
-
-    heights: shape (scales, rows).
-    """
-    colours = np.where(failed, "red", Shades(0.0, 1.0).colours(heights[-1]))
-    places = np.arange(len(heights))
-    return [_across(places, heights[:, colours == one], one, 0.9) for one in dict.fromkeys(colours.tolist())]
-
-
-def _across(places: Values, heights: Values, colour: str, width: float) -> Line:
-    """Return lines through heights, shape (places, rows)."""
-    gap = np.full((1, heights.shape[1]), np.nan)
-    x = np.tile(np.append(places, np.nan), heights.shape[1])
-    return Line("", x, np.concatenate([heights, gap]).T.ravel(), colour, width)
-
-
-def _points(scales: Sequence[Scaled], selected: Values) -> Line:
-    """Return the values that pages show where rows meet a scale."""
-    places, heights, texts, at = [], [], [], []
-    for place, scale in enumerate(scales):
-        places += [float(place)] * len(selected)
-        heights += scale.heights[selected].tolist()
-        texts += [value if isinstance(value, str) else f"{value:.5g}" for value in scale.values[selected]]
-        at += [f"run {row}, {scale.label}" for row in selected]
-    return Line("value", np.array(places), np.array(heights), width=0.0, values=texts, at=at)

@@ -10,11 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser.charts import points_of
 from chart_samples import samples
 
 from postprocess.comparison.quantities import TAIL_SLAP
-from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep, scaled
+from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
 from postprocess.report.command_report import Report
 from postprocess.report.page import write_page
 from postprocess.svg.chart import FULL, PART
@@ -188,13 +187,13 @@ def names(*varied):
 
 
 def test_which_plots_there_are():
-    """Numbers have charts and maps, three keys parallels."""
+    """Numbers have charts, two keys also maps."""
     a, b = key("a.x", 1, 1, 2, 2), key("b.y", 1, 10, 1, 10, logarithmic=True)
     word, c = key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4)
     assert names(a) == ["against-a-x"]
     assert names(a, b) == ["against-a-x", "against-b-y", "map-result", "map-worst", "map-status"]
     assert names(a, word) == ["against-a-x"]
-    assert names(a, word, c) == ["against-a-x", "against-d-w", "parallels"]
+    assert names(a, word, c) == ["against-a-x", "against-d-w"]
     nothing = rows(a)
     assert draw_sweep(replace(nothing, difference={k: np.full(4, np.nan) for k in KEYS})) == ()
 
@@ -253,37 +252,6 @@ def test_maps_show_each_run():
     assert statuses.at == ["1; 1", "1; 10", "2; 1", "2; 10"]
     (red,) = re.findall(r'<g class="red"[^>]*><path d="([^"]*)"', status.svg)
     assert red.count("M") == 1
-
-
-def test_parallels_say_each_row_where_it_meets_a_scale():
-    """Three inputs, six results and the difference, behind the rigid solution."""
-    some = rows(key("a.x", 1, 1, 2, 2), key("c.z", "p", "q", "p", "q"), key("d.w", 1, 2, 3, 4))
-    some.status[2] = "failed"
-    chart = draw_sweep(some)[-1]
-    *_, at, values = samples(chart)[-1]
-    assert [*values[:8]] == ["1", "1", "2", "2", "p", "q", "p", "q"]
-    assert len(values) == len(at) == 4 * (3 + 6 + 1)
-    assert at[6] == "run 2, c.z"
-    pattern = '<g class="{}"[^>]*><path d="([^"]*)"'
-    red, behind = (re.findall(pattern.format(c), chart.svg)[0] for c in ("red", "rigid"))
-    assert (red.count("M"), len(points_of(red))) == (1, 10)
-    assert (behind.count("M"), len(points_of(behind))) == (4, 4 * 6)
-
-
-def test_heights_of_parallels():
-    assert scaled("x", np.array([2.0, 3.0, 4.0]), False).heights.tolist() == [0.0, 0.5, 1.0]
-    assert scaled("x", np.array([1.0, 10.0, 100.0]), True).heights == pytest.approx([0.0, 0.5, 1.0])
-    assert scaled("x", np.array([5.0, 5.0]), False).heights.tolist() == [0.5, 0.5]
-    words = scaled("x", np.array(["p", "q", "p"], dtype=object), False)
-    assert words.heights.tolist() == [0.25, 0.75, 0.25]
-
-
-def test_marks_of_parallels():
-    """Round numbers within the values, or the single value itself."""
-    expected = [(pytest.approx(mark / 0.91), f"{mark:g}") for mark in (0.0, 0.5)]
-    assert scaled("x", np.array([0.0, 0.91]), False).ticks == expected
-    assert [text for _, text in scaled("x", np.array([2e8, 3e11]), True).ticks] == ["10⁹", "10¹⁰", "10¹¹"]
-    assert scaled("x", np.array([0.0, 0.0, np.nan]), False).ticks == [(0.5, "0")]
 
 
 def test_the_worst_of_the_five_differences():
