@@ -22,9 +22,6 @@ CROSSED, NOT_REACHED, ABOVE_ALL, UNKNOWN = "crossed", "not reached", "above all"
 """Kinds of results: crossed between two points, not reached, exceeded by all points, or unknown because of the error.
 """
 
-FIT_TOLERANCE, MIN_FITTED = 0.1, 4
-"""Largest relative distance of points from a fitted power law, and least number of points."""
-
 
 class Sample(NamedTuple):
     """First frequency [Hz], difference, error and checks of a plate."""
@@ -63,19 +60,6 @@ class Reach:
             return "unknown"
         sign = {CROSSED: "≈", ABOVE_ALL: ">"}.get(self.kind, "<")
         return f"{sign}\N{NO-BREAK SPACE}{hertz(rounded_up(self.frequency))}"
-
-
-@dataclass(frozen=True)
-class PowerLaw:
-    """Power law of a difference over the frequency [Hz].
-
-    difference = factor * frequency ** exponent, from `highest` down to `lowest`.
-    """
-
-    exponent: float
-    factor: float
-    highest: float
-    lowest: float
 
 
 def hertz(frequency: float) -> str:
@@ -165,18 +149,3 @@ def jointly(levels: Sequence[Reach]) -> Reach:
         return level.kind == ABOVE_ALL, frequency, level.kind == CROSSED
 
     return max(levels, key=priority)
-
-
-def power_law(samples: Sequence[Sample]) -> PowerLaw | None:
-    """Fit a power law from the stiff end.
-
-    It covers as many points as possible, and is None for fewer than four. Samples are ordered from stiff to soft.
-    """
-    accurate = [s for s in samples if s.passed and s.error < KNOWN_FRACTION * s.difference]
-    for count in range(len(accurate), MIN_FITTED - 1, -1):
-        x, y = (np.log([getattr(s, name) for s in accurate[:count]]) for name in ("frequency", "difference"))
-        exponent, offset = np.polyfit(x, y, 1)
-        if np.abs(np.expm1(y - exponent * x - offset)).max() <= FIT_TOLERANCE:
-            ends = (accurate[0].frequency, accurate[count - 1].frequency)
-            return PowerLaw(float(exponent), math.exp(offset), *ends)
-    return None

@@ -104,7 +104,7 @@ def test_the_report_of_a_whole_impact_holds_every_plate(tmp_path, impact):
     ]  # fmt: skip
     plates = [impact_flexibility.plate_record(*result) for result in results]
     assert [row["passed"] for row in plates] == [False, False, True, True], "5 % between both meshes at most"
-    study = plate_runs.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, {}, plates)
+    study = plate_runs.Flexibility(impact, rows, reaches, 69.0, {"patch_length": 1.0}, 3.0, {}, plates)
     assert plates_table(study).marks == {0: "failed", 1: "failed"}
     assert "scan.csv" not in said(study, tmp_path)[1]
     names = impact_flexibility.NAMES

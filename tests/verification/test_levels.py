@@ -92,19 +92,6 @@ def test_failed_points_say_nothing_of_a_level():
     assert levels.lowest_frequency(points, 0.01).kind == levels.UNKNOWN
 
 
-def test_a_power_law_is_followed_to_its_end():
-    points = [power(f) for f in SWEEP]
-    law = levels.power_law(points)
-    assert law is not None
-    assert (law.exponent, law.factor) == (pytest.approx(-2.0, abs=1e-12), pytest.approx(0.04, rel=1e-12))
-    assert (law.highest, law.lowest) == (SWEEP[0], SWEEP[-1])
-    bent = [*points[:6], *(p._replace(difference=3.0 * p.difference) for p in points[6:])]
-    law = levels.power_law(bent)
-    assert law is not None
-    assert (law.lowest, law.exponent) == (SWEEP[5], pytest.approx(-2.0, abs=1e-12))
-    assert levels.power_law([power(f, error=0.5) for f in SWEEP]) is None
-
-
 def test_the_error_is_a_grid_convergence_index_of_a_believable_order():
     second = [3.0 + 0.01 * h**2 for h in (1.0, 2.0, 4.0)]
     assert convergence_index(*second) * second[0] == pytest.approx(1.25 * 0.01, rel=1e-9)

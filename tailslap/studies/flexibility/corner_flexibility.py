@@ -1,8 +1,8 @@
 """Flexibility of plates with a constrained corner.
 
-Each plate is run with three starts on three meshes. The modal model is compared, and at some plates the thickness
-varies instead of the modulus. A difference is known where its numerical error is small compared to it. Where levels are
-crossed, further runs scan the difference, which oscillates over the first frequency.
+Each plate is run with three starts on three meshes, and the modal model is compared. A difference is known where its
+numerical error is small compared to it. Where levels are crossed, further runs scan the difference, which oscillates
+over the first frequency.
 """
 
 import math
@@ -22,7 +22,7 @@ from postprocess.comparison.quantities import KEYS, largest_relative, relative_d
 from tailslap.campaign import engine, levels
 from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
-from tailslap.case import plate_input, resources
+from tailslap.case import resources
 from tailslap.case.check import failed_names
 from tailslap.case.corner import corner_run
 from tailslap.case.corner.corner_case import CornerCase
@@ -42,7 +42,7 @@ LEVELS = (1e-3, 1e-2, 5e-2, 1e-1)
 
 
 STARTS = ("inertia-relief", "inertia-relief-momenta", "unstressed")
-"""Starts of all plates. The first is compared with the modal model and with other thicknesses."""
+"""Starts of all plates. The first is compared with the modal model."""
 
 CONSERVED = ("v_gx", "v_gy", "omega", "v_p")
 """Velocities that a start may conserve, of centre of mass, rotation and corner."""
@@ -59,15 +59,8 @@ TOO_LONG = 120.0
 """Expected time of a time loop above which a run is omitted [s]."""
 
 
-THICKNESSES = (1 / 6, 1 / 2, 5 / 6)
-"""Positions from the stiffest (0) to the softest plate (1) with varied thickness."""
-
 ROWS, ROWS_A_PERIOD, MAX_ROWS = 200, 12, 20_000
 """Least rows of history, rows per period of the first frequency of an oscillation, and most rows."""
-
-
-Section = tuple[float, float, float]
-"""Thickness [m], density [kg/m^3] and modulus [Pa] of a plate."""
 
 
 class Sweep(NamedTuple):
@@ -80,12 +73,6 @@ class Sweep(NamedTuple):
     fe_plan: CornerPlan
     meshes: tuple[tuple[int, int], ...]
     support: Record
-
-    @property
-    def section(self) -> Section:
-        """Return the section of the scene's plate."""
-        plate = self.fe_plan.plate
-        return plate.thickness, plate_input.plate_density(self.case.scene, plate), plate.modulus
 
 
 def define(case: CornerCase) -> Sweep:
@@ -146,12 +133,10 @@ def corner_flexibility(
 ) -> Flexibility:
     """Run plates of these first frequencies, falling [Hz]."""
     began, sweep, parts = time.perf_counter(), define(case), {}
-    thin = {round(part * (len(frequencies) - 1)) for part in THICKNESSES}
-    for number, frequency in enumerate(frequencies):
+    for frequency in frequencies:
         starts = {name: mesh_changes(sweep, frequency, name) for name in STARTS}
         modal = {**run_changes(sweep, frequency, sweep.meshes[-1]), "damping": None}
-        section, half = sweep.section if number in thin else None, number == len(frequencies) // 2
-        parts[f"{frequency!r} Hz"] = (case.source, starts, modal, section, half)
+        parts[f"{frequency!r} Hz"] = (case.source, starts, modal)
     definition = {"study": "flexibility", "scene": case.scene.model_dump(), "frequencies": frequencies}
     with engine.study(place, definition | {"starts": STARTS}, workers) as results:
         records = results((measure, parts, f"{len(parts)} plates"))
@@ -211,15 +196,14 @@ def scan_row(record: Record, rigid: Mapping[str, float]) -> Record:
 
 
 def corner_result(sweep: Sweep, rows: list[Record], scans: Mapping[str, Scan], seconds: float) -> Flexibility:
-    """Return the result with levels and power laws."""
+    """Return the result with levels."""
     starts = {name: levels.reaches(scan.samples["v_gy"], LEVELS) for name, scan in scans.items()}
     first = scans[STARTS[0]].samples
     names = [name for name in first if name != "v_gy"]
     other_levels = {name: levels.reaches(first[name], LEVELS) for name in names}
-    laws = {name: levels.power_law(samples_of(rows, name)) for name in MEASURED}
     setup, nominal = {"corner": sweep.support, "meshes": sweep.meshes}, sweep.fe_plan.first_frequency
     listed = [plate_runs.listed_scan(scan, first, start=start) for start, scan in scans.items()]
-    result = Flexibility(sweep.case, rows, starts, nominal, setup, seconds, other_levels, laws)
+    result = Flexibility(sweep.case, rows, starts, nominal, setup, seconds, other_levels)
     return replace(result, scan=[*chain(*listed)], step=scans[STARTS[0]].step)
 
 
@@ -242,23 +226,14 @@ def start_samples(rows: Sequence[Record], start: str) -> list[Sample]:
     return samples
 
 
-def measure(base: Source, starts: Record, modal: Changes, section: Section | None, half: bool) -> Record:
+def measure(base: Source, starts: Record, modal: Changes) -> Record:
     """Return the record of a plate.
 
     base: source of the scene; starts: changes of each start from coarse to fine, None for an omitted run; modal:
-    changes of the modal model; section: of the scene's plate, with which the first start is repeated on the middle mesh
-    with another thickness; half: True to repeat the finest mesh with half the supported length.
+    changes of the modal model.
     """
     runs = {name: mesh_records(base, meshes) for name, meshes in starts.items()}
-    record: Record = {"starts": runs, "modal": one_run(base, modal, modal_record)}
-    _, middle, finest = starts[STARTS[0]]
-    if half and finest is not None:
-        patch = 0.5 * finest["corner.patch_length"]
-        record["half_patch"] = one_run(base, {**finest, "corner.patch_length": patch}, fe_record)
-    modulus = runs[STARTS[0]][1].get("youngs_modulus")
-    if section and middle and modulus:
-        record["thickness"] = one_run(base, thickness_changes(middle, modulus, section), fe_record)
-    return record
+    return {"starts": runs, "modal": one_run(base, modal, modal_record)}
 
 
 def mesh_records(base: Source, meshes: Sequence[Changes | None]) -> list[Record]:
@@ -282,17 +257,6 @@ def mesh_records(base: Source, meshes: Sequence[Changes | None]) -> list[Record]
     ]
 
 
-def thickness_changes(changes: Changes, modulus: float, section: Section) -> Changes:
-    """Return the changes to an equivalent thickness.
-
-    The modulus [Pa] is that of the scene. E t and the mass remain constant.
-    """
-    thickness, density, youngs_modulus = section
-    ratio = modulus / youngs_modulus
-    plate_changes = {"plate.thickness": thickness * ratio, "plate.density": density / ratio}
-    return {**changes, "plate.first_frequency": None, **plate_changes, "plate.youngs_modulus": youngs_modulus}
-
-
 def fe_record(case: CornerCase) -> Record:
     """Return the record of a finite-element run."""
     return outcome_record(case.run())
@@ -310,7 +274,6 @@ def outcome_record(outcome: CornerOutcome) -> Record:
         reaction = float(np.abs(fe_reaction - rigid_reaction).max() / np.abs(rigid_reaction).max())
     return {
         "youngs_modulus": fe_plan.plate.youngs_modulus,
-        "thickness": fe_plan.plate.thickness,
         "damping": getattr(fe_plan.model.parameters.elastic_damping, "rate", 0.0),
         "values": outcome.fe,
         "failed": [name for name in failed_names(outcome.checks) if name != REPLACED_CHECK],
@@ -351,8 +314,7 @@ def plate_row(frequency: float, record: Record, rigid: Mapping[str, float]) -> R
     [Hz]; record: of `measure`; rigid: the five quantities of the rigid body.
     """
     meshes, modal, nan = record["starts"][STARTS[0]], record["modal"], math.nan
-    fine, half, thick = meshes[-1], record.get("half_patch", {}), record.get("thickness", {})
-    half = half if half.get("values") and not half["failed"] else {}
+    fine = meshes[-1]
     row: Record = {"first_frequency": frequency, "youngs_modulus": fine.get("youngs_modulus", nan)}
     row |= {"passed": plate_runs.run_passed(fine), "why": plate_runs.failure_text(fine)}
     row |= {f"difference_{name}": value for name, value in _differences(fine, rigid).items()}
@@ -363,9 +325,6 @@ def plate_row(frequency: float, record: Record, rigid: Mapping[str, float]) -> R
     row |= {"modal_apart": largest_relative(modal.get("values", {}), fine.get("values", {}))}
     row |= {"modal_why": plate_runs.failure_text(modal), "damping_rate": fine.get("damping", 0.0)}
     row |= {"deflection_ratio": fine.get("deflection_ratio", nan), "steps": fine.get("steps", 0)}
-    row |= {"half_patch_v_gy": _differences(half, rigid)["v_gy"], "thickness": thick.get("thickness")}
-    apart = largest_relative(thick["values"], meshes[1]["values"]) if "thickness" in thick else None
-    row |= {"thickness_apart": apart}
     for start, runs in record["starts"].items():
         row |= {f"{start}:{name}": value for name, value in _start_row(runs, rigid).items()}
     return row

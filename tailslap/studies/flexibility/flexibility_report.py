@@ -34,10 +34,6 @@ FILES = "points.csv (all plates, in SI); {scan}summary.json"
 SCAN_FILE = "scan.csv (differences of the scan); "
 
 
-LAWS = (
-    Column("law.exponent", "Exponent of f_1", form=".3f"),
-    *columns({"law.highest": "From", "law.lowest": "To"}, form=hertz),
-)
 POINTS = [
     Column(column, SYMBOLS[name], form=SIZE, below=Column(f"error_{name}", "", form=SIZE))
     for name, column in MEASURED.items()
@@ -49,8 +45,6 @@ AT_START = {f"{name}_at_start": SYMBOLS[name] for name in CONSERVED}
 STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping_rate", "Damping", "1/s", form=SIZE))
 PLATE_COLUMNS = {
     "deflection_ratio": "Static deflection ratio",
-    "half_change": "Change of v_GY for half the patch",
-    "thickness_apart": "Difference of thickness and E",
 }
 MODAL = {
     "modal_v_gy": "v_GY",
@@ -100,8 +94,7 @@ def corner_report(result: Flexibility) -> Report:
     v_gy = Table(
         _good(LEVELS), bands, "Lowest first frequency at which rigid-body v_GY is within", marks=marked
     )
-    more_levels = result.other_levels
-    laws = [{"what": SYMBOLS[n], "levels": more_levels.get(n), "law": law} for n, law in result.laws.items()]
+    others = [{"what": SYMBOLS[name], "levels": reaches} for name, reaches in result.other_levels.items()]
     failed = {i: "failed" for i, row in enumerate(rows) if not row["passed"]}
     first, *more = _every_plate().items()
     tables = [Table((F1, *first[1]), rows, first[0], marks=failed)]
@@ -111,20 +104,20 @@ def corner_report(result: Flexibility) -> Report:
     modelled, resolution = _modelled(result), _resolution(result)
     sections = (
         Section("Three starts", "", (by_start,), (v_gy,), (modelled, resolution, *READING)),
-        Section("With inertia relief", "", (differences,), (Table(_good(LEVELS, *LAWS), laws),)),
+        Section("With inertia relief", "", (differences,), (Table(_good(LEVELS), others),)),
         Section("Reaction and stored energy", "", (reaction, stored)),
         Section("Modal model against finite elements", "", (modes,), (modal,)),
         Section("All plates", tables=tables),
     )
     numbers: Record = {"rigid": result.case.tail_slap, "levels_v_gy": result.levels}
-    numbers |= {"levels_v_gy_any_start": result.band, "levels": more_levels, "power_laws": result.laws}
+    numbers |= {"levels_v_gy_any_start": result.band, "levels": result.other_levels}
     return _report(result, answer(result), sections, numbers, (v_gy, resolution, modelled))
 
 
-def _good(levels: Sequence[float], *more: Column) -> tuple[Column, ...]:
+def _good(levels: Sequence[float]) -> tuple[Column, ...]:
     """Return the columns of a table of levels."""
     named = {f"levels.{i}.text": f"{100.0 * level:g} %" for i, level in enumerate(levels)}
-    return (Column("what", "Largest difference"), *columns(named, form=str), *more)
+    return (Column("what", "Largest difference"), *columns(named, form=str))
 
 
 def _of_starts(starts: Sequence[str], labels: dict[str, str], form: Form) -> list[Column]:
@@ -198,9 +191,7 @@ def _shown(row: Record) -> Record:
     checks = "passed" if row["passed"] else f"{'failed' if row['steps'] else 'none'}: {row['why']}"
     failed = tuple(f"{start}:" for start in STARTS if not row[f"{start}:passed"])
     values = {key: None if key.startswith(failed) else value for key, value in row.items()}
-    half_change = row["half_patch_v_gy"] / row["difference_v_gy"] - 1.0
-    added = {"frequency": row["first_frequency"], "checks": checks, "half_change": half_change}
-    return {**values, **added}
+    return {**values, "frequency": row["first_frequency"], "checks": checks}
 
 
 def answer(result: Flexibility) -> tuple[str, str]:

@@ -69,7 +69,7 @@ def impact_flexibility(
     rigid, seconds = plate_record(math.inf, both_strikes(case.answer), {}, ()), time.perf_counter() - began
     setup, measured = {"patch_length": patch_length(case)}, [*soft.values(), rigid]
     return Flexibility(
-        *(case, rows, reaches, fe_plan.first_frequency, setup, seconds, {}, {}, measured),
+        *(case, rows, reaches, fe_plan.first_frequency, setup, seconds, {}, measured),
         scan=plate_runs.listed_scan(scan, scan.samples),
         step=scan.step,
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from tailslap.campaign import engine, levels
-from tailslap.campaign.levels import PowerLaw, Reach
+from tailslap.campaign.levels import Reach
 from tailslap.campaign.records import Record
 from tailslap.case import case_of
 from tailslap.errors import InputError
@@ -38,8 +38,8 @@ class Flexibility:
         First frequency of the scene's own plate [Hz].
     setup : dict
         Support of the corner and meshes, or length of the crushed side.
-    other_levels, laws : dict
-        Of a corner with inertia relief, levels and power laws of the quantities at the tail-slap.
+    other_levels : dict
+        Of a corner with inertia relief, levels of the other quantities at the tail-slap.
     plates : list of dict
         Of a whole impact, both strikes from 2 Hz to rigid, see `measure_plate`, softest first.
     scan : list of dict
@@ -55,7 +55,6 @@ class Flexibility:
     setup: Record
     seconds: float
     other_levels: Mapping[str, tuple[Reach, ...]]
-    laws: Mapping[str, PowerLaw | None]
     plates: Sequence[Record] = ()
     scan: Sequence[Record] = ()
     step: float = math.nan
