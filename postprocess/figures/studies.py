@@ -25,8 +25,6 @@ STRIKES = {1: ("first strike", "fe"), 2: ("second strike", "rigid")}
 
 ORIGINS = {False: ("measured", "green"), True: ("projected by the authors", "violet")}
 
-LINE, RINGS, DOTS = "line", "rings", "dots"
-
 COLOURS = ("fe", "rigid", "green", "difference", "violet", "soft")
 """Colours of lines in order."""
 
@@ -298,14 +296,13 @@ def _steps(label: str, front: Sequence[tuple[float, float]], end: float) -> Line
 class SweepLine(NamedTuple):
     """Size of a quantity at each frequency.
 
-    errors: drawn thin and dashed; NaN is not drawn. form: LINE with marks; RINGS around the marks of another line;
-    DOTS for estimates. passed: outcome of its runs, where it differs from that of the axis.
+    errors: drawn thin and dashed; NaN is not drawn. passed: outcome of its runs, where it differs from that of the
+    axis.
     """
 
     label: str
     values: Sequence[float]
     errors: Sequence[float] = ()
-    form: str = LINE
     passed: Sequence[bool] = ()
 
 
@@ -355,10 +352,6 @@ def draw_sweep(
 
 def _sweep_marks(axis: SweepAxis, line: SweepLine, colour: str, number: int) -> list[Mark]:
     x, values = np.array(axis.frequencies), _per_cent(line.values)
-    if line.form == DOTS:
-        return [Line(line.label, x, values, colour, **line_style(number))]
-    if line.form == RINGS:
-        return [Line(line.label, x, values, colour, 0.0, dots=5.0)]
     passed = np.array(line.passed or axis.passed)
     good, bad = np.where(passed, values, np.nan), np.where(passed, np.nan, values)
     marks: list[Mark] = [Line(line.label, x, good, colour, **line_style(number), dots=2.4)]

@@ -19,6 +19,8 @@ from tailslap import cli, commands
 from tailslap.case.corner import corner_run
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.plate_input import plate_density, three_meshes
+from tailslap.errors import InputError
+from tailslap.modal_run import modal_run
 from tailslap.scene.read import read_scene
 from tailslap.scene.vary import vary
 from tailslap.studies.flexibility import corner_flexibility, plate_runs
@@ -74,15 +76,14 @@ def test_differences_go_with_the_inverse_square_of_the_first_frequency():
 def test_the_modal_model_is_of_the_same_opinion():
     sweep = small_sweep("paper-table-3")
     base, changes = sweep.case.source, corner_flexibility.run_changes(sweep, 20.0, (8, 4))
-    records = corner_flexibility.fe_record, corner_flexibility.modal_record
-    complete, modal = (plate_runs.one_run(base, changes, record) for record in records)
+    complete = plate_runs.one_run(base, changes, corner_flexibility.fe_record)
+    modal = modal_run(CornerCase(*vary(base, changes)).plan(), tolerance=1.0)
     flexible = largest_relative(complete["values"], sweep.case.tail_slap)
-    assert largest_relative(modal["values"], complete["values"]) < 1e-2 * flexible
-    assert modal["estimate"] < 0.1 * flexible
-    unstressed = plate_runs.one_run(
-        base, {**changes, "plate.start": "unstressed"}, corner_flexibility.modal_record
-    )
-    assert "unstressed" in unstressed["refused"]
+    assert largest_relative(modal.values, complete["values"]) < 1e-2 * flexible
+    assert modal.estimate.total < 0.1 * flexible
+    unstressed = CornerCase(*vary(base, {**changes, "plate.start": "unstressed"})).plan()
+    with pytest.raises(InputError, match="unstressed"):
+        modal_run(unstressed)
 
 
 def test_what_each_start_keeps():
@@ -206,12 +207,11 @@ def point_record(hertz, rigid, **changes):
         return [mesh_record(size * (1.0 - 1e-3 * h**2), rigid, **changes) for h in (4, 2, 1)]
 
     runs = [meshes(size) for size in (0.04 / hertz**2, 0.36 * 0.04 / hertz**2, -0.04 / hertz)]
-    modal = {"values": runs[0][-1]["values"], "estimate": 1e-6, "failed": []}
-    return {"starts": dict(zip(corner_flexibility.STARTS, runs, strict=True)), "modal": modal}
+    return dict(zip(corner_flexibility.STARTS, runs, strict=True))
 
 
 def main_meshes(record):
-    return record["starts"][corner_flexibility.STARTS[0]]
+    return record[corner_flexibility.STARTS[0]]
 
 
 @pytest.fixture(scope="module")
@@ -262,7 +262,7 @@ def test_what_meshes_do_not_show_is_added_to_the_error(plan):
 def test_a_start_is_not_credited_with_a_change_of_sign(synthetic):
     rigid = synthetic().case.tail_slap
     record = point_record(SWEEP[5], rigid)
-    record["starts"]["unstressed"] = 3 * [mesh_record(1e-9, rigid)]
+    record["unstressed"] = 3 * [mesh_record(1e-9, rigid)]
     samples = corner_flexibility.start_samples(synthetic({5: record}).rows, "unstressed")
     sizes = [sample.difference for sample in samples]
     assert sizes[5] == sizes[4] == pytest.approx(0.999 * 0.04 / SWEEP[4])
@@ -322,7 +322,7 @@ def cells(rows, first):
 def test_answer_where_levels_are_not_known(synthetic):
     refused = {"refused": "plate: no"}
     runs = {name: 3 * [refused] for name in corner_flexibility.STARTS}
-    unknown = synthetic({i: {"starts": runs, "modal": {"refused": "no"}} for i in range(9)})
+    unknown = synthetic(dict.fromkeys(range(9), runs))
     assert "no run passed its checks" in answer(unknown)[0]
     rigid = unknown.case.tail_slap
 
@@ -335,7 +335,7 @@ def test_answer_where_levels_are_not_known(synthetic):
     assert "within 1 %: < 0.1 Hz." in stiff
     rough = {i: point_record(f, rigid) for i, f in enumerate(SWEEP)}
     for record in rough.values():
-        record["starts"]["unstressed"][1]["largest"] += 0.003
+        record["unstressed"][1]["largest"] += 0.003
     study = synthetic(rough)
     by_start = "≈ 2.1 Hz (inertia relief), ≈ 1.3 Hz (Stage 1's momenta), < 100 Hz (unstressed)"
     assert by_start in words(study)
@@ -356,7 +356,7 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
     terminal, page = said(study, tmp_path)
     assert "Failed plates: 1 kHz: omitted" in terminal
     assert "; 100 Hz: energy balance; 0.1 Hz: tail-slap reached." in terminal
-    assert page.count("<svg") - page.count("<template>") == 1 + 5
+    assert page.count("<svg") - page.count("<template>") == 1 + 4
     assert [words for words in ("failed: energy balance", "none: omitted") if words not in page] == []
     assert "failed a check" in page
     assert [words for words in ("NaN", "nan") if words in page] == []
@@ -377,7 +377,7 @@ def test_points_that_fail_are_shown_as_such(synthetic, tmp_path):
 def scan_record(key, rigid):
     """The finest mesh of a key of the scan."""
     _, start, frequency, _ = key.split()
-    return point_record(float(frequency), rigid)["starts"][start][-1]
+    return point_record(float(frequency), rigid)[start][-1]
 
 
 def test_interrupted_study_goes_on(plan, tmp_path, monkeypatch):

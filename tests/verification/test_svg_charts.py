@@ -295,14 +295,14 @@ def test_sensitivity_is_a_row_an_input():
 def test_a_sweep_runs_from_stiff_to_soft_in_per_cent():
     axis = studies.SweepAxis([100.0, 10.0, 1.0], [True, True, False], 30.0)
     fe = studies.SweepLine("FE", [1e-4, 1e-2, 0.5], [1e-5, 0.0, math.nan])
-    ring = studies.SweepLine("ring", [1e-4] * 3, form=studies.RINGS)
-    chart = studies.draw_sweep("s", axis, [fe, ring], "size", "", (0.01,))
+    other = studies.SweepLine("other", [1e-4] * 3, passed=[True] * 3)
+    chart = studies.draw_sweep("s", axis, [fe, other], "size", "", (0.01,))
     expected = {
-        "FE": ["0.01", "1"], "failed a check": ["50"], "numerical error": ["0.001"], "ring": ["0.01"] * 3,
+        "FE": ["0.01", "1"], "failed a check": ["50"], "numerical error": ["0.001"], "other": ["0.01"] * 3,
     }  # fmt: skip
     assert shown(chart) == expected
     assert {"size [%]", "1 %", "numerical error", "the scene's plate", "failed"} <= set(texts_of(chart))
-    xs = [float(x) for x in re.findall(r"M([\d.]+) [\d.]+Z", chart.svg.split('data-label="ring"')[1])]
+    xs = [float(x) for x in re.findall(r"M([\d.]+) [\d.]+Z", chart.svg.split('data-label="other"')[1])]
     assert xs == sorted(xs)
 
 

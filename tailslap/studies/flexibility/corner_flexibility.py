@@ -1,8 +1,7 @@
 """Flexibility of plates with a constrained corner.
 
-Each plate is run with three starts on three meshes, and the modal model is compared. A difference is known where its
-numerical error is small compared to it. Where levels are crossed, further runs scan the difference, which oscillates
-over the first frequency.
+Each plate is run with three starts on three meshes. A difference is known where its numerical error is small compared
+to it. Where levels are crossed, further runs scan the difference, which oscillates over the first frequency.
 """
 
 import math
@@ -18,7 +17,7 @@ import numpy as np
 
 from fem.start.start_kinds import START_KINDS
 from postprocess.comparison.grid_convergence import convergence_index
-from postprocess.comparison.quantities import KEYS, largest_relative, relative_difference
+from postprocess.comparison.quantities import KEYS, relative_difference
 from tailslap.campaign import engine, levels
 from tailslap.campaign.levels import Sample
 from tailslap.campaign.records import Record
@@ -30,7 +29,6 @@ from tailslap.case.corner.corner_plan import CornerPlan
 from tailslap.case.corner.outcome import CornerOutcome
 from tailslap.case.corner.static_models import MIN_STEPS
 from tailslap.case.plate_input import three_meshes
-from tailslap.modal_run import modal_run
 from tailslap.scene import schema
 from tailslap.scene.vary import Changes, Source
 from tailslap.studies.flexibility import plate_runs
@@ -42,7 +40,7 @@ LEVELS = (1e-3, 1e-2, 5e-2, 1e-1)
 
 
 STARTS = ("inertia-relief", "inertia-relief-momenta", "unstressed")
-"""Starts of all plates. The first is compared with the modal model."""
+"""Starts of all plates."""
 
 CONSERVED = ("v_gx", "v_gy", "omega", "v_p")
 """Velocities that a start may conserve, of centre of mass, rotation and corner."""
@@ -135,8 +133,7 @@ def corner_flexibility(
     began, sweep, parts = time.perf_counter(), define(case), {}
     for frequency in frequencies:
         starts = {name: mesh_changes(sweep, frequency, name) for name in STARTS}
-        modal = {**run_changes(sweep, frequency, sweep.meshes[-1]), "damping": None}
-        parts[f"{frequency!r} Hz"] = (case.source, starts, modal)
+        parts[f"{frequency!r} Hz"] = (case.source, starts)
     definition = {"study": "flexibility", "scene": case.scene.model_dump(), "frequencies": frequencies}
     with engine.study(place, definition | {"starts": STARTS}, workers) as results:
         records = results((measure, parts, f"{len(parts)} plates"))
@@ -226,14 +223,12 @@ def start_samples(rows: Sequence[Record], start: str) -> list[Sample]:
     return samples
 
 
-def measure(base: Source, starts: Record, modal: Changes) -> Record:
-    """Return the record of a plate.
+def measure(base: Source, starts: Record) -> Record:
+    """Return the records of a plate by start.
 
-    base: source of the scene; starts: changes of each start from coarse to fine, None for an omitted run; modal:
-    changes of the modal model.
+    base: source of the scene; starts: changes of each start from coarse to fine, None for an omitted run.
     """
-    runs = {name: mesh_records(base, meshes) for name, meshes in starts.items()}
-    return {"starts": runs, "modal": one_run(base, modal, modal_record)}
+    return {name: mesh_records(base, meshes) for name, meshes in starts.items()}
 
 
 def mesh_records(base: Source, meshes: Sequence[Changes | None]) -> list[Record]:
@@ -300,32 +295,22 @@ def largest_difference(outcome: CornerOutcome) -> float:
     return max(float(before), abs(outcome.difference["v_gy"]))
 
 
-def modal_record(case: CornerCase) -> Record:
-    """Return the record of the modal model."""
-    modal = modal_run(case.plan(), tolerance=1.0)
-    failed = failed_names(modal.checks)
-    return {"values": modal.values, "estimate": modal.estimate.total, "failed": list(failed)}
-
-
 def plate_row(frequency: float, record: Record, rigid: Mapping[str, float]) -> Record:
     """Return a plate as in `points.csv` and the summary.
 
     Numbers are of the finest mesh of the first start, NaN where unknown and None where not run. frequency: first one
     [Hz]; record: of `measure`; rigid: the five quantities of the rigid body.
     """
-    meshes, modal, nan = record["starts"][STARTS[0]], record["modal"], math.nan
+    meshes, nan = record[STARTS[0]], math.nan
     fine = meshes[-1]
     row: Record = {"first_frequency": frequency, "youngs_modulus": fine.get("youngs_modulus", nan)}
     row |= {"passed": plate_runs.run_passed(fine), "why": plate_runs.failure_text(fine)}
     row |= {f"difference_{name}": value for name, value in _differences(fine, rigid).items()}
     row |= {"reaction_deviation": fine.get("reaction", nan), "stored_share": fine.get("stored", nan)}
     row |= {f"error_{name}": mesh_error(meshes, name) for name in MEASURED}
-    row |= {f"modal_{name}": value for name, value in _differences(modal, rigid).items()}
-    row |= {"modal_estimate": modal.get("estimate", nan)}
-    row |= {"modal_apart": largest_relative(modal.get("values", {}), fine.get("values", {}))}
-    row |= {"modal_why": plate_runs.failure_text(modal), "damping_rate": fine.get("damping", 0.0)}
-    row |= {"deflection_ratio": fine.get("deflection_ratio", nan), "steps": fine.get("steps", 0)}
-    for start, runs in record["starts"].items():
+    row |= {"damping_rate": fine.get("damping", 0.0), "steps": fine.get("steps", 0)}
+    row |= {"deflection_ratio": fine.get("deflection_ratio", nan)}
+    for start, runs in record.items():
         row |= {f"{start}:{name}": value for name, value in _start_row(runs, rigid).items()}
     return row
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
-from postprocess.figures.studies import DOTS, RINGS, SweepAxis, SweepLine, draw_plates, draw_sweep
+from postprocess.figures.studies import SweepAxis, SweepLine, draw_plates, draw_sweep
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Form, Table, columns, listed
@@ -45,11 +45,6 @@ AT_START = {f"{name}_at_start": SYMBOLS[name] for name in CONSERVED}
 STIFF = (Column("youngs_modulus", "E", "Pa", form=SIZE), Column("damping_rate", "Damping", "1/s", form=SIZE))
 PLATE_COLUMNS = {
     "deflection_ratio": "Static deflection ratio",
-}
-MODAL = {
-    "modal_v_gy": "v_GY",
-    "modal_apart": "Largest difference from FE",
-    "modal_estimate": "Estimated error",
 }
 READING = (
     "Inertia relief starts from the quasi-static elastic state of the rigid-body acceleration, with the angular "
@@ -99,14 +94,12 @@ def corner_report(result: Flexibility) -> Report:
     first, *more = _every_plate().items()
     tables = [Table((F1, *first[1]), rows, first[0], marks=failed)]
     tables += [Table((F1, *heads), rows, title) for title, heads in more]
-    modal = Table((F1, Column("modal_why", "Checks failed"), *columns(MODAL, form=SIZE)), rows)
-    by_start, differences, reaction, stored, modes = figures(result)
+    by_start, differences, reaction, stored = figures(result)
     modelled, resolution = _modelled(result), _resolution(result)
     sections = (
         Section("Three starts", "", (by_start,), (v_gy,), (modelled, resolution, *READING)),
         Section("With inertia relief", "", (differences,), (Table(_good(LEVELS), others),)),
         Section("Reaction and stored energy", "", (reaction, stored)),
-        Section("Modal model against finite elements", "", (modes,), (modal,)),
         Section("All plates", tables=tables),
     )
     numbers: Record = {"rigid": result.case.tail_slap, "levels_v_gy": result.levels}
@@ -240,12 +233,6 @@ def figures(result: Flexibility) -> list[Chart]:
         width = FULL if name == "starts" else HALF
         return draw_sweep(f"flexibility-{name}", axis, lines, label, caption, levels, width)
 
-    modal = [
-        size("v_gy")._replace(label="v_GY, FE"),
-        SweepLine("v_GY, modal", [abs(x) for x in values["modal_v_gy"]], form=RINGS),
-        SweepLine("largest difference of both", values["modal_apart"], form=DOTS),
-        SweepLine("estimated error, modal", values["modal_estimate"], form=DOTS),
-    ]
     by_start = "Largest difference of v_GY from the rigid body, by start"
     differences = "Time, velocities of the centre of mass, angular velocity and slide at the tail-slap"
     energy = "Largest strain energy of the plate, relative to its initial kinetic energy"
@@ -254,7 +241,6 @@ def figures(result: Flexibility) -> list[Chart]:
         chart("difference", differences, relative, [size(name) for name in KEYS], LEVELS),
         chart("reaction", "Normal reaction of the wall", largest, [size("reaction")]),
         chart("stored", energy, "strain energy / kinetic energy", [size("stored")]),
-        chart("modal", "v_GY by finite elements and by the modal model", relative, modal, LEVELS[:2]),
     ]
 
 
