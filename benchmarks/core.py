@@ -2,13 +2,10 @@
 
     .venv/bin/python benchmarks/core.py [PART ...]
 
-Parts: accuracy, flexibility, conservation, steps, elements, point_and_patch, precision. Times are the best of several.
+Parts: accuracy, flexibility, conservation, steps, elements, point_and_patch. Times are the best of several.
 """
 
 from __future__ import annotations
-
-import itertools
-from typing import Any
 
 import command_line
 import numpy as np
@@ -16,9 +13,7 @@ from command_line import corner_case, row, seconds
 from main_job import REACTIONS, outcome, worst
 
 from fem.run.corner import Stepper, simulate
-from postprocess.comparison.quantities import KEYS, relative_difference
 from tailslap.case.corner.corner_plan import CornerPlan
-from tailslap.studies.cost.cost_study import SingleStepper
 
 MODULI = np.geomspace(20e9, 20e12, 7)
 DAMPED = "damping.ratio=0.02"
@@ -38,7 +33,6 @@ VARIANTS = (
     *(("plate.distortion=0.2",), ("damping.ratio=0.01",), ("corner.constraint=exact",)),
     *(("corner.patch_length=1",), ("corner.damping_ratio=0.2",)),
 )
-ENERGIES = ("kinetic_energy", "strain_energy", "contact_energy")
 
 
 def accuracy() -> None:
@@ -122,31 +116,7 @@ def point_and_patch() -> None:
         row(what, "", " ".join(f"{case.plan().deflection_ratio:.4e}" for case in cases))
 
 
-def precision() -> None:
-    """Print differences, energy and reaction in double and single precision.
-
-    `SingleStepper` names the parts in single precision. The energy is constant: there is neither friction nor damping.
-    """
-    plan = corner_case("paper-abaqus").plan()
-    print(f"\npaper-abaqus in: {', '.join(KEYS)}; energy; range of N [N]; updates/s")
-    steppers: dict[str, Any] = {"double": Stepper, "single": SingleStepper}
-    for (what, stepper), is_timed in itertools.product(steppers.items(), (False, True)):
-        result = simulate(plan.model, plan.start, plan.case.motion.strike.t, make_stepper=stepper)
-        if not is_timed:
-            continue
-        if result.strike is None:
-            row(what, "", "no tail-slap: the run diverged or ended before")
-            continue
-        values = {name: result.strike.values[name] for name in KEYS}
-        difference = relative_difference(values, plan.case.tail_slap).values()
-        energy = np.sum([result.history[name] for name in ENERGIES], axis=0)
-        drift, reaction = np.abs(energy / energy[0] - 1.0).max(), np.ptp(result.history["reaction_normal"])
-        rate = result.steps * plan.model.parameters.table.connectivity.shape[1] / result.time_loop_s
-        texts = " ".join(f"{value:+.1e}" for value in difference)
-        row(what, "", f"{texts}; {drift:.1e}; {reaction:.3g}; {rate:.2g}")
-
-
-FUNCTIONS = (accuracy, flexibility, conservation, steps, elements, point_and_patch, precision)
+FUNCTIONS = (accuracy, flexibility, conservation, steps, elements, point_and_patch)
 PARTS = {function.__name__: function for function in FUNCTIONS}
 
 if __name__ == "__main__":

@@ -94,7 +94,7 @@ def test_settings_have_names_of_their_own():
     assert len({setting.key for setting in TODO}) == len(TODO)
     both = {"modal model", "time step", "penalty", "damping"}
     groups = {"exact", "RK45", "DOP853", "Radau", "LSODA", "mesh", "exact constraint", "unstressed start"}
-    groups |= {"row-sum masses", "single precision"}
+    groups |= {"row-sum masses"}
     assert groups | both <= {setting.group for setting in TODO if not setting.soft}
     elements = {"quad4", "quad9", "tri3", "tri6", "quad4-reduced"}
     assert elements | both <= {setting.group for setting in TODO if setting.soft}

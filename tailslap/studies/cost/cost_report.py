@@ -57,8 +57,7 @@ RIGID = Diagram(
     | {
         cost_settings.UNSTRESSED: f"FE, {cost_settings.UNSTRESSED}",
         cost_settings.PENALTY: "FE, penalty scales",
-    }
-    | {cost_settings.SINGLE: f"FE, {cost_settings.SINGLE}"},
+    },
     "Pareto front without the exact solution",
     "exact solution",
 )

@@ -19,7 +19,7 @@ INTEGRATORS = ("RK45", "DOP853", "Radau", "LSODA")
 MESH, STEP, CONSTRAINT, ROWSUM = "mesh", "time step", "exact constraint", "row-sum masses"
 """Other groups of settings."""
 PENALTY, DAMPING, MODES, ELEMENTS = "penalty", "damping", "modal model", "other elements"
-UNSTRESSED, SINGLE, RIGID_VEHICLE = "unstressed start", "single precision", "rigid vehicle"
+UNSTRESSED, RIGID_VEHICLE = "unstressed start", "rigid vehicle"
 LABELS = {STEP: "safety factor", PENALTY: "scale", DAMPING: "ratio"}
 """Labels and keys of groups that vary one number."""
 VARIED = {STEP: "time.safety_factor", PENALTY: "corner.penalty_scale", DAMPING: "damping.ratio"}
@@ -97,7 +97,6 @@ def settings(scene: Scene) -> list[Setting]:
         Setting(FE, UNSTRESSED, "damping 0.2", {**unstressed, "damping.ratio": 0.2}),
         Setting(FE, UNSTRESSED, "dashpot 0.5", {**unstressed, "corner.damping_ratio": 0.5}),
         Setting(FE, "history", "10 rows", {"time.rows": 10}),
-        Setting(FE, SINGLE, "stored"),
     ]
 
 

@@ -9,18 +9,12 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-import numpy as np
-
-from fem.explicit.time_loop import State
-from fem.model.plate_model import PlateModel
-from fem.run.corner import Run, Stepper, simulate
+from fem.run.corner import Run, simulate
 from fem.run.impact import compile_impact_loop
-from fem.start.inertia_relief import RigidStart
 from postprocess.comparison import quantities
 from postprocess.comparison.grid_convergence import GridConvergence, Limit, finite, grids_of, halved, limit_of
 from postprocess.comparison.quantities import KEYS
@@ -259,7 +253,7 @@ def _modal(case: CornerCase, setting: Setting) -> Record:
 def _finite_elements(case: Any, setting: Setting) -> Record:
     """Measure finite elements after a run that compiles."""
     impact = case.scene.contact is not None
-    integrate: Callable[[Any], Any] = run.simulated if impact else partial(_simulated, setting=setting)
+    integrate: Callable[[Any], Any] = run.simulated if impact else _simulated
     fe_plan = case.plan()
     if impact:
         compiled, _ = _clocked(compile_impact_loop, fe_plan.model)
@@ -267,7 +261,7 @@ def _finite_elements(case: Any, setting: Setting) -> Record:
         expected = resources.loop_seconds(case.scene, "quad9", fe_plan.plate.counts, fe_plan.expected_steps)
         if expected > TOO_LONG:
             return {"refused": f"omitted: estimated time of the time loop {expected:.0f} s"}
-        compiled, _ = _clocked(_simulated, fe_plan, setting, 10, 1e-3)
+        compiled, _ = _clocked(_simulated, fe_plan, 10, 1e-3)
 
     def once() -> tuple[float, float, Any]:
         planned, fe_plan = _clocked(case.plan)
@@ -294,41 +288,12 @@ def strike_values(strikes: Sequence[object]) -> dict[str, float]:
     return {name: getattr(by_name.get(strike), quantity, math.nan) for name, (strike, quantity) in pairs}
 
 
-def _simulated(fe_plan: CornerPlan, setting: Setting, rows: int = 0, part: float = 1.0) -> Run:
+def _simulated(fe_plan: CornerPlan, rows: int = 0, part: float = 1.0) -> Run:
     """Run a part of the motion.
 
     `rows` of its history are those of the scene if 0.
     """
     case, kind = fe_plan.case, fe_plan.plate.start
     duration, threads = part * case.motion.strike.t, case.scene.time.threads
-    stepper = SingleStepper if setting.group == cost_settings.SINGLE else Stepper
     rows = rows or case.scene.time.rows
-    return simulate(fe_plan.model, fe_plan.start, duration, kind, rows, threads, make_stepper=stepper)
-
-
-class SingleStepper(Stepper):
-    """Time loop with arrays stored in single precision.
-
-    Sums of work remain double. Kernels compute in double precision between load and store. The effect is that of
-    storage alone, a lower bound.
-    """
-
-    def __init__(self, model: PlateModel, threads: int = 1) -> None:
-        table, mesh = model.parameters.table, model.discretisation
-        singles = {name: _single(getattr(table, name)) for name in ("gradients", "weights")}
-        table = table._replace(**singles, mapping=None)
-        mesh = replace(mesh, positions=_single(mesh.positions), table=table)
-        parameters = model.parameters._replace(table=table, mass=_single(model.parameters.mass))
-        super().__init__(replace(model, discretisation=mesh, parameters=parameters), threads)
-        self._scratch = self._scratch._replace(rows=_single(self._scratch.rows))
-        self._double = Stepper(model)
-
-    def start(self, start: RigidStart, kind: str) -> State:
-        """Return the start, computed in double precision and rounded."""
-        positions, velocities, *rest = self._double.start(start, kind)
-        return State(_single(positions), _single(velocities), *rest)
-
-
-def _single(values: np.ndarray) -> np.ndarray:
-    """Round to single precision."""
-    return values.astype(np.float32)
+    return simulate(fe_plan.model, fe_plan.start, duration, kind, rows, threads)
