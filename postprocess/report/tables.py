@@ -173,21 +173,6 @@ def listed(rows: Sequence[Mapping[str, object]]) -> Table:
     return Table(tuple(Column(key, key) for key in rows[0]), rows)
 
 
-def text_table(
-    *headings: str,
-    rows: Sequence[Sequence[str]],
-    texts: int = 1,
-    title: str = "",
-    notes: tuple[str, ...] = (),
-) -> Table:
-    """Return a table of finished text.
-
-    The first `texts` columns are words, the others numbers.
-    """
-    columns = tuple(Column(str(i), name, form="" if i < texts else str) for i, name in enumerate(headings))
-    return Table(columns, [{str(i): cell for i, cell in enumerate(row)} for row in rows], title, notes)
-
-
 def pairs(
     entries: Mapping[str, object] | Sequence[tuple[object, ...]], title: str = "", notes: tuple[str, ...] = ()
 ) -> Table:

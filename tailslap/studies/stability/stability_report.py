@@ -10,7 +10,7 @@ from operator import itemgetter
 from postprocess.figures.plates import MapAxis, draw_map, draw_meanings
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
-from postprocess.report.tables import Column, Table, columns, text_table
+from postprocess.report.tables import Column, Table, columns
 from postprocess.svg.chart import Chart
 from postprocess.units import known
 from tailslap.campaign.records import Record
@@ -46,6 +46,11 @@ AXES = (
     Column("values", "Range", form=lambda values: f"{values[0]:.3g} to {values[-1]:.3g}"),
 )
 VERDICTS = (Column("kind", "Verdict"), Column("meaning", "Meaning"), Column("cells", "Cells", form="d"))
+REJECTIONS = (
+    *columns({"0": "Check", "1": ADVISED.capitalize()}),
+    *columns({"2": "Cells", "3": "Alone"}, form="d"),
+)
+REFUSALS = Column("0", "Key"), Column("1", "Cells", form="d")
 SMALL = known(".1e")
 COSTLIEST = 10
 """Number of cells in the table of cost."""
@@ -74,15 +79,10 @@ def report(result: StabilityResult) -> Report:
     title = f"{name}: {len(result.rows)} cells in {result.seconds:.0f} s"
     checks = Counter(row["failed"] for row in result.of_kind(CAUGHT).values())
     impact = result.case.scene.contact is not None
-    caught = [
-        (name, advised([name], impact), str(n), str(checks[name])) for name, n in caught_by(result).items()
-    ]
-    refused = [(key, str(n)) for key, n in refused_by(result).items()]
+    caught = [(name, advised([name], impact), n, checks[name]) for name, n in caught_by(result).items()]
     reasons = (
-        text_table(
-            "Check", ADVISED.capitalize(), "Cells", "Alone", rows=caught, texts=2, title="Rejections by check"
-        ),
-        text_table("Key", "Cells", rows=refused, title="Refusals by key"),
+        Table(REJECTIONS, caught, "Rejections by check"),
+        Table(REFUSALS, [*refused_by(result).items()], "Refusals by key"),
         _listed(result, LISTED, *listed_kinds(result)),
     )
     sections = (
