@@ -233,7 +233,7 @@ def _spectrum(model: PlateModel, support: Support, step: StepProperties) -> Scal
         mass, hourglass = model.parameters.mass, model.parameters.hourglass
         windows = Windows(model.discretisation, mass, model.tangent_moduli, hourglass)
         if windows.are_representative:
-            return windows.bound(support.of_modulus(model.elastic.modulus))
+            return windows.bound(support._replace(spring=model.elastic.modulus * support.spring))
     return spectrum_of(model.elastic, support)
 
 

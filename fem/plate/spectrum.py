@@ -123,17 +123,11 @@ class Spectrum:
 
         It changes sign every step without growing.
         """
-        motion, deflection = (
-            self._root * peak.vector,
-            self._across[peak.angle] @ self._supported_motion(peak.vector),
-        )
+        motion = self._root * peak.vector
+        deflection = self._across[peak.angle] @ motion[self._supported]
         stiffness = float(motion @ (self._stiffness @ motion)) + self._support.spring * deflection**2
         damping = float(motion @ (plate @ motion)) + self._support.dashpot * deflection**2
         return 4.0 / (damping + math.sqrt(damping**2 + 4.0 * stiffness))
-
-    def _supported_motion(self, vector: np.ndarray) -> np.ndarray:
-        """Return the displacements of the supported unknowns."""
-        return np.asarray(self._root[self._supported] * vector[self._supported])
 
     def _highest(self, matrix: csr_matrix, spring: float, first: np.ndarray) -> Peak:
         """Return the largest eigenvalue over all angles.

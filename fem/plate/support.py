@@ -20,13 +20,6 @@ class Support(NamedTuple):
     spring: float = 0.0
     dashpot: float = 0.0
 
-    def of_modulus(self, modulus: float) -> Support:
-        """Return the support of a plate of this modulus [Pa].
-
-        This one is that of the plate of unit modulus.
-        """
-        return self._replace(spring=modulus * self.spring, dashpot=math.sqrt(modulus) * self.dashpot)
-
 
 def corner_support(
     corner: CornerConstraint, angles: tuple[float, ...] = (0.0,), modulus: float = 1.0

@@ -57,12 +57,6 @@ class GridConvergence:
     gci_coarse: float
     asymptotic: float
 
-    @property
-    def error(self) -> float:
-        """Estimated relative error of the value on the fine grid."""
-        fine = self.values[0]
-        return abs(fine - self.extrapolated) / abs(fine) if fine else math.nan
-
 
 def grid_convergence(values: tuple[float, float, float], ratios: tuple[float, float]) -> GridConvergence:
     """Estimate discretisation errors from values on three grids.

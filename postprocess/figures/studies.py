@@ -366,28 +366,3 @@ def _per_cent(values: Sequence[float]) -> Floats:
     """Return positive values in per cent, otherwise NaN."""
     percentages = 100.0 * np.array(values, dtype=float)
     return np.where(np.isfinite(percentages) & (percentages > 0.0), percentages, np.nan)
-
-
-def draw_plates(
-    frequencies: Sequence[float],
-    passed: Sequence[bool],
-    panels: Mapping[str, Mapping[int, tuple[Sequence[float], float]]],
-) -> chart.Chart:
-    """Plot each quantity over the first frequency.
-
-    Dashed lines are the rigid vehicle, red points are plates whose results are unreliable. panels: by label of the
-    axis, values of each strike over the frequencies, and the value of the rigid vehicle.
-    """
-    f, good, plots = np.array(frequencies), np.array(passed), []
-    for label, strikes in panels.items():
-        marks: list[Mark] = []
-        for strike, (values, rigid) in strikes.items():
-            sizes, (name, colour) = np.array(values, dtype=float), STRIKES[strike]
-            marks.append(Line(name, f, np.where(good, sizes, np.nan), colour, dots=2.6))
-            marks.append(Line("", f, np.full(f.shape, rigid), colour, 1.0, "5 3"))
-            unreliable = Line("unreliable", f[~good], sizes[~good], "red", 0.0, dots=2.6)
-            marks += [] if good.all() else [unreliable]
-        plots.append(chart.Plot(tuple(marks), chart.Axis(label, low=0.0), 120.0))
-    caption = "Both strikes against the plate's first frequency; dashed: the rigid vehicle"
-    x = chart.Axis("first frequency of the plate [Hz]", is_log=True)
-    return chart.Chart("plates", caption, plots, x, width=chart.FULL)

@@ -79,17 +79,6 @@ class CampaignEffort:
         return (self.wall_s * self.threads - self.runs_s) / self.runs if self.runs else 0.0
 
 
-def perform(
-    parts: Parts, records: Records, pool: pools.Pool, report: Callable[[int], None]
-) -> CampaignEffort:
-    """Compute and record all parts.
-
-    The first error of a part is raised. After an interruption, finished parts are still recorded. report: takes the
-    number of workers, about every second and after each batch.
-    """
-    return _Engine(parts, records, pool).run(report)
-
-
 def run_parts(
     function: Callable[..., object],
     parts: Arguments,
@@ -124,7 +113,7 @@ def run_parts(
         work_left = lambda complete: work[round(total - complete)]  # noqa: E731
         show = stack.enter_context(progress.counted(label, total, before, work_left=work_left))
         todo = Parts(function, missing, lambda key: parts[str(key)], _died)
-        perform(todo, records, pool, lambda threads: show(sum(key in records for key in parts)))
+        Engine(todo, records, pool).run(lambda threads: show(sum(key in records for key in parts)))
 
 
 @contextlib.contextmanager
@@ -168,7 +157,7 @@ def _died(key: Key) -> NoReturn:
     raise OSError(f"{key}: its process died in every attempt; insufficient memory is a possible cause")
 
 
-class _Engine:
+class Engine:
     """State of the parts that wait, are submitted or suspect."""
 
     def __init__(self, parts: Parts, records: Records, pool: pools.Pool) -> None:
@@ -182,7 +171,11 @@ class _Engine:
         self._own_s, self._threads = 0.0, 0
 
     def run(self, report: Callable[[int], None]) -> CampaignEffort:
-        """Compute all parts and return the effort."""
+        """Compute and record all parts and return the effort.
+
+        The first error of a part is raised. After an interruption, finished parts are still recorded. report: takes the
+        number of workers, about every second and after each batch.
+        """
         began, threads = time.perf_counter(), 0
         try:
             while self._waiting or self._suspects or self._under_way:

@@ -165,7 +165,9 @@ def _make_missing(
         pools.cluster(cluster) if cluster else pools.local(count) as pool,
         progress.counted(definition.scene, definition.runs, len(rows)) as show,
     ):
-        return engine.perform(engine.Parts(compute, [*missing], arguments, died), rows, pool, show_progress)
+        return engine.Engine(engine.Parts(compute, [*missing], arguments, died), rows, pool).run(
+            show_progress
+        )
 
 
 @contextlib.contextmanager

@@ -84,7 +84,7 @@ def checked_options(study: Study, options: Mapping[str, Any]) -> Record:
     They are checked by type and bounds. Names are those of the command line with "_" for "-". An option that can be
     given several times takes a list or a mapping. Raises InputError.
     """
-    defined = option_names(study)
+    defined = {option.opts[0].lstrip("-").replace("-", "_"): option for option in study.options}
     context, values = click.Context(click.Command(study.name)), {}
     for name, value in options.items():
         if name not in defined:
@@ -103,11 +103,6 @@ def checked_options(study: Study, options: Mapping[str, Any]) -> Record:
             value = values.get(str(option.name))
             raise InputError(f"study {study.name}", value, error.format_message()) from None
     return values
-
-
-def option_names(study: Study) -> dict[str, click.Option]:
-    """Return the options of a study by name."""
-    return {option.opts[0].lstrip("-").replace("-", "_"): option for option in study.options}
 
 
 def prepared(

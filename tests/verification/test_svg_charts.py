@@ -321,12 +321,6 @@ def test_bands_say_their_ends_and_the_rows_of_the_paper():
     assert first[3] < second[1]
 
 
-def test_plates_that_are_not_to_be_relied_on_are_red():
-    panels = {"peak [kN]": {1: ([9.0, 5.0, 4.0], 4.0)}}
-    chart = studies.draw_plates([2.0, 4.0, 8.0], [False, True, True], panels)
-    assert shown(chart) == {"first strike": ["5", "4"], "unreliable": ["9"]}
-
-
 def test_a_mode_says_how_far_its_outline_moves():
     places = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
     moves = np.array([[0, 1.0], [0, 0], [0, 0], [0.5, 0]])

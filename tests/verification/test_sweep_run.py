@@ -567,8 +567,10 @@ def test_connection_lost_while_rows_come_does_not_blame_a_worker(tmp_path):
     records = Records(tmp_path / "r.sqlite", {})
     parts = engine.Parts(abs, [3, 4, 5], lambda key: (-int(key),), lambda key: "died")
     with pytest.raises(pools.LostError):
-        engine.perform(parts, records, cast(pools.Pool, Flaky(gone=True)), lambda threads: None)
-    assert engine.perform(parts, records, cast(pools.Pool, Flaky(gone=False)), lambda threads: None).runs == 3
+        engine.Engine(parts, records, cast(pools.Pool, Flaky(gone=True))).run(lambda threads: None)
+    assert (
+        engine.Engine(parts, records, cast(pools.Pool, Flaky(gone=False))).run(lambda threads: None).runs == 3
+    )
     assert dict(records) == {3: 3, 4: 4, 5: 5}
     records.close()
 

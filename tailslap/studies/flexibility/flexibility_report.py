@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from postprocess.comparison.quantities import KEYS, QUANTITIES
-from postprocess.figures.studies import SweepAxis, SweepLine, draw_plates, draw_sweep
+from postprocess.figures.studies import SweepAxis, SweepLine, draw_sweep
 from postprocess.report.command_report import Report
 from postprocess.report.page import Headline, Section
 from postprocess.report.tables import Column, Form, Table, columns, listed
@@ -73,7 +73,6 @@ PLATES = (
 )
 SHORT = ("mean_50ms", "impulse", "duration")
 """Quantities of the table on the terminal."""
-PLATE_PANELS = {"impulse": "impulse", "raw": "peak", "mean_50ms": "50 ms mean", "duration": "duration"}
 
 
 def report(result: Flexibility) -> Report:
@@ -262,7 +261,7 @@ def impact_report(result: Flexibility) -> Report:
         Section(
             "Both strikes", "", (_strikes_figure(result),), (bands,), (crush, resolution, IMPACT_READING)
         ),
-        Section("From 2 Hz to rigid", PLATES, _plate_figures(result), (plates_table(result),), reasons),
+        Section("From 2 Hz to rigid", PLATES, (), (plates_table(result),), reasons),
         Section("All plates", tables=(points,)),
     )
     numbers = {"rigid": result.case.rigid_numbers(), "levels": result.levels, "plates": result.plates}
@@ -298,23 +297,6 @@ def _strikes_figure(result: Flexibility) -> Chart:
     axis = SweepAxis([row["frequency"] for row in rows], [not row["failed"] for row in rows], own_frequency)
     caption = "Difference of plate and rigid vehicle in both strikes, over the plate's first frequency"
     return draw_sweep("flexibility-strikes", axis, lines, "|FE/rigid - 1|", caption, IMPACT_LEVELS, FULL)
-
-
-def _plate_figures(result: Flexibility) -> list[Chart]:
-    """Return the charts of both strikes over the first frequency.
-
-    There are none without a plate that ran.
-    """
-    soft, rigid = [row for row in result.plates[:-1] if row["values"]], result.plates[-1]["values"]
-    panels: dict[str, dict[int, tuple[list[float], float]]] = {}
-    for name, words in PLATE_PANELS.items():
-        _, unit, scale = STRIKE_QUANTITIES[name]
-        keys = {k: f"strike_{k}.{name}" for k in (1, 2)}
-        panels[f"{words} [{unit}]"] = {
-            k: ([row["values"][key] / scale for row in soft], rigid[key] / scale) for k, key in keys.items()
-        }
-    frequencies, passed = ([row[key] for row in soft] for key in ("frequency", "passed"))
-    return [draw_plates(frequencies, passed, panels)] if soft else []
 
 
 def plates_table(result: Flexibility, title: str = "", short: bool = False) -> Table:
