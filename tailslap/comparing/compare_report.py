@@ -65,8 +65,8 @@ NOTE = (
     f"least {100 * COVERED:.0f} %."
 )
 WEIGHTED = (
-    "Weight: largest change of momentum of the channel in the reference (angular velocity: over the radius of "
-    "gyration); weighted: mean of the sizes of the metrics. Channels are velocities, where W179 uses accelerations."
+    "Weight: largest change of momentum in the reference (angular velocity: over the radius of gyration); weighted: "
+    "mean of the sizes. Channels are velocities, where W179 uses accelerations."
 )
 
 
