@@ -165,9 +165,8 @@ def _make_missing(
         pools.cluster(cluster) if cluster else pools.local(count) as pool,
         progress.counted(definition.scene, definition.runs, len(rows)) as show,
     ):
-        return engine.Engine(engine.Parts(compute, [*missing], arguments, died), rows, pool).run(
-            show_progress
-        )
+        parts = engine.Parts(compute, [*missing], arguments, died)
+        return engine.Engine(parts, rows, pool).run(show_progress)
 
 
 @contextlib.contextmanager

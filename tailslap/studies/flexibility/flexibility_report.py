@@ -88,7 +88,7 @@ def corner_report(result: Flexibility) -> Report:
     v_gy = Table(
         _good(LEVELS), bands, "Lowest first frequency at which rigid-body v_GY is within", marks=marked
     )
-    others = [{"what": SYMBOLS[name], "levels": reaches} for name, reaches in result.other_levels.items()]
+    at_end = [{"what": SYMBOLS[name], "levels": reaches} for name, reaches in result.other_levels.items()]
     failed = {i: "failed" for i, row in enumerate(rows) if not row["passed"]}
     first, *more = _every_plate().items()
     tables = [Table((F1, *first[1]), rows, first[0], marks=failed)]
@@ -97,7 +97,7 @@ def corner_report(result: Flexibility) -> Report:
     modelled, resolution = _modelled(result), _resolution(result)
     sections = (
         Section("Three starts", "", (by_start,), (v_gy,), (modelled, resolution, *READING)),
-        Section("With inertia relief", "", (differences,), (Table(_good(LEVELS), others),)),
+        Section("With inertia relief", "", (differences,), (Table(_good(LEVELS), at_end),)),
         Section("Reaction and stored energy", "", (reaction, stored)),
         Section("All plates", tables=tables),
     )
