@@ -13,7 +13,7 @@ velocities of the middle of a step, the rotation by the exponential of its spin:
 
 import numpy as np
 
-from machine_code.compiled import compiled
+from machine_code.compiled import reordered
 from solver.body import GRAVITY
 from solver.space.state import (
     AT,
@@ -50,7 +50,7 @@ from solver.space.state import (
 )
 
 
-@compiled
+@reordered
 def set_rotation(b):
     """Set a body's rotation matrix by its quaternion."""
     w, x, y, z = b[TURN], b[TURN + 1], b[TURN + 2], b[TURN + 3]
@@ -59,25 +59,25 @@ def set_rotation(b):
     b[6], b[7], b[8] = 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
 
 
-@compiled
+@reordered
 def rotated(b, x, y, z):
     """Rotate a vector from body axes to space."""
     return b[0] * x + b[1] * y + b[2] * z, b[3] * x + b[4] * y + b[5] * z, b[6] * x + b[7] * y + b[8] * z
 
 
-@compiled
+@reordered
 def turned_back(b, x, y, z):
     """Rotate a vector from space to body axes."""
     return b[0] * x + b[3] * y + b[6] * z, b[1] * x + b[4] * y + b[7] * z, b[2] * x + b[5] * y + b[8] * z
 
 
-@compiled
+@reordered
 def cross(ax, ay, az, bx, by, bz):
     """Return the vector product."""
     return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
-@compiled
+@reordered
 def begin_step(bodies, joints, last):
     """Set rotations and velocities of this instant, and clear the loads.
 
@@ -97,7 +97,7 @@ def begin_step(bodies, joints, last):
         joints[a, COSINE], joints[a, SINE] = np.cos(joints[a, JOINT + 1]), np.sin(joints[a, JOINT + 1])
 
 
-@compiled
+@reordered
 def assemble(units, axles, axle_unit, bodies, joints):
     """Set masses, and subtract the terms of velocity from the loads.
 
@@ -123,7 +123,7 @@ def assemble(units, axles, axle_unit, bodies, joints):
         factor(bodies[u], MATRIX, 6, 6)
 
 
-@compiled
+@reordered
 def _add_axle(axle, b, q):
     """Add mass and load of an axle to those of its body.
 
@@ -191,7 +191,7 @@ def _add_axle(axle, b, q):
             b[MATRIX + 6 * j + k] -= f0 * q[COLUMN + k] + f1 * q[COLUMN + 6 + k]
 
 
-@compiled
+@reordered
 def factor(m, start, n, width):
     """Factor a symmetric positive definite matrix in place.
 
@@ -211,7 +211,7 @@ def factor(m, start, n, width):
         m[row + i] = inverse
 
 
-@compiled
+@reordered
 def solve_factored(m, start, n, width, x, first, stride):
     """Replace entries of x by the solution for a matrix of `factor`."""
     for i in range(n):
@@ -226,7 +226,7 @@ def solve_factored(m, start, n, width, x, first, stride):
         x[first + stride * i] = value
 
 
-@compiled
+@reordered
 def _joint_response(q, x, start, heave, roll):
     """Return the accelerations of an axle's joints.
 
@@ -238,7 +238,7 @@ def _joint_response(q, x, start, heave, roll):
     return q[SHARE] * heave + q[SHARE + 1] * roll, q[SHARE + 1] * heave + q[SHARE + 2] * roll
 
 
-@compiled
+@reordered
 def kick(axle_unit, bodies, joints, h):
     """Advance the velocities over h by gravity and the loads."""
     for u in range(bodies.shape[0]):
@@ -257,7 +257,7 @@ def kick(axle_unit, bodies, joints, h):
             q[JOINT_SPEED + j] += h * q[JOINT_RATE + j]
 
 
-@compiled
+@reordered
 def move(bodies, joints, h):
     """Advance places, rotations and joints over h."""
     for u in range(bodies.shape[0]):
@@ -283,7 +283,7 @@ def move(bodies, joints, h):
             joints[a, JOINT + j] += h * joints[a, JOINT_SPEED + j]
 
 
-@compiled
+@reordered
 def close_hinges(units, axle_unit, work, last, h):
     """Correct the velocities so that the hinges close.
 
@@ -338,7 +338,7 @@ def close_hinges(units, axle_unit, work, last, h):
                             q[JOINT_RATE + j] += value / last
 
 
-@compiled
+@reordered
 def _hinge(unit, side):
     """Return the position of a hinge on one of its units.
 
@@ -347,7 +347,7 @@ def _hinge(unit, side):
     return (unit[HITCH_X], unit[HITCH_Z]) if side == 0 else (unit[KING_X], unit[KING_Z])
 
 
-@compiled
+@reordered
 def _point_change(b, wx, wy, wz, x, z):
     """Return the velocity in space of a point of the middle plane.
 
@@ -357,7 +357,7 @@ def _point_change(b, wx, wy, wz, x, z):
     return rotated(b, vx, vy, vz)
 
 
-@compiled
+@reordered
 def _add_response(b, impulse, response, last):
     """Add the velocities of a body by an impulse."""
     x, y, z = rotated(b, response[0], response[1], response[2])

@@ -14,23 +14,25 @@ Hinge               moment in proportion to the sine of the angle between the la
 import numpy as np
 
 from fem.laws.contact_forces import PointCrush, crush_line, loading_force, side_force
-from machine_code.compiled import compiled, inlined
+from machine_code.compiled import inlined, reordered
 from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
 
 EDGE = 0.02
-INWARD = 0.5 / EDGE
 """Least half height of a point of a strip [m].
 
 Over it the point leaves the face at the top and at an edge of the profile.
 """
+
+INWARD = 0.5 / EDGE
+"""Part of a point per distance from the edge, within which it lies on the top [1/m]."""
 
 STEEPEST, STICKING = 0.25, 0.25
 """Limits of the slope of unloading times h^2, and of friction over sliding velocity times h, over the effective mass of
 a point: the force of a step does not reverse the motion that causes it."""
 
 
-@compiled
+@reordered
 def wall_facets(profile, height, wall):
     """Set the facets of a wall of a height.
 
@@ -52,7 +54,7 @@ def wall_facets(profile, height, wall):
     return count
 
 
-@compiled
+@reordered
 def point_of_face(wall, facets, z):
     """Return the face's position y and its facet at a height.
 
@@ -64,7 +66,7 @@ def point_of_face(wall, facets, z):
     return wall[k, 0] + max(level - wall[k, 1], 0.0) * wall[k, 6], k
 
 
-@compiled
+@reordered
 def add_force(b, x, y, z, fx, fy, fz):
     """Add a force at a point of a body.
 
@@ -81,7 +83,7 @@ def add_force(b, x, y, z, fx, fy, fz):
     return py, pz
 
 
-@compiled
+@reordered
 def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
     """Add a force at a point of an axle.
 
@@ -92,7 +94,7 @@ def add_axle_force(b, q, centre, x, y, z, fx, fy, fz):
     q[col.JOINT_LOAD + 1] += y * up - (z - centre) * across
 
 
-@compiled
+@reordered
 def point_velocity(b, x, y, z, uy, uz):
     """Return the velocity in space of a point of a body.
 
@@ -103,14 +105,14 @@ def point_velocity(b, x, y, z, uy, uz):
     return b[col.NOW] + vx, b[col.NOW + 1] + vy, b[col.NOW + 2] + vz
 
 
-@compiled
+@reordered
 def press_axles(axles, axle_unit, bodies, joints, sums, h):
     """Add forces of springs, dampers and tyres, and works over h."""
     for a in range(axles.shape[0]):
         _press_axle(axles[a], bodies[axle_unit[a]], joints[a], sums, h)
 
 
-@compiled
+@reordered
 def _press_axle(axle, b, q, sums, h):
     """Add the forces on one axle."""
     heave, c, s = q[col.JOINT], q[col.COSINE], q[col.SINE]
@@ -142,7 +144,7 @@ def _press_axle(axle, b, q, sums, h):
             sums[col.TYRE_WORK] += h * force * across
 
 
-@compiled
+@reordered
 def twist_hinges(units, bodies):
     """Add the moments of the hinges in roll."""
     for u in range(1, units.shape[0]):
@@ -157,7 +159,7 @@ def twist_hinges(units, bodies):
             b[col.LOAD + 5] += pz
 
 
-@compiled
+@reordered
 def press_strips(fleet, i, units, axles, strips, facets, work, h):
     """Add the wall forces on all strips.
 
@@ -181,7 +183,7 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h):
     return touching
 
 
-@compiled
+@reordered
 def _end(strip, at, side, centre, q):
     """Return position and velocity of an end of a strip.
 
@@ -196,7 +198,7 @@ def _end(strip, at, side, centre, q):
     return x, y, centre + q[col.JOINT] + z, -z * roll_rate, heave_rate + y * roll_rate
 
 
-@compiled
+@reordered
 def _press_strip(
     strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h
 ):  # fmt: skip
@@ -346,7 +348,7 @@ def _wall_force(vx, vy, vz, ny, nz, force, limit, stopping):
     return -drag * vx, force * ny - drag * ty, force * nz - drag * tz, approach, drag * sliding * sliding
 
 
-@compiled
+@reordered
 def _face(wall, facets, k, low, high):
     """Return the mean normal of the face between two heights.
 
@@ -363,7 +365,7 @@ def _face(wall, facets, k, low, high):
     return (ny / size, nz / size) if size > 0.0 else (1.0, 0.0)
 
 
-@compiled
+@reordered
 def _set_unloading(crush, memory, column, inverse):
     """Set the line of unloading of a point from its deepest position.
 
