@@ -284,7 +284,9 @@ def lowest_ratio(record: Record) -> float:
     stated, lowest, boundary = record["lowest_error"], record["lowest"], record["boundary"]
     if math.isinf(stated) or (math.isnan(lowest) and math.isnan(boundary)):
         return 0.0
-    return float(np.nan_to_num(abs(lowest - boundary) / stated, nan=math.inf))
+    if math.isnan(lowest) or math.isnan(boundary):  # one of both has a wall that suffices
+        return math.inf
+    return float(abs(lowest - boundary) / stated)
 
 
 def main() -> None:
