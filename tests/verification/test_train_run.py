@@ -170,13 +170,25 @@ def test_a_third_mesh_is_run_for_a_hinge_alone(monkeypatch):
         return outcome.fe
 
     monkeypatch.setattr(run, "_on", on)
-    monkeypatch.setattr(error, "estimate", lambda answer, meshes: dict.fromkeys(error.QUANTITIES, 1e-3))
+    used = []
+
+    def estimate(answer, sequence, meshes):
+        used.append(len(sequence))
+        return dict.fromkeys(error.QUANTITIES, 1e-3)
+
+    monkeypatch.setattr(error, "estimate", estimate)
     monkeypatch.setattr(error, "hinge_errors", lambda answer, answers: [0.05 if len(answers) < 3 else 0.01])
     assert run.with_errors(start).hinge_error == [0.01]
     assert len(meshes) == 3
     monkeypatch.setattr(error, "hinge_changes", lambda answer, answers: [[0.0, 0.03]])
     assert run.with_errors(start).hinge_error == [0.05]
     assert len(meshes) == 5
+    coarsest = start.fe_plan.plate
+    monkeypatch.setattr(error, "coarser", lambda plate: coarsest)
+    other_corner_first = replace(start.fe, strikes=start.fe.strikes[1:])
+    for at_hand in (start.fe, other_corner_first):
+        run.with_errors(start, {(coarsest.element, coarsest.counts): at_hand})
+    assert used == [2, 3, 2, 3, 2]
 
 
 def test_a_hinge_that_cannot_be_spread_is_refused_by_its_key():

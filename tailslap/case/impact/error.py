@@ -49,6 +49,9 @@ PARTS = 10
 """Equal parts of a strike in which the impulses on two meshes are compared: longer than the fall of a force without
 restitution, which is earlier or later."""
 
+RESHAPED = 0.75
+"""Least step of each quantity over the difference of the forces of a strike on two meshes, by random impacts."""
+
 LATER = 1.1
 """Durations of a strike after which it is over on other meshes as well; it may last a little longer there."""
 
@@ -166,20 +169,18 @@ Occurrence = tuple[ImpactAnswer, Strike]
 """A strike and its impact."""
 
 
-def reshaped(base: Occurrence, one: Occurrence, other: Occurrence) -> tuple[float, float]:
+def reshaped(base: Occurrence, one: Occurrence, other: Occurrence) -> float:
     """Return how far the forces of a strike on two meshes differ.
 
-    These are the sums of the differences of the impulses in `PARTS` parts of its duration, up to that with the peak and
-    to the end, over the impulse until then. base: the strike; one, other: the same on two meshes.
+    It is the sum of the differences of the impulses in `PARTS` parts of its duration, over its impulse. base: the
+    strike; one, other: the same on two meshes.
     """
     after = np.linspace(0.0, base[1].duration, PARTS + 1)
     impulses = []
     for answer, strike in (base, one, other):
         total = np.concatenate([[0.0], np.cumsum(answer.pushes[strike.corner]) * answer.interval])
         impulses.append(np.diff(np.interp(strike.start + after, answer.history["t"], total)))
-    sums, apart = np.cumsum(impulses[0]), np.cumsum(np.abs(impulses[1] - impulses[2]))
-    peak = np.argmax(impulses[0])
-    return float(apart[peak] / sums[peak]), float(apart[-1] / sums[-1])
+    return float(np.abs(impulses[1] - impulses[2]).sum() / impulses[0].sum())
 
 
 def unsure_end(answer: ImpactAnswer, strike: Strike) -> float:
@@ -197,14 +198,22 @@ def value(answer: ImpactAnswer, strike: Strike, name: str) -> float:
     return mean_peak(answer, strike) if name == "mean_50ms" else float(getattr(strike, name))
 
 
-def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, float]:
+def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer], meshes: int = 3) -> dict[str, float]:
     """Estimate the error of each quantity of the assessed strikes.
 
-    base: impact whose error is estimated; sequence: of two or three meshes, each twice as fine as the one before.
     Errors are by `strike_1.impulse` and so on, relative: the distance from the finest mesh, plus the error of that. A
-    step between meshes counts as the geometric mean with the largest step of its strike, as it may be small by chance.
-    A peak is a single point of a curve: its step counts as no less than a third of `reshaped`. Half a row, in which a
-    strike ends, and `unsure_end` are added to a duration.
+    step between meshes may be small by chance: it counts as no less than its geometric mean with the largest of its
+    strike, `RESHAPED` of `reshaped`, and the step before by the order. Half a row, in which a strike ends, and
+    `unsure_end` are added to a duration.
+
+    Parameters
+    ----------
+    base : ImpactAnswer
+        Impact whose error is estimated.
+    sequence : sequence of ImpactAnswer
+        On two or three meshes, each twice as fine as the one before.
+    meshes : int
+        Number of the finest of them that determine the factor of safety.
     """
     strikes, matched = assessed_strikes(base), [counterparts(base, answer) for answer in sequence]
     keys = [f"strike_{k + 1}.{name}" for k in range(len(strikes)) for name in QUANTITIES]
@@ -213,17 +222,14 @@ def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> dict[str, 
     errors: dict[str, float] = {}
     for k, (strike, *finer_strikes) in enumerate(zip(strikes, *matched, strict=True), 1):
         same = list(zip(sequence, finer_strikes, strict=True))
-        before_peak, in_all = reshaped((base, strike), *same[-2:])
         values = {name: value(base, strike, name) for name in QUANTITIES}
         apart = {name: [value(*one, name) / values[name] - 1.0 for one in same] for name in QUANTITIES}
         steps = {name: abs(distances[-1] - distances[-2]) for name, distances in apart.items()}
-        shape = {"peak_force": before_peak, "duration": 0.0}
-        for name, step in steps.items():
-            step = math.sqrt(step * max(*steps.values(), shape.get(name, in_all)))
-            least = before_peak / TWO_MESHES
-            if name != "peak_force":  # a step that is less than by the order is of chance
-                least = abs(apart[name][-2] - apart[name][0]) / 2.0**ORDER
-            errors[f"strike_{k}.{name}"] = _judged(apart[name], max(step, least))
+        shape = RESHAPED * reshaped((base, strike), *same[-2:])
+        for name, distances in apart.items():
+            earlier = abs(distances[-2] - distances[0]) / 2.0**ORDER
+            step = max(math.sqrt(steps[name] * max(steps.values())), shape, earlier)
+            errors[f"strike_{k}.{name}"] = _judged(distances[-meshes:], step)
         unsure = max(unsure_end(*one) for one in ((base, strike), *same))
         errors[f"strike_{k}.duration"] += 0.5 * base.interval / strike.duration + unsure
     return errors

@@ -220,7 +220,7 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
     outcome : ImpactOutcome
         Finished run.
     computed : dict
-        Impacts on coarser meshes, used where they last long enough; others are added.
+        Impacts on coarser meshes, used where they last long enough; others are added. A third one bounds the last step.
     meshes : int
         With 3 a mesh finer than both is run where the error may then be within the limit and a coarser third is
         impossible.
@@ -231,11 +231,14 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
             sequence = [_on(outcome, plate, computed) for plate in (coarse, fine)]
         except InputError:
             continue
-        estimated = _estimated(outcome, sequence)
+        coarsest = error.coarser(coarse)
+        before = computed.get((coarsest.element, coarsest.counts)) if coarsest else None
+        coarser = [before] if before and error.counterparts(outcome.fe, before) else []
+        estimated = _estimated(outcome, [*coarser, *sequence], 2)
         moved = list(error.changes(outcome.fe, sequence[-1]).values())
         moved += [distances[-1] for distances in error.hinge_changes(outcome.fe, sequence)]
         if max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values()):
-            if coarsest := error.coarser(coarse):
+            if coarsest:
                 estimated = _estimated(outcome, [_on(outcome, coarsest, computed), *sequence])
             elif meshes > 2 and (finest := error.finer(fine)):
                 estimated = _estimated(outcome, [*sequence, _on(outcome, finest, computed)])
@@ -243,12 +246,14 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
     return outcome
 
 
-def _estimated(outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer]) -> ImpactOutcome:
-    """Return the outcome with errors by other meshes."""
+def _estimated(
+    outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer], meshes: int = 3
+) -> ImpactOutcome:
+    """Return the outcome with errors by other meshes, see `error.estimate`."""
     return replace(
         outcome,
-        mesh_error=error.estimate(outcome.fe, sequence),
-        hinge_error=error.hinge_errors(outcome.fe, sequence),
+        mesh_error=error.estimate(outcome.fe, sequence, meshes),
+        hinge_error=error.hinge_errors(outcome.fe, sequence[-meshes:]),
     )
 
 
