@@ -7,8 +7,18 @@ import numpy as np
 import pytest
 from test_checks import failed, off_by
 
+from tailslap.case.corner import static_models
 from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.corner.numerical_error import PART, SAFETY, Companion, distance_in_motion, mesh_error
+from tailslap.case.corner.corner_plan import make_corner_plan
+from tailslap.case.corner.numerical_error import (
+    PART,
+    SAFETY,
+    Companion,
+    distance_in_motion,
+    mesh_error,
+    numerical_error,
+    rate_by_dashpot,
+)
 from tailslap.scene.read import read_scene
 
 
@@ -28,6 +38,36 @@ def test_a_soft_spring_is_stated(result):
     softened = replace(result, fe_plan=replace(result.fe_plan, model=soft))
     assert failed(softened) >= {"numerical error"}
     assert softened.error.contact_spring == pytest.approx(1e4 * result.error.contact_spring)
+
+
+SWINGING = ("plate.start=unstressed", "corner.constraint=penalty", "damping.kind=none")
+
+
+@pytest.mark.parametrize(("reaction", "adds"), [("drag", True), ("none", False)])
+def test_a_dashpot_removes_the_oscillation_of_an_unstressed_plate(reaction, adds):
+    """An exactly constrained plate has it, and the friction by it."""
+    changes = (*SWINGING, f"corner.reaction={reaction}")
+    still, free = (
+        make_corner_plan(CornerCase(*read_scene("mash-tl4-sut", changes + how)))
+        for how in (("corner.damping_ratio=0.1",), ())
+    )
+    error, without = (numerical_error(plan, {}, ()).damping for plan in (still, free))
+    decay = rate_by_dashpot(still)
+    lost = static_models.oscillation_lost(still.case, still.elastic_energy, still.model.mass, decay)
+    by_friction = static_models.friction_lost(still.case, math.inf)
+    assert without == 0.0 < lost
+    assert (by_friction > 0.0) is adds
+    assert error == pytest.approx(lost + by_friction)
+
+
+@pytest.mark.parametrize("modulus", ["200 MPa", "2 GPa"])
+def test_the_energy_that_a_run_loses_by_its_dashpot(modulus, outcome):
+    """It is less than estimated, because a held corner lowers the frequency."""
+    changes = (*SWINGING, "corner.damping_ratio=0.3", "corner.reaction=none", "verify.companion=false")
+    run = outcome("mash-tl4-sut", *changes, f"plate.youngs_modulus={modulus}")
+    lost = -run.history["damping_work"][-1] / run.fe_plan.elastic_energy
+    stated = -math.expm1(-rate_by_dashpot(run.fe_plan) * run.history["t"][-1])
+    assert 0.3 * stated < lost < stated
 
 
 def test_a_companion_that_says_otherwise(result):

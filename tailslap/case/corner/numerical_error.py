@@ -158,13 +158,31 @@ def _lag_error(fe_plan: corner_plan.CornerPlan, flexibility: float) -> float:
 def _oscillation_lost(fe_plan: corner_plan.CornerPlan) -> float:
     """Estimate how much damping reduces the oscillation of an unstressed plate.
 
-    Where the plate rang with less damping, friction by an oscillation that does not grow is unknown.
+    Where the plate rang with less damping, friction by an oscillation that does not grow is unknown. With a
+    dashpot no such friction remains: the reaction oscillates with high modes, whose damping is highest.
     """
     damping, mass = fe_plan.model.parameters.elastic_damping, fe_plan.model.mass
-    if damping is None:
+    by_dashpot = rate_by_dashpot(fe_plan)
+    rate = by_dashpot + (damping.rate if damping else 0.0)
+    if not rate:
         return 0.0
-    lost = static_models.oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, damping.rate)
-    return lost if fe_plan.rang else lost + static_models.friction_lost(fe_plan.case, damping.rate)
+    lost = static_models.oscillation_lost(fe_plan.case, fe_plan.elastic_energy, mass, rate)
+    rate = math.inf if by_dashpot else rate
+    return lost if fe_plan.rang else lost + static_models.friction_lost(fe_plan.case, rate)
+
+
+def rate_by_dashpot(fe_plan: corner_plan.CornerPlan) -> float:
+    """Estimate the rate at which the corner's dashpot takes energy [1/s].
+
+    It is that at the free plate's first frequency, at which the spring has the part of the elastic energy that it has
+    in statics. A run, whose frequency is lower, loses less.
+    """
+    corner = fe_plan.model.parameters.corner
+    if not corner.dashpot:
+        return 0.0
+    normal = fe_plan.case.motion_of_mass(fe_plan.model.mass).first.reaction_normal
+    part = 0.5 * normal**2 / corner.spring / fe_plan.elastic_energy
+    return float(part * corner.dashpot / corner.spring * (2.0 * math.pi * fe_plan.first_frequency) ** 2)
 
 
 def distance_in_motion(
