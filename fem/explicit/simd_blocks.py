@@ -106,11 +106,10 @@ def gather(values, connectivity, lattice, first, count, rows):
     """
     for a in range(connectivity.shape[0]):
         if lattice is not None:
-            start = lattice.first[a] + first
+            start = lattice.first[a] + first & ANY_NODE
             for i in range(2):
-                source, target = values[i, start : start + count], rows[(2 * a + i) * BLOCK_SIZE :]
-                for slot in range(source.size):
-                    target[slot] = source[slot]
+                for slot in range(count):
+                    rows[(2 * a + i) * BLOCK_SIZE + slot] = values[i, start + slot]
         else:
             for slot in range(count):
                 node = connectivity[a, first + slot] & ANY_NODE
@@ -156,11 +155,10 @@ def scatter(force, connectivity, lattice, first, count, rows):
     """
     for a in range(connectivity.shape[0]):
         if lattice is not None:
-            start = lattice.first[a] + first
+            start = lattice.first[a] + first & ANY_NODE
             for i in range(2):
-                target, source = force[i, start : start + count], rows[(2 * a + i) * BLOCK_SIZE :]
-                for slot in range(target.size):
-                    target[slot] -= source[slot]
+                for slot in range(count):
+                    force[i, start + slot] -= rows[(2 * a + i) * BLOCK_SIZE + slot]
         else:
             for slot in range(count):
                 node = connectivity[a, first + slot] & ANY_NODE
