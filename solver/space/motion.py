@@ -149,8 +149,8 @@ def solve_space(
 
     @cache
     def solved(parts: int, points: float, higher: float = 0.0) -> tuple[SpaceAnswers, Array, Look]:
-        other = with_points(fleet, points)._replace(height=fleet.height + higher)
-        answers, rows = run(other, interval, np.array([parts]), end, push, on_compile, with_rows=True)
+        changed = with_points(fleet, points)._replace(height=fleet.height + higher)
+        answers, rows = run(changed, interval, np.array([parts]), end, push, on_compile, with_rows=True)
         Gate().demand(rules.NO_CONTACT, bool(answers.rows[0]), float(fleet.height[0]))
         return answers, rows, look_at(answers, rows, interval)
 
@@ -164,12 +164,12 @@ def solve_space(
         parts, points, step_error, strip_error = _refined(look, parts, points, tolerance)
     answers, rows, one = solved(parts, points)
     if not step:
-        other = look(max(1, round(OTHER_STEPS * parts)), OTHER_POINTS * points)
+        further = look(max(1, round(OTHER_STEPS * parts)), OTHER_POINTS * points)
         coarse = look(max(parts // 2, 1), points), look(parts, 0.5 * points)
         walls = [look(parts, points, higher) for higher in (-MARGIN, MARGIN)]
-        of_mean = SAFETY * max(one.changes(motion)[1] for motion in (other, *coarse))
-        other_error = max(SAFETY * max(one.changes(other)), one.spread(of_mean))
-        outcomes |= {motion.outcome for motion in (other, *coarse, *walls)}
+        of_mean = SAFETY * max(one.changes(motion)[1] for motion in (further, *coarse))
+        other_error = max(SAFETY * max(one.changes(further)), one.spread(of_mean))
+        outcomes |= {motion.outcome for motion in (further, *coarse, *walls)}
         step_error = max(step_error, LEAST_ERROR - strip_error)
     error = max(step_error + strip_error, other_error)
     table, names = rows[: int(answers.rows[0])], column_names(fleet.units.shape[1], fleet.axles.shape[1])
