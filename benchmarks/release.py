@@ -65,6 +65,10 @@ FIGURES: Mapping[str, Sequence[str]] = {
 """Words of docs/accuracy.md that name a figure, by the command that measures it, after the interpreter."""
 
 
+NOT_MEASURED = ("| quantity |", "| code |", "|---", "On two cores", "All figures", "Scene `paper-abaqus` to")
+"""Beginnings of statements of docs/accuracy.md without a figure of their own."""
+
+
 @dataclass(frozen=True)
 class Measured:
     """Output, status and time [s] of a command, None if not run."""
@@ -99,6 +103,12 @@ def stated(words: str, lines: Iterable[str]) -> str:
         raise ValueError(f"docs/accuracy.md has {len(matches)} statements with {words!r}")
     plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", matches[0])
     return plain.strip("|- ").replace("**", "").replace(" | ", "; ")
+
+
+def unmeasured(lines: Iterable[str]) -> list[str]:
+    """List the statements with figures that no command measures."""
+    words = [word for every in FIGURES.values() for word in every]
+    return [s for s in lines if not s.startswith(NOT_MEASURED) and not any(word in s for word in words)]
 
 
 def measure(command: str, paths: Mapping[str, str | None]) -> Measured:
@@ -156,6 +166,9 @@ def main() -> int:
     chosen = {
         c: f for c, f in FIGURES.items() if not options.only or any(words in c for words in options.only)
     }
+    omitted = unmeasured(statements(ACCURACY.read_text(encoding="utf-8")))
+    if omitted:
+        raise SystemExit("docs/accuracy.md has figures without a command:\n" + "\n".join(omitted))
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
     with result_folder(Path(options.out), origin=Origin("release", "")) as folder:
         paths = {"OTHERS": options.others, "EARLIER": options.earlier}

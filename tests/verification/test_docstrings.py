@@ -11,12 +11,16 @@ import re
 import textwrap
 from collections.abc import Iterator
 from functools import cached_property
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("solver", "meshes", "machine_code", "fem", "postprocess", "tailslap")
+MOST_WORDS = 12
 HEADING = re.compile(r"^(\S.*)\n(-{3,})$", re.MULTILINE)
 ENTRY = re.compile(r"^([\w*][\w, *]*?)(?: : (.+))?$")
 NUMBER = re.compile(r"(float|Number|V|Array|ArrayLike|np\.ndarray|NDArray\[.*\])( \| None)?$")
@@ -27,7 +31,7 @@ EQUATION = re.compile(r"\bEqs? \d")
 
 def modules() -> Iterator[ModuleType]:
     """The six packages, and the sub-packages of `solver`, `fem` and `postprocess`."""
-    for name in ("solver", "meshes", "machine_code", "fem", "postprocess", "tailslap"):
+    for name in PACKAGES:
         package = importlib.import_module(name)
         yield package
         has_parts = name in ("solver", "fem", "postprocess")
@@ -157,6 +161,21 @@ def class_faults(kind: type) -> Iterator[str]:
             yield f"{name} has no docstring"
         if inspect.isfunction(method):
             yield from (f"{name}: {fault}" for fault in function_faults(method))
+
+
+def long_summaries(path: Path) -> Iterator[str]:
+    """Yield first lines of more than twelve words or of two parts."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            summary = (ast.get_docstring(node) or "").partition("\n\n")[0]
+            if len(summary.split()) > MOST_WORDS or re.search("[;:]", summary):
+                yield f"{path.relative_to(ROOT)}: {summary}"
+
+
+@pytest.mark.parametrize("folder", [*PACKAGES, "tests", "benchmarks"])
+def test_first_lines_are_short(folder):
+    """That they begin with a verb is checked by ruff, D401."""
+    assert [line for path in sorted((ROOT / folder).rglob("*.py")) for line in long_summaries(path)] == []
 
 
 @pytest.mark.parametrize("name", sorted(PUBLIC))
