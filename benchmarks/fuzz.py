@@ -1,4 +1,4 @@
-"""Many random command lines, as in tests/verification/test_fuzz.py.
+"""Many random command lines, as in tests/faults/test_fuzz.py.
 
     .venv/bin/python benchmarks/fuzz.py [COUNT [SEED]]
 
@@ -13,7 +13,7 @@ import sys
 import command_line
 from hypothesis import given, seed, settings
 
-from tests.verification.test_fuzz import command_lines, demand_good_end, fuzz
+from tests.faults.test_fuzz import command_lines, demand_good_end, fuzz
 
 PROGRESS = 5_000
 """Command lines between two lines of progress."""

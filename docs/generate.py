@@ -3,7 +3,7 @@
     .venv/bin/python docs/generate.py          writes docs/reference
     .venv/bin/python docs/generate.py --check  lists outdated pages; exit status 1
 
-tests/verification/test_site.py checks that they are up to date.
+tests/pages/test_site.py checks that they are up to date.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark a test by its folder, verification, validation or regression."""
+    """Mark a test by its folder."""
     for item in items:
         item.add_marker(item.path.parent.name)
     order = {name: place for place, name in enumerate(FIRST)}

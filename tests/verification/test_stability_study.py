@@ -19,7 +19,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from test_sweep_run import alive, children
+from processes import alive, children
 
 from postprocess.report.command_report import report_text, write_report
 from postprocess.report.provenance import CRATE

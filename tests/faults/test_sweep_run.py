@@ -22,6 +22,7 @@ from types import SimpleNamespace
 from typing import Any, NamedTuple, cast
 
 import pytest
+from processes import alive, children
 
 import tailslap
 from postprocess.report.provenance import CRATE
@@ -212,22 +213,6 @@ def started(place, scene, *more):
     )
     wait_until(lambda: process.poll() is not None or ((place / RECORDS).exists() and count(place / RECORDS)))
     return process
-
-
-def children(pid):
-    """Processes that this one has started, and those that they have."""
-    processes = []
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            if int(path.read_text().rpartition(")")[2].split()[1]) == pid:
-                processes.append(int(path.parent.name))
-    return [*processes, *(below for child in processes for below in children(child))]
-
-
-def alive(pid):
-    with contextlib.suppress(OSError):
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-    return False
 
 
 @pytest.mark.long

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from markupsafe import Markup
-from test_command_line import imported
+from processes import imported
 from test_postprocess_report import Parsed
 
 from postprocess.report.prose import glued, prose

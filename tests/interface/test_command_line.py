@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from processes import imported
 
 from postprocess.report.provenance import CRATE
 from tailslap import commands as command_line
@@ -25,10 +26,6 @@ from tailslap.storage import folder
 from tailslap.studies import study as study_record
 from tailslap.studies import study_names
 
-HEAVY = (
-    *("gmsh", "skfem", "meshio", "vtk", "vtkmodules", "pyvista", "matplotlib", "jinja2"),
-    *("scipy.integrate", "scipy.optimize", "scipy.sparse", "dask", "distributed", "pint", "pyarrow"),
-)
 FILES = {
     "summary.json", "history.csv", "rigid.csv", "report.html", "set-up.svg", ".tailslap-result.json", CRATE,
 }  # fmt: skip
@@ -42,18 +39,6 @@ PICTURES = {"contour_v_gx.png", "contour_v_gy.png", "contour_omega.png", "contou
 def run(*arguments, cwd=None):
     command = [sys.executable, "-m", "tailslap", *arguments]
     return subprocess.run(command, capture_output=True, text=True, cwd=cwd, timeout=120)
-
-
-def imported(*arguments, cwd):
-    """Heavy modules that a command imports."""
-    code = f"import sys; from tailslap.cli import _status; s = _status({list(arguments)!r})\n"
-    code += f"print(s, *[m for m in {HEAVY!r} if m in sys.modules], sep=';')"
-    process = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, cwd=cwd, check=True
-    )
-    status, *modules = process.stdout.splitlines()[-1].split(";")
-    assert status == "0"
-    return set(modules)
 
 
 def test_rigid_and_scenes_import_nothing_heavy(tmp_path):
