@@ -1,8 +1,8 @@
 """Verify that random scenes and command lines end with one message.
 
 The exit status is 0, 1 or 2, in bounded time. Scenes are made by their structure: shipped ones with keys at the ends of
-the allowed range, just beyond, or of another kind. `benchmarks/fuzz.py` is the long job of the same inputs; wrong ones
-end at once with the key, the given and the allowed values, status 2, no files.
+the allowed range, just beyond, or of another kind. `random_command_lines.py` is the long job of the same inputs;
+wrong ones end at once with the key, the given and the allowed values, status 2, no files.
 """
 
 import contextlib

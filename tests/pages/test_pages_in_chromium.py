@@ -2,12 +2,12 @@
 
 import csv
 import importlib.util
-import sys
-from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from browser import charts, inspection, paper, screen
+from browser.session import CHROMIUM, chromium, opened
 
 from postprocess.figures.impact import Forces, StrikeMark, draw_forces
 from postprocess.figures.positions import draw_positions, vehicle_outlines
@@ -18,13 +18,6 @@ from postprocess.svg.marks import Line, Words, line_style
 from tailslap.case.corner.corner_report import CornerReport
 from tailslap.case.report_parts import design_forces_of
 from tailslap.cli import _status
-
-BENCHMARKS = str(Path(__file__).parents[2] / "benchmarks")
-sys.path.insert(0, BENCHMARKS)
-from browser import charts, inspection, paper, screen  # noqa: E402
-from browser.session import CHROMIUM, chromium, opened  # noqa: E402
-
-sys.path.remove(BENCHMARKS)
 
 NEEDED = ("playwright", "axe_playwright_python", "pypdf")
 MISSING = [name for name in NEEDED if importlib.util.find_spec(name) is None]

@@ -10,14 +10,10 @@ import threading
 from pathlib import Path
 
 import pytest
+from browser import screen
+from browser.session import CHROMIUM, chromium
 
 ROOT = Path(__file__).parents[2]
-BENCHMARKS = str(ROOT / "benchmarks")
-sys.path.insert(0, BENCHMARKS)
-from browser import screen  # noqa: E402
-from browser.session import CHROMIUM, chromium  # noqa: E402
-
-sys.path.remove(BENCHMARKS)
 
 MISSING = [name for name in ("playwright", "axe_playwright_python") if importlib.util.find_spec(name) is None]
 MISSING += [] if CHROMIUM.exists() else [str(CHROMIUM)]

@@ -1,6 +1,6 @@
-"""Many random command lines, as in tests/faults/test_fuzz.py.
+"""Run many random command lines, as test_fuzz.py does.
 
-    .venv/bin/python benchmarks/fuzz.py [COUNT [SEED]]
+    .venv/bin/python tests/faults/random_command_lines.py [COUNT [SEED]]
 
 Stops at the first that ends badly, shortened to what matters. Without COUNT there are 200 000; each takes about 10 ms.
 """
@@ -10,10 +10,8 @@ from __future__ import annotations
 import itertools
 import sys
 
-import command_line
 from hypothesis import given, seed, settings
-
-from tests.faults.test_fuzz import command_lines, demand_good_end, fuzz
+from test_fuzz import command_lines, demand_good_end, fuzz
 
 PROGRESS = 5_000
 """Command lines between two lines of progress."""
@@ -21,8 +19,7 @@ PROGRESS = 5_000
 
 def main() -> None:
     """Run random command lines."""
-    options = command_line.options(__doc__, ("count", 200_000), ("seed", 1))
-    count, number = options.count, options.seed
+    count, number = (*map(int, sys.argv[1:]), *(200_000, 1)[len(sys.argv) - 1 :])
     numbers = itertools.count(1)
 
     @seed(number)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from browser import charts, paper, screen
-from browser.session import opened
+from . import charts, paper, screen
+from .session import opened
 
 WIDTHS, SCHEMES = (1280, 768, 390), ("light", "dark")
 LARGEST_MB = 3.0
