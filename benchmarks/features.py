@@ -26,8 +26,11 @@ from command_line import TAILSLAP, seconds
 from fem.explicit.internal_force import Scratch, scratch_for
 from fem.explicit.simd_blocks import (
     BLOCK_SIZE,
+    NODE,
+    Y,
     at_slot,
     balance,
+    block_rows,
     clear_idle,
     gather,
     point_of,
@@ -152,12 +155,12 @@ def advance_bare(positions: Any, velocities: Any, steps: Any, model: Any, force:
 @compiled
 def _subtract_forces(positions: Any, force: Any, table: Any, material: Any, scratch: Any) -> Any:
     following, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
-    connectivity, lattice = table.connectivity, scratch.lattice
+    connectivity, lattice, at = table.connectivity, scratch.lattice, block_rows(nodes)
     slots = slot_count(connectivity, lattice)
     for first in range(0, slots, BLOCK_SIZE):
         count = min(BLOCK_SIZE, slots - first)
         gather(positions, connectivity, lattice, first, count, rows)
-        forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
+        forces = rows[at.forces : at.velocities]
         if scratch.quadrilateral is not None:
             linear, twists = scratch.quadrilateral
             _set_parallelograms(material, rows, linear, twists, scratch.weights)
@@ -175,11 +178,12 @@ def _subtract_forces(positions: Any, force: Any, table: Any, material: Any, scra
 
 @compiled
 def _set_parallelograms(material: Any, rows: Any, linear: Any, twists: Any, weights: Any) -> Any:
+    forces = block_rows(4).forces
     for slot in range(BLOCK_SIZE):
-        x, y = rows[slot], rows[BLOCK_SIZE + slot]
-        x_1, y_1 = rows[2 * BLOCK_SIZE + slot] - x, rows[3 * BLOCK_SIZE + slot] - y
-        x_2, y_2 = rows[6 * BLOCK_SIZE + slot] - x, rows[7 * BLOCK_SIZE + slot] - y
-        x_3, y_3 = rows[4 * BLOCK_SIZE + slot] - x - x_1 - x_2, rows[5 * BLOCK_SIZE + slot] - y - y_1 - y_2
+        x, y = rows[slot], rows[Y + slot]
+        x_1, y_1 = rows[NODE + slot] - x, rows[NODE + Y + slot] - y
+        x_2, y_2 = rows[3 * NODE + slot] - x, rows[3 * NODE + Y + slot] - y
+        x_3, y_3 = rows[2 * NODE + slot] - x - x_1 - x_2, rows[2 * NODE + Y + slot] - y - y_1 - y_2
         m_11, m_12 = x_1 * linear[0] + x_2 * linear[2], x_1 * linear[1] + x_2 * linear[3]
         m_21, m_22 = y_1 * linear[0] + y_2 * linear[2], y_1 * linear[1] + y_2 * linear[3]
         q_11 = q_12 = q_21 = q_22 = t_1 = t_2 = 0.0
@@ -191,23 +195,23 @@ def _set_parallelograms(material: Any, rows: Any, linear: Any, twists: Any, weig
             t_1, t_2 = t_1 + p_11 * g_1 + p_12 * g_2, t_2 + p_21 * g_1 + p_22 * g_2
         r_11, r_12 = q_11 * linear[0] + q_12 * linear[1], q_11 * linear[2] + q_12 * linear[3]
         r_21, r_22 = q_21 * linear[0] + q_22 * linear[1], q_21 * linear[2] + q_22 * linear[3]
-        rows[8 * BLOCK_SIZE + slot], rows[9 * BLOCK_SIZE + slot] = t_1 - r_11 - r_12, t_2 - r_21 - r_22
-        rows[10 * BLOCK_SIZE + slot], rows[11 * BLOCK_SIZE + slot] = r_11 - t_1, r_21 - t_2
-        rows[12 * BLOCK_SIZE + slot], rows[13 * BLOCK_SIZE + slot] = t_1, t_2
-        rows[14 * BLOCK_SIZE + slot], rows[15 * BLOCK_SIZE + slot] = r_12 - t_1, r_22 - t_2
+        rows[forces + slot], rows[forces + Y + slot] = t_1 - r_11 - r_12, t_2 - r_21 - r_22
+        rows[forces + NODE + slot], rows[forces + NODE + Y + slot] = r_11 - t_1, r_21 - t_2
+        rows[forces + 2 * NODE + slot], rows[forces + 2 * NODE + Y + slot] = t_1, t_2
+        rows[forces + 3 * NODE + slot], rows[forces + 3 * NODE + Y + slot] = r_12 - t_1, r_22 - t_2
 
 
 @compiled
 def _add_point(following: Any, material: Any, rows: Any, gradients: Any, weights: Any) -> Any:
-    nodes = len(following) + 1
+    forces = block_rows(len(following) + 1).forces
     for slot in range(BLOCK_SIZE):
         f = _gradient(following, rows, gradients, slot)
         weight = at_slot(weights, 0, slot)
         p_11, p_12, p_21, p_22 = _stress(material, f[0], f[1], f[2], f[3], weight)
         for a in range(len(following)):
             g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
-            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
-            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
+            rows[forces + (a + 1) * NODE + slot] += p_11 * g_1 + p_12 * g_2
+            rows[forces + (a + 1) * NODE + Y + slot] += p_21 * g_1 + p_22 * g_2
 
 
 @inlined
@@ -229,7 +233,7 @@ def _gradient(following: Any, rows: Any, gradients: Any, slot: Any) -> Any:
     f_11 = f_12 = f_21 = f_22 = 0.0
     for a in range(len(following)):
         g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
-        x, y = rows[(2 * a + 2) * BLOCK_SIZE + slot], rows[(2 * a + 3) * BLOCK_SIZE + slot]
+        x, y = rows[(a + 1) * NODE + slot], rows[(a + 1) * NODE + Y + slot]
         f_11, f_12, f_21, f_22 = f_11 + x * g_1, f_12 + x * g_2, f_21 + y * g_1, f_22 + y * g_2
     return f_11, f_12, f_21, f_22
 

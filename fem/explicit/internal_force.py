@@ -4,9 +4,7 @@ The formulation is total Lagrangian. Elements are taken in SIMD blocks (`simd_bl
 quadrature points at once (`point_force`, `nine_nodes`), other elements point by point. The nodal values of a block lie
 in one scratch array, row after row. Inside one array, with row numbers that are constants to the compiler, it can prove
 that rows do not overlap, and packs neighbouring slots into vector instructions; over many separate arrays it cannot.
-The rows of elements with n nodes are
-
-positions 2n | forces 2n | velocities 2n | viscous power 1 | reference positions 2n | energies 2
+`BlockRows` names the rows.
 
 Shape functions sum to one. Gradients are therefore taken of differences from the first node, whose force balances
 those of the other nodes, and its own gradients are not needed. Elements of several points that are not congruent are
@@ -32,6 +30,7 @@ from fem.explicit.simd_blocks import (
     Lattice,
     aligned,
     balance,
+    block_rows,
     clear_idle,
     find_lattice,
     gather,
@@ -66,13 +65,13 @@ class Quadrilateral(NamedTuple):
 class Scratch(NamedTuple):
     """Workspace of one block, with the element table in its order.
 
-    rows: as above. gradients, weights: of all nodes but the first. Those of congruent elements are tuples, with a
-    tuple of gradients and a weight per point, constants of the loop over the slots; otherwise arrays with one row per
-    block. hourglass: vectors in the same form, then the three stiffnesses; None without control. reference: reference
-    positions [m] of the nodes of mapped elements, shape (2, nodes); `gradients` and `weights` are then those of the
-    table's `Mapping`. motion: sums over the nodes, shape (SUMS,). quadrilateral: None for other elements. nine_nodes:
-    sizes that `set_nine_nodes` takes in place of gradients and weights; None for other elements. Compiled code cannot
-    allocate.
+    rows: see `BlockRows`. gradients, weights: of all nodes but the first. Those of congruent elements are tuples,
+    with a tuple of gradients and a weight per point, constants of the loop over the slots; otherwise arrays with
+    one row per block. hourglass: vectors in the same form, then the three stiffnesses; None without control.
+    reference: reference positions [m] of the nodes of mapped elements, shape (2, nodes); `gradients` and `weights`
+    are then those of the table's `Mapping`. motion: sums over the nodes, shape (SUMS,). quadrilateral: None for
+    other elements. nine_nodes: sizes that `set_nine_nodes` takes in place of gradients and weights; None for other
+    elements. Compiled code cannot allocate.
     """
 
     rows: np.ndarray
@@ -89,7 +88,7 @@ class Scratch(NamedTuple):
 def scratch_for(table: ElementTable, hourglass: Hourglass | None = None) -> Scratch:
     """Return the workspace of a table and its hourglass control."""
     points, nodes = len(table.weights), len(table.per_element)
-    rows = aligned((8 * nodes + 3) * BLOCK_SIZE)
+    rows = aligned(block_rows.py_func(nodes).size)
     lattice, motion = find_lattice(table.connectivity), np.zeros(SUMS)
     shapes = table.gradients.reshape(points, nodes, 2, -1)
     sizes = rectangle_sizes(shapes, table.weights, UNIFORM_TOLERANCE)
@@ -155,7 +154,8 @@ def subtract_forces_of(
     `subtract_internal_forces`.
     """
     nodes, rows = len(table.per_element), scratch.rows
-    energy_rows = rows[(8 * nodes + 1) * BLOCK_SIZE :]
+    at = block_rows(nodes)
+    energy_rows = rows[at.strain_energy :]
     connectivity, lattice = table.connectivity, scratch.lattice
     power = 0.0
     for first in range(begin, end, BLOCK_SIZE):
@@ -163,10 +163,10 @@ def subtract_forces_of(
         vectors = (count + VECTOR_SIZE - 1) // VECTOR_SIZE
         gather(positions, connectivity, lattice, first, count, rows)
         if viscosity is not None:
-            gather(velocities, connectivity, lattice, first, count, rows[4 * nodes * BLOCK_SIZE :])
-            rows[6 * nodes * BLOCK_SIZE : (6 * nodes + 1) * BLOCK_SIZE] = 0.0
+            gather(velocities, connectivity, lattice, first, count, rows[at.velocities :])
+            rows[at.viscous_power : at.viscous_power + BLOCK_SIZE] = 0.0
         if scratch.reference is not None:
-            shape = rows[(6 * nodes + 1) * BLOCK_SIZE :]
+            shape = rows[at.reference :]
             gather(scratch.reference, connectivity, lattice, first, count, shape)
         if energies is not None:
             energy_rows[: 2 * BLOCK_SIZE] = 0.0
@@ -180,11 +180,11 @@ def subtract_forces_of(
             _set_by_points(
                 first // BLOCK_SIZE, viscosity, hourglass, table, material, scratch, energies, vectors
             )
-        forces = rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE]
+        forces = rows[at.forces : at.velocities]
         clear_idle(lattice, first // BLOCK_SIZE, 2 * nodes, forces)
         scatter(force, connectivity, lattice, first, count, forces)
         if viscosity is not None:
-            powers = rows[6 * nodes * BLOCK_SIZE :]
+            powers = rows[at.viscous_power :]
             clear_idle(lattice, first // BLOCK_SIZE, 1, powers)
             for slot in range(count):
                 power += powers[slot]
@@ -199,14 +199,14 @@ def subtract_forces_of(
 @compiled
 def _set_by_points(block, viscosity, hourglass, table, material, scratch, energies, vectors):
     """Fill the block's rows with forces, point by point."""
-    other_nodes, nodes, rows = table.per_element[1:], len(table.per_element), scratch.rows
+    other_nodes, at, rows = table.per_element[1:], block_rows(len(table.per_element)), scratch.rows
     subtract_first(other_nodes, rows)
     if viscosity is not None:
-        subtract_first(other_nodes, rows[4 * nodes * BLOCK_SIZE :])
+        subtract_first(other_nodes, rows[at.velocities :])
     if scratch.reference is not None:
-        subtract_first(other_nodes, rows[(6 * nodes + 1) * BLOCK_SIZE :])
+        subtract_first(other_nodes, rows[at.reference :])
     if hourglass is None:
-        rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE] = 0.0
+        rows[at.forces : at.velocities] = 0.0
     for point in range(table.weights.shape[0]):
         gradients = point_of(scratch.gradients, block, point, 2 * len(other_nodes))
         weights = point_of(scratch.weights, block, point, 1)
@@ -221,7 +221,7 @@ def _set_by_points(block, viscosity, hourglass, table, material, scratch, energi
                 reference, other_nodes, material, viscosity, rows, gradients, weights, energies, vectors
             )
     if hourglass is None:
-        balance(other_nodes, rows[2 * nodes * BLOCK_SIZE : 4 * nodes * BLOCK_SIZE])
+        balance(other_nodes, rows[at.forces : at.velocities])
 
 
 @compiled

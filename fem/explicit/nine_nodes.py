@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from fem.explicit.point_force import inverse, product, product_with_transpose, weighted_stress
-from fem.explicit.simd_blocks import BLOCK_SIZE, VECTOR_SIZE, at_slot
+from fem.explicit.simd_blocks import NODE, VECTOR_SIZE, Y, at_slot, block_rows
 from machine_code.compiled import inlined, reordered
 
 GAUSS = math.sqrt(0.6)
@@ -67,40 +67,43 @@ def set_nine_nodes(material, viscosity, reference, rows, sizes, energies, vector
     sizes: see `rectangle_sizes`, as `simd_blocks.at_slot` takes them. reference: None for rectangles. Other elements
     have the sizes of the square on which they are mapped, whose volume is 4 times the thickness.
     """
+    at = block_rows(9)
     for slot in range(VECTOR_SIZE * vectors):
         along, across = _scales(sizes, 0, slot), _scales(sizes, 2, slot)
         x_last, height = at_slot(sizes, 4, slot), at_slot(sizes, 5, slot)
-        field = _coefficients(0, rows, along, across, slot)
+        field = _coefficients(at.positions, rows, along, across, slot)
         rate = shape = field
         if viscosity is not None:
-            rate = _coefficients(36, rows, along, across, slot)
+            rate = _coefficients(at.velocities, rows, along, across, slot)
         if reference is not None:
-            shape = _coefficients(55, rows, along, across, slot)
+            shape = _coefficients(at.reference, rows, along, across, slot)
         f_u = f_v = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         for place, part in COLUMNS:
             x, weight = place * x_last, part * at_slot(sizes, 6, slot)
             f, r, j = _gradients(field, x, height), _gradients(rate, x, height), _gradients(shape, x, height)
             outer, inner = COLUMNS[0][1] * weight, COLUMNS[1][1] * weight
-            lower = _stress(f[0], r[0], j[0], outer, material, viscosity, reference, rows, energies, slot)
-            middle = _stress(f[1], r[1], j[1], inner, material, viscosity, reference, rows, energies, slot)
-            upper = _stress(f[2], r[2], j[2], outer, material, viscosity, reference, rows, energies, slot)
+            lower = _stress(f[0], r[0], j[0], outer, material, viscosity, reference, rows, at, energies, slot)
+            middle = _stress(
+                f[1], r[1], j[1], inner, material, viscosity, reference, rows, at, energies, slot
+            )
+            upper = _stress(f[2], r[2], j[2], outer, material, viscosity, reference, rows, at, energies, slot)
             f_u = _with_column(f_u, lower[0], lower[1], middle[0], middle[1], upper[0], upper[1], x, height)
             f_v = _with_column(f_v, lower[2], lower[3], middle[2], middle[3], upper[2], upper[3], x, height)
-        _set_nodes(f_u, 18, rows, along, across, slot)
-        _set_nodes(f_v, 19, rows, along, across, slot)
+        _set_nodes(f_u, at.forces, rows, along, across, slot)
+        _set_nodes(f_v, at.forces + Y, rows, along, across, slot)
 
 
 @inlined
-def _stress(f, r, shape, weight, material, viscosity, reference, rows, energies, slot):
+def _stress(f, r, shape, weight, material, viscosity, reference, rows, at, energies, slot):
     """Return the weighted stress that multiplies gradients of the coordinates.
 
     f, r, shape: gradients of positions, velocities and reference positions.
     """
     if reference is None:
-        return weighted_stress(f, r, material, viscosity, rows, 9, weight, energies, slot)
+        return weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
     area, inverted = inverse(shape)
     f, r, volume = product(f, inverted), product(r, inverted), abs(area) * weight
-    p = weighted_stress(f, r, material, viscosity, rows, 9, volume, energies, slot)
+    p = weighted_stress(f, r, material, viscosity, rows, at, volume, energies, slot)
     return product_with_transpose(p, inverted)
 
 
@@ -110,20 +113,21 @@ def _scales(sizes, row, slot):
 
 
 @inlined
-def _coefficients(row, rows, along, across, slot):
+def _coefficients(field, rows, along, across, slot):
     """Return the coefficients of a vector field, of both components.
 
-    row: that of the first node's value.
+    field: place of the nodal values.
     """
-    return _component(row, rows, along, across, slot), _component(row + 1, rows, along, across, slot)
+    u = _component(field, rows, along, across, slot)
+    return u, _component(field + Y, rows, along, across, slot)
 
 
 @inlined
-def _component(row, rows, along, across, slot):
+def _component(component, rows, along, across, slot):
     """Return a_10, a_20, a_01, a_11, a_21, a_02, a_12 and a_22."""
-    bottom, bottom_slope, bottom_bend = _line(row, 0, 4, 1, rows, along, slot)
-    middle, a_10, a_20 = _line(row, 7, 8, 5, rows, along, slot)
-    top, top_slope, top_bend = _line(row, 3, 6, 2, rows, along, slot)
+    bottom, bottom_slope, bottom_bend = _line(component, 0, 4, 1, rows, along, slot)
+    middle, a_10, a_20 = _line(component, 7, 8, 5, rows, along, slot)
+    top, top_slope, top_bend = _line(component, 3, 6, 2, rows, along, slot)
     a_01, a_02 = _differences(bottom - middle, top - middle, across)
     a_21, a_22 = _differences(bottom_bend - a_20, top_bend - a_20, across)
     a_11, a_12 = _differences(bottom_slope - a_10, top_slope - a_10, across)
@@ -131,10 +135,10 @@ def _component(row, rows, along, across, slot):
 
 
 @inlined
-def _line(row, begin, middle, end, rows, along, slot):
+def _line(component, begin, middle, end, rows, along, slot):
     """Return middle value, slope and half the curvature of a line."""
-    value = rows[(row + 2 * middle) * BLOCK_SIZE + slot]
-    before, after = rows[(row + 2 * begin) * BLOCK_SIZE + slot], rows[(row + 2 * end) * BLOCK_SIZE + slot]
+    value = rows[component + middle * NODE + slot]
+    before, after = rows[component + begin * NODE + slot], rows[component + end * NODE + slot]
     slope, bend = _differences(before - value, after - value, along)
     return value, slope, bend
 
@@ -199,21 +203,21 @@ def _with_column(f, lower_x, lower_y, middle_x, middle_y, upper_x, upper_y, x, h
 
 
 @inlined
-def _set_nodes(f, row, rows, along, across, slot):
+def _set_nodes(f, component, rows, along, across, slot):
     """Set the nodes' forces of a component by those of its coefficients."""
     f_10, f_20, f_01, f_11, f_21, f_02, f_12, f_22 = f
     slope, bend = across
     for side, begin, middle, end in ((-1.0, 0, 4, 1), (1.0, 3, 6, 2)):
         odd = side * slope
         value, first, second = odd * f_01 + bend * f_02, odd * f_11 + bend * f_12, odd * f_21 + bend * f_22
-        _set_line(value, first, second, row, begin, middle, end, rows, along, slot)
+        _set_line(value, first, second, component, begin, middle, end, rows, along, slot)
     twice = -2.0 * bend
-    _set_line(twice * f_02, f_10 + twice * f_12, f_20 + twice * f_22, row, 7, 8, 5, rows, along, slot)
+    _set_line(twice * f_02, f_10 + twice * f_12, f_20 + twice * f_22, component, 7, 8, 5, rows, along, slot)
 
 
 @inlined
-def _set_line(value, slope, bend, row, begin, middle, end, rows, along, slot):
+def _set_line(value, slope, bend, component, begin, middle, end, rows, along, slot):
     odd, even = along[0] * slope, along[1] * bend
-    rows[(row + 2 * begin) * BLOCK_SIZE + slot] = even - odd
-    rows[(row + 2 * middle) * BLOCK_SIZE + slot] = value - 2.0 * even
-    rows[(row + 2 * end) * BLOCK_SIZE + slot] = even + odd
+    rows[component + begin * NODE + slot] = even - odd
+    rows[component + middle * NODE + slot] = value - 2.0 * even
+    rows[component + end * NODE + slot] = even + odd

@@ -10,7 +10,7 @@ gradient is F = a (x) grad xi + b (x) grad eta + c (x) grad (xi eta), of which t
 parallelogram.
 """
 
-from fem.explicit.simd_blocks import BLOCK_SIZE, VECTOR_SIZE, at_slot
+from fem.explicit.simd_blocks import NODE, VECTOR_SIZE, Y, at_slot, block_rows
 from fem.laws.materials import energy_density, green_strain, stress
 from machine_code.compiled import inlined, reordered
 
@@ -22,14 +22,14 @@ def add_point(other_nodes, material, viscosity, rows, gradients, weights, energi
     P = F S, f_a = w P grad N_a. energies: None where the strain energy is not added to its row. vectors: number,
     of VECTOR_SIZE slots each.
     """
-    nodes = len(other_nodes) + 1
+    at = block_rows(len(other_nodes) + 1)
     for slot in range(VECTOR_SIZE * vectors):
-        f = _gradient(2, other_nodes, rows, gradients, slot)
+        f = _gradient(at.positions, other_nodes, rows, gradients, slot)
         r = f
         if viscosity is not None:
-            r = _gradient(4 * nodes + 2, other_nodes, rows, gradients, slot)
+            r = _gradient(at.velocities, other_nodes, rows, gradients, slot)
         weight = at_slot(weights, 0, slot)
-        p = weighted_stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
+        p = weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
         _add_to_nodes(p, other_nodes, rows, gradients, slot)
 
 
@@ -39,15 +39,15 @@ def add_mapped_point(other_nodes, material, viscosity, rows, gradients, weights,
 
     gradients: on the reference element.
     """
-    nodes = len(other_nodes) + 1
+    at = block_rows(len(other_nodes) + 1)
     for slot in range(VECTOR_SIZE * vectors):
-        area, inverted = inverse(_gradient(6 * nodes + 3, other_nodes, rows, gradients, slot))
-        f = product(_gradient(2, other_nodes, rows, gradients, slot), inverted)
+        area, inverted = inverse(_gradient(at.reference, other_nodes, rows, gradients, slot))
+        f = product(_gradient(at.positions, other_nodes, rows, gradients, slot), inverted)
         r = f
         if viscosity is not None:
-            r = product(_gradient(4 * nodes + 2, other_nodes, rows, gradients, slot), inverted)
+            r = product(_gradient(at.velocities, other_nodes, rows, gradients, slot), inverted)
         weight = at_slot(weights, 0, slot) * abs(area)
-        p = weighted_stress(f, r, material, viscosity, rows, nodes, weight, energies, slot)
+        p = weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
         _add_to_nodes(product_with_transpose(p, inverted), other_nodes, rows, gradients, slot)
 
 
@@ -58,14 +58,15 @@ def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energ
     linear: gradients of xi and eta in congruent parallelograms, in a row; None for mapped elements. twists: gradient of
     xi eta at each point; of mapped elements on the reference element.
     """
+    at = block_rows(4)
     for slot in range(VECTOR_SIZE * vectors):
-        x, x_twist = _modes(0, rows, slot)
+        x, x_twist = _modes(at.positions, rows, slot)
         v, v_twist = x, x_twist
         if viscosity is not None:
-            v, v_twist = _modes(16, rows, slot)
+            v, v_twist = _modes(at.velocities, rows, slot)
         shape, shape_twist = x, x_twist
         if linear is None:
-            shape, shape_twist = _modes(25, rows, slot)
+            shape, shape_twist = _modes(at.reference, rows, slot)
         s_11 = s_12 = s_21 = s_22 = t_1 = t_2 = 0.0
         for point in range(len(twists)):
             if linear is not None:
@@ -77,7 +78,7 @@ def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energ
             r = f
             if viscosity is not None:
                 r = _twisted(product(v, inverted), v_twist, twist)
-            p = weighted_stress(f, r, material, viscosity, rows, 4, weight, energies, slot)
+            p = weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
             t_1 += p[0] * twist[0] + p[1] * twist[1]
             t_2 += p[2] * twist[0] + p[3] * twist[1]
             if linear is None:
@@ -85,27 +86,28 @@ def set_quadrilaterals(material, viscosity, rows, linear, twists, weights, energ
             s_11, s_12, s_21, s_22 = s_11 + p[0], s_12 + p[1], s_21 + p[2], s_22 + p[3]
         if linear is not None:
             s_11, s_12, s_21, s_22 = product_with_transpose((s_11, s_12, s_21, s_22), linear)
-        rows[8 * BLOCK_SIZE + slot] = t_1 - s_11 - s_12
-        rows[9 * BLOCK_SIZE + slot] = t_2 - s_21 - s_22
-        rows[10 * BLOCK_SIZE + slot] = s_11 - t_1
-        rows[11 * BLOCK_SIZE + slot] = s_21 - t_2
-        rows[12 * BLOCK_SIZE + slot] = t_1
-        rows[13 * BLOCK_SIZE + slot] = t_2
-        rows[14 * BLOCK_SIZE + slot] = s_12 - t_1
-        rows[15 * BLOCK_SIZE + slot] = s_22 - t_2
+        forces = at.forces
+        rows[forces + slot] = t_1 - s_11 - s_12
+        rows[forces + Y + slot] = t_2 - s_21 - s_22
+        rows[forces + NODE + slot] = s_11 - t_1
+        rows[forces + NODE + Y + slot] = s_21 - t_2
+        rows[forces + 2 * NODE + slot] = t_1
+        rows[forces + 2 * NODE + Y + slot] = t_2
+        rows[forces + 3 * NODE + slot] = s_12 - t_1
+        rows[forces + 3 * NODE + Y + slot] = s_22 - t_2
 
 
 @inlined
-def _modes(row, rows, slot):
+def _modes(field, rows, slot):
     """Return the linear modes of a quadrilateral, and its twist.
 
-    The field of the nodes lies in the rows from `row` on.
+    field: place of the nodal values.
     """
-    x, y = rows[row * BLOCK_SIZE + slot], rows[(row + 1) * BLOCK_SIZE + slot]
-    x_xi, y_xi = rows[(row + 2) * BLOCK_SIZE + slot] - x, rows[(row + 3) * BLOCK_SIZE + slot] - y
-    x_eta, y_eta = rows[(row + 6) * BLOCK_SIZE + slot] - x, rows[(row + 7) * BLOCK_SIZE + slot] - y
-    x_twist = rows[(row + 4) * BLOCK_SIZE + slot] - x - x_xi - x_eta
-    y_twist = rows[(row + 5) * BLOCK_SIZE + slot] - y - y_xi - y_eta
+    x, y = rows[field + slot], rows[field + Y + slot]
+    x_xi, y_xi = rows[field + NODE + slot] - x, rows[field + NODE + Y + slot] - y
+    x_eta, y_eta = rows[field + 3 * NODE + slot] - x, rows[field + 3 * NODE + Y + slot] - y
+    x_twist = rows[field + 2 * NODE + slot] - x - x_xi - x_eta
+    y_twist = rows[field + 2 * NODE + Y + slot] - y - y_xi - y_eta
     return (x_xi, x_eta, y_xi, y_eta), (x_twist, y_twist)
 
 
@@ -129,28 +131,26 @@ def set_stabilised_point(
     Hourglass control is included, and so is the first node: the stress is P + q (x) K p, and node a receives gamma_a
     F K p in addition.
     """
-    nodes = len(other_nodes) + 1
+    at = block_rows(len(other_nodes) + 1)
     for slot in range(VECTOR_SIZE * vectors):
-        f = _gradient(2, other_nodes, rows, gradients, slot)
+        f = _gradient(at.positions, other_nodes, rows, gradients, slot)
         f_11, f_12, f_21, f_22 = f
         r = f
         if viscosity is not None:
-            r = _gradient(4 * nodes + 2, other_nodes, rows, gradients, slot)
+            r = _gradient(at.velocities, other_nodes, rows, gradients, slot)
         weight = at_slot(weights, 0, slot)
-        p_11, p_12, p_21, p_22 = weighted_stress(
-            f, r, material, viscosity, rows, nodes, weight, energies, slot
-        )
+        p_11, p_12, p_21, p_22 = weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot)
         q_1 = q_2 = 0.0
         for a in range(len(other_nodes)):
             gamma = at_slot(control, a, slot)
-            q_1 += gamma * rows[(2 * a + 2) * BLOCK_SIZE + slot]
-            q_2 += gamma * rows[(2 * a + 3) * BLOCK_SIZE + slot]
+            q_1 += gamma * rows[at.positions + (a + 1) * NODE + slot]
+            q_2 += gamma * rows[at.positions + (a + 1) * NODE + Y + slot]
         t_1, t_2 = f_11 * q_1 + f_21 * q_2, f_12 * q_1 + f_22 * q_2
-        k_12 = at_slot(control, nodes + 1, slot)
-        r_1 = at_slot(control, nodes - 1, slot) * t_1 + k_12 * t_2
-        r_2 = k_12 * t_1 + at_slot(control, nodes, slot) * t_2
+        k_12 = at_slot(control, len(other_nodes) + 2, slot)
+        r_1 = at_slot(control, len(other_nodes), slot) * t_1 + k_12 * t_2
+        r_2 = k_12 * t_1 + at_slot(control, len(other_nodes) + 1, slot) * t_2
         if energies is not None:
-            rows[(8 * nodes + 2) * BLOCK_SIZE + slot] += 0.5 * (t_1 * r_1 + t_2 * r_2)
+            rows[at.hourglass_energy + slot] += 0.5 * (t_1 * r_1 + t_2 * r_2)
         h_1, h_2 = f_11 * r_1 + f_12 * r_2, f_21 * r_1 + f_22 * r_2
         p_11 += q_1 * r_1
         p_12 += q_1 * r_2
@@ -162,26 +162,26 @@ def set_stabilised_point(
             gamma = at_slot(control, a, slot)
             x = p_11 * g_1 + p_12 * g_2 + gamma * h_1
             y = p_21 * g_1 + p_22 * g_2 + gamma * h_2
-            rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] = x
-            rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] = y
+            rows[at.forces + (a + 1) * NODE + slot] = x
+            rows[at.forces + (a + 1) * NODE + Y + slot] = y
             x_sum += x
             y_sum += y
-        rows[2 * nodes * BLOCK_SIZE + slot] = -x_sum
-        rows[(2 * nodes + 1) * BLOCK_SIZE + slot] = -y_sum
+        rows[at.forces + slot] = -x_sum
+        rows[at.forces + Y + slot] = -y_sum
 
 
 @inlined
-def weighted_stress(f, r, material, viscosity, rows, nodes, weight, energies, slot):
+def weighted_stress(f, r, material, viscosity, rows, at, weight, energies, slot):
     """Return the weighted first Piola-Kirchhoff stress of a point.
 
     The viscous power, and the strain energy unless `energies` is None, are added to the rows. f, r: deformation
-    gradient and its rate. nodes: of an element.
+    gradient and its rate. at: the `BlockRows`.
     """
     f_11, f_12, f_21, f_22 = f
     e_11, e_22, g_12 = green_strain(f_11, f_12, f_21, f_22)
     s_11, s_22, s_12 = stress(material, e_11, e_22, g_12)
     if energies is not None:
-        rows[(8 * nodes + 1) * BLOCK_SIZE + slot] += weight * energy_density(material, e_11, e_22, g_12)
+        rows[at.strain_energy + slot] += weight * energy_density(material, e_11, e_22, g_12)
     if viscosity is not None:
         r_11, r_12, r_21, r_22 = r
         d_11 = f_11 * r_11 + f_21 * r_21
@@ -190,7 +190,7 @@ def weighted_stress(f, r, material, viscosity, rows, nodes, weight, energies, sl
         v_11 = viscosity.c_11 * d_11 + viscosity.c_12 * d_22
         v_22 = viscosity.c_12 * d_11 + viscosity.c_11 * d_22
         v_12 = viscosity.c_33 * d_12
-        rows[6 * nodes * BLOCK_SIZE + slot] += weight * (v_11 * d_11 + v_22 * d_22 + v_12 * d_12)
+        rows[at.viscous_power + slot] += weight * (v_11 * d_11 + v_22 * d_22 + v_12 * d_12)
         s_11 += v_11
         s_22 += v_22
         s_12 += v_12
@@ -208,24 +208,24 @@ def weighted_stress(f, r, material, viscosity, rows, nodes, weight, energies, sl
 @inlined
 def _add_to_nodes(p, other_nodes, rows, gradients, slot):
     """Add P grad N_a to all nodal forces but the first."""
-    nodes, (p_11, p_12, p_21, p_22) = len(other_nodes) + 1, p
+    forces, (p_11, p_12, p_21, p_22) = block_rows(len(other_nodes) + 1).forces, p
     for a in range(len(other_nodes)):
         g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
-        rows[(2 * nodes + 2 * a + 2) * BLOCK_SIZE + slot] += p_11 * g_1 + p_12 * g_2
-        rows[(2 * nodes + 2 * a + 3) * BLOCK_SIZE + slot] += p_21 * g_1 + p_22 * g_2
+        rows[forces + (a + 1) * NODE + slot] += p_11 * g_1 + p_12 * g_2
+        rows[forces + (a + 1) * NODE + Y + slot] += p_21 * g_1 + p_22 * g_2
 
 
 @inlined
-def _gradient(row, other_nodes, rows, gradients, slot):
+def _gradient(field, other_nodes, rows, gradients, slot):
     """Return the gradient of a vector field at the point.
 
-    The field lies in the rows from `row` on. The gradient is F for positions, and the rate of F for velocities.
+    field: place of the nodal values. The gradient is F for positions, and the rate of F for velocities.
     """
     t_11 = t_12 = t_21 = t_22 = 0.0
     for a in range(len(other_nodes)):
         g_1, g_2 = at_slot(gradients, 2 * a, slot), at_slot(gradients, 2 * a + 1, slot)
-        x = rows[(row + 2 * a) * BLOCK_SIZE + slot]
-        y = rows[(row + 2 * a + 1) * BLOCK_SIZE + slot]
+        x = rows[field + (a + 1) * NODE + slot]
+        y = rows[field + (a + 1) * NODE + Y + slot]
         t_11 += x * g_1
         t_12 += x * g_2
         t_21 += y * g_1

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from machine_code.compiled import chosen, compiled
+from machine_code.compiled import chosen, compiled, inlined
 from machine_code.values import Number, Record
 
 BLOCK_SIZE = 64
@@ -23,6 +23,44 @@ VECTOR_SIZE = 8
 
 ANY_NODE = 2**31 - 1
 """Bits of a node number; with them the compiler knows that no number is negative."""
+
+
+Y, NODE = BLOCK_SIZE, 2 * BLOCK_SIZE
+"""Distances in a vector field from component x to y, and from node to node."""
+
+
+class BlockRows(NamedTuple):
+    """Place of each quantity in the workspace of a block.
+
+    Size is that of the workspace. Vector fields have two rows per node, x and y; powers and energies have one. The
+    number of a slot stands in `rows[place + node * NODE + Y + slot]`. This sum stands in the brackets: only there
+    does LLVM learn that it stays within 64 bits, and vectorises.
+    """
+
+    positions: int
+    forces: int
+    velocities: int
+    viscous_power: int
+    reference: int
+    strain_energy: int
+    hourglass_energy: int
+    size: int
+
+
+@inlined
+def block_rows(nodes: int) -> BlockRows:
+    """Return the rows of elements with this number of nodes."""
+    field = nodes * NODE
+    return BlockRows(
+        positions=0,
+        forces=field,
+        velocities=2 * field,
+        viscous_power=3 * field,
+        reference=3 * field + BLOCK_SIZE,
+        strain_energy=4 * field + BLOCK_SIZE,
+        hourglass_energy=4 * field + 2 * BLOCK_SIZE,
+        size=4 * field + 3 * BLOCK_SIZE,
+    )
 
 
 class Lattice(NamedTuple):
@@ -102,36 +140,36 @@ def slot_count(connectivity, lattice):
 def gather(values, connectivity, lattice, first, count, rows):
     """Copy the values of each corner to its two rows.
 
-    Those of corner a are rows 2 a and 2 a + 1.
+    rows: from the first of the vector field on.
     """
     for a in range(connectivity.shape[0]):
         if lattice is not None:
             start = lattice.first[a] + first & ANY_NODE
             for i in range(2):
                 for slot in range(count):
-                    rows[(2 * a + i) * BLOCK_SIZE + slot] = values[i, start + slot]
+                    rows[a * NODE + i * BLOCK_SIZE + slot] = values[i, start + slot]
         else:
             for slot in range(count):
                 node = connectivity[a, first + slot] & ANY_NODE
-                rows[2 * a * BLOCK_SIZE + slot] = values[0, node]
-                rows[(2 * a + 1) * BLOCK_SIZE + slot] = values[1, node]
+                rows[a * NODE + slot] = values[0, node]
+                rows[a * NODE + Y + slot] = values[1, node]
 
 
 @compiled
 def subtract_first(other_nodes, rows):
     """Make the rows of all other corners relative to the first."""
-    for slot in range(2 * BLOCK_SIZE):
+    for slot in range(2 * BLOCK_SIZE):  # both components
         for a in range(len(other_nodes)):
-            rows[(2 * a + 2) * BLOCK_SIZE + slot] -= rows[slot]
+            rows[(a + 1) * NODE + slot] -= rows[slot]
 
 
 @compiled
 def balance(other_nodes, rows):
     """Fill the first corner's rows so that the corners sum to zero."""
-    for slot in range(2 * BLOCK_SIZE):
+    for slot in range(2 * BLOCK_SIZE):  # both components
         total = 0.0
         for a in range(len(other_nodes)):
-            total += rows[(2 * a + 2) * BLOCK_SIZE + slot]
+            total += rows[(a + 1) * NODE + slot]
         rows[slot] = -total
 
 
@@ -151,19 +189,19 @@ def clear_idle(lattice, block, count, rows):
 def scatter(force, connectivity, lattice, first, count, rows):
     """Subtract the two rows of each corner from its force.
 
-    Those of corner a are rows 2 a and 2 a + 1.
+    rows: from the first of the vector field on.
     """
     for a in range(connectivity.shape[0]):
         if lattice is not None:
             start = lattice.first[a] + first & ANY_NODE
             for i in range(2):
                 for slot in range(count):
-                    force[i, start + slot] -= rows[(2 * a + i) * BLOCK_SIZE + slot]
+                    force[i, start + slot] -= rows[a * NODE + i * BLOCK_SIZE + slot]
         else:
             for slot in range(count):
                 node = connectivity[a, first + slot] & ANY_NODE
-                force[0, node] -= rows[2 * a * BLOCK_SIZE + slot]
-                force[1, node] -= rows[(2 * a + 1) * BLOCK_SIZE + slot]
+                force[0, node] -= rows[a * NODE + slot]
+                force[1, node] -= rows[a * NODE + Y + slot]
 
 
 def point_of(values: np.ndarray | tuple[object, ...], block: int, point: int, rows: int) -> object:
