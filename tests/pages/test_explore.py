@@ -8,7 +8,6 @@ import os
 import re
 import signal
 import socket
-import statistics
 import subprocess
 import sys
 import time
@@ -310,23 +309,19 @@ def opened(address, width=1280, waits_for=".force svg"):
 
 
 def moved(tab, name, key="ArrowRight"):
-    """Change a slider, and return the delay of the curve [ms]."""
+    """Change a slider, and wait for the curve."""
     tab.get_by_role("slider", name=name).focus()
     before = tab.locator(".force .wide").inner_html()
     tab.keyboard.press(key)
-    return tab.evaluate(TIMED, before)
+    tab.evaluate(TIMED, before)
 
 
 @in_a_browser
-def test_the_page_in_a_browser(tmp_path, capsys):
+def test_the_page_in_a_browser(tmp_path):
     """Sliders react at two widths, and a saved scene is opened."""
     with served("impact-mash-tl4-sut") as address:
         with opened(address) as tab:
-            times = [moved(tab, "Speed") for _ in range(9)]
-            with capsys.disabled():
-                print(
-                    f"\nslider to new curve: median {statistics.median(times):.0f} ms, {max(times):.0f} at most"
-                )
+            moved(tab, "Speed")
             moved(tab, "Crush", "ArrowLeft")
             tab.locator(".found", has_text="1.9 MN/m").wait_for()
             with tab.expect_download() as saving:

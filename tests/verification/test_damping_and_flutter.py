@@ -72,8 +72,7 @@ def test_what_is_elastic_is_damped_at_the_rate():
     assert power == pytest.approx(-50.0 * (masses * elastic**2).sum(), rel=1e-12)
 
 
-@pytest.mark.parametrize("threads", [1, 2])
-@pytest.mark.parametrize("constraint", ["penalty", "exact"])
+@pytest.mark.parametrize(("constraint", "threads"), [("penalty", 1), ("exact", 1), ("exact", 2)])
 def test_ledger_and_momentum_close(plate_model, constraint, threads):
     """Energy and momentum are balanced with strong damping."""
     model = plate_model(reaction="drag", elastic_rate=800.0, corner={"constraint": constraint})

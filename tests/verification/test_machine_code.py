@@ -381,13 +381,14 @@ force = by_law(Laws(), "force")
 """
 
 
-@pytest.mark.parametrize("capture", CAPTURES)
-def test_code_depends_on_the_values_that_it_captures(capture, tmp_path, printed):
-    opening, body = CAPTURES[capture]
-    bound = "\nscaled = make((lambda x: K * x, K))" if "make" in opening else ""
-    (tmp_path / "caller.py").write_text(
-        f"{HEADER}{opening}{bound}\n@compiled\ndef kernel(x):\n    return {body}\n"
-    )
+def test_code_depends_on_the_values_that_it_captures(tmp_path, printed):
+    """Each kind of capture has a kernel, and three processes run all."""
+    for i, (opening, body) in enumerate(CAPTURES.values()):
+        bound = "\nscaled = make((lambda x: K * x, K))" if "make" in opening else ""
+        text = f"{HEADER}{opening}{bound}\n@compiled\ndef kernel_{i}(x):\n    return {body}\n"
+        (tmp_path / f"caller_{i}.py").write_text(text)
+    count = len(CAPTURES)
+    script = f"for i in range({count}): print(vars(__import__(f'caller_{{i}}'))[f'kernel_{{i}}'](2.0))"
     (tmp_path / "laws.py").write_text(LAWS)
     (tmp_path / "parts").mkdir()
     (tmp_path / "parts" / "middle.py").write_text("from parts.inner import part\n")
@@ -396,8 +397,8 @@ def test_code_depends_on_the_values_that_it_captures(capture, tmp_path, printed)
         (tmp_path / "values.py").write_text(f"K = {factor}\nclass Table:\n    K = {factor}\n{record}")
         (tmp_path / "parts" / "inner.py").write_text(f"K = {factor}\ndef part(x):\n    return K * x\n")
         (tmp_path / "table.txt").write_text(f"1.0 {factor}")
-        assert printed("from caller import kernel; print(kernel(2.0))") == [str(2.0 * factor)]
-    assert len(list(tmp_path.glob("code/*/kernel-*.code"))) == 2
+        assert dict(zip(CAPTURES, printed(script), strict=True)) == dict.fromkeys(CAPTURES, str(2.0 * factor))
+    assert [len(list(tmp_path.glob(f"code/*/kernel_{i}-*.code"))) for i in range(count)] == count * [2]
 
 
 def test_code_of_an_edited_file_is_that_of_what_was_imported(tmp_path, printed):
