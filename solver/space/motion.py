@@ -2,7 +2,7 @@
 
 Steps and points of the strips are halved apart from each other. As the change by half of either may be small by
 chance, a further motion has other steps and points than halves. An outcome is decided where all these motions, and
-those on walls a little lower and higher, have the same.
+those with half the steps on walls a little lower and higher, have the same.
 """
 
 import math
@@ -17,7 +17,17 @@ from solver import rules
 from solver.conditions import Array, Gate
 from solver.space import state
 from solver.space.looks import Look, look_at
-from solver.space.solve import NO_PUSH, OUTCOMES, SCAN, SpaceAnswers, lowest_walls, run, steps_of, with_points
+from solver.space.solve import (
+    NO_PUSH,
+    OUTCOMES,
+    SCAN,
+    SpaceAnswers,
+    highest_centres,
+    run,
+    searched_walls,
+    steps_of,
+    with_points,
+)
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 
 UNDECIDED = "undecided"
@@ -37,8 +47,10 @@ step. A single change may be small by chance."""
 OTHER_STEPS, OTHER_POINTS = 2.0 / 3.0, 0.75
 """Steps and points of the further motion over those of the answer."""
 
-LOWEST_WALLS = (1.0, 1.0), (1.5, 2.0), (2.0, 4.0)
-"""Steps and points over those of many motions with which a lowest wall is searched."""
+LOWEST_WALLS = (0.7 * SCAN, 1.0, 1.0), (0.85 * SCAN, 1.5, 2.0), (SCAN, 2.0, 4.0)
+"""Step of the search for a lowest wall [m], with steps and points over those of many motions.
+
+Outcomes may alternate with the height of the wall: searches that try other walls then end apart."""
 
 MARGIN = 2e-3
 """Change of the height of the wall within which the outcome must be the same, and least error of a lowest wall [m]."""
@@ -164,9 +176,9 @@ def solve_space(
         parts, points, step_error, strip_error = _refined(look, parts, points, tolerance)
     answers, rows, one = solved(parts, points)
     if not step:
-        further = look(max(1, round(OTHER_STEPS * parts)), OTHER_POINTS * points)
-        coarse = look(max(parts // 2, 1), points), look(parts, 0.5 * points)
-        walls = [look(parts, points, higher) for higher in (-MARGIN, MARGIN)]
+        further, half = look(max(1, round(OTHER_STEPS * parts)), OTHER_POINTS * points), max(parts // 2, 1)
+        coarse = look(half, points), look(parts, 0.5 * points)
+        walls = [look(half, points, higher) for higher in (-MARGIN, MARGIN)]
         of_mean = SAFETY * max(one.changes(motion)[1] for motion in (further, *coarse))
         other_error = max(SAFETY * max(one.changes(further)), one.spread(of_mean))
         outcomes |= {motion.outcome for motion in (further, *coarse, *walls)}
@@ -206,24 +218,22 @@ def lowest_wall(
     -------
     tuple of float
         Height as of `lowest_walls` and error: `SAFETY` times its range by steps and points, or up to the next tried
-        wall above one on which the vehicle almost tips [m]; infinite where only some of these motions are upright on a
-        wall as high as the highest centre of mass.
+        wall above one on which the vehicle almost tips [m]; infinite where the highest centre of mass is within it, or
+        only some of the searches succeed.
 
     Raises
     ------
     RigidBodyError
         As `solve_space`.
     """
-    walls = np.array(
-        [
-            lowest_walls(vehicle, wall, speed, angle, refine=k, finer=n, on_compile=on_compile)[0]
-            for k, n in LOWEST_WALLS
-        ]
-    )
+    fleet = fleet_of(vehicle, wall, speed, angle)
+    walls = np.array([searched_walls(fleet, *search, on_compile)[0] for search in LOWEST_WALLS])
     height, unstated = float(walls[-1, 0]), np.isnan(walls[:, 0])
     if unstated.any():
         return height, 0.0 if unstated.all() else math.inf
-    error = MARGIN + SAFETY * float(np.ptp(walls[:, 0]))
+    error, above = MARGIN + SAFETY * float(np.ptp(walls[:, 0])), height - float(highest_centres(fleet)[0])
+    if above + error > 0.0:
+        return (math.nan, 0.0) if above > error else (height, math.inf)
     almost = float(walls[:, 1].max())
     return height, max(error, almost + SCAN - height if almost else 0.0)
 

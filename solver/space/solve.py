@@ -156,13 +156,30 @@ def lowest_walls(
     RigidBodyError
         As `solve_spaces`.
     """
-    fleet = with_points(fleet_of(vehicle, wall, speed, angle), finer)
+    fleet = fleet_of(vehicle, wall, speed, angle)
+    walls = searched_walls(fleet, scan, refine, finer, on_compile)
+    walls[walls[:, 0] > highest_centres(fleet), 0] = np.nan
+    return walls
+
+
+def highest_centres(fleet: Fleet) -> Array:
+    """Return the height of the highest centre of mass [m], shape (n,)."""
+    result: Array = (fleet.units[:, :, state.HEIGHT] + fleet.units[:, :, state.WHOLE_Z]).max(axis=1)
+    return result
+
+
+def searched_walls(fleet: Fleet, scan: float, refine: float, finer: float, on_compile: OnCompile) -> Array:
+    """Return the lowest walls, also just above the highest centre.
+
+    As `lowest_walls`, but NaN only where a wall by `scan` above the highest centre of mass does not suffice.
+    """
+    fleet = with_points(fleet, finer)
     parts = np.ceil(refine * steps_of(fleet, INTERVAL, PHASE, None)).astype(np.int64)
-    clock = _clock(INTERVAL, parts, None, NO_PUSH)
-    lowest, none = np.empty((len(fleet.units), 2)), np.empty((0, 0))
-    arguments = fleet, clock, _workspace(fleet, clock), np.empty((0, 0, 0)), none, none, scan, lowest
+    clock, none = _clock(INTERVAL, parts, None, NO_PUSH), np.empty((0, 0))
+    walls = np.stack([highest_centres(fleet), np.zeros(len(parts))], axis=1)
+    arguments = fleet, clock, _workspace(fleet, clock), np.empty((0, 0, 0)), none, none, scan, walls
     compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
-    return lowest
+    return walls
 
 
 def _clock(interval: float, parts: NDArray[np.int64], end: float | None, push: Array) -> Clock:

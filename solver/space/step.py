@@ -5,7 +5,8 @@ a step after, then the positions to the next instant. Forces that depend on velo
 the velocities half a step before and the last accelerations. The scheme is of second order.
 
 A motion ends with a unit that has rolled by 90 deg; or where the wall has not pushed for `QUIET` by more than the tenth
-of its largest force, all wheels are loaded and all units roll back; or at the longest time.
+of its largest force, all wheels are loaded, all units roll back and are not about to cross the wall; or at the longest
+time, at which a unit behind the upper edge of the wall is over it.
 """
 
 import numpy as np
@@ -25,8 +26,8 @@ from solver.space.forces import (
 )
 
 QUIET, SOONEST, LEANING = 0.3, 0.6, 0.1
-"""Time without force of the wall that ends a motion [s], its earliest end [s], and the force over the largest up to
-which a vehicle merely leans on the wall."""
+"""Time without force of the wall that ends a motion, within which no centre may cross the wall either [s]; its earliest
+end [s]; and the force over the largest up to which a vehicle merely leans on the wall."""
 
 LEVEL = 0.02
 """Sine of the roll up to which a unit counts as rolling back."""
@@ -40,32 +41,33 @@ def advance(fleet, clock, work, rows, answers, rolls, scan, lowest):
     """Follow every sample to its end, or search for the lowest wall.
 
     rows, shape (1 or n, rows, columns): as many as fit; answers, shape (n, columns); rolls, shape (n, units): largest
-    of each unit [rad]. lowest: empty, or of shape (n, 2) for the lowest wall above which each sample remains upright,
-    NaN where a wall as high as its highest centre of mass does not suffice, and the highest tried one on which it
-    almost tips although a lower one suffices, 0 without; scan: steps downwards from there, before the bisection [m].
+    of each unit [rad]. lowest: empty, or of shape (n, 2) with the first wall of a search, which becomes the lowest wall
+    above which each sample remains upright, NaN where a wall by `scan` higher than the first does not suffice, and the
+    highest tried one on which it almost tips although a lower one suffices, 0 without; scan: steps downwards from the
+    first wall, before the bisection [m].
     """
     for i in range(fleet.units.shape[0]):
         if lowest.size > 0:
-            lowest[i, 0], lowest[i, 1] = _lowest_wall(fleet, clock, i, work, scan)
+            lowest[i, 0], lowest[i, 1] = _lowest_wall(fleet, clock, i, work, lowest[i, 0], scan)
         else:
             row = rows[min(i, rows.shape[0] - 1)]
             _follow(fleet, clock, i, fleet.height[i], work, row, answers[i], rolls[i])
 
 
 @compiled
-def _lowest_wall(fleet, clock, i, work, scan):
+def _lowest_wall(fleet, clock, i, work, holds, scan):
     """Return the lowest wall above which sample i remains upright.
 
-    The second value is the highest tried wall on which it almost tips, see `advance`.
+    holds: first wall that is tried [m]. The second value is the highest tried wall on which it almost tips, see
+    `advance`.
     """
-    holds, fails, almost, latest = np.nan, LOWEST_WALL, 0.0, 0.0
-    for u in range(fleet.units.shape[1]):
-        centre = fleet.units[i, u, col.HEIGHT] + fleet.units[i, u, col.WHOLE_Z]
-        holds = centre if u == 0 else max(holds, centre)
+    fails, almost, latest = LOWEST_WALL, 0.0, 0.0
     if not _is_upright(fleet, clock, i, holds, work):
-        return np.nan, 0.0
+        fails, holds = holds, holds + scan
+        if not _is_upright(fleet, clock, i, holds, work):
+            return np.nan, 0.0
     height = holds - scan
-    while height > LOWEST_WALL:
+    while height > fails:
         if not _is_upright(fleet, clock, i, height, work):
             fails = height
             break
@@ -126,9 +128,11 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
                 for j in range(6):
                     rows[row, j] = work.windows[row, j]
             row += 1
-        outcome, turning = _verdict(units, bodies, joints, edge, t, answer, rolls)
-        is_over = outcome != col.UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not turning)
-        if k % parts == 0 and ((is_over and not clock.is_end_fixed) or t >= clock.longest * (1.0 - 1e-12)):
+        is_last = t >= clock.longest * (1.0 - 1e-12)
+        most = 0.0 if is_last and not clock.is_end_fixed else 1.0
+        outcome, unsettled = _verdict(units, bodies, joints, edge, most, t, answer, rolls)
+        is_over = outcome != col.UPRIGHT or (t >= SOONEST and t - touched >= QUIET and not unsettled)
+        if k % parts == 0 and ((is_over and not clock.is_end_fixed) or is_last):
             reached = t
             break
         assemble(units, axles, fleet.axle_unit, bodies, joints)
@@ -247,12 +251,13 @@ def _leave(unit, b, answer):
 
 
 @compiled
-def _verdict(units, bodies, joints, edge, t, answer, rolls):
+def _verdict(units, bodies, joints, edge, most, t, answer, rolls):
     """Update the largest angles.
 
-    Returns the outcome so far, and True while a unit rises: while it rolls outwards, or has a wheel off the ground.
+    Returns the outcome so far, and True while the motion goes on: a unit rolls outwards, has a wheel off the ground,
+    or is about to cross the wall. most: heights of a unit by which its centre is behind the edge before it is over.
     """
-    outcome, rising = col.UPRIGHT, False
+    outcome, unsettled = col.UPRIGHT, False
     for u in range(units.shape[0]):
         b = bodies[u]
         sine, roll = abs(b[7]), rolls[u]
@@ -264,17 +269,18 @@ def _verdict(units, bodies, joints, edge, t, answer, rolls):
                 answer[col.ROLL], answer[col.ROLL_TIME] = roll, t
         if abs(b[6]) > abs(answer[col.PITCH]):
             answer[col.PITCH], answer[col.PITCH_TIME] = -b[6], t
-        rising = rising or (sine > LEVEL and b[7] * b[col.NOW + 3] > 0.0)
+        unsettled = unsettled or (sine > LEVEL and b[7] * b[col.NOW + 3] > 0.0)
         beyond = edge - b[col.AT + 1] - b[3] * units[u, col.WHOLE_X] - b[5] * units[u, col.WHOLE_Z]
         if not np.isfinite(beyond + sine):
             outcome = col.LOST
         elif b[8] <= 0.0:
             outcome = col.OVER if beyond > 0.0 else col.ON_ITS_SIDE
-        elif beyond > units[u, col.HEIGHT]:
+        elif beyond > most * units[u, col.HEIGHT]:
             outcome = col.OVER
+        unsettled = unsettled or beyond > QUIET * b[col.NOW + 1]
     for a in range(joints.shape[0]):
-        rising = rising or joints[a, col.WHEEL] <= 0.0 or joints[a, col.WHEEL + 1] <= 0.0
-    return outcome, rising
+        unsettled = unsettled or joints[a, col.WHEEL] <= 0.0 or joints[a, col.WHEEL + 1] <= 0.0
+    return outcome, unsettled
 
 
 @compiled

@@ -17,9 +17,11 @@ from solver.space import (
     lowest_wall,
     lowest_walls,
     solve_space,
+    solve_spaces,
 )
 from solver.space.looks import COMPARED, Look
 from solver.space.motion import LEAST_ERROR
+from solver.space.solve import SCAN, searched_walls
 from solver.space.strips import joined
 from solver.space.vehicle import EDGE, fleet_of
 
@@ -199,6 +201,38 @@ def test_outcome_within_two_millimetres_of_the_boundary_is_undecided():
     assert outcomes[-0.02] in OUTCOMES[1:]
     assert outcomes[-1e-3] == outcomes[1e-3] == UNDECIDED
     assert outcomes[0.02] == "upright"
+
+
+@pytest.mark.parametrize("profile", ["vertical", "new-jersey"])
+@pytest.mark.parametrize(("speed", "friction"), [(8.0, 0.0), (6.0, 0.65)])
+def test_vehicle_with_its_centre_behind_a_low_wall_is_over_it(profile, speed, friction):
+    """A vehicle that crosses the wall slowly is not upright.
+
+    Before, one at 1 m/s was upright, and a lowest wall 9 cm from that of a finer step.
+    """
+    walls = SpaceWall(np.linspace(0.15, 0.4, 6), profile, 0.3)
+    outcome = solve_spaces(truck(friction=friction), walls, speed, 1.3 * ANGLE).outcome
+    assert [OUTCOMES[number] for number in outcome] == ["over the wall"] * 6
+
+
+def test_lowest_wall_about_the_centre_of_mass():
+    """The search goes a step above it, and its error decides."""
+    angles, centre, wall = np.linspace(0.53, 0.58, 11), 1.35, SpaceWall(0.9, friction=0.3)
+    walls = searched_walls(fleet_of(truck(), wall, SPEED, angles), SCAN, 1, 1, lambda *_: None)[:, 0]
+    above = walls > centre
+    assert 2 < above.sum() < 9
+    assert walls.max() <= centre + SCAN
+    assert np.isnan(lowest_walls(truck(), wall, SPEED, angles)[:, 0]).tolist() == above.tolist()
+    for change, outcome in ((0.0, "upright"), (-1e-3, "on its side")):
+        tried = replace(wall, height=walls[above] + change)
+        answers = solve_spaces(truck(), tried, SPEED, angles[above])
+        assert {OUTCOMES[number] for number in answers.outcome} == {outcome}
+    decided, tie, below = (lowest_wall(truck(), wall, SPEED, angle) for angle in (0.6, 0.556, 0.3))
+    assert math.isnan(decided[0])
+    assert decided[1] == 0.0
+    assert abs(tie[0] - centre) < 0.02
+    assert math.isinf(tie[1])
+    assert below[0] + below[1] < centre
 
 
 def test_strikes_with_equal_means_have_both_heights():
