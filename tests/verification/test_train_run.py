@@ -131,19 +131,21 @@ def test_a_small_step_of_a_hinges_force_is_bounded_by_the_curves_about_its_peak(
     early, late_by = np.cos(2.0 * np.pi * np.array([0.025, 0.035]) / 0.4)
     bound = part * (early - late_by) / (1.0 + part)
     expected = error.RESOLVED + bound / (2.0**error.ORDER - 1.0)
-    assert error.hinge_errors(answer, [late, answer]) == pytest.approx([expected], rel=5e-3)
-    third = error.hinge_errors(answer, [hinged(0.02), answer, late])
+    same = answer, answer
+    assert error.hinge_errors(answer, [late, answer], same) == pytest.approx([expected], rel=5e-3)
+    third = error.hinge_errors(answer, [hinged(0.02), answer, late], same)
     assert third == pytest.approx([error.RESOLVED + bound * error.safety(0.0) / error.TWO_MESHES], rel=5e-3)
-    assert (
-        error.hinge_errors(answer, [hinged(force=1.03e6), answer])[0] > 0.03
-    )  # a step that is none of chance
+    stronger = hinged(force=1.03e6)
+    assert error.hinge_errors(answer, [stronger, answer], same)[0] > 0.03  # a step that is none of chance
+    (halved,) = error.hinge_errors(answer, same, (stronger, answer))
+    assert halved == pytest.approx(error.RESOLVED + 0.03)
 
 
 def test_a_hinge_of_a_short_history_is_judged_over_the_whole_of_it():
     short = hinged(interval=1e-5)
     rows = {name: column[:2001] for name, column in short.history.items()}
     answer = ImpactAnswer((), rows, units=2)
-    assert error.hinge_errors(answer, [answer, answer]) == [error.RESOLVED]
+    assert error.hinge_errors(answer, [answer, answer], [answer, answer]) == [error.RESOLVED]
 
 
 def test_a_train_whose_hinge_is_not_known_fails():
@@ -165,30 +167,20 @@ def test_a_third_mesh_is_run_for_a_hinge_alone(monkeypatch):
     start = attempted()
     meshes = []
 
-    def on(outcome, plate, computed):
-        meshes.append(plate.counts)
+    def on(outcome, plate, computed, part=1.0):
+        meshes.append((plate.counts, part))
         return outcome.fe
 
     monkeypatch.setattr(run, "_on", on)
-    used = []
-
-    def estimate(answer, sequence, meshes):
-        used.append(len(sequence))
-        return dict.fromkeys(error.QUANTITIES, 1e-3)
-
-    monkeypatch.setattr(error, "estimate", estimate)
-    monkeypatch.setattr(error, "hinge_errors", lambda answer, answers: [0.05 if len(answers) < 3 else 0.01])
+    monkeypatch.setattr(error, "estimate", lambda *by: dict.fromkeys(error.QUANTITIES, 1e-3))
+    monkeypatch.setattr(
+        error, "hinge_errors", lambda answer, answers, _: [0.05 if len(answers) < 3 else 0.01]
+    )
     assert run.with_errors(start).hinge_error == [0.01]
-    assert len(meshes) == 3
+    assert [part for _, part in meshes] == [1.0, 0.5, 1.0, 1.0]
     monkeypatch.setattr(error, "hinge_changes", lambda answer, answers: [[0.0, 0.03]])
     assert run.with_errors(start).hinge_error == [0.05]
-    assert len(meshes) == 5
-    coarsest = start.fe_plan.plate
-    monkeypatch.setattr(error, "coarser", lambda plate: coarsest)
-    other_corner_first = replace(start.fe, strikes=start.fe.strikes[1:])
-    for at_hand in (start.fe, other_corner_first):
-        run.with_errors(start, {(coarsest.element, coarsest.counts): at_hand})
-    assert used == [2, 3, 2, 3, 2]
+    assert len(meshes) == 7
 
 
 def test_a_hinge_that_cannot_be_spread_is_refused_by_its_key():

@@ -27,10 +27,16 @@ STATED = QUANTITIES | {"hinge": "hinge force"}
 """All quantities whose error is stated, in words."""
 
 RESOLVED = 1e-3
-"""Additional error of time steps and rows, which is the same on all meshes."""
+"""Additional error of rows, which is the same on all meshes."""
 
 TWO_MESHES, THREE_MESHES = 3.0, 1.25
 """Factors of safety on an error from two and three meshes (Roache 1994; ASME V&V 20)."""
+
+HALF = 0.5
+"""Part of the time step on a coarse mesh: the step on the fine one, so that the mesh alone differs."""
+
+STEP = TWO_MESHES / (HALF**-2.0 - 1.0)
+"""Factor on the change by half the time step, in which contact is of second order."""
 
 ORDER = 4.0 / 3.0
 """Order that is assumed for two meshes, and the largest for three. It is below that of the elements, because a corner's
@@ -44,13 +50,6 @@ COARSEST_THIRD = 4
 
 NEAR = 0.9
 """Impulse or 50 ms mean of a strike over the largest, from which its error is stated."""
-
-PARTS = 10
-"""Equal parts of a strike in which the impulses on two meshes are compared: longer than the fall of a force without
-restitution, which is earlier or later."""
-
-RESHAPED = 0.75
-"""Least step of each quantity over the difference of the forces of a strike on two meshes, by random impacts."""
 
 LATER = 1.1
 """Durations of a strike after which it is over on other meshes as well; it may last a little longer there."""
@@ -165,24 +164,6 @@ def changes(one: ImpactAnswer, other: ImpactAnswer) -> dict[str, float]:
     }
 
 
-Occurrence = tuple[ImpactAnswer, Strike]
-"""A strike and its impact."""
-
-
-def reshaped(base: Occurrence, one: Occurrence, other: Occurrence) -> float:
-    """Return how far the forces of a strike on two meshes differ.
-
-    It is the sum of the differences of the impulses in `PARTS` parts of its duration, over its impulse. base: the
-    strike; one, other: the same on two meshes.
-    """
-    after = np.linspace(0.0, base[1].duration, PARTS + 1)
-    impulses = []
-    for answer, strike in (base, one, other):
-        total = np.concatenate([[0.0], np.cumsum(answer.pushes[strike.corner]) * answer.interval])
-        impulses.append(np.diff(np.interp(strike.start + after, answer.history["t"], total)))
-    return float(np.abs(impulses[1] - impulses[2]).sum() / impulses[0].sum())
-
-
 def unsure_end(answer: ImpactAnswer, strike: Strike) -> float:
     """Return the part of a duration that light touches decide on."""
     same = (
@@ -198,13 +179,14 @@ def value(answer: ImpactAnswer, strike: Strike, name: str) -> float:
     return mean_peak(answer, strike) if name == "mean_50ms" else float(getattr(strike, name))
 
 
-def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer], meshes: int = 3) -> dict[str, float]:
+def estimate(
+    base: ImpactAnswer, sequence: Sequence[ImpactAnswer], steps: Sequence[ImpactAnswer]
+) -> dict[str, float]:
     """Estimate the error of each quantity of the assessed strikes.
 
-    Errors are by `strike_1.impulse` and so on, relative: the distance from the finest mesh, plus the error of that. A
-    step between meshes may be small by chance: it counts as no less than its geometric mean with the largest of its
-    strike, `RESHAPED` of `reshaped`, and the step before by the order. Half a row, in which a strike ends, and
-    `unsure_end` are added to a duration.
+    Errors are by `strike_1.impulse` and so on, relative: the distance from the finest mesh, plus the errors of that and
+    of the time step. A step between meshes may be small by chance: it counts as no less than its geometric mean with
+    the largest of its strike. Half a row, in which a strike ends, and `unsure_end` are added to a duration.
 
     Parameters
     ----------
@@ -212,40 +194,41 @@ def estimate(base: ImpactAnswer, sequence: Sequence[ImpactAnswer], meshes: int =
         Impact whose error is estimated.
     sequence : sequence of ImpactAnswer
         On two or three meshes, each twice as fine as the one before.
-    meshes : int
-        Number of the finest of them that determine the factor of safety.
+    steps : sequence of ImpactAnswer
+        On the coarser of two meshes, with a whole and with half a time step.
     """
-    strikes, matched = assessed_strikes(base), [counterparts(base, answer) for answer in sequence]
-    keys = [f"strike_{k + 1}.{name}" for k in range(len(strikes)) for name in QUANTITIES]
+    strikes, impacts = assessed_strikes(base), (*sequence, *steps)
+    matched = [counterparts(base, answer) for answer in impacts]
+    *apart, whole, halved = (changes(base, answer) for answer in impacts)
     if not all(matched):
-        return dict.fromkeys(keys, math.inf)
+        return dict.fromkeys(whole, math.inf)
     errors: dict[str, float] = {}
-    for k, (strike, *finer_strikes) in enumerate(zip(strikes, *matched, strict=True), 1):
-        same = list(zip(sequence, finer_strikes, strict=True))
-        values = {name: value(base, strike, name) for name in QUANTITIES}
-        apart = {name: [value(*one, name) / values[name] - 1.0 for one in same] for name in QUANTITIES}
-        steps = {name: abs(distances[-1] - distances[-2]) for name, distances in apart.items()}
-        shape = RESHAPED * reshaped((base, strike), *same[-2:])
-        for name, distances in apart.items():
-            earlier = abs(distances[-2] - distances[0]) / 2.0**ORDER
-            step = max(math.sqrt(steps[name] * max(steps.values())), shape, earlier)
-            errors[f"strike_{k}.{name}"] = _judged(distances[-meshes:], step)
-        unsure = max(unsure_end(*one) for one in ((base, strike), *same))
-        errors[f"strike_{k}.duration"] += 0.5 * base.interval / strike.duration + unsure
+    for k, same in enumerate(zip(strikes, *matched, strict=True), 1):
+        names = [f"strike_{k}.{name}" for name in QUANTITIES]
+        steps_of = [abs(apart[-1][name] - apart[-2][name]) for name in names]
+        for name, step in zip(names, steps_of, strict=True):
+            least = math.sqrt(step * max(steps_of))
+            stepped = STEP * abs(halved[name] - whole[name])
+            errors[name] = _judged([changed[name] for changed in apart], least) + stepped
+        unsure = max(map(unsure_end, (base, *sequence), same))
+        errors[f"strike_{k}.duration"] += 0.5 * base.interval / same[0].duration + unsure
     return errors
 
 
-def hinge_errors(base: ImpactAnswer, sequence: Sequence[ImpactAnswer]) -> list[float]:
+def hinge_errors(
+    base: ImpactAnswer, sequence: Sequence[ImpactAnswer], steps: Sequence[ImpactAnswer]
+) -> list[float]:
     """Return the relative error of each hinge's largest 50 ms mean.
 
     Arguments as of `estimate`. A step between meshes may be small by chance. It counts as no less than a third, the
     factor of safety, of the largest difference of the 50 ms means about the peak, which bounds it.
     """
-    apart = hinge_changes(base, sequence)
+    apart, stepped = hinge_changes(base, sequence), hinge_changes(base, steps)
     bounds = [_difference_at_peak(base, sequence[-2:], hinge) for hinge in range(len(apart))]
     return [
         _judged(distances, max(abs(distances[-1] - distances[-2]), bound / TWO_MESHES))
-        for distances, bound in zip(apart, bounds, strict=True)
+        + STEP * abs(halved - whole)
+        for distances, bound, (whole, halved) in zip(apart, bounds, stepped, strict=True)
     ]
 
 

@@ -146,17 +146,19 @@ def safety_factor(scene: Scene, plate: Plate) -> float:
     return scene.time.safety_factor if linear or not left_open else REDUCED_FACTOR
 
 
-def impact_model(case: RigidImpact, plate: Plate, longest_step: float) -> tuple[PlateModel, Plate]:
+def impact_model(
+    case: RigidImpact, plate: Plate, longest_step: float, part: float = 1.0
+) -> tuple[PlateModel, Plate]:
     """Return the model of a plate with elements.
 
-    Besides, the plate with its modulus. Raises InputError.
+    Besides, the plate with its modulus. part: of the time step that is taken. Raises InputError.
     """
     from fem.model.impact_model import build_impact_model
 
     scene = case.scene
     plate = plate_input.resolved_plate(scene, plate, plate_input.fe_mesh(scene, plate), _inertia(case, 0))
-    step = plate_input.step_properties(scene, longest_step)
-    step = replace(step, safety_factor=safety_factor(scene, plate))
+    step = plate_input.step_properties(scene, part * longest_step)
+    step = replace(step, safety_factor=part * safety_factor(scene, plate))
     units = [_unit(case, plate, number) for number in range(len(scene.units))]
     try:
         wall = wall_properties(case, scene.meshed_wall) if scene.meshed_wall else None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from pathlib import Path
@@ -32,7 +31,7 @@ from tailslap.case.run_report import (
     omitted_lines,
     plate_sentence,
 )
-from tailslap.scene.schema import Contact, Scene
+from tailslap.scene.schema import Scene
 
 FIRST = ("t", "x_g", "y_g", "theta", "omega", "v_gx", "v_gy", "force_normal", "force_tangential")
 """Columns in front of all others."""
@@ -211,8 +210,9 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
     mean_force = force(outcome.fe.peaks["mean_50ms"])
     plane = f"In the plane {mean_force}. " if outcome.fe_plan.case.space else ""
     heavy = error.of_weight(outcome.difference, outcome.fe.strikes)
+    sizes = {name: abs(difference) for name, difference in heavy.items()}
     changes = {
-        name: max(LEAST_CHANGE, _largest(heavy, name)) for name in ("impulse", "duration", "peak_force")
+        name: max(LEAST_CHANGE, error.largest(sizes, name)) for name in ("impulse", "duration", "peak_force")
     }
     which = f" of strikes above {100 * WEIGHT:g} % of the largest" if heavy != outcome.difference else ""
     meshed_wall = outcome.fe_plan.case.scene.meshed_wall
@@ -230,12 +230,6 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
     if outcome.mesh_error:
         stated = f"at most {percent_up(max(outcome.stated_errors.values()))}"
     return f"{text}; discretisation error {stated}."
-
-
-def _largest(differences: Mapping[str, float], name: str) -> float:
-    """Return the largest difference of a quantity, or NaN."""
-    values = [abs(value) for key, value in differences.items() if key.endswith(name)]
-    return max(values, default=math.nan)
 
 
 def _uncertain(outcome: run.ImpactOutcome) -> str:
@@ -349,9 +343,8 @@ def _paper(outcome: run.ImpactOutcome) -> list[Table]:
 
 
 def _statements(outcome: run.ImpactOutcome) -> list[str]:
-    plan = outcome.fe_plan.case
     return [
-        f"The vehicle {contact_words(plan.scene.needed_contact)}.",
+        f"Unilateral contact: {', '.join(outcome.fe_plan.case.details())}.",
         "The rigid vehicle has the same mass, centre of mass, inertia and contact; the plate is flexible (first "
         f"natural frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
         *chosen_sentences(outcome.fe_plan),
@@ -378,30 +371,6 @@ def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
         "foundation_mean_50ms": float(mean.max()),
         "contact_mean_50ms": outcome.fe.peaks["mean_50ms"],
     }
-
-
-def contact_words(contact: Contact) -> str:
-    """Describe the contact of vehicle and wall."""
-    friction = f"friction {contact.friction:g}" if contact.friction else "no friction"
-    if contact.stiffness is None:
-        how = "a penalty spring" if contact.enforcement == "penalty" else "an exact constraint"
-        return f"does not crush: unilateral contact of each boundary node by {how}; {friction}"
-    initial = f"{measure(contact.initial_force / 1e3, 'kN', 'g')} + " if contact.initial_force else ""
-    side = ""
-    if contact.side_stiffness:
-        side = f", a layer of {measure(contact.side_stiffness / 1e6, 'MN/m^2', 'g')} along the sides"
-    patch = f", spread over {measure(contact.patch_length, 'm', 'g')}" if contact.patch_length else ""
-    plateau, unloading = "", f"restitution {contact.restitution or 0.0:g}"
-    if contact.plateau_force is not None:
-        plateau = f" up to {measure(contact.plateau_force / 1e3, 'kN', 'g')}"
-    if contact.unloading_stiffness is not None:
-        unloading = f"unloading stiffness {measure(contact.unloading_stiffness / 1e6, 'MN/m', 'g')}"
-    rear = "; rear corners with values of their own" if contact.rear else ""
-    return (
-        f"crushes at its corners with {initial}{measure(contact.stiffness / 1e6, 'MN/m', 'g')} times the depth"
-        f"{plateau}{patch}{side}, "
-        f"{unloading}{rear}; {friction}; unilateral contact"
-    )
 
 
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
@@ -448,7 +417,6 @@ def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
             f"{measure(vehicle.mass, 'kg', 'g')}, centre of mass {measure(vehicle.front_distance, 'm', 'g')} "
             f"behind the front, yaw inertia {measure(vehicle.inertia, 'kg m^2', '.6g')}"
         ],
-        "contact": [contact_words(case.scene.needed_contact)],
         "strikes": [f"expected of the rigid vehicle: {strikes or 'none'}"],
         "end": [f"{motion.t_end:.4g} s"],
         **_space_lines(case.scene),

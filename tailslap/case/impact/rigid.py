@@ -53,6 +53,15 @@ OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "stiffness", "hitch", "kingpin"
 OF_AN_AXLE = ("position", "friction", "cornering")
 """Keys of an axle that it depends on."""
 
+OF_CRUSH = {
+    "initial_force": "initial crush force",
+    "side_stiffness": "side layer",
+    "patch_length": "forces over",
+    "plateau_force": "plateau",
+    "unloading_stiffness": "unloading stiffness",
+}
+"""Quantities of [contact] beside the stiffness, in words."""
+
 INTERVAL = 5e-4
 """Time between rows of the forces of many impacts [s]: peaks of a 50 ms mean are within 1e-4."""
 
@@ -261,17 +270,10 @@ class RigidImpact(Case):
             law = f"crush stiffness {stiffness} a corner, that of the foremost strips (assumed)"
         elif contact.crushes:
             law = f"crush stiffness {self.quantity('contact.stiffness')} a corner"
-        parts = [law]
-        if contact.initial_force:
-            parts.append(f"initial crush force {self.quantity('contact.initial_force')}")
-        if contact.side_stiffness:
-            parts.append(f"side layer {self.quantity('contact.side_stiffness')}")
-        if contact.plateau_force is not None:
-            parts.append(f"plateau {self.quantity('contact.plateau_force')}")
+        there = (key for key in OF_CRUSH if getattr(contact, key))
+        parts = [law, *(f"{OF_CRUSH[key]} {self.quantity(f'contact.{key}')}" for key in there)]
         if contact.restitution is not None:
             parts.append(f"restitution {contact.restitution:g}")
-        if contact.unloading_stiffness is not None:
-            parts.append(f"unloading stiffness {self.quantity('contact.unloading_stiffness')}")
         if contact.rear is not None:
             parts.append("different crush at the rear corners")
         if self.axles:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 REFINEMENTS = 2
 """Largest number of refinements of a chosen mesh."""
 
-REACHABLE, REACHABLE_BY_TRAIN = 8.0, 4.0
+REACHABLE, REACHABLE_BY_TRAIN = 16.0, 4.0
 """Error over its limit up to which a mesh is refined a second time, which takes minutes for trains."""
 
 BEYOND = 1.5
@@ -201,13 +202,12 @@ def assessed(case: RigidImpact) -> ImpactOutcome:
             reachable = (REACHABLE_BY_TRAIN if outcome.fe.units > 1 else REACHABLE) * limit
             if not stated > limit or unsure > limit or (refinements > 1 and stated > reachable):
                 return outcome
-            computed[outcome.fe_plan.plate.element, outcome.fe_plan.plate.counts] = outcome.fe
             outcome = attempt(case, refinements)
     return with_errors(outcome, computed)
 
 
-Computed = dict[tuple[str, tuple[int, int]], answers.ImpactAnswer]
-"""Impacts by the kind and the numbers of elements."""
+Computed = dict[tuple[str, tuple[int, int], float], answers.ImpactAnswer]
+"""Impacts by the kind and the numbers of elements, and the part of the time step."""
 
 
 def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes: int = 3) -> ImpactOutcome:
@@ -220,62 +220,58 @@ def with_errors(outcome: ImpactOutcome, computed: Computed | None = None, meshes
     outcome : ImpactOutcome
         Finished run.
     computed : dict
-        Impacts on coarser meshes, used where they last long enough; others are added. A third one bounds the last step.
+        Impacts on other meshes, used where they last long enough; others are added.
     meshes : int
         With 3 a mesh finer than both is run where the error may then be within the limit and a coarser third is
         impossible.
     """
-    limit, computed = outcome.fe_plan.case.scene.verify.mesh, {} if computed is None else computed
-    for coarse, fine in error.companions(outcome.fe_plan.plate):
+    limit, plate = outcome.fe_plan.case.scene.verify.mesh, outcome.fe_plan.plate
+    computed = {} if computed is None else computed
+    computed[plate.element, plate.counts, 1.0] = outcome.fe
+    for coarse, fine in error.companions(plate):
         try:
-            sequence = [_on(outcome, plate, computed) for plate in (coarse, fine)]
+            whole, halved = (_on(outcome, coarse, computed, part) for part in (1.0, error.HALF))
+            sequence, steps = [halved, _on(outcome, fine, computed)], (whole, halved)
         except InputError:
             continue
-        coarsest = error.coarser(coarse)
-        before = computed.get((coarsest.element, coarsest.counts)) if coarsest else None
-        coarser = [before] if before and error.counterparts(outcome.fe, before) else []
-        estimated = _estimated(outcome, [*coarser, *sequence], 2)
+        estimated = _estimated(outcome, sequence, steps)
         moved = list(error.changes(outcome.fe, sequence[-1]).values())
         moved += [distances[-1] for distances in error.hinge_changes(outcome.fe, sequence)]
         if max(map(abs, moved), default=math.inf) <= limit < max(estimated.stated_errors.values()):
-            if coarsest:
-                estimated = _estimated(outcome, [_on(outcome, coarsest, computed), *sequence])
+            if coarsest := error.coarser(coarse):
+                sequence.insert(0, _on(outcome, coarsest, computed, error.HALF))
             elif meshes > 2 and (finest := error.finer(fine)):
-                estimated = _estimated(outcome, [*sequence, _on(outcome, finest, computed)])
+                sequence.append(_on(outcome, finest, computed))
+            estimated = _estimated(outcome, sequence, steps)
         return estimated
     return outcome
 
 
 def _estimated(
-    outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer], meshes: int = 3
+    outcome: ImpactOutcome, sequence: list[answers.ImpactAnswer], steps: Sequence[answers.ImpactAnswer]
 ) -> ImpactOutcome:
-    """Return the outcome with errors by other meshes, see `error.estimate`."""
-    return replace(
-        outcome,
-        mesh_error=error.estimate(outcome.fe, sequence, meshes),
-        hinge_error=error.hinge_errors(outcome.fe, sequence[-meshes:]),
-    )
+    """Return the outcome with errors by other runs, see `error.estimate`."""
+    by = outcome.fe, sequence, steps
+    return replace(outcome, mesh_error=error.estimate(*by), hinge_error=error.hinge_errors(*by))
 
 
-def _on(outcome: ImpactOutcome, plate: Plate, computed: Computed) -> answers.ImpactAnswer:
-    """Return the impact on another mesh, or that of the run.
+def _on(outcome: ImpactOutcome, plate: Plate, computed: Computed, part: float = 1.0) -> answers.ImpactAnswer:
+    """Return the impact on another mesh.
 
-    See `with_errors`. Raises InputError for an impossible mesh.
+    part: of its time step that is taken; see `with_errors`. Raises InputError for an impossible mesh.
     """
     from fem.run import impact
 
     fe_plan, end = outcome.fe_plan, error.judged_until(outcome.fe)
-    if plate == fe_plan.plate:
-        return outcome.fe
-    answer = computed.get((plate.element, plate.counts))
+    answer = computed.get((plate.element, plate.counts, part))
     if answer is None or answer.history["t"][-1] + answer.interval < end:
-        model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample)
+        model, _ = plan.impact_model(fe_plan.case, plate, fe_plan.sample, part)
         impact.compile_impact_loop(model, on_compile=compiling)
         other_plan = replace(fe_plan, model=model, plate=plate)
         answer = _answer(other_plan, simulated(other_plan, end=end))
         if cut_alone(answer, outcome.fe):
             answer = _answer(other_plan, simulated(other_plan, end=BEYOND * end))
-        computed[plate.element, plate.counts] = answer
+        computed[plate.element, plate.counts, part] = answer
     return answer
 
 
