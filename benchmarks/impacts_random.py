@@ -102,15 +102,19 @@ def crush_changes(seed: int, number: int) -> Draw:
     closing = keys["impact.speed"] * math.sin(keys["impact.angle"])
     force = closing * math.sqrt(0.35 * stiffness * keys["vehicle.mass"])
     rear = stiffness * 2.0 ** random.uniform(-1.0, 1.0)
-    keys |= {
-        "contact.plateau_force": initial + random.uniform(0.3, 1.2) * force,
-        "contact.rear.stiffness": rear,
+    front = {
+        "at": 0.0,
+        "stiffness": keys.pop("contact.stiffness"),
+        "initial_force": keys.pop("contact.initial_force"),
     }
-    keys["contact.rear.plateau_force"] = initial + random.uniform(0.3, 1.2) * force
+    front["plateau"] = initial + random.uniform(0.3, 1.2) * force
+    behind = {"at": length, "stiffness": rear, "initial_force": initial}
+    behind["plateau"] = initial + random.uniform(0.3, 1.2) * force
     if number % 2:
-        keys["contact.rear.unloading_stiffness"] = rear * random.uniform(3.0, 30.0)
+        behind["unloading_stiffness"] = rear * random.uniform(3.0, 30.0)
     else:
-        keys["contact.rear.restitution"] = random.uniform(0.1, 0.4)
+        behind["restitution"] = random.uniform(0.1, 0.4)
+    keys |= {"strip": [front, behind], "contact.stiffness": None}
     keys["axle"] = [
         {"position": random.uniform(*ends) * length}
         | {"friction": random.uniform(0.5, 0.8), "cornering": random.uniform(4.0, 8.0)}

@@ -8,16 +8,17 @@ import command_line
 import numpy as np
 
 from solver.impact import (
-    CORNERS,
     CrushLaw,
     HitchedVehicle,
     ImpactVehicle,
+    Strip,
     WallContact,
-    corner_name,
     first_touch,
+    group_names,
     solve_impact,
 )
 from solver.impact.train import distances, lined_up
+from solver.impact.train import train_of as solver_train
 
 LIMIT, RESTITUTION, ANGLE, END = 1e-3, 0.22, math.radians(15.0), 1.0
 TRACTOR = ImpactVehicle(6.9, 2.44, 8200.0, 2.9, 34621.0)
@@ -34,8 +35,13 @@ SPEED = 22.35
 def train_of(name: str, friction: float) -> tuple[ImpactVehicle, WallContact, list[HitchedVehicle]]:
     """A train of `TRAINS` as the program takes it."""
     stiffness, behind = TRAINS[name]
-    law = lambda k: WallContact(CrushLaw(k, 0.0, RESTITUTION), friction)  # noqa: E731
-    return TRACTOR, law(stiffness), [HitchedVehicle(body, law(k), *hinge) for body, k, *hinge in behind]
+    strips = tuple(
+        Strip((at, at), CrushLaw(k, 0.0, RESTITUTION), unit=unit)
+        for unit, (body, k, *_) in enumerate(behind, 1)
+        for at in (0.0, body.length)
+    )
+    contact = WallContact(CrushLaw(stiffness, 0.0, RESTITUTION), friction, strips)
+    return TRACTOR, contact, [HitchedVehicle(body, *hinge) for body, _, *hinge in behind]
 
 
 def own_impulses(name: str, friction: float) -> dict[str, float]:
@@ -51,8 +57,8 @@ def own_impulses(name: str, friction: float) -> dict[str, float]:
 class Corner:
     """Corner on the bilinear crush law, its permanent crush and its impulse."""
 
-    def __init__(self, exu: Any, body: int, place: list[float], law: WallContact) -> None:
-        self.exu, self.body, self.place, self.law = exu, body, place, law
+    def __init__(self, exu: Any, body: int, place: list[float], stiffness: float, friction: float) -> None:
+        self.exu, self.body, self.place, self.stiffness, self.friction = exu, body, place, stiffness, friction
         self.deepest = self.force = self.impulse = 0.0
 
     def output(self, mbs: Any, kind: Any) -> Any:
@@ -68,7 +74,7 @@ class Corner:
         if deepest <= 0.0:
             return 0.0
         fraction = max(0.0, 1.0 - (deepest - depth) / (RESTITUTION**2 * deepest))
-        return self.law.crush.stiffness * deepest * fraction
+        return self.stiffness * deepest * fraction
 
     def load(self, mbs: Any, t: float, _: Any) -> list[float]:
         """Force of the wall on the corner."""
@@ -77,7 +83,7 @@ class Corner:
         if push == 0.0:
             return [0.0, 0.0, 0.0]
         slip = float(self.output(mbs, kinds.Velocity)[0])
-        return [-self.law.friction * push * math.tanh(slip / 1e-3), push, 0.0]
+        return [-self.friction * push * math.tanh(slip / 1e-3), push, 0.0]
 
     def keep(self, mbs: Any, step: float) -> None:
         """Keep the deepest crush, and add the impulse of a step."""
@@ -93,7 +99,9 @@ def exudyn_impulses(name: str, friction: float, step: float) -> dict[str, float]
     import exudyn.itemInterface as items  # noqa: N813
 
     vehicle, law, trailers = train_of(name, friction)
-    bodies, laws = [vehicle, *(t.vehicle for t in trailers)], [law, *(t.contact for t in trailers)]
+    bodies = [vehicle, *(trailer.vehicle for trailer in trailers)]
+    train = solver_train(bodies, law, [(trailer.hitch, trailer.kingpin) for trailer in trailers])
+    names = group_names(law, [body.length for body in bodies])
     first = first_touch(vehicle, ANGLE, SPEED, trailers)
     state = (first.x_g, first.y_g, first.theta, first.v_gx, first.v_gy, first.omega)
     container = exu.SystemContainer()
@@ -104,13 +112,12 @@ def exudyn_impulses(name: str, friction: float, step: float) -> dict[str, float]
         node = items.NodeRigidBody2D(referenceCoordinates=[x, y, -theta], initialVelocities=[u, v, w])
         inertia = {"mass": body.mass, "inertia": body.inertia}
         numbers.append(mbs.AddObject(items.ObjectRigidBody2D(nodeNumber=mbs.AddNode(node), **inertia)))
-        ahead = (body.front_distance, body.front_distance - body.length)
-        for number, corner in enumerate(CORNERS):
-            place = [ahead[number % 2], (-0.5 if number < 2 else 0.5) * body.width, 0.0]
-            spring_corner = Corner(exu, numbers[-1], place, laws[unit])
+        for point in np.flatnonzero(train.unit == unit):
+            place = [float(train.along[point, 0]), float(train.across[point, 0]), 0.0]
+            spring_corner = Corner(exu, numbers[-1], place, float(train.stiffness[point, 0]), friction)
             marker = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=numbers[-1], localPosition=place))
             mbs.AddLoad(items.LoadForceVector(markerNumber=marker, loadVectorUserFunction=spring_corner.load))
-            corners[corner_name(unit, CORNERS.index(corner))] = spring_corner
+            corners[names[train.group[point]]] = spring_corner
     for unit, trailer in enumerate(trailers):
         ends = (bodies[unit].front_distance - trailer.hitch, trailer.vehicle.front_distance - trailer.kingpin)
         places = [

@@ -123,7 +123,6 @@ INSIDE = Rule(
 NEVER = Rule("state", "the vehicle never touches the wall", "a motion towards the wall")
 END = Rule("end", "the motion needs a finite duration", f"{POSITIVE}, s")
 IMPACT_TIME = Rule("time", _FAR, "from 0 to {end:.10g} s")
-POINTS = Rule("side_points", "a layer is discretised at points along each side", "1 or more")
 
 PROFILE = Rule(
     "wall.profile",
@@ -141,6 +140,7 @@ CENTRE_ABOVE = Rule(
     "the centre of mass is above the axles",
     "more than the radius of the wheels, {radius:.6g} m",
 )
+STRIP_UNIT = Rule("strip", "there is no such unit", "below the number of units, {most}")
 STRIP_AT = Rule("strip", "a strip is a part of its vehicle", "from 0 to the length, {length:.6g} m")
 STRIP_HEIGHT = Rule(
     "strip",

@@ -134,6 +134,8 @@ class PlateModel:
     highest_mode : ndarray or None, shape (2, nodes)
         Mode of the highest frequency, times the square roots of the masses, of unit length, body frame [-]; None
         where there is none.
+    contact_groups : ndarray or None, shape (contact points,)
+        Number of the group of each contact point of a whole impact [-].
     """
 
     discretisation: Discretisation
@@ -145,6 +147,7 @@ class PlateModel:
     thickness: float
     elastic: ElasticSolver
     highest_mode: np.ndarray | None = None
+    contact_groups: np.ndarray | None = None
 
     @property
     def stiffness(self) -> csr_matrix:

@@ -308,18 +308,22 @@ def corner_weights(discretisation: Discretisation, length: float) -> tuple[np.nd
     return patch_weights(side, -discretisation.positions[0, side], length)
 
 
-def patch_weights(side: np.ndarray, s: np.ndarray, length: float) -> tuple[np.ndarray, np.ndarray]:
+def patch_weights(
+    side: np.ndarray, s: np.ndarray, length: float, place: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
     """Return nodes and weights of a patch of this length [m].
 
-    side: nodes of a side from its corner on. s: their distances from the corner [m]. Raises ModelError if the length
-    is not between two nodes and the side.
+    side: nodes of a side from its corner on. s: their distances from the corner [m], place: that of the patch, see
+    `hat_integrals`. Raises ModelError if the length is not between the element at the place and the side.
     """
-    if not s[1] * (1.0 - 1e-9) <= length <= s[-1] * (1.0 + 1e-9):
+    beyond = int(np.clip(np.searchsorted(s, place, side="right"), 1, s.size - 1))
+    element = s[beyond] - s[beyond - 1]
+    if not element * (1.0 - 1e-9) <= length <= s[-1] * (1.0 + 1e-9):
         raise ModelError(
             "patch_length",
-            f"a corner patch of {length:g} m does not lie between {s[1]:g} m, an element, and {s[-1]:g} m",
+            f"a patch of {length:g} m does not lie between {element:g} m, an element, and {s[-1]:g} m",
         )
-    weights = hat_integrals(s, 0.0, length)
+    weights = hat_integrals(s, place, length)
     used = np.abs(weights) > 0.0
     return side[used].astype(np.int64), weights[used]
 

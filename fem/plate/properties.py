@@ -130,6 +130,19 @@ class CornerProperties:
     angles: tuple[float, ...] = (0.26, 0.13, 0.0)
 
 
+class StripProperties(NamedTuple):
+    """Point or line along both long sides that the wall can push.
+
+    begin, end: behind the front [m], equal for a point; inset: inwards from the side [m]; law: crush of the point, or
+    per metre of the line, with a number in each field.
+    """
+
+    begin: float
+    end: float
+    inset: float
+    law: PointCrush
+
+
 @dataclass(frozen=True)
 class ContactProperties:
     """Unilateral contact of the boundary with the wall.
@@ -140,48 +153,19 @@ class ContactProperties:
         Constants of a law of `FRICTION_LAWS`.
     law : str
         "crush" for a vehicle that crushes; "penalty" or "exact" for one that does not.
-    stiffness, initial_force : float
-        Stiffness k [N/m] and initial force F0 [N] of the crush at each corner.
-    restitution : float
-        Restitution, whose square is the fraction of the energy that unloading returns [-].
-    side_stiffness : float
-        Stiffness of a crush layer along the sides [N/m per m]; with 0 only the corners are in contact. It has neither
-        initial force nor plateau, and unloads as the corners do.
+    strips : tuple of StripProperties
+        What the wall can push of a vehicle that crushes.
     penalty_scale : float
         Multiple of the stiffness of `unilateral.penalty_stiffness` [-].
     patch_length : float
-        Length of the long side over which a corner that crushes is distributed [m]; 0 for its node alone.
-    plateau_force : float
-        Plateau Fy of the crush at each corner [N]; infinite without a plateau.
-    unloading_stiffness : float
-        Slope of unloading at each corner [N/m]; with 0 the restitution defines it.
-    rear : PointCrush or None
-        Crush of the rear corners; None: as of the front corners.
+        Length of the long side over which a point that crushes is distributed [m]; 0 for the point alone.
     """
 
     friction: tuple[float, ...] | None = None
     law: str = "crush"
-    stiffness: float = 0.0
-    initial_force: float = 0.0
-    restitution: float = 1.0
-    side_stiffness: float = 0.0
+    strips: tuple[StripProperties, ...] = ()
     penalty_scale: float = 1.0
     patch_length: float = 0.0
-    plateau_force: float = math.inf
-    unloading_stiffness: float = 0.0
-    rear: PointCrush | None = None
-
-    @property
-    def front(self) -> PointCrush:
-        """Crush of the front corners."""
-        law = self.stiffness, self.initial_force, self.restitution**2
-        return PointCrush(*law, self.plateau_force, self.unloading_stiffness)
-
-    @property
-    def side(self) -> PointCrush:
-        """Crush of the layer, per length of side."""
-        slope = self.unloading_stiffness * self.side_stiffness / self.stiffness
-        return PointCrush(self.side_stiffness, 0.0, self.restitution**2, math.inf, slope)
 
 
 class AxleProperties(NamedTuple):

@@ -28,7 +28,7 @@ CHECK_ROWS = 200
 class FirstTouch:
     """Rigid motion of the plate at t = 0.
 
-    Corner P is at the origin. Of a straight train, the first corner to touch is on the wall.
+    Corner P is at X = 0.
 
     Attributes
     ----------
@@ -36,12 +36,15 @@ class FirstTouch:
         Angle between side and wall [rad].
     v_x, v_y, omega : float
         Velocity of the corner [m/s], and angular velocity [rad/s], positive as the rear rotates towards the wall.
+    height : float
+        Distance of the corner from the wall [m]; 0 where it touches first, negative where a part behind it does.
     """
 
     angle: float
     v_x: float
     v_y: float
     omega: float = 0.0
+    height: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -54,9 +57,9 @@ class ImpactRun:
         Columns by name: t [s], the fields of `ImpactMeasures`, and force_normal and force_tangential [N], of the wall
         on the plate, each the mean since the row before, and force_foundation, of the foundation on a deformable wall.
     points : ndarray, shape (2, contact points)
-        Places in the body frames of their plates [m]; a corner that crushes and has a layer is present twice.
-    unit : ndarray, shape (contact points,)
-        Number of the plate of each point.
+        Places in the body frames of their plates [m].
+    unit, group : ndarray, shape (contact points,)
+        Numbers of the plate and of the group of each point, see `fem.model.contact_points.wall_contact`.
     normal, tangential : ndarray, shape (rows, contact points)
         Force on each, the mean since the row before [N].
     depth, place : ndarray, shape (rows, contact points)
@@ -80,6 +83,7 @@ class ImpactRun:
     history: dict[str, np.ndarray]
     points: np.ndarray
     unit: np.ndarray
+    group: np.ndarray
     normal: np.ndarray
     tangential: np.ndarray
     depth: np.ndarray
@@ -115,14 +119,13 @@ class ImpactStepper(runner.PlateStepper[ImpactLoopState]):
         points, wall = self.parameters.contact.mobility.size, None
         body = self._reference - self._reference[:, [self.model.discretisation.corner]]
         arm = inertia_relief.to_global(touch.angle) @ body
-        if self.parameters.hinges is not None:  # a trailer that is wider may touch first
-            arm[1] -= arm[1].min()
         velocities = np.array([[touch.v_x], [touch.v_y]]) + touch.omega * np.array([-arm[1], arm[0]])
         contact = ContactState(*(np.zeros(points) for _ in ContactState._fields))
         if self.parameters.wall is not None:
             from fem.laws import wall_contact
 
             wall = wall_contact.at_rest(self.parameters.wall)
+        arm[1] += touch.height
         positions, velocities = np.ascontiguousarray(arm), np.ascontiguousarray(velocities)
         sums, origin, hinges = np.zeros(3), np.zeros(1), unloaded(self.parameters.hinges)
         axles = tyres.at_rest(self.parameters.axles)
@@ -292,7 +295,8 @@ def _run(stepper: ImpactStepper, rows: np.ndarray, stride: int) -> ImpactRun:
             history[column.name] = column.value(history, stepper.model)
     steps = stride * (len(values) - 1)
     motions, hinges = _train_motion(units, interval)
-    contact = stepper.points, stepper.unit, push, drag, depth, place
+    group = np.asarray(stepper.model.contact_groups)
+    contact = stepper.points, stepper.unit, group, push, drag, depth, place
     return ImpactRun(history, *contact, motions, hinges, steps, stepper.model)
 
 

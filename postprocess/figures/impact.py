@@ -18,7 +18,11 @@ from postprocess.svg.motion import Cursor
 from postprocess.svg.scales import Floats, Shades
 from postprocess.units import measure
 
-CORNERS = {"front": "red", "rear": "fe"}
+CORNERS, OTHER = {"front": "red", "rear": "fe"}, "soft"
+"""Colours of corners by the last word of their name, and of all other parts."""
+
+STRIPS = ("soft", "green", "violet", "rigid", "steel")
+"""Colours of other parts where each has a line."""
 
 START = replace(histories.TIME, low=0.0)
 """Time from first touch on."""
@@ -48,7 +52,7 @@ COLUMNS = 240
 class StrikeMark:
     """Strike with its corner, instants and places.
 
-    corner: "front" or "rear"; start, end [s]; places: along the wall at both [m].
+    corner: "front", "rear" or the name of a strip; start, end [s]; places: along the wall at both [m].
     """
 
     corner: str
@@ -62,7 +66,7 @@ Strikes = Sequence[StrikeMark]
 
 def corner_colour(corner: str) -> str:
     """Return the colour of a corner, grey for other names."""
-    return CORNERS.get(corner.split()[-1], "soft")
+    return CORNERS.get(corner.split()[-1], OTHER)
 
 
 def shaded(strikes: Sequence[StrikeMark]) -> tuple[Span, ...]:
@@ -146,7 +150,11 @@ def draw_loops(contacts: Mapping[str, tuple[Floats, Floats]]) -> Chart:
     """
     caption = "Force over crush of each contact point; the area of a loop is the dissipated energy"
     places = {label: _cornered(crush * 1e3, force / 1e3) for label, (crush, force) in contacts.items()}
-    lines = tuple(Line(label, *points, corner_colour(label)) for label, points in places.items())
+    others = [label for label in places if corner_colour(label) == OTHER]
+    colours = dict(zip(others, STRIPS * len(others), strict=False))
+    lines = tuple(
+        Line(label, *points, colours.get(label, corner_colour(label))) for label, points in places.items()
+    )
     plot = chart.Plot(lines, chart.Axis("force [kN]", low=0.0), 230.0, nearest="xy")
     return chart.Chart("loops", caption, (plot,), chart.Axis("crush [mm]", low=0.0), "Force")
 

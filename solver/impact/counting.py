@@ -1,6 +1,7 @@
 """Compiled strikes of a motion, and its end.
 
-Contacts of a corner are strikes by their duration and separation; the motion ends after the strikes that are awaited.
+Contacts of a group of points are strikes by their duration and separation. The motion ends after the strikes that are
+awaited.
 """
 
 import numpy as np
@@ -17,7 +18,7 @@ LEANING = 0.2
 """Force of the wall over the largest, up to which a vehicle with tyres merely leans on it."""
 
 LIGHT = 5e-3
-"""Impulse of later touches of a corner, over that of the strike, below which they do not prolong it. Whether such
+"""Impulse of later touches of a group, over that of the strike, below which they do not prolong it. Whether such
 touches occur depends on micrometres, and therefore on the step."""
 
 
@@ -25,7 +26,7 @@ touches occur depends on micrometres, and therefore on the step."""
 def over_from(start, end):
     """Return the instant [s] from which a strike is over.
 
-    start, end: its first and latest contact [s]. The corner has then been off the wall for as long as the strike has
+    start, end: its first and latest contact [s]. The group has then been off the wall for as long as the strike has
     lasted. The repeated contacts of a plate are one strike; otherwise their number would depend on the mesh.
     """
     return end + max(SHORTEST, end - start)
@@ -115,27 +116,27 @@ def end_of_motion(t, k, number, touching, loaded, largest, motion, work, strikes
     if is_young or force > LEANING * largest:
         loaded = t
     open_end = _open_end(
-        t, k, loaded, number, touching, motion, work.reach, work.groups, strikes, clock.after, steered
+        t, k, loaded, number, touching, motion, work.reach, work.groups, strikes, clock, steered
     )
     leaning = loaded + clock.after if loaded < t else np.inf
     finish = min(max(open_end, _all_over(work.groups, k, leaning)), clock.longest)
-    if loaded < t:  # a corner that touches lightly again does not end the motion in the past
+    if loaded < t:  # a group that touches lightly again does not end the motion in the past
         finish = max(finish, t)
     return finish, loaded, largest
 
 
 @compiled
-def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, after, steered):
+def _open_end(t, k, loaded, number, touching, motion, reach, groups, strikes, clock, steered):
     """Return the end of the motion [s], infinite while it is unknown.
 
     loaded: see `end_of_motion`. steered: with tyres a vehicle that is directed towards the wall will return to it.
     """
-    rear = 4 * reach.size - 3  # of a train's last unit
-    if reach.size > 1 and number >= 2 and groups[rear, col.SLOT] >= 0.0:
+    after, rear = clock.after, clock.awaited
+    if rear >= 0 and number >= 2 and groups[rear, col.SLOT] >= 0.0:
         if groups[rear, col.STAMP] != float(k):
             return groups[rear, col.LAST] + after
         return loaded + after if loaded < t else np.inf
-    if reach.size == 1 and number >= 2:
+    if rear < 0 and number >= 2:
         end = 0.0
         for s in range(2):
             g = int(strikes[s, 0])
@@ -171,7 +172,7 @@ def _pressing(groups, k, recent):
 def _all_over(groups, k, pressed):
     """Return the end of all strikes [s].
 
-    pressed: end of strikes with a corner in contact.
+    pressed: end of strikes with a group in contact.
     """
     latest = 0.0
     for g in range(groups.shape[0]):

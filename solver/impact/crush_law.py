@@ -1,23 +1,16 @@
-"""Contact laws of a vehicle and the wall.
+"""Crush law of a vehicle at the wall.
 
 SI units.
 """
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from solver import rules
-from solver.conditions import Gate, Number, one
+from solver.conditions import Gate, Number, number
 
 LAW = ("stiffness", "initial_force", "plateau_force", "restitution", "unloading_stiffness")
 """Parameters of a crush law, as those of `CrushLaw`."""
-
-DEFAULTS = {"initial_force": 0.0, "plateau_force": math.inf, "restitution": 0.0, "unloading_stiffness": 0.0}
-"""Values of omitted parameters."""
-
-SIDE_POINTS = 64  # Gauss points of a layer along each half of a side
 
 
 def demand_law(
@@ -38,7 +31,7 @@ def demand_law(
 
 @dataclass(frozen=True)
 class CrushLaw:
-    """Force over crush, of a corner or per metre of side.
+    """Force over crush, of a point or per metre of a line.
 
     Loading follows F0 + k d up to the plateau Fy. From the greatest crush D the force falls along a straight line,
     which reloading follows up to D. The line returns e^2 of the absorbed energy W, and ends at the permanent crush
@@ -46,16 +39,16 @@ class CrushLaw:
 
     Parameters
     ----------
-    stiffness : float
-        k [N/m], or per metre of side [N/m^2].
-    initial_force : float
-        F0 [N], or per metre of side [N/m].
-    restitution : float
+    stiffness : float or ndarray
+        k [N/m], or per metre of line [N/m^2].
+    initial_force : float or ndarray
+        F0 [N], or per metre of line [N/m].
+    restitution : float or ndarray
         e [-]; 0 beside an unloading stiffness.
-    plateau_force : float
-        Fy [N], or per metre of side [N/m]; infinite for none.
-    unloading_stiffness : float
-        k_u [N/m], or per metre of side [N/m^2]; 0: defined by the restitution.
+    plateau_force : float or ndarray
+        Fy [N], or per metre of line [N/m]; infinite for none.
+    unloading_stiffness : float or ndarray
+        k_u [N/m], or per metre of line [N/m^2]; 0: defined by the restitution.
 
     Raises
     ------
@@ -66,71 +59,11 @@ class CrushLaw:
         end in front of the wall.
     """
 
-    stiffness: float
-    initial_force: float = 0.0
-    restitution: float = 0.0
-    plateau_force: float = math.inf
-    unloading_stiffness: float = 0.0
+    stiffness: Number
+    initial_force: Number = 0.0
+    restitution: Number = 0.0
+    plateau_force: Number = math.inf
+    unloading_stiffness: Number = 0.0
 
     def __post_init__(self) -> None:
-        demand_law(*(one(name, getattr(self, name)) for name in LAW))
-
-
-def unit_laws(units: Sequence[Mapping[str, Any]]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Return the crush of front and rear corners of each unit.
-
-    units: values of each by the names in `LAW`, and under "rear" those that differ there; None: omitted. Omitted values
-    of a trailer are those of the first unit, at its rear those of the first unit's rear. Restitution and unloading
-    stiffness replace each other.
-    """
-    first, *trailers = units
-    front = _overlaid(DEFAULTS, first)
-    both = [(front, _overlaid(front, first.get("rear")))]
-    for unit in trailers:
-        before, behind = (_overlaid(law, unit) for law in both[0])
-        both.append((before, _overlaid(behind, unit.get("rear"))))
-    return both
-
-
-def _overlaid(law: Mapping[str, Any], changes: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return a law with these values replaced."""
-    values = {key: (changes or {}).get(key) for key in LAW}
-    values = {key: value for key, value in values.items() if value is not None}
-    unloading = set(values) & {"restitution", "unloading_stiffness"}
-    cleared = {"restitution": 0.0, "unloading_stiffness": 0.0} if unloading else {}
-    return {**law, **cleared, **values}
-
-
-@dataclass(frozen=True)
-class WallContact:
-    """Laws of the vehicle's contact with the wall.
-
-    Parameters
-    ----------
-    crush : CrushLaw
-        Crush of each corner.
-    friction : float
-        Coulomb's coefficient mu [-].
-    side : CrushLaw or None
-        Crush of a layer along the four sides, per metre of side; None: only the corners touch.
-    side_points : int
-        Gauss points of the layer along each half of a side.
-    rear : CrushLaw or None
-        Crush of the rear corners; None: that of the front corners.
-
-    Raises
-    ------
-    RigidBodyError
-        Unless the friction is 0 or more and finite, and there is a point.
-    """
-
-    crush: CrushLaw
-    friction: float
-    side: CrushLaw | None = None
-    side_points: int = SIDE_POINTS
-    rear: CrushLaw | None = None
-
-    def __post_init__(self) -> None:
-        friction = one("friction", self.friction)
-        Gate().not_negative(rules.FRICTION, friction)
-        Gate().demand(rules.POINTS, self.side_points >= 1, self.side_points)
+        demand_law(*(number(name, getattr(self, name)) for name in LAW))

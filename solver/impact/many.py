@@ -1,11 +1,9 @@
 """Whole impacts of many rigid vehicles or trains on a wall."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,8 +11,9 @@ from numpy.typing import NDArray
 
 from solver import rules
 from solver.conditions import Array, Gate, Number, RigidBodyError, number
-from solver.impact import crush_law
 from solver.impact import train as vehicles
+from solver.impact.crush_law import LAW, CrushLaw
+from solver.impact.strips import Strip, WallContact, awaited, points_of
 from solver.impact.train import Train
 from solver.impact.trajectories import Trajectories, solve_trains
 from solver.impact.tyres import tyres_of
@@ -35,8 +34,8 @@ class Impacts:
 
     Attributes
     ----------
-    corner : ndarray, shape (strikes, ...)
-        Index of each strike into `CORNERS`, plus 4 for each unit ahead; -1 where there is no such strike [-].
+    group : ndarray, shape (strikes, ...)
+        Group of each strike, an index into `group_names`; -1 where there is no such strike [-].
     start, end : ndarray, shape (strikes, ...)
         Start and end [s]; NaN where there is no such strike.
     peak_force : ndarray, shape (strikes, ...)
@@ -52,7 +51,7 @@ class Impacts:
         Speed of the first unit's centre of mass at the end [m/s].
     """
 
-    corner: NDArray[np.int64]
+    group: NDArray[np.int64]
     start: Array
     end: Array
     peak_force: Array
@@ -74,13 +73,7 @@ def solve_impacts(
     mass: Number,
     speed: Number,
     angle: Number,
-    stiffness: Number,
-    restitution: Number = 0.0,
-    friction: Number,
-    initial_force: Number = 0.0,
-    plateau_force: Number = math.inf,
-    unloading_stiffness: Number = 0.0,
-    rear: Mapping[str, Number] = MappingProxyType({}),
+    contact: WallContact,
     centre_of_mass: Number | None = None,
     yaw_inertia: Number | None = None,
     after_second: float = 0.1,
@@ -94,7 +87,7 @@ def solve_impacts(
 ) -> Impacts:
     """Solve whole impacts of many vehicles or trains.
 
-    Only their corners touch. Arguments broadcast.
+    Arguments broadcast.
 
     Parameters
     ----------
@@ -106,18 +99,8 @@ def solve_impacts(
         Speed before the impact [m/s].
     angle : float or ndarray
         Angle between side and wall [rad].
-    stiffness : float or ndarray
-        Stiffness k of the corners [N/m].
-    restitution : float or ndarray
-        Restitution e [-]; 0 where the unloading stiffness is above 0.
-    friction : float or ndarray
-        Friction coefficient mu [-].
-    initial_force, plateau_force : float or ndarray
-        Initial force F0 and plateau Fy [N]; Fy is infinite for none.
-    unloading_stiffness : float or ndarray
-        Slope of unloading k_u [N/m]; 0: defined by the restitution.
-    rear : dict
-        Values that differ at the rear corners, by the names in `crush_law.LAW`; floats or ndarrays.
+    contact : WallContact
+        Laws of contact, of floats or ndarrays.
     centre_of_mass : float, ndarray or None
         Distance behind the front [m]; None: L/2.
     yaw_inertia : float, ndarray or None
@@ -136,7 +119,7 @@ def solve_impacts(
         Number of strikes in the result, extended to all if it is above two; None: two, of trains all.
     trailers : sequence of dict
         For each trailer `length`, `width`, `mass`, `hitch` and `kingpin`, floats or ndarrays as of `HitchedVehicle`,
-        and optionally `centre_of_mass`, `yaw_inertia`, keys of `crush_law.LAW` and `rear`.
+        and optionally `centre_of_mass`, `yaw_inertia`.
     axles : sequence of dict
         Fields of `TyreAxle` for each axle, floats or ndarrays; the unit is a number.
 
@@ -151,31 +134,45 @@ def solve_impacts(
         As `solve_impact`, for the first row without a solution.
     """
     first: dict[str, Any] = {"length": length, "width": width, "mass": mass, "centre_of_mass": centre_of_mass,
-             "yaw_inertia": yaw_inertia, "rear": rear}  # fmt: skip
-    law = {"stiffness": stiffness, "initial_force": initial_force, "plateau_force": plateau_force,
-           "restitution": restitution, "unloading_stiffness": unloading_stiffness}  # fmt: skip
-    shared: dict[str, Any] = {"friction": friction, "speed": speed, "angle": angle}
-    laws = crush_law.unit_laws([first | law, *trailers])
-    bodies = ({key: unit.get(key) for key in BODY} for unit in (first, *trailers))
+             "yaw_inertia": yaw_inertia}  # fmt: skip
+    shared: dict[str, Any] = {"speed": speed, "angle": angle}
+    bodies = [{key: unit.get(key) for key in BODY} for unit in (first, *trailers)]
     roads = [{key: axle[key] for key in AXLE} for axle in axles]
-    shape, (common, *flat) = _broadcast((shared, *bodies, *(law for both in laws for law in both), *roads))
-    units, crush, tyres = flat[: len(laws)], flat[len(laws) : 3 * len(laws)], flat[3 * len(laws) :]
-    _demand_inputs(common, units, crush)
-    train, state = _trains(units, crush, common)
+    laws = dict[str, Number]()
+    _mapped(contact, lambda value: laws.setdefault(str(len(laws)), value))
+    shape, (common, _, *flat) = _broadcast((shared, laws, *bodies, *roads))
+    units, tyre_axles = flat[: len(bodies)], flat[len(bodies) :]
+    contact = _mapped(contact, lambda value: np.broadcast_to(value, shape).ravel())
+    _demand_inputs(common, units)
+    train, state = _trains(units, contact, common)
     sizes = (np.array([unit[key] for unit in units]) for key in ("centre_of_mass", "length"))
-    numbered = [{**road, "unit": axle.get("unit", 0)} for road, axle in zip(tyres, axles, strict=True)]
+    numbered = [{**road, "unit": axle.get("unit", 0)} for road, axle in zip(tyre_axles, axles, strict=True)]
+    lengths = [unit["length"] for unit in units]
     trajectories = solve_trains(
         train, state, tyres=tyres_of(train, numbered, *sizes), step=step, interval=interval, impulse_alone=True,
-        after_second=after_second, longest=longest, tolerance=tolerance,
-        strikes=strikes or (16 * len(units) if trailers else 2),
+        after_second=after_second, awaited=awaited(contact, lengths), longest=longest, tolerance=tolerance,
+        strikes=strikes or (2 if awaited(contact, lengths) < 0 else 16 * len(units)),
     )  # fmt: skip
     room = trajectories.strikes.shape[1]
     columns = np.moveaxis(trajectories.strikes, -1, 0)[:5]
-    corner, start, end, peak, impulse = (value.T.reshape(room, *shape) for value in columns)
-    corners = np.nan_to_num(corner, nan=-1.0).astype(np.int64)
+    group, start, end, peak, impulse = (value.T.reshape(room, *shape) for value in columns)
+    groups = np.nan_to_num(group, nan=-1.0).astype(np.int64)
     force = _mean_forces(trajectories, interval).reshape(-1, *shape)
     speed = np.asarray(np.hypot(*trajectories.state[:, 0, 3:5].T)).reshape(shape)
-    return Impacts(corners, start, end, peak, impulse, force, trajectories.error.reshape(shape), speed)
+    return Impacts(groups, start, end, peak, impulse, force, trajectories.error.reshape(shape), speed)
+
+
+def _mapped(contact: WallContact, change: Callable[[Number], Number]) -> WallContact:
+    """Return a contact with each of its numbers changed."""
+
+    def law(one: CrushLaw) -> CrushLaw:
+        return CrushLaw(**{key: change(getattr(one, key)) for key in LAW})
+
+    strips = tuple(
+        Strip((change(strip.at[0]), change(strip.at[1])), law(strip.law), change(strip.inset), strip.unit)
+        for strip in contact.strips
+    )
+    return WallContact(contact.crush and law(contact.crush), change(contact.friction), strips)
 
 
 def _broadcast(tables: Sequence[Mapping[str, Any]]) -> tuple[tuple[int, ...], list[dict[str, Array]]]:
@@ -194,33 +191,20 @@ def _broadcast(tables: Sequence[Mapping[str, Any]]) -> tuple[tuple[int, ...], li
     return shape, flat
 
 
-def _demand_inputs(
-    common: Mapping[str, Array], units: Sequence[dict[str, Array]], crush: Sequence[Mapping[str, Array]]
-) -> None:
-    """Complete the units and validate all inputs.
+def _demand_inputs(common: Mapping[str, Array], units: Sequence[dict[str, Array]]) -> None:
+    """Complete the units and validate all inputs but the laws.
 
-    common, units, crush: as of `_trains`. Raises RigidBodyError.
+    common, units: as of `_trains`. Raises RigidBodyError.
     """
     for index, unit in enumerate(units):
-        table = f"trailer.{index - 1}." if index else ""
-        with _naming(table):
+        try:
             _complete(unit)
-            crush_law.demand_law(*(crush[2 * index][key] for key in crush_law.LAW))
-        with _naming(f"{table or 'contact.'}rear."):
-            crush_law.demand_law(*(crush[2 * index + 1][key] for key in crush_law.LAW))
+        except RigidBodyError as error:
+            table = f"trailer.{index - 1}." if index else ""
+            raise RigidBodyError(f"{table}{error.key}", error.value, error.why, error.allowed) from None
     gate, theta = Gate(), common["angle"]
     gate.positive(rules.SPEED, common["speed"])
     gate.demand(rules.TOUCH_ANGLE, (theta > 0.0) & (theta < math.pi / 2.0), theta)
-    gate.not_negative(rules.FRICTION, common["friction"])
-
-
-@contextmanager
-def _naming(table: str) -> Iterator[None]:
-    """Add the table of a unit to the key of an error."""
-    try:
-        yield
-    except RigidBodyError as error:
-        raise RigidBodyError(f"{table}{error.key}", error.value, error.why, error.allowed) from None
 
 
 def _complete(unit: dict[str, Array]) -> None:
@@ -235,30 +219,25 @@ def _complete(unit: dict[str, Array]) -> None:
 
 
 def _trains(
-    units: Sequence[Mapping[str, Array]], laws: Sequence[Mapping[str, Array]], common: Mapping[str, Array]
+    units: Sequence[Mapping[str, Array]], contact: WallContact, common: Mapping[str, Array]
 ) -> tuple[Train, Array]:
     """Return trains and their states at first touch.
 
-    units: quantities of each; laws: of the front and the rear corners of each; common: quantities of all.
+    units: quantities of each; common: quantities of all.
     """
-    places = [vehicles.corner_places(unit["centre_of_mass"], unit["length"], unit["width"]) for unit in units]
     n, count = common["speed"].size, len(units)
     hitch, kingpin, behind = np.empty((count - 1, n)), np.empty((count - 1, n)), np.zeros((count, n))
     for i, (ahead, unit) in enumerate(pairwise(units)):
         hitch[i] = ahead["centre_of_mass"] - unit["hitch"]
         kingpin[i] = unit["centre_of_mass"] - unit["kingpin"]
         behind[i + 1] = behind[i] - hitch[i] + kingpin[i]
+    sizes = (np.array([unit[key] for unit in units]) for key in ("length", "width", "centre_of_mass"))
+    points = points_of(contact, *sizes)
     front = units[0]
     state = vehicles.touching(front["centre_of_mass"], front["width"], common["angle"], common["speed"])
-    state = vehicles.cleared(state, places, behind[1:]) if count > 1 else state
-    along, across = np.moveaxis(np.concatenate(places), 1, 0)
+    state = vehicles.cleared(state, points, behind[1:])
     mass, inertia = (np.array([unit[key] for unit in units]) for key in ("mass", "yaw_inertia"))
-    pairs = [(*laws[i : i + 2], *laws[i : i + 2]) for i in range(0, len(laws), 2)]  # in the order of CORNERS
-    crush = {key: np.array([law[key] for pair in pairs for law in pair]) for key in crush_law.LAW}
-    numbers = np.repeat(np.arange(count), 4), np.tile(np.arange(4), count)
-    crush["friction"] = np.tile(common["friction"], (4 * count, 1))
-    load = np.zeros((count, 3, n))
-    train = Train(mass, inertia, hitch, kingpin, *numbers, along, across, load=load, **crush)
+    train = vehicles.assembled(mass, inertia, hitch, kingpin, points, contact.friction)
     return train, np.ascontiguousarray(np.moveaxis(vehicles.lined_up(state, behind[1:]), -1, 0))
 
 

@@ -12,9 +12,9 @@ from machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate, number, positive
 from solver.impact import train as vehicles
-from solver.impact.crush_law import WallContact
 from solver.impact.state import SUMS, UNIT
-from solver.impact.strikes import Strike, corner_name, strikes_of_rows
+from solver.impact.strikes import Strike, strikes_of_rows
+from solver.impact.strips import WallContact, awaited, group_names
 from solver.impact.train import HitchedVehicle, ImpactState, ImpactVehicle, Train, train_of
 from solver.impact.trajectories import TOLERANCE, solve_trains
 from solver.impact.tyres import SUMS as TYRE_SUMS
@@ -163,8 +163,13 @@ class ImpactMotion:
         increments = np.reshape(changes, (-1, 2, times.size - 1)) / np.diff(times)
         return np.cumsum(increments[::-1], axis=0)[::-1]
 
-    def corner_depths(self, times: ArrayLike) -> Array:
-        """Return depths of the corners behind the wall.
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Lengths of the units [m]."""
+        return tuple(vehicle.length for vehicle in self.vehicles)
+
+    def contact_depths(self, times: ArrayLike) -> Array:
+        """Return depths of the first unit's points behind the wall.
 
         Parameters
         ----------
@@ -174,11 +179,14 @@ class ImpactMotion:
         Returns
         -------
         ndarray
-            In the order of `CORNERS`, negative in front of the wall [m], shape (4, ...).
+            In the order of its groups, negative in front of the wall [m], shape (points, ...).
         """
-        at, size = self.at(times), (self.vehicle.front_distance, self.vehicle.length, self.vehicle.width)
-        places = vehicles.corner_places(*size).reshape(4, 2, *[1] * np.ndim(times))
-        return vehicles.corner_depths(places, at.y_g, at.theta)
+        at, train = self.at(times), train_of(self.vehicles, self.contact)
+        along, across = (
+            values[train.unit == 0].reshape(-1, *[1] * np.ndim(times))
+            for values in (train.along, train.across)
+        )
+        return vehicles.point_depths(along, across, at.y_g, at.theta)
 
 
 def _rates(units: int) -> list[tuple[str, str]]:
@@ -211,8 +219,8 @@ def _on_tyres(
     axles: Sequence[TyreAxle] = (),
 ) -> tuple[Train, Tyres]:
     """Return the arrays of a train and of its tyres."""
-    units, contacts = [vehicle, *(t.vehicle for t in trailers)], [contact, *(t.contact for t in trailers)]
-    train = train_of(units, contacts, [(trailer.hitch, trailer.kingpin) for trailer in trailers])
+    units = [vehicle, *(trailer.vehicle for trailer in trailers)]
+    train = train_of(units, contact, [(trailer.hitch, trailer.kingpin) for trailer in trailers])
     bodies = np.array([[unit.front_distance, unit.length] for unit in units]).T[..., None]
     return train, tyres_of(train, [asdict(axle) for axle in axles], *bodies)
 
@@ -237,13 +245,13 @@ def solve_impact(
     vehicle : ImpactVehicle
         The vehicle.
     contact : WallContact
-        Laws of its contact with the wall.
+        Laws of contact with the wall, of its trailers too.
     state : ImpactState
         At the start, outside the wall or touching it.
     end : float or None
-        End of the motion [s]. None: `after_second` after the first two strikes, for a train after that of its last
-        rear; without these when contact is no longer possible, `after_second` at the earliest; and not before the end
-        of a strike in progress.
+        End of the motion [s]. None: `after_second` after the first two strikes, of a train, or with more strips than
+        two, after that of its last rear; without these when contact is no longer possible, `after_second` at the
+        earliest; and not before the end of a strike in progress.
     after_second : float
         See `end` [s].
     longest : float
@@ -274,18 +282,20 @@ def solve_impact(
             positive(rules.END, value)
     units = vehicle, *(trailer.vehicle for trailer in trailers)
     train, tyres = _on_tyres(vehicle, contact, trailers, axles)
+    names = group_names(contact, [unit.length for unit in units])
     start = vehicles.lined_up(astuple(state), vehicles.distances(vehicle, trailers))
-    for index, (unit, placed) in enumerate(zip(units, start, strict=True)):
-        places = vehicles.corner_places(unit.front_distance, unit.length, unit.width)
-        for corner, value in enumerate(vehicles.corner_depths(places, placed[1], placed[2])):
-            met, name = value <= 1e-9 * vehicle.length, corner_name(index, corner)
-            Gate().demand(rules.INSIDE, met, value, name=name, depth=value)
+    placed = start[train.unit]
+    depths = vehicles.point_depths(train.along[:, 0], train.across[:, 0], placed[:, 1], placed[:, 2])
+    for group, value in zip(train.group, depths.tolist(), strict=True):
+        Gate().demand(rules.INSIDE, value <= 1e-9 * vehicle.length, value, name=names[group], depth=value)
     trajectories = solve_trains(
         train, start[None], tyres=tyres, step=step, end=end, interval=0.0, after_second=after_second,
-        longest=longest, tolerance=tolerance, strikes=MOST_STRIKES, on_compile=on_compile,
+        awaited=awaited(contact, [unit.length for unit in units]), longest=longest, tolerance=tolerance,
+        strikes=MOST_STRIKES, on_compile=on_compile,
     )  # fmt: skip
     reached, last = float(trajectories.end[0]), ImpactState(*trajectories.state[0, 0].tolist())
-    strikes = strikes_of_rows(trajectories.strikes[0], [unit.front_distance for unit in units], reached)
+    fronts = [units[train.unit[train.group == group][0]].front_distance for group in range(len(names))]
+    strikes = strikes_of_rows(trajectories.strikes[0], names, fronts, reached)
     if end is None:
         Gate().demand(rules.NEVER, bool(strikes), state.v_gy)
     written = math.ceil(reached / trajectories.interval[0] * (1.0 - 1e-12)) + 1  # no rows exist after the end

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 STRIKE = (
-    "corner",
+    "group",
     "start",
     "end",
     "peak",
@@ -17,7 +17,7 @@ STRIKE = (
     "friction",
     "cut",
 )
-"""Columns of a strike: number of its unit and corner, 4 unit + corner; times [s], greatest force [N], impulses [N s],
+"""Columns of a strike: number of its group; times [s], greatest force [N], impulses [N s],
 impulse times place on the vehicle and along the wall [N s m], works [J], 1 where the motion ends before it is over."""
 CUT = STRIKE.index("cut")
 
@@ -48,11 +48,11 @@ def columns(units):
 class Work(NamedTuple):
     """Workspace of one sample.
 
-    Columns of its tables are named above. points: a row for each point; point_owner: its unit and corner; motion, shape
+    Columns of its tables are named above. points: a row for each point; point_owner: its unit and group; motion, shape
     (3, 3 units): places and angles, velocities half a step ago and half a step ahead; masses: inverse mass of each
     velocity; load: accelerations by the external load; headings: cosine and sine of each unit's angle; joints: hitch
     and kingpin of each hinge; ties: its two conditions, as of `step`; reach: from each centre of mass to the farthest
-    point; effect: velocities by a unit impulse along and across on each point; groups: a row for each corner; active:
+    point; effect: velocities by a unit impulse along and across on each point; groups: a row for each; active:
     points that may touch in this step; sums: impulses and works so far.
     """
 
@@ -71,12 +71,12 @@ class Work(NamedTuple):
     sums: np.ndarray
 
 
-def workspace(units: int, hinges: int, points: int) -> Work:
+def workspace(units: int, hinges: int, points: int, groups: int) -> Work:
     """Return a workspace for one sample."""
     size = 3 * units
     return Work(
         np.zeros((points, 19)), np.zeros((points, 2), dtype=np.int64), np.zeros((3, size)), np.zeros(size),
         np.zeros(size), np.zeros((units, 2)), np.zeros((hinges, 2)), np.zeros((2 * hinges, 2 * size + 1)),
-        np.zeros(units), np.zeros((points, 2, size)), np.zeros((4 * units, 8)), np.zeros(points, dtype=np.int64),
+        np.zeros(units), np.zeros((points, 2, size)), np.zeros((groups, 8)), np.zeros(points, dtype=np.int64),
         np.zeros(columns(units) - 6 * units - 4),
     )  # fmt: skip

@@ -58,7 +58,7 @@ def _begin(train, i, state, work):
         work.joints[hinge, 0], work.joints[hinge, 1] = train.hitch[hinge, i], train.kingpin[hinge, i]
     for p in range(train.unit.size):
         u = train.unit[p]
-        work.point_owner[p, 0], work.point_owner[p, 1] = u, 4 * u + train.corner[p]
+        work.point_owner[p, 0], work.point_owner[p, 1] = u, train.group[p]
         points[p, col.ALONG], points[p, col.ACROSS] = train.along[p, i], train.across[p, i]
         points[p, col.STIFFNESS], points[p, col.INITIAL] = train.stiffness[p, i], train.initial_force[p, i]
         points[p, col.PLATEAU], points[p, col.UNLOADING] = (

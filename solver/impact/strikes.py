@@ -8,20 +8,22 @@ import numpy as np
 
 from solver.conditions import Array
 from solver.impact.counting import LIGHT, over_from
-from solver.impact.train import CORNERS
+
+CORNER_ENDS = ("front", "rear", "side")
+"""Last words of the names of corners."""
 
 
 @dataclass(frozen=True)
 class Strike:
-    """Contact of a corner with the wall.
+    """Contact of a strip, or of a corner, with the wall.
 
-    The corner includes its half of each side. The strike ends when the corner is off the wall for as long as the strike
-    has lasted. Touches until then belong to it, and prolong it if they have `LIGHT` of its impulse or more.
+    It ends when the strip is off the wall for as long as the strike has lasted. Touches until then belong to it, and
+    prolong it if they have `LIGHT` of its impulse or more.
 
     Attributes
     ----------
     corner : str
-        One of `CORNERS`; of a trailer with its name in front, as of `corner_name`.
+        What strikes, a name of `group_names`.
     start, end : float
         Start and end [s]; `end` is that of the motion where the contact lasts until then.
     peak_force : float
@@ -53,6 +55,13 @@ class Strike:
     energy_absorbed: float = math.nan
     friction_work: float = math.nan
     cut: bool = field(default=False, kw_only=True)
+
+    @property
+    def part(self) -> str:
+        """What strikes, in words."""
+        return (
+            f"{self.corner} corner" if self.corner.split()[-1] in CORNER_ENDS else f"strip at {self.corner}"
+        )
 
     @property
     def duration(self) -> float:
@@ -170,38 +179,19 @@ def _parabola_peak(force: Array, run: tuple[int, int]) -> float:
     return float(top + min(bend / 24.0 + (after - before) ** 2 / (8.0 * bend), bends.min() / 6.0))
 
 
-def corner_name(unit: int, corner: int) -> str:
-    """Return the name of a train's corner.
-
-    Parameters
-    ----------
-    unit : int
-        From 0, the first vehicle.
-    corner : int
-        Index into `CORNERS`.
-
-    Returns
-    -------
-    str
-        "rear", "trailer rear", "trailer 2 rear" and so on.
-    """
-    number = f"{unit} " if unit > 1 else ""
-    return f"trailer {number}{CORNERS[corner]}" if unit else CORNERS[corner]
-
-
-def strikes_of_rows(rows: Array, fronts: Sequence[float], end: float) -> tuple[Strike, ...]:
+def strikes_of_rows(
+    rows: Array, names: Sequence[str], fronts: Sequence[float], end: float
+) -> tuple[Strike, ...]:
     """Convert rows of `state.STRIKE` to strikes.
 
-    fronts: distance of each unit's centre of mass behind its front [m].
+    names: of the groups; fronts: distance of the centre of mass of each group's unit behind its front [m].
     """
     strikes, occurred = [], (rows[:, 4] > 0.0) & (rows[:, 1] < end)
     for group, start, last, peak, impulse, along, station, place, crush, friction, cut in rows[
         occurred
     ].tolist():
-        unit, corner = divmod(int(group), 4)
-        attack, position, until = round(fronts[unit] - station / impulse, 12), place / impulse, min(last, end)
-        name = corner_name(unit, corner)
-        strikes.append(
-            Strike(name, start, until, peak, impulse, along, attack, position, crush, friction, cut=bool(cut))
-        )
+        number, until = int(group), min(last, end)
+        attack, position = round(fronts[number] - station / impulse, 12), place / impulse
+        further = along, attack, position, crush, friction
+        strikes.append(Strike(names[number], start, until, peak, impulse, *further, cut=bool(cut)))
     return tuple(sorted(strikes, key=lambda strike: strike.start))

@@ -9,15 +9,17 @@ from dataclasses import astuple, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from solver import rules
 from solver.conditions import Array, Gate, Number, functions, one, positive, within
-from solver.impact.crush_law import LAW, WallContact
+from solver.impact.crush_law import LAW, CrushLaw
+from solver.impact.strips import Points, WallContact, points_of, strips_of_units
 
-CORNERS = ("front", "rear", "front far side", "rear far side")
-HALVES = ((0, 1), (1, 0), (2, 3), (3, 2), (0, 2), (2, 0), (1, 3), (3, 1))
-"""Halves of the sides, by the corner of the half and the opposite corner."""
+ROUNDING = 1e-13
+"""Depth of the foremost point over the distance of the centre of mass, below which it is zero."""
+
+CORNERS_ALONE = WallContact(CrushLaw(1.0), 0.0)
+"""Contact at the corners of all units, where the law does not matter."""
 
 
 class Train(NamedTuple):
@@ -29,8 +31,8 @@ class Train(NamedTuple):
         [kg], [kg m^2].
     hitch, kingpin : ndarray, shape (hinges, n)
         Position of hinge h between units h and h + 1, from the centre of mass of each along its heading [m].
-    unit, corner : ndarray, shape (points,)
-        Unit of each point, and the corner to whose strikes it belongs.
+    unit, group : ndarray, shape (points,)
+        Unit of each point, and the group to whose strikes it belongs, as of `strips`.
     along, across : ndarray, shape (points, n)
         From the unit's centre of mass, along its heading and to the left [m].
     stiffness, initial_force, plateau_force : ndarray, shape (points, n)
@@ -48,7 +50,7 @@ class Train(NamedTuple):
     hitch: np.ndarray
     kingpin: np.ndarray
     unit: np.ndarray
-    corner: np.ndarray
+    group: np.ndarray
     along: np.ndarray
     across: np.ndarray
     stiffness: np.ndarray
@@ -225,8 +227,6 @@ class HitchedVehicle:
     ----------
     vehicle : ImpactVehicle
         The trailer.
-    contact : WallContact
-        Its laws of contact.
     hitch : float
         Distance of the hinge behind the front of the vehicle ahead [m].
     kingpin : float
@@ -234,17 +234,21 @@ class HitchedVehicle:
     """
 
     vehicle: ImpactVehicle
-    contact: WallContact
     hitch: float
     kingpin: float
 
 
 def first_touch(
-    vehicle: ImpactVehicle, angle: float, speed: float, trailers: Sequence[HitchedVehicle] = ()
+    vehicle: ImpactVehicle,
+    angle: float,
+    speed: float,
+    trailers: Sequence[HitchedVehicle] = (),
+    contact: WallContact | None = None,
 ) -> ImpactState:
     """Return the state at first touch.
 
-    The front corner of the wall side is at X = Y = 0, the velocity along the heading.
+    The front corner of the wall side is at X = 0, the first point that touches at Y = 0, the velocity along the
+    heading.
 
     Parameters
     ----------
@@ -256,6 +260,8 @@ def first_touch(
         Speed before the impact [m/s].
     trailers : sequence of HitchedVehicle
         Trailers in line behind it. A trailer that is wider touches first, with the vehicle's corner off the wall.
+    contact : WallContact or None
+        Whose strips can touch; None: the corners of all units.
 
     Returns
     -------
@@ -269,12 +275,12 @@ def first_touch(
     """
     theta = within(rules.TOUCH_ANGLE, angle, 0.0, math.pi / 2.0)
     v = positive(rules.SPEED, speed)
-    state = touching(vehicle.front_distance, vehicle.width, theta, v)
-    if trailers:
-        units = vehicle, *(trailer.vehicle for trailer in trailers)
-        places = [corner_places(unit.front_distance, unit.length, unit.width) for unit in units]
-        state = cleared(state, places, distances(vehicle, trailers))
-    return ImpactState(*state)
+    units = vehicle, *(trailer.vehicle for trailer in trailers)
+    sizes = np.array([[unit.length, unit.width, unit.front_distance] for unit in units]).T[..., None]
+    points = points_of(contact or CORNERS_ALONE, *sizes)
+    state = [np.array([value]) for value in touching(vehicle.front_distance, vehicle.width, theta, v)]
+    placed = cleared(state, points, distances(vehicle, trailers))
+    return ImpactState(*(float(value[0]) for value in placed))
 
 
 def distances(vehicle: ImpactVehicle, trailers: Sequence[HitchedVehicle]) -> list[float]:
@@ -301,28 +307,24 @@ def lined_up(state: Sequence[Any], behind: Sequence[Number] | Array) -> Array:
     return np.array([np.broadcast_arrays(*unit) for unit in ((x, y, theta, u, v, w), *trailers)])
 
 
-def cleared(
-    state: Sequence[Any], places: Sequence[Array], behind: Sequence[Number] | Array
-) -> tuple[Any, ...]:
-    """Return the first vehicle's state with no trailer inside the wall.
+def cleared(state: Sequence[Any], points: Points, behind: Sequence[Number] | Array) -> tuple[Any, ...]:
+    """Return the first vehicle's state with the foremost point on the wall.
 
-    It is displaced from the wall as far as required. places: corners of each unit, as of `corner_places`; behind: as of
-    `lined_up`.
+    It is displaced across the wall as far as required. behind: as of `lined_up`.
     """
-    states = lined_up(state, behind)[1:]
-    depths = [
-        corner_depths(corners, unit[1], unit[2]) for corners, unit in zip(places[1:], states, strict=True)
-    ]
+    units = lined_up(state, behind)[points.unit]
+    depths = point_depths(points.along, points.across, units[:, 1], units[:, 2])
     x, y, *rest = state
-    return x, y + np.maximum(np.max(depths, axis=(0, 1)), 0.0), *rest
+    inside = depths.max(axis=0)
+    return x, y + np.where(np.abs(inside) > ROUNDING * np.abs(y), inside, 0.0), *rest
 
 
-def corner_depths(places: Array, y_g: Any, theta: Any) -> Array:
-    """Return the depths of a vehicle's corners behind the wall [m].
+def point_depths(along: Array, across: Array, y_g: Any, theta: Any) -> Array:
+    """Return depths behind the wall of points of a vehicle [m].
 
-    places: as of `corner_places`. Shape (4, ...).
+    along, across: from its centre of mass [m], as of `Train`.
     """
-    return np.asarray(-(y_g + places[:, 1] * np.cos(theta) - places[:, 0] * np.sin(theta)))
+    return np.asarray(-(y_g + across * np.cos(theta) - along * np.sin(theta)))
 
 
 def touching(centre: Number, width: Number, theta: Number, speed: Number) -> tuple[Any, ...]:
@@ -344,30 +346,8 @@ def corner_places(front: Number, length: Number, width: Number) -> Array:
     return np.array([[front, -b], [rear, -b], [front, b], [rear, b]])
 
 
-def contact_places(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return places, corners and lengths of the contact points.
-
-    places, shape (points, 2): from the centre of mass along the heading and to its left [m], the four corners, then the
-    layer; corner, shape (points,): index into `CORNERS`; length, shape (points,): of the side that a point of the layer
-    represents [m], 1 for a corner.
-    """
-    corners = corner_places(vehicle.front_distance, vehicle.length, vehicle.width)
-    if contact.side is None:
-        return corners, np.arange(4), np.ones(4)
-    nodes, weights = np.polynomial.legendre.leggauss(contact.side_points)
-    places, index, lengths = [corners], [np.arange(4)], [np.ones(4)]
-    for i, j in HALVES:
-        side = corners[j] - corners[i]
-        places.append(corners[i] + (1.0 + nodes)[:, None] / 4.0 * side)
-        index.append(np.full(nodes.size, i))
-        lengths.append(weights / 4.0 * math.hypot(*side))
-    return np.concatenate(places), np.concatenate(index), np.concatenate(lengths)
-
-
 def train_of(
-    vehicles: Sequence[ImpactVehicle],
-    contact: WallContact | Sequence[WallContact],
-    hinges: Sequence[tuple[float, float]] = (),
+    vehicles: Sequence[ImpactVehicle], contact: WallContact, hinges: Sequence[tuple[float, float]] = ()
 ) -> Train:
     """Return the arrays of one train for `solve_trains`.
 
@@ -375,8 +355,8 @@ def train_of(
     ----------
     vehicles : sequence of ImpactVehicle
         From the first.
-    contact : WallContact or sequence of WallContact
-        Laws of contact of all of them, or of each.
+    contact : WallContact
+        Laws of their contact, of floats.
     hinges : sequence of (float, float)
         Hinges between each vehicle and the next: distances behind the fronts of both [m].
 
@@ -385,32 +365,29 @@ def train_of(
     Train
         Arrays of shape (units, 1), (hinges, 1), (points, 1).
     """
-    contacts = [contact] * len(vehicles) if isinstance(contact, WallContact) else contact
-    points = [_points(*both) for both in zip(vehicles, contacts, strict=True)]
-    place, corner, laws = (np.concatenate(values) for values in zip(*points, strict=True))
-    unit = np.repeat(np.arange(len(vehicles)), [len(values[1]) for values in points])
-    joints = [(v.front_distance - a, w.front_distance - b)
-              for (a, b), v, w in zip(hinges, vehicles, vehicles[1:], strict=False)]  # fmt: skip
-    hitch, kingpin = np.array(joints).reshape(-1, 2).T
-    masses = np.array([[v.mass] for v in vehicles]), np.array([[v.inertia] for v in vehicles])
-    load, ends = np.zeros((len(vehicles), 3, 1)), (hitch[:, None], kingpin[:, None])
-    along, across, *columns = (np.ascontiguousarray(column)[:, None] for column in (*place.T, *laws.T))
-    crush = dict(zip((*LAW, "friction"), columns, strict=True))
-    return Train(*masses, *ends, unit, corner, along, across, load=load, **crush)
+    for law in (
+        strip.law for strips in strips_of_units(contact, [v.length for v in vehicles]) for strip in strips
+    ):
+        for key in LAW:
+            one(key, getattr(law, key))
+    mass, inertia, *sizes = np.array(
+        [[v.mass, v.inertia, v.length, v.width, v.front_distance] for v in vehicles]
+    ).T[..., None]
+    ends = [(v.front_distance - a, w.front_distance - b)
+            for (a, b), v, w in zip(hinges, vehicles, vehicles[1:], strict=False)]  # fmt: skip
+    hitch, kingpin = np.array(ends).reshape(-1, 2).T[..., None]
+    return assembled(mass, inertia, hitch, kingpin, points_of(contact, *sizes), contact.friction)
 
 
-def _points(vehicle: ImpactVehicle, contact: WallContact) -> tuple[Array, NDArray[np.int64], Array]:
-    """Return places, corners and laws of a vehicle's contact points.
+def assembled(
+    mass: Array, inertia: Array, hitch: Array, kingpin: Array, points: Points, friction: Number
+) -> Train:
+    """Return trains of these units and contact points, without load.
 
-    Places and corners as of `contact_places`, laws as of `Train`.
+    friction: of all points, of shape (n,) or the same for all.
     """
-    places, corner, length = contact_places(vehicle, contact)
-    laws = np.empty((len(length), 6))
-    front, rear, side = contact.crush, contact.rear or contact.crush, contact.side or contact.crush
-    for law, part in ((front, slice(4)), (rear, slice(1, 4, 2)), (side, slice(4, None))):
-        laws[part] = (
-            law.stiffness, law.initial_force, law.plateau_force, law.restitution, law.unloading_stiffness,
-            contact.friction,
-        )  # fmt: skip
-    laws[:, [0, 1, 2, 4]] *= length[:, None]
-    return places, corner, laws
+    count, n = mass.shape
+    units = map(np.ascontiguousarray, (mass, inertia, hitch, kingpin))
+    law = (np.ascontiguousarray(points.law[key]) for key in LAW)
+    further = np.full((points.unit.size, n), friction), np.zeros((count, 3, n))
+    return Train._make([*units, points.unit, points.group, points.along, points.across, *law, *further])

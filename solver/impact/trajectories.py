@@ -64,7 +64,7 @@ class Timing(NamedTuple):
 
     step [s], its number of parts, and parts per row, shape (n,). end [s], shape (n,): infinite for an open end, which
     is `after` [s] after the end of the second strike, or after the start as soon as contact is impossible, and at
-    which no strike is in progress.
+    which no strike is in progress. awaited: group whose strike is awaited in place of the second one, or -1.
 
     phase: part of a step in radians of the oscillation on the law, times `pace`, shape (n,), step over the one that the
     tolerance requires; floor: least step near a jump of stiffness over the step beyond it; rate: of the stiffest
@@ -81,6 +81,7 @@ class Timing(NamedTuple):
     rate: np.ndarray
     end: np.ndarray
     after: float
+    awaited: int
     longest: float
     most: int
     reached: np.ndarray
@@ -130,6 +131,7 @@ def solve_trains(
     interval: float | None = None,
     impulse_alone: bool = False,
     after_second: float = 0.1,
+    awaited: int = -1,
     longest: float = 5.0,
     tolerance: float = TOLERANCE,
     strikes: int = 2,
@@ -156,6 +158,8 @@ def solve_trains(
         Rows have one column, the normal impulse of the wall; new memory for all would take longer than the motions.
     after_second, longest : float
         See `end`; latest end without `end` [s].
+    awaited : int
+        Group whose strike is awaited in place of the second one; -1: none.
     tolerance : float
         Tolerance of peaks, impulses and spin, by which the step is chosen [-].
     strikes : int
@@ -178,9 +182,10 @@ def solve_trains(
     rate, turning = _rates(train, state)
     tyres = no_tyres(train) if tyres is None else tyres
     steered = tyres.unit.size > 0
-    many_strikes = len(train.hitch) > 0 or steered
+    is_free = len(train.hitch) > 0 or steered
+    many_strikes = is_free or awaited >= 0
     is_coarse = step is None and impulse_alone and tolerance >= LOOSE
-    varies = step is None and (many_strikes or is_coarse)
+    varies = step is None and (is_free or is_coarse)
     phase, floor = (COARSE_PHASE, COARSE_FLOOR) if is_coarse else (PHASE_OF_PARTS, 0.0)
     h = _whole_steps(rate, turning, tolerance, step, varies, is_coarse)
     h = np.maximum(h, latest / most)  # first coarser, then finer as far as the computed end allows
@@ -207,9 +212,9 @@ def solve_trains(
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
         clock = Timing(
             h, parts[chosen], stride, phase * math.sqrt(tolerance), floor, h / aimed_step[chosen], rate[chosen], ends,
-            after_second, latest, math.ceil(COARSE_RUN * most) if is_coarse else most, reached, counted,
+            after_second, awaited, latest, math.ceil(COARSE_RUN * most) if is_coarse else most, reached, counted,
         )  # fmt: skip
-        work = workspace(out.shape[1], len(samples.hitch), samples.unit.size)
+        work = workspace(out.shape[1], len(samples.hitch), samples.unit.size, 1 + int(samples.group.max()))
         arguments = samples, samples_tyres, out, clock, work, rows, strike_rows
         compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)
         if counted.max() > room > 2:
@@ -327,7 +332,7 @@ def _rates(train: Train, state: Array) -> tuple[Array, Array]:
     """Return the stiffest rate on loading, and speed over size [1/s]."""
     reach2, stiffness = np.zeros_like(train.mass), np.zeros_like(train.mass)
     np.maximum.at(reach2, train.unit, train.along**2 + train.across**2)
-    np.add.at(stiffness, train.unit, 0.5 * train.stiffness)  # two corners and one side at once
+    np.add.at(stiffness, train.unit, 0.5 * train.stiffness)  # those of one side at once
     rate = np.sqrt((stiffness * (1.0 / train.mass + reach2 / train.inertia)).max(axis=0))
     velocity = np.moveaxis(state[..., 3:], -1, 0).swapaxes(1, 2)
     turning = np.hypot(velocity[0], velocity[1]) / np.sqrt(reach2) + np.abs(velocity[2])
@@ -357,11 +362,11 @@ def _difference(
 def _measures(motions: Trajectories, weight: float) -> Array:
     """Return the compared measures of strikes.
 
-    Corner, start, impulse, peak and duration, shape (n, strikes, 5). The duration is raised to the power of its weight,
+    Group, start, impulse, peak and duration, shape (n, strikes, 5). The duration is raised to the power of its weight,
     so that relative changes are those of the duration times the weight.
     """
-    corner, start, end, peak, impulse = np.moveaxis(motions.strikes, -1, 0)[:5]
-    return np.stack([corner, start, impulse, peak, (end - start) ** weight], axis=-1)
+    group, start, end, peak, impulse = np.moveaxis(motions.strikes, -1, 0)[:5]
+    return np.stack([group, start, impulse, peak, (end - start) ** weight], axis=-1)
 
 
 def _changes(fine: Array, coarse: Array) -> Array:
@@ -378,7 +383,7 @@ def _changes(fine: Array, coarse: Array) -> Array:
 def _changes_of_all(fine: Array, coarse: Array, goes_on: NDArray[np.bool_]) -> Array:
     """Return the largest change of heavy strikes.
 
-    Each is compared with the strike of the same corner with the nearest start, because light strikes between may
+    Each is compared with the strike of the same group with the nearest start, because light strikes between may
     differ. goes_on, shape (n, strikes): strikes in progress at ends that differ, of which the peak alone counts, if
     the vehicle did more than lean on the wall.
     """

@@ -85,7 +85,7 @@ def _problem(case: Any, block: int) -> tuple[tuple[Range, ...], Any]:
         ranges = space_samples.space_ranges(case, (), ())
         solve = partial(space_samples.sample_answers, case.scene, names=("mean_50ms", "outcome"))
     else:
-        planar_ranges.demand_corners(case)
+        planar_ranges.demand_crush(case)
         ranges, solve = planar_ranges.impact_ranges(case), case.largest_means
     return ranges, partial(sampling.solved_in_blocks, solve, block=block)
 

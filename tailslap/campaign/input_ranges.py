@@ -139,21 +139,23 @@ def _split(text: str, used: tuple[str, ...]) -> tuple[str, str, str]:
 
 def _range(case: Case, key: str, lower: float | str, upper: float | str, origin: str) -> Range:
     """Return the range of a key."""
-    typed = origin == FROM_USER
+    typed, base = origin == FROM_USER, key.partition("@")[0]  # of a corner among several
     try:
-        changes = ({key: parse_value(str(end)) if typed else end} for end in (lower, upper))
+        changes = ({base: parse_value(str(end)) if typed else end} for end in (lower, upper))
         varied = [vary(case.source, change) for change in changes]
     except InputError as error:
         if typed:
             raise
         where = Verbatim(f"{lower} to {upper} by default ({origin})")
         raise InputError(key, where, f"{error.allowed}; --range changes the range") from None
-    remarks = (unit_remarks(source).get(key) for _, source in varied if typed)
+    remarks = (unit_remarks(source).get(base) for _, source in varied if typed)
     if remark := next(filter(None, remarks), None):
         warnings.warn(remark, stacklevel=2)
-    low, high = (float(schema.value_at(scene, key)) for scene, _ in varied)
+    low, high = (float(schema.value_at(scene, base)) for scene, _ in varied)
     if not high > low:
         text = f"{lower}:{upper}" if typed else f"{lower!r}:{upper!r}"
         raise InputError(key, text, "the upper limit must exceed the lower limit")
-    nominal = schema.value_at(case.scene, key)
-    return Range(key, low, high, unit_at(key), None if nominal is None else float(nominal), origin)
+    nominal = schema.value_at(case.scene, base)
+    return Range(
+        key, low, high, unit_at(key, case.source.tables), None if nominal is None else float(nominal), origin
+    )

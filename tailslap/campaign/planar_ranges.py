@@ -18,6 +18,7 @@ from tailslap.campaign.input_ranges import (
     impact_limits,
     ranges_of,
 )
+from tailslap.case.impact.rigid_input import touching
 from tailslap.errors import InputError, Missing
 from tailslap.scene.schema import Scene
 
@@ -63,18 +64,14 @@ def used_keys(scene: Scene) -> tuple[str, ...]:
     return tuple(key for key in keys if key not in unused)
 
 
-def demand_corners(case: ImpactCase) -> None:
-    """Require contact at corners with a crush law.
+def demand_crush(case: ImpactCase) -> None:
+    """Require a crush law.
 
     Raises InputError otherwise.
     """
-    contact = case.scene.needed_contact
-    if contact.stiffness is None:
+    if not case.scene.crushes:
         allowed = "`tailslap study uncertainty` requires a crush law"
         raise InputError("contact.stiffness", Missing, allowed)
-    if contact.side_stiffness:
-        allowed = "`tailslap study uncertainty` models contact at the corners only; remove this key"
-        raise InputError("contact.side_stiffness", contact.side_stiffness, allowed)
 
 
 def impact_ranges(
@@ -98,19 +95,22 @@ def impact_ranges(
 def _nominal(case: ImpactCase) -> dict[str, float]:
     """Return the scene's value of every input [SI].
 
-    Values of the rear corners and the yaw inertia are included.
+    Values of each corner and the yaw inertia are included.
     """
     values = case.inputs | {"vehicle.yaw_inertia": case.vehicle.inertia}
-    for table in ("contact", *(f"trailer.{number}" for number in range(len(case.trailers)))):
-        ahead = {key: values[f"{table}.{key}"] for key in CRUSH if f"{table}.{key}" in values}
-        values = {f"{table}.rear.{key}": value for key, value in ahead.items()} | values
-    return values
+    parts = [part for part in touching(case.scene) if part.number is None]
+    keys = (part.keys[name] for part in parts for name in CRUSH)
+    of_corners = {
+        key: values[base] for key in keys if (base := key.partition("@")[0]) in values and "@" in key
+    }
+    return of_corners | values
 
 
 def _impact_limits(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, Limits]:
     """Return the default range of each input."""
     scene, length = case.scene, nominal["vehicle.length"]
-    limits = {key: CRUSH[name](nominal[key]) for key in nominal if (name := key.rpartition(".")[2]) in CRUSH}
+    laws = ((key, _law_limits(key, value)) for key, value in nominal.items())
+    limits = {key: law for key, law in laws if law}
     limits |= {key: TYRES for key in nominal if key.startswith("axle.") and key.endswith(".friction")}
     limits |= impact_limits(scene, nominal["vehicle.mass"])
     limits["vehicle.yaw_inertia"] = _about_inertia(case.vehicle.inertia)
@@ -128,6 +128,14 @@ def _impact_limits(case: ImpactCase, nominal: Mapping[str, float]) -> dict[str, 
             f"{key}hitch": (*ends, f"± {HITCH:g} m, assumed"),
         }
     return limits
+
+
+def _law_limits(key: str, value: float) -> Limits | None:
+    """Return the default range of a parameter of a law."""
+    table, *_, name = key.partition("@")[0].split(".")
+    if name == "plateau":
+        return about(value, 3.0 / 7.0 * value, "± 43 %, assumed: 200 to 500 kN of 350 kN of a corner")
+    return CRUSH[name](value) if table in ("contact", "strip") and name in CRUSH else None
 
 
 def _about_inertia(inertia: float) -> Limits:

@@ -70,6 +70,10 @@ WEIGHTED = (
 )
 
 
+NO_MAIN = "no main column, compared by --only"
+"""Reason why most columns are not compared."""
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Histories compared with the first one.
@@ -95,9 +99,18 @@ class Comparison:
     @property
     def remarks(self) -> tuple[str, ...]:
         """Notes, and the columns that are not compared."""
-        groups = ((label, _by_value(reasons.items())) for label, reasons in self.not_compared.items())
-        sentences = (f"{label}, not compared: {names} ({why})." for label, of in groups for names, why in of)
-        return (*self.notes, *sentences)
+        return (*self.notes, *(sentence for sentence, _ in self._not_compared()))
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Notes, and the main columns that are not compared."""
+        return (*self.notes, *(sentence for sentence, why in self._not_compared() if why != NO_MAIN))
+
+    def _not_compared(self) -> Iterator[tuple[str, str]]:
+        """Yield sentences on columns that are not compared, with reasons."""
+        for label, reasons in self.not_compared.items():
+            for names, why in _by_value(reasons.items()):
+                yield f"{label}, not compared: {names} ({why}).", why
 
     @property
     def within(self) -> bool:
@@ -161,7 +174,7 @@ def _not_compared(item: Item, reference: Item, finished: Collection[str], is_lim
 
     finished: compared and excluded ones; is_limited: by --only.
     """
-    limited = "not in --only" if is_limited else "no main column, compared by --only"
+    limited = "not in --only" if is_limited else NO_MAIN
     reasons = dict.fromkeys((name for name in item.columns if name in reference.columns), limited)
     for record, other in ((item, reference), (reference, item)):
         for name in (*record.columns, *record.unread):

@@ -173,7 +173,7 @@ def validation_page(comparison: Comparison, author: str = "") -> Page:
     program = f"tailslap {tailslap.__version__}, Python {platform.python_version()}, {platform.system()}"
     today = datetime.datetime.now(datetime.UTC).date().isoformat()
     basic = pairs({"Validated by": author or BLANK, "Date": today, "Program": program})
-    metrics, remarks = metrics_table(comparison, weighted), comparison.remarks
+    metrics, remarks = metrics_table(comparison, weighted), comparison.missing
     notes = (f"Values other than the largest: at the end of the common time. {NOT_IN_THE_MODEL}",)
     sections = (
         Section("Basic information", tables=(basic,), layout="half"),

@@ -377,7 +377,7 @@ def impact_case(stiffness: float) -> Numbers:
     front, rear = (next(s for s in motion.strikes if s.corner == name) for name in ("front", "rear"))
     again = [s.start for s in motion.strikes if s.corner == "front" and s.start > rear.start]
     instants = np.linspace(front.end, rear.start, 101)
-    crush = motion.corner_depths(instants)[0]
+    crush = motion.contact_depths(instants)[0]
     closing = rear_speed(motion, rear.start)
     curves = rigid_answer(motion, INTERVAL * np.arange(int(motion.t_end / INTERVAL) + 1)).second_strike
     return {

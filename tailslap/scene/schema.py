@@ -18,7 +18,7 @@ from fem.plate import kinds
 from fem.registry import Registry
 from fem.start import start_kinds
 from tailslap.errors import InputError, Missing
-from tailslap.scene.units import Pair, Quantity
+from tailslap.scene.units import OfStrip, Pair, Quantity
 
 MAX_ELEMENTS = 4_000_000
 """Largest mesh that fits the memory of a workstation."""
@@ -65,7 +65,26 @@ SpringDamping = Annotated[float, Quantity("a damping ratio", "", "0.15", least=0
 RollStiffness = Annotated[
     float, Quantity("a stiffness in roll", "N m/rad", '"3.55 MN m/rad"', least=0.0, most=1e12)
 ]
-StripPlateau = Annotated[float, Quantity("a force per length", "N/m", '"700 kN/m"', least=1e-3, most=1e12)]
+
+
+def _of_strip(
+    what: str, units: tuple[str, str], examples: tuple[str, str], least: float, most: float
+) -> OfStrip:
+    """Return a quantity of a strip.
+
+    units, examples: per length, and of a point.
+    """
+    of_point = Quantity(f"{what} of a point", units[1], examples[1], least=least, most=most)
+    return OfStrip(
+        f"{what} per length of strip", units[0], examples[0], least=least, most=most, of_point=of_point
+    )
+
+
+StripStiffness = Annotated[
+    float, _of_strip("a stiffness", ("N/m^2", "N/m"), ('"4 MN/m^2"', '"2 MN/m"'), *STIFFNESS_BOUNDS)
+]
+StripForce = Annotated[float, _of_strip("a force", ("N/m", "N"), ('"50 kN/m"', '"50 kN"'), 0.0, 1e12)]
+StripPlateau = Annotated[float, _of_strip("a force", ("N/m", "N"), ('"700 kN/m"', '"350 kN"'), 1e-3, 1e12)]
 Inertia = Annotated[
     float, Quantity("a moment of inertia", "kg m^2", '"88101 kg m^2"', least=1e-12, most=1e15)
 ]
@@ -179,21 +198,6 @@ class SceneTable(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
-class CrushTable(SceneTable):
-    """Crush of the rear corners.
-
-    An omitted key has the value of the other corners.
-    """
-
-    stiffness: Stiffness | None = key("crush stiffness k of each rear corner")
-    initial_force: Force | None = key("crush force F0 at zero crush depth")
-    plateau_force: Force | None = key("greatest crush force Fy")
-    restitution: Restitution | None = key(
-        "coefficient of restitution e: unloading returns e^2 of the crush energy"
-    )
-    unloading_stiffness: Stiffness | None = key("slope of unloading, in place of restitution")
-
-
 class Vehicle(SceneTable):
     """Rigid rectangle that represents the vehicle."""
 
@@ -218,15 +222,6 @@ class Trailer(Vehicle):
         "distance of the hinge behind the front of the unit ahead, a tow ball beyond its rear"
     )
     kingpin: Kingpin = needed("distance of the hinge behind the front of the trailer; negative for a drawbar")
-    stiffness: Stiffness | None = key("crush stiffness of each corner; default: contact.stiffness")
-    initial_force: Force | None = key("crush force F0 at zero crush depth; default: contact.initial_force")
-    plateau_force: Force | None = key(
-        "greatest crush force Fy of each corner; default: contact.plateau_force"
-    )
-    restitution: Restitution | None = key("coefficient of restitution e; default: as in [contact]")
-    unloading_stiffness: Stiffness | None = key(
-        "slope of unloading, in place of restitution; default: as in [contact]"
-    )
     hitch_length: Length | None = key(
         "length of both plates over which the force of the hinge is distributed; default: one node, "
         "or half the vehicle's width if plate.elements is omitted"
@@ -236,7 +231,6 @@ class Trailer(Vehicle):
     pitch_inertia: Inertia | None = key("pitch moment of inertia about it; default: the yaw inertia")
     hitch_height: Level | None = key("height of the hinge; required with [body]")
     roll_stiffness: RollStiffness | None = key("stiffness of the hinge in roll; default: 3.55 MN m/rad")
-    rear: CrushTable | None = key("crush of the rear corners of the trailer")
 
 
 class Impact(SceneTable):
@@ -310,15 +304,13 @@ class CornerTable(SceneTable):
 class Contact(SceneTable):
     """Unilateral contact between vehicle and wall in a whole impact.
 
-    stiffness, initial_force and plateau_force define the crush law of each corner, F0 + k d up to the plateau;
-    restitution or unloading_stiffness its unloading. side_stiffness is that of a layer along the sides, which has no
-    initial force and no plateau. strike_duration may replace stiffness. Without both the vehicle does not crush;
-    enforcement and penalty_scale then apply.
+    stiffness, initial_force and plateau_force define the crush law of both corners of each unit without [[strip]], F0 +
+    k d up to the plateau; restitution or unloading_stiffness its unloading. strike_duration may replace stiffness.
+    Without both and without strips the vehicle does not crush; enforcement and penalty_scale then apply.
     """
 
     stiffness: Stiffness | None = key(
-        "crush stiffness k of each corner; default: no crush; with [body] and unloading that of the foremost "
-        "strips"
+        "crush stiffness k of both corners of each unit without [[strip]]; default: no crush"
     )
     strike_duration: Duration | None = key(
         "duration of a strike of the rear corner, which defines the crush stiffness in place of stiffness"
@@ -326,27 +318,23 @@ class Contact(SceneTable):
     initial_force: Force = key("crush force F0 at zero crush depth", 0.0)
     plateau_force: Force | None = key("greatest crush force Fy of each corner; default: no plateau")
     restitution: Restitution | None = key(
-        "coefficient of restitution e: unloading returns e^2 of the crush energy; required with stiffness, unless "
-        "unloading_stiffness is given"
+        "coefficient of restitution e: unloading returns e^2 of the crush energy, also that of strips without "
+        "unloading; required with stiffness, unless unloading_stiffness is given"
     )
     unloading_stiffness: Stiffness | None = key("slope of unloading of each corner, in place of restitution")
     friction: Friction = needed("coefficient of friction between vehicle and wall")
-    side_stiffness: LayerStiffness | None = key(
-        "crush stiffness per length of a layer along the sides; default: contact at the corners only"
-    )
     patch_length: Length | None = key(
-        "length of the side over which the force of a corner is distributed; default: one node, "
+        "length of the side over which the force of a corner, or of a point, is distributed; default: one node, "
         "or half the vehicle's width if plate.elements is omitted"
     )
     enforcement: Literal["penalty", "exact"] = key("enforcement of contact without crush", "penalty")
     penalty_scale: Scale = key(
         "penalty stiffness of contact without crush, relative to the default stiffness", 1.0
     )
-    rear: CrushTable | None = key("crush of the rear corners")
 
     @property
-    def crushes(self) -> bool:
-        """True if the vehicle crushes."""
+    def of_corners(self) -> bool:
+        """True with a crush law of corners."""
         return self.stiffness is not None or self.strike_duration is not None
 
 
@@ -386,20 +374,35 @@ class Body(SceneTable):
 
 
 class Strip(SceneTable):
-    """Line of the vehicle that can touch the wall.
+    """Point or line of the vehicle that can touch the wall.
 
-    It is on both sides, with [body] only. Its crush law has no initial force; it unloads as [contact].
+    It is on both sides. In the plane it is a point, or a line between two places; with [body] it has heights, and all
+    values are per length. Without restitution and unloading_stiffness it unloads by contact.restitution.
     """
 
-    at: Places = needed("distance behind the front of its unit: one of an upright strip, or two")
-    height: Levels = needed("height above the ground: two of an upright strip, or one")
+    at: Places = needed("distance behind the front of its unit: one, or two of a line along the side")
+    height: Levels | None = key(
+        "height above the ground, required with [body]: two of an upright strip, or one of a line"
+    )
     inset: Level = key("distance inwards from the side", 0.0)
-    stiffness: LayerStiffness = needed("crush stiffness per length of the strip")
-    plateau: StripPlateau | None = key("greatest crush force per length of the strip; default: no plateau")
+    stiffness: StripStiffness = needed("crush stiffness k per length; of a point in the plane k itself")
+    initial_force: StripForce = key("crush force F0 at zero crush depth, as stiffness", 0.0)
+    plateau: StripPlateau | None = key("greatest crush force Fy, as stiffness; default: no plateau")
+    restitution: Restitution | None = key(
+        "coefficient of restitution e: unloading returns e^2 of the crush energy; default: contact.restitution"
+    )
+    unloading_stiffness: StripStiffness | None = key(
+        "slope of unloading, as stiffness, in place of restitution"
+    )
     axle: Annotated[int, Field(ge=0, le=100, strict=True)] | None = key(
-        "number of the axle, from 0, that carries it; default: the body carries it"
+        "number of the axle, from 0, that carries it, with [body]; default: the body carries it"
     )
     unit: UnitNumber = key("number of the unit of a train that has the strip; 1 for the vehicle", 1)
+
+    @property
+    def is_point(self) -> bool:
+        """True for a point in the plane."""
+        return self.height is None and self.at[0] == self.at[1]
 
 
 class StrikeTable(SceneTable):
@@ -605,6 +608,16 @@ class Scene(SceneTable):
         if self.contact is None:
             raise InputError("contact", Missing, "this table is required for a whole impact")
         return self.contact
+
+    @property
+    def crushes(self) -> bool:
+        """True if what touches the wall crushes."""
+        return bool(self.strip) or self.needed_contact.of_corners
+
+    @property
+    def of_corners(self) -> tuple[int, ...]:
+        """Numbers from 1 of the units without strips, whose corners touch."""
+        return tuple(u for u in range(1, 1 + len(self.units)) if all(strip.unit != u for strip in self.strip))
 
     @property
     def meshed_wall(self) -> Wall | None:

@@ -18,7 +18,7 @@ from postprocess.units import FOOT, INCH, KIP, MPH, POUND, SYSTEMS
 from tailslap.errors import nearest
 
 if TYPE_CHECKING:
-    from pydantic_core.core_schema import CoreSchema
+    from pydantic_core.core_schema import CoreSchema, ValidationInfo
 
 COMMA = "the decimal separator is a point, not a comma"
 
@@ -194,6 +194,27 @@ class Quantity:
         except (ValueError, OverflowError) as error:
             why = COMMA if match[2].startswith(",") else f"the unit does not fit: {error}"
             raise ValueError(f"{self.allowed()} ({why})") from None
+
+
+@dataclass(frozen=True)
+class OfStrip(Quantity):
+    """Number of a strip per length, and another quantity of a point.
+
+    of_point: that quantity, of a strip that is a point in the plane.
+    """
+
+    of_point: Quantity = None  # type: ignore[assignment]  # fields with defaults precede it
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> "CoreSchema":
+        from pydantic_core import core_schema
+
+        return core_schema.with_info_plain_validator_function(self.parse_of_strip)
+
+    def parse_of_strip(self, entry: object, info: "ValidationInfo") -> float:
+        """Return the value in SI, see `parse`."""
+        at = info.data.get("at", (0.0, 0.0))
+        is_point = info.data.get("height") is None and at[0] == at[1]
+        return (self.of_point if is_point else self).parse(entry)
 
 
 @dataclass(frozen=True)

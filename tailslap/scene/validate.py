@@ -1,6 +1,6 @@
 """Validate keys and combinations of keys."""
 
-import math
+import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -28,14 +28,17 @@ SPACE_REQUIRED = {
 }
 """Keys of lists of tables that are required with [body]."""
 
+ROUNDING = 1e-6
+"""Part of its length by which a strip may be behind its unit, in other units."""
+
 MOST_TRAILERS = 7
 """Largest number of trailers of a train."""
 
 SUBSTITUTES = {
     "impact.speed": "[start] with angle, omega and corner_speed may replace [impact]",
     "plate.youngs_modulus": "plate.first_frequency may replace plate.youngs_modulus",
-    "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate], or with "
-    "[[strip]] and [body]",
+    "contact.stiffness": "contact.strike_duration may replace it; neither is required with [plate], or where [[strip]] "
+    "says what of each unit can touch the wall",
     "contact.restitution": "contact.unloading_stiffness may replace it",
     "wall.height": "without [wall] the wall of a whole impact is rigid",
 }
@@ -57,12 +60,15 @@ CORNER_KEYS = {
 }
 """Keys that require [contact]; keys that [contact] excludes, and why."""
 
-LAW = tuple(schema.CrushTable.model_fields)
-CRUSH_KEYS = tuple(
-    f"contact.{key}" for key in (*LAW[1:], "side_stiffness", "patch_length", *(f"rear.{key}" for key in LAW))
-)
+LAW = ("stiffness", "initial_force", "plateau_force", "restitution", "unloading_stiffness")
+OF_CORNERS = ("contact.stiffness", "contact.strike_duration", "contact.initial_force", "contact.plateau_force",
+              "contact.unloading_stiffness")  # fmt: skip
+CRUSH_KEYS = (*(f"contact.{key}" for key in LAW[1:]), "contact.patch_length")
 UNCRUSHED_KEYS = ("contact.enforcement", "contact.penalty_scale")
-"""Keys of a crush law, keys that require crush, and keys that crush excludes."""
+"""Names of a crush law, keys of corners' crush, keys that require crush, and keys that crush excludes."""
+
+FORMER_KEYS = re.compile(rf"contact\.(rear|side_stiffness)|trailer\.\d+\.({'|'.join(LAW)}|rear)(\.\w+)?")
+"""Keys of contacts that `[[strip]]` replaced."""
 
 
 def validate(data: Mapping[str, object]) -> schema.Scene:
@@ -70,16 +76,32 @@ def validate(data: Mapping[str, object]) -> schema.Scene:
 
     Raises InputError for missing keys or the first invalid one.
     """
+    _demand_heights(data)
     scene = key_by_key(data)
     if missing := missing_keys(data):
         raise _missing_error(missing)
-    scene = _with_stiffness_of_strips(scene)
     if scene.contact is not None:
         _check_impact(scene, scene.contact)
     else:
         _check_corner(scene)
     _check_plate(scene)
     return _with_crush_stiffness(scene)
+
+
+def _demand_heights(data: Mapping[str, object]) -> None:
+    """Require heights of all strips with [body], and of none without it.
+
+    A strip without heights has other units, so that this comes first. Raises InputError.
+    """
+    strips = data.get("strip")
+    for number, strip in enumerate(strips if isinstance(strips, list | tuple) else ()):
+        height = strip.get("height") if isinstance(strip, Mapping) else None
+        if height is None and data.get("body") and isinstance(strip, Mapping):
+            raise InputError(
+                f"strip.{number}.height", Missing, "this key is required: with [body] a strip has heights"
+            )
+        if height is not None and not data.get("body"):
+            raise InputError(f"strip.{number}.height", height, "this key requires [body]; remove it")
 
 
 def key_by_key(data: Mapping[str, object]) -> schema.Scene:
@@ -111,10 +133,9 @@ def missing_keys(tables: Mapping[str, object]) -> list[str]:
         missing += absent(*(f"{place}.{key}" for place in places or [name] for key in required))
     if "contact" in present:
         unloads = len(absent("contact.restitution", "contact.unloading_stiffness")) < 2
-        of_strips = {"body", "strip"} <= present and (unloads or "plate" not in present)
-        crushes = of_strips or len(absent("contact.stiffness", "contact.strike_duration")) < 2
+        crushes = len(absent("contact.stiffness", "contact.strike_duration")) < 2
         missing += absent("contact.restitution") if crushes and not unloads else []
-        missing += absent("contact.stiffness") if "plate" not in present and not crushes else []
+        missing += absent("contact.stiffness") if not {"plate", "strip"} & present and not crushes else []
         missing += _missing_of_wall(present, absent)
         if "body" in present:
             missing += [
@@ -173,6 +194,8 @@ def _input_error(error: ValidationError, data: Mapping[str, object]) -> InputErr
     kind = first["type"]
     if kind == "missing":
         return _missing_error(missing_keys(data))
+    if kind == "extra_forbidden" and FORMER_KEYS.fullmatch(key):
+        return InputError(key, first["input"], _replacement(first["loc"]))
     if kind == "extra_forbidden":
         return InputError(key, first["input"], f"this key does not exist; {_allowed_keys(first['loc'])}")
     if kind == "literal_error":
@@ -185,6 +208,21 @@ def _input_error(error: ValidationError, data: Mapping[str, object]) -> InputErr
         return InputError(key, first["input"], f"allowed is a table, [{key}]")
     message = first["msg"].removeprefix("Value error, ")
     return InputError(key, first["input"], message[0].lower() + message[1:])
+
+
+def _replacement(location: tuple[int | str, ...]) -> str:
+    """Return the keys of [[strip]] that replace a former key."""
+    unit = int(location[1]) + 2 if location[0] == "trailer" else 1
+    places = (
+        'at = "0 m" and at = its length' if location[0] == "trailer" else "at = the length of the vehicle"
+    )
+    if location[-1] == "side_stiffness":
+        places = "at = two places"
+    name = {"plateau_force": "plateau", "rear": "stiffness", "side_stiffness": "stiffness"}
+    key = name.get(str(location[-1]), location[-1])
+    of_unit = f"unit = {unit}, " if unit > 1 else ""
+    with_keys = f"{of_unit}{places}, and {key}"
+    return f"this key is replaced by [[strip]] with {with_keys}; a unit with strips has no other contacts"
 
 
 def _allowed_keys(location: tuple[int | str, ...]) -> str:
@@ -287,6 +325,7 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     _check_contact(scene, contact)
     _check_trailers(scene)
     _check_axles(scene)
+    _check_strips(scene)
     _check_space(scene)
     _check_plate_of_impact(scene, contact)
 
@@ -295,12 +334,17 @@ def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
     """Validate keys that depend on whether the vehicle crushes."""
     if contact.strike_duration is not None:
         _check_strike_duration(scene)
-    if contact.crushes:
-        _refuse(scene, "this key has no effect with contact.stiffness; remove it", *UNCRUSHED_KEYS)
+    if scene.crushes:
+        _refuse(scene, "this key has no effect on what crushes; remove it", *UNCRUSHED_KEYS)
     else:
-        of_units = _of_trailers(scene, *LAW, *(f"rear.{key}" for key in LAW))
-        _refuse(scene, "this key requires contact.stiffness; remove it", *CRUSH_KEYS, *of_units)
-    for table in ("contact", "contact.rear", *_of_trailers(scene), *_of_trailers(scene, "rear")):
+        _refuse(scene, "this key requires contact.stiffness or [[strip]]; remove it", *CRUSH_KEYS)
+    if scene.strip and not scene.of_corners:
+        _refuse(scene, "all units have [[strip]]: no corner has this value; remove it", *OF_CORNERS)
+    elif scene.strip and not contact.of_corners:
+        unit = scene.of_corners[0]
+        why = f"this key is required: unit {unit} has no [[strip]], and touches the wall with its corners"
+        raise InputError("contact.stiffness", Missing, why)
+    for table in ("contact", *(f"strip.{number}" for number in range(len(scene.strip)))):
         if schema.value_at(scene, f"{table}.restitution") is not None:
             allowed = f"{table}.restitution defines the unloading; remove one of the two (--set {table}.restitution=)"
             _refuse(scene, allowed, f"{table}.unloading_stiffness")
@@ -321,8 +365,7 @@ def _check_strike_duration(scene: schema.Scene) -> None:
         "contact.strike_duration assumes a crush force in proportion to the depth at the corners; remove one "
         "of the two, or use contact.stiffness in its place"
     )
-    law_keys = (*LAW[1:3], "unloading_stiffness", "side_stiffness", *(f"rear.{key}" for key in LAW))
-    _refuse(scene, allowed, *(f"contact.{key}" for key in law_keys))
+    _refuse(scene, allowed, *(f"contact.{key}" for key in (*LAW[1:3], "unloading_stiffness")))
     if scene.trailer:
         allowed = "the effective mass is that of a single vehicle; of a train allowed is contact.stiffness"
         raise InputError("contact.strike_duration", scene.needed_contact.strike_duration, allowed)
@@ -351,29 +394,6 @@ def _with_crush_stiffness(scene: schema.Scene) -> schema.Scene:
     return scene.model_copy(update={"contact": derived})
 
 
-def _with_stiffness_of_strips(scene: schema.Scene) -> schema.Scene:
-    """Return the scene with the crush stiffness of its foremost strips.
-
-    It is that of the corners in the plane of a vehicle in space, where the scene has none; with a plate only if the
-    scene has an unloading, for a plate may have no crush.
-    """
-    contact, strips = scene.contact, [strip for strip in scene.strip if strip.unit == 1]
-    if contact is None or contact.crushes or not strips or scene.body is None:
-        return scene
-    if scene.plate is not None and contact.restitution is None and contact.unloading_stiffness is None:
-        return scene
-    place = min(strip.at[0] for strip in strips)
-    stiffness = math.fsum(
-        strip.stiffness * math.hypot(strip.at[1] - strip.at[0], strip.height[1] - strip.height[0])
-        for strip in strips
-        if strip.at[0] == place
-    )
-    low, high = schema.STIFFNESS_BOUNDS
-    values = dict(contact) | {"stiffness": min(max(stiffness, low), high)}
-    derived = schema.Contact.model_construct(_fields_set=contact.model_fields_set, **values)
-    return scene.model_copy(update={"contact": derived})
-
-
 def _check_space(scene: schema.Scene) -> None:
     """Validate keys of the vehicle in space.
 
@@ -387,14 +407,9 @@ def _check_space(scene: schema.Scene) -> None:
             for key in keys
         ]
         _refuse(scene, "this key requires [body]; remove it", *of_lists, "wall.profile")
-        if scene.strip:
-            why = "these tables require [body]; remove them"
-            raise InputError("strip", Verbatim(f"{len(scene.strip)} tables"), why)
         return
     keys = (*OF_MESH, *ELASTIC_WALL_KEYS[1:])
     _refuse(scene, "with [body] the wall is rigid; remove this key", *(f"wall.{key}" for key in keys))
-    if not scene.needed_contact.crushes:
-        raise InputError("contact.stiffness", Missing, "this key is required with [body]")
     for unit in range(1, len(scene.units) + 1):
         count, least = sum(axle.unit == unit for axle in scene.axle), 2 if unit == 1 else 1
         if count < least:
@@ -402,18 +417,41 @@ def _check_space(scene: schema.Scene) -> None:
             raise InputError("axle", Verbatim(f"{count} tables of this unit"), why)
     if not scene.strip:
         raise InputError("strip", Missing, "with [body] at least one strip of the vehicle can touch the wall")
-    for number, strip in enumerate(scene.strip):
-        if strip.unit > len(scene.units):
-            raise InputError(f"strip.{number}.unit", strip.unit, f"allowed are 1 to {len(scene.units)}")
+    _refuse(scene, "with [body] strips alone touch the wall; remove this key", *OF_CORNERS)
 
 
-def _of_trailers(scene: schema.Scene, *names: str) -> list[str]:
-    """Return the dotted keys of these names of all trailers.
+def _check_strips(scene: schema.Scene) -> None:
+    """Validate what touches the wall.
 
-    Without names, they are the trailers.
+    Raises InputError.
     """
-    numbers = range(len(scene.trailer))
-    return [f"trailer.{number}{name and '.'}{name}" for number in numbers for name in names or ("",)]
+    for number, strip in enumerate(scene.strip):
+        key = f"strip.{number}"
+        if strip.unit > len(scene.units):
+            raise InputError(f"{key}.unit", strip.unit, f"allowed are 1 to {len(scene.units)}")
+        length, width = scene.units[strip.unit - 1].length, scene.units[strip.unit - 1].width
+        for place in strip.at:
+            if place > length * (1.0 + ROUNDING):
+                raise InputError(
+                    f"{key}.at", place, f"allowed is from 0 to the length of the unit, {length:g} m"
+                )
+        if strip.at[1] < strip.at[0]:
+            raise InputError(
+                f"{key}.at", list(strip.at), "allowed are two places, the second one behind the first"
+            )
+        if not strip.inset < 0.5 * width:
+            raise InputError(
+                f"{key}.inset", strip.inset, f"allowed is less than half of the width, {0.5 * width:g} m"
+            )
+        if strip.height and strip.at[0] == strip.at[1] and not strip.height[1] > strip.height[0]:
+            why = "allowed are two heights upwards, of a strip at one place"
+            raise InputError(f"{key}.height", list(strip.height), why)
+        if scene.body is None and strip.axle is not None:
+            raise InputError(f"{key}.axle", strip.axle, "this key requires [body]; remove it")
+        contact = scene.needed_contact
+        if strip.restitution is None and strip.unloading_stiffness is None and contact.restitution is None:
+            why = f"this key is required, unless contact.restitution or {key}.unloading_stiffness is given"
+            raise InputError(f"{key}.restitution", Missing, why)
 
 
 def _check_trailers(scene: schema.Scene) -> None:
@@ -450,7 +488,7 @@ def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None
     plate = scene.plate
     if plate is None:
         return
-    if not contact.crushes and plate.youngs_modulus is None:
+    if not scene.crushes and plate.youngs_modulus is None:
         allowed = "this key is required without contact.stiffness: it defines the contact stiffness"
         raise InputError("plate.youngs_modulus", Missing, allowed)
     uneven = any(unit.centre_of_mass or unit.yaw_inertia for unit in scene.units)

@@ -265,7 +265,8 @@ def _rows(table: BaseModel, entries: vary.Tables, changed: frozenset[str], prefi
         elif value is not None:
             origin = "--set" if key in changed else "scene" if name in entries else "default"
             text = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
-            rows.append(SceneInput(key, str(entries.get(name, "")), text, unit_of(field), origin))
+            unit = unit_of(field, is_point=isinstance(table, schema.Strip) and table.is_point)
+            rows.append(SceneInput(key, str(entries.get(name, "")), text, unit, origin))
     return rows
 
 
@@ -277,16 +278,27 @@ def in_scene_unit(source: vary.Source, key: str) -> str:
     value = validate.value_in(source.tables, key)
     if isinstance(value, str) and (match := units.NUMBER.fullmatch(value)):
         return f"{float(match[1]):.6g} {match[2]}"
-    return measure(value, unit_at(key), ".6g")
+    return measure(value, unit_at(key, source.tables), ".6g")
 
 
-def unit_at(key: str) -> str:
-    """Return the SI unit of a dotted key, "" without one."""
-    table, *_, name = key.split(".")
-    return unit_of(schema.TABLES[table].model_fields[name])
+def unit_at(key: str, tables: vary.Tables | None = None) -> str:
+    """Return the SI unit of a dotted key, "" without one.
+
+    tables: of the scene, which say whether a strip is a point.
+    """
+    table, *_, name = key.partition("@")[0].split(".")
+    strip = validate.value_in(tables or {}, key.rpartition(".")[0]) if table == "strip" else None
+    is_point = isinstance(strip, Mapping) and "height" not in strip and not isinstance(strip.get("at"), list)
+    return unit_of(schema.TABLES[table].model_fields[name], is_point)
 
 
-def unit_of(field: FieldInfo) -> str:
-    """Return a key's SI unit, "" without one."""
+def unit_of(field: FieldInfo, is_point: bool = False) -> str:
+    """Return a key's SI unit, "" without one.
+
+    is_point: of a strip that is a point.
+    """
     marks = [*field.metadata, *(mark for kind in get_args(field.annotation) for mark in get_args(kind))]
-    return next((mark.unit for mark in marks if isinstance(mark, units.Quantity)), "")
+    quantity = next((mark for mark in marks if isinstance(mark, units.Quantity)), None)
+    if is_point and isinstance(quantity, units.OfStrip):
+        quantity = quantity.of_point
+    return quantity.unit if quantity else ""

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from postprocess.signals.filters import force_curves
 from postprocess.signals.strike_duration import second_strike
 from tailslap import progress
-from tailslap.campaign import input_ranges, sampling
+from tailslap.campaign import input_ranges, sampling, space_samples
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.units import to_si
 from tailslap.scene.vary import Source, vary
@@ -152,7 +152,7 @@ def _predict(
 ) -> tuple[tuple[input_ranges.Range, ...], Mapping[str, Floats]]:
     """Return the ranges and, by quantity, a table as of `sampling.sampled`."""
     case = ImpactCase(*vary(Source(tables=dict(scene)), {}))
-    ranges = input_ranges.ranges_of(case, case.arguments, limits, (), ())
+    ranges = space_samples.stated_ranges(case, limits)
     solve = partial(sampling.solved_in_blocks, partial(quantities, case), block=BLOCK)
     _, tables = sampling.sampled(ranges, SAMPLES, solve)
     return ranges, tables
@@ -163,7 +163,8 @@ def quantities(case: ImpactCase, inputs: Mapping[str, Floats]) -> dict[str, Floa
 
     They are NaN without a second strike.
     """
-    impacts = case.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
+    values = space_samples.expanded(case.scene, inputs)
+    impacts = case.impacts(values, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
     columns: dict[str, list[float]] = {name: [] for name in (*FORCES, "duration")}
     for force in impacts.mean_force.T:
         curves = force_curves(force, INTERVAL, FORCES)

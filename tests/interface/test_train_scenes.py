@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sampled_impacts import corner_tables
 
 import tailslap
 from postprocess.units import SI
@@ -142,7 +143,10 @@ def write(folder):
 
 def test_a_trailers_crush_is_its_own():
     """A softer trailer strikes longer, after the same first strike."""
-    strikes = [train(trailer__0__stiffness=k).motion.strikes for k in (1e6, 0.5e6)]
+    strikes = [
+        train(strip=corner_tables(14.6, law, law, 2)).motion.strikes
+        for law in ({"stiffness": 1e6}, {"stiffness": 5e5})
+    ]
     assert strikes[0][0] == strikes[1][0]
     assert strikes[1][1].duration > 1.1 * strikes[0][1].duration
     assert strikes[0] == train().motion.strikes
@@ -215,7 +219,7 @@ def test_a_sweep_has_a_row_of_every_strike_that_counts(tmp_path):
 
 def test_many_trains_have_the_strikes_of_each(case):
     """First front, last rear and largest mean agree at a coarser step."""
-    keys = {"contact.stiffness": [1e6, 2e6], "trailer.0.stiffness": [1e6, 2e6]}
+    keys = {"contact.stiffness": [1e6, 2e6]}
     keys["trailer.0.mass"] = [27770.0, 20000.0]
     many = case.many({key: np.array(values) for key, values in keys.items()})
     inertia = 497057 * 20000 / 27770
@@ -230,14 +234,17 @@ def test_many_trains_have_the_strikes_of_each(case):
 def test_a_study_of_what_is_not_known_stands_beside_design_forces(tmp_path):
     path = write(tmp_path)
     changes = {"impact.test_level": "TL-5"}
-    study = tailslap.study("uncertainty", path, changes, samples=288)
+    study = tailslap.study("uncertainty", path, changes, samples=1000)
     summary = study.summary
     keys = {row["key"] for row in summary["inputs"]}
-    assert keys >= {f"trailer.0.{key}" for key in ("stiffness", "centre_of_mass", "yaw_inertia", "hitch")}
+    assert keys >= {f"trailer.0.{key}" for key in ("centre_of_mass", "yaw_inertia", "hitch")}
+    assert keys >= {f"contact.stiffness@{name}" for name in ("rear", "trailer front", "trailer rear")}
     levels = {round(row["force"] / 1e3): row["above"] for row in summary["levels"]}
     assert set(levels) == {552, 712, 845, 1165, 778, 1334}
     assert sorted(levels.values(), reverse=True) == [levels[force] for force in sorted(levels)]
     indices = summary["bands"][LARGEST]["indices"]
-    assert 0.8 < sum(row["first_order"] for row in indices.values()) < 1.2
+    first, total = (sum(row[name] for row in indices.values()) for name in ("first_order", "total"))
+    assert 0.0 < first <= 1.1  # of independent inputs the sums are at most and at least 1
+    assert total >= 0.9
     assert study.headline.answer.startswith("Largest 50 ms mean")
     json.dumps(summary)

@@ -171,7 +171,7 @@ def test_the_whole_impact(review):
 
 def test_the_corners_speed_is_the_rate_of_its_crush():
     moving = paper_numbers.impact_motion(2e6)
-    before, after = moving.corner_depths([0.2 - 1e-5, 0.2 + 1e-5])[1]
+    before, after = moving.contact_depths([0.2 - 1e-5, 0.2 + 1e-5])[1]
     assert paper_numbers.rear_speed(moving, 0.2) == pytest.approx((after - before) / 2e-5, rel=1e-7)
 
 

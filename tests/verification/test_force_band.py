@@ -182,7 +182,6 @@ def test_keys_and_texts_follow_from_the_percentiles(python, tmp_path):
 
 
 @pytest.mark.parametrize(("name", "changes", "key"), [
-    (IMPACT, ("contact.side_stiffness=1 MN/m^2",), "contact.side_stiffness"),
     (IMPACT, ("contact=", "contact.friction=0.3"), "contact.stiffness"),
 ])  # fmt: skip
 def test_a_band_that_cannot_be_computed_is_named(name, changes, key):

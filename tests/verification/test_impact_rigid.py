@@ -13,6 +13,7 @@ from solver.impact import (
     CrushLaw,
     ImpactState,
     ImpactVehicle,
+    Strip,
     Train,
     WallContact,
     first_touch,
@@ -28,10 +29,22 @@ TRUCK = ImpactVehicle(10.0, 2.438, 9979.0)
 SPEED, ANGLE, MU = 56 * 0.44704, math.radians(15.0), 0.47
 
 
+def point(at, **more):
+    """A strip of one place."""
+    return Strip((at, at), CrushLaw(1e6), **more)
+
+
+def with_line(e):
+    """Both corners and a line along the side."""
+    corners = (Strip((at, at), CrushLaw(2e6, 0.0, e)) for at in (0.0, TRUCK.length))
+    return (*corners, Strip((0.0, TRUCK.length), CrushLaw(1e6, 0.0, e)))
+
+
 def impact(k=2e6, e=0.22, mu=MU, angle=15.0, force=0.0, **more):
-    vehicle, side = more.pop("vehicle", TRUCK), more.pop("side", None)
-    contact = WallContact(CrushLaw(k, force, e), mu, side, more.pop("side_points", 4))
-    return solve_impact(vehicle, contact, first_touch(vehicle, math.radians(angle), SPEED), **more)
+    vehicle, strips = more.pop("vehicle", TRUCK), more.pop("strips", ())
+    contact = WallContact(CrushLaw(k, force, e), mu, strips)
+    touch = first_touch(vehicle, math.radians(angle), SPEED, contact=contact)
+    return solve_impact(vehicle, contact, touch, **more)
 
 
 # --- a point mass on the crush law ---
@@ -63,7 +76,7 @@ def test_a_point_mass_on_the_bilinear_law(e):
     assert strike.duration == pytest.approx(math.pi / 2.0 * (1.0 + e) * math.sqrt(m / k), rel=1e-5)
     assert strike.impulse == pytest.approx((1.0 + e) * m * CLOSING, rel=2e-6)
     assert motion.end.v_gy == pytest.approx(e * CLOSING, rel=1e-6, abs=1e-6 * CLOSING)
-    dent = motion.corner_depths([strike.end])[0, 0]
+    dent = motion.contact_depths([strike.end])[0, 0]
     assert dent == pytest.approx(most * (1.0 - e * e), rel=1e-5, abs=1e-6)
     assert strike.energy_absorbed == pytest.approx((1.0 - e * e) * m * CLOSING**2 / 2.0, rel=1e-5, abs=0.5)
     assert motion.error < 1e-5
@@ -217,8 +230,8 @@ CASES: dict[str, dict[str, Any]] = {
     "e 0, soft": {"e": 0.0, "k": 1e5, "mu": 0.0},
     **{f"F0, e {e}": {"force": 1e5, "e": e} for e in (0.0, 0.22, 0.7)},
     "off centre": {"vehicle": ImpactVehicle(10.0, 2.438, 9979.0, 4.0, 6e4)},
-    "layer": {"side": CrushLaw(1e6, 0.0, 0.22), "end": 0.4},
-    "layer, e 0, mu 2": {"side": CrushLaw(1e6, 0.0, 0.0), "e": 0.0, "mu": 2.0, "angle": 70.0, "end": 0.2},
+    "line": {"strips": with_line(0.22), "end": 0.4},
+    "line, e 0, mu 2": {"strips": with_line(0.0), "mu": 2.0, "angle": 70.0, "end": 0.2},
     "whole vehicle behind the wall, stuck": {
         "vehicle": ImpactVehicle(5.285, 2.121, 29888.0, 2.1878, 53924.0), "k": 1.2e5, "e": 0.69, "mu": 1.67,
         "angle": 73.0, "end": 1.0,
@@ -275,7 +288,7 @@ def test_a_plastic_corner_is_held_while_the_other_presses_on_it():
     rear, front = motion.strikes[1:3]
     assert (motion.t_end, rear.end) == (pytest.approx(rear.end + 0.1), pytest.approx(front.end, abs=2e-5))
     t = np.linspace(front.end - 0.015, front.end - 1e-4, 50)
-    front_depth, depth, *_ = motion.corner_depths(t)
+    front_depth, depth, *_ = motion.contact_depths(t)
     assert np.ptp(depth) < 1e-6
     rear_force = motion.at(t).force_normal - 2e6 * front_depth
     assert np.all((rear_force > 0.0) & (rear_force < rear.peak_force))
@@ -353,30 +366,36 @@ def test_a_steep_vehicle_sticks_and_another_slides():
         assert bool(np.any(ratio < 0.999 * mu)) == sticks
 
 
-# --- a layer along the sides ---
+# --- a line along the side ---
 
 
-@pytest.mark.parametrize("points", [16, pytest.param(32, marks=pytest.mark.long)])
-def test_a_layer_converges_with_its_points(points):
-    """Doubling changes peaks and impulses by 2e-3 from 16 points."""
-    law = CrushLaw(1e6, 0.0, 0.22)
-    runs = [impact(side=law, side_points=count, end=0.41, step=4e-5) for count in (points, 2 * points)]
-    for coarse, fine in zip(runs[0].strikes[:2], runs[1].strikes[:2], strict=True):
+@pytest.mark.parametrize("points", [64, pytest.param(128, marks=pytest.mark.long)])
+def test_a_line_converges_with_its_points(points, monkeypatch):
+    """Doubling changes impulses by 1e-3, their sum by 1e-4."""
+    runs = []
+    for count in (points, 2 * points):
+        monkeypatch.setattr("solver.impact.strips.LINE_POINTS", count)
+        runs.append(impact(strips=with_line(0.22), end=0.41, step=4e-5))
+    for coarse, fine in zip(runs[0].strikes[:3], runs[1].strikes[:3], strict=True):
         assert coarse.corner == fine.corner
-        assert coarse.impulse == pytest.approx(fine.impulse, rel=32e-4 / points)
-        assert coarse.peak_force == pytest.approx(fine.peak_force, rel=32e-3 / points)
+        assert coarse.impulse == pytest.approx(fine.impulse, rel=64e-3 / points)
+        few = 1.0 if coarse.corner in ("front", "rear") else 5.0  # those in contact of a line
+        assert coarse.peak_force == pytest.approx(fine.peak_force, rel=few * 64e-3 / points)
+    coarse, fine = (math.fsum(strike.impulse for strike in motion.strikes[:3]) for motion in runs)
+    assert coarse == pytest.approx(fine, rel=64e-4 / points)
 
 
-def test_a_layer_pressed_flat_is_a_spring_of_its_stiffness_times_length():
-    """F = v sqrt(k m) of both corners and the layer."""
-    k, law = 1e5, CrushLaw(2e5, 0.0, 1.0)
+def test_a_line_pressed_flat_is_a_spring_of_its_stiffness_times_length():
+    """F = v sqrt(k m) of both corners and the line."""
+    k, law = 1e5, CrushLaw(1e5, 0.0, 1.0)
+    strips = (*(Strip((at, at), law) for at in (0.0, 10.0)), Strip((0.0, 10.0), CrushLaw(2e5, 0.0, 1.0)))
     start = ImpactState(0.0, TRUCK.width / 2.0, 0.0, 0.0, -0.1, 0.0)  # so that the ends do not reach the wall
-    motion = solve_impact(TRUCK, WallContact(CrushLaw(k, 0.0, 1.0), 0.3, law, 6), start, end=0.05)
+    motion = solve_impact(TRUCK, WallContact(None, 0.3, strips), start, end=0.05)
     total = 2.0 * k + 2e5 * TRUCK.length
     r = motion.at(np.linspace(0.0, 0.05, 41))
     w = math.sqrt(total / TRUCK.mass)
     assert r.force_normal == pytest.approx(0.1 * total / w * np.sin(w * r.t), rel=1e-6, abs=1.0)
-    assert {strike.corner for strike in motion.strikes} == {"front", "rear"}
+    assert {strike.corner for strike in motion.strikes} == {"front", "rear", "0 to 10 m"}
 
 
 # --- ends and refusals ---
@@ -477,6 +496,8 @@ def start(y_g=2.0, v_gy=-1.0):
 
 BOX_OF_A_TON = partial(ImpactVehicle, 4.0, 2.0, 1e3)
 PAIR: Any = [1.0, 2.0]
+TOUCH = first_touch(TRUCK, ANGLE, SPEED)
+
 REFUSED = [
     ("length", lambda: ImpactVehicle(0.0, 2.0, 1e3), "positive"),
     ("mass", lambda: ImpactVehicle(4.0, 2.0, -1e3), "positive"),
@@ -489,13 +510,21 @@ REFUSED = [
     ("yaw_inertia", lambda: BOX_OF_A_TON(1.0, math.nan), "from 0.001 I to I"),
     ("stiffness", lambda: CrushLaw(-1.0), "positive and finite"),
     ("stiffness", lambda: CrushLaw(math.inf), "positive and finite"),
-    ("stiffness", lambda: CrushLaw(PAIR), "a number"),
+    ("stiffness", lambda: solve_impact(TRUCK, WallContact(CrushLaw(PAIR), MU), TOUCH), "a number"),
     ("initial_force", lambda: CrushLaw(1e6, -1.0), "0 or more"),
     ("restitution", lambda: CrushLaw(1e6, 0.0, 1.1), "from 0 to 1"),
     ("restitution", lambda: CrushLaw(1e6, 0.0, math.nan), "from 0 to 1"),
     ("restitution", lambda: CrushLaw(1e6, 1.0, 0.8), "at most sqrt(1/2)"),
     ("friction", lambda: WallContact(CrushLaw(1e6), -0.1), "0 or more"),
-    ("side_points", lambda: WallContact(CrushLaw(1e6), 0.1, CrushLaw(1e6), 0), "1 or more"),
+    ("strip.0.at", lambda: impact(strips=(point(10.5),)), "from 0 to the length, 10 m"),
+    ("strip.0.at", lambda: impact(strips=(Strip((2.0, 1.0), CrushLaw(1e6)),)), "two places rearwards"),
+    (
+        "strip.0.inset",
+        lambda: impact(strips=(point(0.0, inset=1.3),)),
+        "less than half of the width, 1.219 m",
+    ),
+    ("strip.1.unit", lambda: impact(strips=(point(0.0), point(0.0, unit=1))), "below the number of units, 1"),
+    ("contact", lambda: first_touch(TRUCK, 0.3, 25.0, contact=WallContact(None, MU)), "a strip of this unit"),
     ("angle", lambda: first_touch(TRUCK, 0.0, 25.0), "between 0 and pi/2"),
     ("angle", lambda: first_touch(TRUCK, 1.6, 25.0), "between 0 and pi/2"),
     ("speed", lambda: first_touch(TRUCK, 0.3, 0.0), "positive"),

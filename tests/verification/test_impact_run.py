@@ -18,7 +18,17 @@ from solver.impact import Strike
 from tailslap import cli, errors
 from tailslap.case.check import evaluated
 from tailslap.case.corner.corner_case import CornerCase
-from tailslap.case.impact import answers, checks, error, paper_method, plan, report, run, strike_columns
+from tailslap.case.impact import (
+    answers,
+    checks,
+    error,
+    figures,
+    paper_method,
+    plan,
+    report,
+    run,
+    strike_columns,
+)
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.case import ImpactCase
 from tailslap.scene.read import read_scene
@@ -93,8 +103,15 @@ def test_published_trial_at_8_hz():
     assert outcome.difference["strike_2.impulse"] == pytest.approx(0.43, abs=0.005)
 
 
+CORNERS = "{at='0 m', stiffness='2 MN/m', initial_force='20 kN'}, {at='10 m', stiffness='2 MN/m'}"
+WHEELS = (
+    "{at='0.6 m', stiffness='2 MN/m'}, {at='7.2 m', stiffness='3 MN/m', inset='0.1 m'}, "
+    "{at='9.4 m', stiffness='1 MN/m'}"
+)
 CASES = {
-    "as shipped": (), "layer": ("contact.side_stiffness=0.2 MN/m^2", "contact.initial_force=20 kN"),
+    "as shipped": (),
+    "layer": ("contact.stiffness=", f"strip=[{CORNERS}, {{at=['0 m', '10 m'], stiffness='0.2 MN/m^2'}}]"),
+    "wheels": ("contact.stiffness=", f"strip=[{WHEELS}]"),
     "damped": ("damping.ratio=0.05",), "elastic": ("contact.restitution=1",),
     "plastic": ("contact.restitution=0",), "stuck": ("contact.friction=2", "impact.angle=60 deg"),
     "own inertia": ("vehicle.centre_of_mass=4.2 m", "vehicle.yaw_inertia=75000 kg m^2"),
@@ -135,19 +152,33 @@ def test_other_vehicles_and_contacts_agree_with_the_rigid_one(case):
 
 
 @pytest.mark.long
-def test_a_layer_along_the_side_agrees_with_the_rigid_one_in_the_limit_of_fine_meshes():
-    """The error is in proportion to the length of the elements.
-
-    A node stands for the layer beside it. Flat against the wall the load is on both corners, and a strike lasts until
-    the vehicle separates.
-    """
+def test_a_layer_along_the_side_agrees_with_the_rigid_one():
+    """The difference decreases with the mesh."""
     stiff = (*CASES["layer"], "plate.youngs_modulus=3.2e12")
-    coarse, fine = ran(*stiff, *LINEAR).difference, ran(*stiff, "plate.elements=[40, 12]").difference
-    assert len(coarse) == 6
-    for name, difference in coarse.items():
-        limit = 2.0 * fine[name] - difference
-        assert abs(limit) < (1e-2 if "duration" in name else 5e-3), name
-        assert abs(fine[name]) < max(0.6 * abs(difference), 2e-3), name
+    coarse, fine = ran(*stiff, *LINEAR), ran(*stiff, "plate.elements=[40, 12]")
+    expected = ["front", "0 to 10 m", "rear", "0 to 10 m"]
+    assert [strike.corner for strike in fine.fe.strikes[:4]] == expected
+    assert len(fine.difference) == 6
+    for outcome, bound in ((coarse, 7e-3), (fine, 2e-3)):
+        assert max(map(abs, outcome.difference.values())) < bound
+
+
+def test_wheels_inside_the_sides_strike_as_those_of_the_rigid_vehicle():
+    """The difference is in proportion to 1/E, and vanishes in the limit."""
+    stiff, stiffer = (
+        ran(*CASES["wheels"], f"plate.youngs_modulus={modulus}") for modulus in ("8e11", "3.2e12")
+    )
+    for answer in (stiffer.fe, stiffer.rigid):
+        assert [strike.corner for strike in answer.strikes[:3]] == ["0.6 m", "9.4 m", "7.2 m"]
+        assert answer.ends == ("0.6 m", "9.4 m")
+    starts = [[strike.start for strike in answer.strikes[:3]] for answer in (stiffer.fe, stiffer.rigid)]
+    assert starts[0] == pytest.approx(starts[1], abs=1e-3)
+    assert len(stiff.difference) == 6
+    for name, difference in stiff.difference.items():
+        assert abs(4.0 * stiffer.difference[name] - difference) / 3.0 < 1e-4, name
+    loops, along = figures.contact_figures(stiff)
+    assert [line.label for line in loops[0].plots[0].marks] == ["0.6 m", "7.2 m", "9.4 m"]
+    assert along == []
 
 
 def test_momentum_of_the_end_follows_from_the_strikes():

@@ -11,6 +11,7 @@ import math
 import numpy as np
 import pytest
 import skfem
+from crushing_plates import corner_strips
 
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
@@ -82,7 +83,7 @@ class Manufactured:
     def __init__(self, kind, elements):
         plate = PlateProperties(THICKNESS, DENSITY, MODULUS, RATIO, element=kind)
         mesh = plate_mesh(LENGTH, WIDTH, elements, ELEMENT_KINDS[kind].cells)
-        unit = UnitProperties(mesh, plate, ContactProperties(Drag(0.0), "crush", 1.0))
+        unit = UnitProperties(mesh, plate, ContactProperties(Drag(0.0), "crush", corner_strips(LENGTH, 1.0)))
         self.model = build_impact_model([unit], StepProperties())
         scalar = self.model.discretisation.scalar
         self.fine = skfem.CellBasis(scalar.mesh, scalar.elem, intorder=8)

@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 from space_vehicles import ANGLE, SPEED, train
 
-from solver.impact import CrushLaw, HitchedVehicle, ImpactVehicle, WallContact, first_touch, solve_impact
+from solver.impact import (
+    CrushLaw,
+    HitchedVehicle,
+    ImpactVehicle,
+    Strip,
+    WallContact,
+    first_touch,
+    solve_impact,
+)
 from solver.space import SpaceStrip, SpaceWall, solve_space
 
 STRIPS = (
@@ -71,14 +79,16 @@ def test_held_train_is_the_planar_one():
     h = solve_space(
         held, SpaceWall(1.0, friction=0.35), SPEED, ANGLE, interval=4e-5, step=4e-5, end=0.72
     ).history
-    laws = [WallContact(CrushLaw(2e6, 0.0, 0.225, most), 0.35) for most in (3.5e5, 8.75e5)]
+    laws = [CrushLaw(2e6, 0.0, 0.225, most) for most in (3.5e5, 8.75e5)]
+    behind = tuple(Strip((at, at), laws[1], unit=1) for at in (0.0, 14.6))
+    contact = WallContact(laws[0], 0.35, behind)
     tractor, trailer = (
         ImpactVehicle(6.4, 2.5, 8200.0, 2.3, 3e4),
         ImpactVehicle(14.6, 2.6, 27770.0, 7.0, 4.5e5),
     )
-    hitched = (HitchedVehicle(trailer, laws[1], 5.4, 0.9),)
+    hitched = (HitchedVehicle(trailer, 5.4, 0.9),)
     start = first_touch(tractor, ANGLE, SPEED, hitched)
-    plane = solve_impact(tractor, laws[0], start, end=0.72, trailers=hitched, tolerance=1e-6)
+    plane = solve_impact(tractor, contact, start, end=0.72, trailers=hitched, tolerance=1e-6)
     force, t = h["force_normal"], h["t"]
     for strikes in ([0], [1, 2], [3], [4]):  # of the second and third the contacts overlap
         few = [plane.strikes[number] for number in strikes]

@@ -88,7 +88,7 @@ def test_a_plate_has_the_stiffness_of_the_rigid_vehicle():
 @pytest.mark.parametrize(("changes", "key", "allowed"), [
     ({KEY: "0.1 s", "contact.stiffness": 1e6}, "contact.stiffness", "remove one of the two"),
     ({KEY: "0.1 s", "contact.initial_force": 1e4}, "contact.initial_force", "remove one of the two, or use"),
-    ({KEY: "0.1 s", "contact.side_stiffness": 1e4}, "contact.side_stiffness", "remove one of the two, or use"),
+    ({KEY: "0.1 s", "strip": [{"at": 0.0, "stiffness": 2e6}]}, KEY, "all units have [[strip]]"),
     ({KEY: "0.1 s", "contact.enforcement": "exact"}, "contact.enforcement", "no effect"),
     ({KEY: "0.1 s", "contact.restitution": None}, "contact.restitution", "required"),
     ({KEY: "1e-9 s"}, KEY, "the crush stiffness would be 9.56e+21 N/m; allowed is 0.001 to 1e+15 N/m"),

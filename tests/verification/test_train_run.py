@@ -242,9 +242,13 @@ def test_finer_meshes_of_a_tolerance_keep_the_chosen_lengths(monkeypatch):
 
 
 def test_a_drawbar_at_a_tow_ball_and_a_third_unit_run():
-    trailer = TRAILER | {"kingpin": -1.0, "hitch": 7.0, "stiffness": 1e6}
-    outcome = run.attempt(case(trailer=[trailer, TRAILER | {"hitch": 13.0}], time__end=0.3))
+    trailer = TRAILER | {"kingpin": -1.0, "hitch": 7.0}
+    strips = [{"at": place, "unit": 2, "stiffness": 1e6} for place in (0.0, TRAILER["length"])]
+    changes = {"trailer": [trailer, TRAILER | {"hitch": 13.0}], "strip": strips}
+    outcome = run.attempt(case(**changes, time__end=0.3))
     assert outcome.fe.units == 3
+    assert outcome.run.group.tolist() == list(range(12))
+    assert outcome.run.unit.tolist() == [0] * 4 + [1] * 4 + [2] * 4
     law = outcome.fe_plan.model.parameters.contact.law
     assert law.stiffness.tolist() == [2e6] * 4 + [1e6] * 4 + [2e6] * 4
     failed = [check.name for check in checks.impact_checks(outcome) if not check.passed]

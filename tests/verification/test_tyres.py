@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from crushing_plates import corner_strips
+from sampled_impacts import sampled_impacts
 from scipy.integrate import solve_ivp
 
 from fem.laws.friction import Drag
@@ -26,11 +28,11 @@ from solver.impact import (
     HitchedVehicle,
     ImpactState,
     ImpactVehicle,
+    Strip,
     TyreAxle,
     WallContact,
     first_touch,
     solve_impact,
-    solve_impacts,
 )
 from solver.impact.solve import loads_at_rest
 from tailslap.case.impact import checks, run
@@ -44,6 +46,13 @@ GRAVITY = 9.80665
 TRUCK = ImpactVehicle(10.0, 2.438, 9979.0, 5.5)
 AXLES = (TyreAxle(1.3, 0.7, 6.0), TyreAxle(7.5, 0.6, 5.0))
 LAW = WallContact(CrushLaw(2e6, 0.0, 0.1, 3.5e5), 0.3)
+
+
+def both_ends(friction, length, front, rear):
+    """Contact at the front and rear corners by laws of their own."""
+    return WallContact(None, friction, (Strip((0.0, 0.0), front), Strip((length, length), rear)))
+
+
 SPEED, ANGLE = 25.0, math.radians(15.0)
 
 
@@ -75,7 +84,7 @@ TRAILER = ImpactVehicle(12.0, 2.5, 20000.0, 6.0)
 
 
 def train(axles, end=None, tolerance=1e-4):
-    behind = HitchedVehicle(TRAILER, LAW, 7.0, 1.0)
+    behind = HitchedVehicle(TRAILER, 7.0, 1.0)
     start = first_touch(TRUCK, ANGLE, SPEED, [behind])
     return solve_impact(TRUCK, LAW, start, end, trailers=[behind], axles=axles, tolerance=tolerance)
 
@@ -204,8 +213,8 @@ def test_tyres_weaken_the_tail_slap():
 
 
 HELD = ImpactVehicle(7.079, 2.335, 13538.0)
-HELD_LAW = WallContact(
-    CrushLaw(1.228e6, 16984.0, 0.1031, 97318.0), 0.2466, rear=CrushLaw(1.384e6, 16984.0, 0.3661, 123106.0)
+HELD_LAW = both_ends(
+    0.2466, 7.079, CrushLaw(1.228e6, 16984.0, 0.1031, 97318.0), CrushLaw(1.384e6, 16984.0, 0.3661, 123106.0)
 )
 HELD_AXLES = (TyreAxle(1.315, 0.7812, 6.21), TyreAxle(5.336, 0.7697, 7.46))
 
@@ -244,7 +253,7 @@ def test_samples_have_tyres():
         {"position": 1.3, "friction": np.array([0.7, 0.5]), "cornering": 6.0},
         {"position": 7.5, "friction": 0.6, "cornering": 5.0},
     ]
-    impacts = solve_impacts(**sample, axles=axles, tolerance=1e-5)
+    impacts = sampled_impacts(**sample, axles=axles, tolerance=1e-5)
     for i, (mass, friction) in enumerate(((9979.0, 0.7), (9000.0, 0.5))):
         vehicle = replace(TRUCK, mass=mass)
         single_axles = (TyreAxle(1.3, friction, 6.0), AXLES[1])
@@ -260,7 +269,7 @@ def test_samples_with_long_steps_stay_within_their_stated_error():
     """
     motion, interval = impact(), 5e-4
     law = {key: getattr(LAW.crush, key) for key in ("stiffness", "plateau_force", "restitution")}
-    sample = solve_impacts(
+    sample = sampled_impacts(
         **asdict(TRUCK) | law, speed=SPEED, angle=ANGLE, friction=LAW.friction,
         axles=[asdict(axle) for axle in AXLES], interval=interval,
     )  # fmt: skip
@@ -305,7 +314,7 @@ def test_the_side_force_on_a_plate_that_turns_steadily(ahead):
     unit = UnitProperties(
         plate_mesh(10.0, 2.4, (5, 2)),
         PlateProperties(0.05, 7800.0, 2e11, 0.3),
-        ContactProperties(Drag(0.0), "crush", 1.0, plateau_force=1.0),
+        ContactProperties(Drag(0.0), "crush", corner_strips(10.0, 1.0, plateau_force=1.0)),
         axles=(AxleProperties(8.7, load, 0.7, 6.0),),
     )
     model = build_impact_model([unit], StepProperties(longest=1e-8))
@@ -458,7 +467,7 @@ PEERS = {
 def test_impulses_are_those_of_an_independent_integration(name):
     """Compare over 0.5 s, with a steep slope in Coulomb's law."""
     front, rear = (CrushLaw(k, f, e, fy, slope) for k, f, fy, e, slope in PEERS[name])
-    state, law = first_touch(TRUCK, ANGLE, SPEED), WallContact(front, 0.3, rear=rear)
+    state, law = first_touch(TRUCK, ANGLE, SPEED), both_ends(0.3, TRUCK.length, front, rear)
     motion = solve_impact(TRUCK, law, state, end=0.5, axles=AXLES, tolerance=1e-7)
     impulses = dict.fromkeys(("front", "rear"), 0.0)
     for strike in motion.strikes:

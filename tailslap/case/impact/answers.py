@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from postprocess.signals import filters, occupant, strike_duration
-from solver.impact import CORNERS, ImpactMotion, ImpactVehicle, Strike, corner_name, strikes_of
+from solver.impact import ImpactMotion, ImpactVehicle, Strike, group_names, outermost, strikes_of
 from solver.impact.counting import LIGHT
 
 END = ("t", "theta", "omega", "v_gx", "v_gy")
@@ -60,12 +60,15 @@ class ImpactAnswer:
         Of a train; 1 of a single vehicle.
     pushes : dict of ndarray, shape (rows - 1,)
         Normal force of each corner that touches the wall [N], mean between two rows; empty for the rigid vehicle.
+    ends : (str, str)
+        Names of the foremost contact of the first unit and of the rearmost one of the last.
     """
 
     strikes: tuple[Strike, ...]
     history: Columns
     units: int = 1
     pushes: Columns = field(default_factory=dict)
+    ends: tuple[str, str] = ("front", "rear")
 
     @property
     def counted(self) -> int:
@@ -200,13 +203,12 @@ def counted(units: int) -> int:
     return 3 * units - 1
 
 
-def last_awaited(strikes: Sequence[Strike], units: int) -> Strike | None:
+def last_awaited(strikes: Sequence[Strike], rear: str | None) -> Strike | None:
     """Return the strike up to which an impact is computed.
 
-    It is the second, for a train the first of its last rear.
+    It is the second, or the first one of `rear`, where that is awaited.
     """
-    rear = corner_name(units - 1, CORNERS.index("rear"))
-    candidates = [strike for strike in strikes if strike.corner == rear][:1] if units > 1 else strikes[1:2]
+    candidates = [strike for strike in strikes if strike.corner == rear][:1] if rear else strikes[1:2]
     return candidates[0] if candidates else None
 
 
@@ -289,7 +291,10 @@ def rigid_answer(motion: ImpactMotion, instants: np.ndarray) -> ImpactAnswer:
         forces = np.nan_to_num(np.diff(impulses, prepend=0.0) / step)
         hinged = np.pad(motion.hinge_forces(instants), ((0, 0), (0, 0), (1, 0)))
         history |= train_columns([history, *trailers], forces, hinged)
-    return ImpactAnswer(motion.strikes, {"t": instants} | history, len(motion.vehicles))
+    lengths = [vehicle.length for vehicle in motion.vehicles]
+    names, (front, rear) = group_names(motion.contact, lengths), outermost(motion.contact, lengths)
+    columns = {"t": instants} | history
+    return ImpactAnswer(motion.strikes, columns, len(motion.vehicles), ends=(names[front], names[rear]))
 
 
 def train_columns(
@@ -336,18 +341,21 @@ def sampled_answer(
     normal: np.ndarray,
     tangential: np.ndarray,
     place: np.ndarray,
-    corner: np.ndarray,
+    group: np.ndarray,
+    names: Sequence[str],
+    ends: tuple[int, int],
+    units: int = 1,
 ) -> ImpactAnswer:
     """Return an impact from sampled contact forces.
 
     history: as of `ImpactAnswer`; points, shape (2, points): places in the body frame of their unit, the front corner
     on the wall's side at the origin [m]; normal, tangential, shape (rows, points): mean forces since the row before
-    [N]; place: along the wall [m]; corner: number of each point's corner in `CORNERS`, of a trailer 4 more for each
-    unit.
+    [N]; place: along the wall [m]; group: of each point, the number of its name in `names`; ends: groups of the ends of
+    `ImpactAnswer`.
     """
     pushes, drags, stations, places = {}, {}, {}, {}
-    for i in np.unique(corner):
-        name, members = corner_name(*divmod(int(i), len(CORNERS))), corner == i
+    for i in np.unique(group):
+        name, members = names[i], group == i
         force = normal[1:, members]
         total = force.sum(axis=1)
         if not total.any():
@@ -357,14 +365,4 @@ def sampled_answer(
         stations[name] = force @ -points[0, members] / weight
         places[name] = (force * place[1:, members]).sum(axis=1) / weight
     strikes = strikes_of(history["t"], pushes, drags, stations, places)
-    return ImpactAnswer(strikes, history, 1 + int(corner.max()) // len(CORNERS), pushes)
-
-
-def nearest_corner(points: np.ndarray, length: float) -> np.ndarray:
-    """Return the nearest corner's index in `CORNERS`, shape (points,).
-
-    points: in the body frame [m].
-    """
-    rear = points[0] < -0.5 * length
-    far = points[1] > 0.5 * points[1].max()
-    return np.asarray(rear + 2 * far)
+    return ImpactAnswer(strikes, history, units, pushes, (names[ends[0]], names[ends[1]]))

@@ -73,8 +73,8 @@ def _gain(outcome: run.ImpactOutcome) -> check.Evaluation:
 
 
 def _is_exact(outcome: run.ImpactOutcome) -> bool:
-    contact = outcome.fe_plan.case.scene.needed_contact
-    return not contact.crushes and contact.enforcement == "exact"
+    scene = outcome.fe_plan.case.scene
+    return not scene.crushes and scene.needed_contact.enforcement == "exact"
 
 
 @CHECKS.add("momentum balance", FAULT)

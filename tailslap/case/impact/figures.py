@@ -11,10 +11,10 @@ from postprocess.figures.impact import Forces, StrikeMark
 from postprocess.figures.positions import draw_positions, vehicle_outlines
 from postprocess.svg.chart import Chart
 from postprocess.units import SI, Units
-from solver.impact import ImpactVehicle, corner_name
+from solver.impact import ImpactVehicle
 from tailslap import progress
 from tailslap.case.impact import answers
-from tailslap.case.impact.run import ImpactOutcome, corners_of
+from tailslap.case.impact.run import ImpactOutcome
 
 PARTS = {
     "crush_energy": "crush, lost",
@@ -126,21 +126,21 @@ def energy_figure(outcome: ImpactOutcome) -> Chart:
 
 
 def contact_figures(outcome: ImpactOutcome) -> tuple[list[Chart], list[Chart]]:
-    """Draw force over crush of corners, and force along the side.
+    """Draw force over crush of each group, and force along the side.
 
-    The latter requires more points than corners; for a train it is that of the first unit.
+    The latter requires a group of several points; for a train it is that of the first unit.
     """
-    run, corner = outcome.run, corners_of(outcome.fe_plan, outcome.run)
+    run, case = outcome.run, outcome.fe_plan.case
     loops = {}
-    for i in np.unique(corner):
-        pressed = [k for k in np.flatnonzero(corner == i) if run.normal[:, k].any()]
+    for i in np.unique(run.group):
+        pressed = [k for k in np.flatnonzero(run.group == i) if run.normal[:, k].any()]
         if pressed:
             k = max(pressed, key=lambda k: run.normal[:, k].max())
-            loops[corner_name(*divmod(int(i), 4))] = (np.maximum(run.depth[:, k], 0.0), run.normal[:, k])
+            loops[case.names[i]] = (np.maximum(run.depth[:, k], 0.0), run.normal[:, k])
     along = []
-    side = np.flatnonzero((run.points[1] < 1e-6) & (run.unit == 0))
-    order = side[np.argsort(-run.points[0, side], kind="stable")]
-    if order.size > 4:
+    if np.bincount(run.group).max() > 1:
+        side = np.flatnonzero((run.points[1] < 0.5 * case.vehicle.width) & (run.unit == 0))
+        order = side[np.argsort(-run.points[0, side], kind="stable")]
         distances, places = np.unique(np.round(-run.points[0, order], 9), return_inverse=True)
         force = np.zeros((len(run.normal), distances.size))
         np.add.at(force.T, places, run.normal[:, order].T / 1e3)

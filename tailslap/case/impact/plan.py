@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -13,11 +14,13 @@ from fem.plate.properties import (
     ContactProperties,
     Inertia,
     ModelError,
+    StripProperties,
     UnitProperties,
     WallProperties,
 )
 from meshes import wall_mesh
 from solver.impact import CrushLaw
+from solver.impact.strips import strips_of_units
 from tailslap.case import plate_input
 from tailslap.case.case import FePlan
 from tailslap.case.impact.rigid import RigidImpact
@@ -42,6 +45,9 @@ SPREAD = 0.5
 """Vehicle widths over which the forces of corners and hinges are spread: two elements. On single nodes they have no
 limit of fine meshes, and each strike multiplies the difference: 7 of 100 random trains and 24 of 175 random impacts
 with a plateau failed by it."""
+
+ROUNDING = 1e-9
+"""Height of the corner over the length, below which it is on the wall."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +87,6 @@ def make_impact_plan(case: RigidImpact, refinements: int = 0) -> ImpactPlan:
     InputError
         For values without a possible model.
     """
-    from fem.run.impact import FirstTouch
-
     plate, decisions = chosen_plate(case.scene, refinements)
     factor = safety_factor(case.scene, plate)
     if factor != case.scene.time.safety_factor:
@@ -92,15 +96,25 @@ def make_impact_plan(case: RigidImpact, refinements: int = 0) -> ImpactPlan:
     decisions += tuple(
         plate_input.Decision(key, length, why) for key, length in chosen_lengths(case.scene).items()
     )
-    touch, sample = case.touch, case.sample
+    sample = case.sample
     model, plate = impact_model(case, plate, sample)
     plate_input.demand_steps(case.scene, case.duration, model)
-    first = FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega)
     decisions = (
         *decisions,
         *plate_input.threads_decision(case.scene.time.threads, 1, "the time loop of a whole impact uses one"),
     )
-    return ImpactPlan(case, plate, decisions, model, first, sample)
+    return ImpactPlan(case, plate, decisions, model, _first_touch(case), sample)
+
+
+def _first_touch(case: RigidImpact) -> FirstTouch:
+    """Return the motion of the plate at the rigid vehicle's first touch."""
+    from fem.run.impact import FirstTouch
+
+    touch, vehicle = case.touch, case.vehicle
+    ahead, aside = vehicle.front_distance * math.sin(touch.theta), 0.5 * vehicle.width * math.cos(touch.theta)
+    height = touch.y_g - ahead - aside
+    height = height if abs(height) > ROUNDING * vehicle.length else 0.0
+    return FirstTouch(touch.theta, touch.v_gx, touch.v_gy, touch.omega, height)
 
 
 def chosen_plate(scene: Scene, refinements: int) -> tuple[Plate, tuple[plate_input.Decision, ...]]:
@@ -126,13 +140,13 @@ def chosen_plate(scene: Scene, refinements: int) -> tuple[Plate, tuple[plate_inp
 def chosen_lengths(scene: Scene) -> dict[str, float]:
     """Return the lengths over which forces are spread [m], by key.
 
-    They are those of corners that crush and of hinges, in a scene that has neither lengths nor elements.
+    They are those of points that crush and of hinges, in a scene that has neither lengths nor elements.
     """
     if scene.needed_plate.elements is not None:
         return {}
     length = min(SPREAD * scene.vehicle.width, *(unit.length for unit in scene.units))
     keys = [f"trailer.{number}.hitch_length" for number in range(len(scene.trailer))]
-    keys += ["contact.patch_length"] if scene.needed_contact.crushes else []
+    keys += ["contact.patch_length"] if scene.crushes else []
     return {key: length for key in keys if value_at(scene, key) is None}
 
 
@@ -141,7 +155,7 @@ def safety_factor(scene: Scene, plate: Plate) -> float:
 
     It is the value of the scene, or one for this plate.
     """
-    left_open = "safety_factor" not in scene.time.model_fields_set and scene.needed_contact.crushes
+    left_open = "safety_factor" not in scene.time.model_fields_set and scene.crushes
     linear = kinds.ELEMENT_KINDS[plate.element].higher_order
     return scene.time.safety_factor if linear or not left_open else REDUCED_FACTOR
 
@@ -207,34 +221,20 @@ def wall_properties(case: RigidImpact, wall: Wall) -> WallProperties:
 
 def contact_properties(case: RigidImpact, number: int) -> ContactProperties:
     """Return the contact properties of a unit's boundary."""
-    contact, laws = (
-        case.scene.needed_contact,
-        (case.contact, *(unit.contact for unit in case.trailers))[number],
-    )
+    contact = case.scene.needed_contact
     friction = Drag(contact.friction) if contact.friction > 0.0 else None
-    if contact.stiffness is None:
+    if not case.scene.crushes:
         return ContactProperties(friction, contact.enforcement, penalty_scale=contact.penalty_scale)
-    crush = laws.crush
-    return ContactProperties(
-        friction,
-        "crush",
-        crush.stiffness,
-        crush.initial_force,
-        crush.restitution,
-        contact.side_stiffness or 0.0,
-        patch_length=contact.patch_length or 0.0,
-        plateau_force=crush.plateau_force,
-        unloading_stiffness=crush.unloading_stiffness,
-        rear=None if laws.rear is None else _point_crush(laws.rear),
+    strips = strips_of_units(case.contact, case.lengths)[number]
+    properties = tuple(
+        StripProperties(float(strip.at[0]), float(strip.at[1]), float(strip.inset), _point_crush(strip.law))
+        for strip in strips
     )
+    return ContactProperties(friction, "crush", properties, patch_length=contact.patch_length or 0.0)
 
 
 def _point_crush(law: CrushLaw) -> PointCrush:
-    """Return a corner's crush for the plate."""
-    return PointCrush(
-        law.stiffness,
-        law.initial_force,
-        law.restitution**2,
-        law.plateau_force,
-        law.unloading_stiffness,
-    )
+    """Return the crush of a strip for the plate."""
+    returned = law.restitution**2
+    parameters = law.stiffness, law.initial_force, returned, law.plateau_force, law.unloading_stiffness
+    return PointCrush(*map(float, parameters))

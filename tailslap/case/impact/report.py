@@ -376,10 +376,9 @@ def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
 def omitted_parts(scene: Scene, pictures: bool = True) -> list[tuple[str, str]]:
     """List the parts that this scene does not use, with reasons."""
     contact = scene.needed_contact
-    sides = contact.side_stiffness or not contact.crushes
     parts = [
         (contact.friction, "friction", "contact.friction is 0: no friction code in the time loop"),
-        (sides, "sides", "no contact.side_stiffness: only the four corners make contact"),
+        (scene.strip or not scene.crushes, "strips", "no [[strip]]: only the corners make contact"),
         (scene.damping, "damping", "not requested: no damping code in the time loop"),
         (scene.meshed_wall, "wall", "no mesh of the wall: the wall is rigid"),
         (scene.body, "space", "no [body] table: roll and pitch are not computed"),

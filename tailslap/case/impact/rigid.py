@@ -17,14 +17,21 @@ from postprocess.signals.filters import LABELS, force_curves
 from postprocess.svg.chart import Chart
 from postprocess.units import force, measure, percent_up
 from solver import impact
-from solver.impact import crush_law
 from solver.impact.solve import loads_at_rest
 from tailslap import progress
 from tailslap.case.case import NO_BAND, WHOLE_IMPACT, Case
 from tailslap.case.force_band import ForceBand
 from tailslap.case.impact import answers, strike_columns
 from tailslap.case.impact.paper_method import DIGITS, paper_lines, paper_method
-from tailslap.case.impact.rigid_input import ARGUMENTS, at_table, refusals, rigid_vehicle, wall_contact
+from tailslap.case.impact.rigid_input import (
+    ARGUMENTS,
+    OF_CORNERS,
+    at_table,
+    refusals,
+    rigid_vehicle,
+    touching,
+    wall_contact,
+)
 from tailslap.errors import InputError, Missing
 from tailslap.scene.schema import value_at
 from tailslap.scene.units import shown, value_line
@@ -47,15 +54,14 @@ ROWS_A_STRIKE, MOST_ROWS = 200, 200_000
 TRAIN_TOLERANCE = 1e-4
 """Error by which the step of a train is chosen; the actual error is a hundredth of that."""
 
-OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "stiffness", "hitch", "kingpin", "mass", "length", "width")
-"""Keys of a trailer that it depends on; the first three have computed values where the scene omits them."""
+OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "hitch", "kingpin", "mass", "length", "width")
+"""Keys of a trailer that it depends on; the first two have computed values where the scene omits them."""
 
 OF_AN_AXLE = ("position", "friction", "cornering")
 """Keys of an axle that it depends on."""
 
 OF_CRUSH = {
     "initial_force": "initial crush force",
-    "side_stiffness": "side layer",
     "patch_length": "forces over",
     "plateau_force": "plateau",
     "unloading_stiffness": "unloading stiffness",
@@ -121,8 +127,7 @@ class RigidImpact(Case):
         trailers = list[impact.HitchedVehicle]()
         for number, unit in enumerate(self.scene.trailer):
             with refusals(self.scene, f"trailer.{number}"):
-                laws = wall_contact(self.scene, number + 1)
-                trailers.append(impact.HitchedVehicle(rigid_vehicle(unit), laws, unit.hitch, unit.kingpin))
+                trailers.append(impact.HitchedVehicle(rigid_vehicle(unit), unit.hitch, unit.kingpin))
         return tuple(trailers)
 
     @property
@@ -130,11 +135,27 @@ class RigidImpact(Case):
         """Vehicle and trailers."""
         return self.vehicle, *(trailer.vehicle for trailer in self.trailers)
 
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Lengths of the units [m]."""
+        return tuple(unit.length for unit in self.scene.units)
+
     @cached_property
     def contact(self) -> impact.WallContact:
-        """Laws of the vehicle's contact."""
+        """What touches the wall, with its laws."""
         with refusals(self.scene):
             return wall_contact(self.scene)
+
+    @property
+    def awaited(self) -> str | None:
+        """Contact whose strike is awaited, None for the second strike."""
+        group = impact.awaited(self.contact, self.lengths)
+        return None if group < 0 else self.names[group]
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of what touches the wall, by group."""
+        return impact.group_names(self.contact, self.lengths)
 
     @property
     def axles(self) -> tuple[impact.TyreAxle, ...]:
@@ -157,7 +178,7 @@ class RigidImpact(Case):
         assert self.contact
         assert table
         with refusals(self.scene):
-            return impact.first_touch(self.vehicle, table.angle, table.speed, self.trailers)
+            return impact.first_touch(self.vehicle, table.angle, table.speed, self.trailers, self.contact)
 
     @cached_property
     def motion(self) -> impact.ImpactMotion:
@@ -195,40 +216,40 @@ class RigidImpact(Case):
 
     @property
     def arguments(self) -> tuple[str, ...]:
-        """Keys of the scene that the impact of the corners depends on."""
-        replaced = {"contact.restitution"} if self.scene.needed_contact.unloading_stiffness else set[str]()
-        numbers = range(len(self.trailers))
-        keys = dict.fromkeys(key for key in ARGUMENTS if key not in replaced)
+        """Keys of the scene that the impact depends on."""
+        numbers, laws = range(len(self.trailers)), [*touching(self.scene)]
+        keys = dict.fromkeys(ARGUMENTS)
         keys |= dict.fromkeys(f"trailer.{number}.{key}" for number in numbers for key in OF_A_TRAILER)
-        tables = ("contact", *(f"trailer.{number}" for number in numbers))
-        crush = (
-            f"{table}{part}.{key}" for table in tables for part in ("", ".rear") for key in crush_law.LAW
-        )
-        keys |= dict.fromkeys(key for key in crush if value_at(self.scene, key) is not None)
+        keys |= dict.fromkeys(key.partition("@")[0] for part in laws for key in part.keys.values())
+        unused = {
+            key
+            for key in keys
+            if value_at(self.scene, key) is None and key.startswith(("contact.", "strip."))
+        }
+        if not self.scene.of_corners:
+            unused |= {key for key in OF_CORNERS if key != "contact.restitution"}
         axles = (f"axle.{number}.{key}" for number in range(len(self.scene.axle)) for key in OF_AN_AXLE)
         inertia = ("vehicle.yaw_inertia",) if self.scene.vehicle.yaw_inertia is not None else ()
-        return (*keys, *inertia, *axles)
+        return (*(key for key in keys if key not in unused), *inertia, *axles)
 
     @property
     def inputs(self) -> dict[str, float]:
         """Values of `arguments` in the scene."""
         values = {key: value_at(self.scene, key) or 0.0 for key in self.arguments}
         for number, trailer in enumerate(self.trailers):
-            body, stiffness = trailer.vehicle, trailer.contact.crush.stiffness
-            computed = zip(OF_A_TRAILER, (body.front_distance, body.inertia, stiffness), strict=False)
+            body = trailer.vehicle
+            computed = zip(OF_A_TRAILER, (body.front_distance, body.inertia), strict=False)
             values |= {f"trailer.{number}.{key}": value for key, value in computed}
         return values | {"vehicle.centre_of_mass": self.vehicle.front_distance}
 
     def impacts(self, inputs: Mapping[str, np.ndarray], **until: Any) -> impact.Impacts:
-        """Return the impacts of n vehicles by the corners alone.
+        """Return the impacts of n vehicles.
 
         inputs: as of `many`; until: options of `solve_impacts`.
         """
         middle = self.scene.vehicle.centre_of_mass  # None: at half the length of each
         values: dict[str, Any] = {**self.inputs, "vehicle.centre_of_mass": middle, **inputs}
-        if "contact.unloading_stiffness" in inputs and "contact.restitution" not in inputs:
-            values.pop("contact.restitution", None)
-        arguments = at_table(values, ("impact", "vehicle", "contact"))
+        arguments = at_table(values, ("impact", "vehicle"))
         if (inertia := self.scene.vehicle.yaw_inertia) is not None and "vehicle.yaw_inertia" not in inputs:
             arguments["yaw_inertia"] = inertia / self.vehicle.mass * np.asarray(values["vehicle.mass"])
         trailers = []
@@ -241,17 +262,20 @@ class RigidImpact(Case):
             for number, axle in enumerate(self.scene.axle)
         ]
         with refusals(self.scene):
-            return impact.solve_impacts(**arguments, trailers=trailers, axles=axles, longest=LONGEST, **until)
+            return impact.solve_impacts(
+                **arguments, contact=wall_contact(self.scene, inputs), trailers=trailers, axles=axles, longest=LONGEST,
+                **until,
+            )  # fmt: skip
 
     def many(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return both strikes of n impacts, by the corners alone.
+        """Return both strikes of n impacts.
 
-        inputs: shape (n,), by key of `arguments`, or of the crush of contact, of a trailer, or of "rear" of either
-        [SI]; the others are those of the scene. The yaw inertia is in proportion to the mass. Returns columns as of
+        inputs: shape (n,), by key of `arguments`, or of the law of a corner, see `touching` [SI]; the others are those
+        of the scene. The yaw inertia is in proportion to the mass. Returns columns as of
         `both_strikes` [SI], NaN where there is no such strike. Raises InputError where the theory refuses one of them.
         """
         impacts = self.impacts(inputs, after_second=AFTER_SECOND, interval=INTERVAL, strikes=STRIKES)
-        return strike_columns.columns_of_many(impacts, INTERVAL, len(self.scene.units))
+        return strike_columns.columns_of_many(impacts, INTERVAL, impact.outermost(self.contact, self.lengths))
 
     def largest_means(self, inputs: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Return the largest 50 ms means of n impacts [N], see `many`."""
@@ -265,17 +289,16 @@ class RigidImpact(Case):
         law = "penalty contact" if contact.enforcement == "penalty" else "exact contact"
         if contact.strike_duration is not None:
             law = f"crush stiffness of a rear strike of {self.quantity('contact.strike_duration')}"
-        elif "stiffness" not in contact.model_fields_set and contact.crushes:
-            stiffness = measure(float(contact.stiffness or 0.0), "N/m", ".4g")
-            law = f"crush stiffness {stiffness} a corner, that of the foremost strips (assumed)"
-        elif contact.crushes:
+        elif contact.of_corners:
             law = f"crush stiffness {self.quantity('contact.stiffness')} a corner"
+        elif self.scene.strip:
+            law = f"{len(self.scene.strip)} strips that crush"
         there = (key for key in OF_CRUSH if getattr(contact, key))
         parts = [law, *(f"{OF_CRUSH[key]} {self.quantity(f'contact.{key}')}" for key in there)]
         if contact.restitution is not None:
             parts.append(f"restitution {contact.restitution:g}")
-        if contact.rear is not None:
-            parts.append("different crush at the rear corners")
+        if contact.of_corners and self.scene.strip:
+            parts.append(f"{len(self.scene.strip)} strips of other units")
         if self.axles:
             parts.append(f"tyres of {len(self.axles)} axles")
         return [*parts, f"friction {contact.friction:g}", *(["deformable wall"] if wall else [])]
@@ -309,7 +332,7 @@ class RigidImpact(Case):
         means = [answers.mean_peak(answer, strike) for strike in answer.strikes]
         number, peak = int(np.argmax(means)), answer.peaks["mean_50ms"]
         strike = answer.strikes[number]
-        where = f"strike {number + 1} ({strike.corner} corner, from {strike.start:.3f} s)"
+        where = f"strike {number + 1} ({strike.part}, from {strike.start:.3f} s)"
         least = "at least " if answer.cut else ""
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
         interval = f" ({band.interval})" if band.interval else ""
@@ -338,12 +361,12 @@ class RigidImpact(Case):
         from postprocess.figures import positions
 
         motion = self.motion
-        strike = answers.last_awaited(motion.strikes, len(self.vehicles))
+        strike = answers.last_awaited(motion.strikes, self.awaited)
         last = strike.start if strike else motion.t_end
         at = motion.at([0.0, last])
         units = [positions.Unit(*place) for place in answers.places(vars(at), self.vehicles)]
         which = "strike" if self.trailers else "second strike"
-        event = f"{which} ({strike.corner} corner)" if strike else "end"
+        event = f"{which} ({strike.part})" if strike else "end"
         words = self.drawing_words(float(at.theta[0]))
         words |= {"second": f"{event}, after {measure(last, 's', '.3g')}"}
         caption = (
@@ -403,7 +426,7 @@ class RigidImpact(Case):
             ]
             lines.append(value_line("work", float(answer.history["tyre_work"][-1]), "J", units, DIGITS))
         if self.space:
-            lines = [*self.space.text(units), "", "In the plane, by the corners alone", *lines]
+            lines = [*self.space.text(units), "", "In the plane, without heights", *lines]
         if remarks := answers.remarks(answer):
             lines += ["", *remarks]
         return lines + paper_lines(paper_method(self.scene, answer), units)

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 from fem.laws.unilateral import penalty_stiffness
 from solver import RigidBodyError, impact
-from solver.impact import crush_law
+from solver.impact.crush_law import LAW
+from solver.impact.strips import SCALED
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Scene, Vehicle, value_at
 
@@ -15,11 +16,44 @@ ARGUMENTS = (
     *("impact.speed", "impact.angle"),
     *(f"contact.{name}" for name in ("stiffness", "initial_force", "restitution", "friction")),
 )
-"""Keys of the scene that the rigid vehicle's impact depends on, by the corners alone."""
+"""Keys of the scene that a rigid vehicle's impact depends on, those of corners included."""
 
-OF_LAW = tuple(f"contact.{key}" for key in crush_law.LAW)
-KEYS = {key.split(".")[1]: key for key in (*ARGUMENTS, *OF_LAW, "vehicle.yaw_inertia", "time.end")}
+OF_CORNERS = tuple(f"contact.{key}" for key in LAW)
+KEYS = {key.split(".")[1]: key for key in (*ARGUMENTS, *OF_CORNERS, "vehicle.yaw_inertia", "time.end")}
 """Keys of the scene by names of the theory's inputs."""
+
+KEY_OF_STRIP = {key: "plateau" if key == "plateau_force" else key for key in LAW}
+"""Keys of a strip by names of its law."""
+
+
+class Touching(NamedTuple):
+    """Part of a scene that touches the wall.
+
+    number: of its [[strip]], or None of a corner by [contact]. keys: those of its law, by name in `LAW`; of a corner
+    behind the first one they end with "@" and its name, by which samples vary it alone.
+    """
+
+    number: int | None
+    unit: int
+    is_front: bool
+    keys: Mapping[str, str]
+
+
+def touching(scene: Scene) -> list[Touching]:
+    """Return what touches the wall, in the order of `strips_of_units`."""
+    parts = []
+    for unit in range(1, 1 + len(scene.units)):
+        for number, strip in enumerate(scene.strip):
+            if strip.unit == unit:
+                keys = {name: f"strip.{number}.{key}" for name, key in KEY_OF_STRIP.items()}
+                parts.append(Touching(number, unit, False, keys))
+        if unit in scene.of_corners:
+            trailer = f"trailer {unit - 1} " if unit > 2 else "trailer " if unit > 1 else ""
+            for end in ("front", "rear"):
+                of_first = unit == 1 and end == "front"
+                keys = {key: f"contact.{key}" + ("" if of_first else f"@{trailer}{end}") for key in LAW}
+                parts.append(Touching(None, unit, end == "front", keys))
+    return parts
 
 
 def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:
@@ -31,57 +65,84 @@ def rigid_vehicle(unit: Vehicle) -> impact.ImpactVehicle:
     return impact.ImpactVehicle(*sides, unit.mass, unit.centre_of_mass, unit.yaw_inertia)
 
 
-def wall_contact(scene: Scene, number: int = 0) -> impact.WallContact:
-    """Return the contact of a unit.
+def wall_contact(scene: Scene, values: Mapping[str, Any] | None = None) -> impact.WallContact:
+    """Return the contact of a vehicle or a train.
 
-    A unit that does not crush has the elastic penalty of the plate at its corners. Raises InputError for a law that is
-    not possible.
+    values: of samples, in place of those of the scene, by the keys of `touching` and "contact.friction" [SI]. Corners
+    that do not crush have the elastic penalty of the plate. A strip with heights is its projection on the plane: an
+    upright one is a point. Raises InputError for a law that is not possible.
     """
-    contact = scene.needed_contact
-    if contact.stiffness is None:
+    contact, values = scene.needed_contact, values or {}
+    friction = values.get("contact.friction", contact.friction)
+    if not scene.crushes:
         plate = scene.needed_plate
         penalty = penalty_stiffness(plate.modulus, plate.thickness, contact.penalty_scale)
-        return impact.WallContact(impact.CrushLaw(penalty, 0.0, 1.0), contact.friction)
-    keys = {*crush_law.LAW, "rear"}
-    units = [table.model_dump(include=keys) for table in (contact, *scene.trailer)]
-    trailer = [f"trailer.{number - 1}"] if number else []
-    behind = [*(f"{table}.rear" for table in trailer), *trailer, "contact.rear", "contact"]
-    ahead, rear = crush_law.unit_laws(units)[number]
-    front, back = _crush_law(scene, ahead, [*trailer, "contact"]), _crush_law(scene, rear, behind)
-    side = None
-    if contact.side_stiffness:
-        slope = (contact.unloading_stiffness or 0.0) * contact.side_stiffness / contact.stiffness
-        restitution = contact.restitution or 0.0
-        side = impact.CrushLaw(contact.side_stiffness, 0.0, restitution, unloading_stiffness=slope)
-    return impact.WallContact(front, contact.friction, side, rear=None if back == front else back)
+        return impact.WallContact(impact.CrushLaw(penalty, 0.0, 1.0), friction)
+    strips = list[impact.Strip]()
+    for part in touching(scene):
+        law = _crush_law(scene, part, values)
+        if part.number is None:
+            length = values.get(_length(part.unit), scene.units[part.unit - 1].length)
+            place = 0.0 * length if part.is_front else length
+            strips.append(impact.Strip((place, place), law, unit=part.unit - 1))
+        else:
+            strip = scene.strip[part.number]
+            strips.append(impact.Strip(strip.at, law, strip.inset, part.unit - 1))
+    return impact.WallContact(None, friction, tuple(strips))
 
 
-def _crush_law(scene: Scene, law: Mapping[str, Any], tables: list[str]) -> impact.CrushLaw:
-    """Return a crush law.
+def _length(unit: int) -> str:
+    """Return the key of a unit's length."""
+    return f"trailer.{unit - 2}.length" if unit > 1 else "vehicle.length"
 
-    Each value is from the first of these tables that contains it. Raises InputError.
+
+def _crush_law(scene: Scene, part: Touching, values: Mapping[str, Any]) -> impact.CrushLaw:
+    """Return the crush of a part, its lengths upwards included.
+
+    Raises InputError with the key that is not possible.
     """
+    law = {name: _value(scene, values, part, name) for name in LAW}
+    if part.number is not None:
+        strip = scene.strip[part.number]
+        if strip.height is not None and strip.at[0] == strip.at[1]:
+            upright = strip.height[1] - strip.height[0]
+            law |= {name: law[name] * upright for name in SCALED if law[name] is not None}
+    given = {name: value for name, value in law.items() if value is not None}
     try:
-        return impact.CrushLaw(**law)
+        return impact.CrushLaw(**given)
     except RigidBodyError as error:
-        keys = [f"{table}.{error.key}" for table in tables]
-        key = next((key for key in keys if value_at(scene, key) is not None), keys[-1])
-        raise InputError(key, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
+        key = part.keys.get(error.key, error.key)
+        base = key.partition("@")[0]
+        if value_at(scene, base) is None and error.key == "restitution":
+            base = "contact.restitution"
+        raise InputError(base, Verbatim(error.value), f"{error.why}; allowed: {error.allowed}") from None
+
+
+def _value(scene: Scene, values: Mapping[str, Any], part: Touching, name: str) -> Any:
+    """Return a parameter of a law, None where it has its default.
+
+    That of a sample comes first, then that of the scene. Restitution and slope of unloading replace each other; those
+    of a strip without both are the restitution of [contact].
+    """
+    key = part.keys[name]
+    base = key.partition("@")[0]
+    for source in (key, base):
+        if source in values:
+            return values[source]
+    other = {"restitution": "unloading_stiffness", "unloading_stiffness": "restitution"}.get(name)
+    if other and (part.keys[other] in values or part.keys[other].partition("@")[0] in values):
+        return None
+    own = value_at(scene, base)
+    unloading = part.number is not None and value_at(scene, part.keys["unloading_stiffness"])
+    if own is None and name == "restitution" and part.number is not None and not unloading:
+        return values.get("contact.restitution", scene.needed_contact.restitution)
+    return own
 
 
 def at_table(values: Mapping[str, Any], tables: tuple[str, ...]) -> dict[str, Any]:
-    """Return the values of keys in these tables by name.
-
-    Under "rear" stand those of their tables of that name.
-    """
+    """Return the values of keys in these tables by name."""
     split = {key: key.rpartition(".") for key in values}
-    values_by_name = {name: values[key] for key, (table, _, name) in split.items() if table in tables}
-    behind = {
-        name: values[key]
-        for key, (table, _, name) in split.items()
-        if table.removesuffix(".rear") in tables and table not in tables
-    }
-    return values_by_name | ({"rear": behind} if behind else {})
+    return {name: values[key] for key, (table, _, name) in split.items() if table in tables}
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.plate.properties import ModelError
-from solver.impact import ImpactMotion, Strike
+from solver.impact import ImpactMotion, Strike, outermost
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
 from tailslap.case.impact.paper_method import paper_method
@@ -133,7 +133,7 @@ def simulated(fe_plan: plan.ImpactPlan, snapshots: int = 0, end: float | None = 
     def finished(run: ImpactRun) -> bool:
         now = float(run.history["t"][-1])
         answer = _answer(fe_plan, run)
-        last = answers.last_awaited(answer.strikes, answer.units)
+        last = answers.last_awaited(answer.strikes, fe_plan.case.awaited)
         leans = last is not None and last.cut and not in_progress(last)
         awaited = (last.end + AFTER_SECOND) if last else BEYOND * until
         if (now < awaited and not leans) or any(map(in_progress, answer.strikes)):
@@ -165,20 +165,10 @@ def _answer(fe_plan: plan.ImpactPlan, run: ImpactRun) -> answers.ImpactAnswer:
             for forces_of in (run.normal, run.tangential)
         ]
         history = history | run.units[0] | answers.train_columns(run.units, np.array(forces), run.hinges)
-    points = run.points, run.normal, run.tangential, run.place
-    return answers.sampled_answer(history, *points, corners_of(fe_plan, run))
-
-
-def corners_of(fe_plan: plan.ImpactPlan, run: ImpactRun) -> np.ndarray:
-    """Return the corner number of each contact point.
-
-    Shape (points,), as of `answers.sampled_answer`.
-    """
-    corner = np.empty_like(run.unit)
-    for number, vehicle in enumerate(fe_plan.case.vehicles):
-        members = run.unit == number
-        corner[members] = 4 * number + answers.nearest_corner(run.points[:, members], vehicle.length)
-    return corner
+    points = run.points, run.normal, run.tangential, run.place, run.group
+    case = fe_plan.case
+    ends = outermost(case.contact, case.lengths)
+    return answers.sampled_answer(history, *points, case.names, ends, len(case.vehicles))
 
 
 def assessed(case: RigidImpact) -> ImpactOutcome:

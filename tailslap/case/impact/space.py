@@ -129,14 +129,14 @@ def _axle(scene: Scene, number: int, value: Any) -> space.SpaceAxle:
 
 
 def _strip(scene: Scene, number: int, value: Any) -> space.SpaceStrip:
-    """Return a strip, which unloads as [contact]."""
-    strip, stiffness = scene.strip[number], value(f"strip.{number}.stiffness")
-    slope, law = value("contact.unloading_stiffness"), value("contact.stiffness")
+    """Return a strip, which by default unloads by contact.restitution."""
+    strip, key = scene.strip[number], f"strip.{number}"
+    assert strip.height is not None
+    slope = value(f"{key}.unloading_stiffness", 0.0)
+    restitution = value(f"{key}.restitution", 0.0 if slope else value("contact.restitution", 0.0))
     return space.SpaceStrip(
-        (value(f"strip.{number}.at.0"), value(f"strip.{number}.at.1")),
-        (value(f"strip.{number}.height.0"), value(f"strip.{number}.height.1")),
-        stiffness, value(f"strip.{number}.inset"), value(f"strip.{number}.plateau", np.inf),
-        value("contact.restitution", 0.0), 0.0 if slope is None else slope / law * stiffness,
+        (value(f"{key}.at.0"), value(f"{key}.at.1")), (value(f"{key}.height.0"), value(f"{key}.height.1")),
+        value(f"{key}.stiffness"), value(f"{key}.inset"), value(f"{key}.plateau", np.inf), restitution, slope,
         axle=-1 if strip.axle is None else strip.axle, unit=strip.unit - 1,
     )  # fmt: skip
 

@@ -1,6 +1,7 @@
 """Quantities of the first front and the first rear strike of impacts.
 
-The rear corner of a train is that of its last unit. Arrays with a row per strike are in the order of time.
+They are those of the foremost contact of the first unit and of the rearmost one of the last. Arrays with a row per
+strike are in the order of time.
 """
 
 from collections.abc import Mapping, Sequence
@@ -8,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from postprocess.signals import filters
-from solver.impact import Impacts, corner_name
+from solver.impact import Impacts
 from tailslap.case.impact.answers import MEAN_WINDOW, Columns, ImpactAnswer
 
 QUANTITIES = {
@@ -34,19 +35,20 @@ SAME_STRIKE = 0.05
 """Gap [s] below which contacts of a corner are one strike: a mean over 50 ms does not separate them."""
 
 
-def columns_of_many(impacts: Impacts, interval: float, units: int) -> dict[str, np.ndarray]:
+def columns_of_many(impacts: Impacts, interval: float, ends: tuple[int, int]) -> dict[str, np.ndarray]:
     """Return the `COLUMNS` and `LARGEST` of n impacts [SI], shape (n,).
 
-    A missing strike is NaN. interval: between the rows of their forces [s].
+    A missing strike is NaN. interval: between the rows of their forces [s]; ends:
+    groups of both strikes.
     """
-    contacts = impacts.corner, impacts.start, impacts.end, impacts.impulse
+    contacts = impacts.group, impacts.start, impacts.end, impacts.impulse
     tables = []
     for first in range(0, impacts.error.size, AT_ONCE):
         part = slice(first, first + AT_ONCE)
-        corner, *values = (column[:, part] for column in contacts)
+        group, *values = (column[:, part] for column in contacts)
         curves = filters.force_curves(impacts.mean_force[:, part].T, interval, FORCES)
         curves = {name: np.ascontiguousarray(curve) for name, curve in curves.items()}
-        strikes = [_first_strike(corner == number, *values) for number in (0, 4 * (units - 1) + 1)]
+        strikes = [_first_strike(group == end, *values) for end in ends]
         largest = {LARGEST: curves["mean_50ms"].max(axis=-1)}
         tables.append(largest | _columns(strikes, (curves, curves), interval))
     return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
@@ -57,19 +59,18 @@ def both_strikes(answer: ImpactAnswer) -> dict[str, float]:
 
     A missing strike is NaN. Filters are applied to the force of the corner, for the rigid vehicle to the total force.
     """
-    corners = "front", corner_name(answer.units - 1, 1)
     contacts = np.array([(strike.start, strike.end, strike.impulse) for strike in answer.strikes])
     strikes = [
         _first_strike(
             np.array([[strike.corner == corner] for strike in answer.strikes], dtype=np.bool_).reshape(-1, 1),
             *contacts.reshape(-1, 3, 1).swapaxes(0, 1),
         )
-        for corner in corners
+        for corner in answer.ends
     ]
     total = answer.history["force_normal"][1:]
     curves = [
         filters.force_curves(force[None], answer.interval, FORCES)
-        for force in (total, *(answer.pushes.get(corner, total) for corner in corners))
+        for force in (total, *(answer.pushes.get(corner, total) for corner in answer.ends))
     ]
     values = {LARGEST: curves[0]["mean_50ms"].max(axis=-1)} | _columns(strikes, curves[1:], answer.interval)
     return {name: float(column[0]) for name, column in values.items()}

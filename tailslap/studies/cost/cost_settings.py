@@ -139,7 +139,7 @@ def impact_settings(case: ImpactCase) -> tuple[list[Setting], Changes, float]:
     patch = contact.patch_length or max(patch_length(case), case.vehicle.length / along)
     changes = {"plate.youngs_modulus": plate.youngs_modulus, "plate.first_frequency": None}
     changes |= chosen_lengths(case.scene)
-    return chosen, changes | ({"contact.patch_length": patch} if contact.crushes else {}), patch
+    return chosen, changes | ({"contact.patch_length": patch} if case.scene.crushes else {}), patch
 
 
 def _modal(modes: int, mesh: Changes | None = None, refinement: float = 1.0) -> Setting:

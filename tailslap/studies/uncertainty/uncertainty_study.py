@@ -20,7 +20,7 @@ from postprocess.units import measure
 from tailslap import progress
 from tailslap.campaign import sampling
 from tailslap.campaign.input_ranges import Range
-from tailslap.campaign.planar_ranges import corner_ranges, demand_corners, impact_ranges
+from tailslap.campaign.planar_ranges import corner_ranges, demand_crush, impact_ranges
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array, Band
 from tailslap.case.case import Case
@@ -121,7 +121,7 @@ def compute(
     """
     if case.scene.contact is None:
         return spread(case, corner_ranges(case, ranges, fixed), samples or CORNER_SAMPLES)
-    demand_corners(case)
+    demand_crush(case)
     return spread(case, impact_ranges(case, ranges, fixed), samples or IMPACT_SAMPLES)
 
 
@@ -205,7 +205,7 @@ def _simulated(result: Spread, published: Mapping[str, float]) -> dict[str, tupl
     """
     case, samples = result.case.varied(published) if published else result.case, result.samples
     exact = nominal_columns(case)
-    compiled = solved(case, {"contact.stiffness": np.array([case.inputs["contact.stiffness"]])})
+    compiled = solved(case, {"impact.speed": np.array([case.inputs["impact.speed"]])})
     if published:
         inputs = {item.key: samples[item.key] for item in result.ranges}
         samples = solved(
