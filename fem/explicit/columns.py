@@ -1,8 +1,11 @@
 """Columns of the histories, with units and meanings.
 
 The compiled record of an instant has a field for each of the program's own columns. Other columns are registered as
-one object each, here or in any file outside. Their values are computed in Python, of the constrained corner from that
-record and the state once per recorded row, of a whole impact from the columns of the history.
+one object each, here or in any file outside. A column
+1. has a name of its own, a unit and a meaning;
+2. is computed in Python: of the constrained corner from that record and the state once per recorded row, of a whole
+   impact from the columns of the history;
+3. changes neither state nor other columns, and depends on no earlier row.
 """
 
 from __future__ import annotations

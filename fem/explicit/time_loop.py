@@ -68,8 +68,8 @@ class LastRow(NamedTuple):
 def add_reaction(parameters: object, state: object, damping_work: float, force: np.ndarray) -> float:
     """Add the wall's reaction to the forces and update the sums.
 
-    damping_work [J]: that the damping of the plate takes in a step. Returns the place [m] of the node that the origin
-    follows. Compiled code only.
+    Bodies: `_add_corner_reaction` below, and `_add_contact_reaction` of `impact_loop`. damping_work [J]: that the
+    damping of the plate takes in a step. Returns the place [m] of the node that the origin follows.
     """
     raise NotImplementedError(type(parameters))
 

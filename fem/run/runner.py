@@ -1,8 +1,16 @@
 """Rows of a run's history, made by a compiled stepper under observers.
 
-An observer states after how many rows it is to be called (`due`). The runner makes at most the least of these numbers
-of rows at once, and calls each observer that is due. Named arrays of an observer are saved with a run, and it
-receives them again when the run is resumed. The number of rows made at once does not change a bit of them.
+A stepper (`PlateStepper`)
+1. leaves every state that it receives unchanged;
+2. makes the same bits however many rows it is asked for at once;
+3. makes fewer rows only where the run ends, and at least one;
+4. returns with the rows the state of the last one and that of the row before.
+
+An observer (`Observer`)
+1. states in `due` after how many rows it is to be called; the runner makes at most the least of these numbers at once;
+2. sees in `look` all rows so far and the state of the last one, and changes neither;
+3. ends the run by the result of `look`; those behind it are then not called;
+4. gives in `arrays` all that `resume` needs to continue with the same bits, of the shapes that `sizes` states.
 """
 
 from __future__ import annotations

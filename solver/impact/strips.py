@@ -1,8 +1,12 @@
 """Parts of vehicles that the wall can push.
 
-A strip is a point or a line along the side of a unit, on both sides of it. Each is a group of points: contacts of a
-group are strikes. Groups are numbered unit by unit, in each first the strips on the side of the wall, then those on the
-far side. SI units.
+A strip is a point or a line along the side of a unit, on both sides of it. A group of contact points
+1. is one strip on one side of one unit; no point belongs to two groups;
+2. is numbered unit by unit, in each first the strips on the side of the wall, then those on the far side;
+3. has one law, which a length multiplies where it is a line, and the friction of all;
+4. strikes as a whole: its contacts are strikes by the rule of `counting`, whichever of its points touch;
+5. has a name that says where it is, the same in the plane, on the plate and in results.
+SI units.
 """
 
 from collections.abc import Sequence
