@@ -153,6 +153,7 @@ def run(
     A run solves the rigid body, makes the mesh, integrates the FE model, compares both, and writes pictures and a
     report.
     """
+    from postprocess.fields import canvas
     from tailslap.campaign.records import program
     from tailslap.storage import checkpoints
 
@@ -161,6 +162,8 @@ def run(
     place, origin = out or place_of(case), Origin("run", case.scene.name, case.changes)
     definition = {"program": program(), "scene": case.source.tables, "tolerance": tolerance}
     with result_folder(place, force=force, origin=origin) as folder:
+        if scene.contact is None and not no_pictures:
+            canvas.load_beside()
         with checkpoints.checkpointed(place, definition, resume):
             result = tailslap.run(
                 case,

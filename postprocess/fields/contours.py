@@ -6,34 +6,64 @@ the wall. A field has one scale of colours for all instants, so that visible cha
 
 from __future__ import annotations
 
-import gc
-from collections.abc import Callable, Iterator, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from postprocess.fields.canvas import DARK, LIGHT, SIZE, Canvas, Size
 from postprocess.fields.series import COMPONENTS, ELEMENTS, UNITS, FieldSeries
-from postprocess.fields.sheet import (
-    SIZE,
-    ContourField,
-    Floats,
-    Mesh,
-    Sheet,
-    Size,
-    colour_scale,
-    draw_field,
-    image_of,
-)
 from postprocess.figures.histories import power_of_ten
+from postprocess.svg.scales import round_step, round_ticks, tick_texts
 from postprocess.units import SI, Units
 
 if TYPE_CHECKING:
     from PIL import Image
 
-FRAME_MS, GIF_SIZE, COLOURS = 120, (960, 420), 64
+FRAME_MS, GIF_SIZE, COLOURS = 120, (960, 420), 128
+
+SIDE, TOP, BOTTOM = 70, 190, 120
+"""Margins for the rulers, for title and scale, and for the wall [points]."""
+
+BAR, THICK = (0.12, 0.88, 160), 23
+"""Ends of the bar of colours, over the width, its lower edge from the top, and its thickness [points]."""
+
+TITLE, NOTE = 34, 23
+"""Sizes of letters [points]."""
+
+HATCH_STEP = 26
+"""Distance of the hatching lines of the wall [points]."""
+
+STEPS = 7
+"""Largest number of steps between labels of the scale."""
+
+UNIFORM, WIDENING = 1e-4, 1e-2
+"""Variation over the size of a field up to which it is uniform, and the range shown for it."""
+
+Floats = NDArray[np.float64]
+Mesh = tuple[Floats, NDArray[np.integer]]
+"""Points, shape (n, 2), and elements, shape (e, 3 or 4)."""
+
+
+@dataclass(frozen=True)
+class ContourField:
+    """Field to be drawn.
+
+    name: in file names ("v_gx"); title, unit; values in that unit, "nodal" or "element"; of_centre: value of the
+    centre of mass, by default that of the field there.
+    """
+
+    name: str
+    title: str
+    unit: str
+    values: Floats
+    where: Literal["nodal", "element"] = "nodal"
+    of_centre: float | None = None
 
 
 @dataclass(frozen=True)
@@ -57,29 +87,40 @@ def draw_contours(
 ) -> list[Path]:
     """Draw fields as `contour_NAME.png` and return the paths.
 
-    units: of the texts; size: [pixels].
+    Beside each is its dark form. units: of the texts; size: [pixels]. ImportError on a machine that cannot draw.
     """
     length, length_unit = units.of("m")
     (points, cells), wall, paths = situation.plate, situation.wall, []
     points = length * points
-    sheet = Sheet(points, None if wall is None else length * wall[0], length_unit, size)
     moment = [] if situation.time is None else [f"tail-slap at t = {situation.time:.4g} s"]
-    for field in fields:
-        factor, unit = shown_unit(field, units)
-        field, marks = replace(field, unit=unit, values=factor * field.values), dict[tuple[float, ...], str]()
-        if situation.corner is not None:
-            marks[tuple(length * np.asarray(situation.corner))] = "P"
-        if situation.centroid is not None:
-            centre = length * np.asarray(situation.centroid)
-            places = points if field.where == "nodal" else points[cells].mean(axis=1)
-            at_centre = value_at(places, field.values, centre)
-            value = at_centre if field.of_centre is None else factor * field.of_centre
-            marks[tuple(centre)] = f"G: {value:#.5g} {unit}"
-        texts = ",  ".join([situation.scene, *moment])
-        figure = draw_field(sheet, (points, cells), field, colour_scale(field.values), texts, marks)
-        paths.append(out_dir / f"contour_{field.name}.png")
-        save(image_of(figure), paths[-1])
+    with closing(Canvas(size)) as canvas:
+        sheet = Sheet(canvas, points, None if wall is None else length * wall[0], length_unit)
+        for field in fields:
+            factor, unit = shown_unit(field, units)
+            field, marks = (
+                replace(field, unit=unit, values=factor * field.values),
+                dict[tuple[float, ...], str](),
+            )
+            if situation.corner is not None:
+                marks[tuple(length * np.asarray(situation.corner))] = "P"
+            if situation.centroid is not None:
+                centre = length * np.asarray(situation.centroid)
+                places = points if field.where == "nodal" else points[cells].mean(axis=1)
+                at_centre = value_at(places, field.values, centre)
+                value = at_centre if field.of_centre is None else factor * field.of_centre
+                marks[tuple(centre)] = f"G: {value:#.5g} {unit}"
+            texts, scale = ",  ".join([situation.scene, *moment]), colour_scale(field.values)
+            paths.append(out_dir / f"contour_{field.name}.png")
+            for path, colours in ((paths[-1], LIGHT), (dark_form(paths[-1]), DARK)):
+                canvas.clear(colours)
+                draw_field(sheet, (points, cells), field, scale, texts, marks)
+                save(canvas.image(), path)
     return paths
+
+
+def dark_form(path: Path) -> Path:
+    """Return the path of a picture for dark screens."""
+    return path.with_stem(f"{path.stem}-dark")
 
 
 def field_title(name: str) -> str:
@@ -158,11 +199,13 @@ def frames(
     values, places = factor * whole.values, length * series.places(magnify)
     scale = colour_scale(values)
     deformed = f",  elastic deformation × {magnify:g}" if magnify != 1.0 else ""
-    sheet = Sheet(places.reshape(-1, 2), None, length_unit, size)
-    for k in instants:
-        field, note = replace(whole, unit=unit, values=values[k]), f"t = {series.t[k]:.4f} s{deformed}"
-        yield image_of(draw_field(sheet, (places[k], series.corners), field, scale, note))
-        gc.collect(0)  # a figure is in cycles of references with its image
+    with closing(Canvas(size)) as canvas:
+        sheet = Sheet(canvas, places.reshape(-1, 2), None, length_unit)
+        for k in instants:
+            field, note = replace(whole, unit=unit, values=values[k]), f"t = {series.t[k]:.4f} s{deformed}"
+            canvas.clear()
+            draw_field(sheet, (places[k], series.corners), field, scale, note)
+            yield canvas.image()
 
 
 def save(image: Image.Image, path: Path) -> None:
@@ -170,7 +213,7 @@ def save(image: Image.Image, path: Path) -> None:
 
     The colours of bands are exact.
     """
-    image.quantize(COLOURS).save(path, optimize=True)
+    image.quantize(COLOURS).save(path)
 
 
 def value_at(points: Floats, values: Floats, place: ArrayLike) -> float:
@@ -182,3 +225,217 @@ def value_at(points: Floats, values: Floats, place: ArrayLike) -> float:
     near = np.argsort(far)[:4]
     weights = 1.0 / np.maximum(far[near], 1e-6 * (far.max() or 1.0))
     return float(np.average(values[near], weights=weights))
+
+
+class PixelMap(NamedTuple):
+    """Transformation from places to pixels.
+
+    origin: pixel of X = Y = 0, from the lower left corner; length: of a pixel.
+    """
+
+    origin: tuple[float, float]
+    length: float
+
+    def pixel(self, places: ArrayLike) -> Floats:
+        """Return the pixels of places, shape (..., 2)."""
+        return np.asarray(self.origin) + np.asarray(places, float) / self.length
+
+    def place(self, pixels: ArrayLike) -> Floats:
+        """Return the places of pixels, shape (..., 2)."""
+        return self.length * (np.asarray(pixels, float) - self.origin)
+
+
+def view_of_plate(points: Floats, size: Size = SIZE, dot: float = 1.0) -> PixelMap:
+    """Return the view that fits plate and wall line into the picture.
+
+    points: shape (n, 2); dot: pixels of a point.
+    """
+    low, high = points.min(axis=0), points.max(axis=0)
+    low[1] = min(low[1], 0.0)
+    margins = dot * np.array([[SIDE, BOTTOM], [SIDE, TOP]])
+    room = np.array(size) - margins.sum(axis=0)
+    length = float(((high - low) / room).max())
+    origin = margins[0] + 0.5 * room - 0.5 * (low + high) / length
+    return PixelMap((float(origin[0]), float(origin[1])), length)
+
+
+@dataclass(frozen=True)
+class ColourScale:
+    """Range of colours with labels, low to high.
+
+    uniform: whether the field is almost constant.
+    """
+
+    low: float
+    high: float
+    labels: list[str]
+    uniform: bool
+
+    @property
+    def bands(self) -> int:
+        """Number of colours, two between labels.
+
+        A uniform field has five.
+        """
+        return 5 if self.uniform else 2 * (len(self.labels) - 1)
+
+
+def colour_scale(values: Floats) -> ColourScale:
+    """Return the scale for values of any shape, with round labels.
+
+    The range of a field that varies by less than 1e-4 of its size is widened to 1e-2 of its size about the mean (1e-2
+    of the unit for zero), so that it has one colour and tiny variations are not exaggerated.
+    """
+    if not np.all(np.isfinite(values)):
+        raise ValueError("a contour field has values that are not finite")
+    low, high = float(np.min(values)), float(np.max(values))
+    size = max(abs(low), abs(high))
+    uniform = high - low <= UNIFORM * size or size == 0.0
+    if uniform:
+        middle, half, steps = 0.5 * (low + high), 0.5 * WIDENING * (size or 1.0), 2
+        low, high = middle - half, middle + half
+    else:
+        step = round_step(high - low, STEPS)
+        first, last = math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6)
+        low, high, steps = first * step, last * step, last - first
+    return ColourScale(low, high, _labels(low, high, steps), uniform)
+
+
+def _labels(low: float, high: float, steps: int) -> list[str]:
+    """Return the texts of even values.
+
+    Neighbours differ, the largest has two digits, the minus sign is a true one, and zero has no sign.
+    """
+    size = max(abs(low), abs(high))
+    power = math.floor(math.log10(size))
+    decimals = max(-math.floor(math.log10((high - low) / steps * (1.0 + 1e-9))), 1 - power)
+    form = f".{max(decimals, 0)}f" if 1e-3 <= size < 1e6 else f".{decimals + power}e"
+    texts = (format(value, form) for value in np.linspace(low, high, steps + 1))
+    return [text.replace("-", "−", 1) if float(text) else text.lstrip("-") for text in texts]
+
+
+class Sheet(NamedTuple):
+    """Plate at all drawn instants and wall above a canvas.
+
+    plates, wall: points, shape (n, 2), no wall for the line Y = 0; unit: of all lengths.
+    """
+
+    canvas: Canvas
+    plates: Floats
+    wall: Floats | None
+    unit: str
+
+
+def draw_field(
+    sheet: Sheet,
+    plate: Mesh,
+    field: ContourField,
+    scale: ColourScale,
+    note: str,
+    marks: Mapping[tuple[float, ...], str] | None = None,
+) -> None:
+    """Draw a field on the plate, with its title, range and scale.
+
+    note: at the upper right; marks: texts beside points. ValueError for another number of values.
+    """
+    canvas, (wide, high) = sheet.canvas, sheet.canvas.size
+    view = view_of_plate(sheet.plates, canvas.size, canvas.dot)
+    _draw_wall(sheet, view)
+    draw_values(canvas, (view.pixel(plate[0]), plate[1]), field, scale)
+    for place, text in (marks or {}).items():
+        canvas.dots(view.pixel(place), 8.0)
+        canvas.write(text, view.pixel(place), (18, 14), ground=0.8)
+    canvas.write(f"{field.title} [{field.unit}]", (0, high), (24, -50), TITLE, is_bold=True)
+    canvas.write(range_note(field, scale), (0, high), (24, -88), NOTE)
+    canvas.write(note, (wide, high), (-24, -50), align="right")
+
+
+def _draw_wall(sheet: Sheet, view: PixelMap) -> None:
+    """Draw the hatched wall or line, with rulers.
+
+    One ruler is along the wall, one beside the plate.
+    """
+    canvas, dot, (wide, _), caption = sheet.canvas, sheet.canvas.dot, sheet.canvas.size, "wall line, Y = 0"
+    (start, bottom), (end, _) = view.place([(0, 0), (wide, 0)])
+    (beside, _), (_, top) = sheet.plates.min(axis=0), sheet.plates.max(axis=0)
+    if sheet.wall is not None:
+        low, high, caption = sheet.wall.min(axis=0), sheet.wall.max(axis=0), "rigid wall, Y ≤ 0"
+        start, end, bottom = max(start, low[0]), min(end, high[0]), max(bottom, low[1])
+        if start < end:
+            box = [(start, bottom), (end, bottom), (end, 0), (start, 0)]
+            canvas.fill(view.pixel(box), [[0, 1, 2, 3]], -2.0, color="wall")
+            feet = np.arange(start + bottom, end, HATCH_STEP * dot * view.length)[:, None]
+            across = np.clip(feet + np.array([0.0, -bottom]), start, end)
+            canvas.lines(view.pixel(np.stack([across, across - feet + bottom], -1)), 1.5, "hatch", -1.0)
+    margin = 30 * dot * view.length
+    along, up = round_between(start + margin, end - margin, 12), round_between(0.0, top, 5)[1:]
+    feet = view.pixel([(x, 0.0) for x in along] or np.empty((0, 2)))
+    beams = view.pixel([(beside, y) for y in up] or np.empty((0, 2)))
+    lines = [
+        view.pixel([(start, 0), (max(start, end), 0)]),
+        *(np.array([foot, foot - (0, 8 * dot)]) for foot in feet),
+    ]
+    lines += [beam - dot * np.array([(14, 0), (6, 0)]) for beam in beams]
+    canvas.lines(lines, 2.0, "ink", 1.0)
+    for text, foot in zip(tick_texts(along), feet, strict=True):
+        canvas.write(text, foot, (0, -36), align="middle", ground=0.8)
+    for text, beam in zip(tick_texts(up), beams, strict=True):
+        canvas.write(text, beam, (-20, -9), align="right")
+    canvas.write(f"Y [{sheet.unit}]", (0, view.pixel((0, top))[1]), (24, 20))
+    canvas.write(caption, (0, 0), (24, 24), ground=0.8)
+    canvas.write(f"X [{sheet.unit}], driving direction →", (wide, 0), (-24, 24), align="right", ground=0.8)
+
+
+def round_between(low: float, high: float, most: int) -> list[float]:
+    """Return up to about `most` round numbers, none in an empty range."""
+    return round_ticks(low, high, most) if low < high else []
+
+
+def draw_values(canvas: Canvas, plate: Mesh, field: ContourField, scale: ColourScale) -> None:
+    """Draw nodal or element values with mesh lines, and the scale.
+
+    plate: points [pixels] and elements. ValueError for another number of values.
+    """
+    (points, cells), is_nodal, (wide, high) = plate, field.where == "nodal", canvas.size
+    if len(field.values) != (expected := len(points if is_nodal else cells)):
+        raise ValueError(f"{len(field.values)} values for {expected} {field.where} values of the plate")
+    style: dict[str, Any] = {
+        "cmap": "viridis",
+        "n_colors": scale.bands,
+        "clim": (scale.low, scale.high),
+        "interpolate_before_map": True,
+    }
+    edges: dict[str, Any] = {
+        "show_edges": True,
+        "edge_color": "black",
+        "edge_opacity": 0.35,
+        "line_width": canvas.dot,
+    }
+    canvas.fill(
+        points, cells, scalars=field.values, preference="point" if is_nodal else "cell", **style, **edges
+    )
+    lower, upper = (high - canvas.dot * down for down in (BAR[2], BAR[2] - THICK))
+    places = wide * np.linspace(*BAR[:2], scale.bands + 1)
+    strip = np.column_stack([np.repeat(places, 2), np.tile([lower, upper], scale.bands + 1)])
+    quads = 2 * np.arange(scale.bands)[:, None] + np.array([0, 2, 3, 1])
+    middles = np.linspace(scale.low, scale.high, 2 * scale.bands + 1)[1::2]
+    canvas.fill(strip, quads, scalars=middles, preference="cell", **style)
+    for label, place in zip(scale.labels, np.linspace(places[0], places[-1], len(scale.labels)), strict=True):
+        canvas.write(label, (place, upper), (0, 10), align="middle")
+
+
+def range_note(field: ContourField, scale: ColourScale) -> str:
+    """Return the line below the title with the range of a field.
+
+    It states whether the field is almost uniform.
+    """
+    low, high = float(np.min(field.values)), float(np.max(field.values))
+    if scale.uniform:
+        spread = (high - low) / (max(abs(low), abs(high)) or 1.0)
+        at = "node" if field.where == "nodal" else "element"
+        middle = f"{0.5 * (low + high):.5g}"
+        widened = f"the colour range is widened to {100.0 * WIDENING:g} %"
+        return f"uniform to {spread:.0e}: {middle} {field.unit} at every {at}; {widened}"
+    ends = (end if abs(end) > 1e-5 * (high - low) else 0.0 for end in (low, high))
+    least, most = (f"{end:.4g}" for end in ends)
+    return f"{field.where} values from {least} to {most} {field.unit}"

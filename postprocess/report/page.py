@@ -33,10 +33,14 @@ SEPARATOR = "\x1e"
 
 @dataclass(frozen=True)
 class Picture:
-    """PNG or GIF file embedded in the page, with caption."""
+    """PNG or GIF file embedded in the page, with caption.
+
+    dark: its form for dark screens.
+    """
 
     path: Path
     caption: str
+    dark: Path | None = None
 
     def in_units(self, units: Units) -> Picture:
         """Return the picture, which has its units already."""
@@ -243,6 +247,6 @@ def data_uri(path: Path) -> str:
         from PIL import Image
 
         file, kind = io.BytesIO(), "webp"
-        Image.open(path).convert("RGB").save(file, kind, lossless=True)
+        Image.open(path).convert("RGB").save(file, kind, lossless=True, quality=0, method=1)
         content = file.getvalue()
     return f"data:image/{kind};base64,{base64.b64encode(content).decode('ascii')}"

@@ -102,6 +102,11 @@ class FeReport(ABC):
         """
 
     @property
+    def is_drawn(self) -> bool:
+        """True unless requested pictures could not be drawn."""
+        return True
+
+    @property
     def causes(self) -> Sequence[str]:
         """Sentences on the cause of a failure, beside choices of the program."""
         return ()
@@ -163,7 +168,8 @@ class FeReport(ABC):
         """
         if self.fields:
             write_fields(folder / FILE, self.fields())
-        return (self.drawn(folder, units, size) if pictures else self).composed(pictures)
+        report = self.drawn(folder, units, size) if pictures else self
+        return report.composed(pictures and report.is_drawn)
 
     def composed(self, pictures: bool) -> Report:
         """Return the report without writing anything.

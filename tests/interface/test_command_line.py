@@ -33,7 +33,9 @@ CURVES = ["theta", "omega", "v_gx", "v_gy", "slide", "reaction_normal", "reactio
 CURVES += ["energy_exchanged", "energy_stored", "energy_error", "positions"]
 FILES |= {f"{name}.svg" for name in CURVES}
 FLUTTER = ("--set", "impact.friction=0.8", "--set", "corner.penalty_scale=3", "--set", "damping.kind=none")
-PICTURES = {"contour_v_gx.png", "contour_v_gy.png", "contour_omega.png", "contour_von_mises.png"}
+PICTURES = {
+    f"contour_{name}{form}.png" for name in ("v_gx", "v_gy", "omega", "von_mises") for form in ("", "-dark")
+}
 
 
 def run(*arguments, cwd=None):
@@ -102,20 +104,20 @@ def test_a_run_leaves_a_complete_folder(tmp_path, besides_compiling):
     assert list(fe_rows[0]) == list(rigid_rows[0])
     assert {"t", *CURVES[:7]} <= {*fe_rows[0]}
     report = (folder / "report.html").read_text()
-    assert report.count("data:image/webp") == 4
+    assert report.count("data:image/webp") == 8
     assert report.count("<svg") >= 5
 
 
 def test_results_are_there_before_the_pictures_start(tmp_path, monkeypatch, capsys):
     """The numbers are complete, and the missing pictures are named."""
-    from postprocess.fields import contours
+    from postprocess.fields.canvas import Canvas
 
-    def refused(figure):
+    def refused(canvas):
         at_work = {".tailslap-lock", ".tailslap-new"}
         assert {path.name for path in (tmp_path / "out").iterdir()} == FILES | at_work
         raise RuntimeError("no picture can be drawn")
 
-    monkeypatch.setattr(contours, "image_of", refused)
+    monkeypatch.setattr(Canvas, "image", refused)
     small = ("run", "paper-table-3", "--set", "plate.elements=[10,3]", "--out", str(tmp_path / "out"))
     assert _status(list(small)) == 3
     assert "no picture can be drawn" in capsys.readouterr().err

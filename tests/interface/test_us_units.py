@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.text import Text
 
 import tailslap
-from postprocess.fields import contours
+from postprocess.fields.canvas import LIGHT, Canvas
 from postprocess.fields.contours import ContourField, Situation, draw_contours, draw_instants
 from postprocess.figures.animation import from_above, write_animation
 from postprocess.report.command_report import Report
@@ -251,14 +250,13 @@ def folder(result, tmp_path_factory):
 
 def texts_of(monkeypatch, draw):
     """Words of a picture with the numbers of its rulers."""
-    words, image_of = list[str](), contours.image_of
+    words, write = list[str](), Canvas.write
 
-    def read(figure):
-        image = image_of(figure)
-        words.extend(text.get_text() for text in figure.axes[0].findobj(Text))
-        return image
+    def read(canvas, text, *arguments, **options):
+        words.extend([text] if canvas._colours is LIGHT else [])
+        write(canvas, text, *arguments, **options)
 
-    monkeypatch.setattr(contours, "image_of", read)
+    monkeypatch.setattr(Canvas, "write", read)
     draw()
     monkeypatch.undo()
     return words

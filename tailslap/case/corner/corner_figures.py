@@ -1,6 +1,7 @@
 """Curves of histories and contour pictures of a constrained corner."""
 
 import time
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -73,7 +74,8 @@ def draw_pictures(
 ) -> CornerOutcome:
     """Draw the contours of the plate at the tail-slap into a folder.
 
-    Returns the outcome with its pictures, none where the tail-slap was not reached. size: width and height [pixels].
+    Returns the outcome with its pictures, none without a tail-slap or on a machine that cannot draw. size: width and
+    height [pixels].
     """
     began, fe_plan, strike = time.perf_counter(), outcome.fe_plan, outcome.run.strike
     if strike is None:
@@ -101,5 +103,9 @@ def draw_pictures(
             scene=fe_plan.case.scene.name,
             time=strike.values["t"],
         )
-        pictures = contours.draw_contours(situation, fields, folder, units, size or contours.SIZE)
+        try:
+            pictures = contours.draw_contours(situation, fields, folder, units, size or contours.SIZE)
+        except ImportError as error:
+            warnings.warn(f"no pictures are drawn: {error}", stacklevel=2)
+            return outcome
     return replace(outcome, pictures=tuple(pictures), pictures_s=time.perf_counter() - began)

@@ -16,6 +16,7 @@ from fem.laws import constraints, friction, materials
 from fem.plate import kinds
 from fem.start import start_kinds
 from postprocess.comparison import quantities
+from postprocess.fields.contours import dark_form
 from postprocess.fields.series import FieldSeries
 from postprocess.report.page import Headline, Picture, Section
 from postprocess.report.tables import Column, Table, pairs
@@ -127,6 +128,11 @@ class CornerReport(FeReport):
         strike = self.outcome.run.strike
         return None if strike is None else partial(series_of_ends, self.outcome.fe_plan, strike)
 
+    @property
+    def is_drawn(self) -> bool:
+        """True with pictures."""
+        return bool(self.outcome.pictures)
+
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:
         """Return the omitted parts with reasons."""
         return omitted_parts(self.outcome.fe_plan.case.scene, pictures)
@@ -166,7 +172,7 @@ class CornerReport(FeReport):
     def sections(self) -> list[Section]:
         """Sections of the page, with empty ones, which are not shown."""
         outcome, rigid_body = self.outcome, self.outcome.fe_plan.case.rigid_numbers()
-        pictures = [Picture(path, CAPTIONS[path.stem]) for path in outcome.pictures]
+        pictures = [Picture(path, CAPTIONS[path.stem], dark_form(path)) for path in outcome.pictures]
         metrics = [{"name": f"`{name}`", **vars(item)} for name, item in outcome.metrics.items()]
         compared = Table(METRICS, metrics, notes=(METRICS_NOTE,))
         titles = {"stage1": "Stage 1: impulse at the front corner", "stage3": "Stage 3: tail-slap"}
