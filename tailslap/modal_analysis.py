@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import repeat
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +19,9 @@ from fem.modal import beams
 from fem.modal.mode_kinds import mode_kinds
 from fem.model.plate_model import PlateModel
 from fem.plate.free_modes import FreeModes, free_modes, most_modes
-from postprocess.figures.plates import draw_mode
+from postprocess.fields import contours
 from postprocess.report.command_report import Report
-from postprocess.report.page import Headline, Section
+from postprocess.report.page import Headline, Picture, Section
 from postprocess.report.tables import Column, Table
 from postprocess.units import measure, percent, percent_up
 from tailslap.arguments import checked_arguments
@@ -26,7 +30,7 @@ from tailslap.case.of_arguments import Changes, Scene, affordable_case
 from tailslap.case.plate_input import plate_density, refined
 from tailslap.case.report_parts import study_page
 from tailslap.errors import InputError
-from tailslap.result.result import Result, of_report
+from tailslap.result.result import Result, filled_by, of_report
 
 Mode = dict[str, Any]
 """Record of a mode, as in the summary."""
@@ -60,10 +64,11 @@ MESH_FACTOR = 2.0
 """Ratio of the stated error to the change on a mesh twice as fine, which bounds errors of first order."""
 
 
-def modes_report(case: Case, count: int) -> Report:
+def modes_report(case: Case, count: int) -> tuple[Report, Callable[[Path], Section]]:
     """Report the lowest elastic modes with the errors of their frequencies.
 
-    Raises InputError for a number of modes that the mesh does not allow.
+    A function beside the report draws their shapes into a folder. Raises InputError for a number of modes that the mesh
+    does not allow.
     """
     fe_plan, shapes, modes = modes_with_errors(case, count)
     model, plate, case = fe_plan.model, fe_plan.plate, fe_plan.case
@@ -75,7 +80,6 @@ def modes_report(case: Case, count: int) -> Report:
     rigid = shapes.rigid_frequencies / (2.0 * math.pi)
     sections = (
         Section("Natural frequencies", tables=(table,)),
-        _shapes(model, modes, shapes.shapes),
         Section("Method", sentences=_sentences(fe_plan, rigid, beam)),
     )
     files = "summary.json"
@@ -94,7 +98,7 @@ def modes_report(case: Case, count: int) -> Report:
             "nodes": int(model.parameters.mass.size),
         },
     }
-    return Report(page, summary, (table,))
+    return Report(page, summary, (table,)), functools.partial(_shapes, model, modes, shapes.shapes)
 
 
 def modes_with_errors(case: Case, count: int) -> tuple[FePlan, FreeModes, list[Mode]]:
@@ -218,20 +222,26 @@ def _name(mode: Mode) -> str:
     return f"{mode['kind']} {mode['order']}"
 
 
-def _shapes(model: PlateModel, modes: list[Mode], shapes: NDArray[np.float64]) -> Section:
+def _shapes(model: PlateModel, modes: list[Mode], shapes: NDArray[np.float64], folder: Path) -> Section:
     """Draw the lowest modes by normalised displacements of the corner nodes."""
-    cells, pictures = model.discretisation.cells, []
+    cells, drawn = model.discretisation.cells, dict[str, tuple[str, NDArray[np.float64]]]()
     corners = int(cells.max()) + 1
-    places = model.discretisation.positions[:, :corners].T
     for mode, shape in zip(modes[:MAX_PICTURES], shapes, strict=False):
         displacement = shape[:, :corners].T
-        displacement = displacement / np.hypot(*displacement.T).max()
-        caption = f"{mode['number']}: {_name(mode)}, {mode['frequency']:.4g} Hz"
-        pictures.append(draw_mode(f"mode-{mode['number']}", caption, places, cells, displacement))
+        title = f"{mode['number']}: {_name(mode)}, {mode['frequency']:.4g} Hz"
+        drawn[f"mode-{mode['number']}"] = title, displacement / np.hypot(*displacement.T).max()
     caption = "Grey: undeformed plate. Displacements are scaled to a maximum of 0.3 times the width."
     if len(modes) > MAX_PICTURES:
         caption += f" First {MAX_PICTURES} modes."
-    return Section("Mode shapes", caption, pictures)
+    places = model.discretisation.positions[:, :corners].T
+    try:
+        paths = contours.draw_modes(folder, (places, cells), drawn)
+    except ImportError as error:
+        warnings.warn(f"no pictures are drawn: {error}", stacklevel=2)
+        return Section("Mode shapes")
+    titles = (title for title, _ in drawn.values())
+    pictures = [Picture(*pair, contours.dark_form(pair[0])) for pair in zip(paths, titles, strict=True)]
+    return Section("Mode shapes", caption, pictures, layout="wide")
 
 
 def _sentences(fe_plan: FePlan, frequencies: NDArray[np.float64], beam: beams.Beam) -> tuple[str, ...]:
@@ -296,5 +306,12 @@ def modes(
     'bending'
     """
     case = affordable_case(scene, changes, allow_large, 6)
-    report = modes_report(case, count)
-    return of_report("modes", report, tables={"Frequencies": report.terminal[0]}, changes=case.changes)
+    report, draw = modes_report(case, count)
+
+    def drawn(folder: Path, pictures: bool, units: str) -> Report:
+        *before, method = report.page.sections
+        sections = [*before, *([draw(folder)] if pictures else []), method]
+        return replace(report, page=replace(report.page, sections=sections))
+
+    tables = {"Frequencies": report.terminal[0]}
+    return of_report("modes", report, fill=filled_by(drawn), tables=tables, changes=case.changes)

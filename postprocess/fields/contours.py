@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 FRAME_MS, GIF_SIZE, COLOURS = 120, (960, 420), 128
 
+MODE_SIZE, MODE_DOT, REACH = (1000, 440), 0.8, 0.3
+"""Size and point of pictures of modes [pixels], and their largest displacement over the width of the plate."""
+
 SIDE, TOP, BOTTOM = 70, 190, 120
 """Margins for the rulers, for title and scale, and for the wall [points]."""
 
@@ -111,8 +114,7 @@ def draw_contours(
                 marks[tuple(centre)] = f"G: {value:#.5g} {unit}"
             texts, scale = ",  ".join([situation.scene, *moment]), colour_scale(field.values)
             paths.append(out_dir / f"contour_{field.name}.png")
-            for path, colours in ((paths[-1], LIGHT), (dark_form(paths[-1]), DARK)):
-                canvas.clear(colours)
+            for path in _forms(canvas, paths[-1]):
                 draw_field(sheet, (points, cells), field, scale, texts, marks)
                 save(canvas.image(), path)
     return paths
@@ -121,6 +123,35 @@ def draw_contours(
 def dark_form(path: Path) -> Path:
     """Return the path of a picture for dark screens."""
     return path.with_stem(f"{path.stem}-dark")
+
+
+def _forms(canvas: Canvas, path: Path) -> Iterator[Path]:
+    """Begin the picture of a path in light and then in dark colours."""
+    for form, colours in ((path, LIGHT), (dark_form(path), DARK)):
+        canvas.clear(colours)
+        yield form
+
+
+def draw_modes(folder: Path, plate: Mesh, shapes: Mapping[str, tuple[str, Floats]]) -> list[Path]:
+    """Draw modes over the plate at rest as `NAME.png` and return the paths.
+
+    Beside each is its dark form. shapes: title, and displacements of largest length one, shape (nodes, 2), by name.
+    ImportError on a machine that cannot draw.
+    """
+    rest, cells = plate
+    reach, scale = REACH * np.ptp(rest, axis=0).min(), colour_scale(np.array([0.0, 1.0]))
+    rest = rest - rest.min(axis=0) + 1.1 * reach
+    with closing(Canvas(MODE_SIZE, MODE_DOT)) as canvas:
+        view = view_of_plate(np.array([(0.0, 0.0), rest.max(axis=0) + 1.1 * reach]), canvas.size, canvas.dot)
+        for name, (title, shape) in shapes.items():
+            field = ContourField(name, title, "-", np.hypot(*shape.T))
+            for path in _forms(canvas, folder / f"{name}.png"):
+                canvas.fill(view.pixel(rest), cells, -1.0, style="wireframe", color="hatch")
+                draw_values(canvas, (view.pixel(rest + reach * shape), cells), field, scale)
+                canvas.write(title, (0, canvas.size[1]), (24, -50), TITLE, is_bold=True)
+                canvas.write("displacement over its largest", (0, canvas.size[1]), (24, -88), NOTE)
+                save(canvas.image(), path)
+    return [folder / f"{name}.png" for name in shapes]
 
 
 def field_title(name: str) -> str:

@@ -1,19 +1,14 @@
-"""Charts of plates.
-
-Verdicts over pairs of axes as small maps, and mode shapes.
-"""
+"""Verdicts over pairs of axes as small maps."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from postprocess.svg import chart, scales
 from postprocess.svg.areas import Boxes
-from postprocess.svg.marks import Line, Swatch
+from postprocess.svg.marks import Swatch
 from postprocess.svg.scales import Floats, cells_about
-from postprocess.units import measure
 
 VERDICTS = {"right": "green", "flexible": "steel", "refused": "grid"}
 """Colours of the verdicts."""
@@ -21,12 +16,6 @@ VERDICTS |= {"caught": "rigid", "unjudged": "grey", "wrong": "red"}
 """Colours of the verdicts; all else is an error."""
 
 MAP_WIDTH, HEIGHT, TICKS = 252.0, 190.0, 5
-
-REACH = 0.3
-"""Largest displacement in the drawing over the width of the plate."""
-
-MAX_EDGES = 3000
-"""Largest number of edges drawn; of finer meshes the outline alone, which keeps pages small."""
 
 
 @dataclass(frozen=True)
@@ -98,52 +87,3 @@ def draw_meanings(meanings: Mapping[str, str], caption: str) -> chart.Chart:
     """Draw the meaning of every colour of maps."""
     keys = [Swatch(f"{kind}: {meaning}", VERDICTS[kind]) for kind, meaning in meanings.items()]
     return chart.draw_legend("map-legend", caption, keys, "Maps")
-
-
-Integers = NDArray[np.integer]
-
-
-def draw_mode(name: str, caption: str, positions: Floats, cells: Integers, shape: Floats) -> chart.Chart:
-    """Draw one mode over the plate at rest.
-
-    positions [m] and displacements, of largest length one, shape (nodes, 2); cells (elements, corners). Pages show
-    the length of the displacement on the outline.
-    """
-    edges, outline = mesh_edges(cells)
-    reach = REACH * np.ptp(positions, axis=0).min()
-    deformed, sizes = positions + reach * shape, np.linalg.norm(shape, axis=1)
-    nodes = np.unique(outline)
-    boxes = (
-        _segments(positions, outline, "grey", 0.9),
-        *([_segments(deformed, edges, "steel", 0.6)] if len(edges) <= MAX_EDGES else []),
-        _segments(deformed, outline, "fe", 1.6),
-        Line(
-            "displacement",
-            deformed[nodes, 0],
-            deformed[nodes, 1],
-            width=0.0,
-            values=sizes[nodes].tolist(),
-            at=[f"{measure(x, 'm', '.3g')}; {measure(y, 'm', '.3g')}" for x, y in positions[nodes]],
-        ),
-    )
-    (start, low), (end, high) = positions.min(axis=0) - 1.1 * reach, positions.max(axis=0) + 1.1 * reach
-    x, y = chart.Axis(low=start, high=end, named=()), chart.Axis(low=low, high=high, named=())
-    plot = chart.Plot(boxes, y, None, nearest="xy", has_grid=False, has_legend=False)
-    return chart.Chart(name, caption, (plot,), x, "Shapes")
-
-
-def _segments(places: Floats, pairs: Integers, colour: str, width: float) -> Line:
-    """Return straight lines between pairs of places."""
-    ends = np.pad(places[pairs], ((0, 0), (0, 1), (0, 0)), constant_values=np.nan)
-    return Line("", ends[..., 0].ravel(), ends[..., 1].ravel(), colour, width)
-
-
-def mesh_edges(cells: Integers) -> tuple[Integers, Integers]:
-    """Return interior and boundary edges of a mesh.
-
-    Pairs of nodes, shape (edges, 2) each.
-    """
-    sides = [np.stack([cells[:, i], np.roll(cells, -1, 1)[:, i]], 1) for i in range(cells.shape[1])]
-    pairs = np.concatenate(sides)
-    edges, times = np.unique(np.sort(pairs, axis=1), axis=0, return_counts=True)
-    return edges[times > 1], edges[times == 1]

@@ -236,6 +236,29 @@ def test_stresses_have_the_unit_that_suits_them(tmp_path, words):
     assert "Von Mises stress [ksi]" in words[2]
 
 
+@pytest.mark.parametrize("form", ["", "-dark"])
+def test_a_mode_has_the_colours_of_its_displacements_where_they_are(tmp_path, form, words):
+    """A shape of 0 to 1 along the plate, drawn up to 0.3 times the width across it."""
+    share = (POINTS[:, 0] - POINTS[:, 0].min()) / LENGTH
+    shape = np.column_stack([0.0 * share, share])
+    (path,) = contours.draw_modes(tmp_path, (POINTS, QUADS), {"mode-1": ("1: bending 1, 107.9 Hz", shape)})
+    assert {"1: bending 1, 107.9 Hz", "displacement over its largest", "0.2", "1.0"} <= words[0] == words[1]
+    picture = np.rint(imread(path.with_stem(f"mode-1{form}"))[..., :3] * 255).astype(np.uint8)
+    (wide, high), dot, reach = contours.MODE_SIZE, contours.MODE_DOT, 0.3 * WIDTH
+    rest = POINTS - POINTS.min(axis=0) + 1.1 * reach
+    view = contours.view_of_plate(np.array([(0.0, 0.0), rest.max(axis=0) + 1.1 * reach]), (wide, high), dot)
+    middles = (rest + reach * shape)[QUADS].mean(axis=1) + np.array([0.05, 0.1])
+    column, row = np.floor(view.pixel(middles)).astype(int).T
+    part = share[QUADS].mean(axis=1) + 0.05 / LENGTH
+    expected = mpl.colormaps["viridis"].resampled(10)(part)[:, :3] * 255
+    np.testing.assert_allclose(picture[high - 1 - row, column], expected, atol=2)
+    below = np.floor(view.pixel((rest[COLUMNS][0] - 0.2, rest[COLUMNS][1] + 0.15))).astype(int)
+    ground = canvas.DARK["paper"] if form else "#ffffff"
+    assert "#" + bytes(picture[high - 1 - below[1], below[0]].tolist()).hex() == ground, (
+        "the mode has left it"
+    )
+
+
 DRAW = """
 import sys
 from pathlib import Path

@@ -37,7 +37,7 @@ from tailslap.result.load import read_history
 SCENE = 'name = "a<b>&c"  # </pre><script>alert(1)</script>\nwidth = "2438 mm"\n'
 
 
-VOID = {"meta", "img", "br", "link", "hr", "input", "path", "rect", "circle", "image", "use"}
+VOID = {"meta", "img", "br", "link", "hr", "input", "path", "rect", "circle", "image", "use", "source"}
 Element = tuple[str, dict[str, str], tuple[str, ...], list[str]]
 
 

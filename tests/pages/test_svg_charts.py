@@ -13,7 +13,7 @@ from chart_samples import samples
 from postprocess.figures import studies
 from postprocess.figures.histories import Curve, draw_histories, draw_overlay, power_of_ten, thinned
 from postprocess.figures.impact import LINES, Forces, draw_forces
-from postprocess.figures.plates import VERDICTS, MapAxis, draw_map, draw_meanings, draw_mode
+from postprocess.figures.plates import VERDICTS, MapAxis, draw_map, draw_meanings
 from postprocess.svg.areas import Boxes, Layer, Span
 from postprocess.svg.chart import FULL, Axis, Chart, Plot, framed
 from postprocess.svg.marks import PALETTE, Level, Line, Swatch, Words, text_width
@@ -319,16 +319,6 @@ def test_bands_say_their_ends_and_the_rows_of_the_paper():
     first, second = boxes(chart.svg, "fe")[0], boxes(chart.svg, "rigid")[0]
     assert first[[0, 2]] == pytest.approx(second[[0, 2]])
     assert first[3] < second[1]
-
-
-def test_a_mode_says_how_far_its_outline_moves():
-    places = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
-    moves = np.array([[0, 1.0], [0, 0], [0, 0], [0.5, 0]])
-    chart = draw_mode("m", "a mode", places, np.array([[0, 1, 2, 3]]), moves)
-    assert shown(chart) == {"displacement": ["1", "0", "0", "0.5"]}
-    assert columns(chart)["displacement"][1][:2] == ["0 m; 0 m", "2 m; 0 m"]
-    assert texts_of(chart) == [], "no axes"
-    assert chart.svg.count("<rect") == 1, "the paper, and no frame"
 
 
 def crowded(lines=9):
