@@ -31,7 +31,7 @@ SHORT = "start.angle=0.001"
 """A start so near the wall that the time loop takes a tenth of the whole."""
 COMMANDS = {
     "run paper-table-3 --no-pictures": ("0.45", RUN),
-    "run mash-tl4-sut, three pictures": ("0.55", ("run", "mash-tl4-sut")),
+    "run mash-tl4-sut, four pictures": ("1.5, processor 1.8", ("run", "mash-tl4-sut")),
     "rigid paper-table-3": ("0.65", RIGID),
     "run of 30 720 elements, short": ("0.85", (*RUN, "--set", "plate.elements=[320,96]", "--set", SHORT)),
 }

@@ -40,12 +40,23 @@ ALIGNED = {"left": 0.0, "middle": 0.5, "right": 1.0}
 NO_WINDOW = "VTK finds neither libEGL.so.1 nor libOSMesa.so nor a display"
 
 
+_LOADING = threading.Lock()
+
+
+def load_pyvista() -> Any:
+    """Import PyVista, or wait for another thread that does."""
+    with _LOADING:
+        import pyvista.plotting
+
+        return pyvista
+
+
 def load_beside() -> None:
-    """Import PyVista in another thread, beside a computation."""
+    """Import PyVista beside a computation."""
 
     def load() -> None:
         with suppress(ImportError):  # raised again where a picture is drawn
-            import pyvista.plotting  # noqa: F401
+            load_pyvista()
 
     threading.Thread(target=load).start()
 
@@ -61,7 +72,7 @@ class Canvas:
 
         dot: pixels of a point, by default in proportion to the size.
         """
-        import pyvista
+        pyvista = load_pyvista()
         from vtkmodules.vtkCommonCore import vtkLogger
 
         os.environ.setdefault("ALLOW_PLOTTING", "true")  # PyVista would open another window to find out
