@@ -19,11 +19,12 @@ from pathlib import Path
 if sys.version_info < (3, 11):  # noqa: UP036
     sys.exit(f"bootstrap: tailslap requires Python 3.11 or newer; this is Python {sys.version.split()[0]}")
 
+from machine_code.system.operating_system import is_root
 from tailslap.errors import APT_INSTALL, APT_PACKAGES, DNF_PACKAGES
 
 ROOT = Path(__file__).resolve().parent
 VENV = ROOT / ".venv"
-PYTHON = str(VENV / "bin" / "python")
+PYTHON = str(VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python"))
 
 
 # Without a display, even where there is one: the program must also run over ssh and in a batch job.
@@ -61,7 +62,7 @@ def sudo() -> list[str]:
 
     It is empty for root, and without sudo.
     """
-    return ["sudo"] if os.geteuid() != 0 and shutil.which("sudo") else []
+    return ["sudo"] if not is_root() and shutil.which("sudo") else []
 
 
 def line_to_paste(apt_packages: str, dnf_packages: str) -> str:
@@ -78,7 +79,7 @@ def apt_install(packages: str) -> bool:
 
     Returns whether they are installed.
     """
-    may = os.geteuid() == 0 or (bool(sudo()) and call(["sudo", "-n", "true"])[0])
+    may = is_root() or (bool(sudo()) and call(["sudo", "-n", "true"])[0])
     if not may or not shutil.which("apt-get"):
         return False
     say(f"installing system packages: {packages}")

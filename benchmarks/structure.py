@@ -29,6 +29,73 @@ SKIPPED = {
     *(tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE),
     *(tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER),
 }
+UNIX_MODULES = {"fcntl", "grp", "posix", "pty", "pwd", "resource", "syslog", "termios", "tty"}
+UNIX_NAMES = {
+    "os": {
+        *(
+            "O_ASYNC",
+            "O_CLOEXEC",
+            "O_DIRECTORY",
+            "O_NOFOLLOW",
+            "O_NONBLOCK",
+            "WNOHANG",
+            "chown",
+            "fchmod",
+            "fdatasync",
+        ),
+        *(
+            "fork",
+            "forkpty",
+            "getegid",
+            "geteuid",
+            "getgid",
+            "getloadavg",
+            "getpgid",
+            "getpgrp",
+            "getuid",
+            "killpg",
+        ),
+        *("mkfifo", "nice", "posix_fallocate", "pread", "pwrite", "register_at_fork", "sched_getaffinity"),
+        *(
+            "sched_setaffinity",
+            "sendfile",
+            "set_blocking",
+            "setpgid",
+            "setsid",
+            "statvfs",
+            "sync",
+            "sysconf",
+            "uname",
+        ),
+        *("wait", "wait3", "wait4", "waitid"),
+    },
+    "signal": {
+        *(
+            "SIGALRM",
+            "SIGCHLD",
+            "SIGHUP",
+            "SIGIO",
+            "SIGKILL",
+            "SIGPIPE",
+            "SIGQUIT",
+            "SIGUSR1",
+            "SIGUSR2",
+            "SIGXFSZ",
+        ),
+        *(
+            "SIG_BLOCK",
+            "SIG_SETMASK",
+            "SIG_UNBLOCK",
+            "alarm",
+            "pthread_kill",
+            "pthread_sigmask",
+            "setitimer",
+            "sigwait",
+        ),
+    },
+}
+"""Modules, and names in modules, that Windows lacks, and some of them macOS."""
+
 SMALL = 40
 """Lines of code below which a module is too small to be a subject."""
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
@@ -158,6 +225,26 @@ def assertions(root: Path = ROOT) -> int:
     return sum(isinstance(node, ast.Assert) for node in nodes) + expected
 
 
+def of_one_system(root: Path = ROOT) -> list[str]:
+    """Names that Windows or macOS lacks, outside the module of operating systems."""
+    found = []
+    for path in [*sources(root), root / "bootstrap.py"]:
+        if path.stem == "operating_system":
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += (
+                [f"{node.module}.{a.name}" for a in node.names] if isinstance(node, ast.ImportFrom) else []
+            )
+            if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+                names.append(f"{node.value.id}.{node.attr}")
+            for name in names:
+                head, _, tail = name.partition(".")
+                if head in UNIX_MODULES or tail in UNIX_NAMES.get(head, ()):
+                    found.append(f"{path.relative_to(root)}: {name}")
+    return found
+
+
 def main() -> None:
     """Print the figures."""
     options = command_line.options(__doc__, files=False, trace=False)
@@ -189,6 +276,7 @@ def main() -> None:
     print(f"import circles: {len(circles())}")
     for circle in circles():
         print("   ", ", ".join(circle))
+    print(f"names of one operating system outside its module: {len(of_one_system())}")
     if options.trace:
         files, climbs, meshes = trace()
         calls = f"{files} files, {climbs} climbs from fem into tailslap, {meshes} meshes of the plate"

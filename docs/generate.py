@@ -262,8 +262,8 @@ FILES = (
     ("`theta.svg`, `omega.svg` and so on", "charts of the report"),
     (
         "`contour_v_gx.png`, `contour_v_gy.png`, `contour_omega.png`, `contour_von_mises.png`",
-        "plate at the tail-slap: velocities along and normal to the wall, angular velocity, von Mises stress; `-dark` for "
-        "dark screens",
+        "plate at the tail-slap: velocities along and normal to the wall, angular velocity, von Mises stress; `-dark` "
+        "for dark screens",
     ),
     ("`impact.gif`", "animation of a whole impact"),
     ("`space.gif`", "animation of the vehicle in space, for scenes with `[body]`"),

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any, Protocol
 
-from machine_code import folder, object_code
+from machine_code import object_code
 from machine_code.captures import CHOICES, Captures, Choose
 from machine_code.object_code import (
     Bind,
@@ -24,6 +24,7 @@ from machine_code.object_code import (
     type_text,
     value_codes,
 )
+from machine_code.system import folder
 from machine_code.values import Implementation, Nothing, Record, Value, refuse
 
 Function = Callable[..., Any]

@@ -40,7 +40,7 @@ def _restore_handlers() -> None:
 
     Libraries within gmsh replace them by the default ones.
     """
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
+    for number in signal.valid_signals():
         handler = signal.getsignal(number)
         if handler == signal.SIG_IGN:  # in any thread: writes to closed files must raise
             ctypes.CDLL(None).signal(int(number), ctypes.c_void_p(1))

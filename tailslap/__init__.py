@@ -50,7 +50,7 @@ def _demand_packages(*names):
             raise ImportError(message)
 
 
-_demand_packages("fem", "meshes", "postprocess", "solver")
+_demand_packages("fem", "machine_code", "meshes", "postprocess", "solver")
 
 from fem.lazy import lazy_names  # noqa: E402
 

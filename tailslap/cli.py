@@ -28,6 +28,7 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 # Nearly all objects of a command live until its end; with the default of 700 they are visited many times.
 gc.set_threshold(400_000, 20, 10)
 
+from machine_code.system.operating_system import ENDING  # noqa: E402
 from tailslap import errors  # noqa: E402
 from tailslap.commands import COMPLETE, DONE, commands  # noqa: E402
 
@@ -61,7 +62,7 @@ def main(arguments: list[str] | None = None) -> None:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it warns of a home that cannot be written
     status = _status(arguments)
     if status == INTERRUPTED:  # the end of the interpreter restores what ends it with another status
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, *ENDING):
             signal.signal(number, signal.SIG_IGN)
     drop_unwritten()
     gc.freeze()  # the end of the interpreter visits no object; with the threshold a sixth of a run's time
@@ -197,7 +198,7 @@ def take_signals_as_interrupts() -> None:
 
     Its cleanup is the same then. HUP is ignored under nohup.
     """
-    for number in (signal.SIGTERM, signal.SIGHUP):
+    for number in ENDING:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, signal.default_int_handler)
 

@@ -2,14 +2,10 @@
 
 import asyncio
 import contextlib
-import fcntl
 import importlib
 import io
 import logging
-import multiprocessing
 import os
-import select
-import signal
 import sys
 import threading
 import time
@@ -17,12 +13,10 @@ import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import forkserver, resource_tracker
-from multiprocessing.connection import Connection
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
+from machine_code.system import operating_system
 from tailslap import errors, progress
 from tailslap.campaign.records import Key, program
 from tailslap.case import resources
@@ -38,9 +32,6 @@ LIBRARIES = ("llvmlite.binding", "scipy.linalg", "skfem")
 """Libraries that these modules import when they are called."""
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-DESCRIPTORS = Path("/proc/self/fd")
-"""Open files of this process, which a worker opens again for itself."""
-ENDING = {signal.SIGTERM, signal.SIGHUP}
 LOGGERS = ("distributed", "distributed.client", "distributed.gc", "asyncio", "tornado", "tornado.application")
 """Loggers of Dask with levels of their own, silenced because connection errors are reported here."""
 START_S = 120.0
@@ -134,10 +125,9 @@ class Pool:
 
         Raises LostError if no worker remains.
         """
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload([__name__, *NEEDED, *LIBRARIES])
+        context = operating_system.worker_context([__name__, *NEEDED, *LIBRARIES])
         ours, self._lifeline = context.Pipe(duplex=False)
-        self._executor = ProcessPoolExecutor(self._workers, context, _begin, (ours,))
+        self._executor = ProcessPoolExecutor(self._workers, context, operating_system.end_with_owner, (ours,))
         first: Future[str] = Future()
 
         def start() -> None:
@@ -164,9 +154,7 @@ class Pool:
 
     def _end(self) -> None:
         """End processes that may be starting."""
-        server = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
-        if server is not None:
-            os.kill(server, signal.SIGKILL)
+        operating_system.end_starting_workers()
         self.close()
 
     def submit(self, function: Callable[..., T], *arguments: object) -> Future[T]:
@@ -211,21 +199,6 @@ class _ThisProcess(Pool):
         """Do nothing, since no process was started."""
 
 
-def _begin(lifeline: Connection) -> None:
-    """Let the kernel end this process with its owner.
-
-    The death of the owner closes the other end of the pipe. The pipe then sends a signal, since compiled code may block
-    a thread for minutes.
-    """
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
-    descriptor = os.open(DESCRIPTORS / str(lifeline.fileno()), os.O_RDONLY | os.O_NONBLOCK)
-    fcntl.fcntl(descriptor, fcntl.F_SETOWN, os.getpid())
-    # SIGIO ends a process that does not handle it.
-    fcntl.fcntl(descriptor, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
-    if select.select([descriptor], [], [], 0.0)[0]:
-        os._exit(1)
-
-
 @contextlib.contextmanager
 def _server_environment() -> Iterator[None]:
     """Set environment and signals of new processes.
@@ -233,18 +206,16 @@ def _server_environment() -> Iterator[None]:
     They use one thread, find the modules of this process and never receive Ctrl-C. Other signals that end this process
     wait until they have started, because a process that is interrupted at its start prints a trace.
     """
-    resource_tracker.ensure_running()  # when it starts, it would unblock the signals
     variables = {**ONE_THREAD, "PYTHONPATH": os.pathsep.join(sys.path), "PYTHONSAFEPATH": "1"}
     before = {name: os.environ.get(name) for name in variables}
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, *ENDING})
-    os.environ.update(variables)
-    try:
-        yield
-    finally:
-        for name in variables:
-            os.environ.pop(name)
-        os.environ.update({name: value for name, value in before.items() if value is not None})
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    with operating_system.held_signals():
+        os.environ.update(variables)
+        try:
+            yield
+        finally:
+            for name in variables:
+                os.environ.pop(name)
+            os.environ.update({name: value for name, value in before.items() if value is not None})
 
 
 @contextlib.contextmanager
@@ -265,14 +236,14 @@ def _hidden_script() -> Iterator[None]:
 def local(workers: int) -> Iterator[Pool]:
     """Start processes of this machine and end them.
 
-    Without workers or without /proc, the pool is this process. Raises LostError.
+    Without workers the pool is this process. Raises LostError.
     """
     if (limit := resources.address_space()) < LEAST_ADDRESS_SPACE:
         raise LostError(
             f"the address space of a process is limited to {limit / 1e6:.0f} MB (ulimit -v); "
             f"required are {LEAST_ADDRESS_SPACE / 1e6:.0f} MB"
         )
-    if not workers or not DESCRIPTORS.is_dir():
+    if not workers:
         yield _ThisProcess()
         return
     with progress.announced("Starting processes ..."):

@@ -5,13 +5,17 @@ Estimates use the scene alone, without a mesh.
 
 import contextlib
 import math
-import os
-import resource
 from dataclasses import dataclass
 from pathlib import Path
 
 from fem.laws import materials
 from fem.plate import kinds
+from machine_code.system.operating_system import (
+    address_space,
+    available_cores,
+    free_memory,
+    used_address_space,
+)
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene.schema import Plate, Scene, Vehicle
 
@@ -214,11 +218,6 @@ def estimate_lines(scene: Scene, duration: float) -> dict[str, list[str]]:
     }
 
 
-def available_cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0))
-
-
 def worker_count(requested: int | None, parts: int) -> int:
     """Return the number of processes for a number of parts.
 
@@ -234,17 +233,10 @@ def available_memory() -> float:
     cannot be read are ignored.
     """
     limits = [float("inf")]
-    for limit in (_free, _container, _own_limit):
+    for limit in (free_memory, _container, _own_limit):
         with contextlib.suppress(OSError, ValueError):
             limits.append(limit())
     return max(0.0, min(limits))
-
-
-def _free() -> float:
-    lines = Path("/proc/meminfo").read_text().splitlines()
-    return 1024.0 * next(
-        (float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")), math.inf
-    )
 
 
 def _container() -> float:
@@ -252,11 +244,5 @@ def _container() -> float:
     return limit - used
 
 
-def address_space() -> float:
-    """Return the limit of the address space of a process [bytes]."""
-    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    return math.inf if limit == resource.RLIM_INFINITY else limit
-
-
 def _own_limit() -> float:
-    return address_space() - float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    return address_space() - used_address_space()

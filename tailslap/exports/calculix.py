@@ -3,7 +3,6 @@
 import contextlib
 import os
 import shutil
-import signal
 import subprocess
 import time
 from collections.abc import Iterator
@@ -12,6 +11,7 @@ from typing import IO
 
 import numpy as np
 
+from machine_code.system import operating_system
 from postprocess.comparison.nodal import read_centre_of_mass
 from tailslap.errors import InputError, shortened
 from tailslap.progress import announced
@@ -83,24 +83,7 @@ def _program(command: list[str], folder: Path) -> Iterator[subprocess.Popen[byte
         try:
             yield program
         finally:
-            _end_group(program)
-
-
-def _end_group(leader: subprocess.Popen[bytes]) -> None:
-    """End all processes of a group by SIGTERM, then by SIGKILL."""
-    deadline = time.monotonic() + GRACE
-    try:
-        os.killpg(leader.pid, signal.SIGTERM)
-        while time.monotonic() < deadline:
-            leader.poll()
-            os.killpg(leader.pid, 0)
-            time.sleep(POLL)
-    except ProcessLookupError:
-        pass
-    finally:  # also where a second interrupt ends the grace
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(leader.pid, signal.SIGKILL)
-        leader.wait()
+            operating_system.end_group(program, GRACE, POLL)
 
 
 def _watch(
@@ -111,7 +94,7 @@ def _watch(
     Returns the limit that it exceeds, or "".
     """
     assert program.stdout is not None
-    os.set_blocking(program.stdout.fileno(), False)
+    operating_system.read_at_once(program)
     deadline = time.monotonic() + time_limit
     while True:
         has_ended = program.poll() is not None
@@ -135,7 +118,7 @@ def _size(folder: Path) -> int:
     for place, _, names in os.walk(folder):
         for name in names:
             with contextlib.suppress(FileNotFoundError):
-                size += 512 * os.lstat(os.path.join(place, name)).st_blocks
+                size += operating_system.bytes_on_disk(os.path.join(place, name))
     return size
 
 

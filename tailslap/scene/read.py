@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from machine_code.system.operating_system import NO_WAIT
 from tailslap import errors
 from tailslap.arguments import checked_arguments
 from tailslap.scene import schema, units, write
@@ -59,7 +60,7 @@ def read_text(path: Path, most: int, undecodable: str = "strict") -> str:
     """
     if not stat.S_ISREG(path.stat().st_mode):
         raise ValueError("it is not a regular file")
-    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+    with open(os.open(path, os.O_RDONLY | NO_WAIT), "rb") as file:
         content = file.read(most + 1)
     if len(content) > most:
         raise ValueError(f"it is too large; the limit is {most} bytes")

@@ -169,7 +169,7 @@ def _report(why: str) -> None:
 def _digest(definition: Mapping[str, object]) -> str:
     """Return the digest of a definition, the libraries and the compiled code."""
     from fem.registry import digest_of_laws
-    from machine_code.folder import own_sources
+    from machine_code.system.folder import own_sources
 
     programs = {name: version(name) for name in ("numpy", "llvmlite", "scipy", "scikit-fem")}
     all_of_it = {**definition, **programs, "fem": own_sources("machine_code", "fem") + digest_of_laws()}

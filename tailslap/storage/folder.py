@@ -20,6 +20,7 @@ import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from machine_code.system.operating_system import REPLACES_OPEN_FILES
 from tailslap import errors
 from tailslap.storage import manifest
 from tailslap.storage.manifest import LOCK, LOG, NEW, Entry, Origin
@@ -119,7 +120,8 @@ def locked(place: Path) -> Iterator[Path]:
         _make_and_lock(place, stack)
         stack.callback(_leave, place)
         try:
-            (place / LOCK).write_text(str(os.getpid()))
+            if REPLACES_OPEN_FILES:
+                (place / LOCK).write_text(str(os.getpid()))
             _finish_log(place)
             _drop(place)
         except OSError as error:
@@ -156,8 +158,10 @@ def _leave(place: Path) -> None:
 def _is_held(place: Path) -> bool:
     """Return True while the lock of this process is in the folder.
 
-    Another process may have removed the folder. On a full disk the lock has no number.
+    Another process may have removed the folder, but on Windows. On a full disk the lock has no number.
     """
+    if not REPLACES_OPEN_FILES:
+        return True
     with manifest.valid_content(), open(place / LOCK, opener=manifest.open_plain) as file:
         return file.read() in ("", str(os.getpid()))
     return False

@@ -6,7 +6,6 @@ else belongs to the user: added files, and files of the program that were change
 
 import contextlib
 import errno
-import fcntl
 import hashlib
 import json
 import os
@@ -17,6 +16,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import tailslap
+from machine_code.system import operating_system
+from machine_code.system.operating_system import REPLACES_OPEN_FILES, sync
 from tailslap.errors import ABSENT
 
 NAME, LOCK, NEW, LOG = ".tailslap-result.json", ".tailslap-lock", ".tailslap-new", ".tailslap-redo.json"
@@ -62,7 +63,7 @@ def open_plain(name: str, flags: int) -> int:
     Used as an opener of `open`. Raises OSError or ValueError.
     """
     try:
-        number = os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK)
+        number = os.open(name, flags | operating_system.PLAIN)
     except OSError as error:
         if error.errno in IRREGULAR:
             raise ValueError(NOT_REGULAR) from None
@@ -185,8 +186,9 @@ def whole_file(path: Path) -> Iterator[Path]:
     file waits.
     """
     partial = path.with_name(f".{path.name[:MAX_STEM]}{SUFFIX}")
-    with locked_file(partial, wait=True):
-        os.truncate(partial, 0)  # a process that died may have written a part
+    lock = partial if REPLACES_OPEN_FILES else partial.with_name(f"{partial.name}-lock")
+    with locked_file(lock, wait=True):
+        partial.write_bytes(b"")  # a process that died may have written a part
         try:
             yield partial
             sync(partial)
@@ -195,18 +197,6 @@ def whole_file(path: Path) -> Iterator[Path]:
         except BaseException:
             partial.unlink(missing_ok=True)
             raise
-
-
-def sync(path: Path) -> None:
-    """Wait until a file or a folder's names are on disk."""
-    number = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(number)
-    except OSError as error:
-        if error.errno != errno.EINVAL:  # network file systems do not synchronize folders
-            raise
-    finally:
-        os.close(number)
 
 
 @contextlib.contextmanager
@@ -222,7 +212,7 @@ def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
             try:
                 if not stat.S_ISREG(os.fstat(number).st_mode):
                     raise OSError(errno.EINVAL, f"{path.name} is not a regular file")
-                fcntl.flock(number, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+                operating_system.lock(number, wait)
                 is_there = _is_there(number, path)  # else its last owner has removed the file in between
             except OSError as error:
                 if is_new and not isinstance(error, BlockingIOError):
@@ -234,11 +224,13 @@ def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
         finally:
             with contextlib.suppress(OSError):  # the lock is released in any case
                 os.close(number)
+                if not REPLACES_OPEN_FILES:  # the owner could not remove it
+                    path.unlink()
 
 
 def _open_lock(path: Path) -> tuple[int, bool]:
     """Return the descriptor of a lock file, and whether it is new."""
-    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
+    flags = os.O_RDWR | os.O_CREAT | operating_system.PLAIN
     with contextlib.suppress(FileExistsError):
         return os.open(path, flags | os.O_EXCL, 0o666), True
     return os.open(path, flags, 0o666), False

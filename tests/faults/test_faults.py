@@ -17,8 +17,9 @@ import psutil
 import pytest
 
 from fem import cache
-from machine_code import folder, object_code
+from machine_code import object_code
 from machine_code.compiled import compiled
+from machine_code.system import folder
 from tailslap import errors
 from tailslap.campaign import pools
 from tailslap.cli import _status

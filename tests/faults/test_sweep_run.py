@@ -680,12 +680,15 @@ def test_a_log_beside_the_file_is_kept_on_known_file_systems_alone(tmp_path, mon
         monkeypatch.setattr(records, "MOUNTS", tmp_path / "none")
 
 
-def test_without_proc_runs_are_made_in_this_process_and_memory_is_unlimited(monkeypatch, tmp_path):
-    monkeypatch.setattr(pools, "DESCRIPTORS", tmp_path / "none")
-    monkeypatch.setattr(resources, "Path", lambda *parts: tmp_path / "none")
+def test_memory_that_cannot_be_read_is_unlimited(monkeypatch, tmp_path):
+    def unread():
+        raise OSError
+
+    for name in ("free_memory", "address_space"):
+        monkeypatch.setattr(resources, name, unread)
     monkeypatch.setattr(resources, "CGROUP", tmp_path / "none")
     assert resources.available_memory() == math.inf
-    with pools.local(2) as pool:
+    with pools.local(0) as pool:
         assert pool.submit(os.getpid).result() == os.getpid()
 
 

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from machine_code import folder
 from machine_code.compiled import Kernel
+from machine_code.system import folder
 from machine_code.values import TranslationError
 
 LINE = re.compile(r"(<kernel -?\d+>|.*random_kernels\.py):[1-9]\d*: a kernel cannot have ")

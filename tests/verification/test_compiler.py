@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from random_kernels import LINE, REFUSED, function_of
 
-from machine_code import folder
 from machine_code.compiled import Kernel, by_law, chosen, compact, compiled, implements, inlined, optional
 from machine_code.object_code import UnknownTypeError
+from machine_code.system import folder
 from machine_code.values import Array, TranslationError
 
 WEIGHTS = np.array([[0.25, -0.5], [0.75, 2.0]])

@@ -8,7 +8,7 @@ from collections import Counter
 import pytest
 from random_kernels import check, check_outside
 
-from machine_code import folder
+from machine_code.system import folder
 
 
 @pytest.fixture(autouse=True)

@@ -22,10 +22,11 @@ import pytest
 from fem.explicit.parallel import _wait_for_all, new_barrier
 from fem.explicit.time_loop import advance
 from fem.run.corner import Stepper
-from machine_code import folder, llvm_code
+from machine_code import llvm_code
 from machine_code.compiled import compile_once, compiled
-from machine_code.folder import USUAL_S, one_process_compiles
 from machine_code.object_code import UnknownTypeError, flattened
+from machine_code.system import folder
+from machine_code.system.folder import USUAL_S, one_process_compiles
 from tailslap.case.corner.corner_case import CornerCase
 from tailslap.case.corner.decisions import ELEMENTS_A_THREAD, open_threads
 from tailslap.scene.read import read_scene

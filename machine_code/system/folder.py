@@ -4,7 +4,6 @@ Its content is executed. Therefore folder and files must belong to this user and
 files are opened.
 """
 
-import fcntl
 import functools
 import hashlib
 import os
@@ -16,6 +15,8 @@ from pathlib import Path
 
 import platformdirs
 
+from machine_code.system import operating_system
+
 USUAL_S, LONGEST_S, TIME_FILE = 2.0, 3600.0, "seconds"
 """Usual and longest time [s] in which a loop is compiled, and the file of the last time.
 
@@ -25,7 +26,7 @@ The usual time is expected where the file is missing.
 PATIENCE_S = 2.0
 """Time [s] after which waiting for another process is reported."""
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 """Folder of the packages."""
 
 
@@ -57,7 +58,11 @@ def read(path: Path, most: int) -> bytes:
         _claim(path.parent)
         with open(path, "rb", opener=_open) as file:
             status = os.fstat(file.fileno())
-            if stat.S_ISREG(status.st_mode) and status.st_size <= most and _is_closed(status):
+            if (
+                stat.S_ISREG(status.st_mode)
+                and status.st_size <= most
+                and operating_system.is_private(status)
+            ):
                 return file.read(most)
     return b""
 
@@ -82,13 +87,8 @@ def _claim(folder: Path) -> None:
     Raises OSError for a folder of another user, or one open to others.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    if not _is_closed(folder.lstat()):
+    if not operating_system.is_private(folder.lstat()):
         raise PermissionError("it must belong to this user and be inaccessible to others (chmod 700)")
-
-
-def _is_closed(status: os.stat_result) -> bool:
-    """Return True if only this user can read and write."""
-    return status.st_uid == os.geteuid() and not status.st_mode & 0o077
 
 
 def _open(name: str, flags: int) -> int:
@@ -96,7 +96,7 @@ def _open(name: str, flags: int) -> int:
 
     It does not wait for the other end of a pipe.
     """
-    return os.open(name, flags | os.O_NOFOLLOW | os.O_NONBLOCK, mode=0o600)
+    return os.open(name, flags | operating_system.PLAIN, mode=0o600)
 
 
 def expected_time() -> float:
@@ -129,6 +129,6 @@ def one_process_compiles(code: Path, on_wait: Callable[[], None]) -> Iterator[No
             _claim(code.parent)
             lock = open_files.enter_context(open(code.with_suffix(".lock"), "ab", opener=_open))
             timer.start()
-            fcntl.flock(lock, fcntl.LOCK_EX)
+            operating_system.lock(lock.fileno(), wait=True)
         timer.cancel()
         yield

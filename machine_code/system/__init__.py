@@ -1,0 +1,1 @@
+"""Operating systems, and the folder of compiled code."""
