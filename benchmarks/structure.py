@@ -94,7 +94,7 @@ UNIX_NAMES = {
         ),
     },
 }
-"""Modules, and names in modules, that Windows lacks, and some of them macOS."""
+"""Modules, and names in modules, that are missing on Windows, and some of them on macOS."""
 
 SMALL = 40
 """Lines of code below which a module is too small to be a subject."""
@@ -226,8 +226,11 @@ def assertions(root: Path = ROOT) -> int:
 
 
 def of_one_system(root: Path = ROOT) -> list[str]:
-    """Names that Windows or macOS lacks, outside the module of operating systems."""
-    found = []
+    """Names that are missing on Windows or macOS.
+
+    The module of operating systems may have them.
+    """
+    uses = []
     for path in [*sources(root), root / "bootstrap.py"]:
         if path.stem == "operating_system":
             continue
@@ -241,8 +244,8 @@ def of_one_system(root: Path = ROOT) -> list[str]:
             for name in names:
                 head, _, tail = name.partition(".")
                 if head in UNIX_MODULES or tail in UNIX_NAMES.get(head, ()):
-                    found.append(f"{path.relative_to(root)}: {name}")
-    return found
+                    uses.append(f"{path.relative_to(root)}: {name}")
+    return uses
 
 
 def main() -> None:

@@ -1,6 +1,6 @@
-"""What differs between Linux, macOS and Windows.
+"""Adapt to Linux, macOS and Windows.
 
-No other module uses names that one of them lacks. Tests run on Linux, some of them without these names.
+No other module uses names that are missing on one of them. Tests run on Linux, some of them without these names.
 """
 
 from __future__ import annotations
@@ -128,9 +128,9 @@ def held_signals() -> Iterator[None]:
 
 
 def worker_context(modules: Sequence[str]) -> BaseContext:
-    """Return the context of processes that are forked from one that has imported the modules.
+    """Return the context of worker processes.
 
-    Where processes cannot be forked, each imports them.
+    They are forked from one that has imported the modules. Where this is impossible, each imports them.
     """
     context = multiprocessing.get_context("forkserver" if HAS_FORK else "spawn")
     if HAS_FORK:
@@ -148,9 +148,10 @@ def end_starting_workers() -> None:
 
 
 def end_with_owner(lifeline: Connection) -> None:
-    """Let this process end with its owner, whose death closes the other end of the pipe.
+    """Let this process end with its owner.
 
-    On Linux the pipe then sends a signal, since compiled code may block a thread for minutes. Elsewhere a thread waits.
+    The death of the owner closes the other end of the pipe. On Linux the pipe then sends a signal, since compiled code
+    may block a thread for minutes. Elsewhere a thread waits.
     """
     if DESCRIPTORS.is_dir() and HAS_FORK:
         _end_by_signal(lifeline)
@@ -189,9 +190,9 @@ def read_at_once(stream: subprocess.Popen[bytes]) -> None:
 
 
 def end_group(leader: subprocess.Popen[bytes], grace: float, interval: float) -> None:
-    """End all processes of a session of its own, after a time of grace [s] by force.
+    """End all processes of a session.
 
-    interval: between looks at them [s]. On Windows the first of them is ended.
+    grace: time until they are killed [s]; interval: between looks at them [s]. On Windows the first of them is ended.
     """
     if not HAS_FORK:
         leader.kill()

@@ -126,16 +126,17 @@ def dark_form(path: Path) -> Path:
 
 
 def _forms(canvas: Canvas, path: Path) -> Iterator[Path]:
-    """Begin the picture of a path in light and then in dark colours."""
+    """Begin a picture in light, then in dark colours."""
     for form, colours in ((path, LIGHT), (dark_form(path), DARK)):
         canvas.clear(colours)
         yield form
 
 
 def draw_modes(folder: Path, plate: Mesh, shapes: Mapping[str, tuple[str, Floats]]) -> list[Path]:
-    """Draw modes over the plate at rest as `NAME.png` and return the paths.
+    """Draw modes as `NAME.png` and return the paths.
 
-    Beside each is its dark form. shapes: title, and displacements of largest length one, shape (nodes, 2), by name.
+    The plate at rest is grey. Beside each is its dark form. shapes: title, and displacements of largest length one,
+    shape (nodes, 2), by name.
     ImportError on a machine that cannot draw.
     """
     rest, cells = plate

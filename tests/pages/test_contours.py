@@ -238,7 +238,7 @@ def test_stresses_have_the_unit_that_suits_them(tmp_path, words):
 
 @pytest.mark.parametrize("form", ["", "-dark"])
 def test_a_mode_has_the_colours_of_its_displacements_where_they_are(tmp_path, form, words):
-    """A shape of 0 to 1 along the plate, drawn up to 0.3 times the width across it."""
+    """The shape grows from 0 to 1 along the plate."""
     share = (POINTS[:, 0] - POINTS[:, 0].min()) / LENGTH
     shape = np.column_stack([0.0 * share, share])
     (path,) = contours.draw_modes(tmp_path, (POINTS, QUADS), {"mode-1": ("1: bending 1, 107.9 Hz", shape)})

@@ -1,4 +1,4 @@
-"""Verify commands without the names that Windows or macOS lacks."""
+"""Verify commands without the names that are missing on Windows or macOS."""
 
 import contextlib
 import os
@@ -41,7 +41,7 @@ def find(name, globals=None, locals=None, fromlist=(), level=0):
     return plain(name, globals, locals, fromlist, level)
 builtins.__import__ = find
 """
-"""What a process imports at its start: names are hidden from the packages of the program alone."""
+"""Module that a process imports at its start. It hides names from the packages of the program alone."""
 
 
 @pytest.fixture(scope="module")
@@ -59,16 +59,16 @@ def test_one_module_has_what_differs_between_operating_systems(tmp_path):
     place.mkdir()
     (tmp_path / "bootstrap.py").write_text("import os\nfrom signal import SIGKILL\nos.fork()\nos.listdir()\n")
     (place / "a.py").write_text("def lock():\n    import fcntl\n    from resource import getrlimit\n")
-    found = ["meshes/a.py: fcntl", "meshes/a.py: resource.getrlimit", "bootstrap.py: signal.SIGKILL"]
-    assert structure.of_one_system(tmp_path) == [*found, "bootstrap.py: os.fork"]
+    expected = ["meshes/a.py: fcntl", "meshes/a.py: resource.getrlimit", "bootstrap.py: signal.SIGKILL"]
+    assert structure.of_one_system(tmp_path) == [*expected, "bootstrap.py: os.fork"]
 
 
 def test_the_names_are_hidden(elsewhere):
     code = "from machine_code.system import operating_system as s; print(s.HAS_FORK, len(s.ENDING), s.PLAIN)"
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code], env=elsewhere, capture_output=True, text=True, cwd=ROOT
     )
-    assert done.stdout.split() == ["False", "1", "0"], done.stderr
+    assert process.stdout.split() == ["False", "1", "0"], process.stderr
 
 
 @pytest.mark.parametrize("words", [
@@ -85,9 +85,9 @@ def test_a_command_runs_without_these_names(words, elsewhere, tmp_path):
         place.mkdir()
         command = [sys.executable, "-m", "tailslap", *words]
         options = {"capture_output": True, "text": True, "timeout": HANG, "cwd": place}
-        done = subprocess.run(command, env={**environment, "COLUMNS": "200"}, **options)
-        assert done.returncode == 0, done.stderr
-        lines = [line for line in done.stdout.splitlines() if not line.startswith("Cost:")]
+        process = subprocess.run(command, env={**environment, "COLUMNS": "200"}, **options)
+        assert process.returncode == 0, process.stderr
+        lines = [line for line in process.stdout.splitlines() if not line.startswith("Cost:")]
         files = {path.relative_to(place) for path in place.rglob("*") if path.is_file()}
         outputs.append((lines, files))
     assert outputs[0] == outputs[1]
