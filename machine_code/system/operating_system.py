@@ -20,10 +20,7 @@ from multiprocessing.context import BaseContext
 from pathlib import Path
 
 HAS_FORK = hasattr(os, "fork")
-"""False on Windows."""
-
-REPLACES_OPEN_FILES = HAS_FORK
-"""False on Windows, where a locked file can moreover not be read by its own process."""
+"""False on Windows, where moreover an open file is not replaced, and a locked one not read by another descriptor."""
 
 NO_WAIT = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 PLAIN = NO_WAIT | getattr(os, "O_NOFOLLOW", 0)
@@ -75,12 +72,6 @@ def sync(path: Path) -> None:
             raise
     finally:
         os.close(number)
-
-
-def bytes_on_disk(path: str) -> int:
-    """Return the size of a file on disk."""
-    status = os.lstat(path)
-    return 512 * status.st_blocks if hasattr(status, "st_blocks") else status.st_size
 
 
 def available_cores() -> int:

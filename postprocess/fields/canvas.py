@@ -72,20 +72,18 @@ class Canvas:
 
         dot: pixels of a point, by default in proportion to the size.
         """
-        pyvista = load_pyvista()
+        self._pyvista = pyvista = load_pyvista()
         from vtkmodules.vtkCommonCore import vtkLogger
 
         os.environ.setdefault("ALLOW_PLOTTING", "true")  # PyVista would open another window to find out
         self.size, self.dot = size, dot or min(size[0] / SIZE[0], size[1] / SIZE[1])
         self._words: list[tuple[Any, ...]] = []
-        theme, verbosity = pyvista.themes.DocumentTheme(), vtkLogger.GetCurrentVerbosityCutoff()
-        vtkLogger.SetStderrVerbosity(
-            vtkLogger.VERBOSITY_ERROR
-        )  # it warns of a missing display before it tries EGL
+        options = {"off_screen": True, "lighting": "none", "theme": pyvista.themes.DocumentTheme()}
+        verbosity = vtkLogger.GetCurrentVerbosityCutoff()
+        # It warns of a missing display before it tries EGL and OSMesa.
+        vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
         try:
-            self._plotter = pyvista.Plotter(
-                off_screen=True, window_size=list(size), lighting="none", theme=theme
-            )
+            self._plotter = pyvista.Plotter(window_size=list(size), **options)
             self._plotter.render_window.Initialize()
         finally:
             vtkLogger.SetStderrVerbosity(verbosity)
@@ -94,11 +92,8 @@ class Canvas:
         self._plotter.enable_anti_aliasing("msaa", multi_samples=4)
         camera, middle = self._plotter.camera, (0.5 * size[0], 0.5 * size[1])
         camera.focal_point, camera.position, camera.up = (*middle, 0.0), (*middle, 10.0), (0.0, 1.0, 0.0)
-        camera.parallel_projection, camera.parallel_scale, camera.clipping_range = (
-            True,
-            middle[1],
-            (1.0, 20.0),
-        )
+        camera.parallel_projection, camera.parallel_scale = True, middle[1]
+        camera.clipping_range = (1.0, 20.0)
         self.clear()
 
     def close(self) -> None:
@@ -117,7 +112,8 @@ class Canvas:
 
         points: shape (n, 2) [pixels]; cells: shape (e, corners); style: of PyVista.
         """
-        self._add("PolyData.from_regular_faces", height, points, np.asarray(cells), **style)
+        places = np.insert(points, 2, height, axis=1)
+        self._add(self._pyvista.PolyData.from_regular_faces(places, np.asarray(cells)), style)
 
     def lines(self, ends: ArrayLike, width: float, color: str, height: float = 0.0) -> None:
         """Draw lines between pairs of pixels.
@@ -125,8 +121,9 @@ class Canvas:
         ends: shape (n, 2, 2); width [points].
         """
         if np.size(ends):
-            pairs = np.reshape(ends, (-1, 2))
-            self._add("line_segments_from_points", height, pairs, color=color, line_width=width * self.dot)
+            places = np.insert(np.reshape(ends, (-1, 2)), 2, height, axis=1)
+            style = {"color": color, "line_width": width * self.dot}
+            self._add(self._pyvista.line_segments_from_points(places), style)
 
     def dots(self, pixel: ArrayLike, radius: float) -> None:
         """Draw a ring with a white middle.
@@ -138,20 +135,15 @@ class Canvas:
         for height, part, color in ((3.0, 1.0, LIGHT["ink"]), (4.0, 0.63, LIGHT["paper"])):
             self.fill(np.asarray(pixel) + part * circle, np.arange(32)[None], height, color=color)
 
-    def _add(self, make: str, height: float, points: ArrayLike, *cells: Any, **style: Any) -> None:
-        """Add a mesh of a function of PyVista, without lighting.
+    def _add(self, mesh: Any, style: dict[str, Any]) -> None:
+        """Add a mesh without lighting.
 
         Colours may be names of the theme.
         """
-        import pyvista
-
-        mesh = functools.reduce(getattr, make.split("."), pyvista)(
-            np.insert(points, 2, height, axis=1), *cells
-        )
+        style = {"line_width": self.dot, **style, "lighting": False, "show_scalar_bar": False}
         if "color" in style:
             style["color"] = self._colours.get(style["color"], style["color"])
-        style |= {"lighting": False, "reset_camera": False, "render": False, "show_scalar_bar": False}
-        self._plotter.add_mesh(mesh, **style)
+        self._plotter.add_mesh(mesh, reset_camera=False, render=False, **style)
 
     def write(
         self,
@@ -167,9 +159,8 @@ class Canvas:
 
         shift, size [points]; align: one of `ALIGNED`; ground: opacity of the paper behind it.
         """
-        self._words.append(
-            (text, np.asarray(pixel) + self.dot * np.array(shift), size, align, is_bold, ground)
-        )
+        place = np.asarray(pixel) + self.dot * np.array(shift)
+        self._words.append((text, place, size, align, is_bold, ground))
 
     def image(self) -> Image.Image:
         """Return the picture as an image of Pillow."""

@@ -6,7 +6,6 @@ the wall. A field has one scale of colours for all instants, so that visible cha
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -17,9 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from postprocess.fields.canvas import DARK, LIGHT, SIZE, Canvas, Size
-from postprocess.fields.series import COMPONENTS, ELEMENTS, UNITS, FieldSeries
-from postprocess.figures.histories import power_of_ten
-from postprocess.svg.scales import round_step, round_ticks, tick_texts
+from postprocess.fields.colour_scale import (
+    ColourScale,
+    ContourField,
+    Floats,
+    colour_scale,
+    field_title,
+    range_note,
+    shown_unit,
+)
+from postprocess.fields.series import ELEMENTS, UNITS, FieldSeries
+from postprocess.svg.scales import round_ticks, tick_texts
 from postprocess.units import SI, Units
 
 if TYPE_CHECKING:
@@ -36,37 +43,17 @@ SIDE, TOP, BOTTOM = 70, 190, 120
 BAR, THICK = (0.12, 0.88, 160), 23
 """Ends of the bar of colours, over the width, its lower edge from the top, and its thickness [points]."""
 
+EDGES: dict[str, Any] = {"show_edges": True, "edge_color": "black", "edge_opacity": 0.35}
+"""Style of mesh lines."""
+
 TITLE, NOTE = 34, 23
 """Sizes of letters [points]."""
 
 HATCH_STEP = 26
 """Distance of the hatching lines of the wall [points]."""
 
-STEPS = 7
-"""Largest number of steps between labels of the scale."""
-
-UNIFORM, WIDENING = 1e-4, 1e-2
-"""Variation over the size of a field up to which it is uniform, and the range shown for it."""
-
-Floats = NDArray[np.float64]
 Mesh = tuple[Floats, NDArray[np.integer]]
 """Points, shape (n, 2), and elements, shape (e, 3 or 4)."""
-
-
-@dataclass(frozen=True)
-class ContourField:
-    """Field to be drawn.
-
-    name: in file names ("v_gx"); title, unit; values in that unit, "nodal" or "element"; of_centre: value of the
-    centre of mass, by default that of the field there.
-    """
-
-    name: str
-    title: str
-    unit: str
-    values: Floats
-    where: Literal["nodal", "element"] = "nodal"
-    of_centre: float | None = None
 
 
 @dataclass(frozen=True)
@@ -100,10 +87,8 @@ def draw_contours(
         sheet = Sheet(canvas, points, None if wall is None else length * wall[0], length_unit)
         for field in fields:
             factor, unit = shown_unit(field, units)
-            field, marks = (
-                replace(field, unit=unit, values=factor * field.values),
-                dict[tuple[float, ...], str](),
-            )
+            marks = dict[tuple[float, ...], str]()
+            field = replace(field, unit=unit, values=factor * field.values)
             if situation.corner is not None:
                 marks[tuple(length * np.asarray(situation.corner))] = "P"
             if situation.centroid is not None:
@@ -136,8 +121,7 @@ def draw_modes(folder: Path, plate: Mesh, shapes: Mapping[str, tuple[str, Floats
     """Draw modes as `NAME.png` and return the paths.
 
     The plate at rest is grey. Beside each is its dark form. shapes: title, and displacements of largest length one,
-    shape (nodes, 2), by name.
-    ImportError on a machine that cannot draw.
+    shape (nodes, 2), by name. ImportError on a machine that cannot draw.
     """
     rest, cells = plate
     reach, scale = REACH * np.ptp(rest, axis=0).min(), colour_scale(np.array([0.0, 1.0]))
@@ -153,24 +137,6 @@ def draw_modes(folder: Path, plate: Mesh, shapes: Mapping[str, tuple[str, Floats
                 canvas.write("displacement over its largest", (0, canvas.size[1]), (24, -88), NOTE)
                 save(canvas.image(), path)
     return [folder / f"{name}.png" for name in shapes]
-
-
-def field_title(name: str) -> str:
-    """Return the title of a field of `SCALARS`, followed by its component."""
-    words = name.replace("_", " ").replace("stress von mises", "von Mises stress")
-    return words[0].upper() + (f"{words[1:-1]}{words[-1].upper()}" if name in COMPONENTS else words[1:])
-
-
-def shown_unit(field: ContourField, units: Units) -> tuple[float, str]:
-    """Return the factor and unit for a field.
-
-    Stresses have the prefix that suits the largest.
-    """
-    factor, unit = units.of(field.unit)
-    power = power_of_ten(field.values)
-    if unit != "Pa" or not 3 <= power <= 9:
-        return factor, unit
-    return 10.0**-power, {3: "kPa", 6: "MPa", 9: "GPa"}[power]
 
 
 def draw_instants(
@@ -291,61 +257,6 @@ def view_of_plate(points: Floats, size: Size = SIZE, dot: float = 1.0) -> PixelM
     return PixelMap((float(origin[0]), float(origin[1])), length)
 
 
-@dataclass(frozen=True)
-class ColourScale:
-    """Range of colours with labels, low to high.
-
-    uniform: whether the field is almost constant.
-    """
-
-    low: float
-    high: float
-    labels: list[str]
-    uniform: bool
-
-    @property
-    def bands(self) -> int:
-        """Number of colours, two between labels.
-
-        A uniform field has five.
-        """
-        return 5 if self.uniform else 2 * (len(self.labels) - 1)
-
-
-def colour_scale(values: Floats) -> ColourScale:
-    """Return the scale for values of any shape, with round labels.
-
-    The range of a field that varies by less than 1e-4 of its size is widened to 1e-2 of its size about the mean (1e-2
-    of the unit for zero), so that it has one colour and tiny variations are not exaggerated.
-    """
-    if not np.all(np.isfinite(values)):
-        raise ValueError("a contour field has values that are not finite")
-    low, high = float(np.min(values)), float(np.max(values))
-    size = max(abs(low), abs(high))
-    uniform = high - low <= UNIFORM * size or size == 0.0
-    if uniform:
-        middle, half, steps = 0.5 * (low + high), 0.5 * WIDENING * (size or 1.0), 2
-        low, high = middle - half, middle + half
-    else:
-        step = round_step(high - low, STEPS)
-        first, last = math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6)
-        low, high, steps = first * step, last * step, last - first
-    return ColourScale(low, high, _labels(low, high, steps), uniform)
-
-
-def _labels(low: float, high: float, steps: int) -> list[str]:
-    """Return the texts of even values.
-
-    Neighbours differ, the largest has two digits, the minus sign is a true one, and zero has no sign.
-    """
-    size = max(abs(low), abs(high))
-    power = math.floor(math.log10(size))
-    decimals = max(-math.floor(math.log10((high - low) / steps * (1.0 + 1e-9))), 1 - power)
-    form = f".{max(decimals, 0)}f" if 1e-3 <= size < 1e6 else f".{decimals + power}e"
-    texts = (format(value, form) for value in np.linspace(low, high, steps + 1))
-    return [text.replace("-", "−", 1) if float(text) else text.lstrip("-") for text in texts]
-
-
 class Sheet(NamedTuple):
     """Plate at all drawn instants and wall above a canvas.
 
@@ -403,12 +314,9 @@ def _draw_wall(sheet: Sheet, view: PixelMap) -> None:
     along, up = round_between(start + margin, end - margin, 12), round_between(0.0, top, 5)[1:]
     feet = view.pixel([(x, 0.0) for x in along] or np.empty((0, 2)))
     beams = view.pixel([(beside, y) for y in up] or np.empty((0, 2)))
-    lines = [
-        view.pixel([(start, 0), (max(start, end), 0)]),
-        *(np.array([foot, foot - (0, 8 * dot)]) for foot in feet),
-    ]
+    lines = [foot - dot * np.array([(0, 0), (0, 8)]) for foot in feet]
     lines += [beam - dot * np.array([(14, 0), (6, 0)]) for beam in beams]
-    canvas.lines(lines, 2.0, "ink", 1.0)
+    canvas.lines([view.pixel([(start, 0), (max(start, end), 0)]), *lines], 2.0, "ink", 1.0)
     for text, foot in zip(tick_texts(along), feet, strict=True):
         canvas.write(text, foot, (0, -36), align="middle", ground=0.8)
     for text, beam in zip(tick_texts(up), beams, strict=True):
@@ -431,21 +339,9 @@ def draw_values(canvas: Canvas, plate: Mesh, field: ContourField, scale: ColourS
     (points, cells), is_nodal, (wide, high) = plate, field.where == "nodal", canvas.size
     if len(field.values) != (expected := len(points if is_nodal else cells)):
         raise ValueError(f"{len(field.values)} values for {expected} {field.where} values of the plate")
-    style: dict[str, Any] = {
-        "cmap": "viridis",
-        "n_colors": scale.bands,
-        "clim": (scale.low, scale.high),
-        "interpolate_before_map": True,
-    }
-    edges: dict[str, Any] = {
-        "show_edges": True,
-        "edge_color": "black",
-        "edge_opacity": 0.35,
-        "line_width": canvas.dot,
-    }
-    canvas.fill(
-        points, cells, scalars=field.values, preference="point" if is_nodal else "cell", **style, **edges
-    )
+    style: dict[str, Any] = {"cmap": "viridis", "n_colors": scale.bands, "clim": (scale.low, scale.high)}
+    preference = "point" if is_nodal else "cell"
+    canvas.fill(points, cells, scalars=field.values, preference=preference, **style, **EDGES)
     lower, upper = (high - canvas.dot * down for down in (BAR[2], BAR[2] - THICK))
     places = wide * np.linspace(*BAR[:2], scale.bands + 1)
     strip = np.column_stack([np.repeat(places, 2), np.tile([lower, upper], scale.bands + 1)])
@@ -454,20 +350,3 @@ def draw_values(canvas: Canvas, plate: Mesh, field: ContourField, scale: ColourS
     canvas.fill(strip, quads, scalars=middles, preference="cell", **style)
     for label, place in zip(scale.labels, np.linspace(places[0], places[-1], len(scale.labels)), strict=True):
         canvas.write(label, (place, upper), (0, 10), align="middle")
-
-
-def range_note(field: ContourField, scale: ColourScale) -> str:
-    """Return the line below the title with the range of a field.
-
-    It states whether the field is almost uniform.
-    """
-    low, high = float(np.min(field.values)), float(np.max(field.values))
-    if scale.uniform:
-        spread = (high - low) / (max(abs(low), abs(high)) or 1.0)
-        at = "node" if field.where == "nodal" else "element"
-        middle = f"{0.5 * (low + high):.5g}"
-        widened = f"the colour range is widened to {100.0 * WIDENING:g} %"
-        return f"uniform to {spread:.0e}: {middle} {field.unit} at every {at}; {widened}"
-    ends = (end if abs(end) > 1e-5 * (high - low) else 0.0 for end in (low, high))
-    least, most = (f"{end:.4g}" for end in ends)
-    return f"{field.where} values from {least} to {most} {field.unit}"

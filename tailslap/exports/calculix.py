@@ -113,12 +113,12 @@ def _watch(
 
 
 def _size(folder: Path) -> int:
-    """Return the bytes on disk of all files below a folder."""
+    """Return the bytes of all files below a folder."""
     size = 0
     for place, _, names in os.walk(folder):
         for name in names:
             with contextlib.suppress(FileNotFoundError):
-                size += operating_system.bytes_on_disk(os.path.join(place, name))
+                size += os.lstat(os.path.join(place, name)).st_size
     return size
 
 

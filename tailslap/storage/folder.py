@@ -20,7 +20,7 @@ import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from machine_code.system.operating_system import REPLACES_OPEN_FILES
+from machine_code.system.operating_system import HAS_FORK
 from tailslap import errors
 from tailslap.storage import manifest
 from tailslap.storage.manifest import LOCK, LOG, NEW, Entry, Origin
@@ -120,7 +120,7 @@ def locked(place: Path) -> Iterator[Path]:
         _make_and_lock(place, stack)
         stack.callback(_leave, place)
         try:
-            if REPLACES_OPEN_FILES:
+            if HAS_FORK:
                 (place / LOCK).write_text(str(os.getpid()))
             _finish_log(place)
             _drop(place)
@@ -160,7 +160,7 @@ def _is_held(place: Path) -> bool:
 
     Another process may have removed the folder, but on Windows. On a full disk the lock has no number.
     """
-    if not REPLACES_OPEN_FILES:
+    if not HAS_FORK:
         return True
     with manifest.valid_content(), open(place / LOCK, opener=manifest.open_plain) as file:
         return file.read() in ("", str(os.getpid()))

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import tailslap
 from machine_code.system import operating_system
-from machine_code.system.operating_system import REPLACES_OPEN_FILES, sync
+from machine_code.system.operating_system import sync
 from tailslap.errors import ABSENT
 
 NAME, LOCK, NEW, LOG = ".tailslap-result.json", ".tailslap-lock", ".tailslap-new", ".tailslap-redo.json"
@@ -186,7 +186,7 @@ def whole_file(path: Path) -> Iterator[Path]:
     file waits.
     """
     partial = path.with_name(f".{path.name[:MAX_STEM]}{SUFFIX}")
-    lock = partial if REPLACES_OPEN_FILES else partial.with_name(f"{partial.name}-lock")
+    lock = partial if operating_system.HAS_FORK else partial.with_name(f"{partial.name}-lock")
     with locked_file(lock, wait=True):
         partial.write_bytes(b"")  # a process that died may have written a part
         try:
@@ -224,7 +224,7 @@ def locked_file(path: Path, wait: bool = False) -> Iterator[None]:
         finally:
             with contextlib.suppress(OSError):  # the lock is released in any case
                 os.close(number)
-                if not REPLACES_OPEN_FILES:  # the owner could not remove it
+                if not operating_system.HAS_FORK:  # the owner could not remove it
                     path.unlink()
 
 
