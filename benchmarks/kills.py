@@ -49,7 +49,7 @@ GONE_S = 10.0
 """Time in which processes must be gone [s]."""
 RACED = ("run", "paper-table-3", "--set", "plate.elements=[12,4]", "--no-pictures")
 EXACT = {
-    "run": ("run", "paper-table-3", *SMALL, "--no-pictures"),
+    "run": ("run", "paper-table-3", *SMALL, "--no-pictures", "--force"),
     "study": ("study", "uncertainty", "mash-tl4-sut", "--samples", "1000", "--force"),
     "export": ("export", "{earlier}", "--to", "csv", "--force"),
     "sweep": ("sweep", "paper-table-3", *SMALL, "--vary", "impact.friction=0.1:0.8:3", "--workers", "1"),
@@ -219,7 +219,7 @@ def _contend(out: Path, k: int, start: int) -> None:
     """Wait for the start, run a command, and write its outcome."""
     os.read(start, 1)
     began, friction = time.monotonic(), f"impact.friction={0.1 + 0.05 * k}"
-    status, output, text = run_command(*RACED, "--json", "--set", friction, "--out", out)
+    status, output, text = run_command(*RACED, "--force", "--json", "--set", friction, "--out", out)
     if status == 0:
         text = f"wins {json.loads(output)['fe']['v_gy']}"
     elif status == 2 and text.count("another command uses this folder") == text.count("\n") == 1:
