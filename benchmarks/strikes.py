@@ -68,7 +68,7 @@ def measured(scene: str, angle: float) -> Angle:
         for strike, longer_strike in zip(case.motion.strikes, longer, strict=False)
         for name in answers.COMPARED
     ]
-    strikes = strike_columns.both_strikes(case.answer)
+    strikes = strike_columns.both_strikes(case.in_plane)
     sampled = case.many({"impact.angle": np.array([np.radians(angle)])})
     names = [name for name in strike_columns.COLUMNS if strikes[name] == strikes[name]]
     many = [abs(float(sampled[name][0]) / strikes[name] - 1.0) for name in names]
@@ -81,7 +81,7 @@ def measured(scene: str, angle: float) -> Angle:
         abs(outcome.rigid.peaks["mean_50ms"] / mean - 1.0),
         max(map(abs, soft.values())),
         max(abs(limit) / stiff.mesh_error[name] for name, limit in limits.items()),
-        sum(len(answer.cut) for answer in (case.answer, outcome.fe, outcome.rigid)),
+        sum(len(answer.cut) for answer in (case.in_plane, outcome.fe, outcome.rigid)),
         outcome.passed,
     )
 

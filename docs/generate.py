@@ -224,9 +224,13 @@ SUMMARY = (
     (
         "rigid.strikes[].*",
         "s, N, N s, m, J",
-        "whole impact: corner, times, peak, impulses, place and energies of each strike",
+        "whole impact in the plane: corner, times, peak, impulses, place and energies of each strike",
     ),
-    ("rigid.peaks.*", "N", "largest lateral force by filter"),
+    (
+        "rigid.peaks.*",
+        "N",
+        "largest lateral force by filter; of a run with `[body]` `rigid` is the companion in the plane",
+    ),
     ("rigid.end.*", "s, rad, rad/s, m/s", "state at the end of the motion"),
     ("rigid.second_strike.*", "s, N, N s", "duration of the second strike by filter, as the paper reads it"),
     ("rigid.tyre_work", "J", "work of the tyres on the vehicle"),
@@ -246,7 +250,11 @@ SUMMARY = (
     ("space.lifted[].*", "s", "intervals with wheels off the ground"),
     ("space.energy.*", "J", "works and kinetic energy at the end"),
     ("paper_method.*", "s, N, N s", "the paper's Stages 1 to 3 for the same vehicle"),
-    ("occupant_risk[].*", "", "ASI, THIV, OIV and so on, with their limitations"),
+    (
+        "occupant_risk[].*",
+        "",
+        "ASI, THIV, OIV and so on, with their limitations; with `[body]` of the motion in space",
+    ),
     ("wall.*", "m, N", "deflection and forces of a deformable wall"),
     ("vehicle.*", "m, kg m^2", "centre of mass behind the front, and yaw inertia"),
 )

@@ -1,4 +1,4 @@
-"""Occupant risk of a planar motion.
+"""Occupant risk of a motion in the plane or in space.
 
 ASI, THIV and PHD of EN 1317-1, OIV and ORA of MASH. ASI: the largest value of sqrt((ax / 12 g)^2 + (ay / 9 g)^2 + (az
 / 10 g)^2), of 50 ms means (EN 1317-1:1998), or, after CFC 180, of accelerations through a four-pole phaseless
@@ -34,19 +34,21 @@ RIDEDOWN = 0.01
 
 PLANAR = "planar: without vertical acceleration, roll and pitch a lower bound"
 
-AXES = "planar; without yaw"
+IN_SPACE = "rigid body; motion alone, without gravity"
 
-HEAD = "planar; head above the centre of mass, not in a seat"
+AXES = "axes of the vehicle; without its rotation"
+
+HEAD = "planar by definition; head above the centre of mass, not in a seat"
 
 LIMITS = "limits not given"
 
 
 @dataclass(frozen=True)
 class VehicleMotion:
-    """Planar motion of the centre of mass from first touch.
+    """Motion of the centre of mass from first touch.
 
-    Arrays of shape (n,). t: even instants [s]; ax, ay: acceleration along the vehicle's axes [m/s^2]; yaw_rate
-    [rad/s]; yaw [rad].
+    Arrays of shape (n,). t: even instants [s]; ax, ay, az: acceleration along the vehicle's axes, in the plane
+    without az [m/s^2]; yaw_rate [rad/s]; yaw [rad].
     """
 
     t: Floats
@@ -54,9 +56,10 @@ class VehicleMotion:
     ay: Floats
     yaw_rate: Floats
     yaw: Floats
+    az: Floats | None = None
 
     def __post_init__(self) -> None:
-        shapes = {values.shape for values in vars(self).values()}
+        shapes = {values.shape for values in vars(self).values() if values is not None}
         if len(shapes) != 1 or self.t.ndim != 1 or self.t.size < 3:
             why = f"motion with arrays of shapes {sorted(shapes)}: must be one shape (n,), n at least 3"
             raise ValueError(why)
@@ -181,12 +184,14 @@ def severity_indices(motion: VehicleMotion) -> tuple[RiskMeasure, ...]:
     Before first touch there is no acceleration.
     """
     interval = motion.interval
-    limits = (motion.ax, 12.0), (motion.ay, 9.0)
+    limits = [(motion.ax, 12.0), (motion.ay, 9.0)]
+    limits += [] if motion.az is None else [(motion.az, 10.0)]
+    lacks = PLANAR if motion.az is None else IN_SPACE
     axes = [np.concatenate(([0.0], a / (limit * GRAVITY))) for a, limit in limits]
     means = [moving_mean(a, interval, 0.05) for a in axes]
     filtered = [low_pass(cfc_filter(a, interval, 180), interval, 13.0) for a in axes]
     return tuple(
-        _largest(f"ASI {edition}", "-", PLANAR, motion.t, np.hypot(*components)[1:])
+        _largest(f"ASI {edition}", "-", lacks, motion.t, np.linalg.norm(components, axis=0)[1:])
         for edition, components in (("1998, 50 ms mean", means), ("2010, 13 Hz", filtered))
     )
 

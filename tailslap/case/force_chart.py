@@ -67,9 +67,8 @@ def force_tables(case: Any) -> dict[str, Table]:
     if not case.scene.contact:
         return {"Design forces": short(design_table(case, case.mean_force(float(case.force.peak_force))))}
     answer = case.answer
+    if case.space:
+        return {"Design forces": short(design_table(case, in_space=case.space.numbers()["force"]))}
     tables = {"Strikes": strikes_table({"rigid": answer.numbers()["strikes"]})}
     longitudinal = float(answer.longitudinal["mean_50ms"].max())
-    in_space = case.space.numbers()["force"] if case.space else None
-    return tables | {
-        "Design forces": short(design_table(case, answer.peaks["mean_50ms"], longitudinal, in_space))
-    }
+    return tables | {"Design forces": short(design_table(case, answer.peaks["mean_50ms"], longitudinal))}

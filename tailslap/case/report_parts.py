@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -118,13 +119,14 @@ def design_ratios(case: Case, lateral: float) -> list[dict[str, object]]:
 
 def design_table(
     case: Case,
-    lateral: float,
+    lateral: float = math.nan,
     longitudinal: float | None = None,
     in_space: Mapping[str, float] | None = None,
 ) -> Table:
     """Return a force [N] above the design loads of the test level.
 
-    in_space: the force with its height and length of the vehicle in space, see `SpaceAnswer.numbers`.
+    lateral, longitudinal: of a motion in the plane [N]; in_space: the force with its height and length of the vehicle
+    in space, see `SpaceAnswer.numbers`.
     """
     computed = dict.fromkeys(column.key for column in DESIGN) | {
         "name": "This impact, 50 ms mean",
@@ -135,10 +137,8 @@ def design_table(
     if in_space:
         names = ("longitudinal", "vertical", "height", "length")
         of_space = {name: in_space[name] for name in names} | {"force": in_space["mean_50ms"]}
-        rows = [
-            computed | of_space | {"name": "In space, 50 ms mean"},
-            computed | {"name": "In the plane, 50 ms mean"},
-        ]
+        companion = [] if math.isnan(lateral) else [computed | {"name": "Companion in the plane, 50 ms mean"}]
+        rows = [computed | of_space | {"name": "In space, 50 ms mean"}, *companion]
         loads = design_ratios(case, in_space["mean_50ms"])
     notes = (OF_SPACE if in_space else OUTSIDE_THE_PLANE,)
     return Table(DESIGN, [*rows, *loads] if loads else [], notes=notes)

@@ -11,10 +11,15 @@ import pytest
 from space_vehicles import truck, truck_unit
 
 import tailslap
+from postprocess.signals import occupant
+from postprocess.signals.filters import LABELS
 from postprocess.units import SYSTEMS, percent_up
 from solver import RigidBodyError
 from solver.space import SpaceWall, profile_points, solve_space, solve_spaces
 from solver.space.wall import face_at
+from tailslap.case.impact import rigid
+from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.case.impact.rigid_input import above_wall, touching, wall_contact
 from tailslap.case.impact.space import SpaceAnswer, space_input
 from tailslap.case.of_arguments import case_of_scene
 from tailslap.scene.read import read_scene
@@ -142,6 +147,129 @@ def test_results_have_the_keys_of_the_interface():
     assert 0.0 < space["largest_roll"] < math.pi / 2
 
 
+@pytest.mark.parametrize("scene", [SCENE, TRAIN])
+def test_a_vehicle_in_space_is_solved_in_space_alone(scene, monkeypatch):
+    """Forces, end, history, drawing and row are of that motion."""
+    monkeypatch.setattr(rigid, "_solved", None)
+    result = tailslap.rigid(scene, {"plate": None})
+    case: Any = case_of_scene(scene, {"plate": None})
+    space, summary = case.space, result.summary
+    assert not {"strikes", "hinges", "error"} & set(summary)
+    assert summary["peaks"] == {name: curve.max() for name, curve in space.curves["lateral"].items()}
+    assert summary["peaks"]["mean_50ms"] == pytest.approx(float(space.motion.answers.mean_50ms), rel=1e-3)
+    assert set(LABELS) == set(summary["peaks"])
+    h = space.motion.history
+    assert abs(summary["end"]["t"] - h["t"][-1]) < 1.1e-3
+    for name, column, sign in (("theta", "yaw", -1.0), ("omega", "omega_z", 1.0), ("v_gx", "v_gx", 1.0)):
+        assert summary["end"][name] == pytest.approx(sign * h[column][-1], rel=5e-3, abs=5e-4)
+    assert {"roll", "theta", "force_normal_mean_50ms"} <= set(case.rigid_history())
+    assert "parallel to the wall, after" in SYSTEMS["si"].rendered(result.charts["set-up"].caption)
+    for words in ("plane", "Strikes", "Tyres", "Hinges"):
+        assert words not in result.text
+    assert f"60 Hz cut-off: lateral {1e-3 * summary['peaks']['cutoff_60hz']:.0f}" in " ".join(
+        result.text.split()
+    )
+    assert set(case.row(None)) <= {"status", "reason", *case.columns(case.scene)}
+    assert not [name for name in case.columns(case.scene) if "strike" in name or "hinge" in name]
+
+
+def test_a_row_at_half_the_interval_is_of_the_same_motion():
+    """The mean of two rows is one of the motion."""
+    case: Any = case_of_scene(SCENE, None)
+    h, fine = case.space.motion.history, case.answer.history
+    assert fine["t"][1] == pytest.approx(0.5 * h["t"][1])
+    pairs = fine["force_normal"][1 : 1 + (len(fine["t"]) - 1) // 2 * 2].reshape(-1, 2)
+    assert pairs.mean(axis=1) == pytest.approx(h["force_normal"][1 : 1 + len(pairs)], abs=1e-6)
+
+
+HELD = {
+    "body.roll_inertia": 1e14,
+    "body.pitch_inertia": 1e14,
+    "axle.0.friction": 0.0,
+    "axle.1.friction": 0.0,
+    "strip": [HIGH | {"at": at, "plateau": 7e5} for at in (0.0, 10.0)],
+}
+"""Changes by which a vehicle neither rolls nor pitches, without side forces of tyres."""
+
+
+def test_a_held_vehicle_has_the_values_of_its_companion():
+    """Forces, occupant values and the second strike of both motions are equal."""
+    case: Any = case_of_scene(SCENE, HELD)
+    space, plane = case.answer, case.in_plane
+    assert space.in_space
+    assert not plane.in_space
+    for name in ("mean_50ms", "cfc60"):
+        assert space.peaks[name] == pytest.approx(plane.peaks[name], rel=2e-3)
+    pairs = zip(space.occupant_risk(1.0), plane.occupant_risk(case.vehicle.mass), strict=True)
+    for measure, planar in pairs:
+        assert measure.name == planar.name
+        assert measure.value == pytest.approx(planar.value, rel=5e-3, abs=1e-3), measure.name
+    assert space.second_strike["cfc60"] == pytest.approx(plane.second_strike["cfc60"], rel=0.02)
+
+
+def test_accelerations_in_space_are_along_the_axes_of_the_body(monkeypatch):
+    """Yaw, then pitch nose down, then roll to the right."""
+    t = np.linspace(0.0, 0.5, 1001)
+    angles = np.array([0.3 * t, 0.2 * np.sin(9.0 * t), 0.9 * np.sin(5.0 * t)])
+    speeds = np.array([20.0 - 9.0 * t, np.sin(7.0 * t), 0.5 * np.cos(6.0 * t)])
+    names = "yaw", "pitch", "roll", "v_gx", "v_gy", "v_gz"
+    history = {"t": t, "omega": 0.3 + 0.0 * t, **dict(zip(names, [*angles, *speeds], strict=True))}
+    seen: list[Any] = []
+    monkeypatch.setattr(occupant, "occupant_risk", seen.append)
+    ImpactAnswer((), history).occupant_risk(1.0)
+    (motion,) = seen
+    (cy, cp, cr), (sy, sp, sr) = np.cos(angles[:, 1:]), np.sin(angles[:, 1:])
+    zero, one = 0.0 * cy, 0.0 * cy + 1.0
+    yaw = np.array([[cy, sy, zero], [-sy, cy, zero], [zero, zero, one]])
+    pitch = np.array([[cp, zero, -sp], [zero, one, zero], [sp, zero, cp]])
+    roll = np.array([[one, zero, zero], [zero, cr, sr], [zero, -sr, cr]])
+    turned = np.einsum("ijt,jkt,klt,lt->it", roll, pitch, yaw, np.diff(speeds) / t[1])
+    assert np.array([motion.ax, motion.ay, motion.az]) == pytest.approx(turned, abs=1e-9)
+    assert motion.yaw == pytest.approx(0.3 * t[1:])
+
+
+def test_a_run_names_the_companion_and_has_occupant_values_in_space(tmp_path):
+    """The plate's motion is named, the headline in space."""
+    changes = {"plate.elements": [8, 2], "verify.companion": False}
+    case: Any = case_of_scene(SCENE, changes)
+    result = tailslap.run(SCENE, changes, band=False)
+    summary = result.summary
+    risk = [measure.value for measure in case.answer.occupant_risk(1.0)]
+    assert [measure["value"] for measure in summary["occupant_risk"]] == risk
+    assert [strike["corner"] for strike in summary["rigid"]["strikes"]] == ["front", "7.2 m"]
+    assert summary["answer"] == tailslap.rigid(SCENE, band=False).summary["answer"]
+    assert "Companion in the plane: the same strips without heights" in summary["certainty"]
+    assert summary["paper_method"] == case.rigid_numbers()["paper_method"]
+    result.save(tmp_path / "out", pictures=False)
+    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert "Occupant risk, in space" in page
+    assert "Occupant risk, planar" not in page
+    for words in (
+        "Strikes, companion in the plane",
+        "FE and rigid: companion in the plane: the same strips without heights.",
+        "above the wall omitted",
+        "Companion in the plane, 50",
+    ):
+        assert words in page
+    texts = tailslap.check(SCENE).summary
+    assert texts["companion"][0].startswith("Companion in the plane: ")
+    assert "companion" not in tailslap.check(SCENE, {"plate": None}).summary
+    assert "companion" not in tailslap.check("impact-mash-tl4-sut").summary
+
+
+def test_strips_over_the_wall_are_no_part_of_the_plane():
+    """Only a unit that has no others keeps those."""
+    scene = read_scene(SCENE)[0]
+    assert above_wall(scene) == [2, 3, 4]
+    assert [part.number for part in touching(scene)] == [0, 1]
+    assert len(wall_contact(scene).strips) == 2
+    assert len(wall_contact(read_scene(SCENE, ["wall.height=54 in"])[0]).strips) == 5
+    for height, above in (("49 in", []), ("1.24 m", [2, 3, 4])):
+        assert above_wall(read_scene(SCENE, [f"wall.height={height}"])[0]) == above
+    train = read_scene(TRAIN, ["wall.height=0.8 m"])[0]
+    assert {strip.unit for strip in wall_contact(train).strips} == {0, 1}
+
+
 def answer(outcome="upright", lowest=0.6, error=2e-3, wall=0.9, heights=(0.65,)):
     """Return an answer with these statements."""
     inputs = space_input(read_scene(SCENE, [f"wall.height={wall}"])[0])
@@ -183,9 +311,7 @@ def test_the_page_states_the_error_in_space():
     """The error is that of the motion in space."""
     case: Any = case_of_scene(SCENE, None)
     words = SYSTEMS["si"].rendered(str(case.headline()))
-    assert (
-        f"Rigid vehicle in space; {SYSTEMS['si'].rendered(case.space.accuracy)}. In the plane; error" in words
-    )
+    assert f"Rigid vehicle in space; {SYSTEMS['si'].rendered(case.space.accuracy)}.'" in words
     assert percent_up(case.space.motion.error) in case.space.accuracy
 
 

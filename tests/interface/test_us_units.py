@@ -198,7 +198,7 @@ def test_tables_of_an_impact_convert_before_they_round(monkeypatch):
     case = ImpactCase(*read_scene("impact-mash-tl3-pickup", ("verify.mesh=0.01",)))
     method = paper_method.paper_method(case.scene, case.answer)
     assert method is not None
-    outcome: Any = SimpleNamespace(rigid=case.answer, paper_method=method)
+    outcome: Any = SimpleNamespace(fe_plan=SimpleNamespace(case=case), paper_method=method)
     (beside,) = report._paper(outcome)
     assert second_columns(beside)[0] == (f"{method['impulse'] / KIP:.5g}", "kip s") == ("2.3556", "kip s")
     mean_forces = {f"{name}_mean_50ms": 12_345.6 for name in ("foundation", "contact")}

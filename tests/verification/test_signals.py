@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -287,6 +288,17 @@ ZERO = np.zeros_like(TIMES)
 
 def measures(motion):
     return {measure.name: measure for measure in risk.occupant_risk(motion)}
+
+
+@pytest.mark.parametrize("edition", ["ASI 1998, 50 ms mean", "ASI 2010, 13 Hz"])
+def test_vertical_acceleration_counts_in_the_severity_index(edition):
+    """Three components at their limits, over two."""
+    a = 9.80665 * (ZERO + 1.0)
+    motion = risk.VehicleMotion(TIMES, 12.0 * a, 9.0 * a, ZERO, ZERO, 10.0 * a)
+    measure = measures(motion)[edition]
+    assert measure.value / measures(replace(motion, az=None))[edition].value == pytest.approx(math.sqrt(1.5))
+    assert measure.lacks == risk.IN_SPACE
+    assert measures(replace(motion, ay=ZERO))["THIV"] == measures(replace(motion, ay=ZERO, az=None))["THIV"]
 
 
 def straight(ax, ay):

@@ -21,6 +21,9 @@ END = ("t", "theta", "omega", "v_gx", "v_gy")
 COMPARED = ("impulse", "peak_force", "duration")
 """Quantities of the first two strikes that are compared."""
 
+COMPANION = "companion in the plane: the same strips without heights"
+"""Planar motion of a vehicle in space, which has a plate in the plane."""
+
 WEIGHT = 0.05
 """Impulse of a strike over the largest, from which it is judged; others come and go with the mesh."""
 
@@ -52,10 +55,10 @@ class ImpactAnswer:
     Attributes
     ----------
     strikes : tuple of Strike
-        In order of time.
+        In order of time; none of a motion in space.
     history : dict of ndarray, shape (rows,)
         t [s], x_g, y_g, theta, omega, v_gx, v_gy, force_normal, force_tangential [N], each mean force since the row
-        before, and more; even instants.
+        before, and more; even instants. In space also roll and pitch.
     units : int
         Of a train; 1 of a single vehicle.
     pushes : dict of ndarray, shape (rows - 1,)
@@ -79,11 +82,11 @@ class ImpactAnswer:
     def hinges(self) -> list[dict[str, float]]:
         """Largest force and articulation angle of each hinge.
 
-        Force [N] unfiltered and as a 50 ms mean, angle [rad]; empty for a single vehicle.
+        Force [N] unfiltered and as a 50 ms mean, angle [rad]; empty for a single vehicle, and in space.
         """
         h, hinges = self.history, []
         rows = min(round(MEAN_WINDOW / self.interval), h["t"].size - 1)
-        for k in range(1, self.units):
+        for k in range(1, self.units * (not self.in_space)):
             force = np.array([h[f"hinge_force_{axis}_{k}"] for axis in "xy"])
             sums = np.cumsum(force, axis=1)  # no window reaches beyond the end, where the force may still act
             peak, mean = (
@@ -171,11 +174,18 @@ class ImpactAnswer:
         return by_curve
 
     def occupant_risk(self, mass: float) -> tuple[occupant.RiskMeasure, ...]:
-        """Return measures of the planar motion.
+        """Return measures of the motion.
 
         mass [kg]. For a train they are those of its first unit, at its centre of mass.
         """
         h = {name: values[1:] for name, values in self.history.items()}
+        if self.in_space:
+            from scipy.spatial.transform import Rotation
+
+            speeds = np.array([self.history[name] for name in ("v_gx", "v_gy", "v_gz")])
+            axes = Rotation.from_euler("ZYX", np.array([h["yaw"], h["pitch"], h["roll"]]).T)
+            x, y, z = axes.apply(np.diff(speeds).T / self.interval, inverse=True).T
+            return occupant.occupant_risk(occupant.VehicleMotion(h["t"], x, y, h["omega"], h["yaw"], z))
         along, across = h["force_tangential"] / mass, h["force_normal"] / mass
         if self.units > 1:
             along, across = (np.diff(self.history[name]) / self.interval for name in ("v_gx", "v_gy"))
@@ -183,14 +193,19 @@ class ImpactAnswer:
         ahead, lateral = cosine * along - sine * across, sine * along + cosine * across
         return occupant.occupant_risk(occupant.VehicleMotion(h["t"], ahead, lateral, h["omega"], -h["theta"]))
 
+    @property
+    def in_space(self) -> bool:
+        """True for a motion in space."""
+        return "roll" in self.history
+
     def numbers(self) -> dict[str, Any]:
         """Return the part of `summary.json` on this model."""
-        return {
-            "strikes": [strike_numbers(strike) for strike in self.strikes],
+        strikes = {} if self.in_space else {"strikes": [strike_numbers(strike) for strike in self.strikes]}
+        return strikes | {
             "peaks": self.peaks,
             "end": self.end,
             "second_strike": self.second_strike,
-            **({"hinges": self.hinges} if self.units > 1 else {}),
+            **({"hinges": self.hinges} if self.hinges else {}),
             **({"tyre_work": float(self.history["tyre_work"][-1])} if "tyre_work" in self.history else {}),
         }
 

@@ -69,16 +69,17 @@ class ImpactCase(rigid.RigidImpact):
         These exist in any row.
         """
         models = ("rigid",) if scene.plate is None else ("rigid", "fe")
+        is_planar = scene.plate is not None or scene.body is None
         kinds: dict[str, type] = {}
-        strikes = range(1, 1 + answers.counted(len(scene.units)))
+        strikes = range(1, 1 + answers.counted(len(scene.units)) * is_planar)
         for model in models:
-            kinds |= {f"{model}.strikes": int, f"{model}.strikes_cut": int}
+            kinds |= {f"{model}.strikes": int, f"{model}.strikes_cut": int} if is_planar else {}
             for k in strikes:
                 kinds[f"{model}.strike_{k}.corner"] = str
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
             kinds |= {f"{model}.peaks.{name}": float for name in LABELS}
             kinds |= {f"{model}.end.{name}": float for name in answers.END}
-            for k in range(1, len(scene.units)):
+            for k in range(1, len(scene.units) * is_planar):
                 kinds |= {f"{model}.hinge_{k}.{name}": float for name in HINGE}
         if scene.body:
             kinds |= {f"space.{name}": str if name == "outcome" else float for name in SPACE}
@@ -132,10 +133,9 @@ def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, objec
 
     Columns of strikes that do not occur are missing.
     """
-    row: dict[str, object] = {
-        f"{model}.strikes": len(answer.strikes),
-        f"{model}.strikes_cut": len(answer.cut),
-    }
+    row: dict[str, object] = {}
+    if not answer.in_space:
+        row = {f"{model}.strikes": len(answer.strikes), f"{model}.strikes_cut": len(answer.cut)}
     for k, strike in enumerate(answer.strikes[: answer.counted], 1):
         row[f"{model}.strike_{k}.corner"] = strike.corner
         values = {"mean_50ms": answers.mean_peak(answer, strike), **answers.strike_numbers(strike)}

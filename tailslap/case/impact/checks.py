@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from tailslap.case import case, check
-from tailslap.case.impact import error, run
+from tailslap.case.impact import answers, error, run
 
 STORED = (
     "kinetic_energy",
@@ -31,6 +31,9 @@ MESH_CHECKS = {quantity: f"error of {words}" for quantity, words in error.STATED
 CLOSER = f"{check.FINER}; contact.patch_length for the force of a corner; a larger verify.mesh"
 HINGED = CLOSER.replace("corner;", "corner, trailer.hitch_length for that of a hinge;")
 FAULT = "please report it: this is a fault of the program"
+
+IN_SPACE = "energy in space", "error in space"
+"""Names of the checks of the motion in space."""
 
 CHECKS: check.CheckRegistry[run.ImpactOutcome] = check.CheckRegistry("check")
 """Checks of a run of a whole impact."""
@@ -142,7 +145,7 @@ def _articulation(outcome: run.ImpactOutcome) -> check.Evaluation | None:
     )
 
 
-@CHECKS.add("energy in space", FAULT)
+@CHECKS.add(IN_SPACE[0], FAULT)
 def _energy_in_space(outcome: run.ImpactOutcome) -> check.Evaluation | None:
     space = outcome.fe_plan.case.space
     if space is None:
@@ -151,9 +154,7 @@ def _energy_in_space(outcome: run.ImpactOutcome) -> check.Evaluation | None:
     return check.Evaluation(space.energy_error, 1e-3, meaning)
 
 
-@CHECKS.add(
-    "error in space", "softer springs and tyres, or heavier axles; a larger verify.mesh", in_percent=True
-)
+@CHECKS.add(IN_SPACE[1], "softer springs and tyres, or heavier axles; a larger verify.mesh", in_percent=True)
 def _error_in_space(outcome: run.ImpactOutcome) -> check.Evaluation | None:
     space = outcome.fe_plan.case.space
     if space is None:
@@ -184,6 +185,14 @@ for _quantity, _name in MESH_CHECKS.items():
 def impact_checks(outcome: run.ImpactOutcome) -> tuple[check.Check, ...]:
     """Evaluate all checks of a run."""
     return check.evaluated(CHECKS.values(), outcome)
+
+
+def groups(outcome: run.ImpactOutcome) -> dict[str, str]:
+    """Return the titles of the tables of checks by their names."""
+    names, plane = [check.name for check in outcome.checks], answers.COMPANION.capitalize()
+    if outcome.fe_plan.case.space is None:
+        return dict.fromkeys(names, "")
+    return {name: "In space" if name in IN_SPACE else plane for name in names}
 
 
 def failed_but_mesh(outcome: run.ImpactOutcome) -> tuple[str, ...]:

@@ -18,9 +18,10 @@ from postprocess.signals import filters
 from postprocess.units import Units, force, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.impact import checks, error, figures, run, space_figures
-from tailslap.case.impact.answers import WEIGHT, ImpactAnswer, remarks
+from tailslap.case.impact.answers import COMPANION, WEIGHT, ImpactAnswer, remarks
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import RigidImpact
+from tailslap.case.impact.rigid_input import above_wall
 from tailslap.case.impact.space import section
 from tailslap.case.report_parts import checks_section, design_table, short, strikes_table
 from tailslap.case.run_report import (
@@ -136,32 +137,40 @@ class ImpactReport(FeReport):
         levels = {row["name"]: row["force"] for row in design.rows if row["source"]}
         loops, along = figures.contact_figures(outcome)
         positions = figures.position_strip(outcome.fe, case.vehicles)
+        plane = ", companion in the plane" if case.space else ""
         return [
             Section("Force on the wall", tables=[force_table(outcome), design]),
-            Section("Strikes", tables=[_strikes(outcome), errors_table(outcome)]),
+            Section(f"Strikes{plane}", tables=[_strikes(outcome), errors_table(outcome)]),
             Section(
-                "Motion and force", figures=[positions, figures.force_figure(outcome, levels)], layout="tall"
+                f"Motion and force{plane}",
+                figures=[positions, figures.force_figure(outcome, levels)],
+                layout="tall",
             ),
-            *([section(case.space, outcome.rigid)] if case.space else []),
+            *([section(case.space)] if case.space else []),
             Section(
-                "Units and hinges of the train",
+                f"Units and hinges of the train{plane}",
                 figures=figures.train_figures(outcome),
                 tables=[hinges_table(outcome)],
                 layout="wide",
             ),
             Section(
-                "Energy and crush", figures=[figures.energy_figure(outcome), *loops, *along], layout="wide"
+                f"Energy and crush{plane}",
+                figures=[figures.energy_figure(outcome), *loops, *along],
+                layout="wide",
             ),
             Section("Deformable wall", tables=_wall(outcome)),
-            Section("The second strike's duration", tables=[durations_table(outcome.fe)], is_folded=True),
+            Section(
+                f"The second strike's duration{plane}", tables=[durations_table(outcome.fe)], is_folded=True
+            ),
             Section("Comparison with the paper's method", tables=_paper(outcome), is_folded=True),
             Section(
-                "Occupant risk, planar, of the tractor" if outcome.fe.units > 1 else "Occupant risk, planar",
-                tables=[Table(RISK, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))],
+                f"Occupant risk, {'in space' if case.space else 'planar'}"
+                + (", of the tractor" if outcome.fe.units > 1 else ""),
+                tables=[Table(RISK, outcome.occupant_risk)],
                 is_folded=True,
             ),
             Section("Model", sentences=_statements(outcome), is_folded=True),
-            checks_section(outcome.checks, dict.fromkeys((check.name for check in outcome.checks), "")),
+            checks_section(outcome.checks, checks.groups(outcome)),
         ]
 
     @property
@@ -196,7 +205,7 @@ class ImpactReport(FeReport):
             "difference": outcome.difference,
             "numerical_error": {"mesh": outcome.mesh_error}
             | ({"hinges": outcome.hinge_error} if outcome.hinge_error else {}),
-            "occupant_risk": list(map(asdict, outcome.fe.occupant_risk(outcome.fe_plan.model.mass))),
+            "occupant_risk": list(map(asdict, outcome.occupant_risk)),
             "wall": wall_numbers(outcome),
             "vehicle": {"centre_of_mass": case.vehicle.front_distance, "yaw_inertia": case.vehicle.inertia},
         }
@@ -208,7 +217,7 @@ def _certainty(outcome: run.ImpactOutcome) -> str:
     Both are those of the motion in the plane.
     """
     mean_force = force(outcome.fe.peaks["mean_50ms"])
-    plane = f"In the plane {mean_force}. " if outcome.fe_plan.case.space else ""
+    plane = f"{COMPANION.capitalize()}, {mean_force}. " if outcome.fe_plan.case.space else ""
     heavy = error.of_weight(outcome.difference, outcome.fe.strikes)
     sizes = {name: abs(difference) for name, difference in heavy.items()}
     changes = {
@@ -243,7 +252,8 @@ def _uncertain(outcome: run.ImpactOutcome) -> str:
     ]
     if within := {words: value for words, value in errors.items() if value <= limit}:
         parts.append(f"{', '.join(within)} to {percent_up(max(within.values()))}")
-    return f"Known within the discretisation error: {'; '.join(parts)}."
+    of = f"{COMPANION.capitalize()}, known" if outcome.fe_plan.case.space else "Known"
+    return f"{of} within the discretisation error: {'; '.join(parts)}."
 
 
 def errors_table(outcome: run.ImpactOutcome) -> Table:
@@ -286,7 +296,8 @@ def force_table(outcome: run.ImpactOutcome) -> Table:
         | in_space.get(label, {})
         for k, label in filters.LABELS.items()
     ]
-    return Table(columns, rows, notes=(FORCE_NOTE,))
+    notes = (FORCE_NOTE, *([f"FE and rigid: {COMPANION}."] if space else []))
+    return Table(columns, rows, notes=notes)
 
 
 def durations_table(answer: ImpactAnswer) -> Table:
@@ -327,7 +338,7 @@ def _paper(outcome: run.ImpactOutcome) -> list[Table]:
     beside = outcome.paper_method
     if beside is None:
         return []
-    rigid = outcome.rigid
+    rigid = outcome.fe_plan.case.answer
     rear = next((strike for strike in rigid.strikes if strike.corner == "rear"), None)
     rows = [
         ("impulse of the tail-slap, whole mass stopped", beside["impulse"], "N s"),
@@ -347,9 +358,17 @@ def _statements(outcome: run.ImpactOutcome) -> list[str]:
         f"Unilateral contact: {', '.join(outcome.fe_plan.case.details())}.",
         "The rigid vehicle has the same mass, centre of mass, inertia and contact; the plate is flexible (first "
         f"natural frequency {outcome.fe_plan.first_frequency:.4g} Hz).",
+        *_companion_sentences(outcome.fe_plan.case),
         *chosen_sentences(outcome.fe_plan),
         *remarks(outcome.fe),
     ]
+
+
+def _companion_sentences(case: RigidImpact) -> list[str]:
+    """Return what differs between the motions in space and in the plane."""
+    names = ", ".join(f"strip.{number}" for number in above_wall(case.scene))
+    above = f"; {names} above the wall omitted" if names else ""
+    return [f"{COMPANION.capitalize()}{above}."] if case.space else []
 
 
 def wall_numbers(outcome: run.ImpactOutcome) -> dict[str, float] | None:
@@ -404,11 +423,16 @@ def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
 
     fe_plan: None for a scene without [plate].
     """
-    motion, touch, vehicle = case.motion, case.touch, case.vehicle
+    touch, vehicle = case.touch, case.vehicle
+    is_planar = case.space is None or case.scene.plate is not None
     strikes = ", ".join(
         f"{s.corner} at {s.start:.4g} s for {'at least ' if s.cut else ''}{s.duration:.3g} s"
-        for s in motion.strikes
+        for s in (case.motion.strikes if is_planar else ())
     )
+    expected = {
+        "companion": _companion_sentences(case) if is_planar else [],
+        "strikes": [f"expected of the rigid vehicle: {strikes or 'none'}"] if is_planar else [],
+    }
     speed = measure(math.hypot(touch.v_gx, touch.v_gy), "m/s", ".5g")
     lines = {
         "start": [f"first touch at {math.degrees(touch.theta):.5g} deg, {speed}"],
@@ -416,8 +440,8 @@ def check_lines(case: RigidImpact, fe_plan: ImpactPlan | None) -> Lines:
             f"{measure(vehicle.mass, 'kg', 'g')}, centre of mass {measure(vehicle.front_distance, 'm', 'g')} "
             f"behind the front, yaw inertia {measure(vehicle.inertia, 'kg m^2', '.6g')}"
         ],
-        "strikes": [f"expected of the rigid vehicle: {strikes or 'none'}"],
-        "end": [f"{motion.t_end:.4g} s"],
+        **{label: sentences for label, sentences in expected.items() if sentences},
+        "end": [f"{case.duration:.4g} s"],
         **_space_lines(case.scene),
         **omitted_lines(omitted_parts(case.scene)),
     }

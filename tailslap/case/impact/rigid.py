@@ -100,7 +100,7 @@ def _solved(case: tuple[Any, ...], end: float | None, tolerance: float) -> impac
 class RigidImpact(Case):
     """Rigid vehicle of a scene with [contact].
 
-    Its impact is solved on first use.
+    Its motion is that in space with [body]. `motion` is then its companion in the plane, of plates and studies.
     """
 
     name = WHOLE_IMPACT
@@ -112,8 +112,8 @@ class RigidImpact(Case):
         """Raise InputError for an impossible vehicle, or without an impact."""
         if self.scene.impact is None or self.scene.contact is None:
             raise InputError("contact", Missing, "a whole impact needs this table and [impact]")
-        _ = self.touch, self.space_input
-        assert self.motion.strikes or self.scene.time.end
+        _ = self.touch
+        assert self.space or self.motion.strikes or self.scene.time.end
 
     @cached_property
     def vehicle(self) -> impact.ImpactVehicle:
@@ -182,11 +182,11 @@ class RigidImpact(Case):
 
     @cached_property
     def motion(self) -> impact.ImpactMotion:
-        """Impact of the vehicle to the scene's end."""
+        """Impact in the plane to the scene's end."""
         return self.motion_until(self.scene.time.end)
 
     def motion_until(self, end: float | None) -> impact.ImpactMotion:
-        """Return the impact to another end [s].
+        """Return the impact in the plane to another end [s].
 
         None: `AFTER_SECOND` after the second strike, for a train after that of the last rear, or when a strike then in
         progress is over.
@@ -197,8 +197,9 @@ class RigidImpact(Case):
 
     @property
     def duration(self) -> float:
-        """End of the rigid vehicle's impact [s]."""
-        return self.motion.t_end
+        """End of the impact [s], with [plate] in the plane."""
+        is_planar = self.scene.plate or not self.space
+        return self.motion.t_end if is_planar else float(self.answer.history["t"][-1])
 
     @cached_property
     def sample(self) -> float:
@@ -209,10 +210,15 @@ class RigidImpact(Case):
         return min(SAMPLE, max(shortest / ROWS_A_STRIKE, motion.t_end / MOST_ROWS))
 
     @cached_property
+    def in_plane(self) -> answers.ImpactAnswer:
+        """Sampled impact in the plane."""
+        rows = max(2, int(np.ceil(self.motion.t_end / self.sample)))
+        return answers.rigid_answer(self.motion, np.linspace(0.0, self.motion.t_end, rows + 1))
+
+    @property
     def answer(self) -> answers.ImpactAnswer:
-        """Sampled impact of the rigid vehicle."""
-        rows = max(2, int(np.ceil(self.duration / self.sample)))
-        return answers.rigid_answer(self.motion, np.linspace(0.0, self.duration, rows + 1))
+        """Sampled impact of the rigid vehicle, with [body] in space."""
+        return self.space.answer if self.space else self.in_plane
 
     @property
     def arguments(self) -> tuple[str, ...]:
@@ -327,6 +333,11 @@ class RigidImpact(Case):
         self, answer: answers.ImpactAnswer, reliable: bool = True, band: ForceBand = NO_BAND
     ) -> str:
         """Return a sentence on the largest 50 ms mean and the roll."""
+        interval = f" ({band.interval})" if band.interval else ""
+        if self.space:
+            mean = float(self.space.motion.answers.mean_50ms)
+            in_space = f"{force(mean)}{interval} at a height of {self.space.heights}{self.design_ratio(mean)}"
+            return f"{self.force_words}: {in_space}. {self.space.verdict}"
         if not answer.strikes:
             return "The vehicle does not strike the wall."
         means = [answers.mean_peak(answer, strike) for strike in answer.strikes]
@@ -335,39 +346,43 @@ class RigidImpact(Case):
         where = f"strike {number + 1} ({strike.part}, from {strike.start:.3f} s)"
         least = "at least " if answer.cut else ""
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
-        interval = f" ({band.interval})" if band.interval else ""
-        if not self.space:
-            return f"{name}: {least}{force(peak)}{interval} in {where}{self.design_ratio(peak)}."
-        mean = float(self.space.motion.answers.mean_50ms)
-        in_space = f"{force(mean)}{interval} at a height of {self.space.heights}{self.design_ratio(mean)}"
-        return f"{self.force_words}: {in_space}. {self.space.verdict}"
+        return f"{name}: {least}{force(peak)}{interval} in {where}{self.design_ratio(peak)}."
 
     def headline(self, band: ForceBand = NO_BAND) -> Headline:
         """Return the rigid vehicle's largest 50 ms mean."""
-        in_space = f" in space; {self.space.accuracy}. In the plane" if self.space else ""
+        error = (
+            self.space.accuracy
+            if self.space
+            else f"error by the time step at most {percent_up(self.motion.error)}"
+        )
         return Headline(
             f"Impact force: {self.subject}",
             self.force_sentence(self.answer, band=band),
             self.set_up,
-            f"Rigid vehicle{in_space}; error by the time step at most {percent_up(self.motion.error)}.",
+            f"Rigid vehicle{' in space' if self.space else ''}; {error}.",
             band.sentence,
         )
 
     def drawing(self) -> Chart:
         """Draw the vehicle at first touch and at its second strike.
 
-        For a train it is the strike of its last rear; without one, the end.
+        For a train it is the strike of its last rear; without one, the end. In space it is parallel to the wall.
         """
         from postprocess.figures import positions
 
-        motion = self.motion
-        strike = answers.last_awaited(motion.strikes, self.awaited)
-        last = strike.start if strike else motion.t_end
-        at = motion.at([0.0, last])
-        units = [positions.Unit(*place) for place in answers.places(vars(at), self.vehicles)]
-        which = "strike" if self.trailers else "second strike"
-        event = f"{which} ({strike.part})" if strike else "end"
-        words = self.drawing_words(float(at.theta[0]))
+        if self.space:
+            h = self.answer.history
+            row = int(np.argmax(h["theta"] <= 0.0)) or -1
+            event, last = "end" if row < 0 else "parallel to the wall", float(h["t"][row])
+            places = {name: values[[0, row]] for name, values in h.items()}
+        else:
+            strike = answers.last_awaited(self.motion.strikes, self.awaited)
+            last = strike.start if strike else self.motion.t_end
+            places = vars(self.motion.at([0.0, last]))
+            which = "strike" if self.trailers else "second strike"
+            event = f"{which} ({strike.part})" if strike else "end"
+        units = [positions.Unit(*place) for place in answers.places(places, self.vehicles)]
+        words = self.drawing_words(float(places["theta"][0]))
         words |= {"second": f"{event}, after {measure(last, 's', '.3g')}"}
         caption = (
             f"Set-up from above, to scale: {self.subject}; corner P touches the wall first; "
@@ -384,7 +399,7 @@ class RigidImpact(Case):
         beside, numbers = paper_method(self.scene, self.answer), self.answer.numbers()
         if self.space:
             numbers["space"] = self.space.numbers()
-        if self.trailers:
+        elif self.trailers:
             numbers["error"] = self.motion.error
         numbers["remarks"] = answers.remarks(self.answer)
         return {"scene": self.scene.name, **numbers, "paper_method": beside}
@@ -394,9 +409,16 @@ class RigidImpact(Case):
 
         units: "si", or "us" for ft, mph and kip.
         """
-        answer = self.answer
         lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
-        lines += ["Strikes"] if answer.strikes else ["no strike"]
+        lines += self.space.text(units) if self.space else self._plane_text(units)
+        if remarks := answers.remarks(self.answer):
+            lines += ["", *remarks]
+        return lines + paper_lines(paper_method(self.scene, self.answer), units)
+
+    def _plane_text(self, units: str) -> list[str]:
+        """Return the lines on strikes, forces, end and tyres."""
+        answer = self.answer
+        lines = ["Strikes"] if answer.strikes else ["no strike"]
         for strike in answer.strikes:
             peak, impulse = (
                 shown(value, unit, units, digits=DIGITS)
@@ -425,8 +447,4 @@ class RigidImpact(Case):
                 for number, load in enumerate(self.loads, 1)
             ]
             lines.append(value_line("work", float(answer.history["tyre_work"][-1]), "J", units, DIGITS))
-        if self.space:
-            lines = [*self.space.text(units), "", "In the plane, without heights", *lines]
-        if remarks := answers.remarks(answer):
-            lines += ["", *remarks]
-        return lines + paper_lines(paper_method(self.scene, answer), units)
+        return lines

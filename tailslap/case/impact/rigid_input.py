@@ -1,5 +1,6 @@
 """Inputs of the theory of whole impacts from a scene."""
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NamedTuple
@@ -39,12 +40,23 @@ class Touching(NamedTuple):
     keys: Mapping[str, str]
 
 
+def above_wall(scene: Scene) -> list[int]:
+    """Return the numbers of strips that pass over the wall.
+
+    In the plane they do not touch it; a unit without any other keeps its own.
+    """
+    top = (scene.wall and scene.wall.height) or math.inf
+    above = [n for n, strip in enumerate(scene.strip) if strip.height and min(strip.height) > top]
+    others = {strip.unit for n, strip in enumerate(scene.strip) if n not in above}
+    return [n for n in above if scene.strip[n].unit in others]
+
+
 def touching(scene: Scene) -> list[Touching]:
-    """Return what touches the wall, in the order of `strips_of_units`."""
-    parts = []
+    """Return what touches in the plane, in the order of `strips_of_units`."""
+    parts, above = [], above_wall(scene)
     for unit in range(1, 1 + len(scene.units)):
         for number, strip in enumerate(scene.strip):
-            if strip.unit == unit:
+            if strip.unit == unit and number not in above:
                 keys = {name: f"strip.{number}.{key}" for name, key in KEY_OF_STRIP.items()}
                 parts.append(Touching(number, unit, False, keys))
         if unit in scene.of_corners:

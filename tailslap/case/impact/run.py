@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem.plate.properties import ModelError
+from postprocess.signals.occupant import RiskMeasure
 from solver.impact import ImpactMotion, Strike, outermost
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
@@ -46,7 +47,7 @@ class ImpactOutcome(Outcome):
     Attributes
     ----------
     rigid, fe : ImpactAnswer
-        Results of both models at the same instants.
+        Results of both models in the plane at the same instants.
     mesh_error : dict of float
         Numerical error of each quantity of the first two strikes of weight, relative, by `strike_1.impulse` and so on;
         empty where none is stated.
@@ -83,7 +84,14 @@ class ImpactOutcome(Outcome):
     @cached_property
     def paper_method(self) -> dict[str, Any] | None:
         """Results of the paper's method."""
-        return paper_method(self.fe_plan.case.scene, self.rigid)
+        return paper_method(self.fe_plan.case.scene, self.fe_plan.case.answer)
+
+    @property
+    def occupant_risk(self) -> tuple[RiskMeasure, ...]:
+        """Measures of the plate's motion, with [body] of that in space."""
+        case = self.fe_plan.case
+        answer = case.answer if case.space else self.fe
+        return answer.occupant_risk(self.fe_plan.model.mass)
 
 
 def attempt(case: RigidImpact, refinements: int = 0) -> ImpactOutcome:

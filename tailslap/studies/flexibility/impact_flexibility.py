@@ -66,7 +66,7 @@ def impact_flexibility(
         series = {name: impact_samples(rows, name) for name in NAMES}
         scan = scanned(series, IMPACT_LEVELS, 1.0 / second_end(case), differences)
     reaches = {name: levels.reaches(samples, IMPACT_LEVELS) for name, samples in scan.samples.items()}
-    rigid, seconds = plate_record(math.inf, both_strikes(case.answer), {}, ()), time.perf_counter() - began
+    rigid, seconds = plate_record(math.inf, both_strikes(case.in_plane), {}, ()), time.perf_counter() - began
     setup, measured = {"patch_length": patch_length(case)}, [*soft.values(), rigid]
     return Flexibility(
         *(case, rows, reaches, fe_plan.first_frequency, setup, seconds, {}, measured),

@@ -155,7 +155,7 @@ def nominal_columns(case: Any) -> dict[str, float]:
     """Return the results of the scene's values [SI]."""
     if case.scene.contact is None:
         return {"peak_force": float(case.force.peak_force)}
-    return strike_columns.both_strikes(case.answer)
+    return strike_columns.both_strikes(case.in_plane)
 
 
 def solved(
