@@ -173,9 +173,10 @@ def test_a_vehicle_in_space_is_solved_in_space_alone(scene, monkeypatch):
     assert not [name for name in case.columns(case.scene) if "strike" in name or "hinge" in name]
 
 
-def test_a_row_at_half_the_interval_is_of_the_same_motion():
+@pytest.mark.parametrize("scene", [SCENE, TRAIN])
+def test_a_row_at_half_the_interval_is_of_the_same_motion(scene):
     """The mean of two rows is one of the motion."""
-    case: Any = case_of_scene(SCENE, None)
+    case: Any = case_of_scene(scene, None)
     h, fine = case.space.motion.history, case.answer.history
     assert fine["t"][1] == pytest.approx(0.5 * h["t"][1])
     pairs = fine["force_normal"][1 : 1 + (len(fine["t"]) - 1) // 2 * 2].reshape(-1, 2)
