@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 import tailslap
-from postprocess.comparison.quantities import TAIL_SLAP
+from postprocess.comparison.quantities import IN_SPACE, TAIL_SLAP
 from postprocess.comparison.records import Compared
 from tailslap.campaign import records, sampling
 from tailslap.case import kind_of
@@ -192,7 +192,8 @@ def make_definition(
         for (key, values), places in zip(typed, fractions, strict=True)
     )
     fixed = (example.name, write.scene_text(scene_source), changes, source, varied, variations, sample, seed)
-    return Definition(*fixed, kind.columns(example), kind.compared)
+    in_space = example.body and not example.plate
+    return Definition(*fixed, kind.columns(example), IN_SPACE if in_space else kind.compared)
 
 
 def varied_source(definition: Definition) -> vary.Source:

@@ -389,3 +389,13 @@ def test_checks_of_a_run_judge_the_motion_in_space():
         names[0]
     ]
     assert failed(replace(motion, other_error=0.03)) == [names[1]]
+
+
+def test_a_sweep_in_space_shows_its_force(tmp_path):
+    """Rows and charts have the force of the motion in space."""
+    swept = tailslap.sweep(
+        SCENE, {"wall.height": [0.8, 0.9144]}, changes={"plate": None}, folder=tmp_path / "out"
+    )
+    table, force = swept.histories["table"], "rigid.peaks.mean_50ms"
+    assert table[force][1] == tailslap.rigid(SCENE, band=False).summary["peaks"]["mean_50ms"]
+    assert not [name for name in table if "strike" in name]
