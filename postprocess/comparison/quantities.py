@@ -41,7 +41,9 @@ OF_STRIKES = by_key(
 STRIKES = Compared(OF_STRIKES, "strike_2.mean_50ms", "of both strikes")
 """Quantities of a whole impact."""
 
-LARGEST = by_key(ComparedQuantity("peaks.mean_50ms", "Largest 50 ms mean of the lateral force", "F, 50 ms", "N"))
+LARGEST = by_key(
+    ComparedQuantity("peaks.mean_50ms", "Largest 50 ms mean of the lateral force", "F, 50 ms", "N")
+)
 IN_SPACE = Compared(LARGEST, "peaks.mean_50ms", "in space")
 """Quantities of a whole impact in space alone."""
 
