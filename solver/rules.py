@@ -162,7 +162,7 @@ SPACE = {name: Rule(name, "it is a size", f"{POSITIVE}, {unit}") for name, unit 
 SPACE |= {
     name: Rule(name, "it is not negative", "0 or more, and finite")
     for name in ("hitch_height", "roll_stiffness", "damping_ratio", "roll_centre", "friction", "cornering", "height",
-                 "inset", "restitution", "unloading")
+                 "inset", "initial_force", "restitution", "unloading")
 }  # fmt: skip
 """Rules of a vehicle in space, by the name of the quantity."""
 SPACE_STEPS = Rule(

@@ -160,10 +160,10 @@ def twist_hinges(units, bodies):
 
 
 @reordered
-def press_strips(fleet, i, units, axles, strips, facets, work, h):
+def press_strips(fleet, i, units, axles, strips, facets, work, h, ahead):
     """Add the wall forces on all strips.
 
-    h: the step [s]. Returns True if a point is behind the face, or has come down on the top.
+    h: the step, until `ahead` from now [s]. Returns True if a point is behind the face, or has come down on the top.
     """
     touching, first = False, 0
     for k in range(strips.shape[0]):
@@ -176,7 +176,7 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h):
                 touches = _press_strip(
                     strips[k], 2.0 * side - 1.0, centre, b, q, work.wall, facets,
                     work.memory[first + side * points : first + (side + 1) * points],
-                    fleet.friction[i], 4.0 / units[u, col.MASS], of_axle, work.bodies[0, col.AT], work.sums, h,
+                    fleet.friction[i], 4.0 / units[u, col.MASS], of_axle, work.bodies[0, col.AT], work.sums, h, ahead,
                 )  # fmt: skip
                 touching = touching or touches
         first += 2 * points
@@ -200,7 +200,7 @@ def _end(strip, at, side, centre, q):
 
 @reordered
 def _press_strip(
-    strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h
+    strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h, ahead
 ):  # fmt: skip
     """Add the wall forces on a strip.
 
@@ -214,6 +214,20 @@ def _press_strip(
         b[3] * bx + b[4] * by + b[5] * bz + b[col.AT + 1],
     )
     toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
+    svx, svy, svz, evx, evy, evz, early = (
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+    )  # largest gap that closes within the step
+    if strip[col.INITIAL] > 0.0:
+        svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
+        evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
+        early = ahead * (abs(svy) + abs(evy) + abs(svz) + abs(evz))
+        toe += early
     if min(sy, ey) > toe:
         if memories[0, col.RAISED] > 0.0:
             for n in range(memories.shape[0]):
@@ -238,7 +252,6 @@ def _press_strip(
     touches, pressed, begin, end = False, False, points, 0  # points in part on the top
     raised, spread, work, lost = False, 0.0, 0.0, 0.0
     fsx, fsy, fsz, fex, fey, fez = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    svx, svy, svz, evx, evy, evz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for column in (col.FACE, col.TOP):
         for n in range(0 if column == col.FACE else begin, points if column == col.FACE else end):
             p = spacing * (n + 0.5)
@@ -263,7 +276,7 @@ def _press_strip(
                     if weight <= 0.0:
                         continue
                 face, k = point_of_face(wall, facets, z)
-                if face <= y:
+                if face + early <= y:
                     continue
                 ny, nz = _face(wall, facets, k, z - half, z + half)
                 depth = (face - y) * ny
@@ -273,9 +286,13 @@ def _press_strip(
                 if sunk <= 0.0:
                     continue
                 ny, nz, depth, weight = 0.0, 1.0, lowest - 0.5 * sunk, sunk * upward
-            touches = True
+            touches = touches or depth > 0.0
             inverse = h * h * points * (mobility + nz * nz * of_axle)
-            force = _point_force(crush, memory, column, depth, weight, inverse)
+            if column == col.FACE and early > 0.0 and memory[column] == 0.0:
+                closing = -(o * svy + p * evy) * ny - (o * svz + p * evz) * nz
+                force = weight * _first_force(crush, memory, depth, _part(depth, closing, h, ahead))
+            else:
+                force = _point_force(crush, memory, column, depth, weight, inverse)
             if force <= 0.0:
                 continue
             if not pressed:
@@ -312,10 +329,36 @@ def _press_strip(
 
 
 @inlined
+def _part(depth, closing, h, ahead):
+    """Return the part of the step after the touch of a point.
+
+    closing: velocity into the face [m/s]. It applies to a force that begins suddenly.
+    """
+    if closing <= 0.0:
+        return 1.0 if depth > 0.0 else 0.0
+    return min(max((ahead + depth / closing) / h, 0.0), 1.0)
+
+
+@inlined
+def _first_force(crush, memory, depth, part):
+    """Return the force on a point that has not been pressed [N].
+
+    part: of the step, in which the initial force acts.
+    """
+    memory[col.FACE] = max(depth, 0.0)
+    begun = PointCrush(
+        crush.stiffness, part * crush.initial_force, crush.returned, crush.plateau, crush.unloading
+    )
+    return loading_force(begun, memory[col.FACE])
+
+
+@inlined
 def _crush_of(strip, length):
     """Return the crush law of this length of a strip [m]."""
     stiffness, plateau = strip[col.STIFFNESS] * length, strip[col.PLATEAU] * length
-    return PointCrush(stiffness, 0.0, strip[col.RETURNED], plateau, strip[col.UNLOADING] * length)
+    return PointCrush(
+        stiffness, strip[col.INITIAL] * length, strip[col.RETURNED], plateau, strip[col.UNLOADING] * length
+    )
 
 
 @inlined

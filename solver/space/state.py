@@ -27,12 +27,12 @@ centre and the lowest points of its unloaded tyres below the roll centre [m]; ha
 and cornering coefficient [-].
 """
 
-START, END, STIFFNESS, PLATEAU, RETURNED, UNLOADING, LENGTH, THICK = 0, 3, 6, 7, 8, 9, 10, 11
+START, END, STIFFNESS, PLATEAU, RETURNED, UNLOADING, LENGTH, THICK, INITIAL = 0, 3, 6, 7, 8, 9, 10, 11, 12
 """Columns of a strip.
 
 Both ends, in the body's axes or about the roll centre of its axle, y to the left [m]; per metre of its length stiffness
 [N/m^2], plateau [N/m], and slope of unloading [N/m^2], 0 where the returned part of the energy defines it [-]; length
-[m].
+[m]; half height of a point; force at zero crush per metre [N/m].
 """
 
 FACE, TOP, ABOVE, RAISED = 0, 3, 6, 7
@@ -104,7 +104,7 @@ cosine and sine of the roll.
 class Fleet(NamedTuple):
     """Vehicles of n samples, with columns named above.
 
-    units: shape (n, units, 15); axles: (n, axles, 14); strips: (n, strips, 12), of the right side; axle_unit,
+    units: shape (n, units, 15); axles: (n, axles, 14); strips: (n, strips, 13), of the right side; axle_unit,
     strip_unit: unit of each; strip_axle: axle of each or -1; strip_points: points of each; profile, shape (points, 2):
     of all walls; height, friction: of each wall; speed, angle: of the train at first touch.
     """

@@ -109,7 +109,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
         for j in range(10):
             before[j] = sums[j]
         press_axles(axles, fleet.axle_unit, bodies, joints, sums, ahead)
-        touches = press_strips(fleet, i, units, axles, strips, facets, work, ahead)
+        touches = press_strips(fleet, i, units, axles, strips, facets, work, ahead, 0.5 * h)
         if clock.push.shape[0] > 0:
             _push_at(clock.push, k, parts, units[0], bodies[0])
         if units.shape[0] > 1:

@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.conditions import Number
 
-LAW = ("inset", "stiffness", "plateau", "restitution", "unloading")
+LAW = ("inset", "stiffness", "initial_force", "plateau", "restitution", "unloading")
 """Values that are equal in pieces of one strip."""
 
 ABUTTING = 1e-6
@@ -35,6 +35,8 @@ class SpaceStrip:
         Distance inwards from the side of the unit [m].
     stiffness, plateau : float or ndarray
         Stiffness and plateau of the crush law per metre of length [N/m^2], [N/m].
+    initial_force : float or ndarray
+        Force at zero crush per metre of length [N/m].
     restitution : float or ndarray
         Unloading returns its square of the energy [-].
     unloading : float or ndarray
@@ -54,6 +56,7 @@ class SpaceStrip:
     unloading: Number = 0.0
     axle: int = -1
     unit: int = 0
+    initial_force: Number = 0.0
 
 
 def joined(strips: Sequence[SpaceStrip]) -> tuple[SpaceStrip, ...]:

@@ -369,6 +369,7 @@ def _strip(vehicle: SpaceVehicle, index: int) -> list[Number]:
         strip.unloading,
         length,
         thick,
+        strip.initial_force,
     ]
 
 

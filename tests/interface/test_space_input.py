@@ -49,6 +49,8 @@ def refused(changes):
             "strip.0.unloading_stiffness",
             "remove one",
         ),
+        ({"strip.0.initial_force": "1 MN/m"}, "strip.0.plateau", "at least 450000 N"),
+        ({"strip.0.initial_force": "9 kN/m", "strip.0.restitution": 0.8}, "strip.0.restitution", "sqrt(1/2)"),
         ({"strip.3.height": ["49 in", "5 m"]}, "strip.3.height", "4.05 m"),
         ({"strip.0.at": "12 m"}, "strip.0.at", "10 m"),
         ({"strip.0.height": ["0.9 m", "0.45 m"]}, "strip.0.height", "upwards"),
@@ -134,6 +136,11 @@ def test_named_profiles_have_their_published_points():
         assert math.degrees(math.atan2(0.4, above[0] - above[1])) == pytest.approx(84.0)
     slope = face_at(profile_points("single-slope"), np.array([0.0, 0.9]))
     assert math.degrees(math.atan2(slope[0] - slope[1], 0.9)) == pytest.approx(11.0)
+
+
+def test_initial_force_of_a_strip_reaches_the_vehicle():
+    strips = space_input(read_scene(SCENE, ["strip.1.initial_force=40 kN/m"])[0]).vehicle.strips
+    assert [strip.initial_force for strip in strips] == [40e3 * (k == 1) for k in range(len(strips))]
 
 
 def test_results_have_the_keys_of_the_interface():

@@ -156,6 +156,8 @@ def test_abutting_pieces_of_a_strip_are_one_strip(count):
     assert (
         fleet_of(samples, SpaceWall(0.9), SPEED, ANGLE).strip_points.tolist() == whole.strip_points.tolist()
     )
+    one, *others = pieces(2).strips
+    assert len(joined((replace(one, initial_force=1.0), *others))) == whole.strips.shape[1] + 1
     front = [strip.at for strip in joined(pieces(2).strips[3::-1])]
     assert len(front) == 2  # pieces in any order
 
