@@ -52,7 +52,7 @@ def test_a_package_stands_alone(package):
 
 
 def test_folders_of_fem_import_downward():
-    order = ("laws", "plate", "explicit", "model", "start", "stability", "run")
+    order = ("limit", "laws", "plate", "explicit", "model", "start", "stability", "run")
     level = {folder: height for height, folder in enumerate(order)} | {"modal": order.index("stability")}
     for name, imported in graph().items():
         if name.startswith("fem.") and (folder := name.split(".")[1]) in level:

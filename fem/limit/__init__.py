@@ -1,0 +1,1 @@
+"""Proven bounds of the collapse load of plates in bending."""

@@ -1,0 +1,1 @@
+"""Strength of the parapet beside the force of the impact."""

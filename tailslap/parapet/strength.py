@@ -1,0 +1,94 @@
+"""Bounds of the strength of a wall.
+
+The wall is a plate that is fixed at the deck."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from fem.limit.bounds import Bounds, collapse_load
+from fem.limit.plate import Floats, Indices, PlasticPlate
+from meshes.bands import banded_rectangle
+from solver.parapet import Strengths
+
+TOLERANCE, MOST_TRIANGLES = 0.01, 6000
+"""Difference of the bounds that is aimed at [-], and the size of mesh from which on none is refined."""
+
+FINE, COARSE = 0.25, 0.5
+"""Sizes of the first triangles at the load and elsewhere, in heights of the wall [-]."""
+
+STRETCHES, FAR = (1.0, 2.0, 4.0, 8.0), 0.15
+"""Factors on the modelled length, and the difference of the bounds on the first mesh from which on more is modelled."""
+
+MARGIN = 2.0
+"""Length of a long wall that is modelled beyond the mechanism of A13.3.1, in its heights [-]."""
+
+
+class Load(NamedTuple):
+    """Uniform line load on a wall.
+
+    length, height [m]; end_distance: from the end of the wall to the beginning of the load [m], None in the middle.
+    """
+
+    length: float
+    height: float
+    end_distance: float | None
+
+
+def wall_plate(
+    strengths: Strengths, load: Load, length: float = math.inf, stretch: float = 1.0
+) -> PlasticPlate:
+    """Return the plate of a wall.
+
+    length: of the wall [m]. Of a load in the middle it is the half on one side of the axis of symmetry. A wall that is
+    longer than the mechanism needs is cut; stretch: factor on the modelled length [-].
+    """
+    reach = strengths.resistance(load.length, "interior").critical_length + 2.0 * MARGIN * strengths.height
+    start, end = -0.5 * load.length, 0.5 * load.length
+    whole, nearest = 0.5 * length, "symmetric"
+    if load.end_distance is not None:
+        start, end = load.end_distance, load.end_distance + load.length
+        whole, nearest = length, "free"
+    modelled = 0.5 * (max(start, 0.0) + end + stretch * reach)
+    sides = {
+        "left": nearest,
+        "right": "free" if whole <= modelled else "cut",
+        "bottom": "clamped",
+        "top": "free",
+    }
+    line = (load.height, start, end)
+    size = min(whole, modelled), strengths.height
+    return PlasticPlate(*size, sides, strengths.levels, strengths.moments, line, beam=strengths.beam)
+
+
+def bounds_of(
+    strengths: Strengths,
+    load: Load,
+    length: float = math.inf,
+    tolerance: float = TOLERANCE,
+    most: int = MOST_TRIANGLES,
+) -> tuple[PlasticPlate, Bounds]:
+    """Return the plate of a wall and its strength [N].
+
+    tolerance, most: see `collapse_load`. More of a long wall is modelled while its end alone keeps the bounds apart.
+    """
+    for stretch in STRETCHES:
+        plate = wall_plate(strengths, load, length, stretch)
+        mesh = _first_mesh(plate)
+        if plate.sides["right"] == "free" or collapse_load(plate, *mesh, tolerance, 1).width < FAR:
+            break
+    return plate, collapse_load(plate, *mesh, tolerance, most)
+
+
+def _first_mesh(plate: PlasticPlate) -> tuple[Floats, Indices]:
+    """Return nodes and triangles, fine at the load."""
+    assert plate.line
+    height, start, end = plate.line
+    margin = 0.5 * plate.height
+    return banded_rectangle(
+        plate.length,
+        sorted({*plate.levels.tolist(), height}),
+        {height: [x for x in (start, end) if 0.0 < x < plate.length]},
+        lambda x, _: plate.height * (FINE if start - margin <= x <= end + margin else COARSE),
+    )
