@@ -17,7 +17,7 @@ from fem.limit.bounds import Bounds, collapse_load
 from fem.limit.plate import PlasticPlate
 from meshes.bands import banded_rectangle
 from solver.parapet import Strengths, yield_line_resistance
-from tailslap.parapet.strength import Load, bounds_of
+from tailslap.wall_strength.strength import Load, bounds_of
 
 WALLS = {"A": (0.813, 0.0, 40.0, 58.0), "B": (0.914, 0.0, 50.0, 70.0), "C": (1.067, 20.0, 65.0, 80.0)}
 """H [m], M_b, M_w [kN m], M_c [kN m/m] of shared trials."""

@@ -16,6 +16,7 @@ Functions, each the same as the command of its name:
     compare     comparison of histories with a reference, including other programs
     confirm     the same scene in another solver, compared
     export      fields and histories for ParaView, Gmsh, data frames; decks for CalculiX, ABAQUS
+    parapet     strength of the parapet between bounds, beside the force
     load        loading of a result folder
     paper       tables and figures of the paper compared with computed values
     validate    blind predictions beside published forces, durations and speeds
@@ -69,6 +70,7 @@ __all__, __getattr__, __dir__ = lazy_names(
         "modal_run": "modal",
         "result.columns": "Columns",
         "result.load": "load",
+        "wall_strength.report": "parapet",
         "replication.paper_page": "paper",
         "result.result": "Result",
         "scene.read": "scenes",

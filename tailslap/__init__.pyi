@@ -16,6 +16,7 @@ from tailslap.result.result import Result as Result
 from tailslap.scene.read import scenes as scenes
 from tailslap.scene.write import new as new
 from tailslap.validation.validation_report import validate as validate
+from tailslap.wall_strength.report import parapet as parapet
 
 __version__: str
 __all__: list[str]

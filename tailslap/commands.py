@@ -499,6 +499,21 @@ def completion(shell: str, as_json: bool) -> int:
 
 
 @commands.command()
+@takes_a_case
+@click.option("--out", type=options.Folder(), help="Result folder  [default: results/NAME+CHANGES-parapet]")
+@options.with_options(options.NO_BAND, options.FORCE, *options.WATCHED)
+def parapet(case: Case, out: Path | None, no_band: bool, force: bool, units: str, as_json: bool) -> int:
+    """Compare the strength of the parapet with the force of the impact.
+
+    The flexural strength of [parapet] by AASHTO LRFD A13.3.1 and between proven bounds of limit analysis. Exit status
+    1 if there is no proof, or the bounds differ by more than 1 %.
+    """
+    place, origin = out or place_of(case, "-parapet"), Origin("parapet", case.scene.name, case.changes)
+    compute = functools.partial(tailslap.parapet, case, band=not no_band)
+    return deliver(compute, place, origin, as_json, units, force=force)
+
+
+@commands.command()
 @click.option("--out", type=options.Folder(), help="Result folder  [default: results/paper]")
 @options.with_options(options.FORCE, options.JSON, options.QUIET)
 def paper(out: Path | None, force: bool, as_json: bool) -> int:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Bounds", "collapse_load"]
 
-REFINED, REACH = 0.7, 2.2
+REFINED, REACH = 0.65, 3.0
 """Largest part of the sum of the gaps whose triangles are refined, and that of the excess over the tolerance [-]."""
 
 

@@ -152,7 +152,8 @@ def _mechanism(
 def _at_nodes(values: Floats, area: Floats) -> Floats:
     """Return the integrals of a linear field by node.
 
-    The integrands are its products with functions that are 1 at one node. values: at the nodes, shape (t, 3, n); area: shape (t, 1, 1) [m^2].
+    The integrands are its products with functions that are 1 at one node. values: at the nodes, shape (t, 3, n);
+    area: shape (t, 1, 1) [m^2].
     """
     return area / 12.0 * (values + values.sum(axis=1, keepdims=True))
 

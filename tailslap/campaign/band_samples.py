@@ -108,6 +108,7 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
         variance_fractions({key: values[solved] for key, values in inputs.items()}, force[solved]),
         {item.key: (item.lower, item.upper, item.origin) for item in ranges},
         fractions,
+        forces=tuple(force[solved].tolist()),
     )
 
 

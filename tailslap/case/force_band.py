@@ -64,6 +64,8 @@ class ForceBand:
         Number of further vehicles, which have no solution.
     reason : str
         Reason why the first of them does not stand on its axles, or "".
+    forces : tuple of float
+        Forces of the vehicles [N].
     """
 
     percentiles: tuple[float, ...] = ()
@@ -75,6 +77,7 @@ class ForceBand:
     refusal: str = ""
     unsolved: int = 0
     reason: str = ""
+    forces: tuple[float, ...] = field(default=(), repr=False)
 
     @property
     def interval(self) -> str:
@@ -129,5 +132,5 @@ class ForceBand:
 
     def numbers(self) -> dict[str, object]:
         """Return the part `force_band` of results, SI."""
-        further = {name: value for name, value in vars(self).items() if name != "percentiles"}
+        further = {name: value for name, value in vars(self).items() if name not in ("percentiles", "forces")}
         return dict(zip(percentile_names(), self.percentiles, strict=False)) | further

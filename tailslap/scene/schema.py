@@ -18,6 +18,7 @@ from fem.plate import kinds
 from fem.registry import Registry
 from fem.start import start_kinds
 from tailslap.errors import InputError, Missing
+from tailslap.scene.units import Levels as LevelPairs
 from tailslap.scene.units import OfStrip, Pair, Quantity
 
 MAX_ELEMENTS = 4_000_000
@@ -91,6 +92,19 @@ Inertia = Annotated[
 Rate = Annotated[float, Quantity("a rate", "1/s", '"100 1/s"', least=1e-9, most=1e12)]
 Tolerance = Annotated[float, Quantity("a relative tolerance", "", "1e-3", least=1e-15, below=1.0)]
 Distortion = Annotated[float, Quantity("a fraction of the element size", "", "0.2", least=0.0, most=0.3)]
+
+Moment = Annotated[float, Quantity("a bending moment", "N m", '"50 kN m"', least=1.0, most=1e12)]
+BeamMoment = Annotated[float, Quantity("a bending moment", "N m", '"20 kN m"', least=0.0, most=1e12)]
+LineMoment = Annotated[
+    tuple[tuple[float, float], ...],
+    LevelPairs("a bending moment per length", "N", '"70 kN"', least=1.0, most=1e12),
+]
+Thickness = Annotated[
+    tuple[tuple[float, float], ...], LevelPairs("a thickness", "m", '"0.3 m"', least=0.01, most=20.0)
+]
+Bars = Annotated[
+    tuple[float, float], Pair("an area of bars per length", "m", '"650 mm^2/m"', least=1e-7, most=1.0)
+]
 
 FORMER_STARTS = {"quiet": "inertia-relief", "sudden": "unstressed"}
 """Former names of starts, with the present ones."""
@@ -553,6 +567,41 @@ class Wall(SceneTable):
         return self.length, self.depth, self.elements
 
 
+class ParapetSection(SceneTable):
+    """Reinforced section of the parapet, in place of its strengths.
+
+    Areas of bars are those of the traffic face and of the back.
+    """
+
+    thickness: Thickness = needed("thickness of the wall, or pairs [height, thickness]")
+    concrete_strength: Modulus = needed("compressive strength of the concrete")
+    yield_strength: Modulus = needed("yield strength of the bars")
+    cover: Length = needed("distance of the axes of the bars from their face")
+    vertical_bars: Bars = needed("area of upright bars per length of wall")
+    horizontal_bars: Bars = needed("area of longitudinal bars per height")
+
+
+class Parapet(SceneTable):
+    """Strength of the wall as a plate fixed at the deck.
+
+    Either [parapet.section] or wall_strength and base_strength define it.
+    """
+
+    height: Length = needed("height of the parapet above the deck")
+    length: Length | None = key("length of the wall between ends or joints; default: long")
+    end_distance: Level | None = key(
+        "distance from the nearer end or joint to the loaded length; default: middle and end of the wall"
+    )
+    beam_strength: BeamMoment = key("strength M_b of a beam at the top beside the wall", 0.0)
+    wall_strength: Moment | None = key("strength M_w about the vertical axis, over the height")
+    base_strength: LineMoment | None = key(
+        "strength M_c about the longitudinal axis per length, one value or pairs [height, value]"
+    )
+    load_length: Length | None = key("length L_t of the load; default: that of impact.test_level")
+    load_height: Length | None = key("height of the load; default: the top")
+    section: ParapetSection | None = key("reinforced section, in place of the strengths")
+
+
 class Scene(SceneTable):
     """One impact, with the models that represent it."""
 
@@ -574,6 +623,7 @@ class Scene(SceneTable):
     time: Time = Time()
     output: Output | None = None
     wall: Wall | None = None
+    parapet: Parapet | None = None
 
     @property
     def units(self) -> tuple[Vehicle, ...]:

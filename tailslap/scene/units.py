@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 from postprocess.units import FOOT, INCH, KIP, MPH, POUND, SYSTEMS
@@ -235,6 +236,32 @@ class Pair(Quantity):
         if len(values) != 2:
             raise ValueError(f"allowed is {self.what}, or a list of two")
         return self.parse(values[0]), self.parse(values[1])
+
+
+@dataclass(frozen=True)
+class Levels(Quantity):
+    """Number of a scene, or pairs of heights and numbers."""
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> "CoreSchema":
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_plain_validator_function(self.parse_levels)
+
+    def parse_levels(self, entry: object) -> tuple[tuple[float, float], ...]:
+        """Return heights [m] and values in SI.
+
+        A single value is at height 0. Raises ValueError, see `parse`, and for other pairs.
+        """
+        if not isinstance(entry, list | tuple):
+            return ((0.0, self.parse(entry)),)
+        allowed = f"allowed is {self.what}, or a list of pairs [height, value] of rising heights from 0"
+        if not all(isinstance(pair, list | tuple) and len(pair) == 2 for pair in entry):
+            raise ValueError(allowed)
+        height = Quantity("a height above the base", "m", '"0.2 m"', least=0.0, most=20.0)
+        pairs = tuple((height.parse(at), self.parse(value)) for at, value in entry)
+        if not pairs or pairs[0][0] != 0.0 or any(b <= a for (a, _), (b, _) in pairwise(pairs)):
+            raise ValueError(allowed)
+        return pairs
 
 
 def _rounded(bound: float, inwards: Callable[[float], int]) -> float:

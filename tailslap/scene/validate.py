@@ -11,6 +11,7 @@ from fem.laws.friction import FRICTION_LAWS
 from fem.plate.kinds import ELEMENT_KINDS, LUMPINGS
 from tailslap.errors import InputError, Missing, Verbatim, nearest
 from tailslap.scene import schema
+from tailslap.scene.parapet_keys import check_parapet
 
 ELASTIC_WALL_KEYS = ("height", "foundation_stiffness", "density", "youngs_modulus", "poissons_ratio")
 OF_MESH = ("length", "depth", "elements")
@@ -85,6 +86,8 @@ def validate(data: Mapping[str, object]) -> schema.Scene:
     else:
         _check_corner(scene)
     _check_plate(scene)
+    if scene.parapet is not None:
+        check_parapet(scene, scene.parapet)
     return _with_crush_stiffness(scene)
 
 

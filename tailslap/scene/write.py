@@ -55,6 +55,13 @@ OPTIONAL: Mapping[str, Mapping[str, str | list[str]]] = {
     },
     "body": IN_SPACE,
     "strip": {"height": ["0.45 m", "0.9 m"], "inset": "0.1 m", "stiffness": "4 MN/m^2"},
+    "parapet": {
+        "height": "36 in",
+        "length": "12 m",
+        "end_distance": "3 m",
+        "load_length": "1.067 m",
+        "load_height": "36 in",
+    },
     "wall": {"length": "20 m", "depth": "0.3 m", "height": "32 in", "profile": "new-jersey"},
 }
 """Examples in the comments where that of the quantity does not fit the key."""

@@ -18,7 +18,20 @@ import tailslap
 from tailslap import InputError
 
 FUNCTIONS = (
-    *("check", "compare", "confirm", "export", "load", "modal", "modes", "new", "paper", "rigid", "run"),
+    *(
+        "check",
+        "compare",
+        "confirm",
+        "export",
+        "load",
+        "modal",
+        "modes",
+        "new",
+        "paper",
+        "parapet",
+        "rigid",
+        "run",
+    ),
     *("scenes", "study", "sweep", "validate"),
 )
 

@@ -43,7 +43,10 @@ STAND_INS = {
 }  # fmt: skip
 """Values for the variable parts of a synopsis without its optional parts."""
 
-OF_STUDIES = {"flexibility": "mash-tl4-sut", "tipping": "impact-tipping-tl4-sut"}
+OF_STUDIES = {
+    **{"flexibility": "mash-tl4-sut", "tipping": "impact-tipping-tl4-sut"},
+    "parapet": "impact-parapet-tl4-sut",
+}
 """Scenes of studies, as on other pages."""
 
 PLACEHOLDER = re.compile(r"\b(?:KEY|DIR|COMMAND|SHELL|X)\b")
@@ -116,7 +119,16 @@ def test_the_site_builds_without_network_and_without_a_warning(tmp_path):
 def demand_equations(texts):
     """Equations are MathML without unknown or remaining TeX."""
     counts = {name: len(re.findall("<math ", text)) for name, text in texts.items() if "<math " in text}
-    assert {"rigid", "plate", "inertia-relief", "flutter", "contact", "modal", "tipping"} == counts.keys()
+    assert {
+        "rigid",
+        "plate",
+        "inertia-relief",
+        "flutter",
+        "contact",
+        "modal",
+        "tipping",
+        "parapet",
+    } == counts.keys()
     assert min(counts.values()) > 5
     for text in texts.values():
         assert not re.search(r"arithmatex|\$\$|<m[a-z]+>(?:\\|&(?!#x|[a-z]+;))", text)

@@ -1,6 +1,7 @@
 """Verify bounds of the strength of a parapet."""
 
 import itertools
+import json
 import math
 
 import numpy as np
@@ -8,12 +9,15 @@ import parapet
 import pytest
 from skfem import Basis, ElementTriP2, FacetBasis, MeshTri
 
+import tailslap
 from fem.limit import conic, lower, upper
 from fem.limit.bounds import collapse_load
 from fem.limit.plate import PlasticPlate
 from solver.conditions import RigidBodyError
 from solver.parapet import overhang_tension, punching, section_strengths, yield_line_resistance
-from tailslap.parapet.strength import Load, bounds_of, wall_plate
+from tailslap import cli
+from tailslap.scene.write import scene_file
+from tailslap.wall_strength.strength import Load, bounds_of, wall_plate
 
 pytestmark = pytest.mark.verification
 
@@ -254,3 +258,88 @@ def test_simple_formulas_by_hand():
         expected * kip, rel=1e-6
     )
     assert overhang_tension(100.0, 3.0, 1.0) == 20.0
+
+
+SCENE = {
+    "name": "wall",
+    "vehicle": {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"},
+    "impact": {
+        "speed": "56 mph",
+        "angle": "15 deg",
+        "friction": 0.47,
+        "restitution": 0.22,
+        "test_level": "TL-4",
+    },
+    "parapet": {
+        "height": "0.813 m",
+        "wall_strength": "40 kN m",
+        "base_strength": "58 kN",
+        "load_length": "1.067 m",
+    },
+}
+SECTION = {
+    "thickness": "0.3 m", "concrete_strength": "28 MPa", "yield_strength": "420 MPa", "cover": "50 mm",
+    "vertical_bars": "650 mm^2/m", "horizontal_bars": "500 mm^2/m",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("parapet.wall_strength", "0 kN m"),
+        ("parapet.base_strength", "-1 kN"),
+        ("parapet.base_strength", None),
+        ("parapet.base_strength", [["0.1 m", "58 kN"], ["0.8 m", "40 kN"]]),
+        ("parapet.base_strength", [["0 m", "58 kN"], ["2 m", "40 kN"]]),
+        ("parapet.load_height", "1 m"),
+        ("parapet.load_length", "11 m"),
+        ("parapet.end_distance", "4.5 m"),
+        ("parapet.section", SECTION),
+        ("parapet.height", "0 m"),
+    ],
+)
+def test_bad_input_names_key_value_and_what_is_allowed(key, value):
+    with pytest.raises(tailslap.InputError) as error:
+        tailslap.rigid(SCENE, {"parapet.length": "10 m", key: value})
+    assert key in str(error.value) or "parapet.wall_strength" in str(error.value)
+    assert "allowed" in str(error.value) or "required" in str(error.value) or "remove" in str(error.value)
+
+
+@pytest.mark.parametrize("key", ["vertical_bars", "horizontal_bars"])
+@pytest.mark.parametrize("value", ["0 mm^2/m", ["650 mm^2/m", "0 mm^2/m"], "90000 mm^2/m"])
+def test_a_section_without_bars_is_refused(key, value):
+    table = {"height": "0.9 m", "section": SECTION | {key: value}}
+    with pytest.raises(tailslap.InputError, match=f"parapet.section.{key}"):
+        tailslap.rigid(SCENE | {"parapet": table})
+
+
+def test_a_scene_without_the_table_is_refused():
+    tables = {name: table for name, table in SCENE.items() if name != "parapet"}
+    with pytest.raises(tailslap.InputError, match="parapet"):
+        tailslap.parapet(tables)
+
+
+def test_command_prints_the_bounds_and_writes_the_page(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "wall.toml").write_text(scene_file(SCENE, "a wall"), encoding="utf-8")
+    assert cli._status(["parapet", "wall.toml", "--json", "--no-band", "--quiet"]) == 0
+    assert cli._status(["parapet", "wall.toml", "--json", "--set", "parapet.end_distance=0.3 m"]) == 0
+    numbers = json.loads(capsys.readouterr().out)["parapet"]
+    assert numbers["lower"]["impact"] < 219e3 < numbers["upper"]["impact"] * 1.01
+    assert numbers["aashto"]["interior"] == pytest.approx(387.7e3, rel=1e-3)
+    ratio = numbers["demand_over_capacity"]
+    assert ratio["lower"] < ratio["median"] < ratio["upper"]
+    assert 0.0 <= ratio["exceeded"] <= 1.0
+    assert ratio["nominal"] == pytest.approx(numbers["demand"] / numbers["lower"]["impact"])
+    (page,) = tmp_path.glob("results/*end_distance*/report.html")
+    assert "flexural strength" in page.read_text(encoding="utf-8").lower()
+    assert list(page.parent.glob("parapet-impact.png"))
+
+
+def test_without_proof_the_command_fails_and_prints_no_bound(monkeypatch):
+    monkeypatch.setattr(conic, "minimum", lambda cost, *_: np.full(cost.size, np.nan))
+    result = tailslap.parapet(SCENE, band=False)
+    assert result.passed is False
+    assert result.summary["parapet"]["lower"] == {"interior": None, "end": None}
+    assert result.summary["parapet"]["upper"] == {"interior": None, "end": None}
+    assert "not proven" in result.summary["answer"]

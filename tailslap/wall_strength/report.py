@@ -1,0 +1,434 @@
+"""Report of the strength of a parapet beside the force."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import tailslap
+from fem.limit.bounds import Bounds
+from fem.limit.plate import Floats, PlasticPlate
+from postprocess.fields.panels import Panel, draw_panels
+from postprocess.report.command_report import Report
+from postprocess.report.page import Headline, Page, Picture, Section
+from postprocess.report.tables import Column, Table, columns
+from postprocess.units import force as force_text
+from postprocess.units import measure
+from solver.parapet import Resistance, Strengths, overhang_tension, punching
+from tailslap.arguments import checked_arguments
+from tailslap.campaign import band_samples
+from tailslap.case.case import Case
+from tailslap.case.force_band import ForceBand
+from tailslap.case.of_arguments import Changes, Scene, case_of_scene
+from tailslap.case.report_parts import design_forces_of, footer
+from tailslap.errors import InputError, Missing
+from tailslap.result.result import Result, filled_by, of_report
+from tailslap.scene.parapet_keys import load_length_of, strengths_of
+from tailslap.scene.write import scene_text
+from tailslap.wall_strength.strength import TOLERANCE, Load, bounds_of
+
+PATCH_HEIGHT = 0.3048
+"""Height of the patch of the load for punching, assumed [m]."""
+
+LEFT_OUT = (
+    "Omitted: anchorage of the bars, the interface to the deck, membrane action, ductility, rate and inertia."
+)
+MEANING = (
+    "All values are the flexural strength of the wall as a plate fixed at the deck. A13.3.1 is the load of one "
+    "mechanism for a load at the top, an upper bound of that plate with one strength for both signs. AASHTO's loads "
+    "and procedures are calibrated together: a value of A13.3.1 above the bounds does not mean that the code is unsafe."
+)
+STRENGTH = (
+    *columns({"load": "Load", "place": "Place"}),
+    *columns({"length": "Length", "height": "Height"}, unit="m", form=".3f"),
+    *columns({"lower": "Lower bound", "upper": "Upper bound"}, unit="N", form="#.4g", style="strong"),
+    Column(
+        "width",
+        "Difference",
+        form=lambda width: f"{100.0 * width:.2f} %" if math.isfinite(width) else "no proof",
+    ),
+    Column("aashto", "A13.3.1", "N", form="#.4g"),
+    Column("critical_length", "L_c", "m", form=".2f"),
+)
+DEMAND = (
+    *columns({"load": "Demand", "place": "Place"}),
+    Column("force", "Force", "N", form="#.4g", style="strong"),
+    *columns(
+        {"lower": "over lower bound", "upper": "over upper bound", "aashto": "over A13.3.1"}, form=".2f"
+    ),
+    Column("band", "5 to 95 %, over lower bound", form=str),
+)
+SIMPLE = (
+    Column("name", "Simple formula"),
+    Column("value", "Value", form="#.4g", unit_key="unit", style="strong"),
+    Column("unit", "Unit", is_unit=True),
+    Column("source", "Formula and source", style="soft"),
+)
+
+
+@dataclass(frozen=True)
+class Computed:
+    """Strength of a wall under a load.
+
+    load: name of the load; place: "interior", "end", or "impact" at a given distance; bounds: proven; formula: A13.3.1.
+    """
+
+    load_name: str
+    place: str
+    load: Load
+    plate: PlasticPlate
+    bounds: Bounds
+    formula: Resistance
+
+    @property
+    def lower(self) -> float | None:
+        """Lower bound [N], None without proof."""
+        return self.bounds.lower.value or None
+
+    @property
+    def upper(self) -> float | None:
+        """Upper bound [N], None without proof."""
+        return self.bounds.upper.value if math.isfinite(self.bounds.upper.value) else None
+
+
+@checked_arguments
+def parapet(scene: Scene, changes: Changes | None = None, *, band: bool = True) -> Result:
+    """Compute the strength of the parapet beside the force.
+
+    Parameters
+    ----------
+    scene : str, path or mapping
+        Name of a scene of the program, path of a TOML file, or tables of a scene, with [parapet].
+    changes : mapping or sequence of str, optional
+        Values by dotted key, or texts KEY=VALUE.
+    band : bool
+        Compute the band of the force over varied inputs.
+
+    Returns
+    -------
+    Result
+        `summary["parapet"]` contains A13.3.1, both bounds and the demand over capacity [N, m].
+
+    Raises
+    ------
+    InputError
+        For an invalid scene, key or value, and a scene without [parapet].
+
+    Examples
+    --------
+    >>> import tailslap
+    >>> result = tailslap.parapet("impact-parapet-tl4-sut", band=False)
+    >>> result.passed, result.summary["parapet"]["lower"]["interior"] > 3e5
+    (True, True)
+    """
+    case, began = case_of_scene(scene, changes), time.perf_counter()
+    if case.scene.parapet is None:
+        raise InputError("parapet", Missing, "this table is required for `tailslap parapet`")
+    rows = strengths_of_loads(case)
+    refusal = ForceBand(refusal="not requested")
+    distribution = band_samples.force_band(case) if band else refusal
+    report = _report(case, rows, distribution, began)
+
+    def drawn(folder: Path, pictures: bool, units: str) -> Report:
+        return _with_pictures(report, rows, folder) if pictures else report
+
+    result = of_report("parapet", report, changes=case.changes)
+    return result.__class__(**{**vars(result), "fill": filled_by(drawn)})
+
+
+def strengths_of_loads(case: Case) -> list[Computed]:
+    """Return strengths under the code's load and that of this impact."""
+    table = case.scene.parapet
+    assert table
+    strengths, length = strengths_of(table), table.length or math.inf
+    loads = {"code": (load_length_of(case.scene, table), table.load_height or table.height)}
+    if impact := _impact(case)[1:]:
+        loads["this impact"] = impact[0], impact[1]
+    places = {"interior": None, "end": 0.0} if table.end_distance is None else {"impact": table.end_distance}
+    rows = []
+    for name, (load_length, height) in loads.items():
+        load_length = min(load_length, length)
+        for place, distance in places.items():
+            load = Load(load_length, min(height, table.height), distance)
+            plate, bounds = bounds_of(strengths, load, length)
+            formula = strengths.resistance(load_length, "end" if distance == 0.0 else "interior")
+            rows.append(Computed(name, place, load, plate, bounds, formula))
+    return rows
+
+
+def _impact(case: Any) -> tuple[float, ...]:
+    """Return the force [N], and in space its length and height [m]."""
+    if case.scene.contact is None:
+        return (float(case.rigid_numbers()["stage3"]["peak_force"]),)
+    if case.space is None:
+        return (float(case.answer.peaks["mean_50ms"]),)
+    numbers = case.space.numbers()["force"]
+    return (
+        float(numbers["mean_50ms"]),
+        max(float(numbers["length"]), 0.05),
+        max(float(numbers["height"]), 0.05),
+    )
+
+
+def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> Report:
+    """Return the report without pictures."""
+    table = case.scene.parapet
+    assert table
+    strengths, demand = strengths_of(table), _impact(case)[0]
+    of_impact = [row for row in rows if row.load_name != "code"] or rows
+    ratio = _ratio(of_impact[0].lower, demand, band)
+    passed = all(row.bounds.width <= TOLERANCE for row in rows)
+    numbers = _numbers(rows, strengths, demand, ratio, table.section is not None)
+    strength_rows = [
+        {
+            "load": row.load_name,
+            "place": row.place,
+            "length": row.load.length,
+            "height": row.load.height,
+            "lower": row.lower,
+            "upper": row.upper,
+            "width": row.bounds.width,
+            "aashto": row.formula.force,
+            "critical_length": row.formula.critical_length,
+        }
+        for row in rows
+    ]
+    demands = [("this impact", demand, row) for row in of_impact]
+    level = case.scene.impact.test_level if case.scene.impact else None
+    demands += [
+        (name, design.force, row)
+        for name, design in design_forces_of(level).items()
+        for row in rows
+        if row.load_name == "code"
+    ]
+    demand_rows = [
+        {
+            "load": name,
+            "place": row.place,
+            "force": force,
+            "lower": force / row.lower if row.lower else None,
+            "upper": force / row.upper if row.upper else None,
+            "aashto": force / row.formula.force,
+            "band": _band_words(_ratio(row.lower, demand, band)) if name == "this impact" else "",
+        }
+        for name, force, row in demands
+    ]
+    tables = [
+        Table(STRENGTH, strength_rows, "Strength", notes=(MEANING,)),
+        Table(DEMAND, demand_rows, "Demand over capacity"),
+        Table(SIMPLE, _simple_rows(case, strengths, rows), "Beside it"),
+    ]
+    headline = _headline(case, rows, of_impact, demand, ratio, band)
+    residual = max(row.bounds.lower.residual for row in rows)
+    method = [
+        "Lower bound: linear moments in equilibrium, within Johansen's criterion of both signs and directions; "
+        f"residual of equilibrium {residual:.1e} of the strength, no excess. Upper bound: cubic mechanism, its "
+        f"dissipation computed again. Up to {max(row.bounds.upper_mesh.t.shape[1] for row in rows)} triangles, refined "
+        f"until both differ by at most {100.0 * TOLERANCE:g} %; {time.perf_counter() - began:.1f} s.",
+        "Place: interior, the middle of the wall; end, the load begins at the end or joint. "
+        "The capacity of this impact is that at the height and length of the nominal force; its band is that of "
+        "the force.",
+        LEFT_OUT,
+    ]
+    sections = (
+        Section("Strength and demand", tables=tables),
+        Section("Method and omitted effects", sentences=method),
+    )
+    files = "summary.json (SI)"
+    kicker = "Flexural strength of the plate between proven bounds"
+    page = Page(kicker, headline, sections, footer(files), scene_text(case.source), passed)
+    summary = {
+        "scene": case.scene.name,
+        "version": tailslap.__version__,
+        "passed": passed,
+        "parapet": numbers,
+    }
+    return Report(page, summary, (*tables, LEFT_OUT))
+
+
+def _ratio(capacity: float | None, demand: float, band: ForceBand) -> dict[str, float | None]:
+    """Return the demand over capacity with its band."""
+    if capacity is None:
+        return dict.fromkeys(("nominal", "median", "lower", "upper", "exceeded"))
+    names = dict(zip(("lower", "median", "upper"), band.percentiles, strict=False))
+    ratios: dict[str, float | None] = dict.fromkeys(("median", "lower", "upper", "exceeded"))
+    ratios |= {name: value / capacity for name, value in names.items()}
+    if band.forces:
+        ratios["exceeded"] = float(np.mean(np.array(band.forces) > capacity))
+    return {"nominal": demand / capacity, **ratios}
+
+
+def _band_words(ratio: dict[str, float | None]) -> str:
+    """Return a band and the fraction above capacity in words."""
+    if ratio["median"] is None:
+        return "–"
+    exceeded = 100.0 * (ratio["exceeded"] or 0.0)
+    return f"{ratio['lower']:.2f} to {ratio['upper']:.2f}, median {ratio['median']:.2f}: exceeded in {exceeded:.0f} %"
+
+
+def _headline(
+    case: Case,
+    rows: list[Computed],
+    of_impact: list[Computed],
+    demand: float,
+    ratio: dict[str, Any],
+    band: ForceBand,
+) -> Headline:
+    """Return strength, demand and proof in sentences."""
+    code = [row for row in rows if row.load_name == "code"]
+    parts = []
+    for row in code:
+        proven = (
+            f"{force_text(row.lower)} to {force_text(row.upper)}" if row.lower and row.upper else "not proven"
+        )
+        parts.append(f"{row.place} {proven} (A13.3.1: {force_text(row.formula.force)})")
+    first = of_impact[0]
+    nominal = (
+        f"{ratio['nominal']:.2f} of the lower bound, {first.place}"
+        if ratio["nominal"]
+        else "without proven capacity"
+    )
+    varied = f"; band {_band_words(ratio)} of such impacts" if ratio["median"] else ""
+    answer = (
+        f"Flexural strength of the plate, load at {measure(code[0].load.height, 'm', '.2f')}: {', '.join(parts)}. "
+        f"Force of this impact {force_text(demand)}, at {measure(first.load.height, 'm', '.2f')}: {nominal}{varied}."
+    )
+    wide = [row for row in rows if not row.bounds.width <= TOLERANCE]
+    certainty = (
+        f"Both bounds are proven and differ by at most {100.0 * max(row.bounds.width for row in rows):.2f} %."
+    )
+    if wide:
+        certainty = (
+            f"Failed check: the bounds of {len(wide)} loads are without proof or differ by more than 1 %."
+        )
+    return Headline(f"Strength of the parapet: {case.subject}", answer, case.set_up, certainty, band.sentence)
+
+
+def _simple_rows(case: Case, strengths: Strengths, rows: list[Computed]) -> list[dict[str, object]]:
+    """Return punching and deck overhang by simple formulas."""
+    table, first = case.scene.parapet, rows[0]
+    assert table
+    governing = [row.lower for row in rows if row.load_name == "code" and row.lower]
+    tension = overhang_tension(first.formula.force, first.formula.critical_length, strengths.height)
+    base, foot = strengths.base, float(strengths.moments[2, 0])
+    items: list[tuple[str, float, str, str]] = [
+        ("M_c, moment of the deck overhang", base, "N", "mean over the height, per length; A13.4.2"),
+        ("T, tension of the deck overhang", tension, "N/m", "R_w/(L_c + 2 H); Eq. A13.4.2-1"),
+    ]
+    if governing:
+        shortest = max(governing) * first.load.height / foot
+        items.append(
+            (
+                "length below which the wall turns over",
+                shortest,
+                "m",
+                "lower bound times height over M_c at the base",
+            )
+        )
+    if table.section:
+        depth = table.section.thickness[-1][1] - table.section.cover
+        shear = punching(table.section.concrete_strength, depth, first.load.length, PATCH_HEIGHT)
+        formula = f"v_c b_0 d, b_0 = L_t + d + 2 (h + d/2), h = {PATCH_HEIGHT:.3f} m assumed; v_c of Eq. A13.4.3.2-3"
+        items.append(("punching at the top", shear, "N", formula))
+        if governing:
+            items.append(("smaller of punching and lower bound", min(shear, *governing), "N", "governs"))
+    return [dict(zip(("name", "value", "unit", "source"), item, strict=True)) for item in items]
+
+
+def _numbers(
+    rows: list[Computed], strengths: Strengths, demand: float, ratio: dict[str, Any], has_section: bool
+) -> dict[str, Any]:
+    """Return the part `parapet` of the summary, SI."""
+    code = {row.place: row for row in rows if row.load_name == "code"}
+    impact = {row.place: row for row in rows if row.load_name != "code"}
+    formulas = {place: strengths.resistance(rows[0].load.length, place) for place in ("interior", "end")}
+    numbers = {
+        "aashto": {place: formula.force for place, formula in formulas.items()}
+        | {
+            "critical_length": formulas["interior"].critical_length,
+            "critical_length_end": formulas["end"].critical_length,
+        },
+        "lower": {place: row.lower for place, row in code.items()},
+        "upper": {place: row.upper for place, row in code.items()},
+        "demand": demand,
+        "demand_over_capacity": ratio,
+        "load": {"length": rows[0].load.length, "height": rows[0].load.height},
+        "residual": max(row.bounds.lower.residual for row in rows),
+        "excess": max(0.0, *(row.bounds.lower.excess for row in rows)),
+    }
+    if impact:
+        load = next(iter(impact.values())).load
+        numbers["impact"] = {
+            "length": load.length,
+            "height": load.height,
+            "lower": {place: row.lower for place, row in impact.items()},
+            "upper": {place: row.upper for place, row in impact.items()},
+        }
+    return numbers
+
+
+def _with_pictures(report: Report, rows: list[Computed], folder: Path) -> Report:
+    """Return the report with mechanisms and moments of the code's load."""
+    from dataclasses import replace
+
+    pictures = []
+    for row in (row for row in rows if row.load_name == "code"):
+        if row.lower is None or row.upper is None:
+            continue
+        path = draw_panels(folder / f"parapet-{row.place}.png", _panels(row))
+        caption = (
+            f"{row.place.capitalize()}, seen from the traffic: mechanism of the upper bound with its yield lines, red "
+            "with tension on the traffic face, blue on the back; moments of the lower bound, upright and along the "
+            "wall; largest moment over strength."
+        )
+        pictures.append(Picture(path, caption))
+    sections = [*report.page.sections]
+    sections.insert(1, Section("Mechanism and moments", figures=pictures, layout="tall"))
+    return replace(report, page=replace(report.page, sections=sections))
+
+
+def _panels(row: Computed) -> list[Panel]:
+    """Return the panels of a strength, mirrored at an axis of symmetry."""
+    upper, lower, mesh, below = (
+        row.bounds.upper,
+        row.bounds.lower,
+        row.bounds.upper_mesh,
+        row.bounds.lower_mesh,
+    )
+    deflection = upper.deflections[:3].T / np.abs(upper.deflections).max()
+    largest = np.percentile(np.abs(upper.rotations), 98.0) or 1.0  # a short edge may turn far
+    turned = np.clip(upper.rotations / largest, -1.0, 1.0)
+    lines = mesh.p[:, mesh.facets].transpose(2, 1, 0)
+    corners, fields = mesh.p[:, mesh.t].transpose(2, 1, 0), below.p[:, below.t].transpose(2, 1, 0)
+    none = np.empty((0, 2, 2)), np.empty(0)
+    strongest = [float(row.plate.strengths[k : k + 2].max()) for k in (2, 0)]
+    panels = [
+        Panel(
+            "Mechanism: deflection over the largest", corners, deflection, (0.0, 1.0), "Greys", lines, turned
+        )
+    ]
+    for title, number, strong in (
+        ("Upright moment", 1, strongest[0]),
+        ("Moment along the wall", 0, strongest[1]),
+    ):
+        values = lower.moments[..., number] / strong
+        title = f"{title} over {strong / 1e3:.3g} kN m/m"
+        panels.append(Panel(title, fields, values, (-1.0, 1.0), "RdBu_r", *none))
+    panels.append(Panel("Largest moment over strength", fields, lower.use, (0.0, 1.0), "viridis", *none))
+    return [_mirrored(panel) for panel in panels] if row.plate.sides["left"] == "symmetric" else panels
+
+
+def _mirrored(panel: Panel) -> Panel:
+    """Return a panel with its mirror image."""
+    turn: Floats = np.array([-1.0, 1.0])
+    return panel._replace(
+        corners=np.concatenate([panel.corners, panel.corners * turn]),
+        values=np.concatenate([panel.values, panel.values]),
+        lines=np.concatenate([panel.lines, panel.lines * turn]),
+        widths=np.concatenate([panel.widths, panel.widths]),
+    )
