@@ -12,7 +12,7 @@ Functions, each the same as the command of its name:
     modal       run with the modal model of the plate
     modes       natural frequencies and mode shapes of the plate
     sweep       runs with varied keys
-    study       studies: cost, flexibility, stability, tipping, uncertainty
+    study       studies: cost, flexibility, parapet, stability, tipping, uncertainty
     compare     comparison of histories with a reference, including other programs
     confirm     the same scene in another solver, compared
     export      fields and histories for ParaView, Gmsh, data frames; decks for CalculiX, ABAQUS

@@ -226,7 +226,7 @@ def study(
     Parameters
     ----------
     name : str
-        "cost", "flexibility", "stability", "tipping" or "uncertainty".
+        "cost", "flexibility", "parapet", "stability", "tipping" or "uncertainty".
     scene : str, path or mapping
         Name of a scene of the program, path of a TOML file, or tables of a scene.
     changes : mapping or sequence of str, optional

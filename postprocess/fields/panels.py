@@ -18,7 +18,7 @@ WIDTH, ROOM = 1400, 110
 BLUE, RED = "#2563eb", "#c2410c"
 
 
-class Panel(NamedTuple):
+class FieldPanel(NamedTuple):
     """Field of values at the corners of triangles, and lines.
 
     corners: x, y by triangle, shape (t, 3, 2) [m]; values: shape (t, 3); limits: of colours; lines: pairs of ends,
@@ -34,7 +34,7 @@ class Panel(NamedTuple):
     widths: Floats
 
 
-def draw_panels(path: Path, panels: Sequence[Panel]) -> Path:
+def draw_panels(path: Path, panels: Sequence[FieldPanel]) -> Path:
     """Draw panels one below the other as a PNG."""
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # needs no display
     import pyvista

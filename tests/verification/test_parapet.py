@@ -17,6 +17,7 @@ from solver.conditions import RigidBodyError
 from solver.parapet import overhang_tension, punching, section_strengths, yield_line_resistance
 from tailslap import cli
 from tailslap.scene.write import scene_file
+from tailslap.studies.parapet import parapet_study
 from tailslap.wall_strength.strength import Load, bounds_of, wall_plate
 
 pytestmark = pytest.mark.verification
@@ -343,3 +344,16 @@ def test_without_proof_the_command_fails_and_prints_no_bound(monkeypatch):
     assert result.summary["parapet"]["lower"] == {"interior": None, "end": None}
     assert result.summary["parapet"]["upper"] == {"interior": None, "end": None}
     assert "not proven" in result.summary["answer"]
+
+
+def test_study_over_height_length_and_distance(monkeypatch):
+    for name in ("HEIGHTS", "LENGTHS"):
+        monkeypatch.setattr(parapet_study, name, (0.75, 1.0))
+    monkeypatch.setattr(parapet_study, "DISTANCES", (0.0, 3.0))
+    result = tailslap.study("parapet", SCENE)
+    low, high, *_, end, far = result.summary["rows"]
+    assert low["lower"] > high["upper"]
+    assert end["upper"] < far["lower"]
+    assert low["lower"] * 0.75 == pytest.approx(high["lower"], rel=0.05)
+    assert result.summary["interior_from"] == pytest.approx(3.0 * 0.813)
+    assert [*result.charts][1:] == [f"strength-over-{name}" for name in parapet_study.SWEPT]

@@ -1,0 +1,14 @@
+"""Study `parapet` of the strength over the load."""
+
+from tailslap.case.case import CORNER, WHOLE_IMPACT
+from tailslap.studies.study import Study, later
+
+STUDY = Study(
+    name="parapet",
+    summary="Strength of the parapet and force over height and length of the load and its distance from an end.",
+    compute=later("tailslap.studies.parapet.parapet_study:compute"),
+    report=later("tailslap.studies.parapet.parapet_study:report"),
+    needs_plate=False,
+    folder=lambda options: "parapet-study",
+    analyses=(CORNER, WHOLE_IMPACT),
+)
