@@ -189,10 +189,17 @@ def test_any_end_of_the_solver_has_a_certificate_or_no_bound(monkeypatch):
     Without a vector they are 0 and infinite."""
     _, exact = bounds_of(WALL_A, TOP)
     solve, random = conic.minimum, np.random.default_rng(4)
-    monkeypatch.setattr(conic, "minimum", lambda *program: solve(*program) * random.uniform(0.5, 1.5))
+    _, plain = coarse(WALL_A)
+
+    def disturbed(*program):
+        x = solve(*program)
+        return 1.5 * x + 1e-6 * np.abs(x).max() * random.normal(size=x.size)
+
+    monkeypatch.setattr(conic, "minimum", disturbed)
     _, scaled = coarse(WALL_A)
-    assert 0.0 < scaled.lower.value <= exact.upper.value
-    assert scaled.upper.value >= exact.lower.value
+    assert 0.999 * plain.lower.value < scaled.lower.value <= exact.upper.value
+    assert scaled.lower.residual < 1e-12
+    assert 1.001 * plain.upper.value > scaled.upper.value >= exact.lower.value
     monkeypatch.setattr(conic, "minimum", lambda cost, *_: random.normal(size=cost.size))
     _, arbitrary = coarse(WALL_A)
     assert 0.0 <= arbitrary.lower.value <= exact.upper.value
