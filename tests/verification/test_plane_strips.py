@@ -1,4 +1,6 @@
-"""Verify three, four and six strips in the plane against an independent integration.
+"""Verify strips in the plane against an independent integration.
+
+There are three, four and six.
 
 Exact: the equations of a rigid rectangle with sliding friction and crush laws, by an adaptive integrator of order 8.
 """
@@ -52,7 +54,7 @@ def force(law: CrushLaw, depth: float, deepest: float) -> float:
 
 
 def peer(strips: tuple[Strip, ...], start: Any) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
-    """Impulses of the strips at the end; their depths and forces at instants."""
+    """Impulses of the strips at the end, and contacts at instants."""
     places = np.array([[5.2 - strip.at[0], -(1.219 - strip.inset)] for strip in strips])
     count, laws = len(strips), [strip.law for strip in strips]
 
@@ -66,7 +68,7 @@ def peer(strips: tuple[Strip, ...], start: Any) -> tuple[np.ndarray, Callable[[n
         )
 
     def rates(_: float, state: np.ndarray) -> np.ndarray:
-        y, theta, u, v, w = state[1:6]
+        theta, u, v, w = state[2:6]
         depth, push = pushes(state)
         arm_x = places[:, 0] * math.cos(theta) + places[:, 1] * math.sin(theta)
         arm_y = places[:, 1] * math.cos(theta) - places[:, 0] * math.sin(theta)
