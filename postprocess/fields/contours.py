@@ -99,7 +99,7 @@ def draw_contours(
                 marks[tuple(centre)] = f"G: {value:#.5g} {unit}"
             texts, scale = ",  ".join([situation.scene, *moment]), colour_scale(field.values)
             paths.append(out_dir / f"contour_{field.name}.png")
-            for path in _forms(canvas, paths[-1]):
+            for path in forms(canvas, paths[-1]):
                 draw_field(sheet, (points, cells), field, scale, texts, marks)
                 save(canvas.image(), path)
     return paths
@@ -110,8 +110,8 @@ def dark_form(path: Path) -> Path:
     return path.with_stem(f"{path.stem}-dark")
 
 
-def _forms(canvas: Canvas, path: Path) -> Iterator[Path]:
-    """Begin a picture in light, then in dark colours."""
+def forms(canvas: Canvas, path: Path) -> Iterator[Path]:
+    """Yield the paths of the light and the dark form, each begun."""
     for form, colours in ((path, LIGHT), (dark_form(path), DARK)):
         canvas.clear(colours)
         yield form
@@ -130,7 +130,7 @@ def draw_modes(folder: Path, plate: Mesh, shapes: Mapping[str, tuple[str, Floats
         view = view_of_plate(np.array([(0.0, 0.0), rest.max(axis=0) + 1.1 * reach]), canvas.size, canvas.dot)
         for name, (title, shape) in shapes.items():
             field = ContourField(name, title, "-", np.hypot(*shape.T))
-            for path in _forms(canvas, folder / f"{name}.png"):
+            for path in forms(canvas, folder / f"{name}.png"):
                 canvas.fill(view.pixel(rest), cells, -1.0, style="wireframe", color="hatch")
                 draw_values(canvas, (view.pixel(rest + reach * shape), cells), field, scale)
                 canvas.write(title, (0, canvas.size[1]), (24, -50), TITLE, is_bold=True)

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import tailslap
-from fem.limit.bounds import Bounds
-from fem.limit.plate import Floats, PlasticPlate
-from postprocess.fields.panels import FieldPanel, draw_panels
 from postprocess.report.command_report import Report
-from postprocess.report.page import Headline, Page, Picture, Section
+from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
 from postprocess.units import force as force_text
 from postprocess.units import measure
-from solver.parapet import Resistance, Strengths, overhang_tension, punching
+from solver.parapet import Strengths, overhang_tension, punching
 from tailslap.arguments import checked_arguments
 from tailslap.campaign import band_samples
 from tailslap.case.case import Case
@@ -30,7 +26,8 @@ from tailslap.errors import InputError, Missing
 from tailslap.result.result import Result, filled_by, of_report
 from tailslap.scene.parapet_keys import load_length_of, strengths_of
 from tailslap.scene.write import scene_text
-from tailslap.wall_strength.strength import TOLERANCE, Load, bounds_of
+from tailslap.wall_strength.pictures import with_pictures
+from tailslap.wall_strength.strength import TOLERANCE, Computed, Load, bounds_of
 
 PATCH_HEIGHT = 0.3048
 """Height of the patch of the load for punching, assumed [m]."""
@@ -69,31 +66,6 @@ SIMPLE = (
     Column("unit", "Unit", is_unit=True),
     Column("source", "Formula and source", style="soft"),
 )
-
-
-@dataclass(frozen=True)
-class Computed:
-    """Strength of a wall under a load.
-
-    load: name of the load; place: "interior", "end", or "impact" at a given distance; bounds: proven; formula: A13.3.1.
-    """
-
-    load_name: str
-    place: str
-    load: Load
-    plate: PlasticPlate
-    bounds: Bounds
-    formula: Resistance
-
-    @property
-    def lower(self) -> float | None:
-        """Lower bound [N], None without proof."""
-        return self.bounds.lower.value or None
-
-    @property
-    def upper(self) -> float | None:
-        """Upper bound [N], None without proof."""
-        return self.bounds.upper.value if math.isfinite(self.bounds.upper.value) else None
 
 
 @checked_arguments
@@ -135,7 +107,7 @@ def parapet(scene: Scene, changes: Changes | None = None, *, band: bool = True) 
     report = _report(case, rows, distribution, began)
 
     def drawn(folder: Path, pictures: bool, units: str) -> Report:
-        return _with_pictures(report, rows, folder) if pictures else report
+        return with_pictures(report, rows, folder) if pictures else report
 
     result = of_report("parapet", report, changes=case.changes)
     return result.__class__(**{**vars(result), "fill": filled_by(drawn)})
@@ -189,43 +161,9 @@ def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> 
     ratio = _ratio(of_impact[0].lower, demand, band)
     passed = all(row.bounds.width <= TOLERANCE for row in rows)
     numbers = _numbers(rows, strengths, demand, ratio, table.section is not None)
-    strength_rows = [
-        {
-            "load": row.load_name,
-            "place": row.place,
-            "length": row.load.length,
-            "height": row.load.height,
-            "lower": row.lower,
-            "upper": row.upper,
-            "width": row.bounds.width,
-            "aashto": row.formula.force,
-            "critical_length": row.formula.critical_length,
-        }
-        for row in rows
-    ]
-    demands = [("this impact", demand, row) for row in of_impact]
-    level = case.scene.impact.test_level if case.scene.impact else None
-    demands += [
-        (name, design.force, row)
-        for name, design in design_forces_of(level).items()
-        for row in rows
-        if row.load_name == "code"
-    ]
-    demand_rows = [
-        {
-            "load": name,
-            "place": row.place,
-            "force": force,
-            "lower": force / row.lower if row.lower else None,
-            "upper": force / row.upper if row.upper else None,
-            "aashto": force / row.formula.force,
-            "band": _band_words(_ratio(row.lower, demand, band)) if name == "this impact" else "",
-        }
-        for name, force, row in demands
-    ]
     tables = [
-        Table(STRENGTH, strength_rows, "Strength", notes=(MEANING,)),
-        Table(DEMAND, demand_rows, "Demand over capacity"),
+        Table(STRENGTH, _strength_rows(rows), "Strength", notes=(MEANING,)),
+        Table(DEMAND, _demand_rows(case, rows, of_impact, demand, band), "Demand over capacity"),
         Table(SIMPLE, _simple_rows(case, strengths, rows), "Beside it"),
     ]
     headline = _headline(case, rows, of_impact, demand, ratio, band)
@@ -254,6 +192,46 @@ def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> 
         "parapet": numbers,
     }
     return Report(page, summary, (*tables, LEFT_OUT))
+
+
+def _strength_rows(rows: list[Computed]) -> list[dict[str, object]]:
+    """Return the rows of the table of strengths."""
+    return [
+        {
+            "load": row.load_name,
+            "place": row.place,
+            "length": row.load.length,
+            "height": row.load.height,
+            "lower": row.lower,
+            "upper": row.upper,
+            "width": row.bounds.width,
+            "aashto": row.formula.force,
+            "critical_length": row.formula.critical_length,
+        }
+        for row in rows
+    ]
+
+
+def _demand_rows(
+    case: Case, rows: list[Computed], of_impact: list[Computed], demand: float, band: ForceBand
+) -> list[dict[str, object]]:
+    """Return the rows of this impact and of the design loads."""
+    demands = [("this impact", demand, row) for row in of_impact]
+    level = case.scene.impact.test_level if case.scene.impact else None
+    code = [row for row in rows if row.load_name == "code"]
+    demands += [(name, design.force, row) for name, design in design_forces_of(level).items() for row in code]
+    return [
+        {
+            "load": name,
+            "place": row.place,
+            "force": force,
+            "lower": force / row.lower if row.lower else None,
+            "upper": force / row.upper if row.upper else None,
+            "aashto": force / row.formula.force,
+            "band": _band_words(_ratio(row.lower, demand, band)) if name == "this impact" else "",
+        }
+        for name, force, row in demands
+    ]
 
 
 def _ratio(capacity: float | None, demand: float, band: ForceBand) -> dict[str, float | None]:
@@ -375,65 +353,3 @@ def _numbers(
             "upper": {place: row.upper for place, row in impact.items()},
         }
     return numbers
-
-
-def _with_pictures(report: Report, rows: list[Computed], folder: Path) -> Report:
-    """Return the report with mechanisms and moments of the code's load."""
-    from dataclasses import replace
-
-    pictures = []
-    for row in (row for row in rows if row.load_name == "code"):
-        if row.lower is None or row.upper is None:
-            continue
-        path = draw_panels(folder / f"parapet-{row.place}.png", _panels(row))
-        caption = (
-            f"{row.place.capitalize()}, seen from the traffic: mechanism of the upper bound with its yield lines, red "
-            "with tension on the traffic face, blue on the back; moments of the lower bound, upright and along the "
-            "wall; largest moment over strength."
-        )
-        pictures.append(Picture(path, caption))
-    sections = [*report.page.sections]
-    sections.insert(1, Section("Mechanism and moments", figures=pictures, layout="tall"))
-    return replace(report, page=replace(report.page, sections=sections))
-
-
-def _panels(row: Computed) -> list[FieldPanel]:
-    """Return the panels of a strength, mirrored at an axis of symmetry."""
-    upper, lower, mesh, below = (
-        row.bounds.upper,
-        row.bounds.lower,
-        row.bounds.upper_mesh,
-        row.bounds.lower_mesh,
-    )
-    deflection = upper.deflections[:3].T / np.abs(upper.deflections).max()
-    largest = np.percentile(np.abs(upper.rotations), 98.0) or 1.0  # a short edge may turn far
-    turned = np.clip(upper.rotations / largest, -1.0, 1.0)
-    lines = mesh.p[:, mesh.facets].transpose(2, 1, 0)
-    corners, fields = mesh.p[:, mesh.t].transpose(2, 1, 0), below.p[:, below.t].transpose(2, 1, 0)
-    none = np.empty((0, 2, 2)), np.empty(0)
-    strongest = [float(row.plate.strengths[k : k + 2].max()) for k in (2, 0)]
-    panels = [
-        FieldPanel(
-            "Mechanism: deflection over the largest", corners, deflection, (0.0, 1.0), "Greys", lines, turned
-        )
-    ]
-    for title, number, strong in (
-        ("Upright moment", 1, strongest[0]),
-        ("Moment along the wall", 0, strongest[1]),
-    ):
-        values = lower.moments[..., number] / strong
-        title = f"{title} over {strong / 1e3:.3g} kN m/m"
-        panels.append(FieldPanel(title, fields, values, (-1.0, 1.0), "RdBu_r", *none))
-    panels.append(FieldPanel("Largest moment over strength", fields, lower.use, (0.0, 1.0), "viridis", *none))
-    return [_mirrored(panel) for panel in panels] if row.plate.sides["left"] == "symmetric" else panels
-
-
-def _mirrored(panel: FieldPanel) -> FieldPanel:
-    """Return a panel with its mirror image."""
-    turn: Floats = np.array([-1.0, 1.0])
-    return panel._replace(
-        corners=np.concatenate([panel.corners, panel.corners * turn]),
-        values=np.concatenate([panel.values, panel.values]),
-        lines=np.concatenate([panel.lines, panel.lines * turn]),
-        widths=np.concatenate([panel.widths, panel.widths]),
-    )

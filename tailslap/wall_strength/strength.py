@@ -10,7 +10,7 @@ from typing import NamedTuple
 from fem.limit.bounds import Bounds, collapse_load
 from fem.limit.plate import Floats, Indices, PlasticPlate
 from meshes.bands import banded_rectangle
-from solver.parapet import Strengths
+from solver.parapet import Resistance, Strengths
 
 TOLERANCE, MOST_TRIANGLES = 0.01, 6000
 """Difference of the bounds that is aimed at [-], and the size of mesh from which on none is refined."""
@@ -34,6 +34,30 @@ class Load(NamedTuple):
     length: float
     height: float
     end_distance: float | None
+
+
+class Computed(NamedTuple):
+    """Strength of a wall under a load.
+
+    load_name: of the load; place: "interior", "end", or "impact" at a given distance; bounds: proven; formula: A13.3.1.
+    """
+
+    load_name: str
+    place: str
+    load: Load
+    plate: PlasticPlate
+    bounds: Bounds
+    formula: Resistance
+
+    @property
+    def lower(self) -> float | None:
+        """Lower bound [N], None without proof."""
+        return self.bounds.lower.value or None
+
+    @property
+    def upper(self) -> float | None:
+        """Upper bound [N], None without proof."""
+        return self.bounds.upper.value if math.isfinite(self.bounds.upper.value) else None
 
 
 def wall_plate(

@@ -341,7 +341,22 @@ def test_command_prints_the_bounds_and_writes_the_page(tmp_path, monkeypatch, ca
     assert ratio["nominal"] == pytest.approx(numbers["demand"] / numbers["lower"]["impact"])
     (page,) = tmp_path.glob("results/*end_distance*/report.html")
     assert "flexural strength" in page.read_text(encoding="utf-8").lower()
-    assert list(page.parent.glob("parapet-impact.png"))
+    assert {path.name for path in page.parent.glob("*.png")} == {
+        "parapet-impact.png",
+        "parapet-impact-dark.png",
+    }
+
+
+def test_a_machine_that_cannot_draw_writes_the_page_without_pictures(tmp_path, monkeypatch):
+    def window(*_, **__):
+        raise ImportError("no window")
+
+    monkeypatch.setattr("postprocess.fields.panels.Canvas", window)
+    result = tailslap.parapet(SCENE | {"parapet": SCENE["parapet"] | {"end_distance": 2.0}}, band=False)
+    with pytest.warns(UserWarning, match="no pictures are drawn: no window"):
+        folder = result.save(tmp_path / "wall")
+    assert (folder / "report.html").is_file()
+    assert not list(folder.glob("*.png"))
 
 
 def test_without_proof_the_command_fails_and_prints_no_bound(monkeypatch):
