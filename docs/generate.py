@@ -32,14 +32,14 @@ def table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
 
 def pages() -> dict[str, str]:
     """Text of each page, by the name of its file."""
-    made = {
+    text_by_page = {
         "scene.md": scene_page(),
         "results.md": results_page(),
         "python.md": python_page(),
         "commands.md": commands_page(),
         "../theory/set-up.svg": scheme(),
     }
-    return {name: NOTICE + text.rstrip() + "\n" for name, text in made.items()}
+    return {name: NOTICE + text.rstrip() + "\n" for name, text in text_by_page.items()}
 
 
 def scheme() -> str:
@@ -146,9 +146,9 @@ def results_page() -> str:
     parts = ["# Result files and columns", "", RESULTS_INTRODUCTION, "", table(("file", "contents"), FILES)]
     keys = [(f"`{key}`", unit, meaning) for key, unit, meaning in SUMMARY]
     parts += ["## summary.json", "", SUMMARY_NOTE, "", table(("key", "unit", "contents"), keys)]
-    for title, known in columns.items():
+    for title, registry in columns.items():
         parts += [f"## {title}", "", *([OF_TRAINS, ""] if "a train" in title else [])]
-        rows = [(f"`{c.name}`", c.unit, c.meaning or c.caption) for c in known.values()]
+        rows = [(f"`{c.name}`", c.unit, c.meaning or c.caption) for c in registry.values()]
         parts += [table(("column", "unit", "meaning"), rows)]
     fields = [(f"`{n}`", "nodes", u) for n, u in NODES.items()]
     fields += [(f"`{n}`", "elements", u) for n, u in ELEMENTS.items()]
@@ -312,7 +312,7 @@ def _sweep_columns() -> Iterator[str]:
     examples = {"constrained corner": "mash-tl4-sut", "whole impact": "impact-mash-tl4-sut"}
     scenes = {what: read_scene(name)[0] for what, name in examples.items()}
     kinds = {what: kind_of(scene).columns(scene) for what, scene in scenes.items()}
-    rows = [(f"`{n}`", k.__name__, what) for what, known in kinds.items() for n, k in known.items()]
+    rows = [(f"`{n}`", k.__name__, what) for what, classes in kinds.items() for n, k in classes.items()]
     yield table(("column", "type", "analysis"), rows)
 
 
@@ -392,16 +392,18 @@ def commands_page() -> str:
 
 def main() -> int:
     """Write the pages, or check them."""
-    made = pages()
+    texts = pages()
     if "--check" in sys.argv:
-        old = [n for n, text in made.items() if (FOLDER / n).read_text(encoding="utf-8") != text]
+        old = [n for n, text in texts.items() if (FOLDER / n).read_text(encoding="utf-8") != text]
         print("\n".join(f"docs/reference/{name} is not as the program is" for name in old), end="")
         return 1 if old else 0
     FOLDER.mkdir(exist_ok=True)
     train = str(FOLDER.parents[1] / "examples" / "linear-train.toml")
     for name, scene in {"train": train, "truck": "impact-mash-tl4-sut"}.items():
-        made[f"../{name}.svg"] = f"{NOTICE}{positions(scene)}\n"  # not checked: last digits differ by machine
-    for name, text in made.items():
+        texts[f"../{name}.svg"] = (
+            f"{NOTICE}{positions(scene)}\n"  # not checked: last digits differ by machine
+        )
+    for name, text in texts.items():
         (FOLDER / name).write_text(text, encoding="utf-8")
     return 0
 

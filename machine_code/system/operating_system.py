@@ -33,11 +33,6 @@ DESCRIPTORS = Path("/proc/self/fd")
 """Open files of this process on Linux, which a worker opens again for itself."""
 
 
-def is_root() -> bool:
-    """Return True for the superuser."""
-    return hasattr(os, "geteuid") and os.geteuid() == 0
-
-
 def is_private(status: os.stat_result) -> bool:
     """Return True if only this user can read and write.
 

@@ -337,15 +337,6 @@ def touching(centre: Number, width: Number, theta: Number, speed: Number) -> tup
     return b * s - centre * c, centre * s + b * c, theta, speed * c, -speed * s, 0.0 * speed
 
 
-def corner_places(front: Number, length: Number, width: Number) -> Array:
-    """Return the corners relative to the centre of mass [m].
-
-    Along the heading and to its left, shape (4, 2, ...).
-    """
-    rear, b = front - length, width / 2.0
-    return np.array([[front, -b], [rear, -b], [front, b], [rear, b]])
-
-
 def train_of(
     vehicles: Sequence[ImpactVehicle], contact: WallContact, hinges: Sequence[tuple[float, float]] = ()
 ) -> Train:

@@ -214,15 +214,8 @@ def _press_strip(
         b[3] * bx + b[4] * by + b[5] * bz + b[col.AT + 1],
     )
     toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
-    svx, svy, svz, evx, evy, evz, early = (
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-    )  # largest gap that closes within the step
+    svx, svy, svz, evx, evy, evz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    early = 0.0  # largest gap that closes within the step
     if strip[col.INITIAL] > 0.0:
         svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
         evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)

@@ -252,11 +252,11 @@ def _refined(
         elif attempt:
             parts, former[1] = 2 * parts, math.inf
         one, coarse = look(parts, points), (look(parts // 2, points), look(parts, 0.5 * points))
-        for k, other in enumerate(coarse):
+        for k, coarser in enumerate(coarse):
             before = FORMER * former[k] if former[k] < UNRESOLVED else 0.0
-            former[k] = max(one.changes(other))
+            former[k] = max(one.changes(coarser))
             errors[k] = SAFETY * max(former[k], before)
-        is_same = all(other.outcome == one.outcome for other in coarse)
+        is_same = all(coarser.outcome == one.outcome for coarser in coarse)
         if (sum(errors) <= tolerance and is_same) or (errors[0] < errors[1] and points >= MOST_POINTS):
             break
     return parts, points, errors[0], errors[1]

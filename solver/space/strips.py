@@ -67,10 +67,10 @@ def joined(strips: Sequence[SpaceStrip]) -> tuple[SpaceStrip, ...]:
     result: list[SpaceStrip] = []
     for strip in strips:
         place = len(result)
-        while pairs := [k for k, other in enumerate(result) if _abut(other, strip) or _abut(strip, other)]:
+        while pairs := [k for k, near in enumerate(result) if _abut(near, strip) or _abut(strip, near)]:
             place = pairs[0]
-            other = result.pop(place)
-            low, high = (other, strip) if _abut(other, strip) else (strip, other)
+            near = result.pop(place)
+            low, high = (near, strip) if _abut(near, strip) else (strip, near)
             strip = replace(low, at=(low.at[0], high.at[1]), height=(low.height[0], high.height[1]))
         result.insert(place, strip)
     return tuple(result)

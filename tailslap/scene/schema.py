@@ -387,7 +387,7 @@ class Body(SceneTable):
     pitch_inertia: Inertia | None = key("pitch moment of inertia about it; default: the yaw inertia")
 
 
-class Strip(SceneTable):
+class StripTable(SceneTable):
     """Point or line of the vehicle that can touch the wall.
 
     It is on both sides. In the plane it is a point, or a line between two places; with [body] it has heights, and all
@@ -614,7 +614,7 @@ class Scene(SceneTable):
     contact: Contact | None = None
     axle: tuple[Axle, ...] = ()
     body: Body | None = None
-    strip: tuple[Strip, ...] = ()
+    strip: tuple[StripTable, ...] = ()
     strike: StrikeTable = StrikeTable()
     plate: Plate | None = None
     material: MaterialTable | None = None
@@ -663,6 +663,11 @@ class Scene(SceneTable):
     def crushes(self) -> bool:
         """True if what touches the wall crushes."""
         return bool(self.strip) or self.needed_contact.of_corners
+
+    @property
+    def has_points(self) -> bool:
+        """True if a corner or a point touches the wall."""
+        return bool(self.of_corners) or any(strip.at[0] == strip.at[1] for strip in self.strip)
 
     @property
     def of_corners(self) -> tuple[int, ...]:

@@ -347,6 +347,11 @@ def _check_contact(scene: schema.Scene, contact: schema.Contact) -> None:
         unit = scene.of_corners[0]
         why = f"this key is required: unit {unit} has no [[strip]], and touches the wall with its corners"
         raise InputError("contact.stiffness", Missing, why)
+    inherits = any(strip.restitution is strip.unloading_stiffness for strip in scene.strip)  # both are None
+    if scene.strip and not scene.of_corners and not inherits:
+        _refuse(scene, "all strips have an unloading of their own; remove this key", "contact.restitution")
+    if scene.strip and not scene.has_points:
+        _refuse(scene, "lines have no patch; remove this key", "contact.patch_length")
     for table in ("contact", *(f"strip.{number}" for number in range(len(scene.strip)))):
         if schema.value_at(scene, f"{table}.restitution") is not None:
             allowed = f"{table}.restitution defines the unloading; remove one of the two (--set {table}.restitution=)"

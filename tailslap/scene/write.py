@@ -272,7 +272,7 @@ def _rows(table: BaseModel, entries: vary.Tables, changed: frozenset[str], prefi
         elif value is not None:
             origin = "--set" if key in changed else "scene" if name in entries else "default"
             text = value if isinstance(value, int | float | str) else " x ".join(map(str, value))
-            unit = unit_of(field, is_point=isinstance(table, schema.Strip) and table.is_point)
+            unit = unit_of(field, is_point=isinstance(table, schema.StripTable) and table.is_point)
             rows.append(SceneInput(key, str(entries.get(name, "")), text, unit, origin))
     return rows
 

@@ -241,6 +241,7 @@ def test_an_impossible_law_is_refused(key, make, allowed):
     assert allowed in caught.value.allowed
 
 
+LINE = {"strip": [{"at": [1.0, 9.0], "stiffness": 1e6}], "contact.stiffness": None}
 SETS = [
     ("contact.plateau_force", {"contact.initial_force": "50 kN", "contact.plateau_force": "40 kN"}),
     ("strip.1.plateau", TRUCK | {"strip": corner_tables(10.0, FRONT, BEHIND | {"initial_force": 4e5})}),
@@ -257,6 +258,8 @@ SETS = [
     ("contact.plateau_force", TRUCK | {"contact.plateau_force": 3e5}),
     ("contact.stiffness", TRUCK | {"contact.stiffness": 2e6, "contact.restitution": 0.2}),
     ("contact.stiffness", {"strip": corner_tables(10.0, FRONT, BEHIND, 2), "contact.stiffness": None}),
+    ("contact.restitution", TRUCK | {"contact.restitution": 0.2}),
+    ("contact.patch_length", LINE | {"contact.patch_length": 1.0}),
     ("contact.rear", {"contact.rear.plateau_force": 3e5}),
     ("contact.side_stiffness", {"contact.side_stiffness": 3e5}),
     ("contact.plateau_force", {"contact.plateau_force": -1.0}),

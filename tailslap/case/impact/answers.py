@@ -86,7 +86,7 @@ class ImpactAnswer:
         """
         h, hinges = self.history, []
         rows = min(round(MEAN_WINDOW / self.interval), h["t"].size - 1)
-        for k in range(1, self.units * (not self.in_space)):
+        for k in () if self.in_space else range(1, self.units):
             force = np.array([h[f"hinge_force_{axis}_{k}"] for axis in "xy"])
             sums = np.cumsum(force, axis=1)  # no window reaches beyond the end, where the force may still act
             peak, mean = (

@@ -146,7 +146,7 @@ def chosen_lengths(scene: Scene) -> dict[str, float]:
         return {}
     length = min(SPREAD * scene.vehicle.width, *(unit.length for unit in scene.units))
     keys = [f"trailer.{number}.hitch_length" for number in range(len(scene.trailer))]
-    keys += ["contact.patch_length"] if scene.crushes else []
+    keys += ["contact.patch_length"] if scene.crushes and scene.has_points else []
     return {key: length for key in keys if value_at(scene, key) is None}
 
 

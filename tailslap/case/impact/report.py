@@ -52,8 +52,8 @@ FORCE_IN_SPACE = (
 """Further columns of a scene with [body]."""
 
 FORCE_NOTE = (
-    "Total of all corners; each value is the largest of its own component. Design loads compare with the 50 ms mean: "
-    "raw and CFC 60 follow the unloading of a single corner, which the crush law simplifies."
+    "Total of all contacts; each value is the largest of its own component. Design loads compare with the 50 ms mean: "
+    "raw and CFC 60 follow the unloading of a single contact, which the crush law simplifies."
 )
 DURATIONS = (
     Column("curve", "Curve"),
