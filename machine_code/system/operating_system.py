@@ -41,6 +41,11 @@ def is_private(status: os.stat_result) -> bool:
     return not hasattr(os, "geteuid") or (status.st_uid == os.geteuid() and not status.st_mode & 0o077)
 
 
+def is_root() -> bool:
+    """Return True if this process may do everything on its machine; False on Windows."""
+    return hasattr(os, "geteuid") and os.geteuid() == 0
+
+
 def lock(number: int, wait: bool) -> None:
     """Lock an open file until it is closed or its process ends.
 

@@ -71,6 +71,12 @@ def test_the_names_are_hidden(elsewhere):
     assert process.stdout.split() == ["False", "1", "0"], process.stderr
 
 
+def test_the_installation_starts_with_the_standard_library_alone():
+    code = f"import sys; sys.path.insert(0, {str(ROOT)!r}); import bootstrap; print(bootstrap.sudo())"
+    process = subprocess.run([sys.executable, "-I", "-S", "-c", code], capture_output=True, text=True)
+    assert process.returncode == 0, process.stderr
+
+
 @pytest.mark.parametrize("words", [
     ("scenes",),
     ("rigid", "paper-table-3"),
