@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+from typing import Any
 
 import numpy as np
 import parapet
@@ -268,7 +269,7 @@ def test_simple_formulas_by_hand():
     assert overhang_tension(100.0, 3.0, 1.0) == 20.0
 
 
-SCENE = {
+SCENE: dict[str, Any] = {
     "name": "wall",
     "vehicle": {"length": "10 m", "width": "2438 mm", "mass": "9979 kg"},
     "impact": {
