@@ -42,7 +42,7 @@ def is_private(status: os.stat_result) -> bool:
 
 
 def is_root() -> bool:
-    """Return True if this process may do everything on its machine; False on Windows."""
+    """Return True for the superuser of Linux or macOS."""
     return hasattr(os, "geteuid") and os.geteuid() == 0
 
 
