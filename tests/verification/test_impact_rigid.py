@@ -231,6 +231,7 @@ CASES: dict[str, dict[str, Any]] = {
     **{f"F0, e {e}": {"force": 1e5, "e": e} for e in (0.0, 0.22, 0.7)},
     "off centre": {"vehicle": ImpactVehicle(10.0, 2.438, 9979.0, 4.0, 6e4)},
     "line": {"strips": with_line(0.22), "end": 0.4},
+    "line, e 0, mu 2, 0.05 s": {"strips": with_line(0.0), "mu": 2.0, "angle": 70.0, "end": 0.05},
     "line, e 0, mu 2": {"strips": with_line(0.0), "mu": 2.0, "angle": 70.0, "end": 0.2},
     "whole vehicle behind the wall, stuck": {
         "vehicle": ImpactVehicle(5.285, 2.121, 29888.0, 2.1878, 53924.0), "k": 1.2e5, "e": 0.69, "mu": 1.67,
@@ -239,7 +240,12 @@ CASES: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", CASES)
+LONG = {"line, e 0, mu 2"}
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=pytest.mark.long if c in LONG else ()) for c in CASES]
+)
 def test_momentum_energy_and_friction(case):
     """No tension, Coulomb's cone, momentum by impulses, and energy balance."""
     motion = impact(**CASES[case])
