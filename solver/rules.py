@@ -91,6 +91,11 @@ UNLOADING = Rule(
     "unloading on a line less steep than loading would return more energy than it takes",
     "at least the stiffness, {stiffness:.6g} N/m, and finite",
 )
+HARDENING = Rule(
+    "hardening",
+    "beyond the onset of the plateau the crush force rises no more steeply than before it",
+    "with a plateau 0 to the stiffness, {stiffness:.6g} N/m",
+)
 ONE_UNLOADING = Rule("unloading_stiffness", "the restitution defines the unloading as well", "one of the two")
 RETURNED = Rule("restitution", "unloading returns e^2 of the crush energy", "from 0 to 1")
 LINE = Rule(
@@ -162,7 +167,7 @@ SPACE = {name: Rule(name, "it is a size", f"{POSITIVE}, {unit}") for name, unit 
 SPACE |= {
     name: Rule(name, "it is not negative", "0 or more, and finite")
     for name in ("hitch_height", "roll_stiffness", "damping_ratio", "roll_centre", "friction", "cornering", "height",
-                 "inset", "initial_force", "restitution", "unloading")
+                 "inset", "initial_force", "restitution", "unloading", "hardening")
 }  # fmt: skip
 """Rules of a vehicle in space, by the name of the quantity."""
 SPACE_STEPS = Rule(

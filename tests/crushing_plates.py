@@ -13,12 +13,15 @@ def corner_strips(
     restitution: float = 1.0,
     plateau_force: float = math.inf,
     unloading_stiffness: float = 0.0,
+    hardening: float = 0.0,
 ) -> tuple[StripProperties, StripProperties]:
     """Return front and rear of a plate, both by one law.
 
     length: of the plate [m].
     """
-    crush = PointCrush(stiffness, initial_force, restitution**2, plateau_force, unloading_stiffness)
+    crush = PointCrush(
+        stiffness, initial_force, restitution**2, plateau_force, unloading_stiffness, hardening
+    )
     return StripProperties(0.0, 0.0, 0.0, crush), StripProperties(length, length, 0.0, crush)
 
 
@@ -27,4 +30,4 @@ def layer(length: float, stiffness: float, restitution: float) -> StripPropertie
 
     length [m], stiffness [N/m per m].
     """
-    return StripProperties(0.0, length, 0.0, PointCrush(stiffness, 0.0, restitution**2, math.inf, 0.0))
+    return StripProperties(0.0, length, 0.0, PointCrush(stiffness, 0.0, restitution**2, math.inf, 0.0, 0.0))

@@ -1,8 +1,9 @@
 """Forces at a contact point, compiled for vehicle and plate.
 
-Crush: F = min(F0 + k d, Fy) on loading. Unloading and reloading follow one line from the deepest point to F = 0. It is
-defined by its slope, or by the part of the absorbed energy that it returns. A prescribed slope is raised to F/d at the
-deepest point where that is larger, so that the line never ends in front of the undeformed vehicle.
+Crush: F = min(F0 + k d, Fy) on loading, with hardening Fy + k2 (d - (Fy - F0)/k) beyond Fy. Unloading and reloading
+follow one line from the deepest point to F = 0. It is defined by its slope, or by the part of the absorbed energy that
+it returns. A prescribed slope is raised to F/d at the deepest point where that is larger, so that the line never ends
+in front of the undeformed vehicle.
 
 Friction: Coulomb's law, with the force that would stop the point within the step as its value while the point sticks.
 
@@ -24,8 +25,8 @@ class PointCrush(NamedTuple):
     """Crush of one point.
 
     stiffness: k [N/m]; initial_force: F0 [N]; returned: part of the energy that unloading returns [-]; plateau: Fy [N],
-    infinite or None for none; unloading: its slope [N/m], 0 or None where the returned part defines it. There is no
-    code for what is None.
+    infinite or None for none; unloading: its slope [N/m], 0 or None where the returned part defines it; hardening: k2
+    [N/m], None for 0. There is no code for what is None.
     """
 
     stiffness: float
@@ -33,10 +34,13 @@ class PointCrush(NamedTuple):
     returned: float
     plateau: Any = None
     unloading: Any = None
+    hardening: Any = None
 
 
-def plateau_excess(plateau: float | None, force: float, stiffness: float) -> tuple[float, float]:
-    """Return the excess of a loading curve over its plateau.
+def plateau_excess(
+    plateau: float | None, hardening: float | None, force: float, stiffness: float
+) -> tuple[float, float]:
+    """Return the excess of F0 + k d over the loading curve.
 
     Force [N] and energy [J]. Compiled code only.
     """
@@ -44,15 +48,47 @@ def plateau_excess(plateau: float | None, force: float, stiffness: float) -> tup
 
 
 @chosen(plateau_excess)
-def _plateau_excess(plateau: object, force: object, stiffness: object) -> Callable[..., object]:
-    def none(plateau: None, force: float, stiffness: float) -> tuple[float, float]:
+def _plateau_excess(
+    plateau: object, hardening: object, force: object, stiffness: object
+) -> Callable[..., object]:
+    def none(plateau: object, hardening: object, force: float, stiffness: float) -> tuple[float, float]:
         return 0.0, 0.0
 
-    def beyond(plateau: float, force: float, stiffness: float) -> tuple[float, float]:
+    def level(plateau: float, hardening: None, force: float, stiffness: float) -> tuple[float, float]:
         above = max(force - plateau, 0.0)
         return above, 0.5 * above * above / stiffness if above > 0.0 else 0.0
 
-    return none if isinstance(plateau, Nothing) else beyond
+    def rising(plateau: float, hardening: float, force: float, stiffness: float) -> tuple[float, float]:
+        above = force - plateau
+        if above <= 0.0:
+            return 0.0, 0.0
+        excess = above * (1.0 - hardening / stiffness)
+        return excess, 0.5 * above * excess / stiffness
+
+    if isinstance(plateau, Nothing):
+        return none
+    return level if isinstance(hardening, Nothing) else rising
+
+
+def receded(hardening: float | None, compliance: float, excess: float) -> float:
+    """Return the additional depth of a point [m].
+
+    Its force is less by the excess [N].
+
+    Compiled code only.
+    """
+    raise NotImplementedError(type(hardening))
+
+
+@chosen(receded)
+def _receded(hardening: object, compliance: object, excess: object) -> Callable[..., object]:
+    def level(hardening: None, compliance: float, excess: float) -> float:
+        return compliance * excess
+
+    def rising(hardening: float, compliance: float, excess: float) -> float:
+        return compliance * excess / (1.0 + compliance * hardening)
+
+    return level if isinstance(hardening, Nothing) else rising
 
 
 def returned_part(
@@ -101,7 +137,7 @@ def crush_line(crush, deepest):
     the part of the energy that unloading returns.
     """
     force = crush.initial_force + crush.stiffness * deepest
-    above, saved = plateau_excess(crush.plateau, force, crush.stiffness)
+    above, saved = plateau_excess(crush.plateau, crush.hardening, force, crush.stiffness)
     peak, energy = force - above, deepest * (crush.initial_force + 0.5 * crush.stiffness * deepest) - saved
     part = returned_part(crush.unloading, crush.returned, peak, energy, deepest)
     length = 2.0 * part * energy / peak if peak > 0.0 else 0.0
@@ -117,14 +153,15 @@ def loading_depth(crush, mean, compliance, part):
     """
     depth = (mean - compliance * part * crush.initial_force) / (1.0 + compliance * crush.stiffness)
     force = crush.initial_force + crush.stiffness * depth
-    return depth + compliance * plateau_excess(crush.plateau, force, crush.stiffness)[0]
+    excess = plateau_excess(crush.plateau, crush.hardening, force, crush.stiffness)[0]
+    return depth + receded(crush.hardening, compliance, excess)
 
 
 @compiled
 def loading_force(crush, depth):
     """Return the force [N] on the loading curve."""
     force = crush.initial_force + crush.stiffness * depth
-    return force - plateau_excess(crush.plateau, force, crush.stiffness)[0]
+    return force - plateau_excess(crush.plateau, crush.hardening, force, crush.stiffness)[0]
 
 
 @compiled

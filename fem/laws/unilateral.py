@@ -56,12 +56,14 @@ class Crush(NamedTuple):
     returned: np.ndarray | float
     plateau: np.ndarray | float | None = None
     unloading: np.ndarray | float | None = None
+    hardening: np.ndarray | float | None = None
 
 
 def crush_of(law: Crush, i: int) -> PointCrush:
     """Return the crush of point i."""
     returned, plateau, unloading = item(law.returned, i), item(law.plateau, i), item(law.unloading, i)
-    return PointCrush(law.stiffness[i], law.initial_force[i], returned, plateau, unloading)
+    hardening = item(law.hardening, i)
+    return PointCrush(law.stiffness[i], law.initial_force[i], returned, plateau, unloading, hardening)
 
 
 def _crush_force(law: Crush, i: int, before: float, free: float, deepest: float, inertia: float) -> float:
@@ -88,7 +90,7 @@ CONTACT_LAWS.register(
         force=_crush_force,
         stored=_crush_stored,
         lost=_crush_lost,
-        text="crush with permanent set: F0 + k d up to the plateau on loading, linear unloading",
+        text="crush with permanent set: F0 + k d up to the plateau, then its hardening; linear unloading",
     )
 )
 

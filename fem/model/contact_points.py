@@ -70,13 +70,14 @@ def _crush(laws: np.ndarray) -> unilateral.Crush:
 
     laws: rows of the fields of `PointCrush`; a part that no point has is None.
     """
-    stiffness, initial, returned, plateau, unloading = map(np.ascontiguousarray, laws)
+    stiffness, initial, returned, plateau, unloading, hardening = map(np.ascontiguousarray, laws)
     return unilateral.Crush(
         stiffness,
         initial,
         float(returned[0]) if (returned == returned[0]).all() else returned,
         plateau if np.isfinite(plateau).any() else None,
         unloading if (unloading > 0.0).any() else None,
+        hardening if (hardening > 0.0).any() else None,
     )
 
 
@@ -115,8 +116,8 @@ def _crushing(
 
 def _of_length(law: PointCrush, length: float) -> PointCrush:
     """Return the law of a length [m] of a line."""
-    stiffness, initial, returned, plateau, unloading = law
-    return PointCrush(stiffness * length, initial * length, returned, plateau * length, unloading * length)
+    scaled = {name: length * getattr(law, name) for name in PointCrush._fields if name != "returned"}
+    return law._replace(**scaled)
 
 
 def _loads(

@@ -92,8 +92,9 @@ def _solve_point(point, effect, v, j, w, kick, h):
 def crush_of(point):
     """Return the crush law of a point."""
     returned = point[col.RESTITUTION] ** 2
+    unloading, hardening = point[col.UNLOADING], point[col.HARDENING]
     return PointCrush(
-        point[col.STIFFNESS], point[col.INITIAL], returned, point[col.PLATEAU], point[col.UNLOADING]
+        point[col.STIFFNESS], point[col.INITIAL], returned, point[col.PLATEAU], unloading, hardening
     )
 
 

@@ -66,6 +66,7 @@ def _begin(train, i, state, work):
             train.unloading_stiffness[p, i],
         )
         points[p, col.RESTITUTION], points[p, col.FRICTION] = train.restitution[p, i], train.friction[p, i]
+        points[p, col.HARDENING] = train.hardening[p, i]
         reach[u] = max(reach[u], np.hypot(train.along[p, i], train.across[p, i]))
 
 

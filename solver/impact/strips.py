@@ -29,7 +29,7 @@ ROUNDING = 1e-6
 SIDES = (-1.0, 1.0)
 """Signs of the distance to the left: the side of the wall, the far side."""
 
-SCALED = ("stiffness", "initial_force", "plateau_force", "unloading_stiffness")
+SCALED = ("stiffness", "initial_force", "plateau_force", "unloading_stiffness", "hardening")
 """Parameters of a law that a length multiplies."""
 
 

@@ -37,8 +37,8 @@ class Train(NamedTuple):
         From the unit's centre of mass, along its heading and to the left [m].
     stiffness, initial_force, plateau_force : ndarray, shape (points, n)
         k [N/m], F0 and Fy [N] of each point; Fy is infinite without a plateau.
-    restitution, unloading_stiffness : ndarray, shape (points, n)
-        e [-], and k_u [N/m] where it is above 0.
+    restitution, unloading_stiffness, hardening : ndarray, shape (points, n)
+        e [-], k_u [N/m] where it is above 0, and k2 [N/m].
     friction : ndarray, shape (points, n)
         mu [-].
     load : ndarray, shape (units, 3, n)
@@ -58,6 +58,7 @@ class Train(NamedTuple):
     plateau_force: np.ndarray
     restitution: np.ndarray
     unloading_stiffness: np.ndarray
+    hardening: np.ndarray
     friction: np.ndarray
     load: np.ndarray
 

@@ -340,7 +340,12 @@ def _first_force(crush, memory, depth, part):
     """
     memory[col.FACE] = max(depth, 0.0)
     begun = PointCrush(
-        crush.stiffness, part * crush.initial_force, crush.returned, crush.plateau, crush.unloading
+        crush.stiffness,
+        part * crush.initial_force,
+        crush.returned,
+        crush.plateau,
+        crush.unloading,
+        crush.hardening,
     )
     return loading_force(begun, memory[col.FACE])
 
@@ -349,8 +354,9 @@ def _first_force(crush, memory, depth, part):
 def _crush_of(strip, length):
     """Return the crush law of this length of a strip [m]."""
     stiffness, plateau = strip[col.STIFFNESS] * length, strip[col.PLATEAU] * length
+    unloading, hardening = strip[col.UNLOADING] * length, strip[col.HARDENING] * length
     return PointCrush(
-        stiffness, strip[col.INITIAL] * length, strip[col.RETURNED], plateau, strip[col.UNLOADING] * length
+        stiffness, strip[col.INITIAL] * length, strip[col.RETURNED], plateau, unloading, hardening
     )
 
 

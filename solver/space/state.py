@@ -27,12 +27,12 @@ centre and the lowest points of its unloaded tyres below the roll centre [m]; ha
 and cornering coefficient [-].
 """
 
-START, END, STIFFNESS, PLATEAU, RETURNED, UNLOADING, LENGTH, THICK, INITIAL = 0, 3, 6, 7, 8, 9, 10, 11, 12
+START, END, STIFFNESS, PLATEAU, RETURNED, UNLOADING, LENGTH, THICK, INITIAL, HARDENING = 0, 3, *range(6, 14)
 """Columns of a strip.
 
 Both ends, in the body's axes or about the roll centre of its axle, y to the left [m]; per metre of its length stiffness
 [N/m^2], plateau [N/m], and slope of unloading [N/m^2], 0 where the returned part of the energy defines it [-]; length
-[m]; half height of a point; force at zero crush per metre [N/m].
+[m]; half height of a point; force at zero crush [N/m] and slope beyond the plateau's onset [N/m^2] per metre.
 """
 
 FACE, TOP, ABOVE, RAISED = 0, 3, 6, 7

@@ -12,7 +12,7 @@ import numpy as np
 
 from solver.conditions import Number
 
-LAW = ("inset", "stiffness", "initial_force", "plateau", "restitution", "unloading")
+LAW = ("inset", "stiffness", "initial_force", "plateau", "restitution", "unloading", "hardening")
 """Values that are equal in pieces of one strip."""
 
 ABUTTING = 1e-6
@@ -41,6 +41,8 @@ class SpaceStrip:
         Unloading returns its square of the energy [-].
     unloading : float or ndarray
         Slope of unloading per metre in place of the restitution [N/m^2], or 0.
+    hardening : float or ndarray
+        Slope of the crush force beyond the plateau's onset per metre [N/m^2].
     axle : int
         Number of the axle to which it belongs, or -1 for the body.
     unit : int
@@ -57,6 +59,7 @@ class SpaceStrip:
     axle: int = -1
     unit: int = 0
     initial_force: Number = 0.0
+    hardening: Number = 0.0
 
 
 def joined(strips: Sequence[SpaceStrip]) -> tuple[SpaceStrip, ...]:

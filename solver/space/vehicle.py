@@ -370,6 +370,7 @@ def _strip(vehicle: SpaceVehicle, index: int) -> list[Number]:
         length,
         thick,
         strip.initial_force,
+        strip.hardening,
     ]
 
 
@@ -384,6 +385,9 @@ def _demand_strip(vehicle: SpaceVehicle, index: int, unit: SpaceUnit) -> None:
     demand(rules.STRIP_LENGTH, f"{key}.height", (high > low) | (ends[1] > ends[0]), high)
     half = 0.5 * np.asarray(unit.width)
     demand(rules.INSET, f"{key}.inset", strip.inset < half, strip.inset, most=half)
+    hardening, stiffness, plateau = np.broadcast_arrays(strip.hardening, strip.stiffness, strip.plateau)
+    rising = (hardening == 0.0) | ((hardening <= stiffness) & np.isfinite(plateau))
+    demand(rules.HARDENING, f"{key}.hardening", rising, hardening, stiffness=stiffness)
     if strip.axle >= len(vehicle.axles) or (strip.axle >= 0 and vehicle.axles[strip.axle].unit != strip.unit):
         allowed = ", ".join(str(a) for a, axle in enumerate(vehicle.axles) if axle.unit == strip.unit)
         why = "the strip's unit has no axle of this number"

@@ -31,6 +31,7 @@ CRUSH: dict[str, Callable[[float], Limits]] = {
     ),
     "restitution": lambda value: (0.1, 0.35, "assumed; 0.22: the paper"),
     "unloading_stiffness": lambda value: about(value, 0.5 * value, "± 50 %, assumed"),
+    "hardening": lambda value: about(value, 0.8 * value, "± 80 %, assumed"),
 }
 """Default range of each crush parameter of a corner from its value in the scene."""
 CONTACT_FRICTION = 0.2, 0.5, "assumed; 0.2: FHWA/NTRCI model of TL5CMB-2, 0.47: the paper"

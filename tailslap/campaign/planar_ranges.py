@@ -135,7 +135,8 @@ def _law_limits(key: str, value: float) -> Limits | None:
     table, *_, name = key.partition("@")[0].split(".")
     if name == "plateau":
         return about(value, 3.0 / 7.0 * value, "± 43 %, assumed: 200 to 500 kN of 350 kN of a corner")
-    return CRUSH[name](value) if table in ("contact", "strip") and name in CRUSH else None
+    varies = name in CRUSH and (value or name != "hardening")
+    return CRUSH[name](value) if table in ("contact", "strip") and varies else None
 
 
 def _about_inertia(inertia: float) -> Limits:

@@ -59,6 +59,9 @@ Stiffness = Annotated[
 LayerStiffness = Annotated[
     float, Quantity("a stiffness per length of side", "N/m^2", '"1 MN/m^2"', least=1e-3, most=1e15)
 ]
+Hardening = Annotated[
+    float, Quantity("a stiffness", "N/m", '"0.3 MN/m"', least=0.0, most=STIFFNESS_BOUNDS[1])
+]
 Force = Annotated[float, Quantity("a force", "N", '"100 kN"', least=0.0, most=1e12)]
 Height = Annotated[float, Quantity("a height above the ground", "m", '"32 in"', least=0.05, most=20.0)]
 Level = Annotated[float, Quantity("a height above the ground", "m", '"0.6 m"', least=0.0, most=20.0)]
@@ -83,6 +86,10 @@ def _of_strip(
 
 StripStiffness = Annotated[
     float, _of_strip("a stiffness", ("N/m^2", "N/m"), ('"4 MN/m^2"', '"2 MN/m"'), *STIFFNESS_BOUNDS)
+]
+StripHardening = Annotated[
+    float,
+    _of_strip("a stiffness", ("N/m^2", "N/m"), ('"0.3 MN/m^2"', '"0.3 MN/m"'), 0.0, STIFFNESS_BOUNDS[1]),
 ]
 StripForce = Annotated[float, _of_strip("a force", ("N/m", "N"), ('"50 kN/m"', '"50 kN"'), 0.0, 1e12)]
 StripPlateau = Annotated[float, _of_strip("a force", ("N/m", "N"), ('"700 kN/m"', '"350 kN"'), 1e-3, 1e12)]
@@ -318,9 +325,10 @@ class CornerTable(SceneTable):
 class Contact(SceneTable):
     """Unilateral contact between vehicle and wall in a whole impact.
 
-    stiffness, initial_force and plateau_force define the crush law of both corners of each unit without [[strip]], F0 +
-    k d up to the plateau; restitution or unloading_stiffness its unloading. strike_duration may replace stiffness.
-    Without both and without strips the vehicle does not crush; enforcement and penalty_scale then apply.
+    stiffness, initial_force, plateau_force and hardening define the crush law of both corners of each unit without
+    [[strip]], F0 + k d up to the plateau and a slope k2 beyond it; restitution or unloading_stiffness its unloading.
+    strike_duration may replace stiffness. Without both and without strips the vehicle does not crush; enforcement and
+    penalty_scale then apply.
     """
 
     stiffness: Stiffness | None = key(
@@ -330,7 +338,10 @@ class Contact(SceneTable):
         "duration of a strike of the rear corner, which defines the crush stiffness in place of stiffness"
     )
     initial_force: Force = key("crush force F0 at zero crush depth", 0.0)
-    plateau_force: Force | None = key("greatest crush force Fy of each corner; default: no plateau")
+    plateau_force: Force | None = key(
+        "crush force Fy of each corner, from which on it is constant or rises by hardening; default: no plateau"
+    )
+    hardening: Hardening = key("slope k2 of the crush force beyond the onset of its plateau", 0.0)
     restitution: Restitution | None = key(
         "coefficient of restitution e: unloading returns e^2 of the crush energy, also that of strips without "
         "unloading; required with stiffness, unless unloading_stiffness is given"
@@ -401,7 +412,10 @@ class StripTable(SceneTable):
     inset: Level = key("distance inwards from the side", 0.0)
     stiffness: StripStiffness = needed("crush stiffness k per length; of a point in the plane k itself")
     initial_force: StripForce = key("crush force F0 at zero crush depth, as stiffness", 0.0)
-    plateau: StripPlateau | None = key("greatest crush force Fy, as stiffness; default: no plateau")
+    plateau: StripPlateau | None = key(
+        "crush force Fy, as stiffness, from which on it is constant or rises by hardening; default: no plateau"
+    )
+    hardening: StripHardening = key("slope k2 beyond the onset of the plateau, as stiffness", 0.0)
     restitution: Restitution | None = key(
         "coefficient of restitution e: unloading returns e^2 of the crush energy; default: contact.restitution"
     )

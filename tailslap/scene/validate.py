@@ -63,8 +63,8 @@ CORNER_KEYS = {
 
 LAW = ("stiffness", "initial_force", "plateau_force", "restitution", "unloading_stiffness")
 OF_CORNERS = ("contact.stiffness", "contact.strike_duration", "contact.initial_force", "contact.plateau_force",
-              "contact.unloading_stiffness")  # fmt: skip
-CRUSH_KEYS = (*(f"contact.{key}" for key in LAW[1:]), "contact.patch_length")
+              "contact.unloading_stiffness", "contact.hardening")  # fmt: skip
+CRUSH_KEYS = (*(f"contact.{key}" for key in LAW[1:]), "contact.hardening", "contact.patch_length")
 UNCRUSHED_KEYS = ("contact.enforcement", "contact.penalty_scale")
 """Names of a crush law, keys of corners' crush, keys that require crush, and keys that crush excludes."""
 
@@ -373,7 +373,7 @@ def _check_strike_duration(scene: schema.Scene) -> None:
         "contact.strike_duration assumes a crush force in proportion to the depth at the corners; remove one "
         "of the two, or use contact.stiffness in its place"
     )
-    _refuse(scene, allowed, *(f"contact.{key}" for key in (*LAW[1:3], "unloading_stiffness")))
+    _refuse(scene, allowed, *(f"contact.{key}" for key in (*LAW[1:3], "hardening", "unloading_stiffness")))
     if scene.trailer:
         allowed = "the effective mass is that of a single vehicle; of a train allowed is contact.stiffness"
         raise InputError("contact.strike_duration", scene.needed_contact.strike_duration, allowed)

@@ -13,14 +13,14 @@ import pytest
 from crushing_plates import corner_strips
 from sampled_impacts import corner_tables, sampled_impacts
 
-from fem.laws.contact_forces import PointCrush, crush_line
+from fem.laws.contact_forces import PointCrush, crush_line, loading_depth, loading_force
 from fem.laws.friction import Drag
 from fem.model.impact_model import build_impact_model
 from fem.plate.properties import ContactProperties, PlateProperties, StepProperties, UnitProperties
 from fem.run.impact import FirstTouch, simulate_impact
 from meshes import plate_mesh
 from solver import RigidBodyError
-from solver.impact import CrushLaw, ImpactState, ImpactVehicle, WallContact, solve_impact
+from solver.impact import CrushLaw, ImpactState, ImpactVehicle, Strip, WallContact, first_touch, solve_impact
 from tailslap import cli
 from tailslap.case.impact import run
 from tailslap.case.impact.case import ImpactCase
@@ -41,17 +41,34 @@ LAWS: dict[str, dict[str, Any]] = {
     "slope": {"unloading_stiffness": 8e6},
     "slope of loading": {"unloading_stiffness": K},
     "plateau, no return": {"plateau_force": 2e5},
+    "hardening": {"plateau_force": 1.5e5, "hardening": 4e5, "restitution": 0.22},
+    "initial force, hardening, slope": {
+        "initial_force": 5e4,
+        "plateau_force": 1e5,
+        "hardening": 1.2e6,
+        "unloading_stiffness": 8e6,
+    },
 }
 
 
-def point_mass(initial_force=0.0, plateau_force=math.inf, restitution=0.0, unloading_stiffness=0.0):
+def point_mass(
+    initial_force=0.0, plateau_force=math.inf, restitution=0.0, unloading_stiffness=0.0, hardening=0.0
+):
     """Crush, peak, duration, exit speed and residual crush of a point mass."""
     mass, energy = BOX.mass, 0.5 * BOX.mass * CLOSING**2
     rate, rise = math.sqrt(K / mass), math.hypot(initial_force, CLOSING * math.sqrt(K * mass))
     peak = min(plateau_force, rise)
     loading = (math.asin(min(peak / rise, 1.0)) - math.asin(initial_force / rise)) / rate
     crush, remaining = (peak - initial_force) / K, energy - (peak**2 - initial_force**2) / (2.0 * K)
-    if peak < rise:
+    if peak < rise and hardening:
+        onset, rate, peak = (
+            peak,
+            math.sqrt(hardening / mass),
+            math.hypot(peak, math.sqrt(2.0 * hardening * remaining)),
+        )
+        crush += (peak - onset) / hardening
+        loading += math.acos(onset / peak) / rate
+    elif peak < rise:
         crush += remaining / peak
         loading += math.sqrt(2.0 * remaining * mass) / peak
     slope = unloading_stiffness or (peak**2 / (2.0 * restitution**2 * energy) if restitution else math.inf)
@@ -80,7 +97,7 @@ def test_a_rigid_point_mass_on_the_law(name):
 
 def test_samples_on_the_law():
     """A corner below the centre of mass strikes at CLOSING."""
-    names = ("initial_force", "plateau_force", "restitution", "unloading_stiffness")
+    names = ("initial_force", "plateau_force", "restitution", "unloading_stiffness", "hardening")
     laws = [{"plateau_force": math.inf, **law} for law in LAWS.values()]
     inputs: dict[str, Any] = {key: np.array([law.get(key, 0.0) for law in laws]) for key in names}
     inputs |= {"length": 4.0, "width": 2.0, "mass": 1500.0, "stiffness": K, "friction": 0.0}
@@ -94,7 +111,7 @@ def test_samples_on_the_law():
 
 
 MODULUS, STEP = 2e15, 2e-6
-REAR = PointCrush(K, 0.0, 0.5, 2e5, 2.0 * K)
+REAR = PointCrush(K, 0.0, 0.5, 2e5, 2.0 * K, 0.0)
 """Crush of the rear corners, which do not strike: with it all laws have the same compiled loop."""
 
 
@@ -144,6 +161,8 @@ def test_a_plate_on_the_law(name):
         (PointCrush(K, 1e5, 0.0, math.inf, K), 0.05, (2e5, 7.5e3, 0.05, 5e3 / 7.5e3)),
         (PointCrush(K, 1e5, 0.0, math.inf, K), 0.0, (1e5, 0.0, 0.0, 0.0)),
         (PointCrush(K, 0.0, 0.0, math.inf, K), 0.0, (0.0, 0.0, 0.0, 0.0)),
+        (PointCrush(K, 0.0, 0.0, 1e5, 1e7, 5e5), 0.15, (1.5e5, 1.5e4, 1.5e-2, 0.075)),
+        (PointCrush(K, 5e4, 0.04, 1e5, 0.0, K), 0.125, (3e5, 2.1875e4, 2.0 * 0.04 * 2.1875e4 / 3e5, 0.04)),
     ],
 )
 def test_the_line_of_unloading(law, deepest, answer):
@@ -152,6 +171,17 @@ def test_the_line_of_unloading(law, deepest, answer):
     Of a slope below F/d the line is as long as the crush: it does not end in front of the vehicle.
     """
     assert crush_line(law, deepest) == pytest.approx(answer, rel=1e-12)
+
+
+@pytest.mark.parametrize("hardening", [0.0, 6e5, K])
+@pytest.mark.parametrize("mean", [0.05, 0.2, 0.9])
+def test_force_and_depth_at_the_end_of_a_step(hardening, mean):
+    """d = mean - compliance N(d), also in a long step."""
+    law, compliance = PointCrush(K, 2e4, 0.04, 1e5, 0.0, hardening), 1e-6
+    depth = loading_depth(law, mean, compliance, 1.0)
+    expected = min(2e4 + K * depth, 1e5 + hardening * max(depth - 0.04, 0.0))
+    assert loading_force(law, depth) == pytest.approx(expected, rel=1e-12)
+    assert depth == pytest.approx(mean - compliance * expected, rel=1e-12)
 
 
 def case_of(scene=SCENE, **changes):
@@ -201,6 +231,43 @@ def test_samples_vary_what_the_scene_does_not_give():
         assert samples["strike_2.impulse"][i] == pytest.approx(strikes[1].impulse, rel=2e-4)
 
 
+def test_two_laws_in_one_place_are_one_with_hardening():
+    """On loading it is (k - k2) d with a plateau beside k2 d."""
+    at, k2 = (0.0, 10.0), 4e5
+    both = [Strip((x, x), law) for x in at for law in (CrushLaw(K - k2, plateau_force=2.4e5), CrushLaw(k2))]
+    one = [Strip((x, x), CrushLaw(K, plateau_force=3e5, hardening=k2)) for x in at]
+    truck = ImpactVehicle(10.0, 2.438, 9979.0)
+    motions = []
+    for strips in (both, one):
+        law = WallContact(None, 0.3, tuple(strips))
+        start = first_touch(truck, math.radians(15.0), 25.0, contact=law)
+        motions.append(solve_impact(truck, law, start, end=0.5, step=1e-5))
+    together, alone = (motion.at(np.linspace(0.0, 0.5, 501)) for motion in motions)
+    assert alone.force_normal.max() > 3.5e5
+    for name in ("v_gx", "v_gy", "omega", "impulse_normal"):
+        expected = getattr(together, name)
+        assert getattr(alone, name) == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max()), (
+            name
+        )
+
+
+FORCES = {
+    0.0: (346.3, 350.0, 350.0, 350.0),
+    0.3: (363.9, 395.9, 422.2, 453.9),
+    0.5: (373.8, 420.9, 459.7, 505.4),
+}
+"""Largest 50 ms means [kN] at 45, 56, 65 and 75 mph by hardening [MN/m], of an independent model."""
+
+
+@pytest.mark.parametrize("hardening", FORCES)
+def test_the_force_grows_with_the_speed(hardening):
+    """The rigid TL-4 truck agrees with an independent integration."""
+    changes = {"axle": None, "time.end": "0.7 s", "contact.hardening": 1e6 * hardening}
+    for mph, expected in zip((45, 56, 65, 75), FORCES[hardening], strict=True):
+        case = case_of("impact-mash-tl4-sut", **changes, **{"impact.speed": f"{mph} mph"})
+        assert 1e-3 * case.answer.peaks["mean_50ms"] == pytest.approx(expected, rel=1e-3)
+
+
 SOFT = {"stiffness": 2e6, "plateau": 400e3}
 OF_TRAIN = [
     *corner_tables(6.9, SOFT, SOFT | {"plateau": 300e3}),
@@ -230,6 +297,13 @@ REFUSED = [
     ("unloading_stiffness", partial(CrushLaw, 1e6, unloading_stiffness=-1.0), "at least the stiffness"),
     ("unloading_stiffness", partial(CrushLaw, 1e6, 0.0, 0.2, unloading_stiffness=2e6), "one of the two"),
     ("restitution", partial(CrushLaw, 1e6, 0.0, 0.8, 1e5), "at most sqrt(1/2)"),
+    (
+        "hardening",
+        partial(CrushLaw, 1e6, plateau_force=1e5, hardening=1.1e6),
+        "0 to the stiffness, 1e+06 N/m",
+    ),
+    ("hardening", partial(CrushLaw, 1e6, plateau_force=1e5, hardening=-1.0), "0 to the stiffness"),
+    ("hardening", partial(CrushLaw, 1e6, hardening=1e5), "with a plateau"),
 ]
 
 
@@ -265,6 +339,9 @@ SETS = [
     ("contact.plateau_force", {"contact.plateau_force": -1.0}),
     ("contact.plateau_force", {"contact.plateau_force": 0.0}),
     ("contact.rear", {"contact.rear": 1.0}),
+    ("contact.hardening", {"contact.hardening": 1e5}),
+    ("contact.hardening", {"contact.plateau_force": 1e5, "contact.hardening": "3 MN/m"}),
+    ("strip.1.hardening", TRUCK | {"strip": corner_tables(10.0, FRONT, BEHIND | {"hardening": 2e6})}),
     ("contact.plateau_force", {"contact.strike_duration": 0.1, "contact.plateau_force": 3e5}),
 ]
 

@@ -309,7 +309,7 @@ def pressed_block(mu, speed, end, push=0.0):
     It does not rotate, and a force `push` [N] acts along the wall.
     """
     one = np.ones((1, 1))
-    law = 1e-3 * one, 1e4 * one, math.inf * one, 0.0 * one, 0.0 * one, mu * one
+    law = 1e-3 * one, 1e4 * one, math.inf * one, 0.0 * one, 0.0 * one, 0.0 * one, mu * one
     unit = np.zeros(1, dtype=np.int64)
     load = np.array([push, 0.0, 0.0]).reshape(1, 3, 1)
     block = Train(1e3 * one, 1e30 * one, one[:0], one[:0], unit, unit, 0.0 * one, -one, *law, load)

@@ -37,7 +37,7 @@ from solver.impact.strips import points_of
 
 LENGTH, WIDTH, MASS, THICKNESS = 10.0, 2.4, 9979.0, 0.05
 MIDDLE, ELEMENT = 0.5 * LENGTH, LENGTH / 16
-ELASTIC = PointCrush(2e6, 0.0, 1.0, math.inf, 0.0)
+ELASTIC = PointCrush(2e6, 0.0, 1.0, math.inf, 0.0, 0.0)
 
 
 def unit(
@@ -103,7 +103,7 @@ def test_a_patch_shorter_than_its_element_or_longer_than_the_side_is_refused(pla
 @pytest.mark.parametrize("element", ["quad4", "quad9", "tri3"])
 def test_a_line_has_the_moments_of_its_length(element, begin, end, inset):
     """Force, moment and rotational stiffness are exact, whatever the mesh."""
-    law = PointCrush(3e5, 2e4, 0.04, 1e5, 9e5)
+    law = PointCrush(3e5, 2e4, 0.04, 1e5, 9e5, 2e4)
     model = model_of(StripProperties(begin, end, inset, law), element=element)
     near, points = model.contact_groups == 0, ImpactStepper(model).points
     for name, value in zip(PointCrush._fields, law, strict=True):
@@ -134,7 +134,7 @@ def test_an_even_pressure_along_a_side_loads_its_nodes_consistently(element):
 def test_a_line_pressed_flat_is_a_spring_of_its_stiffness_and_length(inset):
     """Half a period of an oscillator, within the flexibility of the plate."""
     stiffness, speed, begin = 4e5, 3.0, 1.37
-    law = PointCrush(stiffness, 0.0, 1.0, math.inf, 0.0)
+    law = PointCrush(stiffness, 0.0, 1.0, math.inf, 0.0, 0.0)
     strip = StripProperties(begin, LENGTH - begin, inset, law)
     spring, errors = stiffness * (LENGTH - 2.0 * begin), []
     half = math.pi * math.sqrt(MASS / spring)
@@ -164,7 +164,8 @@ def on_plate(strip):
     """A strip of the rigid vehicle as that of the plate."""
     law, (begin, end) = strip.law, strip.at
     returned = law.restitution**2
-    crush = PointCrush(law.stiffness, law.initial_force, returned, law.plateau_force, law.unloading_stiffness)
+    slopes = law.unloading_stiffness, law.hardening
+    crush = PointCrush(law.stiffness, law.initial_force, returned, law.plateau_force, *slopes)
     return StripProperties(begin, end, strip.inset, crush)
 
 

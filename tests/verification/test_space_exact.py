@@ -379,9 +379,10 @@ def test_wheels_lift_at_the_force_of_equilibrium(lifting):
     assert tilted((1.0 + 1e-4) * limit)["load_right_1"].min() == 0.0
 
 
-def corners(x, y, initial_force=0.0):
+def corners(x, y, initial_force=0.0, hardening=0.0):
     """Return two corners as strips of 0.1 m and 2 MN/m."""
     law = {"plateau": 3.5e6, "restitution": 0.225, "initial_force": 10.0 * initial_force}
+    law["hardening"] = 10.0 * hardening
     return tuple(SpaceStrip((at, at), (0.5, 0.6), 2e7, **law) for at in (x, y))
 
 
@@ -389,18 +390,17 @@ HELD = 1e14
 """Inertia that holds roll and pitch [kg m^2]."""
 
 
-@pytest.mark.parametrize("initial_force", [0.0, 1.5e5])
-def test_held_vehicle_is_the_planar_one(initial_force):
+@pytest.mark.parametrize(("initial_force", "hardening"), [(0.0, 0.0), (1.5e5, 0.0), (0.0, 4e5)])
+def test_held_vehicle_is_the_planar_one(initial_force, hardening):
     """With roll and pitch fixed, strikes are those in the plane."""
     unit = truck_unit(roll_inertia=HELD, pitch_inertia=HELD)
-    vehicle = SpaceVehicle(
-        (unit,), truck(friction=0.0, roll_centre=0.5).axles, corners(0.0, 10.0, initial_force)
-    )
+    strips = corners(0.0, 10.0, initial_force, hardening)
+    vehicle = SpaceVehicle((unit,), truck(friction=0.0, roll_centre=0.5).axles, strips)
     step = 1e-5
     wall = SpaceWall(1.0, friction=0.35)
     h = solve_space(vehicle, wall, SPEED, ANGLE, interval=2e-5, step=step, end=0.52).history
     body = ImpactVehicle(10.0, 2.438, MASS)
-    law = WallContact(CrushLaw(2e6, initial_force, 0.225, 3.5e5), 0.35)
+    law = WallContact(CrushLaw(2e6, initial_force, 0.225, 3.5e5, hardening=hardening), 0.35)
     plane = solve_impact(body, law, first_touch(body, ANGLE, SPEED), end=0.52, step=step)
     force, t = h["force_normal"], h["t"]
     for strike in plane.strikes[:2]:

@@ -235,6 +235,5 @@ def contact_properties(case: RigidImpact, number: int) -> ContactProperties:
 
 def _point_crush(law: CrushLaw) -> PointCrush:
     """Return the crush of a strip for the plate."""
-    returned = law.restitution**2
-    parameters = law.stiffness, law.initial_force, returned, law.plateau_force, law.unloading_stiffness
-    return PointCrush(*map(float, parameters))
+    returned, slopes = law.restitution**2, (law.unloading_stiffness, law.hardening)
+    return PointCrush(*map(float, (law.stiffness, law.initial_force, returned, law.plateau_force, *slopes)))

@@ -64,6 +64,7 @@ OF_CRUSH = {
     "initial_force": "initial crush force",
     "patch_length": "forces over",
     "plateau_force": "plateau",
+    "hardening": "hardening",
     "unloading_stiffness": "unloading stiffness",
 }
 """Quantities of [contact] beside the stiffness, in words."""

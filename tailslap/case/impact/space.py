@@ -133,7 +133,7 @@ def _strip(scene: Scene, number: int, value: Any) -> space.SpaceStrip:
         (value(f"{key}.at.0"), value(f"{key}.at.1")), (value(f"{key}.height.0"), value(f"{key}.height.1")),
         value(f"{key}.stiffness"), value(f"{key}.inset"), value(f"{key}.plateau", np.inf), restitution, slope,
         axle=-1 if strip.axle is None else strip.axle, unit=strip.unit - 1,
-        initial_force=value(f"{key}.initial_force", 0.0),
+        initial_force=value(f"{key}.initial_force", 0.0), hardening=value(f"{key}.hardening", 0.0),
     )  # fmt: skip
 
 
