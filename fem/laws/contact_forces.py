@@ -59,11 +59,9 @@ def _plateau_excess(
         return above, 0.5 * above * above / stiffness if above > 0.0 else 0.0
 
     def rising(plateau: float, hardening: float, force: float, stiffness: float) -> tuple[float, float]:
-        above = force - plateau
-        if above <= 0.0:
-            return 0.0, 0.0
+        above = max(force - plateau, 0.0)
         excess = above * (1.0 - hardening / stiffness)
-        return excess, 0.5 * above * excess / stiffness
+        return excess, 0.5 * above * excess / stiffness if above > 0.0 else 0.0
 
     if isinstance(plateau, Nothing):
         return none
