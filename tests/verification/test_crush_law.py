@@ -232,7 +232,7 @@ def test_samples_vary_what_the_scene_does_not_give():
 
 
 def test_two_laws_in_one_place_are_one_with_hardening():
-    """They agree on loading: k2 d beside a plateau."""
+    """On loading both have the same forces."""
     at, k2 = (0.0, 10.0), 4e5
     both = [Strip((x, x), law) for x in at for law in (CrushLaw(K - k2, plateau_force=2.4e5), CrushLaw(k2))]
     one = [Strip((x, x), CrushLaw(K, plateau_force=3e5, hardening=k2)) for x in at]
