@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from postprocess.units import force as force_text
 from postprocess.units import measure
 
 PERCENTILES = (5, 50, 95)
@@ -30,6 +31,16 @@ def binomial_interval(successes: np.ndarray, trials: int) -> np.ndarray:
     return np.array([np.where(successes == 0.0, 0.0, low), np.where(successes == trials, 1.0, high)])
 
 
+def fraction_in_words(fraction: float, samples: int) -> str:
+    """Return a fraction of samples with its interval, one-sided for none and all."""
+    if fraction in (0.0, 1.0):
+        one_sided = 1e3 * (1.0 - CONFIDENCE) ** (1.0 / samples)  # Clopper and Pearson
+        none, every = math.ceil(1e3 - one_sided), math.floor(one_sided)
+        return f"at least {0.1 * every:.1f} %" if fraction else f"at most {0.1 * none:.1f} %"
+    ends = 100.0 * binomial_interval(np.array([fraction * samples]), samples)[:, 0]
+    return f"{100.0 * fraction:.0f} % ({math.floor(ends[0])} to {math.ceil(ends[1])} %)"
+
+
 def percentile_names() -> tuple[str, ...]:
     """Return the keys of percentiles in results."""
     return tuple(f"percentile_{p:g}" for p in PERCENTILES)
@@ -38,6 +49,46 @@ def percentile_names() -> tuple[str, ...]:
 def central_part() -> str:
     """Return the part of samples between the outer percentiles, in words."""
     return f"{PERCENTILES[-1] - PERCENTILES[0]:g} %"
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Published over predicted forces of a class of vehicles.
+
+    Attributes
+    ----------
+    name : str
+        Class of vehicles.
+    rows, studies : int
+        Numbers of published values, and of studies that published them.
+    least, most : float
+        Smallest and largest published value over its predicted median [-].
+    factor : float or None
+        Factor on the logarithms of the band of the inputs; None where the rows are too few.
+    rows_held, studies_held : int
+        Rows within the band that the other studies calibrate, and studies with all of their rows in it.
+    """
+
+    name: str
+    rows: int
+    studies: int
+    least: float
+    most: float
+    factor: float | None = None
+    rows_held: int = 0
+    studies_held: int = 0
+
+    @property
+    def sentence(self) -> str:
+        """How the band was tested, in words."""
+        if self.factor is None:
+            ratios = f"{self.least:.2g} to {self.most:.2g} in {self.rows} rows"
+            return f"inputs alone, not calibrated; published over predicted {ratios} of {self.name}"
+        return (
+            f"calibrated by {self.name}: the logarithms of the band of the inputs times {self.factor:.2f}; of studies "
+            f"left out one by one, {self.rows_held} of {self.rows} values and all values of {self.studies_held} of "
+            f"{self.studies} studies lie in the band of the others"
+        )
 
 
 @dataclass(frozen=True)
@@ -66,6 +117,8 @@ class ForceBand:
         Reason why the first of them does not stand on its axles, or "".
     forces : tuple of float
         Forces of the vehicles [N].
+    calibration : Calibration or None
+        Published values of this class of vehicles, None without any.
     """
 
     percentiles: tuple[float, ...] = ()
@@ -78,16 +131,43 @@ class ForceBand:
     unsolved: int = 0
     reason: str = ""
     forces: tuple[float, ...] = field(default=(), repr=False)
+    calibration: Calibration | None = None
+
+    def calibrated(self, forces: Sequence[float]) -> tuple[float, ...]:
+        """Return forces [N] with the calibrated distance from the median.
+
+        Without a factor they are returned as they are.
+        """
+        factor = (self.calibration and self.calibration.factor) or 1.0
+        return tuple(self.percentiles[1] * (force / self.percentiles[1]) ** factor for force in forces)
+
+    @property
+    def limits(self) -> tuple[float, ...]:
+        """Lower end, median and upper end of the band [N], calibrated if possible; empty without a band."""
+        return self.calibrated(self.percentiles)
+
+    @property
+    def name(self) -> str:
+        """What the band is of, in words."""
+        of = self.calibration
+        if of is None or of.factor is None:
+            return f"{central_part()} of the inputs alone"
+        return f"{central_part()} band, calibrated on {of.rows} published values of {of.studies} studies"
+
+    @property
+    def median(self) -> str:
+        """Median in words, empty without a band."""
+        return f"median {force_text(self.percentiles[1])}" if self.percentiles else ""
 
     @property
     def interval(self) -> str:
-        """Limits of the central part in words, empty without a band."""
+        """Median and limits of the band in words, empty without a band."""
         if not self.percentiles:
             return ""
-        lower, _, upper = self.percentiles
+        lower, _, upper = self.limits
         form = ".0f" if lower >= 1e5 else ".3g"
         ends = measure(lower, "N", form, named=False), measure(upper, "N", form)
-        return f"{central_part()} of such impacts: {ends[0]} to {ends[1]}"
+        return f"{self.median}; {self.name}: {ends[0]} to {ends[1]}"
 
     @property
     def sentence(self) -> str:
@@ -102,6 +182,7 @@ class ForceBand:
         ]
         parts = [
             f"Band of {self.samples} rigid vehicles over {len(self.ranges)} inputs, {assumed} with assumed ranges",
+            self.calibration.sentence if self.calibration else "",
             self._outcomes,
             f"largest parts of the variance: {', '.join(largest)}" if largest else "",
             f"not varied, since outside the range: {', '.join(f'`{key}`' for key in self.fixed)}"
@@ -117,20 +198,14 @@ class ForceBand:
         """Fractions of the outcomes in words, with bounds by their number."""
         if not self.outcomes:
             return ""
-        one_sided = 1e3 * (1.0 - CONFIDENCE) ** (1.0 / self.samples)  # Clopper and Pearson, none or all
-        words = {0.0: f"at most {0.1 * math.ceil(1e3 - one_sided):.1f} %"}
-        words[1.0] = f"at least {0.1 * math.floor(one_sided):.1f} %"
-        parts = []
-        for name, fraction in self.outcomes.items():
-            if fraction not in words:
-                ends = 100.0 * binomial_interval(np.array([fraction * self.samples]), self.samples)[:, 0]
-                words[fraction] = (
-                    f"{100.0 * fraction:.0f} % ({math.floor(ends[0])} to {math.ceil(ends[1])} %)"
-                )
-            parts.append(f"{words[fraction]} {name}")
+        parts = [
+            f"{fraction_in_words(fraction, self.samples)} {name}" for name, fraction in self.outcomes.items()
+        ]
         return f"{', '.join(parts)} (95 % confidence by their number)"
 
     def numbers(self) -> dict[str, object]:
         """Return the part `force_band` of results, SI."""
         further = {name: value for name, value in vars(self).items() if name not in ("percentiles", "forces")}
-        return dict(zip(percentile_names(), self.percentiles, strict=False)) | further
+        ends = dict(zip(("lower", "median", "upper"), self.limits, strict=False))
+        of = {"calibration": self.calibration and vars(self.calibration)}
+        return dict(zip(percentile_names(), self.percentiles, strict=False)) | ends | further | of

@@ -19,7 +19,7 @@ from solver.parapet import Strengths, overhang_tension, punching
 from tailslap.arguments import checked_arguments
 from tailslap.campaign import band_samples
 from tailslap.case.case import Case
-from tailslap.case.force_band import ForceBand
+from tailslap.case.force_band import ForceBand, fraction_in_words
 from tailslap.case.of_arguments import Changes, Scene, case_of_scene
 from tailslap.case.report_parts import design_forces_of, footer
 from tailslap.errors import InputError, Missing
@@ -58,7 +58,7 @@ DEMAND = (
     *columns(
         {"lower": "over lower bound", "upper": "over upper bound", "aashto": "over A13.3.1"}, form=".2f"
     ),
-    Column("band", "5 to 95 %, over lower bound", form=str),
+    Column("band", "Band, over lower bound", form=str),
 )
 SIMPLE = (
     Column("name", "Simple formula"),
@@ -228,7 +228,7 @@ def _demand_rows(
             "lower": force / row.lower if row.lower else None,
             "upper": force / row.upper if row.upper else None,
             "aashto": force / row.formula.force,
-            "band": _band_words(_ratio(row.lower, demand, band)) if name == "this impact" else "",
+            "band": _band_words(_ratio(row.lower, demand, band), band) if name == "this impact" else "",
         }
         for name, force, row in demands
     ]
@@ -238,20 +238,22 @@ def _ratio(capacity: float | None, demand: float, band: ForceBand) -> dict[str, 
     """Return the demand over capacity with its band."""
     if capacity is None:
         return dict.fromkeys(("nominal", "median", "lower", "upper", "exceeded"))
-    names = dict(zip(("lower", "median", "upper"), band.percentiles, strict=False))
+    names = dict(zip(("lower", "median", "upper"), band.limits, strict=False))
     ratios: dict[str, float | None] = dict.fromkeys(("median", "lower", "upper", "exceeded"))
     ratios |= {name: value / capacity for name, value in names.items()}
     if band.forces:
-        ratios["exceeded"] = float(np.mean(np.array(band.forces) > capacity))
+        ratios["exceeded"] = float(np.mean(np.array(band.calibrated(band.forces)) > capacity))
     return {"nominal": demand / capacity, **ratios}
 
 
-def _band_words(ratio: dict[str, float | None]) -> str:
+def _band_words(ratio: dict[str, float | None], band: ForceBand) -> str:
     """Return a band and the fraction above capacity in words."""
     if ratio["median"] is None:
         return "–"
-    exceeded = 100.0 * (ratio["exceeded"] or 0.0)
-    return f"{ratio['lower']:.2f} to {ratio['upper']:.2f}, median {ratio['median']:.2f}: exceeded in {exceeded:.0f} %"
+    exceeded = fraction_in_words(ratio["exceeded"] or 0.0, band.samples)
+    return (
+        f"{ratio['lower']:.2f} to {ratio['upper']:.2f}, median {ratio['median']:.2f}: exceeded in {exceeded}"
+    )
 
 
 def _headline(
@@ -276,7 +278,7 @@ def _headline(
         if ratio["nominal"]
         else "without proven capacity"
     )
-    varied = f"; band {_band_words(ratio)} of such impacts" if ratio["median"] else ""
+    varied = f"; {band.name}: {_band_words(ratio, band)}" if ratio["median"] else ""
     answer = (
         f"Flexural strength of the plate, load at {measure(code[0].load.height, 'm', '.2f')}: {', '.join(parts)}. "
         f"Force of this impact {force_text(demand)}, at {measure(first.load.height, 'm', '.2f')}: {nominal}{varied}."

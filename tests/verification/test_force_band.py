@@ -19,7 +19,7 @@ from solver.impact import trajectories
 from tailslap.campaign import band_samples, planar_ranges, sampling
 from tailslap.case import case_of
 from tailslap.case.case import NO_BAND
-from tailslap.case.force_band import ForceBand
+from tailslap.case.force_band import Calibration, ForceBand
 from tailslap.case.impact import strike_columns
 from tailslap.scene.read import read_scene
 
@@ -131,12 +131,34 @@ def test_fractions_have_their_bounds_by_the_number_of_samples():
     assert "50 % (18 to 82 %) upright" in half
 
 
+def test_a_calibrated_band_has_its_distance_from_the_median_in_logarithms_times_the_factor():
+    """200, 400 and 1000 kN by a factor of 2 are 100, 400 and 2500 kN."""
+    band = ForceBand((2e5, 4e5, 1e6), 72, calibration=Calibration("TL-4", 11, 6, 0.7, 1.5, 2.0, 10, 5))
+    assert band.limits == pytest.approx((1e5, 4e5, 2.5e6), rel=1e-12)
+    words = "median 400 kN; 90 % band, calibrated on 11 published values of 6 studies: 100 to 2500 kN"
+    assert SI.rendered(band.interval) == words
+    assert "10 of 11 values and all values of 5 of 6 studies" in band.sentence
+    assert (band.numbers()["percentile_95"], band.numbers()["upper"]) == pytest.approx((1e6, 2.5e6))
+
+
+def test_a_band_of_too_few_published_values_is_that_of_the_inputs():
+    band = ForceBand((2e5, 4e5, 1e6), 72, calibration=Calibration("TL-3", 4, 2, 0.7, 1.1))
+    assert band.limits == pytest.approx(band.percentiles, rel=1e-15)
+    assert "90 % of the inputs alone: 200 to 1000 kN" in SI.rendered(band.interval)
+    assert (
+        "inputs alone, not calibrated; published over predicted 0.7 to 1.1 in 4 rows of TL-3" in band.sentence
+    )
+
+
 def test_the_first_screen_has_band_origin_and_outcomes(bands):
     for name, band in bands.items():
         lower, middle, upper = band.percentiles
         assert 0.0 < lower < middle < upper
         headline = case(name).headline(band).in_units(SI)
-        assert f"90 % of such impacts: {lower / 1e3:.0f} to {upper / 1e3:.0f} kN" in headline.answer
+        assert (
+            f"median {middle / 1e3:.0f} kN; 90 % of the inputs alone: {lower / 1e3:.0f} to {upper / 1e3:.0f} kN"
+            in headline.answer
+        )
         assert headline.band == SI.rendered(band.sentence)
         assert headline.lines[1] == headline.band
         first = next(iter(band.variance_fractions))
@@ -177,7 +199,13 @@ def test_keys_and_texts_follow_from_the_percentiles(python, tmp_path):
     everything = " ".join(texts).replace("\N{NO-BREAK SPACE}", " ")
     for old in ('percentile_5"', "percentile_95", "90 % of", "90 % band"):
         assert old not in everything
-    for new in ("percentile_2.5", "percentile_97.5", "95 % of such impacts", "95 % of the samples", "97.5 %"):
+    for new in (
+        "percentile_2.5",
+        "percentile_97.5",
+        "95 % of the inputs alone",
+        "95 % of the samples",
+        "97.5 %",
+    ):
         assert new in everything
 
 
