@@ -14,6 +14,9 @@ from typing import Any
 import command_line
 import numpy as np
 
+SAMPLE_BLOCK = 128
+"""Vehicles at a time on one core."""
+
 SCENES = ("mash-tl4-sut", "impact-mash-tl4-sut", "impact-tipping-tl4-sut", "impact-mash-tl5-tractor-van")
 
 
@@ -35,7 +38,7 @@ def main() -> None:
     for scene in arguments.scenes or SCENES:
         case = case_of(*read_scene(scene))
         band_samples.force_band(case)
-        ranges, (every, solve) = timed(band_samples._problem, case)
+        ranges, (every, solve) = timed(band_samples._problem, case, SAMPLE_BLOCK)
         inputs = {item.key: np.array([0.5 * (item.lower + item.upper)]) for item in every}
         one, _ = timed(solve, inputs)
         whole, band = timed(band_samples.force_band, case)

@@ -250,6 +250,14 @@ SUMMARY = (
     ("rigid.second_strike.*", "s, N, N s", "duration of the second strike by filter, as the paper reads it"),
     ("rigid.tyre_work", "J", "work of the tyres on the vehicle"),
     ("rigid.hinges[].*", "N, rad", "largest force and articulation of each hinge of a train"),
+    (
+        "inertial.mean_50ms",
+        "N",
+        "mass times the largest 50 ms mean of the sensor's lateral acceleration; null of trains",
+    ),
+    ("inertial.position", "m", "distance of the sensor behind the front"),
+    ("inertial.height", "m", "height of the sensor, with `[body]`"),
+    ("inertial.assumed", "", "true if the place is not that of `[sensor]`"),
     ("space.outcome", "", "`upright`, `on its side` or `over the wall`"),
     (
         "space.*",

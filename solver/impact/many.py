@@ -45,6 +45,8 @@ class Impacts:
     mean_force : ndarray, shape (rows, ...)
         Total normal force [N], means since the previous instant, the first from first touch on; undefined after the
         end, and without rows if there is no interval.
+    acceleration : ndarray, shape (rows, ...)
+        Acceleration of the sensor away from the wall [m/s^2], likewise; without rows if there is no sensor.
     error : ndarray, shape (...)
         Largest relative change of peaks, impulses, durations and spin against twice the step [-].
     end_speed : ndarray, shape (...)
@@ -57,6 +59,7 @@ class Impacts:
     peak_force: Array
     impulse: Array
     mean_force: Array
+    acceleration: Array
     error: Array
     end_speed: Array
 
@@ -84,6 +87,7 @@ def solve_impacts(
     strikes: int | None = None,
     trailers: Sequence[Mapping[str, Any]] = (),
     axles: Sequence[Mapping[str, Number]] = (),
+    sensor: Number | None = None,
 ) -> Impacts:
     """Solve whole impacts of many vehicles or trains.
 
@@ -122,6 +126,8 @@ def solve_impacts(
         and optionally `centre_of_mass`, `yaw_inertia`.
     axles : sequence of dict
         Fields of `TyreAxle` for each axle, floats or ndarrays; the unit is a number.
+    sensor : float, ndarray or None
+        Place of a sensor on the centre line of the first unit behind its front [m], if any.
 
     Returns
     -------
@@ -135,7 +141,7 @@ def solve_impacts(
     """
     first: dict[str, Any] = {"length": length, "width": width, "mass": mass, "centre_of_mass": centre_of_mass,
              "yaw_inertia": yaw_inertia}  # fmt: skip
-    shared: dict[str, Any] = {"speed": speed, "angle": angle}
+    shared: dict[str, Any] = {"speed": speed, "angle": angle, "sensor": sensor}
     bodies = [{key: unit.get(key) for key in BODY} for unit in (first, *trailers)]
     roads = [{key: axle[key] for key in AXLE} for axle in axles]
     laws = dict[str, Number]()
@@ -148,18 +154,20 @@ def solve_impacts(
     sizes = (np.array([unit[key] for unit in units]) for key in ("centre_of_mass", "length"))
     numbered = [{**road, "unit": axle.get("unit", 0)} for road, axle in zip(tyre_axles, axles, strict=True)]
     lengths = [unit["length"] for unit in units]
+    place = None if sensor is None else units[0]["centre_of_mass"] - common["sensor"]
     trajectories = solve_trains(
         train, state, tyres=tyres_of(train, numbered, *sizes), step=step, interval=interval, impulse_alone=True,
-        after_second=after_second, awaited=awaited(contact, lengths), longest=longest, tolerance=tolerance,
-        strikes=strikes or (2 if awaited(contact, lengths) < 0 else 16 * len(units)),
+        sensor=place, after_second=after_second, awaited=awaited(contact, lengths), longest=longest,
+        tolerance=tolerance, strikes=strikes or (2 if awaited(contact, lengths) < 0 else 16 * len(units)),
     )  # fmt: skip
     room = trajectories.strikes.shape[1]
     columns = np.moveaxis(trajectories.strikes, -1, 0)[:5]
     group, start, end, peak, impulse = (value.T.reshape(room, *shape) for value in columns)
     groups = np.nan_to_num(group, nan=-1.0).astype(np.int64)
-    force = _mean_forces(trajectories, interval).reshape(-1, *shape)
+    force, acceleration = (rows.reshape(-1, *shape) for rows in _means_of_rows(trajectories, interval))
     speed = np.asarray(np.hypot(*trajectories.state[:, 0, 3:5].T)).reshape(shape)
-    return Impacts(groups, start, end, peak, impulse, force, trajectories.error.reshape(shape), speed)
+    error = trajectories.error.reshape(shape)
+    return Impacts(groups, start, end, peak, impulse, force, acceleration, error, speed)
 
 
 def _mapped(contact: WallContact, change: Callable[[Number], Number]) -> WallContact:
@@ -241,16 +249,21 @@ def _trains(
     return train, np.ascontiguousarray(np.moveaxis(vehicles.lined_up(state, behind[1:]), -1, 0))
 
 
-def _mean_forces(trajectories: Trajectories, interval: float | None) -> Array:
-    """Return mean forces between rows up to the end of each.
+def _means_of_rows(trajectories: Trajectories, interval: float | None) -> tuple[Array, ...]:
+    """Return mean forces and accelerations between rows.
 
-    Shape (rows, n).
+    Shape (rows, n), up to the end of each; without rows where there are none.
     """
     if interval is None:
-        return np.zeros((0, len(trajectories.end)))
+        return np.zeros((0, len(trajectories.end))), np.zeros((0, len(trajectories.end)))
     count = math.ceil(float(trajectories.end.max()) / interval)
-    instants = interval * np.arange(count + 1)
-    impulse = trajectories.rows[:, : count + 1, 0]
-    over = instants >= trajectories.end[:, None] + (1.0 - 1e-9) * interval  # rows that were never written
-    last = np.where(over, -math.inf, impulse)
-    return np.diff(np.maximum.accumulate(last, axis=1), axis=1).T / interval
+    rows = trajectories.rows[:, : count + 1]
+    over = interval * np.arange(count + 1) >= trajectories.end[:, None] + (1.0 - 1e-9) * interval
+    last = np.argmax(over, axis=1) - 1  # later rows were never written
+    last = np.where(over.any(axis=1), last, count)[:, None]
+    written = np.minimum(np.arange(count + 1), last)
+    means = (
+        np.diff(np.take_along_axis(rows[..., k], written, axis=1), axis=1).T / interval
+        for k in range(rows.shape[2])
+    )
+    return (*means, np.zeros((0, len(trajectories.end))))[:2]

@@ -35,8 +35,8 @@ jumps."""
 def advance(train, tyres, states, clock, work, rows, strikes):
     """Integrate every sample to its end.
 
-    Results are written to states, shape (n, units, 6), rows, shape (n, rows, columns) or of the normal impulse alone,
-    and strikes, shape (n, strikes, columns), as many as fit.
+    Results are written to states, shape (n, units, 6), rows, shape (n, rows, columns) or of the normal impulse and the
+    lateral velocity of the sensor, if any, alone, and strikes, shape (n, strikes, columns), as many as fit.
     """
     for i in range(train.mass.shape[1]):
         _begin(train, i, states[i], work)
@@ -118,7 +118,7 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
             reached = finish
         if row * stride <= part and row < rows.shape[0]:
             early = _early(points, pressed, 0.5 * last / kick) if k > 0 else 0.0
-            row = _write_rows(tyres, i, work, pressed, early, kick, rows, row, stride, part)
+            row = _write_rows(tyres, clock, i, work, pressed, early, kick, rows, row, stride, part)
         if t >= finish and (row == rows.shape[0] or (row - 1) * stride * (whole / parts) >= finish):
             break
         _add(points, owner, motion, pressed, kick, sums)
@@ -130,13 +130,13 @@ def _follow(state, clock, tyres, i, work, rows, strikes):
 
 
 @inlined
-def _write_rows(tyres, i, work, pressed, early, kick, rows, row, stride, part):
+def _write_rows(tyres, clock, i, work, pressed, early, kick, rows, row, stride, part):
     """Write the row of this instant and return the next number.
 
-    Of rows with the impulse alone, all since the last one are written.
+    Of rows with the impulse alone, or the velocity of the sensor beside it, all since the last one are written.
     """
     points, motion = work.points, work.motion
-    if rows.shape[1] > 1:
+    if rows.shape[1] > 2:
         _record(points, work.point_owner, motion, pressed, work.sums, early, kick, rows[row])
         if tyres.unit.size > 0:
             record_tyres(tyres, i, work.headings, motion, early * kick, rows[row])
@@ -144,7 +144,12 @@ def _write_rows(tyres, i, work, pressed, early, kick, rows, row, stride, part):
     impulse = work.sums[0]
     for p in pressed:
         impulse += early * kick * points[p, col.NORMAL]
-    return _fill(rows, row, stride, part, impulse)
+    velocity = 0.0
+    if rows.shape[1] > 1:
+        arm = clock.sensor[i] * work.headings[0, 0]
+        before, after = motion[1, 1] + arm * motion[1, 2], motion[2, 1] + arm * motion[2, 2]
+        velocity = before + early * (after - before)
+    return _fill(rows, row, stride, part, impulse, velocity)
 
 
 @compiled
@@ -312,16 +317,18 @@ def _record(points, point_owner, motion, active, sums, early, h, row):
 
 
 @compiled
-def _fill(rows, row, stride, part, impulse):
-    """Write the impulse at rows since the last one.
+def _fill(rows, row, stride, part, impulse, velocity):
+    """Write impulse and sensor's velocity since the last row.
 
     A step over several rows begins at a row. Returns the number of the next row.
     """
     before, count = row - 1, part // stride - row + 1
     for j in range(1, min(count, rows.shape[0] - row) + 1):
-        rows[before + j, 0] = impulse
-        if j < count:
-            rows[before + j, 0] += (j / count - 1.0) * (impulse - rows[before, 0])
+        for column in range(rows.shape[1]):
+            value = impulse if column == 0 else velocity
+            rows[before + j, column] = value
+            if j < count:
+                rows[before + j, column] += (j / count - 1.0) * (value - rows[before, column])
     return min(row + count, rows.shape[0])
 
 

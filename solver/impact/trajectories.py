@@ -69,7 +69,7 @@ class Timing(NamedTuple):
     phase: part of a step in radians of the oscillation on the law, times `pace`, shape (n,), step over the one that the
     tolerance requires; floor: least step near a jump of stiffness over the step beyond it; rate: of the stiffest
     oscillation [1/s], shape (n,). longest: latest open end [s]; most: largest number of steps. reached, shape (n,): the
-    end, NaN where the steps did not suffice; counted, shape (n,): strikes.
+    end, NaN where the steps did not suffice; counted, shape (n,): strikes. sensor: as of `solve_trains`, or empty.
     """
 
     step: np.ndarray
@@ -86,6 +86,7 @@ class Timing(NamedTuple):
     most: int
     reached: np.ndarray
     counted: np.ndarray
+    sensor: np.ndarray
 
 
 class Trajectories(NamedTuple):
@@ -130,6 +131,7 @@ def solve_trains(
     end: float | None = None,
     interval: float | None = None,
     impulse_alone: bool = False,
+    sensor: Array | None = None,
     after_second: float = 0.1,
     awaited: int = -1,
     longest: float = 5.0,
@@ -156,6 +158,9 @@ def solve_trains(
         Time between rows [s]; 0: every step, or as `MOST_ROWS` allows; None: no rows.
     impulse_alone : bool
         Rows have one column, the normal impulse of the wall; new memory for all would take longer than the motions.
+    sensor : ndarray, shape (n,), or None
+        Place of a sensor on the centre line of the first unit ahead of its centre of mass [m], whose velocity away from
+        the wall is a second column beside the impulse alone.
     after_second, longest : float
         See `end`; latest end without `end` [s].
     awaited : int
@@ -206,13 +211,14 @@ def solve_trains(
             count = math.ceil(min(float((latest / h * parts[chosen] / stride).max()), most)) + 2
         samples_tyres = chosen_tyres(tyres, chosen)
         width = columns(out.shape[1]) + samples_tyres.sums.size
-        rows = np.empty((n, count, 1 if impulse_alone else width))
+        place = np.zeros(0) if sensor is None else sensor[chosen]
+        rows = np.empty((n, count, (1 if sensor is None else 2) if impulse_alone else width))
         strike_rows = np.full((n, room, len(STRIKE)), np.nan)
         ends = np.full(n, math.inf if end is None else end)
         reached, counted = np.full(n, np.nan), np.zeros(n, dtype=np.int64)
         clock = Timing(
             h, parts[chosen], stride, phase * math.sqrt(tolerance), floor, h / aimed_step[chosen], rate[chosen], ends,
-            after_second, awaited, latest, math.ceil(COARSE_RUN * most) if is_coarse else most, reached, counted,
+            after_second, awaited, latest, math.ceil(COARSE_RUN * most) if is_coarse else most, reached, counted, place,
         )  # fmt: skip
         work = workspace(out.shape[1], len(samples.hitch), samples.unit.size, 1 + int(samples.group.max()))
         arguments = samples, samples_tyres, out, clock, work, rows, strike_rows

@@ -57,6 +57,8 @@ class SpaceAnswers(NamedTuple):
         End and last contact [s].
     rows : ndarray
         Number of rows up to the end.
+    inertial_50ms : ndarray
+        Mass of the first unit times the largest 50 ms mean of its sensor's acceleration away from the wall [N].
     unit_rolls : ndarray, shape (n, units)
         Largest roll of each unit [rad].
     """
@@ -79,6 +81,7 @@ class SpaceAnswers(NamedTuple):
     end: Array
     last_contact: Array
     rows: NDArray[np.int64]
+    inertial_50ms: Array
     unit_rolls: Array
 
 

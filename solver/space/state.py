@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 MASS, I_X, I_Y, I_Z, I_XZ, HEIGHT, WHOLE, WHOLE_X, WHOLE_Z = range(9)
-HITCH_X, HITCH_Z, KING_X, KING_Z, TWIST, REACH = range(9, 15)
+HITCH_X, HITCH_Z, KING_X, KING_Z, TWIST, REACH, SENSOR_X, SENSOR_Z = range(9, 17)
 """Columns of a unit.
 
 Sprung mass [kg], its inertias and product of inertia [kg m^2], height at rest [m]; whole mass with axles [kg] and its
 centre in the body's axes [m]; hinges to the unit behind and ahead [m]; stiffness in roll of the hinge ahead [N m/rad];
-distance of the farthest point that can touch [m].
+distance of the farthest point that can touch [m]; place of its sensor in the body's axes [m].
 """
 
 PLACE, CENTRE, AXLE_MASS, AXLE_INERTIA, BELOW, LOWEST, HALF_TRACK, HALF_SPACING = range(8)
@@ -71,13 +71,14 @@ OUTCOME, ROLL, ROLL_TIME, PITCH, PITCH_TIME, MEAN, MEAN_TIME, MEAN_ALONG, MEAN_U
 CENTRE_HEIGHT, CONTACT_LENGTH, RAW, EXIT_SPEED, EXIT_ANGLE, EXIT_YAW, REACHED, TOUCHED, ROWS_WRITTEN = range(
     9, 18
 )
-ANSWERS = 18
+INERTIAL, ANSWERS = 18, 19
 """Columns of an answer.
 
 Outcome; largest roll and pitch with the sign that they have then, and their instants; largest 50 ms mean of the
 lateral force, its end, and the means of the other forces then [N]; height of its resultant and length of the uniform
 force with the same standard deviation along the wall [m]; largest mean of an interval [N]; at the last contact speed
-[m/s], direction of travel and of the vehicle away from the wall [rad]; end and last contact [s]; rows written.
+[m/s], direction of travel and of the vehicle away from the wall [rad]; end and last contact [s]; rows written; mass of
+the first unit times the largest 50 ms mean of the acceleration of its sensor away from the wall [N].
 """
 
 UPRIGHT, ON_ITS_SIDE, OVER, LOST = range(4)
@@ -101,10 +102,14 @@ cosine and sine of the roll.
 """
 
 
+SENSED = 6
+"""Column of a row's means with the velocity of the first unit's sensor away from the wall at its instant [m/s]."""
+
+
 class Fleet(NamedTuple):
     """Vehicles of n samples, with columns named above.
 
-    units: shape (n, units, 15); axles: (n, axles, 14); strips: (n, strips, 13), of the right side; axle_unit,
+    units: shape (n, units, 17); axles: (n, axles, 14); strips: (n, strips, 13), of the right side; axle_unit,
     strip_unit: unit of each; strip_axle: axle of each or -1; strip_points: points of each; profile, shape (points, 2):
     of all walls; height, friction: of each wall; speed, angle: of the train at first touch.
     """
@@ -144,7 +149,7 @@ class SpaceWork(NamedTuple):
 
     bodies, shape (units, 76); joints, shape (axles, 29); wall, (facets, 7): from y, z to y, z, normal and dy/dz;
     memory, (points of both sides, 8); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of
-    both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 6): means of the rows so far;
+    both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 7): means of the rows so far;
     before, (10,): sums before the step; answer, rolls: of one motion in a search for a wall.
     """
 
@@ -167,7 +172,7 @@ def workspace(units: int, axles: int, points: int, facets: int, rows: int) -> Sp
     return SpaceWork(
         np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 7)),
         np.zeros((2 * points, 8)), np.zeros(10), np.zeros((6 * hinges, 6)),
-        np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 6)), np.zeros(10), np.zeros(ANSWERS), np.zeros(units),
+        np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 7)), np.zeros(10), np.zeros(ANSWERS), np.zeros(units),
     )  # fmt: skip
 
 

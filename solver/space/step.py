@@ -123,6 +123,9 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
         touching = touches
         if k % parts == 0:
             _end_row(sums, before, k == 0, parts, work.windows[row])
+            _, work.windows[row, col.SENSED], _ = point_velocity(
+                bodies[0], units[0, col.SENSOR_X], 0.0, units[0, col.SENSOR_Z], 0.0, 0.0
+            )
             if row < rows.shape[0]:
                 _record(units, axles, fleet.axle_unit, work, k == 0, before, rows[row])
                 for j in range(6):
@@ -144,6 +147,7 @@ def _follow(fleet, clock, i, height, work, rows, answer, rolls):
         _leave(units[0], bodies[0], answer)
     _finish(answer, rolls, outcome, reached, touched, row)
     _means(work.windows[:row], sums, clock.window, clock.interval, answer)
+    answer[col.INERTIAL] *= units[0, col.WHOLE]
 
 
 @compiled
@@ -285,12 +289,14 @@ def _verdict(units, bodies, joints, edge, most, t, answer, rolls):
 
 @compiled
 def _means(windows, sums, window, interval, answer):
-    """Set the largest mean of the lateral force over a window.
+    """Set the largest means of lateral force and acceleration over a window.
 
     sums: overwritten.
     """
     total, best, at = 0.0, 0.0, 0
     for k in range(windows.shape[0]):
+        gain = windows[k, col.SENSED] - windows[max(k - window, 0), col.SENSED]
+        answer[col.INERTIAL] = max(answer[col.INERTIAL], gain / (window * interval))
         total += windows[k, col.LATERAL] - (windows[k - window, col.LATERAL] if k >= window else 0.0)
         answer[col.RAW] = max(answer[col.RAW], windows[k, col.LATERAL])
         if total > best:

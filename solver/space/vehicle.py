@@ -153,11 +153,15 @@ class SpaceVehicle:
         Axles, at least two of the first unit, and one of each other.
     strips : tuple of SpaceStrip
         Strips, at least one.
+    sensor : tuple of float or ndarray, or None
+        Sensor on the centre line of the first unit: distance behind its front and height [m]; None: at the sprung
+        centre of mass.
     """
 
     units: tuple[SpaceUnit, ...]
     axles: tuple[SpaceAxle, ...]
     strips: tuple[SpaceStrip, ...]
+    sensor: tuple[Number, Number] | None = None
 
 
 def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Number) -> Fleet:
@@ -174,7 +178,7 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
         for index, record in enumerate(records):
             _demand_values(table, index, record)
     of_sample = (wall.height, wall.friction, speed, angle)
-    n = _sample_count(vehicle, of_sample)
+    n = _sample_count(vehicle, (*of_sample, *(vehicle.sensor or ())))
     units = _columns([_unit(vehicle, index) for index in range(len(vehicle.units))], n)
     loads = _loads(vehicle, n)
     axles = _columns([_axle(vehicle, a, loads[a]) for a in range(len(vehicle.axles))], n)
@@ -321,8 +325,11 @@ def _unit(vehicle: SpaceVehicle, index: int) -> list[Number]:
     behind = vehicle.units[index + 1] if index + 1 < len(vehicle.units) else unit
     hitch = -behind.hitch - place, behind.hitch_height - height
     kingpin = -unit.kingpin - place, unit.hitch_height - height
-    reach = _reach(vehicle, index, place, height)
-    return [mass, *inertias, product, height, unit.mass, x, z, *hitch, *kingpin, unit.roll_stiffness, reach]
+    behind_front, up = (-place, height) if index or vehicle.sensor is None else vehicle.sensor
+    reach, sensor = _reach(vehicle, index, place, height), (-behind_front - place, up - height)
+    return [
+        mass, *inertias, product, height, unit.mass, x, z, *hitch, *kingpin, unit.roll_stiffness, reach, *sensor,
+    ]  # fmt: skip
 
 
 def _reach(vehicle: SpaceVehicle, index: int, place: Number, height: Number) -> Number:

@@ -32,7 +32,10 @@ def binomial_interval(successes: np.ndarray, trials: int) -> np.ndarray:
 
 
 def fraction_in_words(fraction: float, samples: int) -> str:
-    """Return a fraction of samples with its interval, one-sided for none and all."""
+    """Return a fraction of samples with its interval.
+
+    It is one-sided for none and all.
+    """
     if fraction in (0.0, 1.0):
         one_sided = 1e3 * (1.0 - CONFIDENCE) ** (1.0 / samples)  # Clopper and Pearson
         none, every = math.ceil(1e3 - one_sided), math.floor(one_sided)
@@ -143,7 +146,10 @@ class ForceBand:
 
     @property
     def limits(self) -> tuple[float, ...]:
-        """Lower end, median and upper end of the band [N], calibrated if possible; empty without a band."""
+        """Lower end, median and upper end of the band [N].
+
+        Calibrated if possible; empty without a band.
+        """
         return self.calibrated(self.percentiles)
 
     @property

@@ -398,6 +398,25 @@ class Body(SceneTable):
     pitch_inertia: Inertia | None = key("pitch moment of inertia about it; default: the yaw inertia")
 
 
+class Sensor(SceneTable):
+    """Accelerometer on the centre line of a single vehicle, whole impacts only.
+
+    Mass times the 50 ms mean of its acceleration away from the wall is the inertial estimate of the force, which crash
+    tests publish. Without this table its place is assumed.
+    """
+
+    position: Hitch | None = key(
+        "distance of the sensor behind the front; default: behind_centre behind the centre of mass"
+    )
+    behind_centre: Kingpin | None = key(
+        "distance of the sensor behind the centre of mass; default: 0.25 m, assumed 0 to 0.5 m"
+    )
+    height: Level | None = key(
+        "height of the sensor, with [body]; default: 0.95 m of a truck's frame, assumed, or that of the centre of mass "
+        "if lower"
+    )
+
+
 class StripTable(SceneTable):
     """Point or line of the vehicle that can touch the wall.
 
@@ -629,6 +648,7 @@ class Scene(SceneTable):
     axle: tuple[Axle, ...] = ()
     body: Body | None = None
     strip: tuple[StripTable, ...] = ()
+    sensor: Sensor | None = None
     strike: StrikeTable = StrikeTable()
     plate: Plate | None = None
     material: MaterialTable | None = None

@@ -32,6 +32,9 @@ SPACE_REQUIRED = {
 ROUNDING = 1e-6
 """Part of its length by which a strip may be behind its unit, in other units."""
 
+HIGHEST = 3.0
+"""Height of the top of a vehicle over that of its centre of mass, at most, as of strips."""
+
 MOST_TRAILERS = 7
 """Largest number of trailers of a train."""
 
@@ -245,6 +248,8 @@ def _check_corner(scene: schema.Scene) -> None:
     _refuse(scene, "this key requires [contact]; remove it", *IMPACT_KEYS)
     if scene.body:
         raise InputError("body", Verbatim("a table"), "this table requires [contact]; remove it")
+    if scene.sensor:
+        raise InputError("sensor", Verbatim("a table"), "this table requires [contact]; remove it")
     for name in ("axle", "strip"):
         if tables := getattr(scene, name):
             why = "these tables require [contact]; remove them"
@@ -330,6 +335,7 @@ def _check_impact(scene: schema.Scene, contact: schema.Contact) -> None:
     _check_axles(scene)
     _check_strips(scene)
     _check_space(scene)
+    _check_sensor(scene)
     _check_plate_of_impact(scene, contact)
 
 
@@ -489,6 +495,30 @@ def _check_axles(scene: schema.Scene) -> None:
         if axle.position > length:
             allowed = f"allowed is from 0 to the length of the unit, {length:g} m"
             raise InputError(f"axle.{number}.position", axle.position, allowed)
+
+
+def _check_sensor(scene: schema.Scene) -> None:
+    """Raise InputError for a sensor outside the vehicle, or of a train."""
+    sensor, vehicle = scene.sensor, scene.vehicle
+    if sensor is None:
+        return
+    if scene.trailer:
+        why = "the inertial estimate is that of a single vehicle; remove this table of a train"
+        raise InputError("sensor", Verbatim("a table"), why)
+    if sensor.position is not None:
+        _refuse(scene, "sensor.position defines the place; remove one of the two", "sensor.behind_centre")
+        if sensor.position > vehicle.length:
+            allowed = f"allowed is from 0 to the length of the vehicle, {vehicle.length:g} m"
+            raise InputError("sensor.position", sensor.position, allowed)
+    ahead = 0.5 * vehicle.length if vehicle.centre_of_mass is None else vehicle.centre_of_mass
+    if sensor.behind_centre is not None and not 0.0 <= ahead + sensor.behind_centre <= vehicle.length:
+        ends = f"{-ahead:g} to {vehicle.length - ahead:g} m, from front to rear of the vehicle"
+        raise InputError("sensor.behind_centre", sensor.behind_centre, f"allowed is from {ends}")
+    if scene.body is None:
+        _refuse(scene, "this key requires [body]; remove it", "sensor.height")
+    elif (sensor.height or 0.0) > (top := HIGHEST * scene.body.centre_height):
+        allowed = f"allowed is up to {HIGHEST:g} times the height of the centre of mass, {top:g} m"
+        raise InputError("sensor.height", sensor.height, allowed)
 
 
 def _check_plate_of_impact(scene: schema.Scene, contact: schema.Contact) -> None:

@@ -132,7 +132,7 @@ def test_fractions_have_their_bounds_by_the_number_of_samples():
 
 
 def test_a_calibrated_band_has_its_distance_from_the_median_in_logarithms_times_the_factor():
-    """200, 400 and 1000 kN by a factor of 2 are 100, 400 and 2500 kN."""
+    """A factor of 2 changes half to a quarter, 2.5 to 6.25."""
     band = ForceBand((2e5, 4e5, 1e6), 72, calibration=Calibration("TL-4", 11, 6, 0.7, 1.5, 2.0, 10, 5))
     assert band.limits == pytest.approx((1e5, 4e5, 2.5e6), rel=1e-12)
     words = "median 400 kN; 90 % band, calibrated on 11 published values of 6 studies: 100 to 2500 kN"

@@ -136,13 +136,15 @@ def test_contacts_of_a_corner_that_are_close_are_one_strike():
         np.array([[0.1, 0.26], [0.12, 0.5], [0.2, 0.55], [0.3, 0.7]]),
     )
     nothing, force = np.zeros(2), np.zeros((2000, 2))
-    impacts = Impacts(corner, start, end, np.ones_like(start), np.ones_like(start), force, nothing, nothing)
+    impacts = Impacts(
+        corner, start, end, np.ones_like(start), np.ones_like(start), force, force, nothing, nothing
+    )
     columns = columns_of_many(impacts, 5e-4, (0, 1))
     expected = {"duration": ((0.2, 0.35), (0.07, 0.1)), "impulse": ((2.0, 3.0), (1.0, 1.0))}
     for name, strikes in expected.items():
         for number, values in enumerate(strikes, 1):
             assert columns[f"strike_{number}.{name}"] == pytest.approx(values), (name, number)
-    none = Impacts(-np.ones_like(corner), *4 * (np.full_like(start, np.nan),), force, nothing, nothing)
+    none = Impacts(-np.ones_like(corner), *4 * (np.full_like(start, np.nan),), force, force, nothing, nothing)
     assert np.isnan(
         [column for name, column in columns_of_many(none, 5e-4, (0, 1)).items() if name != LARGEST]
     ).all()

@@ -56,7 +56,7 @@ def fly(units, axles, axle_unit, bodies, joints, h, steps, spins):
 
 def flown(inertias, spin, h, duration):
     """Return rotation matrices, spins and velocities of a free body without axles."""
-    units = np.zeros((1, 15))
+    units = np.zeros((1, 17))
     units[0, columns.MASS] = 1000.0
     units[0, columns.I_X : columns.I_Z + 1] = inertias
     bodies, steps = np.zeros((1, columns.BODY_STATE)), round(duration / h)

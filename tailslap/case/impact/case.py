@@ -84,6 +84,8 @@ class ImpactCase(rigid.RigidImpact):
         if scene.body:
             kinds |= {f"space.{name}": str if name == "outcome" else float for name in SPACE}
             kinds |= {f"space.{name}": float for name in SPACE_FORCE}
+        if not scene.trailer:
+            kinds["inertial.mean_50ms"] = float
         if scene.plate is None:
             return kinds
         names = [f"difference.strike_{k}.{name}" for k in strikes for name in answers.COMPARED]
@@ -98,16 +100,21 @@ class ImpactCase(rigid.RigidImpact):
 
         if outcome is None:
             row = {"status": "passed", "reason": "", **_answer_columns("rigid", self.answer)}
-            return row | self._space_columns()
+            return row | self._space_columns() | self._inertial_column()
         return {
             **check_columns(outcome.checks),
             **_answer_columns("rigid", outcome.rigid),
             **_answer_columns("fe", outcome.fe),
             **self._space_columns(),
+            **self._inertial_column(),
             **{f"difference.{name}": value for name, value in outcome.difference.items()},
             "numerical_error": outcome.stated_error,
             **{f"cost.{name}": value for name, value in run_cost(outcome).items()},
         }
+
+    def _inertial_column(self) -> dict[str, object]:
+        """Return the column of the inertial estimate, if any."""
+        return {"inertial.mean_50ms": self.inertial["mean_50ms"]} if self.inertial else {}
 
     def _space_columns(self) -> dict[str, object]:
         """Return the columns of the vehicle in space, if any."""

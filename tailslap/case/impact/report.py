@@ -200,6 +200,7 @@ class ImpactReport(FeReport):
             "rigid": outcome.rigid.numbers(),
             "fe": outcome.fe.numbers(),
             **({"space": case.space.numbers()} if case.space else {}),
+            "inertial": case.inertial,
             "paper_method": outcome.paper_method,
             "remarks": remarks(outcome.fe),
             "difference": outcome.difference,
@@ -296,7 +297,12 @@ def force_table(outcome: run.ImpactOutcome) -> Table:
         | in_space.get(label, {})
         for k, label in filters.LABELS.items()
     ]
-    notes = (FORCE_NOTE, *([f"FE and rigid: {COMPANION}."] if space else []))
+    inertial = outcome.fe_plan.case.inertial_sentence
+    notes = (
+        FORCE_NOTE,
+        *([f"FE and rigid: {COMPANION}."] if space else []),
+        *([inertial] if inertial else []),
+    )
     return Table(columns, rows, notes=notes)
 
 

@@ -15,7 +15,7 @@ from postprocess.comparison import quantities
 from postprocess.report.page import Headline
 from postprocess.signals.filters import LABELS, force_curves
 from postprocess.svg.chart import Chart
-from postprocess.units import force, measure, percent_up
+from postprocess.units import SYSTEMS, force, measure, percent_up
 from solver import impact
 from solver.impact.solve import loads_at_rest
 from tailslap import progress
@@ -29,6 +29,7 @@ from tailslap.case.impact.rigid_input import (
     at_table,
     refusals,
     rigid_vehicle,
+    sensor_position,
     touching,
     wall_contact,
 )
@@ -290,6 +291,46 @@ class RigidImpact(Case):
         means = force_curves(impacts.mean_force.T, INTERVAL, ("mean_50ms",))["mean_50ms"]
         return {strike_columns.LARGEST: means.max(axis=-1)}
 
+    @cached_property
+    def inertial(self) -> dict[str, Any] | None:
+        """Inertial estimate of the largest 50 ms mean, None of trains.
+
+        Mass times acceleration of the sensor away from the wall [N], its place behind the front and with [body] its
+        height [m], and whether they are assumed.
+        """
+        if self.trailers:
+            return None
+        sensor = self.scene.sensor
+        is_placed = sensor is not None and (sensor.position is not None or sensor.behind_centre is not None)
+        if self.space and self.space_input and self.space_input.vehicle.sensor:
+            position, height = map(float, self.space_input.vehicle.sensor)
+            is_assumed = not is_placed or sensor is None or sensor.height is None
+            mean = float(self.space.motion.answers.inertial_50ms)
+            return {"mean_50ms": mean, "position": position, "height": height, "assumed": is_assumed}
+        position, h = float(sensor_position(self.scene, {})), self.in_plane.history
+        arm = self.vehicle.front_distance - position
+        speed = h["v_gy"] + h["omega"] * arm * np.cos(h["theta"])
+        force = self.vehicle.mass * np.diff(speed) / self.in_plane.interval
+        mean = float(force_curves(force, self.in_plane.interval, ("mean_50ms",))["mean_50ms"].max())
+        return {"mean_50ms": mean, "position": position, "assumed": not is_placed}
+
+    @property
+    def inertial_sentence(self) -> str:
+        """Inertial estimate in words, empty of trains."""
+        if self.inertial is None:
+            return ""
+        height = (
+            f" at a height of {measure(self.inertial['height'], 'm', '.2f')}"
+            if "height" in self.inertial
+            else ""
+        )
+        where = f"{measure(self.inertial['position'], 'm', '.2f')} behind the front{height}"
+        assumed = ", an assumed place" if self.inertial["assumed"] else ""
+        return (
+            f"Inertial estimate, as crash tests publish it: {force(self.inertial['mean_50ms'])}, mass times the 50 ms "
+            f"mean of the lateral acceleration {where}{assumed}."
+        )
+
     def details(self) -> list[str]:
         """List the properties of the contact."""
         contact, wall = self.scene.needed_contact, self.scene.meshed_wall
@@ -403,7 +444,7 @@ class RigidImpact(Case):
         elif self.trailers:
             numbers["error"] = self.motion.error
         numbers["remarks"] = answers.remarks(self.answer)
-        return {"scene": self.scene.name, **numbers, "paper_method": beside}
+        return {"scene": self.scene.name, **numbers, "inertial": self.inertial, "paper_method": beside}
 
     def rigid_text(self, units: str = "si") -> list[str]:
         """Return the lines for a terminal.
@@ -412,6 +453,7 @@ class RigidImpact(Case):
         """
         lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
         lines += self.space.text(units) if self.space else self._plane_text(units)
+        lines += ["", SYSTEMS[units].rendered(self.inertial_sentence)] if self.inertial else []
         if remarks := answers.remarks(self.answer):
             lines += ["", *remarks]
         return lines + paper_lines(paper_method(self.scene, self.answer), units)

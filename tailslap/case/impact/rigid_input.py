@@ -27,6 +27,10 @@ KEY_OF_STRIP = {key: "plateau" if key == "plateau_force" else key for key in LAW
 """Keys of a strip by names of its law."""
 
 
+BEHIND_CENTRE, SENSOR_HEIGHT = 0.25, 0.95
+"""Assumed place of a sensor behind the centre of mass, between 0 and 0.5 m, and its height on a truck's frame [m]."""
+
+
 class Touching(NamedTuple):
     """Part of a scene that touches the wall.
 
@@ -149,6 +153,22 @@ def _value(scene: Scene, values: Mapping[str, Any], part: Touching, name: str) -
     if own is None and name == "restitution" and part.number is not None and not unloading:
         return values.get("contact.restitution", scene.needed_contact.restitution)
     return own
+
+
+def sensor_position(scene: Scene, values: Mapping[str, Any]) -> Any:
+    """Return the distance of the sensor behind the front [m].
+
+    values: of samples, in place of those of the scene [SI].
+    """
+
+    def value(key: str, default: Any) -> Any:
+        result = values.get(key, value_at(scene, key))
+        return default if result is None else result
+
+    if (position := value("sensor.position", None)) is not None:
+        return position
+    centre = value("vehicle.centre_of_mass", 0.5 * value("vehicle.length", None))
+    return centre + value("sensor.behind_centre", BEHIND_CENTRE)
 
 
 def at_table(values: Mapping[str, Any], tables: tuple[str, ...]) -> dict[str, Any]:

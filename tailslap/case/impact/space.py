@@ -25,6 +25,7 @@ from solver.space.vehicle import (
 from tailslap import progress
 from tailslap.case.impact import space_figures
 from tailslap.case.impact.answers import ImpactAnswer
+from tailslap.case.impact.rigid_input import SENSOR_HEIGHT, sensor_position
 from tailslap.scene.schema import Scene, value_at
 
 TITLE = "Vehicle in space"
@@ -84,9 +85,9 @@ def space_input(scene: Scene, values: Mapping[str, Number] | None = None) -> Spa
     strips = tuple(_strip(scene, number, value) for number in range(len(scene.strip)))
     assert scene.wall
     wall = space.SpaceWall(value("wall.height"), scene.wall.profile or "vertical", value("contact.friction"))
-    inputs = SpaceInput(
-        space.SpaceVehicle(units, axles, strips), wall, value("impact.speed"), value("impact.angle")
-    )
+    height = value("sensor.height", np.minimum(SENSOR_HEIGHT, units[0].centre_height))
+    vehicle = space.SpaceVehicle(units, axles, strips, (sensor_position(scene, values), height))
+    inputs = SpaceInput(vehicle, wall, value("impact.speed"), value("impact.angle"))
     fleet_of(*inputs.arguments)
     return inputs
 
