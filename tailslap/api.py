@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from postprocess.report import data_files
-from postprocess.report.terminal import labelled_text, opened
+from postprocess.report.terminal import concluded, labelled_text
 from postprocess.units import SYSTEMS
 from tailslap.arguments import UnitSystem, checked_arguments, picture_pixels
 from tailslap.case.case import Case
@@ -150,7 +150,7 @@ def rigid(
         summary,
         tables=force_chart.force_tables(case),
         histories={result.RIGID: columns.history(motion)},
-        text=f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{labelled_text(case.rigid_text(units), 19)}",
+        text=f"{labelled_text(case.rigid_text(units), 19)}\n\n{concluded(headline.in_units(SYSTEMS[units]))}",
         fill=fill,
         make_charts=lambda: (force_chart.force_chart(case), case.drawing()),
         changes=case.changes,
@@ -206,7 +206,7 @@ def check(
     labelled = [f"{label:<{LABEL}}{text}" for label, texts in lines.items() for text in texts]
     described = labelled_text([SYSTEMS[units].rendered(line) for line in labelled], LABEL)
     summary = data_files.plain({**vars(headline), "scene": case.scene.name, "valid": True, **lines})
-    text = f"{opened(headline.in_units(SYSTEMS[units]))}\n\n{described}"
+    text = f"{described}\n\n{concluded(headline.in_units(SYSTEMS[units]))}"
     return result.Result("check", case.scene.name, summary, text=text)
 
 
@@ -276,5 +276,5 @@ def study_result(chosen: Study, case: Case, place: Path, options: Mapping[str, o
     options: of the study, as `compute` takes them.
     """
     report = chosen.report(chosen.compute(case, place, **options))
-    text = opened(report.page.headline, *report.terminal)
+    text = concluded(report.page.headline, *report.terminal)
     return result.of_report(f"study {chosen.name}", report, text=text, changes=case.changes)

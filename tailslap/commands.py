@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import importlib.util
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -92,15 +93,17 @@ def deliver(
     return conclude(report, place, as_json, page)
 
 
-def conclude(report: Report | None, place: Path, as_json: bool, page: str = "") -> int:
-    """Print the report, or its summary as JSON.
+def conclude(
+    report: Report | None, place: Path, as_json: bool, page: str = "", most: float = math.inf
+) -> int:
+    """Print the report in `most` lines, or its summary as JSON.
 
     Returns the exit status.
     """
     from postprocess.report.command_report import PAGE, report_text
 
     assert report is not None
-    options.report(report.numbers, report_text(report, place, page or PAGE), as_json)
+    options.report(report.numbers, report_text(report, place, page or PAGE, most), as_json)
     return DONE if report.passed else CHECK_FAILED
 
 
@@ -133,6 +136,7 @@ def commands() -> None:
     help="Refine the mesh until the relative error is below this value, of whole impacts at least 0.005.",
 )
 @click.option("--resume", is_flag=True, help="Resume from the checkpoint of an interrupted run.")
+@click.option("--full", is_flag=True, help="Print all tables, in place of those that have room in 40 lines.")
 @options.with_options(options.NO_BAND, options.FORCE, *options.WATCHED)
 def run(
     name: str,
@@ -143,6 +147,7 @@ def run(
     no_pictures: bool,
     tolerance: float | None,
     resume: bool,
+    full: bool,
     no_band: bool,
     force: bool,
     units: str,
@@ -154,6 +159,7 @@ def run(
     report.
     """
     from postprocess.fields import canvas
+    from postprocess.report.terminal import SCREEN
     from tailslap.campaign.records import program
     from tailslap.storage import checkpoints
 
@@ -177,7 +183,7 @@ def run(
             commit(folder.parent, origin)  # results are stored even if the pictures fail
         if not no_pictures:
             report = result.fill(folder, True, units)
-    return conclude(report, place, as_json)
+    return conclude(report, place, as_json, most=math.inf if full else SCREEN)
 
 
 @commands.command()

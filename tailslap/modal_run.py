@@ -19,7 +19,7 @@ from postprocess.comparison.quantities import KEYS, comparison_rows, largest_rel
 from postprocess.report.data_files import plain
 from postprocess.report.page import Headline
 from postprocess.report.tables import Column, Table, columns
-from postprocess.report.terminal import part_in_units, printed
+from postprocess.report.terminal import concluded, part_in_units
 from postprocess.units import SYSTEMS, percent_up
 from tailslap import progress
 from tailslap.arguments import UnitSystem, checked_arguments
@@ -186,13 +186,13 @@ def modal_text(fe_plan: CornerPlan, run: ModalRun, units: str = "si") -> str:
     """Return the text of the results in units "si" or "us"."""
     rows = comparison_rows(run.values, run.rigid) if run.values else ()
     parts: tuple[Table | str, ...] = (
-        *modal_headline(fe_plan, run).lines,
-        "",
         Table(COLUMNS, rows),
         f"Cost:   {run.steps} steps in {1e3 * run.integration_s:.2f} ms, set-up {1e3 * run.setup_s:.1f} ms, "
         f"error estimate {1e3 * run.estimate_s:.2f} ms",
     )
-    return printed(parts if units == "si" else [part_in_units(part, SYSTEMS[units]) for part in parts])
+    system = SYSTEMS[units]
+    in_units = (part_in_units(part, system) for part in parts)
+    return concluded(modal_headline(fe_plan, run).in_units(system), *in_units)
 
 
 def modal_headline(fe_plan: CornerPlan, run: ModalRun) -> Headline:

@@ -5,6 +5,7 @@ A page, a summary, tables and histories as files, and text for the terminal.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,7 +17,7 @@ from postprocess.report.data_files import write_history, write_summary, write_ta
 from postprocess.report.page import Page, write_page
 from postprocess.report.provenance import files_digest, write_crate
 from postprocess.report.tables import Table
-from postprocess.report.terminal import Part, opened, part_in_units, place_line
+from postprocess.report.terminal import Part, concluded, part_in_units, place_line
 from postprocess.units import Units
 
 PAGE, SUMMARY = "report.html", "summary.json"
@@ -26,8 +27,8 @@ PAGE, SUMMARY = "report.html", "summary.json"
 class Report:
     """Files and terminal text of a command.
 
-    tables, histories, texts: by the names of their files, .csv for the first two; terminal: printed between the
-    answer and the place of the page.
+    tables, histories, texts: by the names of their files, .csv for the first two; terminal: printed above set-up and
+    answer, in order of importance.
     """
 
     page: Page
@@ -76,6 +77,10 @@ def write_report(report: Report, folder: Path, page: str = PAGE) -> None:
     write_crate(folder, page, report.page.headline, origin, str(report.numbers.get("version", "")))
 
 
-def report_text(report: Report, place: Path, page: str = PAGE) -> str:
-    """Return the text for the terminal, with the place of the page."""
-    return opened(report.page.headline, *report.terminal, place_line("Report:", place / page))
+def report_text(report: Report, place: Path, page: str = PAGE, most: float = math.inf) -> str:
+    """Return the text for the terminal, with the place of the page.
+
+    most: number of lines, see `concluded`.
+    """
+    places = (place_line("Report:", place / page),)
+    return concluded(report.page.headline, *report.terminal, places=places, most=most)

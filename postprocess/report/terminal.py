@@ -4,6 +4,7 @@ Tables and sentences keep within its width; without a terminal within 80 columns
 """
 
 import io
+import math
 import shutil
 import textwrap
 from collections.abc import Iterable, Iterator
@@ -20,6 +21,12 @@ WIDEST, NARROWEST, LEAST = 100, 40, 12
 
 GAP = 2
 """Blanks between columns."""
+
+SCREEN = 40
+"""Most lines of a run."""
+
+MORE = "More by --full, and in the report."
+"""Line in place of omitted parts."""
 
 Part = Table | Section | str
 
@@ -185,9 +192,23 @@ def _grid(block: list[Laid], width: int) -> list[str]:
     return [line.rstrip() for line in capture.get().splitlines()]
 
 
-def opened(headline: Headline, *parts: Part) -> str:
-    """Return a headline and further parts as text."""
-    return printed((*headline.lines, "", *parts))
+def concluded(headline: Headline, *parts: Part, places: Iterable[str] = (), most: float = math.inf) -> str:
+    """Return parts and a headline as text that ends with the answer.
+
+    places: lines with paths above the answer; most: number of lines of the text. Parts that exceed it are omitted, the
+    last ones first.
+    """
+    above = printed(filter(None, (headline.set_up, headline.certainty, *places, headline.band)))
+    ending = "\n\n".join(filter(None, (above, printed((headline.answer,)))))
+    blocks = [list(chain.from_iterable(map(_lines, _single(part)))) for part in parts]
+    room = most - ending.count("\n") - 2
+    if is_cut := sum(map(len, blocks)) > room:
+        room -= 1
+    body: list[str] = []
+    for block in blocks:
+        if len(body) + len(block) <= room:
+            body += block
+    return "\n\n".join(filter(None, ("\n".join([*body, *[MORE] * is_cut]).rstrip("\n"), ending)))
 
 
 def part_in_units(part: Part, units: Units) -> Part:

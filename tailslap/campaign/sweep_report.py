@@ -14,7 +14,7 @@ from postprocess.figures.sweeps import SweepRows, Varied, draw_sweep
 from postprocess.report.command_report import Report, write_report
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
-from postprocess.report.terminal import opened, place_line
+from postprocess.report.terminal import concluded, place_line
 from postprocess.svg.chart import Chart
 from postprocess.units import SYSTEMS, Units, force, measure, percent_up
 from tailslap.campaign.records import Record
@@ -95,7 +95,7 @@ def sweep_text(sweep: FinishedSweep, place: Path | None) -> str:
         )
     files = place and (place_line("Table: ", place / TABLE), place_line("Report:", place / REPORT))
     assert sweep.report
-    return opened(sweep.report.page.headline, f"Cost:   {cost}", *(files or ()))
+    return concluded(sweep.report.page.headline, f"Cost:   {cost}", places=files or ())
 
 
 def sweep_page(

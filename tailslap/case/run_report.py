@@ -203,15 +203,16 @@ class FeReport(ABC):
 
     @property
     def terminal(self) -> tuple[Table | str, ...]:
-        """Text on the terminal below the headline."""
+        """Text on the terminal above the answer, in order of importance."""
         outcome, run = self.outcome, self.outcome.run
         pictures = "" if self.pictures_s is None else f", pictures {self.pictures_s:.2f} s"
         return (
             *(() if outcome.passed else (*self.causes, "")),
-            *self.tables,
-            *(f"Chosen: {decision.text}" for decision in outcome.fe_plan.decisions),
             passed_text(outcome.checks),
             f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s{pictures}",
+            "",
+            *self.tables,
+            "\n".join(f"Chosen: {decision.text}" for decision in outcome.fe_plan.decisions),
         )
 
 

@@ -17,7 +17,7 @@ from postprocess.report.command_report import PAGE, Report, write_report
 from postprocess.report.data_files import plain
 from postprocess.report.page import Headline
 from postprocess.report.tables import Table
-from postprocess.report.terminal import opened
+from postprocess.report.terminal import concluded
 from postprocess.units import SI, SYSTEMS
 from tailslap.arguments import checked_arguments
 from tailslap.errors import InputError, Missing, Verbatim, one_of
@@ -321,7 +321,7 @@ class Result:
         return f"<{self.command} {self.scene}".rstrip() + f"{outcome}{answer}>"
 
     def __str__(self) -> str:
-        return self.text or opened(self.headline, *self.tables.values()) or repr(self)
+        return self.text or concluded(self.headline, *self.tables.values()) or repr(self)
 
     def _repr_html_(self) -> str:
         lines = "".join(f"<p>{escape(line)}</p>" for line in self.headline.lines)

@@ -11,8 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from postprocess.report import terminal
+from postprocess.report.page import Headline
 from postprocess.report.tables import Column, Table
-from postprocess.report.terminal import labelled, printed, table_lines
+from postprocess.report.terminal import MORE, labelled, printed, table_lines
 from tailslap import cli, errors
 from tailslap.scene import read, schema, write
 from tailslap.scene.schema import Scene, SceneTable
@@ -62,17 +64,50 @@ OPENED = (
 
 
 @pytest.mark.parametrize("arguments", OPENED, ids=" ".join)
-def test_answer_set_up_and_certainty_open_the_terminal(arguments, said, tmp_path):
-    """Within 25 lines of 80 columns, as they stand in the summary."""
+def test_set_up_certainty_and_answer_end_the_terminal(arguments, said, tmp_path):
+    """Within 23 lines of 80 columns, as they stand in the summary."""
     out = said(*arguments)
     demand_narrow(out)
-    first = " ".join(" ".join(out.splitlines()[:25]).split())
+    last = " ".join(" ".join(out.splitlines()[-23:]).split())
     summary = json.loads(said(*arguments, "--json"))
-    lines = [summary[name] for name in ("answer", "band", "set_up", "certainty") if summary[name]]
+    lines = [summary[name] for name in ("set_up", "certainty", "band", "answer") if summary[name]]
+    lines = [line.replace("\N{NO-BREAK SPACE}", " ") for line in lines]
     assert len(lines) >= 3
-    assert first.startswith(" ".join(lines).replace("\N{NO-BREAK SPACE}", " "))
+    assert sorted(map(last.index, lines)) == [*map(last.index, lines)]
+    assert last.endswith(lines[-1])
     for place in tmp_path.glob("*/summary.json"):
         assert json.loads(place.read_text())["answer"] == summary["answer"]
+
+
+@pytest.mark.parametrize("name", read.shipped_scenes())
+def test_a_run_has_forty_lines_and_ends_with_its_answer(name, said):
+    out = said("run", name, "--no-pictures", "--out", "a")
+    demand_narrow(out)
+    assert len(out.splitlines()) <= 40
+    with open("a/summary.json", encoding="utf-8") as file:
+        answer = json.load(file)["answer"].replace("\N{NO-BREAK SPACE}", " ")
+    assert " ".join(out.split()).endswith(answer)
+
+
+def test_full_prints_every_table(said):
+    words = "run", "impact-mash-tl4-sut", "--no-pictures", "--out", "a"
+    short, full = said(*words), said(*words, "--full")
+    assert MORE in short
+    assert MORE not in full
+    assert "60 Hz cut-off" not in short
+    for text in ("60 Hz cut-off", "Stated error", "Chosen: time.safety_factor"):
+        assert text in full
+
+
+@pytest.mark.parametrize(("most", "body"), [
+    (8, ["a", "a", "a", "b", "b", "c", ""]), (7, ["a", "a", "a", "c", MORE, ""]),
+    (6, ["a", "a", "a", MORE, ""]), (5, ["b", "b", MORE, ""]), (4, ["c", MORE, ""]), (3, [MORE, ""]),
+])  # fmt: skip
+def test_parts_without_room_are_left_out(most, body):
+    """The last ones first; the answer is always there."""
+    text = terminal.concluded(Headline("title", "answer"), "a\na\na", "b\nb", "c", most=most)
+    assert text.splitlines() == [*body, "answer"]
+    assert len(text.splitlines()) <= most
 
 
 PHRASES = st.lists(st.text("abc", min_size=1, max_size=16), min_size=1, max_size=6).map(" ".join)
@@ -176,7 +211,10 @@ def test_json_of_a_run_is_its_summary(tmp_path, capsys):
 def test_us_units_of_a_run(tmp_path, capsys):
     """Terminal, page and curves are in US units, files in SI."""
     place = tmp_path / "us"
-    assert cli._status(["run", "mash-tl4-sut", "--no-pictures", "--out", str(place), "--units", "us"]) == 0
+    assert (
+        cli._status(["run", "mash-tl4-sut", "--no-pictures", "--out", str(place), "--units", "us", "--full"])
+        == 0
+    )
     out = capsys.readouterr().out
     force = json.loads((place / "summary.json").read_text())["stage3"]["peak_force"]
     assert 600e3 < force < 700e3, "SI"

@@ -10,7 +10,7 @@ import pytest
 
 import tailslap
 from postprocess.figures.positions import SCHEME, SYMBOLS, Unit, draw_set_up
-from postprocess.report.terminal import opened
+from postprocess.report.terminal import concluded
 from postprocess.svg.areas import Outline
 from postprocess.svg.marks import Words
 from postprocess.units import KIP, SI, US, force, percent_up
@@ -203,14 +203,14 @@ def test_the_drawing_takes_symbols_and_several_units():
     assert one.in_units(US).svg.count("<text") == one.svg.count("<text")
 
 
-def test_python_and_terminal_open_alike(capsys):
+def test_python_and_terminal_end_alike(capsys):
     result = tailslap.rigid("mash-tl4-sut")
     assert result.headline.answer == result.summary["answer"]
     assert result.headline.answer in repr(result)
     assert result.headline.answer in result._repr_html_()
-    assert str(result).startswith(opened(result.headline))
+    assert str(result).endswith(concluded(result.headline))
     us = tailslap.rigid("mash-tl4-sut", units="us")
-    assert "147 kip" in str(us).splitlines()[0]
+    assert "147 kip" in str(us).rpartition("\n\n")[2]
 
 
 def test_pages_are_in_the_units_of_their_reader(outcome):

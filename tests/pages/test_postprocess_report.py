@@ -213,7 +213,7 @@ def test_a_table_is_the_same_on_the_terminal_and_in_files(tmp_path):
     text = report_text(report, tmp_path)
     for piece in ("A table", "measured", "Size", "[m]", "0.333", "not a number", "A note.", "A sentence."):
         assert piece in text
-    assert text.endswith(f"Report: {tmp_path / 'report.html'}")
+    assert text.endswith(f"Report: {tmp_path / 'report.html'}\n\nThe answer.")
 
 
 def test_a_record_without_the_entry_is_an_error():

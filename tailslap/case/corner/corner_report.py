@@ -105,9 +105,9 @@ class CornerReport(FeReport):
 
     @property
     def tables(self) -> list[Table]:
-        """Forces and quantities at the tail-slap."""
+        """Quantities at the tail-slap and forces."""
         peaks, design = _forces(self.outcome)
-        return [peaks, short(design), comparison(self.outcome, " ")]
+        return [comparison(self.outcome, " "), short(design), peaks]
 
     @property
     def causes(self) -> list[str]:

@@ -175,10 +175,10 @@ class ImpactReport(FeReport):
 
     @property
     def tables(self) -> list[Table]:
-        """Forces, strikes, errors and hinges."""
+        """Design loads, strikes, hinges, forces and errors."""
         outcome = self.outcome
-        strikes = force_table(outcome), short(_design_table(outcome)), _strikes(outcome)
-        return [*strikes, errors_table(outcome), hinges_table(outcome)]
+        first = short(_design_table(outcome)), _strikes(outcome), hinges_table(outcome)
+        return [*first, force_table(outcome), errors_table(outcome)]
 
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:
         """List the parts that the scene omits."""
