@@ -104,7 +104,7 @@ def test_full_prints_every_table(said):
     (6, ["a", "a", "a", MORE, ""]), (5, ["b", "b", MORE, ""]), (4, ["c", MORE, ""]), (3, [MORE, ""]),
 ])  # fmt: skip
 def test_parts_without_room_are_left_out(most, body):
-    """The last ones first; the answer is always there."""
+    """The last ones go first, and the answer always remains."""
     text = terminal.concluded(Headline("title", "answer"), "a\na\na", "b\nb", "c", most=most)
     assert text.splitlines() == [*body, "answer"]
     assert len(text.splitlines()) <= most
