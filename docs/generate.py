@@ -201,6 +201,12 @@ SUMMARY = (
     ("force_band.calibration.studies_held", "", "studies with all values within that band"),
     ("force_band.samples", "", "number of rigid vehicles"),
     ("force_band.variance_fractions.*", "", "fraction of the variance by input"),
+    ("force_band.speeds", "", "a lower and a higher speed than that of the scene"),
+    (
+        "force_band.growth",
+        "",
+        "force at the higher over that at the lower speed, geometric mean of the same vehicles; 0 if unknown",
+    ),
     ("force_band.ranges.*", "", "range of an input"),
     ("force_band.outcomes.*", "", "fraction of samples by outcome, with `[body]`"),
     ("force_band.fixed", "", "keys that are not varied, with values outside their ranges"),

@@ -15,12 +15,25 @@ from tailslap.campaign import planar_ranges, sampling
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.sampling import Array
 from tailslap.case.case import Case
-from tailslap.case.force_band import ForceBand
+from tailslap.case.force_band import LEAST_NAMED, MOST_NAMED, ForceBand
 from tailslap.case.resources import available_cores
 from tailslap.errors import InputError
+from tailslap.scene.units import to_si
 
 SAMPLES, SAMPLES_OF_SLOW = 256, 72
 """Number of vehicles, and of trains and vehicles in space."""
+
+PAIRS, SPEEDS = 32, (0.8, 4.0 / 3.0)
+"""Most vehicles at each of two speeds, and these over the speed of the scene [-]."""
+
+WORDS = {
+    "plateau_force": "the plateau of the crush", "plateau": "the plateau of the crush",
+    "stiffness": "the stiffness of the crush", "restitution": "the restitution",
+    "duration": "the duration of the strike",
+    "centre_of_mass": "the place of the centre of mass", "centre_height": "the height of the centre of mass",
+    "angle": "the angle", "mass": "the mass", "yaw_inertia": "the yaw inertia", "friction": "friction",
+}  # fmt: skip
+"""Inputs in words by the last part of their keys."""
 
 TOO_FEW = "too few of the varied inputs have a solution"
 
@@ -36,7 +49,8 @@ def force_band(case: Case) -> ForceBand:
     """
     try:
         count = SAMPLES_OF_SLOW if case.scene.trailer or case.scene.body else SAMPLES
-        every, solve = _problem(case, math.ceil(count / available_cores()))
+        pairs = min(PAIRS, count // 4)
+        every, solve = _problem(case, math.ceil((count + 2 * pairs) / available_cores()))
         ranges = tuple(item for item in every if _contains_own(item))
         if not ranges:
             return ForceBand(refusal="all inputs of the scene are outside their ranges")
@@ -49,12 +63,43 @@ def force_band(case: Case) -> ForceBand:
         if len(rows) < sampling.MIN_ROWS:
             return ForceBand(refusal=f"{TOO_FEW}; {reason}")
         inputs = {key: values[rows] for key, values in inputs.items()}
-        columns = solve(inputs)
+        speeds = _two_speeds(case)
+        columns = solve(_with_speeds(inputs, [*speeds.values()], pairs))
     except InputError as error:
         return ForceBand(refusal=str(error))
     fixed = tuple(item.key for item in every if item not in ranges)
-    band = _band(ranges, inputs, columns)
-    return replace(band, fixed=fixed, unsolved=count - band.samples, reason=reason)
+    band = _band(ranges, inputs, {name: values[: len(rows)] for name, values in columns.items()})
+    band = replace(band, fixed=fixed, unsolved=count - band.samples, reason=reason)
+    return _with_growth(band, tuple(speeds), next(iter(columns.values()))[len(rows) :].reshape(-1, pairs))
+
+
+def _two_speeds(case: Case) -> dict[str, float]:
+    """Return a lower and a higher speed [m/s] by text.
+
+    They are 0.8 and 1.33 of the scene's, and have two digits in its unit. Empty for a scene that starts later.
+    """
+    if case.scene.impact is None or case.scene.starts_later:
+        return {}
+    unit = case.quantity("impact.speed").partition(" ")[2] or "m/s"
+    factor, _ = to_si(unit)
+    slow, fast = (float(f"{part * case.scene.impact.speed / factor:.2g}") for part in SPEEDS)
+    return {f"{slow:g}": slow * factor, f"{fast:g} {unit}": fast * factor}
+
+
+def _with_speeds(inputs: Columns, speeds: list[float], pairs: int) -> Columns:
+    """Return inputs with the first vehicles besides at speeds [m/s]."""
+    further = {key: np.tile(values[:pairs], len(speeds)) for key, values in inputs.items()}
+    further["impact.speed"] = np.repeat(speeds, pairs)
+    return {key: np.concatenate([values, further[key]]) for key, values in inputs.items()}
+
+
+def _with_growth(band: ForceBand, speeds: tuple[str, ...], forces: Array) -> ForceBand:
+    """Return a band with the growth of the forces, shape (speeds, pairs)."""
+    if not band.percentiles or not speeds:
+        return band
+    ratios = forces[1] / forces[0]
+    solved = ratios[np.isfinite(ratios) & (ratios > 0.0)]
+    return replace(band, speeds=speeds, growth=float(np.exp(np.log(solved).mean())) if solved.size else 0.0)
 
 
 def _contains_own(item: Range) -> bool:
@@ -102,14 +147,28 @@ def _band(ranges: tuple[Range, ...], inputs: Columns, columns: Columns) -> Force
 
         outcome = columns["outcome"][solved]
         fractions = {name: float(np.mean(outcome == k)) for k, name in enumerate(OUTCOMES)}
+    parts = variance_fractions({key: values[solved] for key, values in inputs.items()}, force[solved])
+    items = {item.key: item for item in ranges}
     return ForceBand(
         sampling.band_of(force).percentiles,
         int(np.count_nonzero(solved)),
-        variance_fractions({key: values[solved] for key, values in inputs.items()}, force[solved]),
+        parts,
         {item.key: (item.lower, item.upper, item.origin) for item in ranges},
         fractions,
         forces=tuple(force[solved].tolist()),
+        decisive=tuple(in_words(items[key]) for key, fraction in parts.items() if fraction > LEAST_NAMED)[
+            :MOST_NAMED
+        ],
     )
+
+
+def in_words(item: Range) -> str:
+    """Return an input with its range in words."""
+    name = WORDS.get(item.key.partition("@")[0].rpartition(".")[2], f"`{item.key}`")
+    span = item.in_words()[0]
+    if "*" in item.key:
+        span = f"{item.lower:.2g} to {item.upper:.2g} times that of the scene"
+    return f"{name}, {'assumed ' if 'assumed' in item.origin else ''}{span}"
 
 
 def variance_fractions(inputs: Columns, output: Array) -> dict[str, float]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
@@ -247,17 +247,19 @@ class Case(ABC):
     def drawing(self) -> Chart:
         """Draw the set-up from above."""
 
-    def design_ratio(self, mean: float) -> str:
+    def design_ratio(self, mean: float, ends: Sequence[float] = ()) -> str:
         """Return a 50 ms mean as a multiple of a design force.
 
-        mean [N]; the force is the first one of MASH. Empty for scenes without a test level, and for levels that have
-        only loads of lighter vehicles.
+        mean [N]; ends: lower and upper end of its band [N]; the force is the first one of MASH. Empty for scenes
+        without a test level, and for levels that have only loads of lighter vehicles.
         """
         level = self.scene.impact and self.scene.impact.test_level
         first = design_forces(level)[0] if level else None
         if first is None or first.name == REPORT_350:
             return ""
-        return f", {mean / first.force:.2g} times {first.name}, {level} ({force(first.force)})"
+        span = " to ".join(f"{end / first.force:.2g}" for end in ends)
+        multiple = f"{mean / first.force:.2g}{f' ({span})' if span else ''}"
+        return f", {multiple} times {first.name}, {level} ({force(first.force)})"
 
     @abstractmethod
     def rigid_numbers(self) -> dict[str, Any]:

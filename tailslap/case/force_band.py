@@ -120,6 +120,12 @@ class ForceBand:
         Reason why the first of them does not stand on its axles, or "".
     forces : tuple of float
         Forces of the vehicles [N].
+    decisive : tuple of str
+        Inputs with the largest fractions of the variance, with their ranges, in words.
+    speeds : tuple of str
+        Lower and higher speed than that of the scene, empty where the scene has none.
+    growth : float
+        Force at the higher over that at the lower one, geometric mean of the same vehicles; 0 if unknown [-].
     calibration : Calibration or None
         Published values of this class of vehicles, None without any.
     """
@@ -134,6 +140,9 @@ class ForceBand:
     unsolved: int = 0
     reason: str = ""
     forces: tuple[float, ...] = field(default=(), repr=False)
+    decisive: tuple[str, ...] = ()
+    speeds: tuple[str, ...] = ()
+    growth: float = 0.0
     calibration: Calibration | None = None
 
     def calibrated(self, forces: Sequence[float]) -> tuple[float, ...]:
@@ -176,21 +185,27 @@ class ForceBand:
         return f"{self.median}; {self.name}: {ends[0]} to {ends[1]}"
 
     @property
+    def decision(self) -> str:
+        """Sentence on the inputs and the speed that decide the force."""
+        fractions = [f"{100.0 * fraction:.0f} %" for fraction in self.variance_fractions.values()]
+        inputs = [f"{words} ({part})" for words, part in zip(self.decisive, fractions, strict=False)]
+        parts = [f"decided most by {', and '.join(inputs)} of the variance"] if inputs else []
+        if self.growth:
+            slow, fast = self.speeds
+            parts.append(f"from {slow} to {fast} it grows about {self.growth:.2g} times")
+        text = "; ".join(parts).replace(") of the variance", " of the variance)")
+        return f" {text[0].upper()}{text[1:]}." if text else ""
+
+    @property
     def sentence(self) -> str:
-        """Origin of the band, and the inputs that change the force most."""
+        """Origin of the band."""
         if not self.percentiles:
             return f"Without a band of the force: {self.refusal}." if self.refusal else ""
         assumed = sum("assumed" in origin for *_, origin in self.ranges.values())
-        largest = [
-            f"`{key}` ({100.0 * fraction:.0f} %)"
-            for key, fraction in list(self.variance_fractions.items())[:MOST_NAMED]
-            if fraction > LEAST_NAMED
-        ]
         parts = [
             f"Band of {self.samples} rigid vehicles over {len(self.ranges)} inputs, {assumed} with assumed ranges",
             self.calibration.sentence if self.calibration else "",
             self._outcomes,
-            f"largest parts of the variance: {', '.join(largest)}" if largest else "",
             f"not varied, since outside the range: {', '.join(f'`{key}`' for key in self.fixed)}"
             if self.fixed
             else "",
@@ -211,7 +226,11 @@ class ForceBand:
 
     def numbers(self) -> dict[str, object]:
         """Return the part `force_band` of results, SI."""
-        further = {name: value for name, value in vars(self).items() if name not in ("percentiles", "forces")}
+        further = {
+            name: value
+            for name, value in vars(self).items()
+            if name not in ("percentiles", "forces", "decisive")
+        }
         ends = dict(zip(("lower", "median", "upper"), self.limits, strict=False))
         of = {"calibration": self.calibration and vars(self.calibration)}
         return dict(zip(percentile_names(), self.percentiles, strict=False)) | ends | further | of

@@ -161,11 +161,44 @@ def test_the_first_screen_has_band_origin_and_outcomes(bands):
         )
         assert headline.band == SI.rendered(band.sentence)
         assert headline.lines[1] == headline.band
-        first = next(iter(band.variance_fractions))
-        assert f"largest parts of the variance: `{first}` " in headline.band
+        assert f"1 {band.decision}"[2:] in f" {case(name).headline(band).answer}"
+        assert band.decisive[0] in band.decision
     assert sum(bands[SPACE].outcomes.values()) == pytest.approx(1.0, abs=1e-12)
     assert f"{100.0 * bands[SPACE].outcomes['upright']:.0f} %" in bands[SPACE].sentence
     assert not bands[IMPACT].outcomes
+
+
+def test_what_decides_is_named_with_its_range(bands):
+    assert SI.rendered(bands[IMPACT].decisive[0]) == "the plateau of the crush, assumed 200 to 500 kN"
+    assert bands[SPACE].decisive[0] == "the plateau of the crush, assumed 0.57 to 1.4 times that of the scene"
+    two = ForceBand((1.0, 2.0, 3.0), 9, {"a": 0.5, "b": 0.2}, decisive=("x, 1 to 2", "y, assumed 3 to 4"))
+    assert two.decision == " Decided most by x, 1 to 2 (50 %), and y, assumed 3 to 4 (20 % of the variance)."
+    assert not NO_BAND.decision
+
+
+def test_the_growth_of_a_constrained_corner_is_that_of_its_speed(bands):
+    """Its force is in proportion to the speed, 75 over 45 mph."""
+    assert (bands[TRUCK].speeds, bands[TRUCK].growth) == (
+        ("45", "75 mph"),
+        pytest.approx(75.0 / 45.0, rel=1e-9),
+    )
+    started = band_samples.force_band(case("paper-table-3"))
+    assert (started.speeds, started.growth) == ((), 0.0)
+
+
+def test_the_growth_is_that_of_many_vehicles(bands):
+    """Of 512 others at both speeds, geometric mean within 6 %."""
+    impact_case = case(IMPACT)
+    ranges = planar_ranges.impact_ranges(impact_case)
+    points, _ = sampling.sobol_points(ranges, 512)
+    inputs = dict(zip((item.key for item in ranges), points, strict=True))
+    slow, fast = (
+        impact_case.largest_means(inputs | {"impact.speed": np.full(512, mph * 0.44704)})[
+            strike_columns.LARGEST
+        ]
+        for mph in (45.0, 75.0)
+    )
+    assert bands[IMPACT].growth == pytest.approx(np.exp(np.log(fast / slow).mean()), rel=0.06)
 
 
 def test_results_contain_the_band(bands):

@@ -28,6 +28,7 @@ from tailslap.case.force_band import ForceBand
 from tailslap.case.plate_input import Decision
 from tailslap.errors import InputError, Verbatim
 from tailslap.scene import schema, vary
+from tailslap.scene.read import shipped_scenes
 from tailslap.scene.units import value_line
 
 if TYPE_CHECKING:
@@ -227,17 +228,22 @@ class RigidStages(case.Case):
         return parts
 
     def force_sentence(self, peak: float, reliable: bool = True, band: ForceBand = case.NO_BAND) -> str:
-        """Return the sentence on a peak force and its 50 ms mean.
+        """Return sentences on a peak force and what decides it.
 
-        peak: of the tail-slap [N].
+        peak: of the tail-slap [N], beside its 50 ms mean.
         """
         pulse = f"triangular pulse of {1e3 * self.scene.strike.duration:g} ms, assumed"
         name = self.force_words if reliable else f"{self.force_words}, not reliable"
         interval = f"{band.interval}; " if band.interval else ""
         mean = self.mean_force(peak)
-        return (
+        whole = f"impact-{self.scene.name}"
+        other = ""
+        if whole in shipped_scenes() and not self.changes:
+            other = f" Whole impact of this vehicle, with crush and tyres: `tailslap rigid {whole}`."
+        first = (
             f"{name}: {force(peak)} ({interval}{pulse}); 50 ms mean {force(mean)}{self.design_ratio(mean)}."
         )
+        return f"{first}{band.decision}{other}"
 
     def headline(self, band: ForceBand = case.NO_BAND) -> Headline:
         """Return the peak force of the tail-slap with the set-up."""

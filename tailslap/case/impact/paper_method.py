@@ -24,9 +24,9 @@ def paper_method(scene: Scene, answer: ImpactAnswer) -> dict[str, Any] | None:
 
     It is that of the uniform rectangle. scene: with [contact]; answer: of the rigid vehicle. Returns omega after Stage
     1 [rad/s]; t and impulse of the tail-slap [s], [N s], the whole mass stopped; duration that the paper reads off
-    crash tests [s], and peak_force with it [N]; computed_duration, computed_peak_force: with the duration of the second
-    strike as the paper would read it off the computed 50 ms mean, or None. Returns None where [impact] has no friction
-    or restitution, where the method has no answer, and of trains.
+    crash tests [s], peak_force and mean_50ms with it [N]; computed_duration, computed_peak_force: with the duration of
+    the second strike as the paper would read it off the computed 50 ms mean, or None. Returns None where [impact] has
+    no friction or restitution, where the method has no answer, and of trains.
     """
     table = scene.impact
     if table is None or table.friction is None or table.restitution is None or scene.trailer:
@@ -40,6 +40,7 @@ def paper_method(scene: Scene, answer: ImpactAnswer) -> dict[str, Any] | None:
         "omega": float(case.start.omega),
         "t": float(case.motion.strike.t),
         **{name: float(getattr(force, name)) for name in ("impulse", "duration", "peak_force")},
+        "mean_50ms": case.mean_force(float(force.peak_force)),
         "computed_duration": read,
         "computed_peak_force": 2.0 * float(force.impulse) / read if read else None,
     }
@@ -54,8 +55,8 @@ def paper_lines(beside: dict[str, Any] | None, units: str) -> list[str]:
     lines = [
         "",
         "The paper's method (uniform rectangle, whole side stopped at once)",
-        f"  tail-slap at {beside['t']:.4g} s, impulse {impulse}, peak force {force} with a duration of "
-        f"{beside['duration']:g} s",
+        f"  tail-slap at {beside['t']:.4g} s, impulse {impulse}, peak force {force}, 50 ms mean "
+        f"{shown(beside['mean_50ms'], 'N', units, digits=DIGITS)} with a duration of {beside['duration']:g} s",
     ]
     if read := beside["computed_duration"]:
         force = shown(beside["computed_peak_force"], "N", units, digits=DIGITS)

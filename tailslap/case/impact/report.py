@@ -201,7 +201,7 @@ class ImpactReport(FeReport):
             "fe": outcome.fe.numbers(),
             **({"space": case.space.numbers()} if case.space else {}),
             "inertial": case.inertial,
-            "paper_method": outcome.paper_method,
+            "paper_method": case.paper_method,
             "remarks": remarks(outcome.fe),
             "difference": outcome.difference,
             "numerical_error": {"mesh": outcome.mesh_error}
@@ -341,7 +341,7 @@ def _paper(outcome: run.ImpactOutcome) -> list[Table]:
 
     There is none where the scene has not their input.
     """
-    beside = outcome.paper_method
+    beside = outcome.fe_plan.case.paper_method
     if beside is None:
         return []
     rigid = outcome.fe_plan.case.answer

@@ -61,6 +61,9 @@ OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "hitch", "kingpin", "mass", "le
 OF_AN_AXLE = ("position", "friction", "cornering")
 """Keys of an axle that it depends on."""
 
+ROUNDING = 2e-3
+"""Relative difference from a plateau of a force that equals it."""
+
 OF_CRUSH = {
     "initial_force": "initial crush force",
     "patch_length": "forces over",
@@ -374,21 +377,52 @@ class RigidImpact(Case):
     def force_sentence(
         self, answer: answers.ImpactAnswer, reliable: bool = True, band: ForceBand = NO_BAND
     ) -> str:
-        """Return a sentence on the largest 50 ms mean and the roll."""
-        interval = f" ({band.interval})" if band.interval else ""
+        """Return sentences on the largest 50 ms mean and the roll.
+
+        With a band its median comes first, and what decides it; the force of the scene follows.
+        """
+        if not self.space and not answer.strikes:
+            return "The vehicle does not strike the wall."
+        name = self.force_words if reliable or self.space else f"{self.force_words}, not reliable"
+        mean, where = self._scene_force(answer)
+        equal = any(abs(mean / plateau - 1.0) <= ROUNDING for plateau in self.plateaus)
+        where += ", equal to the assumed plateau of the crush" if equal else ""
+        paper = self.paper_method
+        further = [self.space.verdict] if self.space else []
+        further += [f"Paper's method: {force(paper['mean_50ms'])}."] if paper else []
+        if not band.percentiles:
+            ratio = "" if equal else self.design_ratio(mean)
+            return " ".join([f"{name}: {where}{ratio}.", *further])
+        lower, median, upper = band.limits
+        ratio = self.design_ratio(median, (lower, upper))
+        first = f"{name}: {band.interval}{ratio}.{band.decision} With the scene's values: {where}."
+        return " ".join([first, *further])
+
+    def _scene_force(self, answer: answers.ImpactAnswer) -> tuple[float, str]:
+        """Return the largest 50 ms mean [N], also in words with its place."""
         if self.space:
             mean = float(self.space.motion.answers.mean_50ms)
-            in_space = f"{force(mean)}{interval} at a height of {self.space.heights}{self.design_ratio(mean)}"
-            return f"{self.force_words}: {in_space}. {self.space.verdict}"
-        if not answer.strikes:
-            return "The vehicle does not strike the wall."
-        means = [answers.mean_peak(answer, strike) for strike in answer.strikes]
-        number, peak = int(np.argmax(means)), answer.peaks["mean_50ms"]
+            return mean, f"{force(mean)} at a height of {self.space.heights}"
+        mean, least = answer.peaks["mean_50ms"], "at least " if answer.cut else ""
+        number = int(np.argmax([answers.mean_peak(answer, strike) for strike in answer.strikes]))
         strike = answer.strikes[number]
         where = f"strike {number + 1} ({strike.part}, from {strike.start:.3f} s)"
-        least = "at least " if answer.cut else ""
-        name = self.force_words if reliable else f"{self.force_words}, not reliable"
-        return f"{name}: {least}{force(peak)}{interval} in {where}{self.design_ratio(peak)}."
+        return mean, f"{least}{force(mean)} in {where}"
+
+    @property
+    def plateaus(self) -> list[float]:
+        """Plateau of each contact in the plane [N], infinite without one."""
+        lengths = (
+            float(strip.at[1] - strip.at[0]) if strip.is_line else 1.0 for strip in self.contact.strips
+        )
+        laws = [strip.law for strip in self.contact.strips]
+        plateaus = [float(law.plateau_force) * length for law, length in zip(laws, lengths, strict=True)]
+        return [*plateaus, *([float(self.contact.crush.plateau_force)] if self.contact.crush else [])]
+
+    @cached_property
+    def paper_method(self) -> dict[str, Any] | None:
+        """Results of the paper's method, see `paper_method`."""
+        return paper_method(self.scene, self.answer)
 
     def headline(self, band: ForceBand = NO_BAND) -> Headline:
         """Return the rigid vehicle's largest 50 ms mean."""
@@ -438,13 +472,13 @@ class RigidImpact(Case):
 
     def rigid_numbers(self) -> dict[str, Any]:
         """Return strikes, peaks and end state, SI."""
-        beside, numbers = paper_method(self.scene, self.answer), self.answer.numbers()
+        numbers = self.answer.numbers()
         if self.space:
             numbers["space"] = self.space.numbers()
         elif self.trailers:
             numbers["error"] = self.motion.error
         numbers["remarks"] = answers.remarks(self.answer)
-        return {"scene": self.scene.name, **numbers, "inertial": self.inertial, "paper_method": beside}
+        return {"scene": self.scene.name, **numbers, "inertial": self.inertial, "paper_method": self.paper_method}
 
     def rigid_text(self, units: str = "si") -> list[str]:
         """Return the lines for a terminal.
@@ -456,7 +490,7 @@ class RigidImpact(Case):
         lines += ["", SYSTEMS[units].rendered(self.inertial_sentence)] if self.inertial else []
         if remarks := answers.remarks(self.answer):
             lines += ["", *remarks]
-        return lines + paper_lines(paper_method(self.scene, self.answer), units)
+        return lines + paper_lines(self.paper_method, units)
 
     def _plane_text(self, units: str) -> list[str]:
         """Return the lines on strikes, forces, end and tyres."""

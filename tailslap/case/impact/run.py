@@ -9,8 +9,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +18,6 @@ from postprocess.signals.occupant import RiskMeasure
 from solver.impact import ImpactMotion, Strike, outermost
 from tailslap.case.case import Outcome
 from tailslap.case.impact import answers, error, plan
-from tailslap.case.impact.paper_method import paper_method
 from tailslap.case.impact.rigid import AFTER_SECOND, LONGEST, RigidImpact
 from tailslap.case.plate_input import refusal
 from tailslap.errors import InputError
@@ -80,11 +78,6 @@ class ImpactOutcome(Outcome):
     def mean_force(self) -> float:
         """Largest 50 ms mean force [N]."""
         return float(self.fe.peaks["mean_50ms"])
-
-    @cached_property
-    def paper_method(self) -> dict[str, Any] | None:
-        """Results of the paper's method."""
-        return paper_method(self.fe_plan.case.scene, self.fe_plan.case.answer)
 
     @property
     def occupant_risk(self) -> tuple[RiskMeasure, ...]:
