@@ -399,7 +399,7 @@ class RigidImpact(Case):
         return " ".join([first, *further])
 
     def _scene_force(self, answer: answers.ImpactAnswer) -> tuple[float, str]:
-        """Return the largest 50 ms mean [N], also in words with its place."""
+        """Return the largest 50 ms mean [N] and its place in words."""
         if self.space:
             mean = float(self.space.motion.answers.mean_50ms)
             return mean, f"{force(mean)} at a height of {self.space.heights}"
@@ -478,7 +478,12 @@ class RigidImpact(Case):
         elif self.trailers:
             numbers["error"] = self.motion.error
         numbers["remarks"] = answers.remarks(self.answer)
-        return {"scene": self.scene.name, **numbers, "inertial": self.inertial, "paper_method": self.paper_method}
+        return {
+            "scene": self.scene.name,
+            **numbers,
+            "inertial": self.inertial,
+            "paper_method": self.paper_method,
+        }
 
     def rigid_text(self, units: str = "si") -> list[str]:
         """Return the lines for a terminal.
