@@ -1,12 +1,14 @@
 """Verify the study of roll over walls by exact fractions."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from postprocess.report.command_report import write_report
+from postprocess.units import SI
 from solver import space
 from tailslap import cli
 from tailslap.campaign import records, space_samples
@@ -15,6 +17,7 @@ from tailslap.errors import InputError
 from tailslap.scene.read import read_scene
 from tailslap.studies import find_study
 from tailslap.studies.tipping import tipping_report, tipping_study
+from tailslap.validation.predictions import parameters
 
 SCENE, INCH = "impact-tipping-tl4-sut", 0.0254
 FREE = ("body.centre_height", "contact.friction", "axle.*.spring")
@@ -163,6 +166,35 @@ def test_the_report(study, tmp_path):
         0.0 <= row["interval"][0] <= row["upright"] <= row["interval"][1] <= 1.0
         for row in report.summary["walls"]
     )
+
+
+def test_the_answer_has_profile_36_inches_and_published_outcomes(exact):
+    """By the law all samples are upright at 36 in."""
+    answer = SI.rendered(tipping_report.headline(exact).answer)
+    count = exact.count
+    assert answer.startswith("Lowest wall that keeps 95 % of the samples upright, profile vertical: 0.8")
+    assert (
+        f"At 0.91 m (36.0 in) at least {math.floor(1e3 * 0.05 ** (1 / count)) / 10:.1f} % remain upright."
+        in answer
+    )
+    row = exact.published[0]
+    tests = (("a", "contained", 0.9, 0.1), ("b", "over the wall", 0.2, 0.2), ("c", "contained", 0.4, 0.6))
+    rows = [
+        row._replace(case=name, published=outcome, stated=part, probabilities={"over the wall": over})
+        for name, outcome, part, over in tests
+    ]
+    assert tipping_report.published_in_words(rows) == (
+        'Published outcomes of 3 crash tests: 1 are given a probability above one half, 2 by "always contained"; the '
+        "least has 0.20: b, over the wall."
+    )
+    assert len(exact.published) == len(parameters()["outcomes"])
+
+
+def test_all_of_few_samples_are_at_least():
+    """None of 72 on its side leaves a bound of 95.9 %."""
+    columns = {"outcome": np.zeros(72)} | dict.fromkeys(("mean_50ms", "height", "length"), np.ones(72))
+    row = tipping_report.distribution(columns)
+    assert (row["upright"], row["words"]) == (1.0, "at least 95.9 %")
 
 
 def test_refused_indices_are_stated(study):

@@ -18,6 +18,7 @@ from solver.space import OUTCOMES
 from tailslap.campaign import sampling
 from tailslap.campaign.records import Record
 from tailslap.campaign.sampling import Array
+from tailslap.case.force_band import fraction_in_words
 from tailslap.case.impact.space import LIMIT_COLUMNS, LIMITS
 from tailslap.case.report_parts import design_forces_of, study_page, study_summary
 from tailslap.studies.sobol_tables import INDEX_METHOD, index_columns, main_source, with_intervals
@@ -30,6 +31,7 @@ from tailslap.studies.tipping.tipping_study import (
     binomial_interval,
     highest_centre,
 )
+from tailslap.validation.outcomes import ALWAYS, OURS, OutcomeRow, scores
 
 BANDS = {
     "mean_50ms": ("50 ms mean", "N", ".0f"),
@@ -39,10 +41,7 @@ BANDS = {
 """Label, unit and form of the answers in tables."""
 
 ANSWERS = (
-    Column(
-        "upright", "Upright", form=lambda fraction: f"{100.0 * fraction:.1f} %", style="strong",
-        below=Column("interval", "", form=lambda ends: f"{100.0 * ends[0]:.1f} to {100.0 * ends[1]:.1f} %"),
-    ),
+    Column("words", "Upright", style="strong"),
     *(
         column
         for name, (label, unit, form) in BANDS.items()
@@ -74,9 +73,13 @@ LOADS = (
 )
 INPUTS = (Column("key", "Input"), Column("range", "Range", form=str), Column("origin", "Source"))
 MEANING = (
-    "Upright: fraction of the samples, with its 95 % interval due to their number. Resultant: height of the lateral "
-    "force at the largest 50 ms mean; length: of the uniform force with the same standard deviation along the wall."
+    "Upright: fraction of the samples, with its 95 % interval due to their number, one-sided for all and none. "
+    "Resultant: height of the lateral force at the largest 50 ms mean; length: of the uniform force with the same "
+    "standard deviation along the wall."
 )
+
+COMMON_WALL = 36 * INCH
+"""Height of the lowest wall that is recommended for MASH TL-4 (TTI 9-1002-5) [m]."""
 
 
 def report(result: TippingResult) -> Report:
@@ -120,9 +123,10 @@ def headline(result: TippingResult) -> Headline:
     lowest, *ends = result.keeps(LEVELS[-1])
     middle, error = result.keeps(LEVELS[1])[0], result.nominal.lowest_wall_error
     answer = (
-        f"Lowest wall that keeps 95 % of the samples upright: {_height(lowest, result)}; 50 %: "
-        f"{_height(middle, result)}; all values nominal: {_height(result.nominal.lowest_wall)}"
-        f"{f', error at most {1e3 * error:.0f} mm' if 0.0 < error < math.inf else ''}."
+        f"Lowest wall that keeps 95 % of the samples upright, profile {result.profile}: {_height(lowest, result)}; "
+        f"50 %: {_height(middle, result)}; all values nominal: {_height(result.nominal.lowest_wall)}"
+        f"{f', error at most {1e3 * error:.0f} mm' if 0.0 < error < math.inf else ''}. At {_height(COMMON_WALL)} "
+        f"{_at(result, COMMON_WALL)['words']} remain upright. {published_in_words(result.published)}"
     )
     certainty = f"By the number of samples, {result.count}, the wall lies {_between(ends, result)}."
     certainty += _decrease(result)
@@ -131,6 +135,16 @@ def headline(result: TippingResult) -> Headline:
             f" Main source of variance of the roll: {main_source(max(rows, key=lambda row: row['total']))}."
         )
     return Headline(f"Roll over the wall: {result.case.subject}", answer, result.case.set_up, certainty)
+
+
+def published_in_words(rows: Sequence[OutcomeRow]) -> str:
+    """Return how many published outcomes the model gives, in words."""
+    scored = {score.name: score.right for score in scores(rows)}
+    least = min(rows, key=lambda row: row.stated)
+    return (
+        f"Published outcomes of {len(rows)} crash tests: {scored[OURS]} are given a probability above one half, "
+        f'{scored[ALWAYS]} by "{ALWAYS}"; the least has {least.stated:.2f}: {least.case}, {least.published}.'
+    )
 
 
 def _height(height: float, result: TippingResult | None = None) -> str:
@@ -164,25 +178,29 @@ def lowest_wall_rows(result: TippingResult) -> list[Record]:
 
 def wall_rows(result: TippingResult) -> list[Record]:
     """Return fractions and bands of common walls and the scene's."""
-    rows = []
-    for height in sorted({*WALLS, result.height}):
-        number = int(np.argmin(np.abs(result.walls - height)))
-        columns = {name: values[number] for name, values in result.answers.items()}
-        rows.append({"inches": height / INCH, "height_of_wall": height} | _distribution(columns))
-    return rows
+    heights = sorted({*WALLS, result.height})
+    return [{"inches": height / INCH, "height_of_wall": height} | _at(result, height) for height in heights]
+
+
+def _at(result: TippingResult, height: float) -> Record:
+    """Return fraction and bands of a wall of this height [m]."""
+    number = int(np.argmin(np.abs(result.walls - height)))
+    return distribution({name: values[number] for name, values in result.answers.items()})
 
 
 def profile_rows(result: TippingResult) -> list[Record]:
     """Return fractions and bands of the named profiles."""
-    return [{"profile": name} | _distribution(columns) for name, columns in result.profiles.items()]
+    return [{"profile": name} | distribution(columns) for name, columns in result.profiles.items()]
 
 
-def _distribution(columns: Mapping[str, Array]) -> Record:
+def distribution(columns: Mapping[str, Array]) -> Record:
     """Return fraction upright with interval, and percentiles of the answers."""
     upright = int((columns["outcome"] == 0.0).sum())
     low, high = binomial_interval(np.array([upright]), columns["outcome"].size)[:, 0].tolist()
     bands = {name: np.percentile(columns[name], sampling.PERCENTILES).tolist() for name in BANDS}
-    return {"upright": upright / columns["outcome"].size, "interval": [low, high], **bands}
+    fraction = upright / columns["outcome"].size
+    words = fraction_in_words(fraction, columns["outcome"].size)
+    return {"upright": fraction, "words": words, "interval": [low, high], **bands}
 
 
 def _map_chart(result: TippingResult) -> Chart:
@@ -236,12 +254,10 @@ def _index_text(result: TippingResult, name: str) -> Table | str:
 
 def _sentences(result: TippingResult) -> list[str]:
     """Describe the method."""
-    count, rows, wall = result.count, result.count // 2, result.case.scene.wall
-    profile = (wall and wall.profile) or "vertical"
-    named = profile if isinstance(profile, str) else "given by points"
+    count, rows = result.count, result.count // 2
     return [
-        f"Profile of the wall: {named}. The same {grouped(count)} samples strike {result.walls.size} walls; lowest "
-        "walls are interpolated between these. From the lowest wall on, all walls keep the fraction upright."
+        f"Profile of the wall: {result.profile}. The same {grouped(count)} samples strike {result.walls.size} walls; "
+        "lowest walls are interpolated between these. From the lowest wall on, all walls keep the fraction upright."
         f"{_decrease(result)}",
         f"Samples: {grouped(count)} points of {sampling.points_in_words(len(result.ranges), rows)} (seed "
         f"{sampling.SEED}); inputs are independent and uniformly distributed. Results are reproducible.",
@@ -282,6 +298,7 @@ def _summary(result: TippingResult) -> Record:
         "inputs": [asdict(item) for item in result.ranges],
         "indices": dict(result.sources),
         "indices_refused": dict(result.refusals),
+        "published": [row._asdict() for row in result.published],
         "cost": {"seconds": result.seconds, "processor_seconds": result.processor},
     }
 

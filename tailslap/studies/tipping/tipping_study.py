@@ -6,6 +6,7 @@ nominal vehicle over the heights of wall and centre of mass. Sobol indices show 
 scene's wall.
 """
 
+import functools
 import itertools
 import math
 import time
@@ -18,6 +19,7 @@ import numpy as np
 from postprocess.figures.tipping import INCHES
 from postprocess.units import INCH
 from solver import space
+from tailslap import progress
 from tailslap.campaign import engine, sampling, space_samples
 from tailslap.campaign.input_ranges import Range
 from tailslap.campaign.records import Record
@@ -27,6 +29,8 @@ from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.space import SpaceAnswer
 from tailslap.errors import InputError, Missing
 from tailslap.scene.vary import vary
+from tailslap.validation.outcomes import OutcomeRow, outcome_rows
+from tailslap.validation.predictions import parameters
 
 WALLS = tuple(INCH * inches for inches in INCHES)
 """Heights of common walls [m]."""
@@ -78,6 +82,8 @@ class TippingResult:
         Rows of `sampling.index_rows` by output, empty where refused.
     refusals : dict of str
         Reasons without indices by output.
+    published : tuple of OutcomeRow
+        Probabilities of the published outcomes of crash tests, see `tailslap validate`.
     motions : int
         Number of motions.
     seconds, processor : float
@@ -99,6 +105,7 @@ class TippingResult:
     inputs: Mapping[str, Array]
     sources: Mapping[str, list[Record]]
     refusals: Mapping[str, str]
+    published: tuple[OutcomeRow, ...]
     motions: int
     seconds: float
     processor: float
@@ -112,6 +119,12 @@ class TippingResult:
     def count(self) -> int:
         """Number of samples of each wall."""
         return int(self.answers["outcome"].shape[1])
+
+    @property
+    def profile(self) -> str:
+        """Profile of the scene's wall."""
+        profile = (self.case.scene.wall and self.case.scene.wall.profile) or "vertical"
+        return profile if isinstance(profile, str) else "given by points"
 
     @property
     def upright(self) -> Array:
@@ -191,9 +204,17 @@ def compute(
         inputs={key: values[:count] for key, values in inputs.items()},
         sources=sources,
         refusals=refusals,
+        published=published_outcomes(),
         seconds=time.perf_counter() - began,
         **{name: value for name, value in solution.items() if name not in OUTPUTS},
     )
+
+
+@functools.cache
+def published_outcomes() -> tuple[OutcomeRow, ...]:
+    """Return the probabilities of published outcomes, of vehicles of their own."""
+    with progress.progress_bar("published outcomes", 1) as show:
+        return outcome_rows(parameters(), show)
 
 
 def wall_height(case: ImpactCase) -> float:
