@@ -31,6 +31,7 @@ GROUPS: dict[str, Limits] = {
     "axle.*.spacing": (0.9, 1.1, TRUCK.format("0.9 to 1.1 m")),
     "axle.*.friction": (0.5 / 0.65, 0.8 / 0.65, TRUCK.format("0.5 to 0.8")),
     "strip.*.stiffness": (0.5, 1.5, "times the scene's, ± 50 % assumed"),
+    "strip.*.hardening": (0.2, 1.8, "times the scene's, ± 80 % assumed"),
     "strip.*.plateau": (200.0 / 350.0, 500.0 / 350.0, TRUCK.format("200 to 500 kN of 350 kN of a corner")),
 }
 """Default range of each factor."""
@@ -38,7 +39,10 @@ GROUPS: dict[str, Limits] = {
 ROLL_INERTIA = (0.9 / 1.1) ** 2, (1.4 / 1.1) ** 2
 """Default range of a roll inertia over its nominal value: radii of gyration of 0.9 to 1.4 m about 1.1 m."""
 
-OF_AXLE, OF_STRIP = ("spring", "spacing", "friction", "tyre", "cornering"), ("stiffness", "plateau")
+OF_AXLE, OF_STRIP = (
+    ("spring", "spacing", "friction", "tyre", "cornering"),
+    ("stiffness", "plateau", "hardening"),
+)
 """Keys of one axle and one strip that may vary alone."""
 
 COLUMNS = ("outcome", "largest_roll", "mean_50ms", "height", "length")

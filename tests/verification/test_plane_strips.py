@@ -22,6 +22,8 @@ LAWS = {
     "elastic": lambda k: CrushLaw(k, 0.0, 1.0),
     "plateau": lambda k: CrushLaw(k, 0.0, 0.22, 0.11 * k),
     "plateau, slope": lambda k: CrushLaw(k, 0.0, 0.0, 0.1 * k, 12.0 * k),
+    "hardening": lambda k: CrushLaw(k, 0.0, 0.22, 0.11 * k, 0.0, 0.3 * k),
+    "hardening, slope": lambda k: CrushLaw(k, 0.0, 0.0, 0.1 * k, 12.0 * k, 0.2 * k),
     "little return": lambda k: CrushLaw(k, 0.0, 0.1, 0.12 * k),
 }
 PLACES = {  # behind the front, inwards from the side [m], stiffness [N/m]
@@ -36,7 +38,9 @@ def loading(law: CrushLaw, depth: float) -> tuple[float, float]:
     k, most = float(law.stiffness), float(law.plateau_force)
     if k * depth <= most:
         return k * depth, 0.5 * k * depth**2
-    return most, most * depth - 0.5 * most**2 / k
+    after = depth - most / k
+    rise = float(law.hardening) * after
+    return most + rise, 0.5 * most**2 / k + (most + 0.5 * rise) * after
 
 
 def force(law: CrushLaw, depth: float, deepest: float) -> float:

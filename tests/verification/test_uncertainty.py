@@ -639,6 +639,20 @@ def test_the_shipped_truck_varies_what_is_not_known_of_it():
     assert all(item.origin for item in ranges.values())
 
 
+def test_the_hardening_varies_where_the_scene_has_one():
+    """Front and rear separately, from 0.1 to 0.9 of 0.5 MN/m."""
+    keys = {"contact.hardening", "contact.hardening@rear"}
+    truck = impact_of("contact.hardening=0.5 MN/m", name="impact-mash-tl4-sut")
+    ranges = {item.key: (item.lower, item.upper) for item in planar_ranges.impact_ranges(truck)}
+    for key in keys:
+        assert ranges[key] == pytest.approx((1e5, 9e5), rel=1e-9)
+    peaks = truck.many({"contact.hardening@rear": np.array([0.0, 5e5])})["strike_2.raw"]
+    assert peaks[0] == pytest.approx(350e3, rel=1e-6)
+    assert peaks[1] > 360e3
+    without = planar_ranges.impact_ranges(impact_of(name="impact-mash-tl4-sut"))
+    assert not keys & {item.key for item in without}
+
+
 def test_raw_and_filtered_forces_are_of_the_same_total():
     """Both corners are on their plateaus at once."""
     changes = "contact.restitution=0.1", "contact.friction=0.3"
