@@ -1,7 +1,7 @@
 """Machine code of a kernel, made by LLVM."""
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from machine_code import arithmetic
@@ -55,7 +55,8 @@ def compile_kernel(kernel: Implementation, kinds: Kinds, resolve: Resolve, symbo
     the process. Raises TranslationError, and UnknownTypeError for a result that is not of numbers.
     """
     translation, result = _translated(kernel, kinds, resolve, symbol)
-    codes, machine_code = "".join(map(value_codes, kinds)), target().emit_object(_optimised(translation))
+    codes = "".join(map(value_codes, kinds))
+    machine_code = target().emit_object(_optimised(translation, target()))
     return ObjectCode(symbol, codes, _result_of(result), machine_code)
 
 
@@ -64,8 +65,23 @@ def assembly(kernel: Implementation, kinds: Kinds, resolve: Resolve) -> str:
 
     Arguments as of `compile_kernel`.
     """
-    text: str = target().emit_assembly(_optimised(_translated(kernel, kinds, resolve, "kernel")[0]))
+    module = _optimised(_translated(kernel, kinds, resolve, "kernel")[0], target())
+    text: str = target().emit_assembly(module)
     return text
+
+
+def object_file(
+    kernels: Mapping[str, tuple[Implementation, Kinds]], resolve: Resolve, machine: "TargetMachine"
+) -> bytes:
+    """Return one object file of several kernels by symbol, for another machine."""
+    first, *others = (
+        _optimised(_translated(kernel, kinds, resolve, symbol)[0], machine)
+        for symbol, (kernel, kinds) in kernels.items()
+    )
+    for other in others:
+        first.link_in(other)
+    code: bytes = machine.emit_object(first)
+    return code
 
 
 def _translated(
@@ -128,15 +144,15 @@ def _result_of(value: Value) -> Result:
     raise UnknownTypeError(f"a kernel cannot return {value}")
 
 
-def _optimised(translation: Translation) -> "ModuleRef":
-    """Return LLVM's module of a kernel, optimised."""
+def _optimised(translation: Translation, machine: "TargetMachine") -> "ModuleRef":
+    """Return LLVM's module of a kernel, optimised for a machine."""
     llvm = llvm_library()
     declarations = [*arithmetic.DECLARATIONS, "declare void @llvm.trap()", *sorted(translation.declarations)]
     module = llvm.parse_assembly("\n".join([*declarations, *translation.texts, METADATA, *ATTRIBUTES]))
-    module.triple, module.data_layout = llvm.get_process_triple(), str(target().target_data)
+    module.triple, module.data_layout = machine.triple, str(machine.target_data)
     options = llvm.create_pipeline_tuning_options(speed_level=SPEED)
     options.loop_vectorization, options.slp_vectorization = True, False
-    builder = llvm.create_pass_builder(target(), options)
+    builder = llvm.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
     return module
 

@@ -1,0 +1,49 @@
+"""Run kernels as WebAssembly beside Python."""
+
+import math
+
+import numpy as np
+import wasmtime
+
+from machine_code import web_assembly
+
+
+class Module:
+    """Kernels in a module with its memory, called by name."""
+
+    def __init__(self, calls):
+        self.layout = web_assembly.layout(calls)
+        engine = wasmtime.Engine()
+        self.store = wasmtime.Store(engine)
+        self.module = wasmtime.Module(engine, web_assembly.module(calls))
+        pages = -(-self.layout.size // web_assembly.PAGE)
+        self.memory = wasmtime.Memory(self.store, wasmtime.MemoryType(wasmtime.Limits(pages, None)))
+        self.exports = wasmtime.Instance(
+            self.store, self.module, [self._imported(item) for item in self.module.imports]
+        ).exports(self.store)
+        for place in self.layout.arrays.values():
+            self.memory.write(self.store, place.content, place.at)
+        for at, content in self.layout.slots:
+            self.memory.write(self.store, content, at)
+
+    def _imported(self, item):
+        if isinstance(item.type, wasmtime.MemoryType):
+            return self.memory
+        if isinstance(item.type, wasmtime.GlobalType):
+            return wasmtime.Global(self.store, item.type, wasmtime.Val.i32(web_assembly.STACK))
+        return wasmtime.Func(self.store, item.type, getattr(math, item.name))
+
+    def call(self, name, numbers=1):
+        """Call a kernel, and return the first numbers of its result."""
+        result, arguments = self.layout.calls[name]
+        self.exports[name](self.store, result, arguments)
+        return np.frombuffer(self.memory.read(self.store, result, result + 8 * numbers))
+
+    def __getitem__(self, name):
+        place = self.layout.arrays[name]
+        size = np.dtype(place.kind).itemsize * math.prod(place.shape)
+        content = self.memory.read(self.store, place.at, place.at + size)
+        return np.frombuffer(content, place.kind).reshape(place.shape)
+
+    def __setitem__(self, name, values):
+        self.memory.write(self.store, np.asarray(values).tobytes(), self.layout.arrays[name].at)
