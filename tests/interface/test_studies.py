@@ -53,7 +53,7 @@ def test_a_study_from_outside_goes_all_the_way_to_its_report(tmp_path, monkeypat
     assert "Two masses." in (folder / "report.html").read_text()
     summary = json.loads((folder / "summary.json").read_text())
     assert (summary["answer"], summary["masses"][1]) == ("Two masses.", {"what": "heavier", "mass": 3e4})
-    assert output.startswith("Two masses.\n")
+    assert output.endswith("\nTwo masses.\n")
     with (folder / "masses.csv").open() as file:
         assert [float(row["mass"]) for row in csv.DictReader(file)] == [1e4, 3e4]
 

@@ -321,11 +321,9 @@ def test_the_largest_differences():
 def test_what_the_terminal_says():
     finished = replace(sweep_of(rows(key("a.x", 1, 2, 3))), report=Report(all_passed(), {}, ()))
     lines = sweep_report.sweep_text(finished, Path("results/x")).splitlines()
-    assert lines[0].startswith(
-        "3 runs: 3 passed all checks. Finite elements and rigid body differ by at most"
-    )
+    assert lines[-2] == "3 runs: 3 passed all checks. Finite elements and rigid body differ by at most"
     files = ["Table:  results/x/sweep.parquet", "Report: results/x/report.html"]
-    assert lines[-5:] == ["Varied: a.x 1, 2, 3.", "", "Cost:   no runs remained", *files]
+    assert lines[:-2] == ["Cost:   no runs remained", "", "Varied: a.x 1, 2, 3.", *files, ""]
 
 
 def test_words():
