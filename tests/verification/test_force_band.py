@@ -159,7 +159,8 @@ def test_the_first_screen_has_band_origin_and_outcomes(bands):
             f"median {middle / 1e3:.0f} kN; 90 % of the inputs alone: {lower / 1e3:.0f} to {upper / 1e3:.0f} kN"
             in headline.answer
         )
-        assert headline.band == SI.rendered(band.sentence)
+        assert headline.band.startswith(SI.rendered(band.sentence))
+        assert ("`tailslap validate`" in headline.band) == (name != TRUCK)
         assert headline.lines[1] == headline.band
         assert f"1 {band.decision}"[2:] in f" {case(name).headline(band).answer}"
         assert band.decisive[0] in band.decision

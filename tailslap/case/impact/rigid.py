@@ -61,6 +61,8 @@ OF_A_TRAILER = ("centre_of_mass", "yaw_inertia", "hitch", "kingpin", "mass", "le
 OF_AN_AXLE = ("position", "friction", "cornering")
 """Keys of an axle that it depends on."""
 
+VERDICT = " Published values beside such bands: `tailslap validate`, docs/validation.md."
+
 ROUNDING = 2e-3
 """Relative difference from a plateau of a force that equals it."""
 
@@ -87,6 +89,11 @@ ENDS = {
     "v_gy": ("v_GY", "m/s"),
 }
 """Labels and units of the end."""
+
+
+def tested(band: ForceBand) -> str:
+    """Return the origin of a band and its comparison with tests."""
+    return f"{band.sentence}{VERDICT if band.percentiles else ''}"
 
 
 @cached("rigid impact")
@@ -436,7 +443,7 @@ class RigidImpact(Case):
             self.force_sentence(self.answer, band=band),
             self.set_up,
             f"Rigid vehicle{' in space' if self.space else ''}; {error}.",
-            band.sentence,
+            tested(band),
         )
 
     def drawing(self) -> Chart:
