@@ -275,9 +275,27 @@ SUMMARY = (
         "N, s, m",
         "force on the wall by filter; at the largest 50 ms mean: components, height, length",
     ),
+    (
+        "space.moment.*",
+        "N m, m, N",
+        "largest 50 ms mean of the moment about the foot of the wall, with height, length and force then",
+    ),
+    ("space.working_width", "m", "of the vehicle alone, from the foot of the wall"),
+    (
+        "space.intrusion[].*",
+        "m, s",
+        "farthest point of each strip of the body over the wall, behind its face",
+    ),
+    (
+        "space.exit_box.*",
+        "m",
+        "exit box, and how far a wheel reaches from the face; `inside`: of an upright vehicle",
+    ),
+    ("space.lacking", "", "what working width and exit box need and the scene lacks"),
     ("space.exit.*", "s, m/s, rad", "time, speed, direction and heading at the last contact"),
     ("space.lifted[].*", "s", "intervals with wheels off the ground"),
     ("space.energy.*", "J", "works and kinetic energy at the end"),
+    ("impact_severity", "J", "m (v sin theta)^2/2 of a whole impact"),
     ("paper_method.*", "s, N, N s", "the paper's Stages 1 to 3 for the same vehicle"),
     (
         "occupant_risk[].*",

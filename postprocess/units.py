@@ -32,7 +32,7 @@ def measure(value: float, unit: str, form: str = ".4g", named: bool = True) -> s
     value : float
         In `unit`.
     unit : str
-        Unit of the value, like "kN". SI shows "N", "N s", "J" and "rad" as "kN", "kN s", "kJ" and "deg".
+        Unit of the value, like "kN". SI shows "N", "N s", "N m", "J" and "rad" with "k", and as "deg".
     form : str
         Format specification in SI; other units have equally many digits, at least three.
     named : bool
@@ -84,7 +84,11 @@ class Units:
 
 
 SI = Units(
-    "si", {"N": (1e-3, "kN"), "N s": (1e-3, "kN s"), "J": (1e-3, "kJ"), "rad": (180.0 / math.pi, "deg")}
+    "si",
+    {
+        **{unit: (1e-3, f"k{unit}") for unit in ("N", "N s", "N m", "J")},
+        "rad": (180.0 / math.pi, "deg"),
+    },
 )
 US = Units(
     "us",
@@ -92,6 +96,7 @@ US = Units(
         "m": (1.0 / FOOT, "ft"), "mm": (1e-3 / INCH, "in."), "m/s": (1.0 / FOOT, "ft/s"),
         "N": (1.0 / KIP, "kip"), "kN": (1e3 / KIP, "kip"),
         "N s": (1.0 / KIP, "kip s"), "kN s": (1e3 / KIP, "kip s"),
+        "N m": (1.0 / (KIP * FOOT), "kip ft"), "kN m": (1e3 / (KIP * FOOT), "kip ft"),
         "J": (1.0 / (KIP * FOOT), "kip ft"), "kJ": (1e3 / (KIP * FOOT), "kip ft"),
         "kg": (1.0 / POUND, "lb"), "t": (1e3 / POUND, "lb"), "kg/m^3": (FOOT**3 / POUND, "lb/ft^3"),
         "Pa": (INCH**2 / KIP, "ksi"), "MPa": (1e6 * INCH**2 / KIP, "ksi"), "GPa": (1e9 * INCH**2 / KIP, "ksi"),

@@ -67,6 +67,11 @@ class DesignForce:
         """Lateral force [N]."""
         return self.kip * KIP
 
+    @property
+    def moment(self) -> float | None:
+        """Force times height [N m], None where no height is published."""
+        return None if self.height is None else self.force * self.height
+
 
 def design_forces(test_level: str) -> Sequence[DesignForce]:
     """Return the design loads of a test level, those of MASH first.

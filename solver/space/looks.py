@@ -16,8 +16,8 @@ from solver.space import state
 WINDOW = 0.05
 """Duration of the mean of the design force [s]."""
 
-COMPARED = {"largest_roll": 0.05, "mean_50ms": 1e3, "height": 0.05}
-"""Quantities by which the error is judged, with the sizes below which their change is not relative [rad, N, m]."""
+COMPARED = {"largest_roll": 0.05, "mean_50ms": 1e3, "height": 0.05, "moment": 1e3}
+"""Quantities by which the error is judged, with the sizes below which their change is not relative [rad, N, m, N m]."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,9 @@ class Look:
     ----------
     outcome : int
         Outcome by its number in compiled code.
-    roll, mean, height, time : float
-        Largest roll, 90 deg unless upright [rad], largest 50 ms mean [N], height of its resultant [m] and its end [s].
+    roll, mean, height, time, moment : float
+        Largest roll, 90 deg unless upright [rad], largest 50 ms mean [N], height of its resultant [m] and its end [s];
+        largest 50 ms mean of the moment [N m].
     rows : ndarray, shape (rows, columns)
         See `state`.
     interval : float
@@ -41,6 +42,7 @@ class Look:
     mean: float
     height: float
     time: float
+    moment: float
     rows: Array
     interval: float
 
@@ -66,14 +68,15 @@ class Look:
         row = first + int(np.argmax(means[first : middle + half + 1]))
         return float(means[row]), float(heights[row])
 
-    def changes(self, other: "Look") -> tuple[float, float, float]:
+    def changes(self, other: "Look") -> tuple[float, float, float, float]:
         """Return relative changes of `COMPARED` from another motion."""
-        roll, mean, height = COMPARED.values()
+        roll, mean, height, moment = COMPARED.values()
         force, place = self.at(other.time)
         return (
             abs(other.roll - self.roll) / max(self.roll, roll),
             abs(other.mean - force) / max(force, mean),
             abs(other.height - place) / max(place, height),
+            abs(other.moment - self.moment) / max(self.moment, moment),
         )
 
     def spread(self, error: float) -> float:
@@ -107,5 +110,7 @@ def look_at(answers: Any, rows: Array, interval: float) -> Look:
     """Return the first of motions with its rows."""
     outcome = int(answers.outcome[0])
     roll = min(abs(float(answers.largest_roll[0])), 0.5 * np.pi) if outcome == state.UPRIGHT else 0.5 * np.pi
-    mean, height, time = (float(v[0]) for v in (answers.mean_50ms, answers.height, answers.mean_time))
-    return Look(outcome, roll, mean, height, time, rows[: int(answers.rows[0])], interval)
+    mean, height, time, moment = (
+        float(values[0]) for values in (answers.mean_50ms, answers.height, answers.mean_time, answers.moment)
+    )
+    return Look(outcome, roll, mean, height, time, moment, rows[: int(answers.rows[0])], interval)

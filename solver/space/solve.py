@@ -49,6 +49,9 @@ class SpaceAnswers(NamedTuple):
     height, length : ndarray
         Height of the resultant then, and length of the uniform force with the same standard deviation along the wall
         [m].
+    moment, moment_height, moment_length : ndarray
+        Largest 50 ms mean of the moment of the lateral force about the foot of the wall [N m], with height and length
+        of the force then [m].
     raw : ndarray
         Largest mean of a row [N].
     exit_speed, exit_direction, exit_yaw : ndarray
@@ -74,6 +77,9 @@ class SpaceAnswers(NamedTuple):
     vertical: Array
     height: Array
     length: Array
+    moment: Array
+    moment_height: Array
+    moment_length: Array
     raw: Array
     exit_speed: Array
     exit_direction: Array

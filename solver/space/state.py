@@ -68,17 +68,16 @@ WHEELS = ("load_right", "load_left", "heave", "axle_roll")
 """Columns of a row: `FORCES`, `WORKS`, `ENERGIES`, then `POSE` of each unit and `WHEELS` of each axle."""
 
 OUTCOME, ROLL, ROLL_TIME, PITCH, PITCH_TIME, MEAN, MEAN_TIME, MEAN_ALONG, MEAN_UP = range(9)
-CENTRE_HEIGHT, CONTACT_LENGTH, RAW, EXIT_SPEED, EXIT_ANGLE, EXIT_YAW, REACHED, TOUCHED, ROWS_WRITTEN = range(
-    9, 18
-)
-INERTIAL, ANSWERS = 18, 19
+CENTRE_HEIGHT, CONTACT_LENGTH, MOMENT_MEAN, MOMENT_HEIGHT, MOMENT_LENGTH, RAW = range(9, 15)
+EXIT_SPEED, EXIT_ANGLE, EXIT_YAW, REACHED, TOUCHED, ROWS_WRITTEN, INERTIAL, ANSWERS = range(15, 23)
 """Columns of an answer.
 
 Outcome; largest roll and pitch with the sign that they have then, and their instants; largest 50 ms mean of the
 lateral force, its end, and the means of the other forces then [N]; height of its resultant and length of the uniform
-force with the same standard deviation along the wall [m]; largest mean of an interval [N]; at the last contact speed
-[m/s], direction of travel and of the vehicle away from the wall [rad]; end and last contact [s]; rows written; mass of
-the first unit times the largest 50 ms mean of the acceleration of its sensor away from the wall [N].
+force with the same standard deviation along the wall [m]; largest 50 ms mean of the moment of the lateral force about
+the ground [N m], with height and length of the force then [m]; largest mean of an interval [N]; at the last contact
+speed [m/s], direction of travel and of the vehicle away from the wall [rad]; end and last contact [s]; rows written;
+mass of the first unit times the largest 50 ms mean of the acceleration of its sensor away from the wall [N].
 """
 
 UPRIGHT, ON_ITS_SIDE, OVER, LOST = range(4)

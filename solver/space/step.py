@@ -289,30 +289,49 @@ def _verdict(units, bodies, joints, edge, most, t, answer, rolls):
 
 @compiled
 def _means(windows, sums, window, interval, answer):
-    """Set the largest means of lateral force and acceleration over a window.
+    """Set the largest means of lateral force, its moment, and acceleration.
 
     sums: overwritten.
     """
-    total, best, at = 0.0, 0.0, 0
     for k in range(windows.shape[0]):
         gain = windows[k, col.SENSED] - windows[max(k - window, 0), col.SENSED]
         answer[col.INERTIAL] = max(answer[col.INERTIAL], gain / (window * interval))
-        total += windows[k, col.LATERAL] - (windows[k - window, col.LATERAL] if k >= window else 0.0)
         answer[col.RAW] = max(answer[col.RAW], windows[k, col.LATERAL])
+    _add_largest(windows, col.MOMENT, window, sums)
+    answer[col.MOMENT_MEAN] = sums[col.MOMENT] / window
+    answer[col.MOMENT_HEIGHT], answer[col.MOMENT_LENGTH] = _height_and_length(sums)
+    at = _add_largest(windows, col.LATERAL, window, sums)
+    answer[col.MEAN], answer[col.MEAN_TIME] = sums[col.LATERAL] / window, at * interval
+    answer[col.MEAN_ALONG], answer[col.MEAN_UP] = sums[col.ALONG] / window, sums[col.UP] / window
+    answer[col.CENTRE_HEIGHT], answer[col.CONTACT_LENGTH] = _height_and_length(sums)
+
+
+@compiled
+def _height_and_length(sums):
+    """Return height and length of the lateral force of a window."""
+    force = sums[col.LATERAL]
+    if force <= 0.0:
+        return 0.0, 0.0
+    station = sums[col.STATION] / force
+    return sums[col.MOMENT] / force, np.sqrt(12.0 * max(sums[col.SPREAD] / force - station * station, 0.0))
+
+
+@compiled
+def _add_largest(windows, column, window, sums):
+    """Add up the window with the largest sum of a column.
+
+    Returns its last row.
+    """
+    total, best, at = 0.0, 0.0, 0
+    for k in range(windows.shape[0]):
+        total += windows[k, column] - (windows[k - window, column] if k >= window else 0.0)
         if total > best:
             best, at = total, k
     sums[:] = 0.0
     for k in range(max(at - window + 1, 0), at + 1):
         for j in range(6):
             sums[j] += windows[k, j]
-    answer[col.MEAN], answer[col.MEAN_TIME] = sums[col.LATERAL] / window, at * interval
-    answer[col.MEAN_ALONG], answer[col.MEAN_UP] = sums[col.ALONG] / window, sums[col.UP] / window
-    if sums[col.LATERAL] > 0.0:
-        station = sums[col.STATION] / sums[col.LATERAL]
-        answer[col.CENTRE_HEIGHT] = sums[col.MOMENT] / sums[col.LATERAL]
-        answer[col.CONTACT_LENGTH] = np.sqrt(
-            12.0 * max(sums[col.SPREAD] / sums[col.LATERAL] - station * station, 0.0)
-        )
+    return at
 
 
 @compiled

@@ -45,7 +45,7 @@ OF_AXLE, OF_STRIP = (
 )
 """Keys of one axle and one strip that may vary alone."""
 
-COLUMNS = ("outcome", "largest_roll", "mean_50ms", "height", "length")
+COLUMNS = ("outcome", "largest_roll", "mean_50ms", "height", "length", "moment", "moment_height")
 """Answers that samples record."""
 
 

@@ -68,7 +68,7 @@ def force_tables(case: Any) -> dict[str, Table]:
         return {"Design forces": short(design_table(case, case.mean_force(float(case.force.peak_force))))}
     answer = case.answer
     if case.space:
-        return {"Design forces": short(design_table(case, in_space=case.space.numbers()["force"]))}
+        return {"Design forces": short(design_table(case, in_space=case.space.numbers()))}
     tables = {"Strikes": strikes_table({"rigid": answer.numbers()["strikes"]})}
     longitudinal = float(answer.longitudinal["mean_50ms"].max())
     return tables | {"Design forces": short(design_table(case, answer.peaks["mean_50ms"], longitudinal))}

@@ -23,11 +23,14 @@ DESIGN = (
     Column("ratio", "50 ms mean / design", form=".2f"),
     *columns({"longitudinal": "Along", "vertical": "Vertical"}, unit="N", form="#.3g"),
     *columns({"height": "Height", "length": "Length"}, "m", form=".2f"),
+    Column("moment", "Force times height", "N m", form="#.4g"),
     Column("source", "Source", style="soft"),
 )
 OF_SPACE = (
     "Ratios: the force in space over the design load. Its height is that of the resultant, its length that of a "
-    "uniform force with the same standard deviation along the wall; along and vertical forces are at the same instant."
+    "uniform force with the same standard deviation along the wall; along and vertical forces are at the same instant. "
+    "Force, height and length are one load, as in Section 13 of AASHTO LRFD; force times height is its moment about "
+    "the foot of the wall, and the largest moment governs the base."
 )
 OUTSIDE_THE_PLANE = "Height, length and vertical force of this impact are outside the planar model."
 CHECKS = (
@@ -111,7 +114,10 @@ def design_ratios(case: Case, lateral: float) -> list[dict[str, object]]:
     return [
         {
             **{"name": name, "force": design.force, "ratio": lateral / design.force, "source": design.source},
-            **{key: getattr(design, key) for key in ("longitudinal", "vertical", "height", "length")},
+            **{
+                key: getattr(design, key)
+                for key in ("longitudinal", "vertical", "height", "length", "moment")
+            },
         }
         for name, design in design_forces_of(impact.test_level if impact else None).items()
     ]
@@ -121,12 +127,12 @@ def design_table(
     case: Case,
     lateral: float = math.nan,
     longitudinal: float | None = None,
-    in_space: Mapping[str, float] | None = None,
+    in_space: Mapping[str, Any] | None = None,
 ) -> Table:
     """Return a force [N] above the design loads of the test level.
 
-    lateral, longitudinal: of a motion in the plane [N]; in_space: the force with its height and length of the vehicle
-    in space, see `SpaceAnswer.numbers`.
+    lateral, longitudinal: of a motion in the plane [N]; in_space: numbers of the vehicle in space, see
+    `SpaceAnswer.numbers`.
     """
     computed = dict.fromkeys(column.key for column in DESIGN) | {
         "name": "This impact, 50 ms mean",
@@ -135,13 +141,19 @@ def design_table(
     }
     rows, loads = [computed], design_ratios(case, lateral)
     if in_space:
-        names = ("longitudinal", "vertical", "height", "length")
-        of_space = {name: in_space[name] for name in names} | {"force": in_space["mean_50ms"]}
+        largest, moment = in_space["force"], in_space["moment"]
+        mean = largest["mean_50ms"]
+        at_force = largest | {
+            "force": mean,
+            "moment": mean * largest["height"],
+            "name": "In space, 50 ms mean",
+        }
+        at_moment = moment | {"moment": moment["mean_50ms"], "name": "In space, largest moment"}
         companion = [] if math.isnan(lateral) else [computed | {"name": "Companion in the plane, 50 ms mean"}]
-        rows = [computed | of_space | {"name": "In space, 50 ms mean"}, *companion]
-        loads = design_ratios(case, in_space["mean_50ms"])
+        rows = [computed | at_force, computed | at_moment, *companion]
+        loads = design_ratios(case, mean)
     notes = (OF_SPACE if in_space else OUTSIDE_THE_PLANE,)
-    return Table(DESIGN, [*rows, *loads] if loads else [], notes=notes)
+    return Table(DESIGN, [*rows, *loads] if loads or in_space else [], notes=notes)
 
 
 def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
@@ -160,8 +172,8 @@ def strikes_table(strikes: Mapping[str, Sequence[Mapping[str, Any]]]) -> Table:
 
 
 def short(table: Table) -> Table:
-    """Return a table without its last column, too long for a terminal."""
-    return Table(table.columns[:-1], table.rows)
+    """Return a table without moments and sources, too long for a terminal."""
+    return Table(tuple(c for c in table.columns if c.key not in ("moment", "source")), table.rows)
 
 
 def failed_section(checks: Sequence[Check], diagnosis: Sequence[str]) -> Section:

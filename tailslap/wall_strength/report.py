@@ -294,8 +294,8 @@ def _headline(
     return Headline(f"Strength of the parapet: {case.subject}", answer, case.set_up, certainty, band.sentence)
 
 
-def _simple_rows(case: Case, strengths: Strengths, rows: list[Computed]) -> list[dict[str, object]]:
-    """Return punching and deck overhang by simple formulas."""
+def _simple_rows(case: Any, strengths: Strengths, rows: list[Computed]) -> list[dict[str, object]]:
+    """Return punching, deck overhang and moment of the impact by simple formulas."""
     table, first = case.scene.parapet, rows[0]
     assert table
     governing = [row.lower for row in rows if row.load_name == "code" and row.lower]
@@ -314,6 +314,12 @@ def _simple_rows(case: Case, strengths: Strengths, rows: list[Computed]) -> list
                 "m",
                 "lower bound times height over M_c at the base",
             )
+        )
+    if case.scene.body:
+        moment = case.space.numbers()["moment"]
+        at = f"{moment['force'] / 1e3:.4g} kN at {moment['height']:.2f} m over {moment['length']:.2f} m"
+        items.append(
+            ("moment of this impact at the foot", moment["mean_50ms"], "N m", f"largest 50 ms mean: {at}")
         )
     if table.section:
         depth = table.section.thickness[-1][1] - table.section.cover

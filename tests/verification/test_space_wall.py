@@ -242,12 +242,12 @@ def test_strikes_with_equal_means_have_both_heights():
     rows = np.zeros((400, 14))
     rows[50:100, 0], rows[250:300, 0] = 1.0, 0.999
     rows[:, 3] = np.where(np.arange(400) < 200, 0.6, 0.4) * rows[:, 0]
-    look = Look(0, 0.1, 1.0, 0.6, 0.099, rows, 1e-3)
+    look = Look(0, 0.1, 1.0, 0.6, 0.099, 1.0, rows, 1e-3)
     assert look.heights(1e-4) == (0.6,)
     assert look.heights(2e-3) == pytest.approx((0.6, 0.4))
-    other = replace(look, mean=1.001, height=0.4, time=0.299, rows=rows[:, :] * 1.0)
+    other = replace(look, mean=1.001, height=0.4, time=0.299, moment=4e3, rows=rows[:, :] * 1.0)
     assert look.changes(other) == pytest.approx(
-        (0.0, 1.001 / 0.999 * 0.999 / 1e3 - 0.999 / 1e3, 0.0), abs=1e-5
+        (0.0, 1.001 / 0.999 * 0.999 / 1e3 - 0.999 / 1e3, 0.0, 3999.0 / 1e3), abs=1e-5
     )
 
 

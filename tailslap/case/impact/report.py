@@ -19,6 +19,7 @@ from postprocess.units import Units, force, measure, milliseconds, percent_up
 from tailslap.case.check import failed_names, failed_sentence
 from tailslap.case.impact import checks, error, figures, run, space_figures
 from tailslap.case.impact.answers import COMPANION, WEIGHT, ImpactAnswer, remarks
+from tailslap.case.impact.design import MEANING, OVER, sentences
 from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import RigidImpact, tested
 from tailslap.case.impact.rigid_input import above_wall
@@ -139,7 +140,8 @@ class ImpactReport(FeReport):
         positions = figures.position_strip(outcome.fe, case.vehicles)
         plane = ", companion in the plane" if case.space else ""
         return [
-            Section("Force on the wall", tables=[force_table(outcome), design]),
+            Section("Force on the wall", tables=[force_table(outcome)]),
+            _design_section(case, design),
             Section(f"Strikes{plane}", tables=[_strikes(outcome), errors_table(outcome)]),
             Section(
                 f"Motion and force{plane}",
@@ -201,6 +203,7 @@ class ImpactReport(FeReport):
             "fe": outcome.fe.numbers(),
             **({"space": case.space.numbers()} if case.space else {}),
             "inertial": case.inertial,
+            "impact_severity": case.impact_severity,
             "paper_method": case.paper_method,
             "remarks": remarks(outcome.fe),
             "difference": outcome.difference,
@@ -316,8 +319,21 @@ def _design_table(outcome: run.ImpactOutcome) -> Table:
     """Return the table of 50 ms means and design loads."""
     longitudinal = float(outcome.fe.longitudinal["mean_50ms"].max())
     case = outcome.fe_plan.case
-    in_space = case.space.numbers()["force"] if case.space else None
+    in_space = case.space.numbers() if case.space else None
     return design_table(case, outcome.mean_force, longitudinal, in_space)
+
+
+def _design_section(case: RigidImpact, loads: Table) -> Section:
+    """Return what the design of a wall takes from the impact."""
+    numbers = case.space.numbers() if case.space else None
+    over = numbers["intrusion"] if numbers else []
+    rows = [row | {"strip": f"strip.{row['strip']}"} for row in over]
+    severity = f"Impact severity m (v sin(theta))^2/2: {measure(case.impact_severity, 'J', '.4g')}."
+    return Section(
+        "For the design",
+        tables=[loads, Table(OVER, rows, notes=(MEANING,))],
+        sentences=[severity, *(sentences(numbers) if numbers else ())],
+    )
 
 
 def _wall(outcome: run.ImpactOutcome) -> list[Table]:

@@ -208,6 +208,14 @@ class RigidImpact(Case):
             return _solved(case, end, TRAIN_TOLERANCE if self.trailers else impact.TOLERANCE)
 
     @property
+    def impact_severity(self) -> float:
+        """Impact severity m (v sin(theta))^2/2 [J], m of the whole train."""
+        table = self.scene.impact
+        assert table
+        mass = sum(unit.mass for unit in self.vehicles)
+        return float(0.5 * mass * (table.speed * math.sin(table.angle)) ** 2)
+
+    @property
     def duration(self) -> float:
         """End of the impact [s], with [plate] in the plane."""
         is_planar = self.scene.plate or not self.space
@@ -484,6 +492,7 @@ class RigidImpact(Case):
             numbers["space"] = self.space.numbers()
         elif self.trailers:
             numbers["error"] = self.motion.error
+        numbers["impact_severity"] = self.impact_severity
         numbers["remarks"] = answers.remarks(self.answer)
         return {
             "scene": self.scene.name,

@@ -23,7 +23,7 @@ from solver.space.vehicle import (
     fleet_of,
 )
 from tailslap import progress
-from tailslap.case.impact import space_figures
+from tailslap.case.impact import design, space_figures
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.rigid_input import SENSOR_HEIGHT, sensor_position
 from tailslap.scene.schema import Scene, value_at
@@ -244,6 +244,7 @@ class SpaceAnswer:
                 "heights": list(self.motion.heights),
                 "length": float(result.length),
             },
+            **design.numbers(self.inputs.vehicle, self.inputs.wall, self.motion, self.outcome),
             "exit": {
                 "t": float(result.last_contact),
                 "speed": float(result.exit_speed),
@@ -299,7 +300,11 @@ class SpaceAnswer:
     def accuracy(self) -> str:
         """Stated error of roll, force and height by its parts."""
         motion = self.motion
-        what = "force and height" if self.outcome == space.UNDECIDED else "roll, force and height"
+        what = (
+            "force, height and moment"
+            if self.outcome == space.UNDECIDED
+            else "roll, force, height and moment"
+        )
         step, strip = (percent_up(error) for error in (motion.step_error, motion.strip_error))
         other = (
             f", {percent_up(motion.other_error)} with other ones than halves" if motion.other_error else ""
@@ -336,7 +341,8 @@ class SpaceAnswer:
     def text(self, units: str) -> list[str]:
         """Return lines for a terminal."""
         system = SYSTEMS[units]
-        lines = [TITLE, *(f"  {system.rendered(sentence)}" for sentence in self.sentences)]
+        sentences = *self.sentences, *design.sentences(self.numbers())
+        lines = [TITLE, *(f"  {system.rendered(sentence)}" for sentence in sentences)]
         for row in self.force_rows:
             parts = ", ".join(
                 f"{name} {system.rendered(measure(row[name], 'N', '.0f'))}"

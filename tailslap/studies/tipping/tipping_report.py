@@ -37,6 +37,8 @@ BANDS = {
     "mean_50ms": ("50 ms mean", "N", ".0f"),
     "height": ("Resultant", "m", ".2f"),
     "length": ("Length", "m", ".2f"),
+    "moment": ("Moment", "N m", ".0f"),
+    "moment_height": ("At", "m", ".2f"),
 }
 """Label, unit and form of the answers in tables."""
 
@@ -49,7 +51,7 @@ ANSWERS = (
             Column(f"{name}.1", label, unit, form=form, style="strong"),
             *columns({f"{name}.0": "5 %", f"{name}.2": "95 %"}, unit=unit, form=form),
         )
-        if name != "length" or column.key == "length.1"
+        if name == "mean_50ms" or column.key.endswith(".1")
     ),
 )  # fmt: skip
 """Columns of fractions and bands."""
@@ -75,7 +77,8 @@ INPUTS = (Column("key", "Input"), Column("range", "Range", form=str), Column("or
 MEANING = (
     "Upright: fraction of the samples, with its 95 % interval due to their number, one-sided for all and none. "
     "Resultant: height of the lateral force at the largest 50 ms mean; length: of the uniform force with the same "
-    "standard deviation along the wall."
+    "standard deviation along the wall. Moment: largest 50 ms mean about the foot of the wall, with the height of the "
+    "force then."
 )
 
 COMMON_WALL = 36 * INCH
