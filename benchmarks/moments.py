@@ -1,8 +1,11 @@
-"""Print moments about the foot of a vertical wall beside an independent program.
+"""Moments about the foot of vertical walls beside an independent program.
+
+    .venv/bin/python benchmarks/moments.py [--samples 1024]
 
 Medians of the 10000S of `tailslap validate`, first set of ranges; standard error of the median of 48 samples.
 """
 
+import command_line
 import numpy as np
 
 from tailslap.validation import outcomes, predictions
@@ -10,14 +13,16 @@ from tailslap.validation import outcomes, predictions
 INDEPENDENT = {27: (112.0, 0.55), 32: (180.0, 0.61), 36: (207.0, 0.65), 42: (325.0, 0.75), 54: (406.0, 0.88)}
 """Moment [kN m] and height [m] of rigid trucks of another program by the height of the wall [in], 48 samples."""
 
-SAMPLES, COUNT = 1024, 48
+COUNT = 48
+"""Samples of the other program."""
 
 
 def main() -> None:
     """Print the table."""
+    options = command_line.options(__doc__, samples=1024)
     truck = predictions.parameters()["space_vehicles"]["10000S"]
     outcomes.COLUMNS |= {name: name for name in ("moment", "moment_height")}
-    outcomes.SAMPLES, draw = SAMPLES, np.random.default_rng(1)
+    outcomes.SAMPLES, draw = options.samples, np.random.default_rng(1)
     print("wall [in]  moment [kN m]  independent  difference  its standard error  height [m]  independent")
     for inches, (moment, height) in INDEPENDENT.items():
         case = {"wall": {"height": f"{inches} in", "profile": "vertical"}}

@@ -46,6 +46,19 @@ MASH = {
 """Lateral design loads for the vehicles of MASH by test level: name, force [kip] and source."""
 
 
+EN_LEVELS = ("T1", "T2", "T3", "N1", "N2", "H1", "H2", "H3", "H4a", "H4b")
+"""Containment levels of EN 1317-2; their names are not confirmed here."""
+
+EN_CLASSES = {"A": 100e3, "B": 200e3, "C": 400e3, "D": 600e3}
+EN_HEIGHT, EN_BELOW_TOP, EN_LENGTH = 1.0, 0.1, 0.5
+"""Horizontal forces of EN 1991-2 by class [N]; their height above the road, at most that below the top of the wall, and
+their length [m]."""
+
+EN_1991_2 = (
+    "EN 1991-2, classes A to D, not confirmed here; no class follows from the containment level of EN 1317-2"
+)
+
+
 @dataclass(frozen=True)
 class DesignForce:
     """Design load of a railing and its source.
@@ -73,13 +86,21 @@ class DesignForce:
         return None if self.height is None else self.force * self.height
 
 
-def design_forces(test_level: str) -> Sequence[DesignForce]:
+def design_forces(test_level: str, top: float | None = None) -> Sequence[DesignForce]:
     """Return the design loads of a test level, those of MASH first.
 
-    test_level: "TL-1" to "TL-6", otherwise ValueError.
+    test_level: "TL-1" to "TL-6", or one of `EN_LEVELS`, otherwise ValueError. top: height of the wall [m].
     """
+    if test_level in EN_LEVELS:
+        height = EN_HEIGHT if top is None else min(EN_HEIGHT, top - EN_BELOW_TOP)
+        return [
+            DesignForce(
+                f"EN 1991-2 {name} (not verified)", newtons / KIP, EN_1991_2, height=height, length=EN_LENGTH
+            )
+            for name, newtons in EN_CLASSES.items()
+        ]
     if test_level not in LRFD:
-        raise ValueError(f"test level {test_level!r}: must be one of {', '.join(LRFD)}")
+        raise ValueError(f"test level {test_level!r}: must be one of {', '.join((*LRFD, *EN_LEVELS))}")
     units = {"longitudinal": KIP, "vertical": KIP, "height": INCH, "length": FOOT}
     load = LRFD[test_level]
     components = {name: load[name] * unit for name, unit in units.items() if name in load}

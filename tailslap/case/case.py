@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from postprocess.comparison.records import Compared
-from postprocess.signals.design_forces import REPORT_350, design_forces
+from postprocess.signals.design_forces import MASH, design_forces
 from postprocess.units import force, measure
 from tailslap.case import plate_input, resources
 from tailslap.case.check import FINER, Check, Evaluation
@@ -254,9 +254,9 @@ class Case(ABC):
         without a test level, and for levels that have only loads of lighter vehicles.
         """
         level = self.scene.impact and self.scene.impact.test_level
-        first = design_forces(level)[0] if level else None
-        if first is None or first.name == REPORT_350:
+        if level is None or level not in MASH:
             return ""
+        first = design_forces(level)[0]
         span = " to ".join(f"{end / first.force:.2g}" for end in ends)
         multiple = f"{mean / first.force:.2g}{f' ({span})' if span else ''}"
         return f", {multiple} times {first.name}, {level} ({force(first.force)})"

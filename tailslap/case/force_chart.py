@@ -34,8 +34,7 @@ def force_chart(case: Any) -> Chart:
     from postprocess.figures.impact import Forces, draw_forces
 
     t, curves, strikes = (_impact if case.scene.contact else _tail_slap)(case)
-    level = case.scene.impact.test_level if case.scene.impact else None
-    levels = {name: design.force for name, design in design_forces_of(level).items()}
+    levels = {name: design.force for name, design in design_forces_of(case.scene).items()}
     caption = "Lateral force on the wall, rigid vehicle" + ("; lines across: design forces" if levels else "")
     return draw_forces(caption, [Forces("force on the wall", t, curves)], strikes, levels)
 

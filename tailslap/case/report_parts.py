@@ -15,6 +15,7 @@ from postprocess.units import milliseconds
 from tailslap.case.case import Case
 from tailslap.case.check import Check, printed_check
 from tailslap.errors import typed_command
+from tailslap.scene.schema import Scene
 from tailslap.scene.write import scene_text
 
 DESIGN = (
@@ -99,18 +100,18 @@ def study_summary(study: str, case: Case) -> dict[str, object]:
     return {"study": study, "scene": case.scene.name, "version": tailslap.__version__}
 
 
-def design_forces_of(level: str | None) -> dict[str, DesignForce]:
-    """Return a test level's design forces by name.
+def design_forces_of(scene: Scene) -> dict[str, DesignForce]:
+    """Return the design forces of a scene's test level by name.
 
     A tractor with trailer has those of both of its levels.
     """
+    level, top = scene.impact and scene.impact.test_level, scene.wall.height if scene.wall else None
     levels = OF_TRACTORS if level in OF_TRACTORS else (level,) if level else ()
-    return {f"{force.name}, {name}": force for name in levels for force in design_forces(name)}
+    return {f"{force.name}, {name}": force for name in levels for force in design_forces(name, top)}
 
 
 def design_ratios(case: Case, lateral: float) -> list[dict[str, object]]:
     """Return a lateral force [N] over design forces."""
-    impact = case.scene.impact
     return [
         {
             **{"name": name, "force": design.force, "ratio": lateral / design.force, "source": design.source},
@@ -119,7 +120,7 @@ def design_ratios(case: Case, lateral: float) -> list[dict[str, object]]:
                 for key in ("longitudinal", "vertical", "height", "length", "moment")
             },
         }
-        for name, design in design_forces_of(impact.test_level if impact else None).items()
+        for name, design in design_forces_of(case.scene).items()
     ]
 
 

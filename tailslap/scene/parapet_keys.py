@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from postprocess.signals.design_forces import REPORT_350, design_forces
+from postprocess.signals.design_forces import design_forces
 from tailslap.errors import InputError, Missing
 from tailslap.scene import schema
 
@@ -51,16 +51,16 @@ def check_parapet(scene: schema.Scene, parapet: schema.Parapet) -> None:
 def load_length_of(scene: schema.Scene, parapet: schema.Parapet) -> float:
     """Return the length of the load [m].
 
-    By default it is AASHTO's of the test level. Raises InputError without both.
+    By default it is that of AASHTO or EN 1991-2 for the test level. Raises InputError without both.
     """
     if parapet.load_length is not None:
         return parapet.load_length
     level = scene.impact and scene.impact.test_level
     if not level:
         raise InputError("parapet.load_length", Missing, "it is required without impact.test_level")
-    lengths = [load.length for load in design_forces(level) if load.name == REPORT_350]
-    assert lengths[0]
-    return lengths[0]
+    length = design_forces(level)[-1].length
+    assert length
+    return length
 
 
 def strengths_of(parapet: schema.Parapet) -> Strengths:

@@ -21,6 +21,12 @@ from tailslap.errors import InputError, Missing
 from tailslap.scene.units import Levels as LevelPairs
 from tailslap.scene.units import OfStrip, Pair, Quantity
 
+TestLevel = Literal[
+    "TL-1", "TL-2", "TL-3", "TL-4", "TL-5", "TL-6",
+    "T1", "T2", "T3", "N1", "N2", "H1", "H2", "H3", "H4a", "H4b",
+]  # fmt: skip
+"""Test levels of MASH, and containment levels of EN 1317-2."""
+
 MAX_ELEMENTS = 4_000_000
 """Largest mesh that fits the memory of a workstation."""
 
@@ -271,8 +277,9 @@ class Impact(SceneTable):
     convention: Literal["paper", "newton"] = key(
         "definition of restitution in Stage 1: factor (1 - e) of the paper, or Newton's (1 + e)", "paper"
     )
-    test_level: Literal["TL-1", "TL-2", "TL-3", "TL-4", "TL-5", "TL-6"] | None = key(
-        "MASH test level, whose AASHTO design force is compared with the result"
+    test_level: TestLevel | None = key(
+        "level whose design forces are compared with the result: of MASH with those of AASHTO, of EN 1317-2 with the "
+        "classes of EN 1991-2"
     )
 
 

@@ -217,9 +217,10 @@ def _demand_rows(
 ) -> list[dict[str, object]]:
     """Return the rows of this impact and of the design loads."""
     demands = [("this impact", demand, row) for row in of_impact]
-    level = case.scene.impact.test_level if case.scene.impact else None
     code = [row for row in rows if row.load_name == "code"]
-    demands += [(name, design.force, row) for name, design in design_forces_of(level).items() for row in code]
+    demands += [
+        (name, design.force, row) for name, design in design_forces_of(case.scene).items() for row in code
+    ]
     return [
         {
             "load": name,

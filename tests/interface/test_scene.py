@@ -67,6 +67,7 @@ WRONG = {
     ("wall.length", SIZE): ["-1 m"],
     ("vehicle.length", UNIT): ["3 kg", "3 blub"],
     ("vehicle.mass", UNIT): ["9979 lbf"],
+    ("impact.test_level", "'H3', 'H4a' or 'H4b'"): ["H4", "h1", "TL4"],
     ("vehicle.mass", MASS): ["nan", "inf", '"nan kg"', "true"],
     ("vehicle.mass", "a string with its unit"): ['"9979"'],
     ("vehicle.width", "the decimal separator is a point"): ["2,4 m", '"2,4"'],

@@ -18,6 +18,7 @@ from postprocess.svg.marks import Line, Words, line_style
 from tailslap.case.corner.corner_report import CornerReport
 from tailslap.case.report_parts import design_forces_of
 from tailslap.cli import _status
+from tailslap.scene.read import read_scene
 
 NEEDED = ("playwright", "axe_playwright_python", "pypdf")
 MISSING = [name for name in NEEDED if importlib.util.find_spec(name) is None]
@@ -328,7 +329,10 @@ def test_names_on_a_chart_cover_none_in_narrow_windows_and_on_paper(browser, tmp
 def test_all_design_loads_of_a_train_have_names(browser, tmp_path, width):
     """Three of them are within 20 pixels of each other."""
     t = np.linspace(0.0, 1.0, 101)
-    loads = {name: load.force for name, load in design_forces_of("TL-5").items()}
+    loads = {
+        name: load.force
+        for name, load in design_forces_of(read_scene("impact-mash-tl5-tractor-van")[0]).items()
+    }
     strikes = [StrikeMark("trailer front", 0.2, 0.3), StrikeMark("rear", 0.25, 0.3)]
     drawn = draw_forces("Force", [Forces("force", t, {"raw": 1.2e6 * np.sin(3.0 * t)})], strikes, loads)
     report_page = Page("", Headline("Loads", ""), (Section("Force", figures=(drawn,), layout="tall"),), "")

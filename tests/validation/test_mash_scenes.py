@@ -1,4 +1,4 @@
-"""Validate the MASH scenes by published test conditions.
+"""Validate the MASH and EN 1317 scenes by published test conditions.
 
 MASH 2016 names a vehicle by its mass in kg; speeds are 31, 44, 62, 56 and 50 mph or 50, 70, 100, 90 and
 80 km/h. Tests 3-10 and 3-11 as printed in National Academies (2024), doi 10.17226/27896, chapters 12 and 13.
@@ -9,6 +9,7 @@ import math
 import pytest
 
 from tailslap.case.corner.corner_case import CornerCase
+from tailslap.case.impact.case import ImpactCase
 from tailslap.errors import InputError
 from tailslap.scene.read import read_scene, scenes, shipped_scenes
 
@@ -93,6 +94,28 @@ def test_conditions_of_tractors(name):
 def test_scenes_that_swung_two_units_as_one_name_their_trains(name):
     with pytest.raises(InputError, match=f"allowed is impact-{name}, a train"):
         read_scene(name)
+
+
+EN_1317 = {  # km/h, degrees, kg, level
+    "tb11": (100, 20, 900, "N2"), "tb21": (80, 8, 1300, "T1"), "tb22": (80, 15, 1300, "T2"),
+    "tb31": (80, 20, 1500, "N1"), "tb32": (110, 20, 1500, "N2"), "tb41": (70, 8, 10000, "T3"),
+    "tb42": (70, 15, 10000, "H1"), "tb51": (70, 20, 13000, "H2"), "tb61": (80, 20, 16000, "H3"),
+    "tb71": (65, 20, 30000, "H4a"), "tb81": (65, 20, 38000, "H4b"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", EN_1317)
+def test_conditions_of_en_1317(name):
+    """The first line marks what no source confirms."""
+    kmh, degrees, mass, level = EN_1317[name]
+    case, text = ImpactCase(*read_scene(f"impact-en-{name}")), shipped_scenes()[f"impact-en-{name}"]
+    across = kmh / 3.6 * math.sin(math.radians(degrees))
+    assert case.impact_severity == pytest.approx(0.5 * mass * across**2, rel=1e-12)
+    assert case.scene.impact
+    assert (3.6 * case.scene.impact.speed, case.scene.impact.test_level) == (pytest.approx(kmh), level)
+    assert text.startswith(f"# EN 1317-2 {name.upper()}: ")
+    assert text.splitlines()[0].endswith("not confirmed")
+    assert "Assumed: " in text
 
 
 @pytest.mark.parametrize("level", ["tl1", "tl2", "tl3"])

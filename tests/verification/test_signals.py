@@ -4,16 +4,17 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
 from postprocess.signals import filters
 from postprocess.signals import occupant as risk
-from postprocess.signals.design_forces import LRFD, design_forces
+from postprocess.signals.design_forces import EN_LEVELS, LRFD, design_forces
 from postprocess.signals.filters import CLASSES, cfc_filter, force_curves, force_peaks, low_pass, moving_mean
 from postprocess.signals.strike_duration import second_strike
+from tailslap.scene.schema import TestLevel
 
 FILTERS: dict[str, Callable[..., Any]] = {
     **{f"CFC {c}": partial(cfc_filter, frequency_class=c) for c in CLASSES},
@@ -457,6 +458,17 @@ def test_design_forces_of_the_walls_that_tractors_strike():
     forces = {level: [round(row.force / 1e3) for row in design_forces(level)] for level in ("TL-5", "TL-6")}
     assert forces == {"TL-5": [712, 845, 1165, 552], "TL-6": [1334, 778]}
     assert [row.kip for row in design_forces("TL-5") if "not verified" in row.source] == [160.0, 262.0]
+
+
+@pytest.mark.parametrize(("top", "height"), [(None, 1.0), (0.9, 0.8), (1.5, 1.0)])
+def test_classes_of_en_1991_2(top, height):
+    """The load acts below the top of a low wall."""
+    loads = design_forces("H2", top)
+    assert [(load.force, load.height, load.length, load.moment) for load in loads] == [
+        pytest.approx((force, height, 0.5, force * height)) for force in (100e3, 200e3, 400e3, 600e3)
+    ]
+    assert all("not verified" in load.name and "not confirmed" in load.source for load in loads)
+    assert {*get_args(TestLevel)} == {*LRFD, *EN_LEVELS}
 
 
 def test_another_test_level_is_refused():

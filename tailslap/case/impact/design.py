@@ -104,6 +104,7 @@ def numbers(vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion, outcome
     over, box = intrusions(vehicle, wall, motion), exit_box(vehicle, wall, motion)
     edge = float(space_figures.geometry(vehicle, wall).face[-1, 0])
     moment, height = float(one.moment), float(one.moment_height)
+    is_judged = outcome == "upright" and float(one.last_contact) < float(one.end)
     return {
         "moment": {
             "mean_50ms": moment,
@@ -113,7 +114,7 @@ def numbers(vehicle: SpaceVehicle, wall: SpaceWall, motion: SpaceMotion, outcome
         },
         "working_width": max((row["intrusion"] for row in over), default=0.0) - edge,
         "intrusion": over,
-        "exit_box": box._asdict() | {"inside": box.reached <= box.width if outcome == "upright" else None},
+        "exit_box": box._asdict() | {"inside": box.reached <= box.width if is_judged else None},
         "lacking": list(LACKING),
     }
 
@@ -127,9 +128,10 @@ def sentences(values: Mapping[str, Any]) -> tuple[str, ...]:
     reach = "none over the wall"
     if largest:
         reach = f"{metres(largest['intrusion'])} at a height of {metres(largest['height'])} (strip.{largest['strip']})"
-    stays = {True: "stays within", False: "leaves", None: "does not remain upright, not judged by"}[
-        box["inside"]
-    ]
+    inside = {True: "stays within", False: "leaves"}
+    stays = inside.get(
+        box["inside"], "does not remain upright or leans on the wall to the end, and is not judged by"
+    )
     return (
         f"Largest 50 ms moment about the foot of the wall: {measure(moment['mean_50ms'], 'N m', '.0f')}, of "
         f"{force(moment['force'])} at {metres(moment['height'])} over {metres(moment['length'])}; at the largest "

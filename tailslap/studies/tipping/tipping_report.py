@@ -88,7 +88,7 @@ COMMON_WALL = 36 * INCH
 def report(result: TippingResult) -> Report:
     """Return the report with map, walls and samples."""
     scene = result.case.scene
-    loads = design_forces_of(scene.impact.test_level if scene.impact else None)
+    loads = design_forces_of(scene)
     load_rows = [vars(load) | {"name": name, "force": load.force} for name, load in loads.items()]
     lowest, profiles = Table(LOWEST_WALLS, lowest_wall_rows(result)), Table(PROFILES, profile_rows(result))
     walls = Table(WALL_COLUMNS, wall_rows(result), notes=(MEANING,))

@@ -262,11 +262,10 @@ def impact_report(result: Spread) -> Report:
 
 def _levels(result: Spread) -> Table:
     """Return the table of design forces."""
-    level = result.case.scene.impact.test_level
     rows = [
         {"name": name, "force": design.force, "source": design.source}
         | {"above": 1.0 - result.band(LARGEST).fraction_below(design.force)}
-        for name, design in design_forces_of(level).items()
+        for name, design in design_forces_of(result.case.scene).items()
     ]
     return Table(LEVELS, rows)
 
