@@ -149,7 +149,11 @@ def design_table(
             "moment": mean * largest["height"],
             "name": "In space, 50 ms mean",
         }
-        at_moment = moment | {"moment": moment["mean_50ms"], "name": "In space, largest moment"}
+        at_moment = moment | {
+            "moment": moment["mean_50ms"],
+            "longitudinal": None,
+            "name": "In space, largest moment",
+        }
         companion = [] if math.isnan(lateral) else [computed | {"name": "Companion in the plane, 50 ms mean"}]
         rows = [computed | at_force, computed | at_moment, *companion]
         loads = design_ratios(case, mean)
