@@ -257,8 +257,17 @@ def test_a_run_names_the_companion_and_has_occupant_values_in_space(tmp_path):
         "FE and rigid: companion in the plane: the same strips without heights.",
         "above the wall omitted",
         "Companion in the plane, 50",
-    ):
+        "For the design", "In space, largest moment", "Impact severity", "Strip of the body",
+        "the scene has no wall.depth", "needs a road as wide, which the scene does not state",
+    ):  # fmt: skip
         assert words in page
+    space = summary["space"]
+    assert space["lacking"] == ["wall.depth", "width of the road"]
+    force, moment = space["force"], space["moment"]
+    assert moment["mean_50ms"] >= force["mean_50ms"] * force["height"]
+    assert moment["force"] * moment["height"] == pytest.approx(moment["mean_50ms"])
+    assert {row["strip"] for row in space["intrusion"]} == {2, 3, 4}
+    assert space["working_width"] == max(row["intrusion"] for row in space["intrusion"])  # of an upright face
     texts = tailslap.check(SCENE).summary
     assert texts["companion"][0].startswith("Companion in the plane: ")
     assert "companion" not in tailslap.check(SCENE, {"plate": None}).summary
