@@ -10,7 +10,7 @@ from typing import Any
 import tailslap
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
-from postprocess.signals.design_forces import DesignForce, design_forces
+from postprocess.signals.design_forces import LRFD, DesignForce, design_forces
 from postprocess.units import milliseconds
 from tailslap.case.case import Case
 from tailslap.case.check import Check, printed_check
@@ -107,7 +107,11 @@ def design_forces_of(scene: Scene) -> dict[str, DesignForce]:
     """
     level, top = scene.impact and scene.impact.test_level, scene.wall.height if scene.wall else None
     levels = OF_TRACTORS if level in OF_TRACTORS else (level,) if level else ()
-    return {f"{force.name}, {name}": force for name in levels for force in design_forces(name, top)}
+    return {
+        f"{force.name}, {name}" if name in LRFD else force.name: force
+        for name in levels
+        for force in design_forces(name, top)
+    }
 
 
 def design_ratios(case: Case, lateral: float) -> list[dict[str, object]]:

@@ -265,6 +265,9 @@ def test_a_run_names_the_companion_and_has_occupant_values_in_space(tmp_path):
     assert space["lacking"] == ["wall.depth", "width of the road"]
     force, moment = space["force"], space["moment"]
     assert moment["mean_50ms"] >= force["mean_50ms"] * force["height"]
+    assert summary["design_forces"][0]["ratio"] == pytest.approx(
+        force["mean_50ms"] / 355.86e3, rel=1e-4
+    )  # TTI
     assert moment["force"] * moment["height"] == pytest.approx(moment["mean_50ms"])
     assert {row["strip"] for row in space["intrusion"]} == {2, 3, 4}
     assert space["working_width"] == max(row["intrusion"] for row in space["intrusion"])  # of an upright face

@@ -11,7 +11,7 @@ from space_vehicles import WIDTH, axle, truck, truck_unit
 from solver.space import SpaceStrip, SpaceVehicle, SpaceWall, solve_space, state
 from solver.space.step import _means
 from tailslap.case.impact.case import ImpactCase
-from tailslap.case.impact.design import exit_box, intrusions
+from tailslap.case.impact.design import exit_box, intrusions, numbers
 from tailslap.scene.read import read_scene
 
 
@@ -54,7 +54,8 @@ def moving(**columns: Any) -> Any:
     rows = max(np.size(values) for values in columns.values())
     names = ["t", *state.POSE, *(f"{name}_{k}" for k in (1, 2) for name in state.WHEELS)]
     history = {name: np.zeros(rows) + columns.get(name, 0.0) for name in names}
-    return SimpleNamespace(history=history, answers=SimpleNamespace(last_contact=0.1))
+    answers = dict.fromkeys(("moment", "moment_height", "moment_length", "end"), 0.0) | {"last_contact": 0.1}
+    return SimpleNamespace(history=history, answers=SimpleNamespace(**answers))
 
 
 @pytest.mark.parametrize(("roll", "yaw"), [(0.0, 0.0), (0.5, 0.0), (0.3, -0.1)])
@@ -73,6 +74,8 @@ def test_intrusion_of_a_given_pose(roll, yaw):
         height = 1.35 + up * math.cos(roll) - 0.5 * WIDTH * math.sin(roll)
         assert (rows[strip]["height"], rows[strip]["t"]) == pytest.approx((height, 0.1))
     assert bool(behind) == (roll > 0.0)
+    width = numbers(truck(), wall, pose, "upright")["working_width"]
+    assert width == pytest.approx(-min([edge, *(places[strip] for strip in behind)]))
 
 
 @pytest.mark.parametrize(("mass", "margin", "length"), [(9979.0, 4.4, 20.0), (1500.0, 2.2, 10.0)])

@@ -24,7 +24,7 @@ from tailslap.case.impact.plan import ImpactPlan
 from tailslap.case.impact.rigid import RigidImpact, tested
 from tailslap.case.impact.rigid_input import above_wall
 from tailslap.case.impact.space import section
-from tailslap.case.report_parts import checks_section, design_table, short, strikes_table
+from tailslap.case.report_parts import checks_section, design_ratios, design_table, short, strikes_table
 from tailslap.case.run_report import (
     FeReport,
     Lines,
@@ -198,10 +198,15 @@ class ImpactReport(FeReport):
     def summary(self, pictures: bool) -> dict[str, Any]:
         """Return the content of `summary.json`, SI."""
         outcome, case = self.outcome, self.outcome.fe_plan.case
+        numbers = case.space.numbers() if case.space else None
+        in_space: dict[str, Any] = {}
+        if numbers:
+            loads = design_ratios(case, numbers["force"]["mean_50ms"])
+            in_space = {"space": numbers, "design_forces": loads}
         return super().summary(pictures) | {
             "rigid": outcome.rigid.numbers(),
             "fe": outcome.fe.numbers(),
-            **({"space": case.space.numbers()} if case.space else {}),
+            **in_space,
             "inertial": case.inertial,
             "impact_severity": case.impact_severity,
             "paper_method": case.paper_method,

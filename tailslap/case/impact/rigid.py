@@ -509,6 +509,8 @@ class RigidImpact(Case):
         lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
         lines += self.space.text(units) if self.space else self._plane_text(units)
         lines += ["", SYSTEMS[units].rendered(self.inertial_sentence)] if self.inertial else []
+        severity = shown(self.impact_severity, "J", units, digits=DIGITS)
+        lines += ["", f"Impact severity m (v sin(theta))^2/2: {severity}"]
         if remarks := answers.remarks(self.answer):
             lines += ["", *remarks]
         return lines + paper_lines(self.paper_method, units)
