@@ -183,7 +183,8 @@ def punching(concrete: float, depth: float, load_length: float, patch_height: fl
 
     References
     ----------
-    .. [1] AASHTO LRFD Bridge Design Specifications, Eq. A13.4.3.2-3, of posts on decks.
+    .. [1] AASHTO LRFD Bridge Design Specifications, Eq. A13.4.3.2-3, of posts on decks; Article 5.12.8.6.3 states the
+       same for two-way action of footings, with the factors 0.063 and 0.126.
     """
     perimeter = load_length + depth + 2.0 * (patch_height + 0.5 * depth)
     ratio = max(load_length, patch_height) / min(load_length, patch_height)

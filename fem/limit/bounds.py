@@ -11,15 +11,15 @@ import numpy as np
 
 from fem.limit.lower import LowerBound, lower_bound
 from fem.limit.plate import Floats, Indices, PlasticPlate
-from fem.limit.upper import UpperBound, upper_bound
+from fem.limit.upper import UpperBound, gaps, upper_bound
 
 if TYPE_CHECKING:
     from skfem import MeshTri
 
 __all__ = ["Bounds", "collapse_load"]
 
-REFINED, REACH = 0.65, 3.0
-"""Largest part of the sum of the gaps whose triangles are refined, and that of the excess over the tolerance [-]."""
+LEAST, MOST, REACH = 0.3, 0.85, 3.0
+"""Part of the sum of the gaps whose triangles are refined, and that of the excess over the tolerance [-]."""
 
 
 class Bounds(NamedTuple):
@@ -45,7 +45,12 @@ class Bounds(NamedTuple):
 
 
 def collapse_load(
-    plate: PlasticPlate, nodes: Floats, triangles: Indices, tolerance: float, most: int
+    plate: PlasticPlate,
+    nodes: Floats,
+    triangles: Indices,
+    tolerance: float,
+    most: int,
+    widest: float = np.inf,
 ) -> Bounds:
     """Compute bounds that are as narrow as a tolerance.
 
@@ -59,6 +64,8 @@ def collapse_load(
         Largest difference over the lower bound [-].
     most : int
         Number of triangles from which on no mesh is refined.
+    widest : float
+        Difference on the first mesh from which on it is not refined either [-].
 
     Returns
     -------
@@ -71,19 +78,21 @@ def collapse_load(
     """
     from skfem import MeshTri
 
-    mesh, bounds = MeshTri(nodes, triangles), None
-    while True:
-        lower = lower_bound(plate, mesh)
-        upper = upper_bound(plate, mesh, lower.moments)
-        if bounds is None:
-            bounds = Bounds(lower, mesh, upper, mesh)
-        if lower.value > bounds.lower.value:
-            bounds = bounds._replace(lower=lower, lower_mesh=mesh)
+    mesh = MeshTri(nodes, triangles)
+    lower, upper = lower_bound(plate, mesh), upper_bound(plate, mesh)
+    bounds = Bounds(lower, mesh, upper, mesh)
+    if bounds.width >= widest:
+        return bounds
+    while bounds.width > tolerance and mesh.t.shape[1] < most:
+        parts = gaps(mesh, upper, lower.moments)
+        order = np.argsort(-parts)
+        part = np.clip(REACH * (1.0 - tolerance / bounds.width), LEAST, MOST)
+        mesh = mesh.refined(order[: np.searchsorted(np.cumsum(parts[order]), part * parts.sum()) + 1])
+        upper = upper_bound(plate, mesh)
         if upper.value < bounds.upper.value:
             bounds = bounds._replace(upper=upper, upper_mesh=mesh)
-        if bounds.width <= tolerance or mesh.t.shape[1] >= most:
-            return bounds
-        order = np.argsort(-upper.gaps)
-        parts = np.cumsum(upper.gaps[order]) / upper.gaps.sum()
-        part = min(REFINED, REACH * (1.0 - tolerance / bounds.width))
-        mesh = mesh.refined(order[: np.searchsorted(parts, part) + 1])
+        if bounds.width > tolerance:
+            lower = lower_bound(plate, mesh)
+            if lower.value > bounds.lower.value:
+                bounds = bounds._replace(lower=lower, lower_mesh=mesh)
+    return bounds

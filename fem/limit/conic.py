@@ -36,7 +36,7 @@ def minimum(
     ]
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.presolve_enable, settings.max_threads = False, False, 1
-    settings.direct_solve_method = "qdldl"
+    settings.direct_solve_method, settings.iterative_refinement_enable = "qdldl", False
     settings.tol_gap_rel = settings.tol_gap_abs = settings.tol_feas = TOLERANCE
     matrix = sparse.vstack([matrix for matrix, _ in pairs], format="csc")
     right = np.concatenate([values for _, values in pairs])

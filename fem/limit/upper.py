@@ -20,7 +20,7 @@ from fem.limit.plate import HELD, LOCAL_EDGES, Floats, Indices, PlasticPlate, ge
 if TYPE_CHECKING:
     from skfem import Basis, MeshTri
 
-__all__ = ["UpperBound", "upper_bound"]
+__all__ = ["UpperBound", "gaps", "upper_bound"]
 
 PARTS = 4
 """Parts of each edge of a triangle where the dissipation is computed again."""
@@ -47,19 +47,23 @@ class UpperBound(NamedTuple):
         Load factor [N], infinite without a mechanism.
     deflections : ndarray, shape (10, t)
         Degrees of freedom of the cubic deflection of each triangle, whose load has unit power [-].
-    rotations : ndarray, shape (e,)
-        Mean rotation of each edge [1/m].
-    gaps : ndarray, shape (t,)
-        Dissipation minus the power of the moments of a lower bound by triangle, not negative [N].
+    rotations : ndarray, shape (e, 3)
+        Bernstein coefficients of the rotation of each edge [1/m].
+    curvatures : ndarray, shape (t, 3, 3)
+        Curvatures xx, yy, 2 xy at the nodes of the triangles [1/m^2].
+    in_triangles, at_edges : ndarray, shape (t,), (e,)
+        Dissipation without that of a beam [N].
     """
 
     value: float
     deflections: Floats
     rotations: Floats
-    gaps: Floats
+    curvatures: Floats
+    in_triangles: Floats
+    at_edges: Floats
 
 
-def upper_bound(plate: PlasticPlate, mesh: MeshTri, moments: Floats) -> UpperBound:
+def upper_bound(plate: PlasticPlate, mesh: MeshTri) -> UpperBound:
     """Compute the least load of cubic mechanisms.
 
     Parameters
@@ -68,8 +72,6 @@ def upper_bound(plate: PlasticPlate, mesh: MeshTri, moments: Floats) -> UpperBou
         With its strengths and its load.
     mesh : MeshTri
         Its triangles, with lines at the levels of the strengths and at the load.
-    moments : ndarray, shape (t, 3, 3)
-        Moments of a lower bound on the same mesh [N m/m], with which gaps are computed.
 
     Returns
     -------
@@ -93,21 +95,27 @@ def upper_bound(plate: PlasticPlate, mesh: MeshTri, moments: Floats) -> UpperBou
         load[free], curvature[:, free], hinges[:, free], _at_nodes(strengths, area), of_hinges
     )
     power = load @ w
-    if not power > 0.0:
-        nothing = np.zeros(mesh.facets.shape[1])
-        return UpperBound(np.inf, 0.0 * w[basis.element_dofs], nothing, np.ones(mesh.t.shape[1]))
-    w /= power
+    w = w / power if power > 0.0 else 0.0 * w
     bent, turned = (curvature @ w).reshape(-1, 3, 3), hinges @ w
-    of_triangles = plate.scale * _dissipation(bent, strengths, area)
+    in_triangles = plate.scale * _dissipation(bent, strengths, area)
     at_hinges = plate.scale * (of_hinges * np.maximum([turned, -turned], 0.0)).sum(axis=0)
-    turned = turned[: rotation.shape[0]].reshape(-1, 3)
-    gaps = of_triangles - (_at_nodes(moments, area) * bent).sum(axis=(1, 2))
-    at_edges = (at_hinges[: turned.size].reshape(-1, 3) - _normal_moments(mesh, moments) * turned).sum(axis=1)
+    value = float(in_triangles.sum() + at_hinges.sum()) if power > 0.0 else np.inf
+    turned, at_edges = (values[: rotation.shape[0]].reshape(-1, 3) for values in (turned, at_hinges))
+    return UpperBound(value, w[basis.element_dofs], turned, bent, in_triangles, at_edges.sum(axis=1))
+
+
+def gaps(mesh: MeshTri, mechanism: UpperBound, moments: Floats) -> Floats:
+    """Return dissipation minus power of moments, shape (t,) [N].
+
+    They are not negative. moments: of a lower bound on the same mesh [N m/m], shape (t, 3, 3).
+    """
+    area = geometry(mesh).areas[:, None, None]
+    differences = mechanism.in_triangles - (_at_nodes(moments, area) * mechanism.curvatures).sum(axis=(1, 2))
+    at_edges = mechanism.at_edges - (_normal_moments(mesh, moments) * mechanism.rotations).sum(axis=1)
     at_edges[mesh.f2t[1] >= 0] *= 0.5
     for side, exists in zip(mesh.f2t, mesh.f2t >= 0, strict=True):
-        np.add.at(gaps, side[exists], at_edges[exists])
-    value = float(of_triangles.sum() + at_hinges.sum())
-    return UpperBound(value, w[basis.element_dofs], turned.mean(axis=1), gaps)
+        np.add.at(differences, side[exists], at_edges[exists])
+    return differences
 
 
 def _mechanism(

@@ -47,8 +47,9 @@ def _panels(row: Computed) -> list[FieldPanel]:
         row.bounds.lower_mesh,
     )
     deflection = upper.deflections[:3].T / np.abs(upper.deflections).max()
-    largest = np.percentile(np.abs(upper.rotations), 98.0) or 1.0  # a short edge may turn far
-    turned = np.clip(upper.rotations / largest, -1.0, 1.0)
+    turned = upper.rotations.mean(axis=1)
+    largest = np.percentile(np.abs(turned), 98.0) or 1.0  # a short edge may turn far
+    turned = np.clip(turned / largest, -1.0, 1.0)
     lines = mesh.p[:, mesh.facets].transpose(2, 1, 0)
     corners, fields = mesh.p[:, mesh.t].transpose(2, 1, 0), below.p[:, below.t].transpose(2, 1, 0)
     none = np.empty((0, 2, 2)), np.empty(0)

@@ -15,8 +15,11 @@ from solver.parapet import Resistance, Strengths
 TOLERANCE, MOST_TRIANGLES = 0.01, 6000
 """Difference of the bounds that is aimed at [-], and the size of mesh from which on none is refined."""
 
-FINE, COARSE = 0.25, 0.5
-"""Sizes of the first triangles at the load and elsewhere, in heights of the wall [-]."""
+FINE, COARSE, CORNER = 0.25, 0.5, 0.03
+"""Sizes of the first triangles at the load, elsewhere and at the foot of a free end, in heights of the wall [-].
+
+A fan of curvature begins at that foot.
+"""
 
 STRETCHES, FAR = (1.0, 2.0, 4.0, 8.0), 0.15
 """Factors on the modelled length, and the difference of the bounds on the first mesh from which on more is modelled."""
@@ -99,20 +102,27 @@ def bounds_of(
     """
     for stretch in STRETCHES:
         plate = wall_plate(strengths, load, length, stretch)
-        mesh = _first_mesh(plate)
-        if plate.sides["right"] == "free" or collapse_load(plate, *mesh, tolerance, 1).width < FAR:
+        ends = plate.sides["right"] == "free" or stretch == STRETCHES[-1]
+        bounds = collapse_load(plate, *_first_mesh(plate), tolerance, most, math.inf if ends else FAR)
+        if ends or bounds.width < FAR:
             break
-    return plate, collapse_load(plate, *mesh, tolerance, most)
+    return plate, bounds
 
 
 def _first_mesh(plate: PlasticPlate) -> tuple[Floats, Indices]:
-    """Return nodes and triangles, fine at the load."""
+    """Return nodes and triangles, fine at the load and at the foot of a free end."""
     assert plate.line
     height, start, end = plate.line
     margin = 0.5 * plate.height
+
+    def size(x: float, y: float) -> float:
+        if x == y == 0.0 and plate.sides["left"] == "free":
+            return plate.height * CORNER
+        return plate.height * (FINE if start - margin <= x <= end + margin else COARSE)
+
     return banded_rectangle(
         plate.length,
         sorted({*plate.levels.tolist(), height}),
         {height: [x for x in (start, end) if 0.0 < x < plate.length]},
-        lambda x, _: plate.height * (FINE if start - margin <= x <= end + margin else COARSE),
+        size,
     )
