@@ -44,7 +44,7 @@ MEANING = (
     "and procedures are calibrated together: a value of A13.3.1 above the bounds does not mean that the code is unsafe."
 )
 STRENGTH = (
-    *columns({"load": "Load", "place": "Place"}),
+    *columns({"load_name": "Load", "place": "Place"}),
     *columns({"length": "Length", "height": "Height"}, unit="m", form=".3f"),
     *columns({"lower": "Lower bound", "upper": "Upper bound"}, unit="N", form="#.4g", style="strong"),
     Column(
@@ -52,7 +52,7 @@ STRENGTH = (
         "Difference",
         form=lambda width: f"{100.0 * width:.2f} %" if math.isfinite(width) else "no proof",
     ),
-    Column("aashto", "A13.3.1", "N", form="#.4g"),
+    Column("force", "A13.3.1", "N", form="#.4g"),
     Column("critical_length", "L_c", "m", form=".2f"),
 )
 DEMAND = (
@@ -165,7 +165,7 @@ def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> 
     passed = all(row.bounds.width <= ALLOWED[row.load_name] for row in rows)
     numbers = _numbers(rows, strengths, demand, ratio, table.section is not None)
     tables = [
-        Table(STRENGTH, _strength_rows(rows), "Strength", notes=(MEANING,)),
+        Table(STRENGTH, [_strength_row(row) for row in rows], "Strength", notes=(MEANING,)),
         Table(DEMAND, _demand_rows(case, rows, of_impact, demand, band), "Demand over capacity"),
         Table(SIMPLE, _simple_rows(case, strengths, rows), "Beside it"),
     ]
@@ -198,22 +198,10 @@ def _report(case: Case, rows: list[Computed], band: ForceBand, began: float) -> 
     return Report(page, summary, (*tables, LEFT_OUT))
 
 
-def _strength_rows(rows: list[Computed]) -> list[dict[str, object]]:
-    """Return the rows of the table of strengths."""
-    return [
-        {
-            "load": row.load_name,
-            "place": row.place,
-            "length": row.load.length,
-            "height": row.load.height,
-            "lower": row.lower,
-            "upper": row.upper,
-            "width": row.bounds.width,
-            "aashto": row.formula.force,
-            "critical_length": row.formula.critical_length,
-        }
-        for row in rows
-    ]
+def _strength_row(row: Computed) -> dict[str, object]:
+    """Return a row of the table of strengths."""
+    bounds = {"lower": row.lower, "upper": row.upper, "width": row.bounds.width}
+    return row._asdict() | row.load._asdict() | row.formula._asdict() | bounds
 
 
 def _demand_rows(
@@ -273,9 +261,9 @@ def _headline(
     code = [row for row in rows if row.load_name == "code"]
     parts = []
     for row in code:
-        proven = (
-            f"{force_text(row.lower)} to {force_text(row.upper)}" if row.lower and row.upper else "not proven"
-        )
+        proven = "not proven"
+        if row.lower and row.upper:
+            proven = f"{force_text(row.lower)} to {force_text(row.upper)}"
         parts.append(f"{row.place} {proven} (A13.3.1: {force_text(row.formula.force)})")
     first = of_impact[0]
     nominal = (
