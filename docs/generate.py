@@ -245,7 +245,7 @@ SUMMARY = (
     (
         "rigid.strikes[].*",
         "s, N, N s, m, J",
-        "whole impact in the plane: corner, times, peak, impulses, place and energies of each strike",
+        "whole impact: corner, times, peak, impulses, place and energies of each strike",
     ),
     (
         "rigid.peaks.*",
@@ -292,6 +292,11 @@ SUMMARY = (
         "exit box, and how far a wheel reaches from the face; `inside`: of an upright vehicle",
     ),
     ("space.lacking", "", "what working width and exit box need and the scene lacks"),
+    (
+        "space.strikes[].*",
+        "s, N, N s",
+        "strip, times, peak and impulse of the lateral force of each strike in space",
+    ),
     ("space.exit.*", "s, m/s, rad", "time, speed, direction and heading at the last contact"),
     ("space.lifted[].*", "s", "intervals with wheels off the ground"),
     ("space.energy.*", "J", "works and kinetic energy at the end"),

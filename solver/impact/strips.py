@@ -208,22 +208,32 @@ def group_names(contact: WallContact, lengths: Sequence[float]) -> tuple[str, ..
         "front" and "rear" of a point there, otherwise the place, e.g. "7.2 m" or "2.6 to 10 m"; with "far side" behind
         it, and "trailer", "trailer 2" and so on in front; a second group of that name ends with its number.
     """
+    units = strips_of_units(contact, lengths)
+    return names_of_places([[strip.at for strip in strips] for strips in units], lengths)
+
+
+def names_of_places(
+    units: Sequence[Sequence[tuple[Number, Number]]], lengths: Sequence[Number]
+) -> tuple[str, ...]:
+    """Return names as of `group_names` for strips at these places.
+
+    units: both ends of each strip of each unit behind its front [m].
+    """
     names = list[str]()
-    for u, (strips, length) in enumerate(zip(strips_of_units(contact, lengths), lengths, strict=True)):
+    for u, (places, length) in enumerate(zip(units, lengths, strict=True)):
         number = f"{u} " if u > 1 else ""
         unit = f"trailer {number}" if u else ""
         for side in ("", " far side"):
-            for strip in strips:
-                name = f"{unit}{_place(strip, length)}{side}"
+            for place in places:
+                name = f"{unit}{_place(*place, length)}{side}"
                 count = 1 + sum(other.partition(" #")[0] == name for other in names)
                 names.append(f"{name} #{count}" if count > 1 else name)
     return tuple(names)
 
 
-def _place(strip: Strip, length: float) -> str:
+def _place(begin: Number, end: Number, length: Number) -> str:
     """Return a strip's place in words."""
-    begin, end = strip.at
-    if strip.is_line:
+    if begin != end:
         return f"{begin:g} to {end:g} m"
     return "front" if begin == 0.0 else "rear" if begin >= length * (1.0 - ROUNDING) else f"{begin:g} m"
 

@@ -227,7 +227,7 @@ def solve_factored(m, start, n, width, x, first, stride):
 
 
 @reordered
-def _joint_response(q, x, start, heave, roll):
+def joint_response(q, x, start, heave, roll):
     """Return the accelerations of an axle's joints.
 
     x: accelerations of its body, from `start`; heave, roll: loads on the joints.
@@ -252,7 +252,7 @@ def kick(axle_unit, bodies, joints, h):
             b[SPIN + j] += h * b[RATE + 3 + j]
     for a in range(joints.shape[0]):
         q, b = joints[a], bodies[axle_unit[a]]
-        q[JOINT_RATE], q[JOINT_RATE + 1] = _joint_response(q, b, LOAD, q[JOINT_LOAD], q[JOINT_LOAD + 1])
+        q[JOINT_RATE], q[JOINT_RATE + 1] = joint_response(q, b, LOAD, q[JOINT_LOAD], q[JOINT_LOAD + 1])
         for j in range(2):
             q[JOINT_SPEED + j] += h * q[JOINT_RATE + j]
 
@@ -327,15 +327,26 @@ def close_hinges(units, axle_unit, work, last, h):
         for side in range(2):
             for i in range(3):
                 impulse = (1.0 - 2.0 * side) * tie[width * (3 * k + i) + size]
-                response = effect[6 * k + 3 * side + i]
-                _add_response(bodies[k + side], impulse, response, last)
-                for a in range(axle_unit.size):
-                    if axle_unit[a] == k + side:
-                        q = work.joints[a]
-                        heave, roll = _joint_response(q, response, 0, 0.0, 0.0)
-                        for j, value in ((0, impulse * heave), (1, impulse * roll)):
-                            q[JOINT_SPEED + j] += value
-                            q[JOINT_RATE + j] += value / last
+                add_impulse(k + side, axle_unit, work, impulse, effect[6 * k + 3 * side + i], last, -1)
+
+
+@reordered
+def add_impulse(u, axle_unit, work, impulse, response, last, own):
+    """Add the velocities of a unit by an impulse.
+
+    response, shape (6 or 8,): accelerations of its body by a unit force, and the loads on the joints of the axle `own`;
+    last: the step whose accelerations are corrected too [s].
+    """
+    _add_response(work.bodies[u], impulse, response, last)
+    for a in range(axle_unit.size):
+        if axle_unit[a] == u:
+            q = work.joints[a]
+            heave, roll = joint_response(q, response, 0, 0.0, 0.0)
+            if a == own:
+                heave, roll = joint_response(q, response, 0, response[6], response[7])
+            for j, value in ((0, impulse * heave), (1, impulse * roll)):
+                q[JOINT_SPEED + j] += value
+                q[JOINT_RATE + j] += value / last
 
 
 @reordered

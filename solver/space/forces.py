@@ -1,19 +1,14 @@
-"""Compiled forces on a vehicle in space.
+"""Compiled forces of the wall on strips of a vehicle in space.
 
-Spring of an axle   linear with a damper, between body and axle, along the body's z
-Tyre                linear and unilateral, upward at the ground above the lowest point of the unloaded wheel; side
-                    force of the axle's law by the velocity there (`fem.laws.contact_forces.side_force`)
 Strip               points of equal length on a line; a point is pushed by the crush law along the normal of the face,
                     in proportion to the part of its length below the wall's top. A point that was above the top
                     behind the face's upper edge is pushed up when it comes down. Friction acts against the sliding in
                     the face or on the top.
-Hinge               moment in proportion to the sine of the angle between the lateral axis of the unit ahead and the
-                    floor of the unit behind
 """
 
 import numpy as np
 
-from fem.laws.contact_forces import PointCrush, crush_line, loading_force, side_force
+from fem.laws.contact_forces import PointCrush, crush_line, loading_force
 from machine_code.compiled import inlined, reordered
 from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
@@ -26,6 +21,9 @@ Over it the point leaves the face at the top and at an edge of the profile.
 
 INWARD = 0.5 / EDGE
 """Part of a point per distance from the edge, within which it lies on the top [1/m]."""
+
+AT_REST = 1e-9
+"""Distance from the deepest position within which a point rests there [m]."""
 
 STEEPEST, STICKING = 0.25, 0.25
 """Limits of the slope of unloading times h^2, and of friction over sliding velocity times h, over the effective mass of
@@ -105,58 +103,10 @@ def point_velocity(b, x, y, z, uy, uz):
     return b[col.NOW] + vx, b[col.NOW + 1] + vy, b[col.NOW + 2] + vz
 
 
-@reordered
-def press_axles(axles, axle_unit, bodies, joints, sums, h):
-    """Add forces of springs, dampers and tyres, and works over h."""
-    for a in range(axles.shape[0]):
-        _press_axle(axles[a], bodies[axle_unit[a]], joints[a], sums, h)
-
-
-@reordered
-def _press_axle(axle, b, q, sums, h):
-    """Add the forces on one axle."""
-    heave, c, s = q[col.JOINT], q[col.COSINE], q[col.SINE]
-    heave_rate, roll_rate = q[col.JOINT_NOW], q[col.JOINT_NOW + 1]
-    for sign in (-1.0, 1.0):
-        arm = sign * axle[col.HALF_SPACING]
-        rate = heave_rate + arm * c * roll_rate
-        damping = axle[col.DAMPER] * rate
-        force = -axle[col.PRELOAD] - axle[col.SPRING] * (heave + arm * s) - damping
-        q[col.JOINT_LOAD] += force
-        q[col.JOINT_LOAD + 1] += force * arm * c
-        sums[col.DAMPING_WORK] -= h * damping * rate
-    scale = 1.0 / np.sqrt(b[0] * b[0] + b[3] * b[3])
-    hx, hy = scale * b[0], scale * b[3]
-    for side in range(2):
-        arm = (2.0 * side - 1.0) * axle[col.HALF_TRACK]
-        y, dz = arm * c + axle[col.LOWEST] * s, arm * s - axle[col.LOWEST] * c
-        x, z = axle[col.PLACE], axle[col.CENTRE] + heave + dz
-        depth = -(b[col.AT + 2] + b[6] * x + b[7] * y + b[8] * z)
-        q[col.WHEEL + side] = axle[col.TYRE] * max(depth, 0.0)
-        if depth > 0.0:
-            # The forces act at the ground, above the lowest point of the unloaded tyre.
-            x, y, z, dz = x + depth * b[6], y + depth * b[7], z + depth * b[8], dz + depth * b[8]
-            vx, vy, _ = point_velocity(b, x, y, z, -dz * roll_rate, heave_rate + y * roll_rate)
-            ahead, across = vx * hx + vy * hy, vy * hx - vx * hy
-            normal = axle[col.TYRE] * depth
-            force = side_force(normal, axle[col.FRICTION], axle[col.CORNERING], ahead, across)
-            add_axle_force(b, q, axle[col.CENTRE] + heave, x, y, z, -force * hy, force * hx, normal)
-            sums[col.TYRE_WORK] += h * force * across
-
-
-@reordered
-def twist_hinges(units, bodies):
-    """Add the moments of the hinges in roll."""
-    for u in range(1, units.shape[0]):
-        ahead, behind = bodies[u - 1], bodies[u]
-        yx, yy, yz, zx, zy, zz = ahead[1], ahead[4], ahead[7], behind[2], behind[5], behind[8]
-        moment = -units[u, col.TWIST] * (yx * zx + yy * zy + yz * zz)
-        mx, my, mz = cross(zx, zy, zz, yx, yy, yz)
-        for b, sign in ((behind, 1.0), (ahead, -1.0)):
-            px, py, pz = turned_back(b, sign * moment * mx, sign * moment * my, sign * moment * mz)
-            b[col.LOAD + 3] += px
-            b[col.LOAD + 4] += py
-            b[col.LOAD + 5] += pz
+@inlined
+def returns_nothing(strip):
+    """Return True for a strip whose force drops at once."""
+    return strip[col.RETURNED] == 0.0 and strip[col.UNLOADING] == 0.0
 
 
 @reordered
@@ -169,13 +119,15 @@ def press_strips(fleet, i, units, axles, strips, facets, work, h, ahead):
     for k in range(strips.shape[0]):
         u, a, points = fleet.strip_unit[k], fleet.strip_axle[k], fleet.strip_points[k]
         b, q = work.bodies[u], work.joints[max(a, 0)]  # unused of a strip of the body
+        if returns_nothing(strips[k]):
+            work.pushes[2 * k, col.STOPPED] = work.pushes[2 * k + 1, col.STOPPED] = -1.0
         if b[col.AT + 1] - units[u, col.REACH] <= work.wall[0, 0]:
             centre = axles[a, col.CENTRE] if a >= 0 else np.nan
             of_axle = 1.0 / axles[a, col.AXLE_MASS] if a >= 0 else 0.0
             for side in range(2):
                 touches = _press_strip(
                     strips[k], 2.0 * side - 1.0, centre, b, q, work.wall, facets,
-                    work.memory[first + side * points : first + (side + 1) * points],
+                    work.memory[first + side * points : first + (side + 1) * points], work.pushes[2 * k + side],
                     fleet.friction[i], 4.0 / units[u, col.MASS], of_axle, work.bodies[0, col.AT], work.sums, h, ahead,
                 )  # fmt: skip
                 touching = touching or touches
@@ -200,7 +152,7 @@ def _end(strip, at, side, centre, q):
 
 @reordered
 def _press_strip(
-    strip, side, centre, b, q, wall, facets, memories, coefficient, mobility, of_axle, origin, sums, h, ahead
+    strip, side, centre, b, q, wall, facets, memories, push, coefficient, mobility, of_axle, origin, sums, h, ahead
 ):  # fmt: skip
     """Add the wall forces on a strip.
 
@@ -215,8 +167,8 @@ def _press_strip(
     )
     toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
     svx, svy, svz, evx, evy, evz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    early = 0.0  # largest gap that closes within the step
-    if strip[col.INITIAL] > 0.0:
+    early, stops = 0.0, returns_nothing(strip)  # largest gap that closes within the step
+    if strip[col.INITIAL] > 0.0 or stops:
         svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
         evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
         early = ahead * (abs(svy) + abs(evy) + abs(svz) + abs(evz))
@@ -245,6 +197,7 @@ def _press_strip(
     touches, pressed, begin, end = False, False, points, 0  # points in part on the top
     raised, spread, work, lost = False, 0.0, 0.0, 0.0
     fsx, fsy, fsz, fex, fey, fez = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    nsy, nsz, ney, nez, gap = 0.0, 0.0, 0.0, 0.0, 0.0  # normal forces of a strip that returns nothing
     for column in (col.FACE, col.TOP):
         for n in range(0 if column == col.FACE else begin, points if column == col.FACE else end):
             p = spacing * (n + 0.5)
@@ -284,10 +237,19 @@ def _press_strip(
             if column == col.FACE and early > 0.0 and memory[column] == 0.0:
                 closing = -(o * svy + p * evy) * ny - (o * svz + p * evz) * nz
                 force = weight * _first_force(crush, memory, depth, _part(depth, closing, h, ahead))
+            elif stops:
+                closing = -(o * svy + p * evy) * ny - (o * svz + p * evz) * nz
+                beyond, memory[column] = depth - memory[column], max(memory[column], depth)
+                part = _part(beyond, closing, h, ahead) if abs(beyond) > AT_REST else 1.0
+                force = weight * part * loading_force(crush, memory[column])
+                gap -= force * min(beyond, 0.0) / h
             else:
                 force = _point_force(crush, memory, column, depth, weight, inverse)
             if force <= 0.0:
                 continue
+            if stops:
+                nsy, nsz = nsy + o * force * ny, nsz + o * force * nz
+                ney, nez = ney + p * force * ny, nez + p * force * nz
             if not pressed:
                 pressed = True
                 svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
@@ -303,14 +265,78 @@ def _press_strip(
     memories[0, col.RAISED] = 1.0 if raised else 0.0
     if not pressed:
         return touches
-    sums[col.LATERAL] += fsy + fey
-    sums[col.ALONG] += fsx + fex
-    sums[col.UP] += fsz + fez
-    sums[col.MOMENT] += fsy * sz + fey * ez
-    sums[col.STATION] += fsy * sx + fey * ex
-    sums[col.SPREAD] += spread
-    sums[col.WALL_WORK] += h * work
-    sums[col.FRICTION_WORK] -= h * lost
+    for j in range(8 if stops else 0):
+        push[col.RESPONSE + j] = -_load(b, q, j)
+    _press_ends(b, q, centre, ax, ay, az, bx, by, bz, fsx, fsy - nsy, fsz - nsz, fex, fey - ney, fez - nez)
+    added = push[col.ADDED :]
+    added[col.LATERAL] = fsy + fey
+    added[col.ALONG] = fsx + fex
+    added[col.UP] = fsz + fez
+    added[col.MOMENT] = fsy * sz + fey * ez
+    added[col.STATION] = fsy * sx + fey * ex
+    added[col.SPREAD] = spread
+    added[col.WALL_WORK] = h * work
+    added[col.FRICTION_WORK] = -h * lost
+    if not stops:
+        add_sums(push, sums, 1.0)
+        return touches
+    _, asy, asz = _centripetal(b, ax, ay, az)
+    _, aey, aez = _centripetal(b, bx, by, bz)
+    turning = 0.5 * h * (nsy * asy + nsz * asz + ney * aey + nez * aez)
+    push[col.STOPPED], push[col.GAP] = 0.0, gap + turning
+    for j in range(8):
+        push[col.NORMAL + j] = -_load(b, q, j)
+    _press_ends(b, q, centre, ax, ay, az, bx, by, bz, 0.0, nsy, nsz, 0.0, ney, nez)
+    for j in range(8):
+        push[col.NORMAL + j] += _load(b, q, j)
+        push[col.RESPONSE + j] += _load(b, q, j)
+    push[col.CLOSING] = turning - normal_power(push, b, q)
+    return touches
+
+
+@reordered
+def _centripetal(b, x, y, z):
+    """Return the acceleration of a body's point by its spin, in space."""
+    wx, wy, wz = b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5]
+    vx, vy, vz = cross(wx, wy, wz, x, y, z)
+    ax, ay, az = cross(wx, wy, wz, vx, vy, vz)
+    return rotated(b, ax, ay, az)
+
+
+@reordered
+def normal_power(push, b, q):
+    """Return the power of a strip's normal force [W].
+
+    Velocities are those between two instants.
+    """
+    vx, vy, vz = turned_back(b, b[col.SPEED], b[col.SPEED + 1], b[col.SPEED + 2])
+    n = push[col.NORMAL :]
+    power = n[0] * vx + n[1] * vy + n[2] * vz + n[6] * q[col.JOINT_SPEED] + n[7] * q[col.JOINT_SPEED + 1]
+    for j in range(3):
+        power += n[3 + j] * b[col.SPIN + j]
+    return power
+
+
+@inlined
+def add_sums(push, sums, part):
+    """Add this part of a strip's forces and works to a row."""
+    for j in range(8):
+        sums[j] += part * push[col.ADDED + j]
+    push[col.PUSH] += part * push[col.ADDED + col.LATERAL]
+
+
+@inlined
+def _load(b, q, j):
+    """Return a load on a body, from 6 on of an axle."""
+    return b[col.LOAD + j] if j < 6 else q[col.JOINT_LOAD + j - 6]
+
+
+@reordered
+def _press_ends(b, q, centre, ax, ay, az, bx, by, bz, fsx, fsy, fsz, fex, fey, fez):
+    """Add forces at both ends of a strip.
+
+    centre: as of `_end`.
+    """
     if np.isnan(centre):
         add_force(b, ax, ay, az, fsx, fsy, fsz)
         add_force(b, bx, by, bz, fex, fey, fez)
@@ -318,7 +344,6 @@ def _press_strip(
         centre += q[col.JOINT]
         add_axle_force(b, q, centre, ax, ay, az, fsx, fsy, fsz)
         add_axle_force(b, q, centre, bx, by, bz, fex, fey, fez)
-    return touches
 
 
 @inlined

@@ -15,6 +15,8 @@ import numpy as np
 from machine_code.compiled import OnCompile, ignore_compiling
 from solver import rules
 from solver.conditions import Array, Gate
+from solver.impact.strikes import Strike, strikes_of
+from solver.impact.strips import names_of_places
 from solver.space import state
 from solver.space.looks import Look, look_at
 from solver.space.solve import (
@@ -28,6 +30,7 @@ from solver.space.solve import (
     steps_of,
     with_points,
 )
+from solver.space.strips import joined
 from solver.space.vehicle import SpaceVehicle, SpaceWall, fleet_of
 
 UNDECIDED = "undecided"
@@ -69,6 +72,8 @@ class SpaceMotion:
     history : dict of ndarray, shape (rows,)
         Columns by name: t and the columns of `state` [SI]; those of later units end with "_2" and so on, those of axles
         with the number of the axle from 1.
+    strikes : tuple of Strike
+        Of the strips, by the mean lateral forces between rows, in order of time.
     step : float
         Time step [s].
     points : float
@@ -87,6 +92,7 @@ class SpaceMotion:
     outcome: str
     answers: SpaceAnswers
     history: dict[str, Array]
+    strikes: tuple[Strike, ...]
     step: float
     points: float
     step_error: float
@@ -106,6 +112,19 @@ def column_names(units: int, axles: int) -> tuple[str, ...]:
     poses = [f"{name}{end}" for end in ends for name in state.POSE]
     wheels = [f"{name}_{axle}" for axle in range(1, axles + 1) for name in state.WHEELS]
     return (*state.FORCES, *state.WORKS, *state.ENERGIES, *poses, *wheels)
+
+
+def push_names(vehicle: SpaceVehicle) -> tuple[str, ...]:
+    """Return the names of a row's strips on both sides.
+
+    They are those of groups in the plane, see `solver.impact.group_names`.
+    """
+    strips, units = joined(vehicle.strips), range(len(vehicle.units))
+    numbers = [[k for k, strip in enumerate(strips) if strip.unit == unit] for unit in units]
+    places = [[strips[k].at for k in of_unit] for of_unit in numbers]
+    names = names_of_places(places, [unit.length for unit in vehicle.units])
+    order = [2 * k + side for of_unit in numbers for side in range(2) for k in of_unit]
+    return tuple(name for _, name in sorted(zip(order, names, strict=True)))
 
 
 def solve_space(
@@ -185,12 +204,13 @@ def solve_space(
         step_error = max(step_error, LEAST_ERROR - strip_error)
     error = max(step_error + strip_error, other_error)
     table, names = rows[: int(answers.rows[0])], column_names(fleet.units.shape[1], fleet.axles.shape[1])
+    pushes = dict(zip(push_names(vehicle), table[1:, len(names) :].T, strict=True))
     instants: Array = interval * np.arange(len(table), dtype=np.float64)
-    history = {"t": instants, **dict(zip(names, table.T, strict=True))}
+    history = {"t": instants, **dict(zip(names, table.T, strict=False))}
     return SpaceMotion(
         UNDECIDED if outcomes - {one.outcome} else OUTCOMES[one.outcome],
         SpaceAnswers(*(values[0] for values in answers)),
-        history,
+        history, strikes_of(instants, pushes),
         interval / parts, points, step_error, strip_error, other_error, one.heights(error),
     )  # fmt: skip
 

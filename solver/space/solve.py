@@ -202,7 +202,12 @@ def _clock(interval: float, parts: NDArray[np.int64], end: float | None, push: A
 def _workspace(fleet: Fleet, clock: Clock) -> SpaceWork:
     """Return the workspace for one sample of a fleet."""
     points, rows = int(fleet.strip_points.sum()), math.ceil(clock.longest / clock.interval) + 2
-    return workspace(fleet.units.shape[1], fleet.axles.shape[1], points, len(fleet.profile), rows)
+    return workspace(*_counts(fleet), points, len(fleet.profile), rows)
+
+
+def _counts(fleet: Fleet) -> tuple[int, int, int]:
+    """Return the numbers of units, axles and strips."""
+    return fleet.units.shape[1], fleet.axles.shape[1], fleet.strips.shape[1]
 
 
 def run(
@@ -217,7 +222,7 @@ def run(
     """Return the answers of all samples, and the rows of the first."""
     clock, (n, units) = _clock(interval, parts, end, push), fleet.units.shape[:2]
     work = _workspace(fleet, clock)
-    rows = np.zeros((1, len(work.windows) if with_rows else 0, row_columns(units, fleet.axles.shape[1])))
+    rows = np.zeros((1, len(work.windows) if with_rows else 0, row_columns(*_counts(fleet))))
     answers, rolls = np.zeros((n, state.ANSWERS)), np.zeros((n, units))
     arguments = fleet, clock, work, rows, answers, rolls, 0.0, np.empty((0, 2))
     compile_once(lambda: advance(*arguments), advance, *arguments, on_compile=on_compile)

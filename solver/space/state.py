@@ -35,6 +35,16 @@ Both ends, in the body's axes or about the roll centre of its axle, y to the lef
 [m]; half height of a point; force at zero crush [N/m] and slope beyond the plateau's onset [N/m^2] per metre.
 """
 
+PUSH, BEFORE, STOPPED, GAP, CLOSING, NORMAL, RESPONSE, ADDED, PUSHES = 0, 1, 2, 3, 4, 5, 13, 21, 29
+"""First columns of a strip of one side.
+
+Lateral force summed over the row, and before this step [N]. Of a strip that returns no energy: the part by which its
+force is reduced, -1 without force; the sum of its points' forces times the velocities that would bring them to their
+deepest positions, and times their velocities into the wall before the step [W]; its normal force on body and axle; the
+accelerations of the body by its force, and the loads on the axle; what it adds to the sums of forces and to both works
+of the wall.
+"""
+
 FACE, TOP, ABOVE, RAISED = 0, 3, 6, 7
 FOOT, SLOPE = 1, 2
 """Columns of a point of a strip.
@@ -65,7 +75,8 @@ FORCES = (
 ENERGIES = ("kinetic_energy", "gravity_energy", "spring_energy", "tyre_energy")
 POSE = ("x_g", "y_g", "z_g", "yaw", "pitch", "roll", "v_gx", "v_gy", "v_gz", "omega_x", "omega_y", "omega_z")
 WHEELS = ("load_right", "load_left", "heave", "axle_roll")
-"""Columns of a row: `FORCES`, `WORKS`, `ENERGIES`, then `POSE` of each unit and `WHEELS` of each axle."""
+"""Columns of a row: `FORCES`, `WORKS`, `ENERGIES`, then `POSE` of each unit, `WHEELS` of each axle, and the lateral
+force on the right and on the left one of each strip [N]."""
 
 OUTCOME, ROLL, ROLL_TIME, PITCH, PITCH_TIME, MEAN, MEAN_TIME, MEAN_ALONG, MEAN_UP = range(9)
 CENTRE_HEIGHT, CONTACT_LENGTH, MOMENT_MEAN, MOMENT_HEIGHT, MOMENT_LENGTH, RAW = range(9, 15)
@@ -147,8 +158,9 @@ class SpaceWork(NamedTuple):
     """Workspace of one sample.
 
     bodies, shape (units, 76); joints, shape (axles, 29); wall, (facets, 7): from y, z to y, z, normal and dy/dz;
-    memory, (points of both sides, 8); sums, (10,): sums of the row and works; effect, (6 hinges, 6): accelerations of
-    both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows, (rows, 7): means of the rows so far;
+    memory, (points of both sides, 8); pushes, (strips of both sides, 29); sums, (10,): sums of the row and works;
+    effect, (6 hinges, 6): accelerations of both units by unit forces; tie, (3 hinges, 3 hinges + 1), flat; windows,
+    (rows, 7): means of the rows so far;
     before, (10,): sums before the step; answer, rolls: of one motion in a search for a wall.
     """
 
@@ -156,6 +168,7 @@ class SpaceWork(NamedTuple):
     joints: np.ndarray
     wall: np.ndarray
     memory: np.ndarray
+    pushes: np.ndarray
     sums: np.ndarray
     effect: np.ndarray
     tie: np.ndarray
@@ -165,16 +178,16 @@ class SpaceWork(NamedTuple):
     rolls: np.ndarray
 
 
-def workspace(units: int, axles: int, points: int, facets: int, rows: int) -> SpaceWork:
+def workspace(units: int, axles: int, strips: int, points: int, facets: int, rows: int) -> SpaceWork:
     """Return a workspace for one sample."""
     hinges = units - 1
     return SpaceWork(
         np.zeros((units, BODY_STATE)), np.zeros((axles, AXLE_STATE)), np.zeros((facets, 7)),
-        np.zeros((2 * points, 8)), np.zeros(10), np.zeros((6 * hinges, 6)),
+        np.zeros((2 * points, 8)), np.zeros((2 * strips, PUSHES)), np.zeros(10), np.zeros((6 * hinges, 6)),
         np.zeros(3 * hinges * (3 * hinges + 1)), np.zeros((rows, 7)), np.zeros(10), np.zeros(ANSWERS), np.zeros(units),
     )  # fmt: skip
 
 
-def row_columns(units: int, axles: int) -> int:
+def row_columns(units: int, axles: int, strips: int) -> int:
     """Return the number of columns of a row."""
-    return len(FORCES) + len(WORKS) + len(ENERGIES) + len(POSE) * units + len(WHEELS) * axles
+    return len(FORCES + WORKS + ENERGIES) + len(POSE) * units + len(WHEELS) * axles + 2 * strips

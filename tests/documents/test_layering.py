@@ -25,12 +25,9 @@ def graph():
 
 
 STEPS = ("contact", "counting", "step", "trajectories", "solve", "tyres")
+IN_SPACE = ("axles", "dynamics", "forces", "motion", "rows", "solve", "step", "stopping", "verdict")
 COMPILED = {
-    "solver.space.forces",
-    "solver.space.step",
-    "solver.space.dynamics",
-    "solver.space.motion",
-    "solver.space.solve",
+    *(f"solver.space.{name}" for name in IN_SPACE),
     *(f"solver.impact.{name}" for name in STEPS),
 }
 """Modules of compiled steps."""

@@ -55,7 +55,7 @@ class ImpactAnswer:
     Attributes
     ----------
     strikes : tuple of Strike
-        In order of time; none of a motion in space.
+        In order of time.
     history : dict of ndarray, shape (rows,)
         t [s], x_g, y_g, theta, omega, v_gx, v_gy, force_normal, force_tangential [N], each mean force since the row
         before, and more; even instants. In space also roll and pitch.
@@ -200,8 +200,8 @@ class ImpactAnswer:
 
     def numbers(self) -> dict[str, Any]:
         """Return the part of `summary.json` on this model."""
-        strikes = {} if self.in_space else {"strikes": [strike_numbers(strike) for strike in self.strikes]}
-        return strikes | {
+        return {
+            "strikes": [strike_numbers(strike) for strike in self.strikes],
             "peaks": self.peaks,
             "end": self.end,
             "second_strike": self.second_strike,
@@ -333,7 +333,7 @@ def train_columns(
 def remarks(answer: ImpactAnswer) -> list[str]:
     """List sentences on incomplete strikes and on limits of the model."""
     sentences = [
-        f"Strike {number} ({answer.strikes[number - 1].corner} corner) continues beyond the end at "
+        f"Strike {number} ({answer.strikes[number - 1].part}) continues beyond the end at "
         f"{answer.end['t']:.4g} s: its duration, peak force and impulse, and the filtered forces, are lower bounds."
         for number in answer.cut
     ]

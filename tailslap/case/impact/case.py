@@ -71,9 +71,9 @@ class ImpactCase(rigid.RigidImpact):
         models = ("rigid",) if scene.plate is None else ("rigid", "fe")
         is_planar = scene.plate is not None or scene.body is None
         kinds: dict[str, type] = {}
-        strikes = range(1, 1 + answers.counted(len(scene.units)) * is_planar)
+        strikes = range(1, 1 + answers.counted(len(scene.units)))
         for model in models:
-            kinds |= {f"{model}.strikes": int, f"{model}.strikes_cut": int} if is_planar else {}
+            kinds |= {f"{model}.strikes": int, f"{model}.strikes_cut": int}
             for k in strikes:
                 kinds[f"{model}.strike_{k}.corner"] = str
                 kinds |= {f"{model}.strike_{k}.{name}": float for name in VALUES}
@@ -140,9 +140,10 @@ def _answer_columns(model: str, answer: answers.ImpactAnswer) -> dict[str, objec
 
     Columns of strikes that do not occur are missing.
     """
-    row: dict[str, object] = {}
-    if not answer.in_space:
-        row = {f"{model}.strikes": len(answer.strikes), f"{model}.strikes_cut": len(answer.cut)}
+    row: dict[str, object] = {
+        f"{model}.strikes": len(answer.strikes),
+        f"{model}.strikes_cut": len(answer.cut),
+    }
     for k, strike in enumerate(answer.strikes[: answer.counted], 1):
         row[f"{model}.strike_{k}.corner"] = strike.corner
         values = {"mean_50ms": answers.mean_peak(answer, strike), **answers.strike_numbers(strike)}

@@ -507,7 +507,8 @@ class RigidImpact(Case):
         units: "si", or "us" for ft, mph and kip.
         """
         lines = ["US customary units; 1 kip = 1000 lbf", ""] if units == "us" else []
-        lines += self.space.text(units) if self.space else self._plane_text(units)
+        lines += self._strike_lines(units)
+        lines += ["", *self.space.text(units)] if self.space else self._plane_text(units)
         lines += ["", SYSTEMS[units].rendered(self.inertial_sentence)] if self.inertial else []
         severity = shown(self.impact_severity, "J", units, digits=DIGITS)
         lines += ["", f"Impact severity m (v sin(theta))^2/2: {severity}"]
@@ -515,8 +516,8 @@ class RigidImpact(Case):
             lines += ["", *remarks]
         return lines + paper_lines(self.paper_method, units)
 
-    def _plane_text(self, units: str) -> list[str]:
-        """Return the lines on strikes, forces, end and tyres."""
+    def _strike_lines(self, units: str) -> list[str]:
+        """Return the lines on strikes."""
         answer = self.answer
         lines = ["Strikes"] if answer.strikes else ["no strike"]
         for strike in answer.strikes:
@@ -527,7 +528,11 @@ class RigidImpact(Case):
             least = "at least " if strike.cut else ""
             when = f"from {strike.start:.4f} s for {least}{strike.duration:.4f} s"
             lines.append(f"  {strike.corner:<16} {when}: peak {least}{peak}, impulse {least}{impulse}")
-        lines += ["", "Hinges"] if self.trailers else []
+        return lines
+
+    def _plane_text(self, units: str) -> list[str]:
+        """Return the lines on hinges, forces, end and tyres."""
+        answer, lines = self.answer, ["", "Hinges"] if self.trailers else []
         for number, hinge in enumerate(answer.hinges, 1):
             peak, mean = (
                 shown(hinge[name], "N", units, digits=DIGITS) for name in ("peak_force", "mean_50ms")

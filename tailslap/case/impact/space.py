@@ -26,6 +26,7 @@ from tailslap import progress
 from tailslap.case.impact import design, space_figures
 from tailslap.case.impact.answers import ImpactAnswer
 from tailslap.case.impact.rigid_input import SENSOR_HEIGHT, sensor_position
+from tailslap.case.report_parts import strikes_table
 from tailslap.scene.schema import Scene, value_at
 
 TITLE = "Vehicle in space"
@@ -176,13 +177,14 @@ class SpaceAnswer:
         The steps are at most those of the motion.
         """
         step, points = self.motion.step, self.motion.points
-        h = space.solve_space(*self.inputs.arguments, interval=SAMPLE, step=step, points=points).history
+        motion = space.solve_space(*self.inputs.arguments, interval=SAMPLE, step=step, points=points)
+        h = motion.history
         ends = ("", *(f"_{unit}" for unit in range(2, 1 + len(self.inputs.vehicle.units))))
         for end in ends:
             h |= {f"theta{end}": -h[f"yaw{end}"], f"omega{end}": h[f"omega_z{end}"]}
         angles = [h[f"theta{end}"] for end in ends]
         h |= {f"articulation_{k}": angles[k] - angles[k - 1] for k in range(1, len(ends))}
-        return ImpactAnswer((), h, len(ends))
+        return ImpactAnswer(motion.strikes, h, len(ends))
 
     @property
     def curves(self) -> dict[str, dict[str, np.ndarray]]:
@@ -251,6 +253,7 @@ class SpaceAnswer:
                 "direction": float(result.exit_direction),
                 "yaw": float(result.exit_yaw),
             },
+            "strikes": self.answer.numbers()["strikes"],
             "end": float(result.end),
             "lifted": self.lifted,
             "energy": {name: float(history[name][-1]) for name in works},
@@ -378,4 +381,5 @@ def solve(inputs: SpaceInput) -> SpaceAnswer:
 def section(answer: SpaceAnswer) -> Section:
     """Return the section of a page."""
     charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
-    return Section(TITLE, "", charts, [Table(LIMIT_COLUMNS, LIMITS)], answer.sentences, "wide")
+    tables = [strikes_table({"in space": answer.answer.numbers()["strikes"]}), Table(LIMIT_COLUMNS, LIMITS)]
+    return Section(TITLE, "", charts, tables, answer.sentences, "wide")
