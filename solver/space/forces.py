@@ -12,6 +12,8 @@ from fem.laws.contact_forces import PointCrush, crush_line, loading_force
 from machine_code.compiled import inlined, reordered
 from solver.space import state as col
 from solver.space.dynamics import cross, rotated, turned_back
+from solver.space.facets import mean_normal, point_of_face
+from solver.space.stopping import add_sums, centripetal, normal_power, returns_nothing
 
 EDGE = 0.02
 """Least half height of a point of a strip [m].
@@ -28,40 +30,6 @@ AT_REST = 1e-9
 STEEPEST, STICKING = 0.25, 0.25
 """Limits of the slope of unloading times h^2, and of friction over sliding velocity times h, over the effective mass of
 a point: the force of a step does not reverse the motion that causes it."""
-
-
-@reordered
-def wall_facets(profile, height, wall):
-    """Set the facets of a wall of a height.
-
-    Returns their number.
-    """
-    last = profile.shape[0] - 2
-    count = 0
-    for k in range(last + 1):
-        y0, z0, y1, z1 = profile[k, 0], profile[k, 1], profile[k + 1, 0], profile[k + 1, 1]
-        if z0 >= height:
-            break
-        if k == last or z1 > height:
-            y1, z1 = y0 + (height - z0) * (y1 - y0) / (z1 - z0), height
-        size = np.hypot(y0 - y1, z1 - z0)
-        wall[count, 0], wall[count, 1], wall[count, 2], wall[count, 3] = y0, z0, y1, z1
-        wall[count, 4], wall[count, 5] = (z1 - z0) / size, (y0 - y1) / size
-        wall[count, 6] = (y1 - y0) / (z1 - z0)
-        count += 1
-    return count
-
-
-@reordered
-def point_of_face(wall, facets, z):
-    """Return the face's position y and its facet at a height.
-
-    Above the top it is that of the upper edge.
-    """
-    level, k = min(z, wall[facets - 1, 3]), 0
-    while level > wall[k, 3]:
-        k += 1
-    return wall[k, 0] + max(level - wall[k, 1], 0.0) * wall[k, 6], k
 
 
 @reordered
@@ -101,12 +69,6 @@ def point_velocity(b, x, y, z, uy, uz):
     vx, vy, vz = cross(b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5], x, y, z)
     vx, vy, vz = rotated(b, vx, vy + uy, vz + uz)
     return b[col.NOW] + vx, b[col.NOW + 1] + vy, b[col.NOW + 2] + vz
-
-
-@inlined
-def returns_nothing(strip):
-    """Return True for a strip whose force drops at once."""
-    return strip[col.RETURNED] == 0.0 and strip[col.UNLOADING] == 0.0
 
 
 @reordered
@@ -224,7 +186,7 @@ def _press_strip(
                 face, k = point_of_face(wall, facets, z)
                 if face + early <= y:
                     continue
-                ny, nz = _face(wall, facets, k, z - half, z + half)
+                ny, nz = mean_normal(wall, facets, k, z - half, z + half)
                 depth = (face - y) * ny
             else:
                 lowest = top - z + half * (2.0 * share - 1.0)  # depth of the lowest part that was above
@@ -280,8 +242,8 @@ def _press_strip(
     if not stops:
         add_sums(push, sums, 1.0)
         return touches
-    _, asy, asz = _centripetal(b, ax, ay, az)
-    _, aey, aez = _centripetal(b, bx, by, bz)
+    _, asy, asz = centripetal(b, ax, ay, az)
+    _, aey, aez = centripetal(b, bx, by, bz)
     turning = 0.5 * h * (nsy * asy + nsz * asz + ney * aey + nez * aez)
     push[col.STOPPED], push[col.GAP] = 0.0, gap + turning
     for j in range(8):
@@ -292,37 +254,6 @@ def _press_strip(
         push[col.RESPONSE + j] += _load(b, q, j)
     push[col.CLOSING] = turning - normal_power(push, b, q)
     return touches
-
-
-@reordered
-def _centripetal(b, x, y, z):
-    """Return the acceleration of a body's point by its spin, in space."""
-    wx, wy, wz = b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5]
-    vx, vy, vz = cross(wx, wy, wz, x, y, z)
-    ax, ay, az = cross(wx, wy, wz, vx, vy, vz)
-    return rotated(b, ax, ay, az)
-
-
-@reordered
-def normal_power(push, b, q):
-    """Return the power of a strip's normal force [W].
-
-    Velocities are those between two instants.
-    """
-    vx, vy, vz = turned_back(b, b[col.SPEED], b[col.SPEED + 1], b[col.SPEED + 2])
-    n = push[col.NORMAL :]
-    power = n[0] * vx + n[1] * vy + n[2] * vz + n[6] * q[col.JOINT_SPEED] + n[7] * q[col.JOINT_SPEED + 1]
-    for j in range(3):
-        power += n[3 + j] * b[col.SPIN + j]
-    return power
-
-
-@inlined
-def add_sums(push, sums, part):
-    """Add this part of a strip's forces and works to a row."""
-    for j in range(8):
-        sums[j] += part * push[col.ADDED + j]
-    push[col.PUSH] += part * push[col.ADDED + col.LATERAL]
 
 
 @inlined
@@ -413,23 +344,6 @@ def _wall_force(vx, vy, vz, ny, nz, force, limit, stopping):
     sliding = np.sqrt(vx * vx + ty * ty + tz * tz)
     drag = limit / sliding if limit < stopping * sliding else stopping
     return -drag * vx, force * ny - drag * ty, force * nz - drag * tz, approach, drag * sliding * sliding
-
-
-@reordered
-def _face(wall, facets, k, low, high):
-    """Return the mean normal of the face between two heights.
-
-    k: facet of the middle.
-    """
-    if high <= wall[k, 3] and (k == 0 or low >= wall[k, 1]):
-        return wall[k, 4], wall[k, 5]
-    ny, nz = 0.0, 0.0
-    for j in range(facets):
-        bottom = wall[j, 1] if j > 0 else min(low, wall[j, 1])
-        part = max(min(high, wall[j, 3]) - max(low, bottom), 0.0)
-        ny, nz = ny + part * wall[j, 4], nz + part * wall[j, 5]
-    size = np.sqrt(ny * ny + nz * nz)
-    return (ny / size, nz / size) if size > 0.0 else (1.0, 0.0)
 
 
 @reordered

@@ -11,16 +11,14 @@ from machine_code.compiled import compact, compiled
 from solver.space import state as col
 from solver.space.axles import press_axles, twist_hinges
 from solver.space.dynamics import assemble, begin_step, close_hinges, kick, move, rotated, turned_back
+from solver.space.facets import point_of_face, wall_facets
 from solver.space.forces import (
     add_force,
-    point_of_face,
     point_velocity,
     press_strips,
-    returns_nothing,
-    wall_facets,
 )
 from solver.space.rows import end_row, means, record
-from solver.space.stopping import add_stopped, stop_strips
+from solver.space.stopping import add_stopped, returns_nothing, stop_strips
 from solver.space.verdict import LEANING, QUIET, SOONEST, finish, leave, verdict
 
 AGAIN = 3

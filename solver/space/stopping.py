@@ -7,13 +7,18 @@ force, and the part of it that would push the strip back is taken away: strip by
 the normal velocities of its points, weighted with their forces. The scheme remains of second order.
 """
 
-from machine_code.compiled import reordered
+from machine_code.compiled import inlined, reordered
 from solver.space import state as col
-from solver.space.dynamics import add_impulse, joint_response, solve_factored
-from solver.space.forces import add_sums, normal_power, returns_nothing
+from solver.space.dynamics import add_impulse, cross, joint_response, rotated, solve_factored, turned_back
 
 SWEEPS, SETTLED, LEAST = 50, 1e-12, 1e-9
 """Largest number of sweeps, the change of the parts at which they end, and the least part of a force that remains."""
+
+
+@inlined
+def returns_nothing(strip):
+    """Return True for a strip whose force drops at once."""
+    return strip[col.RETURNED] == 0.0 and strip[col.UNLOADING] == 0.0
 
 
 @reordered
@@ -86,3 +91,34 @@ def add_stopped(strips, work):
             push = work.pushes[2 * k + side]
             if push[col.STOPPED] >= 0.0:
                 add_sums(push, work.sums, 1.0 - push[col.STOPPED])
+
+
+@inlined
+def add_sums(push, sums, part):
+    """Add this part of a strip's forces and works to a row."""
+    for j in range(8):
+        sums[j] += part * push[col.ADDED + j]
+    push[col.PUSH] += part * push[col.ADDED + col.LATERAL]
+
+
+@reordered
+def centripetal(b, x, y, z):
+    """Return the acceleration of a body's point by its spin, in space."""
+    wx, wy, wz = b[col.NOW + 3], b[col.NOW + 4], b[col.NOW + 5]
+    vx, vy, vz = cross(wx, wy, wz, x, y, z)
+    ax, ay, az = cross(wx, wy, wz, vx, vy, vz)
+    return rotated(b, ax, ay, az)
+
+
+@reordered
+def normal_power(push, b, q):
+    """Return the power of a strip's normal force [W].
+
+    Velocities are those between two instants.
+    """
+    vx, vy, vz = turned_back(b, b[col.SPEED], b[col.SPEED + 1], b[col.SPEED + 2])
+    n = push[col.NORMAL :]
+    power = n[0] * vx + n[1] * vy + n[2] * vz + n[6] * q[col.JOINT_SPEED] + n[7] * q[col.JOINT_SPEED + 1]
+    for j in range(3):
+        power += n[3 + j] * b[col.SPIN + j]
+    return power

@@ -15,6 +15,9 @@ from solver.conditions import Number
 LAW = ("inset", "stiffness", "initial_force", "plateau", "restitution", "unloading", "hardening")
 """Values that are equal in pieces of one strip."""
 
+LONGEST_UPRIGHT, LONGEST_ALONG = 0.06, 0.4
+"""Largest lengths of a point of a strip, upright and along the vehicle [m]."""
+
 ABUTTING = 1e-6
 """Largest gap or overlap of pieces that abut [m]."""
 
@@ -77,6 +80,15 @@ def joined(strips: Sequence[SpaceStrip]) -> tuple[SpaceStrip, ...]:
             strip = replace(low, at=(low.at[0], high.at[1]), height=(low.height[0], high.height[1]))
         result.insert(place, strip)
     return tuple(result)
+
+
+def points_of(strip: SpaceStrip) -> int:
+    """Return the number of points of a strip, of the first sample."""
+    (x0, x1), (z0, z1) = ([float(np.ravel(value)[0]) for value in ends] for ends in (strip.at, strip.height))
+    along = abs(x1 - x0) > abs(z1 - z0)
+    return max(
+        1, math.ceil(math.hypot(x1 - x0, z1 - z0) / (LONGEST_ALONG if along else LONGEST_UPRIGHT) - 1e-9)
+    )
 
 
 def _abut(low: SpaceStrip, high: SpaceStrip) -> bool:

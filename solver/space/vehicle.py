@@ -17,7 +17,7 @@ from solver.body import GRAVITY
 from solver.conditions import Array, Gate, Number, RigidBodyError, demand, number
 from solver.impact.tyres import CORNERING, axle_loads
 from solver.space.state import Fleet
-from solver.space.strips import SpaceStrip, joined
+from solver.space.strips import SpaceStrip, joined, points_of
 from solver.space.wall import profile_points
 
 GYRATION = 0.45
@@ -34,9 +34,6 @@ OF_BODY = ("centre_height", "roll_inertia", "pitch_inertia")
 
 SLACK = 1.0
 """Largest heave of an axle that is assumed where the distance from the wall is judged [m]."""
-
-LONGEST_UPRIGHT, LONGEST_ALONG = 0.06, 0.4
-"""Largest lengths of a point of a strip, upright and along the vehicle [m]."""
 
 EDGE, LEAST = 0.02, 1e-4
 """Half heights within which a strip along the vehicle passes the top, and of an upright point at least [m]."""
@@ -192,7 +189,7 @@ def fleet_of(vehicle: SpaceVehicle, wall: SpaceWall, speed: Number, angle: Numbe
             [axle.unit for axle in vehicle.axles],
             [strip.unit for strip in vehicle.strips],
             [strip.axle for strip in vehicle.strips],
-            [_points_of(strip) for strip in vehicle.strips],
+            [points_of(strip) for strip in vehicle.strips],
         )
     )
     return Fleet(
@@ -399,12 +396,3 @@ def _demand_strip(vehicle: SpaceVehicle, index: int, unit: SpaceUnit) -> None:
         allowed = ", ".join(str(a) for a, axle in enumerate(vehicle.axles) if axle.unit == strip.unit)
         why = "the strip's unit has no axle of this number"
         raise RigidBodyError(f"{key}.axle", str(strip.axle), why, allowed)
-
-
-def _points_of(strip: SpaceStrip) -> int:
-    """Return the number of points of a strip, of the first sample."""
-    (x0, x1), (z0, z1) = ([float(np.ravel(value)[0]) for value in ends] for ends in (strip.at, strip.height))
-    along = abs(x1 - x0) > abs(z1 - z0)
-    return max(
-        1, math.ceil(math.hypot(x1 - x0, z1 - z0) / (LONGEST_ALONG if along else LONGEST_UPRIGHT) - 1e-9)
-    )

@@ -25,7 +25,7 @@ def graph():
 
 
 STEPS = ("contact", "counting", "step", "trajectories", "solve", "tyres")
-IN_SPACE = ("axles", "dynamics", "forces", "motion", "rows", "solve", "step", "stopping", "verdict")
+IN_SPACE = ("axles", "dynamics", "facets", "forces", "motion", "rows", "solve", "step", "stopping", "verdict")
 COMPILED = {
     *(f"solver.space.{name}" for name in IN_SPACE),
     *(f"solver.impact.{name}" for name in STEPS),

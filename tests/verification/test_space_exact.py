@@ -473,7 +473,7 @@ def test_no_restitution_is_of_second_order():
 
 
 def test_pushed_vehicle_without_restitution_rests_on_the_wall():
-    """The wall's force is that of the push; the crush is constant."""
+    """The wall's force is that of the push, without creep."""
     push = np.tile([0.0, -1e5, 0.0, 0.0, np.nan], (400, 1))
     vehicle = held(corners(0.0, 10.0, restitution=0.0), tyre=1e6)
     h = solve_space(vehicle, SpaceWall(1.0), 0.0, 1e-9, interval=5e-3, step=1e-3, end=2.0, push=push).history

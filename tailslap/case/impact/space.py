@@ -14,10 +14,10 @@ from postprocess.signals import filters
 from postprocess.units import INCH, SYSTEMS, measure, percent_up
 from solver import space
 from solver.conditions import Number
+from solver.space.strips import LONGEST_UPRIGHT
 from solver.space.vehicle import (
     DAMPING_RATIO,
     GYRATION,
-    LONGEST_UPRIGHT,
     ROLL_CENTRE,
     ROLL_STIFFNESS,
     fleet_of,
