@@ -66,8 +66,11 @@ def force_tables(case: Any) -> dict[str, Table]:
     if not case.scene.contact:
         return {"Design forces": short(design_table(case, case.mean_force(float(case.force.peak_force))))}
     answer = case.answer
-    tables = {"Strikes": strikes_table({"in space" if case.space else "rigid": answer.numbers()["strikes"]})}
     if case.space:
-        return tables | {"Design forces": short(design_table(case, in_space=case.space.numbers()))}
+        return {
+            "Strikes": case.space.strikes,
+            "Design forces": short(design_table(case, in_space=case.space.numbers())),
+        }
+    tables = {"Strikes": strikes_table({"rigid": answer.numbers()["strikes"]})}
     longitudinal = float(answer.longitudinal["mean_50ms"].max())
     return tables | {"Design forces": short(design_table(case, answer.peaks["mean_50ms"], longitudinal))}

@@ -388,8 +388,9 @@ def _run_tables(summary: Mapping[str, Any]) -> dict[str, Table]:
     fe, rigid = summary["fe"], summary["rigid"]
     tables = {}
     if fe.get("strikes") is not None:
+        planar = {"FE": fe["strikes"], "rigid": rigid["strikes"]}
         in_space = {"in space": summary["space"]["strikes"]} if "space" in summary else {}
-        tables["Strikes"] = strikes_table({"FE": fe["strikes"], "rigid": rigid["strikes"]} | in_space)
+        tables["Strikes"] = strikes_table(in_space or planar)
     elif all(fe[key] is not None for key in quantities.KEYS):
         columns = tuple(replace(c, form=".7g") if c.key in ("fe", "rigid") else c for c in TAIL_SLAP)
         tables["At the tail-slap"] = Table(columns, quantities.comparison_rows(fe, rigid))

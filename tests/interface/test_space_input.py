@@ -249,6 +249,8 @@ def test_a_run_names_the_companion_and_has_occupant_values_in_space(tmp_path):
     risk = [measure.value for measure in case.answer.occupant_risk(1.0)]
     assert [measure["value"] for measure in summary["occupant_risk"]] == risk
     assert [strike["corner"] for strike in summary["rigid"]["strikes"]] == ["front", "7.2 m"]
+    assert {strike["corner"] for strike in summary["space"]["strikes"]} > {"front", "7.2 m", "2.6 to 10 m"}
+    assert {row["model"] for row in result.tables["Strikes"].rows} == {"in space"}
     assert summary["answer"] == tailslap.rigid(SCENE, band=False).summary["answer"]
     assert "Companion in the plane: the same strips without heights" in summary["certainty"]
     assert summary["paper_method"] == case.rigid_numbers()["paper_method"]

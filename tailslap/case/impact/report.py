@@ -178,8 +178,9 @@ class ImpactReport(FeReport):
     @property
     def tables(self) -> list[Table]:
         """Design loads, strikes, hinges, forces and errors."""
-        outcome = self.outcome
-        first = short(_design_table(outcome)), _strikes(outcome), hinges_table(outcome)
+        outcome, space = self.outcome, self.outcome.fe_plan.case.space
+        strikes = space.strikes if space else _strikes(outcome)
+        first = short(_design_table(outcome)), strikes, hinges_table(outcome)
         return [*first, force_table(outcome), errors_table(outcome)]
 
     def omitted(self, pictures: bool) -> list[tuple[str, str]]:

@@ -187,6 +187,11 @@ class SpaceAnswer:
         return ImpactAnswer(motion.strikes, h, len(ends))
 
     @property
+    def strikes(self) -> Table:
+        """Strikes of the motion."""
+        return strikes_table({"in space": self.answer.numbers()["strikes"]})
+
+    @property
     def curves(self) -> dict[str, dict[str, np.ndarray]]:
         """Force on the wall by component and filter [N], shape (rows,)."""
         answer = self.answer
@@ -381,5 +386,6 @@ def solve(inputs: SpaceInput) -> SpaceAnswer:
 def section(answer: SpaceAnswer) -> Section:
     """Return the section of a page."""
     charts = space_figures.charts(answer.inputs.vehicle, answer.inputs.wall, answer.motion, answer.lifted)
-    tables = [strikes_table({"in space": answer.answer.numbers()["strikes"]}), Table(LIMIT_COLUMNS, LIMITS)]
-    return Section(TITLE, "", charts, tables, answer.sentences, "wide")
+    return Section(
+        TITLE, "", charts, [answer.strikes, Table(LIMIT_COLUMNS, LIMITS)], answer.sentences, "wide"
+    )
