@@ -130,7 +130,7 @@ def _press_strip(
     toe, top, edge = wall[0, 0], wall[facets - 1, 3], wall[facets - 1, 2]
     svx, svy, svz, evx, evy, evz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     early, stops = 0.0, returns_nothing(strip)  # largest gap that closes within the step
-    if strip[col.INITIAL] > 0.0 or stops:
+    if strip[col.INITIAL] > 0.0:
         svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
         evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
         early = ahead * (abs(svy) + abs(evy) + abs(svz) + abs(evz))
@@ -153,6 +153,9 @@ def _press_strip(
             memories[n, col.ABOVE] = 1.0
         memories[0, col.RAISED] = 1.0
         return False
+    if stops and early == 0.0:
+        svx, svy, svz = point_velocity(b, ax, ay, az, auy, auz)
+        evx, evy, evz = point_velocity(b, bx, by, bz, buy, buz)
     upward = 0.5 / half
     crush = _crush_of(strip, strip[col.LENGTH] * spacing)
     stopping = STICKING / (h * points * (mobility + of_axle))

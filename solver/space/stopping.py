@@ -11,7 +11,7 @@ from machine_code.compiled import inlined, reordered
 from solver.space import state as col
 from solver.space.dynamics import add_impulse, cross, joint_response, rotated, solve_factored, turned_back
 
-SWEEPS, SETTLED, LEAST = 50, 1e-12, 1e-9
+SWEEPS, SETTLED, LEAST = 50, 1e-10, 1e-9
 """Largest number of sweeps, the change of the parts at which they end, and the least part of a force that remains."""
 
 
