@@ -110,7 +110,7 @@ def bounds_of(
 
 
 def _first_mesh(plate: PlasticPlate) -> tuple[Floats, Indices]:
-    """Return nodes and triangles, fine at the load and at the foot of a free end."""
+    """Return nodes and triangles, graded at load and foot of a free end."""
     assert plate.line
     height, start, end = plate.line
     margin = 0.5 * plate.height

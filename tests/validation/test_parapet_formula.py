@@ -1,4 +1,4 @@
-"""Validate A13.3.1 by a published worked example, and punching by a second source."""
+"""Validate A13.3.1 and punching by published values."""
 
 import math
 
