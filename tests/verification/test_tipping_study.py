@@ -193,7 +193,7 @@ def test_the_answer_has_profile_36_inches_and_published_outcomes(exact):
 
 def test_all_of_few_samples_are_at_least():
     """None of 72 on its side leaves a bound of 95.9 %."""
-    columns = {"outcome": np.zeros(72)} | dict.fromkeys(("mean_50ms", "height", "length"), np.ones(72))
+    columns = {"outcome": np.zeros(72)} | dict.fromkeys(tipping_report.BANDS, np.ones(72))
     row = tipping_report.distribution(columns)
     assert (row["upright"], row["words"]) == (1.0, "at least 95.9 %")
 
