@@ -201,14 +201,19 @@ def concluded(headline: Headline, *parts: Part, places: Iterable[str] = (), most
     above = printed(filter(None, (headline.set_up, headline.certainty, *places, headline.band)))
     ending = "\n\n".join(filter(None, (above, printed((headline.answer,)))))
     blocks = [list(chain.from_iterable(map(_lines, _single(part)))) for part in parts]
-    room = most - ending.count("\n") - 2
-    if is_cut := sum(map(len, blocks)) > room:
-        room -= 1
-    body: list[str] = []
+    room = most - ending.count("\n") - 1
+    if _text(blocks).count("\n") + 1 >= room:
+        ending, room = f"{MORE}\n{ending}", room - 1
+    body: list[list[str]] = []
     for block in blocks:
-        if len(body) + len(block) <= room:
-            body += block
-    return "\n\n".join(filter(None, ("\n".join([*body, *[MORE] * is_cut]).rstrip("\n"), ending)))
+        if _text([*body, block]).count("\n") + 1 < room:
+            body.append(block)
+    return "\n\n".join(filter(None, (_text(body), ending)))
+
+
+def _text(blocks: Iterable[list[str]]) -> str:
+    """Return lines as text without empty lines at its end."""
+    return "\n".join(chain.from_iterable(blocks)).rstrip("\n")
 
 
 def part_in_units(part: Part, units: Units) -> Part:

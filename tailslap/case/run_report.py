@@ -204,15 +204,14 @@ class FeReport(ABC):
     @property
     def terminal(self) -> tuple[Table | str, ...]:
         """Text on the terminal above the answer, in order of importance."""
-        outcome, run = self.outcome, self.outcome.run
+        outcome, run, choices = self.outcome, self.outcome.run, self.outcome.fe_plan.decisions
         pictures = "" if self.pictures_s is None else f", pictures {self.pictures_s:.2f} s"
         return (
             *(() if outcome.passed else (*self.causes, "")),
-            passed_text(outcome.checks),
-            f"Cost:   {run.steps} steps in {run.time_loop_s:.3f} s, set-up {outcome.setup_s:.2f} s{pictures}",
-            "",
+            f"{passed_text(outcome.checks)}; {run.steps} steps in {run.time_loop_s:.3f} s, "
+            f"set-up {outcome.setup_s:.2f} s{pictures}\n",
             *self.tables,
-            "\n".join(f"Chosen: {decision.text}" for decision in outcome.fe_plan.decisions),
+            *(["\n".join(f"Chosen: {choice.text}" for choice in choices)] if choices else []),
         )
 
 

@@ -30,7 +30,7 @@ def test_the_headline_of_a_whole_impact_has_units():
     result = tailslap.run("impact-mash-tl4-sut", {"plate.elements": [8, 2]})
     force = result.summary["fe"]["peaks"]["mean_50ms"]
     assert result.headline.answer.startswith("Largest 50 ms mean of the lateral force: median ")
-    assert f"With the scene's values: {force / 1e3:.0f} kN in " in result.headline.answer
+    assert f"This scene: {force / 1e3:.0f} kN in " in result.headline.answer
     assert "".join(result.headline.lines).isprintable()
     assert result.headline.answer[:60] in str(result).rpartition("\n\n")[2]
 

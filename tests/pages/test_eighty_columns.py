@@ -100,8 +100,8 @@ def test_full_prints_every_table(said):
 
 
 @pytest.mark.parametrize(("most", "body"), [
-    (8, ["a", "a", "a", "b", "b", "c", ""]), (7, ["a", "a", "a", "c", MORE, ""]),
-    (6, ["a", "a", "a", MORE, ""]), (5, ["b", "b", MORE, ""]), (4, ["c", MORE, ""]), (3, [MORE, ""]),
+    (8, ["a", "a", "a", "b", "b", "c", ""]), (7, ["a", "a", "a", "c", "", MORE]),
+    (6, ["a", "a", "a", "", MORE]), (5, ["b", "b", "", MORE]), (4, ["c", "", MORE]), (3, [MORE]),
 ])  # fmt: skip
 def test_parts_without_room_are_left_out(most, body):
     """The last ones go first, and the answer always remains."""

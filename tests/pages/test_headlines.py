@@ -120,7 +120,7 @@ def test_an_impact_answers_with_its_largest_mean_and_strike(outcome):
     answer = impact.ImpactReport(result).headline.in_units(SI).answer
     where = f"strike 1 (front corner, from {strike.start:.3f} s)"
     assert f"force: {result.fe.peaks['mean_50ms'] / 1e3:.0f} kN in {where}" in answer
-    assert ", equal to the assumed plateau of the crush. Paper" in answer
+    assert ", equal to its assumed plateau. Paper" in answer
     assert answer.endswith(" Paper's method: 490 kN.")
     none = replace(result.fe, strikes=())
     assert result.fe_plan.case.force_sentence(none) == "The vehicle does not strike the wall."
@@ -129,7 +129,7 @@ def test_an_impact_answers_with_its_largest_mean_and_strike(outcome):
 @pytest.mark.parametrize(("plateau", "equals"), [("250 kN", True), ("", False), ("1 MN", False)])
 def test_a_force_that_equals_a_plateau_says_so(plateau, equals):
     answer = case("impact-mash-tl4-sut", f"contact.plateau_force={plateau}").headline().answer
-    assert ("equal to the assumed plateau" in answer) == equals
+    assert ("equal to its assumed plateau" in answer) == equals
 
 
 def test_a_whole_impact_answers_with_median_band_and_ratio_before_its_own_force():
@@ -138,8 +138,8 @@ def test_a_whole_impact_answers_with_median_band_and_ratio_before_its_own_force(
     assert case("impact-mash-tl4-sut").headline(band).in_units(SI).answer == (
         "Largest 50 ms mean of the lateral force: median 400 kN; 90 % of the inputs alone: 200 to 600 kN, 1.1 (0.56 to "
         "1.7) times MASH (TTI), TL-4 (356 kN). Decided most by the plateau, assumed 200 to 500 kN (24 % of the "
-        "variance); from 45 to 75 mph it grows about 1.5 times. With the scene's values: 350 kN in strike 1 (front "
-        "corner, from 0.000 s), equal to the assumed plateau of the crush. Paper's method: 490 kN."
+        "variance); from 45 to 75 mph it grows 1.5 times. This scene: 350 kN in strike 1 (front corner, from "
+        "0.000 s), equal to its assumed plateau. Paper's method: 490 kN."
     )
 
 

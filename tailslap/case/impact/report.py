@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -179,7 +179,7 @@ class ImpactReport(FeReport):
     def tables(self) -> list[Table]:
         """Design loads, strikes, hinges, forces and errors."""
         outcome, space = self.outcome, self.outcome.fe_plan.case.space
-        strikes = space.strikes if space else _strikes(outcome)
+        strikes = replace(space.strikes if space else _strikes(outcome), notes=())
         first = short(_design_table(outcome)), strikes, hinges_table(outcome)
         return [*first, force_table(outcome), errors_table(outcome)]
 

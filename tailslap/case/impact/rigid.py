@@ -401,7 +401,7 @@ class RigidImpact(Case):
         name = self.force_words if reliable or self.space else f"{self.force_words}, not reliable"
         mean, where = self._scene_force(answer)
         equal = any(abs(mean / plateau - 1.0) <= ROUNDING for plateau in self.plateaus)
-        where += ", equal to the assumed plateau of the crush" if equal else ""
+        where += ", equal to its assumed plateau" if equal else ""
         paper = self.paper_method
         further = [self.space.verdict] if self.space else []
         further += [f"Paper's method: {force(paper['mean_50ms'])}."] if paper else []
@@ -410,7 +410,7 @@ class RigidImpact(Case):
             return " ".join([f"{name}: {where}{ratio}.", *further])
         lower, median, upper = band.limits
         ratio = self.design_ratio(median, (lower, upper))
-        first = f"{name}: {band.interval}{ratio}.{band.decision} With the scene's values: {where}."
+        first = f"{name}: {band.interval}{ratio}.{band.decision} This scene: {where}."
         return " ".join([first, *further])
 
     def _scene_force(self, answer: answers.ImpactAnswer) -> tuple[float, str]:
