@@ -110,7 +110,7 @@ def bounds_of(
 
 
 def _first_mesh(plate: PlasticPlate) -> tuple[Floats, Indices]:
-    """Return nodes and triangles, graded at load and foot of a free end."""
+    """Return nodes and triangles, graded at the load and free ends."""
     assert plate.line
     height, start, end = plate.line
     margin = 0.5 * plate.height

@@ -9,7 +9,7 @@ import pytest
 from space_vehicles import WIDTH, axle, truck, truck_unit
 
 from solver.space import SpaceStrip, SpaceVehicle, SpaceWall, solve_space, state
-from solver.space.step import _means
+from solver.space.rows import means
 from tailslap.case.impact.case import ImpactCase
 from tailslap.case.impact.design import exit_box, intrusions, numbers
 from tailslap.scene.read import read_scene
@@ -26,7 +26,7 @@ def test_moment_has_an_instant_height_and_length_of_its_own():
         windows[rows, state.LATERAL], windows[rows, state.MOMENT] = force, force * height
         windows[rows, state.STATION] = force * station
         windows[rows, state.SPREAD] = force * (station**2 + length**2 / 12.0)
-    _means(windows, np.zeros(10), 50, 1e-3, answer)
+    means(windows, np.zeros(10), 50, 1e-3, answer)
     names = state.MEAN, state.CENTRE_HEIGHT, state.MOMENT_MEAN, state.MOMENT_HEIGHT, state.MOMENT_LENGTH
     assert answer[[*names]] == pytest.approx([450e3, 0.2, 200e3, 0.8, 3.0], rel=1e-9)
 
