@@ -30,11 +30,14 @@ TTI = (
 UNCONFIRMED = "attributed to NCHRP Project 22-20(2); not verified against the project report"
 
 
+BY_ACCELERATION = "MASH (4.5 g)"
+"""Name of the load that is mass times acceleration, which compares with the inertial estimate."""
+
 MASH = {
     "TL-3": (("MASH (not verified)", 71.0, UNCONFIRMED),),
     "TL-4": (
         ("MASH (TTI)", 80.0, TTI),  # for rails of 36 in. or higher
-        ("MASH (4.5 g)", 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
+        (BY_ACCELERATION, 22.05 * 4.5, "NCHRP Web-Only Document 326, Eq. 3-4: 22 050 lb times 4.5 g"),
     ),
     "TL-5": (
         ("MASH, 42 in wall (not verified)", 160.0, UNCONFIRMED),
@@ -79,6 +82,11 @@ class DesignForce:
     def force(self) -> float:
         """Lateral force [N]."""
         return self.kip * KIP
+
+    @property
+    def is_inertial(self) -> bool:
+        """Whether it is mass times acceleration, no force on the wall."""
+        return self.name == BY_ACCELERATION
 
     @property
     def moment(self) -> float | None:

@@ -261,6 +261,11 @@ class Case(ABC):
         multiple = f"{mean / first.force:.2g}{f' ({span})' if span else ''}"
         return f", {multiple} times {first.name}, {level} ({force(first.force)})"
 
+    @property
+    def inertial_mean(self) -> float | None:
+        """Inertial estimate of the largest 50 ms mean [N], None without one."""
+        return None
+
     @abstractmethod
     def rigid_numbers(self) -> dict[str, Any]:
         """Return the numbers of `tailslap rigid`, SI."""

@@ -10,7 +10,7 @@ from typing import Any
 import tailslap
 from postprocess.report.page import Headline, Page, Section
 from postprocess.report.tables import Column, Table, columns
-from postprocess.signals.design_forces import LRFD, DesignForce, design_forces
+from postprocess.signals.design_forces import BY_ACCELERATION, LRFD, DesignForce, design_forces
 from postprocess.units import milliseconds
 from tailslap.case.case import Case
 from tailslap.case.check import Check, printed_check
@@ -33,6 +33,7 @@ OF_SPACE = (
     "Force, height and length are one load, as in Section 13 of AASHTO LRFD; force times height is its moment about "
     "the foot of the wall, and the largest moment governs the base."
 )
+INERTIAL = f"{BY_ACCELERATION} is mass times acceleration, and compares with the inertial estimate."
 OUTSIDE_THE_PLANE = "Height, length and vertical force of this impact are outside the planar model."
 CHECKS = (
     Column("name", "Check"),
@@ -115,10 +116,15 @@ def design_forces_of(scene: Scene) -> dict[str, DesignForce]:
 
 
 def design_ratios(case: Case, lateral: float) -> list[dict[str, object]]:
-    """Return a lateral force [N] over design forces."""
+    """Return a lateral force [N] over design forces.
+
+    Over that by acceleration the inertial estimate, None without one.
+    """
+    computed = {False: lateral, True: case.inertial_mean}
     return [
         {
-            **{"name": name, "force": design.force, "ratio": lateral / design.force, "source": design.source},
+            **{"name": name, "force": design.force, "source": design.source},
+            "ratio": (force := computed[design.is_inertial]) and force / design.force,
             **{
                 key: getattr(design, key)
                 for key in ("longitudinal", "vertical", "height", "length", "moment")
@@ -161,7 +167,8 @@ def design_table(
         companion = [] if math.isnan(lateral) else [computed | {"name": "Companion in the plane, 50 ms mean"}]
         rows = [computed | at_force, computed | at_moment, *companion]
         loads = design_ratios(case, mean)
-    notes = (OF_SPACE if in_space else OUTSIDE_THE_PLANE,)
+    by_acceleration = any(BY_ACCELERATION in str(load["name"]) for load in loads)
+    notes = (OF_SPACE if in_space else OUTSIDE_THE_PLANE, *((INERTIAL,) if by_acceleration else ()))
     return Table(DESIGN, [*rows, *loads] if loads or in_space else [], notes=notes)
 
 

@@ -256,9 +256,11 @@ def test_ratios_and_the_other_restitution_are_named(outcome):
     named = [table.columns[2].label for table in tables]
     assert named == ["50 ms mean / design"] * 2
     for result in (truck, hit):
-        computed, first, *_ = shared.design_table(result.fe_plan.case, result.mean_force).rows
+        computed, first, second, *_ = shared.design_table(result.fe_plan.case, result.mean_force).rows
         assert computed["force"] == result.mean_force
         assert first["ratio"] == pytest.approx(result.mean_force / (80.0 * KIP))
+        inertial = result.fe_plan.case.inertial_mean
+        assert second["ratio"] == (inertial and pytest.approx(inertial / (22.05 * 4.5 * KIP)))
     peak, mean, newton = corner.peak_table(truck).rows
     assert (mean["fe"], mean["rigid"]) == pytest.approx((0.75 * peak["fe"], 0.75 * peak["rigid"]))
     assert newton["what"] == "Peak with Newton's convention (1 + e)"

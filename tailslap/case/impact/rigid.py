@@ -333,6 +333,11 @@ class RigidImpact(Case):
         return {"mean_50ms": mean, "position": position, "assumed": not is_placed}
 
     @property
+    def inertial_mean(self) -> float | None:
+        """Inertial estimate of the largest 50 ms mean [N], None of trains."""
+        return None if self.inertial is None else float(self.inertial["mean_50ms"])
+
+    @property
     def inertial_sentence(self) -> str:
         """Inertial estimate in words, empty of trains."""
         if self.inertial is None:
