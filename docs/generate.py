@@ -217,7 +217,8 @@ SUMMARY = (
     (
         "design_forces[].*",
         "N, m",
-        "design load with its source, height and length; `ratio`: computed force over it, over that by acceleration the inertial estimate",
+        "design load with its source, height and length; `ratio`: computed force over it, over that by acceleration "
+        "the inertial estimate",
     ),
     ("chosen[].*", "", "choices of the program with their reasons"),
     ("cost.*", "s", "elements, nodes, steps, time step and times of the run"),
